@@ -1,0 +1,44 @@
+# make all    set up what is missing, then run the whole workflow
+# make test   the same set-up, then lint, types and tests
+.DEFAULT_GOAL := help
+CORES ?= 2
+BIN := .venv/bin
+STAMP := .venv/.installed
+
+.PHONY: help setup all test lint types config lock containers clean
+help: ## list the verbs
+	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 14
+
+setup: $(STAMP) ## create .venv from the pinned requirements, make sure a Vulkan device exists
+	@$(BIN)/python -m stages.doctor --mend
+
+$(STAMP): envs/requirements.txt envs/setup.sh pyproject.toml
+	@bash envs/setup.sh
+	@touch $@
+
+all: setup ## run the default workflow: library, scenes, policies, tables, report
+	$(BIN)/snakemake --cores $(CORES) all
+
+test: setup lint types ## lint, types and all tests
+	$(BIN)/python -m pytest -n $(CORES) --dist loadfile
+
+lint: $(STAMP) ## ruff, snakefmt, snakemake --lint
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/snakefmt --check Snakefile rules
+	$(BIN)/snakemake --lint
+
+types: $(STAMP) ## mypy
+	$(BIN)/mypy stages
+
+config: $(STAMP) ## write config.yaml, config/schema.json and docs/config.md from the typed models
+	$(BIN)/python -m stages.config
+
+lock: $(STAMP) ## pin the newest versions that pyproject.toml allows
+	BIN=$(BIN) bash envs/lock.sh
+
+containers: $(STAMP) ## build an image with podman and run a real rule in it
+	bash containers/check.sh
+
+clean: ## delete everything a run wrote (the environment stays)
+	rm -rf results logs benchmarks/*/ .snakemake

@@ -1,0 +1,37 @@
+# ACDC (Dai et al., CoRL 2024): one RGB image -> digital cousins -> demonstrations -> policies -> the paper's tables.
+#   snakemake --cores 2 all        everything that config.yaml asks for, ending in results/report/index.html
+#   snakemake --cores 2 tables     the tables; likewise: library, scenes, scenes8, extraction, matching, generation,
+#                                  demonstrations, training, evaluation, figures, report
+from snakemake.utils import min_version
+
+min_version("9.27")
+
+
+configfile: "config.yaml"
+
+
+report: "report/workflow.rst"
+
+
+include: "rules/common.smk"
+include: "rules/assets.smk"
+include: "rules/scenes.smk"
+include: "rules/extraction.smk"
+include: "rules/matching.smk"
+include: "rules/generation.smk"
+include: "rules/demonstrations.smk"
+include: "rules/training.smk"
+include: "rules/evaluation.smk"
+include: "rules/tables.smk"
+
+
+rule all:
+    """Everything: scenes, policies, tables, figures and the report page."""
+    default_target: True
+    input:
+        rules.scenes.input,
+        rules.generation.input,
+        rules.tables.output,
+        rules.figures.output,
+        rules.report_page.output,
+    localrule: True

@@ -1,0 +1,55 @@
+# The asset library and its snapshots (paper A.1).
+# Reads:  nothing, or the user's folders named in `assets.folders`.
+# Writes: results/assets/library/library.json and one folder per asset beside it,
+#         results/assets/snapshots/shard_<i>.{h5,json,png}.
+
+
+rule library:
+    """Make the procedural models and import the user's folders."""
+    output:
+        library="results/assets/library/library.json",
+    log:
+        "logs/assets/library.log",
+    benchmark:
+        "benchmarks/assets/library.tsv"
+    container:
+        CONFIG.containers.simulation
+    threads: 1
+    resources:
+        mem_mb=2000,
+    params:
+        command=command("assets", "library"),
+        code=code("assets", "library"),
+        options=as_options(CONFIG.assets),
+        seed=CONFIG.seed,
+    shell:
+        "({params.command} --options {params.options:q} --seed {params.seed} --out {output.library:q} && "
+        "python -m stages.contracts library {output.library:q}) 2>&1 | tee {log:q}"
+
+
+rule snapshots:
+    """Render the yaw views of one shard of the library."""
+    input:
+        library=rules.library.output.library,
+    output:
+        images="results/assets/snapshots/shard_{shard}.h5",
+        index="results/assets/snapshots/shard_{shard}.json",
+        sheet="results/assets/snapshots/shard_{shard}.png",
+    log:
+        "logs/assets/snapshots_{shard}.log",
+    benchmark:
+        "benchmarks/assets/snapshots_{shard}.tsv"
+    container:
+        CONFIG.containers.simulation
+    threads: 1
+    resources:
+        mem_mb=2000,
+    params:
+        command=command("assets", "snapshots"),
+        code=code("assets", "snapshots"),
+        options=as_options(CONFIG.assets),
+        shards=len(SHARDS),
+    shell:
+        "({params.command} --library {input.library:q} --shard {wildcards.shard} --shards {params.shards} "
+        "--options {params.options:q} --out {output.images:q} && "
+        "python -m stages.contracts snapshots {output.index:q}) 2>&1 | tee {log:q}"

@@ -1,0 +1,117 @@
+# Helpers: the validated config, options and code digests of each job, commands, paths. Nothing here makes a file.
+import json
+import os
+import sys
+from hashlib import sha256
+from pathlib import Path
+
+from snakemake.exceptions import WorkflowError
+
+from stages.config.code import code_digest
+from stages.config.model import load
+from stages.contracts.errors import InputError
+
+# `.venv/bin/snakemake` works without activating the environment: jobs find its python first.
+os.environ.update(PATH=os.pathsep.join([str(Path(sys.executable).parent), *os.get_exec_path()]))
+
+try:
+    CONFIG = load(config)
+except InputError as error:
+    raise WorkflowError(str(error)) from None
+
+EXPERIMENT = CONFIG.experiment
+ROOMS = EXPERIMENT.rooms
+SCORED_ROOMS = [room for room in ROOMS if room not in EXPERIMENT.inputs]
+VARIANTS = list(EXPERIMENT.variants)
+TASKS = list(EXPERIMENT.tasks)
+SHARDS = list(range(CONFIG.assets.shards))
+RANKS = list(range(1, CONFIG.generation.ranks + 1))
+ENCODERS = sorted({CONFIG.matching_of(variant).encoder for variant in VARIANTS})
+
+
+wildcard_constraints:
+    scene=r"[A-Za-z0-9-]+(_[A-Za-z0-9-]+)*",
+    variant=r"[A-Za-z0-9_-]+",
+    encoder=r"[a-z0-9_]+",
+    task=r"door|drawer",
+    role=r"twin|cousin_\d+",
+    training_set=r"twin|cousins_\d+|all",
+    run=r"[A-Za-z0-9_-]+",
+    seed=r"\d+",
+    shard=r"\d+",
+
+
+def as_options(section):
+    """A config section as the JSON text that a stage's --options takes."""
+    return json.dumps(section.model_dump(mode="json"), sort_keys=True)
+
+
+def config_digest():
+    """Digest of the whole validated config, for the report."""
+    return sha256(CONFIG.model_dump_json().encode()).hexdigest()[:12]
+
+
+def command(stage, verb):
+    """The command line of a verb: ours, or the user's own for a replaced stage."""
+    own = CONFIG.stages.get(stage)
+    return f"{own.command if own else f'python -m stages.{stage}'} {verb}"
+
+
+def code(stage, verb):
+    """Digest of the code behind a verb: an edit re-runs what uses it. Not asked of a replaced stage."""
+    return "replaced" if stage in CONFIG.stages else code_digest(f"stages.{stage}.{verb}")
+
+
+def matching_options(wildcards):
+    """Options of one matching variant."""
+    return as_options(CONFIG.matching_of(wildcards.variant))
+
+
+def encoder_options(wildcards):
+    """Options that make a feature store: those of the first variant that uses the encoder."""
+    variants = [CONFIG.matching_of(variant) for variant in VARIANTS]
+    return as_options(next(options for options in variants if options.encoder == wildcards.encoder))
+
+
+def features_of(variant):
+    """Feature stores of the encoder that a variant uses."""
+    encoder = CONFIG.matching_of(variant).encoder
+    return [f"results/matching/features/{encoder}/shard_{shard}.npy" for shard in SHARDS]
+
+
+def scene_inputs(wildcards):
+    """The files of a scene's input folder: rendered for rooms, the user's own for `experiment.inputs`."""
+    own = EXPERIMENT.inputs.get(wildcards.scene)
+    folder = own or f"results/scenes/{wildcards.scene}/input"
+    return {
+        "rgb": f"{folder}/rgb.png",
+        "camera": f"{folder}/camera.json",
+        "depth": f"{folder}/depth.npz",
+        "masks": f"{folder}/masks.png",
+        "annotations": f"{folder}/annotations.json",
+    }
+
+
+def scene_image(wildcards):
+    """The scene's picture."""
+    return scene_inputs(wildcards)["rgb"]
+
+
+def policy_folders(task, parent):
+    """Folders of all policies of a task below `parent`, one per training set, run and seed."""
+    return expand(
+        f"{parent}/{task}/{{training_set}}/{{run}}/seed_{{seed}}",
+        training_set=EXPERIMENT.training_sets,
+        run=EXPERIMENT.runs,
+        seed=EXPERIMENT.seeds,
+    )
+
+
+def target_file(wildcards, pattern):
+    """The file of `pattern` for the scene that holds a task's object."""
+    return expand(pattern, variant=wildcards.variant, scene=EXPERIMENT.tasks[wildcards.task].scene)
+
+
+def task_assets(task):
+    """The assets.json-like file of a task's policy experiment."""
+    return f"results/matching/{EXPERIMENT.policy_variant}/task_{task}.json"

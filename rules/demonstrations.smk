@@ -1,0 +1,51 @@
+# Automatic demonstrations by the Open skill, successes only (paper A.4, A.5).
+# Reads:  the assets of a task, the library.
+# Writes: results/demonstrations/<task>/<role>/{episodes.h5,attempts.jsonl,film.png}.
+
+
+rule demonstrate:
+    """Collect the demonstrations of one asset."""
+    input:
+        assets=lambda wildcards: task_assets(wildcards.task),
+        library=rules.library.output.library,
+    output:
+        episodes="results/demonstrations/{task}/{role}/episodes.h5",
+        attempts="results/demonstrations/{task}/{role}/attempts.jsonl",
+        film=report(
+            "results/demonstrations/{task}/{role}/film.png",
+            caption="../report/captions/demos.rst",
+            category="Demonstrations",
+            labels={"task": "{task}", "asset": "{role}"},
+        ),
+    log:
+        "logs/demonstrations/{task}_{role}.log",
+    benchmark:
+        "benchmarks/demonstrations/{task}_{role}.tsv"
+    container:
+        CONFIG.containers.simulation
+    threads: 1
+    resources:
+        mem_mb=3000,
+    params:
+        command=command("demonstrations", "collect"),
+        code=code("demonstrations", "collect"),
+        options=as_options(CONFIG.demonstrations),
+        task_options=as_options(CONFIG.task),
+        episodes=lambda wildcards: EXPERIMENT.episodes_of(wildcards.role),
+        seed=CONFIG.seed,
+    shell:
+        "({params.command} --assets {input.assets:q} --library {input.library:q} --role {wildcards.role} "
+        "--episodes {params.episodes} --options {params.options:q} --task-options {params.task_options:q} "
+        "--seed {params.seed} --out {output.episodes:q} && "
+        "python -m stages.contracts attempts {output.attempts:q}) 2>&1 | tee {log:q}"
+
+
+rule demonstrations:
+    """Demonstrations of every asset that a training set uses."""
+    input:
+        expand(
+            rules.demonstrate.output.episodes,
+            task=TASKS,
+            role=sorted({role for name in EXPERIMENT.training_sets for role in EXPERIMENT.roles(name)}),
+        ),
+    localrule: True

@@ -1,0 +1,80 @@
+# Rollouts of the policies and scores of the scenes, one row each; nothing is aggregated here (paper B.1, B.3).
+# Reads:  policies and the task's assets; generated scenes and, only here, their truth.
+# Writes: results/evaluation/policies/<task>/<training set>/<run>/seed_<n>/{rollouts.csv,film.png},
+#         results/evaluation/scenes/<variant>/<scene>/scores.csv.
+
+
+rule rollout:
+    """Roll one policy out on every test asset, from initial states that all policies share."""
+    input:
+        policy=rules.train.output.policy,
+        last=rules.train.output.last,
+        config=rules.train.output.config,
+        assets=lambda wildcards: task_assets(wildcards.task),
+        library=rules.library.output.library,
+    output:
+        rollouts="results/evaluation/policies/{task}/{training_set}/{run}/seed_{seed}/rollouts.csv",
+        film=report(
+            "results/evaluation/policies/{task}/{training_set}/{run}/seed_{seed}/film.png",
+            caption="../report/captions/demos.rst",
+            category="Rollouts",
+            labels={"task": "{task}", "training set": "{training_set}", "seed": "{seed}"},
+        ),
+    log:
+        "logs/evaluation/{task}_{training_set}_{run}_{seed}.log",
+    benchmark:
+        "benchmarks/evaluation/{task}_{training_set}_{run}_{seed}.tsv"
+    container:
+        CONFIG.containers.simulation
+    threads: 1
+    resources:
+        mem_mb=4000,
+        gpu=1 if CONFIG.device == "cuda" else 0,
+    params:
+        command=command("evaluation", "rollout"),
+        code=code("evaluation", "rollout"),
+        options=as_options(CONFIG.evaluation),
+        seed=CONFIG.seed,
+        device=CONFIG.device,
+        folder=subpath(input.policy, parent=True),
+    shell:
+        "({params.command} --policy {params.folder:q} --assets {input.assets:q} --library {input.library:q} "
+        "--training-set {wildcards.training_set} --run-name {wildcards.run} --options {params.options:q} "
+        "--seed {params.seed} --device {params.device} --out {output.rollouts:q} && "
+        "python -m stages.contracts rollouts {output.rollouts:q}) 2>&1 | tee {log:q}"
+
+
+rule score:
+    """Compare the generated scenes of one room with its truth."""
+    input:
+        scenes=rules.generate.output.scenes,
+        objects=rules.extract.output.objects,
+        truth=rules.room.output.truth,
+        library=rules.library.output.library,
+    output:
+        scores="results/evaluation/scenes/{variant}/{scene}/scores.csv",
+    log:
+        "logs/evaluation/{variant}_{scene}.log",
+    benchmark:
+        "benchmarks/evaluation/{variant}_{scene}.tsv"
+    container:
+        CONFIG.containers.learning
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        command=command("evaluation", "score"),
+        code=code("evaluation", "score"),
+        options=as_options(CONFIG.evaluation),
+    shell:
+        "({params.command} --scenes {input.scenes:q} --objects {input.objects:q} --truth {input.truth:q} "
+        "--library {input.library:q} --options {params.options:q} --out {output.scores:q} && "
+        "python -m stages.contracts scores {output.scores:q}) 2>&1 | tee {log:q}"
+
+
+rule evaluation:
+    """All scores and rollouts of this run."""
+    input:
+        expand(rules.score.output.scores, variant=VARIANTS, scene=SCORED_ROOMS),
+        [f"{folder}/rollouts.csv" for task in TASKS for folder in policy_folders(task, "results/evaluation/policies")],
+    localrule: True

@@ -1,0 +1,76 @@
+# Digital cousins: nearest categories, models and orientations by patch voting (paper A.6, A.7, B.1).
+# Reads:  the library's snapshots; a scene's objects and picture.
+# Writes: results/matching/features/<encoder>/shard_<i>.{npy,json} once per library and encoder,
+#         results/matching/<variant>/<scene>/cousins.{json,png},
+#         results/matching/<variant>/task_<task>.json: the assets of the policy experiment.
+
+
+rule features:
+    """Encode the patches of one shard of snapshots."""
+    input:
+        images=rules.snapshots.output.images,
+        index=rules.snapshots.output.index,
+    output:
+        features="results/matching/features/{encoder}/shard_{shard}.npy",
+        index="results/matching/features/{encoder}/shard_{shard}.json",
+    log:
+        "logs/matching/features_{encoder}_{shard}.log",
+    benchmark:
+        "benchmarks/matching/features_{encoder}_{shard}.tsv"
+    container:
+        CONFIG.containers.learning
+    threads: 1
+    resources:
+        mem_mb=3000,
+    params:
+        command=command("matching", "features"),
+        code=code("matching", "features"),
+        options=encoder_options,
+    shell:
+        "{params.command} --snapshots {input.images:q} --options {params.options:q} --out {output.features:q} "
+        "2>&1 | tee {log:q}"
+
+
+rule match:
+    """Rank the cousins of every object of one scene."""
+    input:
+        objects=rules.extract.output.objects,
+        masks=rules.extract.output.masks,
+        depth=rules.extract.output.depth,
+        image=scene_image,
+        library=rules.library.output.library,
+        snapshots=expand(rules.snapshots.output.images, shard=SHARDS),
+        features=lambda wildcards: features_of(wildcards.variant),
+    output:
+        cousins="results/matching/{variant}/{scene}/cousins.json",
+        picture=report(
+            "results/matching/{variant}/{scene}/cousins.png",
+            caption="../report/captions/scene.rst",
+            category="Scenes",
+            labels={"scene": "{scene}", "picture": "cousins ({variant})"},
+        ),
+    log:
+        "logs/matching/{variant}_{scene}.log",
+    benchmark:
+        "benchmarks/matching/{variant}_{scene}.tsv"
+    container:
+        CONFIG.containers.learning
+    threads: 1
+    resources:
+        mem_mb=3000,
+    params:
+        command=command("matching", "match"),
+        code=code("matching", "match"),
+        options=matching_options,
+    shell:
+        "({params.command} --objects {input.objects:q} --image {input.image:q} --library {input.library:q} "
+        "--snapshots {input.snapshots:q} --features {input.features:q} --options {params.options:q} "
+        "--out {output.cousins:q} && "
+        "python -m stages.contracts cousins {output.cousins:q}) 2>&1 | tee {log:q}"
+
+
+rule matching:
+    """Cousins of all scenes, in all variants."""
+    input:
+        expand(rules.match.output.cousins, variant=VARIANTS, scene=ROOMS),
+    localrule: True

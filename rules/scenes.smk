@@ -1,0 +1,51 @@
+# Sim-to-sim rooms: what a camera sees, and apart from it the truth (paper B.1, Table 2).
+# Reads:  the library.
+# Writes: results/scenes/<room>/input/{rgb.png,camera.json,depth.npz,masks.png,annotations.json}
+#         and results/scenes/<room>/truth.json, which only `evaluation` reads.
+
+
+rule room:
+    """Furnish one room with models of the library and photograph it."""
+    input:
+        library=rules.library.output.library,
+    output:
+        rgb="results/scenes/{scene}/input/rgb.png",
+        camera="results/scenes/{scene}/input/camera.json",
+        depth="results/scenes/{scene}/input/depth.npz",
+        masks="results/scenes/{scene}/input/masks.png",
+        annotations="results/scenes/{scene}/input/annotations.json",
+        truth="results/scenes/{scene}/truth.json",
+    log:
+        "logs/scenes/{scene}.log",
+    benchmark:
+        "benchmarks/scenes/{scene}.tsv"
+    container:
+        CONFIG.containers.simulation
+    threads: 1
+    resources:
+        mem_mb=2000,
+    params:
+        command=command("scenes", "render"),
+        code=code("scenes", "render"),
+        options=as_options(CONFIG.scenes),
+        seed=CONFIG.seed,
+        out=subpath(output.truth, parent=True),
+    shell:
+        "({params.command} --library {input.library:q} --scene {wildcards.scene} --options {params.options:q} "
+        "--seed {params.seed} --out {params.out:q} && "
+        "python -m stages.contracts camera {output.camera:q} annotations {output.annotations:q} truth {output.truth:q}) "
+        "2>&1 | tee {log:q}"
+
+
+rule scenes:
+    """The rooms of this run."""
+    input:
+        expand(rules.room.output.rgb, scene=SCORED_ROOMS),
+    localrule: True
+
+
+rule scenes8:
+    """All eight rooms of Table 2."""
+    input:
+        expand(rules.room.output.rgb, scene=[f"room_{k}" for k in range(1, 9)]),
+    localrule: True

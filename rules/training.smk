@@ -1,0 +1,46 @@
+# Policies: BC-RNN-GMM on point clouds (paper B.3).
+# Reads:  the demonstrations of a training set.
+# Writes: results/training/<task>/<training set>/<run>/seed_<n>/{policy.safetensors,last.safetensors,config.json,metrics.jsonl}.
+
+
+rule train:
+    """Train one policy."""
+    input:
+        episodes=lambda wildcards: expand(
+            rules.demonstrate.output.episodes,
+            task=wildcards.task,
+            role=EXPERIMENT.roles(wildcards.training_set),
+        ),
+    output:
+        policy="results/training/{task}/{training_set}/{run}/seed_{seed}/policy.safetensors",
+        last="results/training/{task}/{training_set}/{run}/seed_{seed}/last.safetensors",
+        config="results/training/{task}/{training_set}/{run}/seed_{seed}/config.json",
+        metrics="results/training/{task}/{training_set}/{run}/seed_{seed}/metrics.jsonl",
+    log:
+        "logs/training/{task}_{training_set}_{run}_{seed}.log",
+    benchmark:
+        "benchmarks/training/{task}_{training_set}_{run}_{seed}.tsv"
+    container:
+        CONFIG.containers.learning
+    threads: EXPERIMENT.training_threads
+    resources:
+        mem_mb=4000,
+        gpu=1 if CONFIG.device == "cuda" else 0,
+    params:
+        command=command("training", "train"),
+        code=code("training", "train"),
+        options=lambda wildcards: as_options(CONFIG.training.runs[wildcards.run]),
+        share=lambda wildcards: EXPERIMENT.share(wildcards.training_set),
+        device=CONFIG.device,
+        out=subpath(output.policy, parent=True),
+    shell:
+        "{params.command} --episodes {input.episodes:q} --per-store {params.share} --options {params.options:q} "
+        "--seed {wildcards.seed} --threads {threads} --device {params.device} --out {params.out:q} "
+        "2>&1 | tee {log:q}"
+
+
+rule training:
+    """All policies of this run."""
+    input:
+        [f"{folder}/policy.safetensors" for task in TASKS for folder in policy_folders(task, "results/training")],
+    localrule: True

@@ -1,0 +1,1 @@
+"""Stage `assets`: the library of models and their snapshots (paper A.1)."""

@@ -1,0 +1,101 @@
+"""Photograph assets from a fixed camera as they turn (paper A.1)."""
+
+import math
+from pathlib import Path
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+from stages.assets.contact_sheet import contact_sheet
+from stages.cli import progress
+from stages.config.assets import AssetsConfig
+from stages.contracts.errors import InputError
+from stages.contracts.files import atomic, read_json, read_options, write_json
+from stages.contracts.library import Asset, Library, SnapshotShard
+from stages.geometry.cameras import intrinsics_from_fov, look_at
+
+MILLIMETRES = 1000.0
+
+
+def run(*, library: Path, shard: int, shards: int, out: Path, options: str = "{}") -> None:
+    """Render every `shards`-th asset of the library, beginning with number `shard`.
+
+    Args:
+        library: library.json.
+        shard: which part, 0 to shards - 1.
+        shards: number of parts.
+        out: the HDF5 file; the sidecar (.json) and a contact sheet (.png) get the same name.
+        options: JSON of the config section `assets`.
+    """
+    config = read_options(AssetsConfig, options)
+    if not 0 <= shard < shards:
+        raise InputError("--shard", f"{shard} is not below --shards {shards}.")
+    entries = read_json(Library, library).assets[shard::shards]
+    yaws = [2 * math.pi * k / config.n_snap for k in range(config.n_snap)]
+    booth = Booth(config)
+    views, side = len(yaws) + 1, config.image_size
+    with atomic(out) as temporary:
+        with h5py.File(temporary, "w") as file:
+            grid = (1, 1, side, side)
+            rgb = file.create_dataset(
+                "rgb", (len(entries), views, side, side, 3), "u1", chunks=(*grid, 3), compression="lzf"
+            )
+            depth = file.create_dataset(
+                "depth", (len(entries), views, side, side), "u2", chunks=grid, compression="lzf"
+            )
+            for index, entry in enumerate(progress(entries, "assets")):
+                folder = library.parent / entry.folder
+                rgb[index], depth[index] = booth.photograph(folder, [*yaws, config.representative_yaw])
+            sheet = contact_sheet(rgb, [entry.id for entry in entries])
+        sidecar = SnapshotShard(
+            assets=[entry.id for entry in entries],
+            yaws=yaws,
+            representative_yaw=config.representative_yaw,
+            image_size=side,
+            intrinsics=booth.intrinsics.tolist(),
+            elevation=math.atan2(config.camera_height, config.camera_distance),
+        )
+        write_json(out.with_suffix(".json"), sidecar)
+        sheet.save(out.with_suffix(".png"))
+
+
+class Booth:
+    """A scene with one camera in which assets turn, each scaled so that its largest extent is one unit."""
+
+    def __init__(self, config: AssetsConfig) -> None:
+        from stages.simulation.rendering import Camera, make_scene
+
+        self.config = config
+        self.scene = make_scene(shadows=False, light=(-1.0, 0.5, -1.2))
+        self.intrinsics = intrinsics_from_fov(config.image_size, config.image_size, config.field_of_view)
+        self.camera = Camera(self.scene, self.intrinsics, config.image_size, config.image_size)
+
+    def photograph(self, folder: Path, yaws: list[float]) -> tuple[NDArray[np.uint8], NDArray[np.uint16]]:
+        """Pictures at the given turns: rgb (V, H, W, 3), depth (V, H, W) in millimetres of the scaled asset.
+
+        The asset keeps its size and the camera's distance is scaled instead: the same picture.
+        """
+        from stages.simulation.loading import load_asset, move, read_asset, remove, root_pose
+
+        asset = read_asset(folder)
+        unit = largest_extent(asset)
+        eye = np.array([self.config.camera_distance, 0.0, self.config.camera_height]) * unit
+        camera_pose = look_at(eye, [0.0, 0.0, 0.0])
+        origin = (0.0, 0.0, 0.0)
+        body = load_asset(self.scene, folder, root_pose(asset, origin, 0.0), fixed=True, name=asset.id)
+        side = self.config.image_size
+        rgb = np.empty((len(yaws), side, side, 3), np.uint8)
+        depth = np.empty((len(yaws), side, side), np.uint16)
+        for view, yaw in enumerate(yaws):
+            move(body, root_pose(asset, origin, yaw))
+            picture = self.camera.render(camera_pose)
+            rgb[view] = picture.rgb
+            depth[view] = np.round(np.minimum(picture.depth / unit * MILLIMETRES, 65535))
+        remove(self.scene, body)
+        return rgb, depth
+
+
+def largest_extent(asset: Asset) -> float:
+    """Largest side of the closed box, metres."""
+    return max(asset.size)

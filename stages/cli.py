@@ -1,0 +1,43 @@
+"""The command line of every stage: `python -m stages.<stage> <verb> --flag value ...`.
+
+A verb is a module `stages/<stage>/<verb>.py` with a typed function `run`; its keyword
+arguments are the flags. Only the chosen verb is imported, so that start-up stays cheap.
+"""
+
+import importlib
+import sys
+from collections.abc import Iterable, Iterator
+from typing import TypeVar
+
+T = TypeVar("T")
+
+
+def main(stage: str, verbs: dict[str, str]) -> None:
+    """Run the verb named by `sys.argv[1]`; an `InputError` becomes one line and exit code 1."""
+    from stages.contracts.errors import InputError
+
+    usage = f"usage: python -m stages.{stage} VERB --help\n" + "".join(
+        f"  {verb:<12} {text}\n" for verb, text in verbs.items()
+    )
+    argv = sys.argv[1:]
+    if not argv or argv[0] not in verbs:
+        asked_for_help = bool(argv) and argv[0] in ("-h", "--help")
+        print(usage, file=sys.stdout if asked_for_help else sys.stderr)
+        sys.exit(0 if asked_for_help else 2)
+
+    import tyro
+
+    run = importlib.import_module(f"stages.{stage}.{argv[0]}").run
+    try:
+        tyro.cli(run, args=argv[1:], prog=f"python -m stages.{stage} {argv[0]}")
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        sys.exit(1)
+
+
+def progress(items: Iterable[T], what: str, total: int | None = None) -> Iterator[T]:
+    """Iterate with a progress line on stderr every few seconds (readable in a log as well)."""
+    from tqdm import tqdm
+
+    bar = "{desc}: {n_fmt}/{total_fmt} [{elapsed}<{remaining}, {rate_fmt}]" + ("" if sys.stderr.isatty() else "\n")
+    return iter(tqdm(items, desc=what, total=total, mininterval=5, bar_format=bar, dynamic_ncols=True))

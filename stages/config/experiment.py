@@ -1,0 +1,74 @@
+"""Config section `experiment`: which cells of the paper's tables this run computes."""
+
+from typing import Any, Literal
+
+from pydantic import Field
+
+from stages.config.base import Section
+
+
+class TaskTarget(Section):
+    """The object that the policy experiment opens."""
+
+    scene: str = Field("room_1", description="room of the object, one of `rooms`")
+    object: str = Field("cabinet_1", description="its id in that room's objects.json")
+
+
+class ExperimentConfig(Section):
+    """Rooms, variants and policies of this run."""
+
+    rooms: list[str] = Field(
+        ["room_1", "room_2", "room_3"],
+        description="Scenes to reconstruct: room_1 ... room_8 (Table 2), or names from `inputs`.",
+    )
+    inputs: dict[str, str] = Field(
+        {},
+        description="Your own scenes: name -> folder with rgb.png, camera.json, depth.npz, masks.png and "
+        "annotations.json (docs/scenes.md). They are reconstructed like the rooms, but not scored: there is no truth.",
+    )
+    variants: dict[str, dict[str, Any]] = Field(
+        {"b": {}},
+        description="Variants of matching that exist side by side (the rows of Table 2): name -> keys of `matching` "
+        "that differ. The paper's (b) lets the patch encoder choose model and orientation.",
+    )
+    policy_variant: str = Field("b", description="The variant whose cousins the policy experiment uses.")
+    tasks: dict[Literal["door", "drawer"], TaskTarget] = Field(
+        {"door": TaskTarget(scene="room_1", object="cabinet_1")},
+        description="Tasks of the policy experiment (Table 3) and the object each one opens.",
+    )
+    training_sets: list[Literal["twin", "cousins_2", "cousins_4", "cousins_8", "all"]] = Field(
+        ["twin", "cousins_4"],
+        description="Training sets to compare. cousins_n: the n nearest cousins that are not held out; "
+        "all: every ranked cousin that is not held out.",
+    )
+    held_out: list[int] = Field([2, 6], description="Cousins kept out of every training set (paper: 2nd and 6th).")
+    cousins: int = Field(10, ge=1, description="How many cousins the policy experiment knows.")
+    episodes: int = Field(
+        80, ge=1, description="Demonstrations in every training set, shared evenly by its assets so that sets compare."
+    )
+    runs: list[str] = Field(["lite"], description="Hyper-parameter sets to train, from `training.runs`.")
+    seeds: list[int] = Field([0], description="Training seeds. The paper: best two hyper-parameter sets x 3 seeds.")
+    training_threads: int = Field(
+        1, ge=1, description="CPU threads per training job; 1 lets two policies train at once."
+    )
+
+    def roles(self, training_set: str) -> list[str]:
+        """Roles (twin, cousin_i) whose demonstrations make up a training set, in order of rank."""
+        if training_set == "twin":
+            return ["twin"]
+        ranks = [rank for rank in range(1, self.cousins + 1) if rank not in self.held_out]
+        count = len(ranks) if training_set == "all" else int(training_set.removeprefix("cousins_"))
+        if count > len(ranks):
+            raise ValueError(
+                f"experiment.training_sets: {training_set} needs {count} cousins, but experiment.cousins = "
+                f"{self.cousins} leaves {len(ranks)} that are not held out"
+            )
+        return [f"cousin_{rank}" for rank in ranks[:count]]
+
+    def share(self, training_set: str) -> int:
+        """Demonstrations that each asset gives to a training set (rounded up)."""
+        return -(-self.episodes // len(self.roles(training_set)))
+
+    def episodes_of(self, role: str) -> int:
+        """Demonstrations to collect for a role: the largest share that any training set asks of it."""
+        return max((self.share(name) for name in self.training_sets if role in self.roles(name)), default=0)

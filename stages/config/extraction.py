@@ -1,0 +1,93 @@
+"""Config section `extraction`: from image to objects in space (paper 2.1, A.2, A.7)."""
+
+from typing import Literal
+
+from pydantic import Field
+
+from stages.config.base import Section
+
+
+class DepthNoiseConfig(Section):
+    """Error that is added to perfect depth, so that it errs as estimated depth does."""
+
+    range_constant: float = Field(0.003, ge=0, description="a of the range noise sigma(z) = a + b z^2, metres.")
+    range_quadratic: float = Field(0.0015, ge=0, description="b of the range noise, 1/metres: 1.7 cm in all at 3 m.")
+    correlation: float = Field(
+        6.0,
+        ge=0,
+        description="Pixels over which the range noise varies: estimated depth errs in patches. 0: every pixel.",
+    )
+    bleeding: float = Field(
+        1.0, ge=0, description="Pixels over which near and far depth run into each other at an object's outline (A.7)."
+    )
+    periphery: float = Field(
+        0.03, ge=0, description="Relative error at the image border (A.7); none in the central 80 % of the picture."
+    )
+    scale: float = Field(0.01, ge=0, description="Standard deviation of one factor on all depths of the picture.")
+
+
+class ExtractionConfig(Section):
+    """From pixels, depth and masks to objects in the floor frame."""
+
+    implementation: Literal["simulator"] = Field(
+        "simulator", description="Where depth and masks come from. simulator: from the files in the input folder."
+    )
+    depth_noise: Literal["model", "none"] = Field(
+        "model", description="model: depth is put through `noise` first. none: it is used as it is (measured depth)."
+    )
+    noise: DepthNoiseConfig = Field(DepthNoiseConfig(), description="The noise model of `depth_noise: model`.")
+    crop: float = Field(0.9, gt=0, le=1, description="Central part of the image that is used (paper: 0.9).")
+    max_cut: float = Field(
+        0.4, ge=0, le=1, description="An object with more of its pixels outside the crop than this fails."
+    )
+    min_pixels: int = Field(60, ge=3, description="An object with fewer pixels than this fails.")
+    erosion: int = Field(
+        2,
+        ge=0,
+        description="Pixels taken off the border of masks before clouds are made (A.7 gives no number).",
+    )
+    erosion_keep: float = Field(
+        0.5,
+        ge=0,
+        le=1,
+        description="Small or thin objects are eroded less, to keep this share of their pixels.",
+    )
+    restore_border: bool = Field(
+        True, description="Continue depth onto the border that was taken off, so that boxes keep their size."
+    )
+    ransac_iterations: int = Field(1000, ge=10, description="Three-point hypotheses per plane.")
+    plane_threshold: float = Field(
+        0.03,
+        gt=0,
+        description="Metres within which a point at 3 m belongs to a plane; grows with distance.",
+    )
+    max_tilt: float = Field(60.0, gt=0, lt=90, description="Largest angle between image-up and floor normal, degrees.")
+    wall_merge_angle: float = Field(10.0, ge=0, description="Walls nearer in direction (degrees) ...")
+    wall_merge_distance: float = Field(0.15, ge=0, description="... and in offset (metres) than this are one wall.")
+    outlier_deviations: float = Field(
+        3.0, gt=0, description="Points farther from their neighbours than so many standard deviations are dropped."
+    )
+    dbscan_eps: float = Field(0.04, gt=0, description="DBSCAN radius in metres (A.7); grows where points are sparse.")
+    dbscan_min_points: int = Field(8, ge=1, description="DBSCAN core size (A.7).")
+    dbscan_keep: float = Field(0.01, ge=0, lt=1, description="Clusters with a smaller share of the points are dropped.")
+    trim: float = Field(
+        0.005,
+        ge=0,
+        lt=0.25,
+        description="Share of the points left out at either end of a box (0: raw extremes).",
+    )
+    contact: float = Field(
+        0.06, gt=0, description="Gap (metres, at 3 m; grows with distance) that still counts as touching."
+    )
+    max_hidden_depth: float = Field(
+        0.8,
+        ge=0,
+        description="A gap to a wall that is not seen counts as filled by the object up to so many metres.",
+    )
+    seen_through: float = Field(
+        0.35, gt=0, lt=1, description="A gap is real if at least this share of it is seen to be empty."
+    )
+
+    def tolerance(self, distance: float) -> float:
+        """Gap in metres that counts as touching at a distance from the camera."""
+        return self.contact * max(1.0, distance / 3.0)

@@ -1,0 +1,73 @@
+"""Config section `generation`: from cousins to a physically plausible scene (paper A.3, A.7)."""
+
+from typing import Literal
+
+from pydantic import Field
+
+from stages.config.base import Section
+
+
+class GenerationConfig(Section):
+    """Placing the cousins. The z order, the support rule and the wall rules are the paper's (A.3)."""
+
+    ranks: int = Field(4, ge=1, description="Scenes to make: scene r is built of the r-th cousin of every object.")
+
+    # Orientation refinement (A.7)
+    refinement: Literal["box", "off"] = Field(
+        "box",
+        description="box: turn each asset to the axes of its cloud's minimum box (A.7). off: keep the matched view.",
+    )
+    snap_articulated: float | None = Field(
+        20.0,
+        ge=0,
+        le=45,
+        description="Largest such turn of an articulated asset, degrees; null: no limit, as in the paper.",
+    )
+    snap_other: float | None = Field(
+        15.0, ge=0, le=45, description="Largest such turn of any other asset, degrees; null: no limit, as in the paper."
+    )
+    rectangularity: float = Field(
+        0.5,
+        ge=0,
+        le=1,
+        description="Share of the cloud's outline, seen from above, that must run along the box for an asset to be "
+        "turned to it: round things have no axes. Paper: 0.",
+    )
+
+    # Size
+    trim: float = Field(0.005, ge=0, lt=0.25, description="Share of the cloud left out at either end of an extent.")
+    aspect_prior: Literal["native", "off"] = Field(
+        "native",
+        description="native: depth or width that cannot be right (the far side is hidden) is taken from the asset's "
+        "own proportions, and round assets stay round. off: extents of the cloud, as in the paper.",
+    )
+    aspect_range: tuple[float, float] = Field(
+        (0.5, 2.0), description="Believable scale of depth and width, relative to the median scale of the three axes."
+    )
+    min_extent: float = Field(0.01, gt=0, description="Smallest extent of a placed asset, metres.")
+
+    # Support (A.3)
+    support_overlap: float = Field(
+        0.7, gt=0, le=1, description="Overlap, as share of the smaller footprint, that makes one thing lie on another."
+    )
+    stack_tolerance: float | None = Field(
+        0.15,
+        ge=0,
+        description="How far (metres) the upper bottom may lie below the lower top; a chair under a table is not on "
+        "it. null: no check, as in the paper.",
+    )
+
+    # Collisions (A.3)
+    resolve_collisions: bool = Field(True, description="Push overlapping stacks apart in the x-y plane.")
+    touch: float = Field(0.005, ge=0, description="Overlap of collision shapes that is not a collision, metres.")
+    push_limit: float = Field(0.5, gt=0, description="Longest single push, metres.")
+    push_rounds: int = Field(
+        30, ge=0, description="Pushes after which collisions that are left are reported as they are."
+    )
+
+    # Physics check
+    settle_seconds: float = Field(1.0, ge=0, description="Simulated time of the settling test; 0: no test.")
+    fallen_distance: float = Field(0.05, gt=0, description="An object that moves farther in it has fallen, metres ...")
+    fallen_tilt: float = Field(10.0, gt=0, description="... and so has one that tilts more than so many degrees.")
+
+    preview_width: int = Field(640, ge=64, description="Width of the preview pictures, pixels.")

@@ -1,0 +1,79 @@
+"""Config section `matching`: digital cousins of every object (paper A.6, A.7, B.1)."""
+
+from typing import Literal
+
+from pydantic import Field, model_validator
+
+from stages.config.base import Section
+
+
+class HogConfig(Section):
+    """Dense histograms of gradients at three scales, patch position and, where there is depth, surface normals."""
+
+    image_size: int = Field(192, ge=32, description="The object's crop is resized to a square of so many pixels ...")
+    grid: int = Field(16, ge=4, description="... and cut into grid x grid patches; divides image_size.")
+    normals: float = Field(1.8, ge=0, description="Weight of the normals against the gradients. 0: never used.")
+    position: float = Field(1.5, ge=0, description="Weight of a patch's place in the crop, with normals.")
+    position_alone: float = Field(2.0, ge=0, description="Weight of a patch's place in the crop, without normals.")
+
+    @model_validator(mode="after")
+    def _divides(self) -> "HogConfig":
+        if self.image_size % self.grid:
+            raise ValueError(f"grid {self.grid} does not divide image_size {self.image_size}")
+        return self
+
+
+class PretrainedConfig(Section):
+    """Weights of a pretrained network, loaded through `transformers`."""
+
+    path: str = Field("", description="Folder with config.json and model.safetensors, or a model id if download is on.")
+    download: bool = Field(False, description="Let transformers fetch a model id from its hub.")
+    revision: str = Field("main", description="Commit, branch or tag of a model id; pin a commit to repeat a run.")
+    sha256: str = Field("", description="Expected sha256 of model.safetensors; empty: not checked.")
+
+
+class Dinov2Config(PretrainedConfig):
+    """The paper's encoder (ViT-S/14 in the official code)."""
+
+    height: int = Field(224, ge=28, description="The crop is resized to height x width (official code: 588 ...")
+    width: int = Field(224, ge=28, description="... x 784), multiples of the patch size.")
+    position: float = Field(0.0, ge=0, description="Weight of a patch's place in the crop (paper: not used).")
+    batch: int = Field(8, ge=1, description="Pictures per forward pass.")
+
+
+class MatchingConfig(Section):
+    """From objects to ranked models of the library, each with its orientation."""
+
+    encoder: Literal["hog", "dinov2"] = Field(
+        "hog", description="Patch features. hog: needs no weights. dinov2: the paper's; give dinov2.path."
+    )
+    text_encoder: Literal["lexical", "clip"] = Field(
+        "lexical", description="How labels are compared with categories. clip: the official code's; give clip.path."
+    )
+    search: Literal["torch", "faiss"] = Field("torch", description="Nearest patches; both give the same picks.")
+    k_cat: int = Field(3, ge=1, description="Nearest categories to search.")
+    k_model: int = Field(10, ge=1, description="Models taken from them by voting (paper: 10).")
+    k_ori: int = Field(4, ge=1, description="Orientations taken from a model's views (paper: 4).")
+    k_cousins: int = Field(10, ge=1, description="Ranked cousins per object.")
+    views: int = Field(
+        12, ge=0, description="Yaw views by which a model is compared. 0: its representative snapshot alone (paper)."
+    )
+    model_selection: Literal["distance", "votes"] = Field(
+        "distance", description="What ranks the models: embedding distance (A.6, B.1) or votes (A.6, official code)."
+    )
+    orientation_selection: Literal["distance", "votes"] = Field(
+        "distance", description="What ranks the orientations: embedding distance (B.1) or votes (official code)."
+    )
+    exclude_worst: float = Field(
+        0.10, ge=0, lt=1, description="Share of the largest patch distances left out of the mean (paper: 0.10)."
+    )
+    articulated_only: bool = Field(True, description="Seek articulated objects among articulated assets only (A.7).")
+    count_threshold: int | None = Field(
+        2,
+        ge=0,
+        description="Largest |d doors| + |d drawers| between an articulated object and its cousin (A.7; paper: 2). "
+        "Widened, and noted, if no asset is left. null: off.",
+    )
+    hog: HogConfig = Field(HogConfig(), description="The encoder `hog`.")
+    dinov2: Dinov2Config = Field(Dinov2Config(), description="The encoder `dinov2`.")
+    clip: PretrainedConfig = Field(PretrainedConfig(), description="The text encoder `clip`.")

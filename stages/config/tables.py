@@ -1,0 +1,28 @@
+"""Config section `tables`: tables, figures and the report page."""
+
+from typing import Literal
+
+from pydantic import Field
+
+from stages.config.base import Section
+
+
+class TablesConfig(Section):
+    """How rows of `evaluation` become the paper's tables."""
+
+    scenes: dict[str, int] = Field(
+        {f"room_{k}": k for k in range(1, 9)},
+        description="Scenes of Table 2 and the published scene (1 ... 8, in the paper's order) shown beside each. "
+        "Every one gets its rows, 'not run' where nothing was computed.",
+    )
+    variants: dict[str, Literal["a", "b", "c", "d"]] = Field(
+        {"a": "a", "b": "b", "c": "c", "d": "d"},
+        description="Variants of Table 2 and the published variant (a-d) shown beside each.",
+    )
+    confidence: float = Field(0.95, gt=0, lt=1, description="Level of every interval.")
+    bootstrap_samples: int = Field(
+        10_000, ge=100, description="Resamples behind the intervals of differences between training sets."
+    )
+    seed: int = Field(0, ge=0, description="Seed of the resamples.")
+    picture_width: int = Field(1100, ge=200, description="Largest width of a picture in the report page, pixels.")
+    picture_quality: int = Field(80, ge=10, le=100, description="WebP quality of the pictures in the report page.")

@@ -1,0 +1,54 @@
+"""Config section `task`: everything that defines environment and observation, shared by demonstrations and evaluation."""
+
+from typing import Literal
+
+from pydantic import Field
+
+from stages.config.base import Section
+
+Range = tuple[float, float]
+
+
+class TaskConfig(Section):
+    """The task as the policy meets it. It is stored in every episodes.h5, so that evaluation uses the same one."""
+
+    # Success
+    success_fraction: float = Field(
+        0.5, gt=0, lt=1, description="the target joint must pass this fraction of its range (0.5: a door at 45 degrees)"
+    )
+    max_steps: int = Field(100, ge=10, description="steps after which an episode is over (official code: 100)")
+
+    # Action (paper B.3: delta end-effector pose through inverse kinematics)
+    controller: Literal["pd_ee_dls", "pd_ee_target_delta_pose"] = Field(
+        "pd_ee_dls", description="damped least squares, or ManiSkill's stock controller"
+    )
+    delta_from: Literal["measured", "target"] = Field(
+        "measured", description="what a delta is added to: the measured pose, or the last target (pd_ee_dls only)"
+    )
+    control_frequency: int = Field(10, description="actions per second; divides 100 (official code: 12)")
+    position_step: float = Field(0.05, gt=0, description="metres per step at action 1 (official code: 0.05)")
+    rotation_step: float = Field(0.2, gt=0, description="radians per step at action norm 1 (official code: 0.2)")
+
+    # Observation (paper B.3: one over-the-shoulder camera, finger points, farthest point sampling)
+    points: int = Field(512, ge=64, description="points of the cloud (official code: 2048)")
+    finger_points: int = Field(64, ge=2, description="how many of them lie on the gripper fingers")
+    camera_size: int = Field(128, ge=32, description="width and height of the depth image, pixels")
+    camera_fov: float = Field(1.0, gt=0.1, lt=2.5, description="field of view, radians")
+    camera_eye: tuple[float, float, float] = Field((0.05, -0.65, 1.05), description="in the robot base frame, metres")
+    camera_target: tuple[float, float, float] = Field((0.65, 0.0, 0.42), description="point it looks at, same frame")
+    camera_jitter: Range = Field((0.01, 0.05), description="uniform +/- metres and radians (official: 0.01, 0.10)")
+    workspace_min: tuple[float, float, float] = Field((0.15, -0.5, 0.15), description="crop of the cloud, base frame")
+    workspace_max: tuple[float, float, float] = Field((1.0, 0.5, 0.9), description="crop of the cloud, base frame")
+
+    # Randomisation of the initial state (paper A.5: robot pose, object pose, object scale)
+    base_distance: float = Field(0.65, gt=0, description="robot base in front of the handle, metres (official: 0.5)")
+    base_side: float = Field(0.1, description="robot base away from the hinge, metres; drawers: to the right")
+    handle_height: float = Field(0.4, description="handle above the robot base, metres")
+    base_xy: float = Field(0.03, ge=0, description="uniform +/- metres (official: 0.03)")
+    base_z: float = Field(0.07, ge=0, description="uniform +/- metres (official: 0.07)")
+    base_yaw: float = Field(0.31, ge=0, description="uniform +/- radians (official: pi/10)")
+    object_xy: float = Field(0.02, ge=0, description="uniform +/- metres")
+    object_yaw: float = Field(0.1, ge=0, description="uniform +/- radians")
+    scale_range: Range = Field((0.9, 1.1), description="per axis, of the nominal size (official: 0.75 to 1.25)")
+    scale_variants: int = Field(8, ge=1, description="different scales per asset; each is built once and cached")
+    qpos_noise: float = Field(0.02, ge=0, description="standard deviation of the initial arm joints, radians")

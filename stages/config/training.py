@@ -1,0 +1,100 @@
+"""Config section `training`: hyper-parameter sets ("runs") of the BC-RNN-GMM policy (paper B.3)."""
+
+from typing import Literal
+
+from pydantic import Field
+
+from stages.config.base import Section
+
+
+class NetworkConfig(Section):
+    """Sizes of the policy network: PointNet, LSTM, MLP, Gaussian mixture."""
+
+    points: int = Field(256, ge=16, description="random subset of each cloud that is seen (official: 1024 of 2048)")
+    cloud_frame: Literal["robot", "gripper"] = Field(
+        "gripper", description="origin of the cloud: robot base (paper), or the end-effector, axes kept"
+    )
+    standardise: bool = Field(True, description="shift and scale clouds to unit variance (official: raw metres)")
+    pointnet_width: int = Field(128, ge=8, description="paper: 512")
+    pointnet_layers: int = Field(2, ge=2, description="linear layers before the max-pool; paper: 2, official code: 3")
+    flag_embedding: int = Field(128, ge=1, description="learned embedding of the finger flag; paper: 128")
+    rnn_hidden: int = Field(128, ge=8, description="LSTM state; paper: 512")
+    mlp: list[int] = Field([128], description="hidden layers behind the LSTM; official code: [512, 512]")
+    gmm_modes: int = Field(5, ge=1, description="official code: 5")
+    gmm_min_std: float = Field(0.01, gt=0, description="added to every standard deviation; official code: 1e-4")
+
+
+class TrainingRun(Section):
+    """One hyper-parameter set. The defaults are `lite`: minutes on one core."""
+
+    network: NetworkConfig = Field(NetworkConfig(), description="Sizes of the policy network.")
+    rnn_horizon: int = Field(10, ge=1, description="steps per training sequence; paper: 10")
+
+    # Optimisation
+    steps: int = Field(3000, ge=1, description="AdamW updates; official code: 300000")
+    batch_size: int = Field(16, ge=1, description="sequences per update; official code: 32")
+    learning_rate: float = Field(1e-3, gt=0, description="peak; official code: 1e-3")
+    schedule: Literal["linear", "cosine", "constant"] = Field(
+        "cosine",
+        description="cosine: to zero at the last step; linear: to a tenth over 10000 steps, then flat (official)",
+    )
+    weight_decay: float = Field(1e-4, ge=0, description="of AdamW; official code: 0")
+    gradient_clip: float = Field(1.0, gt=0, description="largest norm of the gradient; official code: none")
+    precision: Literal["fp32", "bf16"] = Field(
+        "fp32", description="of the PointNet; bf16 needs AMX or a GPU to be faster"
+    )
+
+    # Augmentation (paper B.3: random downsampling, translation, jitter)
+    translation: float = Field(0.04, ge=0, description="uniform +/- metres per axis (official: 0.04)")
+    translation_probability: float = Field(0.4, ge=0, le=1, description="official: 0.4")
+    translation_mode: Literal["sequence", "cloud_only"] = Field(
+        "sequence",
+        description="sequence: one shift per sequence, of cloud and end-effector position together; cloud_only: one "
+        "per step, proprioception stays (official code; it breaks the relation of hand and handle)",
+    )
+    jitter: float = Field(0.01, ge=0, description="standard deviation per point and axis, metres (official: 0.01)")
+    jitter_clip: float = Field(0.015, ge=0, description="largest jitter, metres (official: 0.015)")
+    jitter_probability: float = Field(0.1, ge=0, le=1, description="per sequence (official: 0.1, switched off)")
+
+    # Data, checkpoints, logs
+    validation_fraction: float = Field(0.1, ge=0, lt=1, description="episodes kept for validation (official: 0.1)")
+    select: Literal["validation", "last"] = Field(
+        "validation", description="which checkpoint becomes policy.safetensors: lowest validation loss, or the last"
+    )
+    keep: int = Field(0, ge=0, description="evenly spaced checkpoints kept for `evaluation: {checkpoint: rollouts}`")
+    log_every: int = Field(100, ge=1, description="steps between lines of metrics.jsonl and validations")
+    save_every: int = Field(1000, ge=1, description="steps between states that an interrupted run resumes from")
+    wandb: Literal["disabled", "offline", "online"] = Field(
+        "offline", description="Weights & Biases run beside the policy"
+    )
+
+
+PAPER_NETWORK = NetworkConfig(
+    points=1024,
+    cloud_frame="robot",
+    standardise=False,
+    pointnet_width=512,
+    rnn_hidden=512,
+    mlp=[512, 512],
+    gmm_min_std=1e-4,
+)
+PAPER = TrainingRun(
+    network=PAPER_NETWORK,
+    steps=300_000,
+    batch_size=32,
+    schedule="linear",
+    weight_decay=0.0,
+    log_every=500,
+    save_every=5000,
+    keep=10,
+)
+
+
+class TrainingConfig(Section):
+    """How policies are trained."""
+
+    runs: dict[str, TrainingRun] = Field(
+        {"lite": TrainingRun(), "paper": PAPER},
+        description="Hyper-parameter sets by name; `experiment.runs` says which are trained. Keys that a set of your "
+        "own does not name have the values of `lite`. `paper` is for a GPU.",
+    )

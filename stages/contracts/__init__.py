@@ -1,0 +1,42 @@
+"""Models of every file that passes between stages; see `docs/contracts.md`."""
+
+from stages.contracts.cousins import Cousins
+from stages.contracts.errors import InputError
+from stages.contracts.files import (
+    Contract,
+    atomic,
+    read_json,
+    read_options,
+    read_text,
+    write_json,
+    write_text,
+)
+from stages.contracts.generated import GeneratedScene
+from stages.contracts.library import Asset, Library, SnapshotShard
+from stages.contracts.objects import Objects
+from stages.contracts.policies import Attempt, Rollout, SceneScore, TaskAssets
+from stages.contracts.scenes import Annotations, Camera, Truth
+
+__all__ = [
+    "Annotations",
+    "Asset",
+    "Attempt",
+    "Camera",
+    "Contract",
+    "Cousins",
+    "GeneratedScene",
+    "InputError",
+    "Library",
+    "Objects",
+    "Rollout",
+    "SceneScore",
+    "SnapshotShard",
+    "TaskAssets",
+    "Truth",
+    "atomic",
+    "read_json",
+    "read_options",
+    "read_text",
+    "write_json",
+    "write_text",
+]

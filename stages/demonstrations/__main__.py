@@ -1,0 +1,6 @@
+"""`python -m stages.demonstrations VERB`."""
+
+from stages.cli import main
+
+if __name__ == "__main__":
+    main("demonstrations", {"collect": "run the skill on one asset until enough attempts succeed"})

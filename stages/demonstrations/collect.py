@@ -1,0 +1,102 @@
+"""`collect`: run the Open skill until enough attempts succeed (paper A.5: rejection sampling)."""
+
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from stages.config.demonstrations import DemonstrationsConfig
+from stages.config.task import TaskConfig
+from stages.contracts import InputError, Library, TaskAssets, read_json, read_options, write_text
+from stages.contracts.policies import Attempt, TaskAsset
+from stages.demonstrations.attempt import Recorder
+from stages.demonstrations.film import write_film
+from stages.demonstrations.store import Episode, StoreHeader, write_episodes
+from stages.simulation.task_api import make_task
+
+
+def run(
+    *,
+    assets: Path,
+    library: Path,
+    role: str,
+    episodes: int,
+    out: Path,
+    options: str = "",
+    task_options: str = "",
+    seed: int = 0,
+) -> None:
+    """Write `episodes.h5` with as many successes as asked, and beside it attempts.jsonl and film.png.
+
+    Args:
+        assets: the experiment's assets (contract TaskAssets).
+        library: library.json that they come from.
+        role: twin, cousin_1, ...
+        episodes: successes to collect.
+        out: episodes.h5 to write.
+        options: the `demonstrations` section as JSON.
+        task_options: the `task` section as JSON; stored in the episodes for evaluation.
+        seed: of the first attempt; attempts and evaluation use disjoint seeds.
+    """
+    settings = read_options(DemonstrationsConfig, options)
+    world = read_options(TaskConfig, task_options)
+    plan = read_json(TaskAssets, assets)
+    chosen = find_role(plan, role, assets)
+    folder = asset_folder(read_json(Library, library), chosen.asset, library)
+    task = make_task(plan.task, folder, chosen.joint, chosen.size, world)
+    recorder = Recorder(task, settings, film=settings.film_episodes)
+    kept: list[Episode] = []
+    ledger: list[Attempt] = []
+    allowed = int(np.ceil(episodes * settings.max_attempts_factor))
+    for attempt_seed in attempt_seeds(seed, role, allowed):
+        if len(kept) == episodes:
+            break
+        episode, outcome = recorder.attempt(attempt_seed)
+        if outcome.success:
+            kept.append(episode)
+        ledger.append(
+            Attempt(
+                attempt=len(ledger),
+                seed=attempt_seed,
+                success=outcome.success,
+                cause=outcome.cause,
+                steps=len(episode.actions),
+                opened=round(task.opened, 4),
+                episode=len(kept) - 1 if outcome.success else None,
+            )
+        )
+        recorder.report(len(kept), episodes, len(ledger))
+    task.close()
+    write_text(out.parent / "attempts.jsonl", "".join(line.model_dump_json() + "\n" for line in ledger))
+    if len(kept) < episodes:
+        causes = ", ".join(f"{cause} {count}" for cause, count in Counter(a.cause for a in ledger).most_common())
+        raise InputError(
+            out,
+            f"only {len(kept)} of {episodes} demonstrations after {len(ledger)} attempts on {chosen.asset} ({causes}).",
+            "raise demonstrations.max_attempts_factor, narrow the ranges of `task`, or choose another object",
+        )
+    write_film(out.parent / "film.png", recorder.strips)
+    write_episodes(out, StoreHeader(plan.task, chosen.asset, chosen.joint, chosen.size, world), kept)
+
+
+def find_role(plan: TaskAssets, role: str, where: Path) -> TaskAsset:
+    """The asset that plays `role`, or an `InputError` that names the roles there are."""
+    for asset in plan.assets:
+        if asset.role == role:
+            return asset
+    raise InputError(where, f"has no role {role!r}.", f"it has {', '.join(asset.role for asset in plan.assets)}")
+
+
+def asset_folder(library: Library, asset: str, where: Path) -> Path:
+    """Folder of an asset of a library."""
+    for entry in library.assets:
+        if entry.id == asset:
+            return where.parent / entry.folder
+    raise InputError(where, f"has no asset {asset!r}.", "was the library rebuilt? run the stages after it again")
+
+
+def attempt_seeds(seed: int, role: str, count: int) -> Iterator[int]:
+    """Seeds of the attempts, different for every role: below 2**31, as evaluation's are not (they start there)."""
+    entropy = (seed, *role.encode())
+    yield from np.random.default_rng(np.random.SeedSequence(entropy)).integers(0, 2**31, count).tolist()

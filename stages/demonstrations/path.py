@@ -1,0 +1,73 @@
+"""Paths of the hand: straight interpolation, the path that opens a joint, and pursuit of a path by progress."""
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from stages.simulation.kinematics import Array, pose_error
+from stages.simulation.target import Target
+
+ANGLE_WEIGHT = 0.15  # metres that a radian counts for in the length of a path
+SPACING = 0.005  # between the poses of a path, in that length
+
+
+def distance(a: Array, b: Array) -> Array:
+    """(N,) path length between poses (N, 4, 4): metres, with radians at `ANGLE_WEIGHT`."""
+    error = pose_error(a, b)
+    return np.asarray(np.linalg.norm(error[:, :3], axis=1) + ANGLE_WEIGHT * np.linalg.norm(error[:, 3:], axis=1))
+
+
+def straight(start: Array, end: Array) -> Array:
+    """(K, 4, 4) poses from `start` to `end`, both included; rotation about one axis."""
+    count = max(2, 1 + int(np.ceil(distance(start[None], end[None])[0] / SPACING)))
+    error = pose_error(end[None], start[None])[0]
+    fraction = np.linspace(0, 1, count)[:, None]
+    poses = np.tile(np.eye(4), (count, 1, 1))
+    poses[:, :3, 3] = start[:3, 3] + fraction * error[:3]
+    poses[:, :3, :3] = Rotation.from_rotvec(fraction * error[3:]).as_matrix() @ start[:3, :3]
+    return poses
+
+
+def opening(target: Target, grasp: Array, goal: float, follow: float) -> Array:
+    """(K, 4, 4) poses of a hand that holds the handle while the joint goes from closed to `goal`, asset frame.
+
+    Args:
+        grasp: (4, 4) pose of the hand when the joint is closed.
+        follow: the part of a door's turn that the hand makes as well; with 0 the handle turns between the fingers.
+    """
+    handle = target.motion(goal) @ grasp
+    count = max(2, 1 + int(np.ceil(distance(grasp[None], handle[None])[0] / SPACING)))
+    poses = np.tile(grasp, (count, 1, 1))
+    for pose, value in zip(poses, np.linspace(target.lower, goal, count), strict=True):
+        pose[:3, 3] = (target.motion(value) @ grasp)[:3, 3]
+        if target.revolute:
+            turn = Rotation.from_rotvec(target.axis * follow * (value - target.lower)).as_matrix()
+            pose[:3, :3] = turn @ grasp[:3, :3]
+    return poses
+
+
+class Pursuit:
+    """Follows a path by progress: aims at the pose `lookahead` past the nearest one, never backwards.
+
+    Aiming by progress and not by time keeps the aim on the arc when the hand lags behind; an aim that runs ahead
+    cuts the arc of a door and pulls the handle out of the fingers.
+    """
+
+    def __init__(self, path: Array, lookahead: float) -> None:
+        self.path = path
+        steps = distance(path[1:], path[:-1])
+        self.length = np.concatenate([[0.0], np.cumsum(steps)])
+        self.lookahead = lookahead
+        self.nearest = 0
+
+    def aim(self, pose: Array) -> Array:
+        """(4, 4) pose to move to from `pose`."""
+        window = self.path[self.nearest : self.nearest + 1 + int(2 * self.lookahead / SPACING)]
+        gaps = distance(window, np.broadcast_to(pose, window.shape))
+        self.nearest += int(gaps.argmin())
+        ahead = np.searchsorted(self.length, self.length[self.nearest] + self.lookahead)
+        return np.asarray(self.path[min(int(ahead), len(self.path) - 1)])
+
+    @property
+    def progress(self) -> float:
+        """Length of the path already behind the hand."""
+        return float(self.length[self.nearest])

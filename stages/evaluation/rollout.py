@@ -1,0 +1,157 @@
+"""Verb `rollout`: success of one policy on every test asset, one row per episode (paper B.3, Table 3)."""
+
+import sys
+from pathlib import Path
+from typing import Literal
+
+import cv2
+import numpy as np
+import pandas as pd
+import torch
+
+from stages.config.evaluation import EvaluationConfig
+from stages.contracts.errors import InputError
+from stages.contracts.files import atomic, read_json, read_options
+from stages.contracts.library import Library
+from stages.contracts.policies import Rollout, TaskAsset, TaskAssets
+from stages.contracts.trained import TrainedPolicy
+from stages.evaluation.episodes import Episode, roll_out
+from stages.evaluation.film import film
+from stages.policy.actor import Actor
+from stages.policy.checkpoint import load_policy, read_config
+from stages.simulation.task_api import TaskEnv, make_task
+
+FIRST_STATE = 2**31  # demonstrations use seeds below: no policy is tested on a state that it was shown
+SELECTION_STATE = FIRST_STATE + 2**30  # states that choose a checkpoint are not those that it is judged by
+
+
+def run(
+    *,
+    policy: Path,
+    assets: Path,
+    library: Path,
+    training_set: str,
+    run_name: str,
+    out: Path,
+    options: str = "",
+    seed: int = 0,
+    device: Literal["cpu", "cuda"] = "cpu",
+) -> None:
+    """Roll a policy out on the test assets, in the environment of its demonstrations.
+
+    Args:
+        policy: folder that `training train` wrote.
+        assets: the experiment's assets (contract TaskAssets).
+        library: library.json that they come from.
+        training_set: name of the training set, for the rows.
+        run_name: name of the hyper-parameter set, for the rows.
+        out: rollouts.csv; film_<role>.png of every test asset and film.png of all lie beside it.
+        options: the `evaluation` section as JSON, or a JSON file.
+        seed: of the initial states; the same for every policy that is to be compared.
+        device: where the policy runs.
+    """
+    settings = read_options(EvaluationConfig, options)
+    trained = read_config(policy)
+    plan = read_json(TaskAssets, assets)
+    if plan.task != trained.task:
+        raise InputError(policy, f"was trained on the task '{trained.task}', {assets} is for '{plan.task}'.")
+    torch.set_num_threads(1)
+    arena = Arena(trained, settings, library, device)
+    tested = [find(plan, role, assets) for role in settings.test_assets]
+    checkpoint = settings.checkpoint
+    if checkpoint == "rollouts":
+        checkpoint = arena.most_successful(policy, find(plan, "twin", assets), seed)
+    network = load_policy(policy, checkpoint, device)
+    rows: list[Rollout] = []
+    films = []
+    states = [FIRST_STATE + seed * 10_000 + i for i in range(settings.rollouts)]
+    for asset in tested:
+        episodes = arena.episodes(network, asset, states, settings.film_every)
+        successes = sum(episode.success for episode in episodes)
+        print(f"evaluation: {asset.role} {successes}/{len(episodes)} opened", file=sys.stderr)
+        rows += [
+            Rollout(
+                task=plan.task,
+                training_set=training_set,
+                run=run_name,
+                seed=trained.seed,
+                checkpoint=checkpoint,
+                test_asset=asset.role,
+                asset=asset.asset,
+                dino_distance=asset.distance,
+                episode=number,
+                initial_state=episode.seed,
+                success=episode.success,
+                steps=episode.steps,
+                opened=round(episode.opened, 4),
+            )
+            for number, episode in enumerate(episodes)
+        ]
+        films.append((asset.role, film(episodes, f"{asset.role} ({asset.asset})")))
+    for role, picture in films:
+        write_png(out.parent / f"film_{role}.png", picture)
+    write_png(out.parent / "film.png", np.concatenate([picture for _, picture in films]))
+    with atomic(out) as temporary:
+        pd.DataFrame([row.model_dump() for row in rows]).to_csv(temporary, index=False)
+
+
+class Arena:
+    """Test assets in the environment that a policy was trained for."""
+
+    def __init__(self, trained: TrainedPolicy, settings: EvaluationConfig, library: Path, device: str) -> None:
+        self.trained, self.settings, self.device, self.library = trained, settings, device, library
+        entries = read_json(Library, library).assets
+        self.folders = {entry.id: library.parent / entry.folder for entry in entries}
+
+    def episodes(self, network: torch.nn.Module, asset: TaskAsset, states: list[int], film_every: int) -> list[Episode]:
+        """One episode per initial state."""
+        tasks = [self.task(asset) for _ in range(min(self.settings.envs, len(states)))]
+        actor = Actor(network, self.trained.run.rnn_horizon, len(tasks), self.settings.action)
+        try:
+            return roll_out(tasks, actor, states, film_every)
+        finally:
+            for task in tasks:
+                task.close()
+
+    def task(self, asset: TaskAsset) -> TaskEnv:
+        """A new environment with the asset."""
+        if asset.asset not in self.folders:
+            raise InputError(self.library, f"has no asset '{asset.asset}'.", "run the matching stage again")
+        return make_task(
+            self.trained.task,
+            self.folders[asset.asset],
+            asset.joint,
+            asset.size,
+            self.trained.task_options,
+            vary_scale=self.settings.vary_scale,
+        )
+
+    def most_successful(self, folder: Path, twin: TaskAsset, seed: int) -> str:
+        """The kept checkpoint that opens the twin most often; of equals the later one."""
+        names = self.trained.checkpoints
+        if not names:
+            raise InputError(
+                folder, "has no kept checkpoints to choose from.", "set training `keep`, or `checkpoint: best`"
+            )
+        states = [SELECTION_STATE + seed * 10_000 + i for i in range(self.settings.selection_rollouts)]
+        scores = {}
+        for name in names:
+            episodes = self.episodes(load_policy(folder, name, self.device), twin, states, film_every=0)
+            scores[name] = sum(episode.success for episode in episodes)
+            print(f"evaluation: {name} opens the twin {scores[name]}/{len(states)} times", file=sys.stderr)
+        return max(reversed(names), key=scores.__getitem__)
+
+
+def find(plan: TaskAssets, role: str, where: Path) -> TaskAsset:
+    """The asset that plays `role`."""
+    for asset in plan.assets:
+        if asset.role == role:
+            return asset
+    roles = ", ".join(asset.role for asset in plan.assets)
+    raise InputError(where, f"has no role '{role}' (it has {roles}).", "change evaluation.test_assets")
+
+
+def write_png(path: Path, picture: np.ndarray) -> None:
+    """Write an RGB picture atomically."""
+    with atomic(path) as temporary:
+        cv2.imwrite(str(temporary), picture[..., ::-1])

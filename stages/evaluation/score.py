@@ -1,0 +1,52 @@
+"""Verb `score`: generated scenes of one room + its truth -> one row per rank and object (paper B.1)."""
+
+from pathlib import Path
+
+import pandas as pd
+
+from stages.config.evaluation import EvaluationConfig
+from stages.contracts import GeneratedScene, InputError, Library, Objects, Truth, atomic, read_json, read_options
+from stages.contracts.policies import SceneScore
+from stages.evaluation.scoring import score_scene
+
+
+def check_same_scene(scenes: list[GeneratedScene], objects: Objects, truth: Truth) -> None:
+    """All files must be of one room.
+
+    Raises:
+        InputError: they are not.
+    """
+    names = {scene.scene for scene in scenes} | {objects.scene, truth.scene}
+    if len(names) > 1:
+        raise InputError("--scenes, --objects, --truth", f"are of different scenes: {', '.join(sorted(names))}.")
+
+
+def run(*, scenes: tuple[Path, ...], objects: Path, truth: Path, library: Path, out: Path, options: str = "{}") -> None:
+    """Score the scenes of one room.
+
+    Args:
+        scenes: scene_<rank>.json files.
+        objects: objects.json, which says which mask is which object.
+        truth: truth.json of the room.
+        library: library.json; the true models must be in it.
+        out: scores.csv.
+        options: JSON of the config section `evaluation`.
+    """
+    read_options(EvaluationConfig, options)
+    generated = [read_json(GeneratedScene, path) for path in scenes]
+    seen, true = read_json(Objects, objects), read_json(Truth, truth)
+    check_same_scene(generated, seen, true)
+    known = {entry.id for entry in read_json(Library, library).assets}
+    strangers = sorted({item.asset for item in true.objects} - known)
+    if strangers:
+        raise InputError(truth, f"has assets that {library} lacks: {', '.join(strangers)}.", "render the room again")
+    rows = [row.model_dump() for scene in generated for row in score_scene(scene, seen, true)]
+    table = pd.DataFrame(rows, columns=list(SceneScore.model_fields))
+    with atomic(out) as path:
+        table.to_csv(path, index=False, float_format="%.6g")
+    ok = table[table.status == "ok"]
+    print(
+        f"{true.scene}: category {table.category_correct.mean():.2f}, model {table.model_correct.mean():.2f}, "
+        f"L2 {ok.l2_cm.mean():.1f} cm, orientation {ok.orientation_rad.mean():.2f} rad, "
+        f"IoU {ok.iou.mean():.2f}, oriented {ok.oriented_iou.mean():.2f}, stable {ok.stable.mean():.2f}"
+    )

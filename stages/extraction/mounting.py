@@ -1,0 +1,97 @@
+"""What holds an object, by geometry (paper A.2): what is beneath it, and which walls it touches."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stages.config.extraction import ExtractionConfig
+from stages.contracts.objects import Mounting, Wall
+from stages.extraction.clouds import with_bottom
+from stages.extraction.view import View, grid
+from stages.extraction.walls import filled_to, walls_touched
+from stages.geometry.boxes import UprightBox, footprint
+from stages.geometry.frames import yaw_matrix
+
+BESIDE = 0.05  # metres by which footprints are widened before they are compared
+ON_TOP = 0.5  # share of the upper footprint that lies over the lower one
+THINNEST = 0.01  # metres; noise may put a plate's top below the table's
+FEET = 3  # image columns in which an object's lowest pixels must reach the ground for it to stand there
+
+
+@dataclass(frozen=True)
+class Placement:
+    """How an object is held; its box down to what carries it; and the box with hidden space behind it filled."""
+
+    mounting: Mounting
+    box: UprightBox
+    filled: UprightBox
+
+
+def height_beneath(box: UprightBox, carriers: list[UprightBox], tolerance: float) -> float:
+    """Top of the highest carrier below the box, or 0 for the floor."""
+    plan = footprint(box)
+    tops = [
+        carrier.top
+        for carrier in carriers
+        if plan.intersection(footprint(carrier).buffer(BESIDE)).area >= ON_TOP * plan.area
+        and carrier.top <= box.bottom + 2 * tolerance
+        and carrier.top + carrier.bottom < box.top + box.bottom
+    ]
+    return max(tops, default=0.0)
+
+
+def reaches_down(box: UprightBox, height: float, tolerance: float, view: View, own: NDArray[np.bool_]) -> bool:
+    """Whether the object is seen to stand at `height`: rays through its lowest pixels meet it inside the footprint.
+
+    Legs are too thin to have trusted depth, but their feet are in the mask. What hangs on a wall has
+    its lowest pixels' rays meet the floor far behind it.
+    """
+    columns = np.flatnonzero(own.any(axis=0))
+    lowest = own.shape[0] - 1 - np.argmax(own[::-1, columns], axis=0)
+    hits = view.meet_level(columns, lowest, height)
+    local = (hits - np.asarray(box.center)) @ yaw_matrix(box.yaw)
+    inside = (np.abs(local[:, :2]) <= np.asarray(box.size)[:2] / 2 + tolerance).all(axis=1)
+    return int(inside.sum()) >= FEET
+
+
+def seen_empty_beneath(box: UprightBox, height: float, view: View, own: NDArray[np.bool_]) -> float:
+    """Share of the space between the box and `height` that the camera has seen to be empty."""
+    half = np.asarray(box.size)[:2] / 2
+    local = grid(np.array([*-half, height]), np.array([*half, box.bottom]), (6, 6, 8))
+    return view.share_seen_empty(local @ yaw_matrix(box.yaw).T + [*np.asarray(box.center)[:2], 0.0], own)
+
+
+def placement(
+    box: UprightBox,
+    carriers: list[UprightBox],
+    others: list[UprightBox],
+    walls: list[Wall],
+    view: View,
+    own: NDArray[np.bool_],
+    options: ExtractionConfig,
+) -> Placement:
+    """Where one object stands or hangs.
+
+    Args:
+        box: of what was seen of it.
+        carriers: boxes of the objects that may be beneath it, hidden space filled.
+        others: boxes of all other objects, as seen.
+        walls: all wall planes.
+        view: the picture's depth, by which hidden space is told from empty space.
+        own: the object's pixels (H, W).
+        options: tolerances.
+    """
+    tolerance = options.tolerance(view.distance(np.asarray(box.center)))
+    beneath = height_beneath(box, carriers, tolerance)
+    touched = walls_touched(box, others, walls, view, own, options)
+    names = [wall.id for wall in touched]
+    hangs = (
+        bool(touched)
+        and box.bottom - beneath > tolerance
+        and not reaches_down(box, beneath, tolerance, view, own)
+        and seen_empty_beneath(box, beneath, view, own) >= options.seen_through
+    )
+    standing = box if hangs else with_bottom(box, min(beneath, box.top - THINNEST))
+    filled = filled_to(standing, touched[0]) if touched else standing
+    return Placement(Mounting(type=1 if hangs else 3 if touched else 2, walls=names), standing, filled)

@@ -1,0 +1,60 @@
+"""Depth noise model: the errors of estimated depth that the paper names (A.7) and those it leaves unsaid.
+
+In this order: near and far depth run into each other at outlines ("artifacts near object
+boundaries"); a smooth relative error grows towards the border ("and the image periphery"); range
+noise with sigma(z) = a + b z^2, correlated over a few pixels; one factor on the whole picture,
+because a single image does not fix its scale. Unknown pixels (0) stay unknown.
+"""
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from stages.config.extraction import DepthNoiseConfig
+
+EDGE = 0.03  # relative jump of depth that makes an outline
+QUIET = 0.8  # central part of the image without periphery error
+PERIPHERY_CORRELATION = 0.1  # of the image width
+
+
+def smooth_field(shape: tuple[int, int], sigma: float, rng: np.random.Generator) -> NDArray[np.float64]:
+    """Gaussian noise of unit variance, correlated over `sigma` pixels."""
+    field = rng.standard_normal(shape)
+    if sigma <= 0:
+        return field
+    smooth = np.asarray(cv2.GaussianBlur(field, (0, 0), sigma), dtype=np.float64)
+    return smooth / smooth.std()
+
+
+def bleed(depth: NDArray[np.floating], sigma: float) -> NDArray[np.floating]:
+    """Blur depth where it jumps, over `sigma` pixels."""
+    depth = depth.astype(np.float64)
+    if sigma <= 0:
+        return depth
+    kernel = np.ones((3, 3), np.uint8)
+    jump = cv2.dilate(depth, kernel) - cv2.erode(depth, kernel) > EDGE * np.maximum(depth, 1e-6)
+    reach = 2 * int(np.ceil(sigma)) + 1
+    near_edge = cv2.dilate(jump.astype(np.uint8), np.ones((reach, reach), np.uint8)) > 0
+    known = (depth > 0).astype(float)
+    weight = cv2.GaussianBlur(known, (0, 0), sigma)
+    blurred = cv2.GaussianBlur(depth, (0, 0), sigma) / np.maximum(weight, 1e-9)
+    return np.where(near_edge & (depth > 0), blurred, depth)
+
+
+def periphery_ramp(shape: tuple[int, int]) -> NDArray[np.float64]:
+    """0 in the central 80 % of the image, rising to 1 at its border."""
+    height, width = shape
+    v = np.abs(np.linspace(-1, 1, height))[:, None]
+    u = np.abs(np.linspace(-1, 1, width))[None, :]
+    return np.clip((np.maximum(u, v) - QUIET) / (1 - QUIET), 0, 1)
+
+
+def noisy_depth(depth: NDArray[np.float32], options: DepthNoiseConfig, rng: np.random.Generator) -> NDArray[np.float32]:
+    """Disturb perfect depth (H, W) in metres; the same generator state gives the same picture."""
+    scale = 1 + options.scale * rng.standard_normal()
+    z = bleed(depth, options.bleeding)
+    drift = smooth_field(depth.shape, PERIPHERY_CORRELATION * depth.shape[1], rng)
+    z = z * (1 + options.periphery * periphery_ramp(depth.shape) * drift)
+    sigma = options.range_constant + options.range_quadratic * z**2
+    z = (z + sigma * smooth_field(depth.shape, options.correlation, rng)) * scale
+    return np.where(depth > 0, np.maximum(z, 1e-3), 0).astype(np.float32)

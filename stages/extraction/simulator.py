@@ -1,0 +1,18 @@
+"""Provider `simulator`: masks and captions from the renderer, its depth made as bad as estimated depth."""
+
+from pathlib import Path
+
+import numpy as np
+
+from stages.config.extraction import ExtractionConfig
+from stages.extraction.noise import noisy_depth
+from stages.extraction.observation import Observation, read_folder
+
+
+def observe(folder: Path, options: ExtractionConfig, rng: np.random.Generator) -> Observation:
+    """Read the input folder; with `depth_noise: model`, disturb its depth."""
+    seen = read_folder(folder)
+    if options.depth_noise == "none":
+        return seen
+    depth = noisy_depth(seen.depth, options.noise, rng)
+    return Observation(seen.rgb, depth, seen.masks, seen.intrinsics, seen.annotations)

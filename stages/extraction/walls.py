@@ -1,0 +1,107 @@
+"""Which walls an object touches (paper A.2, types 1 and 3).
+
+A single picture shows one side of things. The gap between an object and a wall counts as a gap only
+if the camera has looked into it; what stays hidden is taken to be filled by the object.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stages.config.extraction import ExtractionConfig
+from stages.contracts.objects import Wall
+from stages.extraction.view import View, grid
+from stages.geometry.boxes import UprightBox, corners
+from stages.geometry.frames import wrap_angle, yaw_matrix
+
+BLOCKED = 0.3  # share of the gap that another object fills, from which on that one stands at the wall instead
+OUTLINE = 3.0  # pixels by which the faces looked at are moved inwards: outlines are not exact
+
+
+@dataclass(frozen=True)
+class Gap:
+    """Space between an object and a wall, as ranges along the wall and in height, and its depth."""
+
+    normal: NDArray[np.float64]
+    offset: float
+    along: tuple[float, float]
+    height: tuple[float, float]
+    depth: float
+
+    def points(self, along: tuple[float, float], height: tuple[float, float]) -> NDArray[np.float64]:
+        """A grid over part of the gap, in the floor frame."""
+        counts = [1 if low == high else 8 for low, high in (along, height)]
+        low = np.array([along[0], height[0], 0.2 * self.depth])
+        high = np.array([along[1], height[1], self.depth])
+        tangent = [-self.normal[1], self.normal[0], 0.0]
+        local = grid(low, high, (*counts, 5))
+        return local @ np.stack([tangent, [0.0, 0.0, 1.0], self.normal]) + self.offset * self.normal
+
+    def seen_empty(self, view: View, own: NDArray[np.bool_], inset: float) -> float:
+        """How much of it the camera sees to be empty, from above or from either side, whichever is most."""
+        (left, right), (bottom, top) = self.along, self.height
+        left, right, top = left + inset, right - inset, top - inset
+        faces = [((left, right), (top, top)), ((left, left), (bottom, top)), ((right, right), (bottom, top))]
+        return max(view.share_seen_empty(self.points(along, height), own) for along, height in faces)
+
+    def blocked(self, others: list[UprightBox]) -> bool:
+        """Whether another object stands in it."""
+        points = self.points(self.along, self.height)
+        filled = np.zeros(len(points), dtype=bool)
+        for other in others:
+            local = (points - np.asarray(other.center)) @ yaw_matrix(other.yaw)
+            filled |= (np.abs(local) < np.asarray(other.size) / 2).all(axis=1)
+        return bool(filled.mean() > BLOCKED)
+
+
+def gap_to(box: UprightBox, wall: Wall) -> Gap:
+    """The space between a box and the plane of a wall; its depth is negative if they intersect."""
+    normal = np.asarray(wall.normal)
+    points = corners(box)
+    along = points @ [-normal[1], normal[0], 0.0]
+    depth = float((points @ normal).min() - wall.offset)
+    return Gap(normal, wall.offset, (float(along.min()), float(along.max())), (box.bottom, box.top), depth)
+
+
+def walls_touched(
+    box: UprightBox,
+    others: list[UprightBox],
+    walls: list[Wall],
+    view: View,
+    own: NDArray[np.bool_],
+    options: ExtractionConfig,
+) -> list[Wall]:
+    """The walls that the object touches, the one it leans on with its widest face first."""
+    distance = view.distance(np.asarray(box.center))
+    tolerance = options.tolerance(distance)
+    touched = []
+    for wall in walls:
+        gap = gap_to(box, wall)
+        hidden = (
+            tolerance < gap.depth <= options.max_hidden_depth
+            and gap.seen_empty(view, own, OUTLINE * view.pixel(distance)) < options.seen_through
+            and not gap.blocked(others)
+        )
+        in_front = (
+            float(np.asarray(box.center) @ gap.normal - gap.offset) > -tolerance
+        )  # not behind a free-standing wall
+        if (gap.depth <= tolerance and in_front) or hidden:
+            touched.append((gap.along[0] - gap.along[1], wall.id, wall))
+    return [wall for _, _, wall in sorted(touched, key=lambda entry: entry[:2])]
+
+
+def filled_to(box: UprightBox, wall: Wall) -> UprightBox:
+    """The box with its rear face moved to the wall; for finding out what stands on it."""
+    normal = np.asarray(wall.normal)
+    turn = yaw_matrix(box.yaw)
+    axis = int(np.argmax(np.abs(turn.T[:2] @ normal)))
+    outward = turn[:, axis] * np.sign(turn[:, axis] @ normal)
+    front = float(np.asarray(box.center) @ outward + np.asarray(box.size)[axis] / 2)
+    aligned = abs(wrap_angle(np.arctan2(outward[1], outward[0]) - np.arctan2(normal[1], normal[0]))) < np.pi / 4
+    if not aligned or front <= wall.offset:
+        return box
+    center, size = np.array(box.center, dtype=float), np.array(box.size, dtype=float)
+    size[axis] = front - wall.offset
+    center += outward * ((front + wall.offset) / 2 - center @ outward)
+    return UprightBox(center, size, box.yaw)

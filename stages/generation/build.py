@@ -1,0 +1,62 @@
+"""One scene: every object's cousin placed, resized, stacked and freed from collisions."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from stages.config.generation import GenerationConfig
+from stages.contracts import Asset, InputError, read_json
+from stages.contracts.objects import SceneObject
+from stages.generation.collisions import resolve
+from stages.generation.inputs import Inputs
+from stages.generation.layout import place, stacked
+from stages.generation.placed import Placed
+from stages.generation.prisms import asset_prisms
+from stages.simulation.resize import resized
+
+
+@dataclass(frozen=True)
+class Built:
+    """`items` with `folders` of assets at their sizes; `failed`: id -> reason; `left`: pairs that still overlap."""
+
+    items: list[Placed]
+    folders: dict[str, Path]
+    failed: dict[str, str]
+    left: list[tuple[str, str]]
+
+
+def placed_and_resized(
+    item: SceneObject, rank: int, inputs: Inputs, options: GenerationConfig, cache: Path
+) -> tuple[Placed, Path]:
+    """One object's cousin at its place and size, and the folder of the asset at that size.
+
+    Raises:
+        InputError: the object has no cousin, or the asset is missing or cannot be resized.
+    """
+    cousin = inputs.cousin(item, rank)
+    if isinstance(cousin, str):
+        raise InputError(item.id, cousin)
+    if cousin.asset not in inputs.folders:
+        raise InputError(item.id, f"asset '{cousin.asset}' is not in the library")
+    folder = inputs.folders[cousin.asset]
+    asset = read_json(Asset, folder / "asset.json")
+    placed = place(item, cousin, asset, inputs.clouds[item.id], inputs.objects, options)
+    folder = resized(folder, placed.size.tolist(), cache)
+    return replace(placed, asset=read_json(Asset, folder / "asset.json")), folder
+
+
+def build(inputs: Inputs, rank: int, options: GenerationConfig, cache: Path) -> Built:
+    """The scene of the cousins of one rank. An object that fails is left out, with its reason.
+
+    Args:
+        cache: folder for resized assets.
+    """
+    items, folders, failed = [], {}, {}
+    for item in inputs.objects.objects:
+        try:
+            placed, folders[item.id] = placed_and_resized(item, rank, inputs, options, cache)
+            items.append(placed)
+        except InputError as error:
+            failed[item.id] = error.what
+    prisms = {item.id: asset_prisms(folders[item.id]) for item in items}
+    result = resolve(stacked(items, options), prisms, inputs.objects.walls, options)
+    return Built(result.items, folders, failed, result.left)

@@ -1,0 +1,171 @@
+"""Push overlapping things apart in the x-y plane (paper A.3): by the shortest way, whole stacks at once, with a cap."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+from shapely import LineString, Point, Polygon, affinity
+from shapely.geometry.base import BaseGeometry
+from shapely.ops import nearest_points
+
+from stages.config.generation import GenerationConfig
+from stages.contracts.objects import Wall
+from stages.generation.placed import Placed
+from stages.generation.prisms import Prism, forbidden_shifts, placed_prisms
+from stages.generation.support import related, stack_of
+from stages.geometry.boxes import UprightBox, corners, footprint, volume
+
+HERE = Point(0.0, 0.0)
+CLEAR = 1e-4  # metres that a push goes beyond the border, so that rounding does not leave the pair touching
+FAR = 100.0
+Pair = tuple[str, str]
+
+
+@dataclass(frozen=True)
+class Resolved:
+    """The items after all pushes, and the pairs that still overlap."""
+
+    items: list[Placed]
+    left: list[Pair]
+
+
+@dataclass(frozen=True)
+class _Scene:
+    """Everything that a push has to look at. `prisms`: by id, in the asset frame."""
+
+    items: dict[str, Placed]
+    prisms: Mapping[str, list[Prism]]
+    walls: list[Wall]
+    options: GenerationConfig
+
+    @property
+    def supports(self) -> dict[str, str]:
+        return {name: item.support for name, item in self.items.items()}
+
+    def shapes(self, name: str) -> list[Prism]:
+        return placed_prisms(self.prisms[name], self.items[name])
+
+
+def overlapping_pairs(scene: _Scene) -> list[Pair]:
+    """Pairs of unrelated items whose collision shapes overlap by more than `touch`."""
+    found = []
+    for a, b in combinations(sorted(scene.items), 2):
+        first, second = scene.items[a], scene.items[b]
+        if min(first.top, second.top) - max(first.bottom, second.bottom) <= scene.options.touch:
+            continue
+        if not footprint(first.box).intersects(footprint(second.box)) or related(a, b, scene.supports):
+            continue
+        if forbidden_shifts(scene.shapes(a), scene.shapes(b), scene.options.touch).contains(HERE):
+            found.append((a, b))
+    return found
+
+
+def wall_limits(item: Placed, walls: list[Wall]) -> BaseGeometry:
+    """Shifts that keep the item's box in front of every wall it stands in front of now."""
+    region: BaseGeometry = Point(0, 0).buffer(FAR)
+    points = corners(item.box)
+    for wall in walls:
+        normal = np.asarray(wall.normal)
+        if item.center @ normal < wall.offset:
+            continue
+        room = min(0.0, wall.offset - float((points @ normal).min()))  # what is in the wall already may stay
+        tangent = np.array([-normal[1], normal[0]])
+        near = normal[:2] * room
+        far = near + normal[:2] * FAR
+        region &= Polygon([near + tangent * FAR, near - tangent * FAR, far - tangent * FAR, far + tangent * FAR])
+    return region
+
+
+def allowed_shifts(name: str, scene: _Scene) -> BaseGeometry:
+    """Where an item may go: not far, not into walls, not off its support; along its wall only if it touches one."""
+    item, limit = scene.items[name], scene.options.push_limit
+    region: BaseGeometry = Point(0, 0).buffer(limit)
+    touched = [wall for wall in scene.walls if wall.id in item.mounting.walls]
+    if item.mounting.type == 3 and touched:
+        x, y = np.asarray(touched[0].normal)[:2]
+        region = LineString([(-y * limit, x * limit), (y * limit, -x * limit)])
+    else:
+        for member in sorted(stack_of(name, scene.supports)):
+            region &= wall_limits(scene.items[member], scene.walls)
+    if item.support in scene.items:
+        top = footprint(scene.items[item.support].box)
+        region &= affinity.translate(top, -item.center[0], -item.center[1])
+    return region
+
+
+def shortest_push(name: str, scene: _Scene) -> NDArray[np.float64] | None:
+    """The shortest shift (2,) that frees an item's stack from everything else; None if none is allowed."""
+    stack = sorted(stack_of(name, scene.supports))
+    mover = [prism for member in stack for prism in scene.shapes(member)]
+    others = [
+        prism
+        for other in sorted(scene.items)
+        if other not in stack and not any(related(member, other, scene.supports) for member in stack)
+        for prism in scene.shapes(other)
+    ]
+    free = allowed_shifts(name, scene).difference(forbidden_shifts(mover, others, scene.options.touch).buffer(CLEAR))
+    if free.is_empty:
+        return None
+    return np.array(nearest_points(HERE, free)[1].coords[0])
+
+
+def _movers(pair: Pair, scene: _Scene) -> list[str]:
+    """Who gives way, first choice first: what stands free before what touches a wall, small before large."""
+
+    def weight(name: str) -> tuple[bool, float, str]:
+        stack = stack_of(name, scene.supports)
+        return scene.items[name].mounting.type == 3, sum(volume(scene.items[n].box) for n in stack), name
+
+    return sorted((name for name in pair if not scene.items[name].wall_mounted), key=weight)
+
+
+def _pushed(name: str, push: NDArray[np.float64], scene: _Scene) -> _Scene:
+    stack = stack_of(name, scene.supports)
+    items = dict(scene.items)
+    for member in stack:
+        item = items[member].shifted([*push, 0.0])
+        items[member] = replace(item, moved=item.moved + float(np.linalg.norm(push)))
+    return replace(scene, items=items)
+
+
+def _one_push(scene: _Scene) -> _Scene | None:
+    """The scene after the first push that is possible; None: nothing overlaps, or nothing can give way."""
+    for pair in overlapping_pairs(scene):
+        for name in _movers(pair, scene):
+            push = shortest_push(name, scene)
+            if push is not None:
+                return _pushed(name, push, scene)
+    return None
+
+
+def resolve(
+    items: list[Placed], prisms: Mapping[str, list[Prism]], walls: list[Wall], options: GenerationConfig
+) -> Resolved:
+    """Free all pairs of unrelated items from each other, as far as that goes.
+
+    Each round frees one stack from everything around it, so that a push makes no new collision.
+    What hangs on a wall stays; what touches a wall slides along it.
+
+    Args:
+        prisms: collision shapes by id, in the asset frame.
+    """
+    scene = _Scene({item.id: item for item in items}, prisms, walls, options)
+    for _ in range(options.push_rounds if options.resolve_collisions else 0):
+        pushed = _one_push(scene)
+        if pushed is None:
+            break
+        scene = pushed
+    return Resolved([scene.items[item.id] for item in items], overlapping_pairs(scene))
+
+
+def out_of_walls(box: UprightBox, walls: list[Wall]) -> UprightBox:
+    """The box moved out of the walls that it reaches into, if its centre is in front of them."""
+    center = np.array(box.center, dtype=float)
+    for wall in walls:
+        normal = np.asarray(wall.normal, dtype=float)
+        depth = wall.offset - float((corners(box._replace(center=center)) @ normal).min())
+        if depth > 0 and center @ normal > wall.offset:
+            center += depth * normal
+    return box._replace(center=center)

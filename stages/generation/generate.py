@@ -1,0 +1,132 @@
+"""Verb `generate`: cousins + objects -> one scene per rank, with preview, export and physics check."""
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from PIL import Image
+
+from stages.cli import progress
+from stages.config.generation import GenerationConfig
+from stages.contracts import GeneratedScene, InputError, atomic, read_options, write_json
+from stages.contracts.generated import PlacedObject
+from stages.contracts.library import Vector
+from stages.generation.backdrop import add_backdrop
+from stages.generation.build import Built, build
+from stages.generation.export import write_glb
+from stages.generation.inputs import Inputs, read_inputs
+from stages.generation.pictures import preview, read_picture, side_by_side
+from stages.generation.settling import Settled, load_items, settle
+from stages.simulation.rendering import make_scene
+
+
+def show_and_settle(built: Built, inputs: Inputs, options: GenerationConfig) -> tuple[NDArray[np.uint8], Settled]:
+    """Load the scene once: first its picture, then the physics check."""
+    scene = make_scene()
+    camera = np.array(inputs.objects.floor_from_camera)[:3, 3]
+    add_backdrop(scene, built.items, inputs.objects.walls, camera)
+    bodies = load_items(scene, built.items, built.folders)
+    picture = preview(scene, inputs.objects, options.preview_width)
+    return picture, settle(scene, bodies, built.items, len(built.left), options)
+
+
+def _vector(values: ArrayLike) -> Vector:
+    x, y, z = (round(float(value), 6) for value in np.asarray(values))
+    return x, y, z
+
+
+def scene_of(built: Built, settled: Settled, inputs: Inputs, variant: str, rank: int) -> GeneratedScene:
+    """The contract of one scene; objects in the order of objects.json, failed ones with their reason."""
+    placed = {item.id: item for item in built.items}
+    objects = []
+    for seen in inputs.objects.objects:
+        if seen.id in built.failed:
+            objects.append(PlacedObject(id=seen.id, label=seen.label, status="failed", reason=built.failed[seen.id]))
+            continue
+        item = placed[seen.id]
+        objects.append(
+            PlacedObject(
+                id=item.id,
+                label=item.label,
+                asset=item.asset.id,
+                category=item.asset.category,
+                position=_vector(item.center),
+                yaw=round(item.box.yaw, 6),
+                size=_vector(item.size),
+                support=item.support,
+                mounting=item.mounting,
+                moved=round(item.moved, 6),
+                settled_shift=settled.shifts[item.id],
+            )
+        )
+    source = inputs.objects
+    return GeneratedScene(
+        scene=source.scene,
+        variant=variant,
+        rank=rank,
+        width=source.width,
+        height=source.height,
+        intrinsics=source.intrinsics,
+        floor_from_camera=source.floor_from_camera,
+        walls=source.walls,
+        objects=objects,
+        plausibility=settled.plausibility,
+    )
+
+
+def summary(scene: GeneratedScene, left: list[tuple[str, str]]) -> str:
+    """One line for the log."""
+    check = scene.plausibility
+    failed = [item.id for item in scene.objects if item.status == "failed"]
+    parts = [f"{scene.scene} rank {scene.rank}: {len(scene.objects) - len(failed)} placed"]
+    if failed:
+        parts.append(f"failed {', '.join(failed)}")
+    if check is not None:
+        parts.append("stable" if check.stable else f"NOT stable, fallen: {', '.join(check.fallen) or 'none'}")
+        parts.append(f"penetration {1000 * check.max_penetration:.1f} mm")
+    parts += [f"{a} and {b} still collide" for a, b in left]
+    return "; ".join(parts)
+
+
+def run(
+    *,
+    cousins: Path,
+    objects: Path,
+    image: Path,
+    library: Path,
+    variant: str,
+    out: Path,
+    options: str = "{}",
+    seed: int = 0,
+) -> None:
+    """Make the scenes of one picture.
+
+    Args:
+        cousins: cousins.json of matching.
+        objects: objects.json of extraction; clouds.npz lies beside it.
+        image: the input picture, for the comparison.
+        library: library.json.
+        variant: name of the matching variant, written into the scenes.
+        out: folder; gets scene_<rank>.json, .png, .glb, comparison.png and assets/ (resized models).
+        options: JSON of the config section `generation`.
+        seed: not used: nothing here is random.
+    """
+    config = read_options(GenerationConfig, options)
+    inputs = read_inputs(cousins, objects, library)
+    pictures = [("input", read_picture(image, config.preview_width))]
+    for rank in progress(range(1, config.ranks + 1), "scenes", config.ranks):
+        built = build(inputs, rank, config, out / "assets")
+        if not built.items:
+            raise InputError(
+                objects, "has no object that could be placed.", "see the reasons in it and in cousins.json"
+            )
+        picture, settled = show_and_settle(built, inputs, config)
+        scene = scene_of(built, settled, inputs, variant, rank)
+        with atomic(out / f"scene_{rank}.png") as path:
+            Image.fromarray(picture).save(path)
+        write_glb(built.items, built.folders, out / f"scene_{rank}.glb")
+        write_json(out / f"scene_{rank}.json", scene)
+        pictures.append((f"rank {rank}", picture))
+        print(summary(scene, built.left))
+    with atomic(out / "comparison.png") as path:
+        side_by_side(pictures).save(path)

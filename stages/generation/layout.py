@@ -1,0 +1,83 @@
+"""From one matched object to a placed asset, and from all of them to a scene (paper 2.1, A.3, A.7)."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stages.config.generation import GenerationConfig
+from stages.contracts import Asset, Objects
+from stages.contracts.cousins import Cousin
+from stages.contracts.objects import Box, Mounting, SceneObject, Wall
+from stages.generation.collisions import out_of_walls
+from stages.generation.extents import measured_box
+from stages.generation.mounting import against_wall, on_supports
+from stages.generation.placed import Placed
+from stages.generation.pose import rectangularity, turned_to, view_yaw, wall_axes
+from stages.generation.sizing import believable_box, round_box, sight_yaw
+from stages.generation.support import sorted_by_height, support_tree
+from stages.geometry.boxes import UprightBox
+
+
+def walls_of(mounting: Mounting, walls: list[Wall]) -> list[Wall]:
+    """The walls that an object touches, the dominant one first."""
+    by_id = {wall.id: wall for wall in walls}
+    return [by_id[name] for name in mounting.walls if name in by_id] if mounting.type != 2 else []
+
+
+def final_yaw(
+    yaw: float,
+    box: Box,
+    cloud: NDArray[np.floating],
+    touched: list[Wall],
+    articulated: bool,
+    options: GenerationConfig,
+) -> float:
+    """The matched yaw, refined by the cloud (A.7) or, if the object touches a wall, by the wall (A.3)."""
+    if touched:
+        return turned_to(yaw, wall_axes(touched[0].normal))
+    if options.refinement == "off" or rectangularity(cloud, box.yaw) < options.rectangularity:
+        return yaw
+    limit = options.snap_articulated if articulated else options.snap_other
+    return turned_to(yaw, box.yaw, None if limit is None else float(np.deg2rad(limit)))
+
+
+def place(
+    item: SceneObject,
+    cousin: Cousin,
+    asset: Asset,
+    cloud: NDArray[np.floating],
+    scene: Objects,
+    options: GenerationConfig,
+) -> Placed:
+    """One asset with the object's yaw, extents and position, not yet on its support.
+
+    Args:
+        cloud: the object's points (N, 3), floor frame.
+        scene: gives camera and walls.
+    """
+    assert item.box is not None
+    mounting = item.mounting or Mounting(type=2)
+    touched = walls_of(mounting, scene.walls)
+    camera = np.array(scene.floor_from_camera)[:3, 3]
+    seen = UprightBox(item.box.center, item.box.size, item.box.yaw)
+    native = options.aspect_prior == "native"
+    is_round = native and asset.symmetry == "full" and not touched
+    yaw = view_yaw(camera, seen.center, cousin.orientation.yaw)
+    yaw = final_yaw(yaw, item.box, cloud, touched, asset.articulated, options)
+    box = measured_box(cloud, seen, sight_yaw(seen, camera) if is_round else yaw, camera, options.trim)
+    for wall in touched:
+        box = against_wall(box, wall, options.min_extent)
+    if is_round:
+        box = round_box(box, options.aspect_range)._replace(yaw=yaw)
+    elif native:
+        kept = -np.asarray(touched[0].normal) if touched else camera - np.asarray(box.center)
+        box = believable_box(box, asset.size, kept / np.linalg.norm(kept[:2]), options.aspect_range)
+    if not touched:
+        box = out_of_walls(box, scene.walls)
+    box = box._replace(size=np.maximum(np.asarray(box.size), options.min_extent))
+    return Placed(item.id, item.label, asset, box, mounting)
+
+
+def stacked(items: list[Placed], options: GenerationConfig) -> list[Placed]:
+    """Supports found and every item at its height (A.3), from low to high."""
+    ordered = sorted_by_height(items)
+    return on_supports(ordered, support_tree(ordered, options.support_overlap, options.stack_tolerance))

@@ -1,0 +1,56 @@
+"""Walls and heights by mounting type: 1 hangs on a wall, 2 stands, 3 stands and touches a wall (paper A.3)."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from stages.contracts.objects import Wall
+from stages.generation.placed import FLOOR, WALL, Placed
+from stages.geometry.boxes import UprightBox, corners
+from stages.geometry.frames import yaw_matrix
+
+PARALLEL = np.cos(np.deg2rad(15))  # a wall turned more than this against the box is not one it can lie flat on
+
+
+def facing_axis(box: UprightBox, wall: Wall) -> int | None:
+    """Which of the box's axes, 0 (x) or 1 (y), runs along the wall's normal; None if neither does."""
+    along = np.abs(np.asarray(wall.normal) @ yaw_matrix(box.yaw))[:2]
+    axis = int(np.argmax(along))
+    return axis if along[axis] >= PARALLEL else None
+
+
+def against_wall(box: UprightBox, wall: Wall, min_extent: float) -> UprightBox:
+    """The box rescaled so that its rear face lies in the wall and its front face stays where it is."""
+    axis = facing_axis(box, wall)
+    if axis is None:
+        return box
+    normal = np.asarray(wall.normal, dtype=float)
+    center, size = np.array(box.center, dtype=float), np.array(box.size, dtype=float)
+    front = float((corners(box) @ normal).max())
+    size[axis] = max(front - wall.offset, min_extent)
+    center += normal * (wall.offset + size[axis] / 2 - center @ normal)
+    return UprightBox(center, size, box.yaw)
+
+
+def at_height(item: Placed, support: str, beneath: float) -> Placed:
+    """The item on its support, whose top is at height `beneath`.
+
+    Type 1 is only lifted out of what is beneath it; types 2 and 3 are put on top of it.
+    """
+    if item.wall_mounted:
+        return replace(item.shifted([0, 0, max(0.0, beneath - item.bottom)]), support=WALL)
+    return replace(item.shifted([0, 0, beneath - item.bottom]), support=support)
+
+
+def on_supports(items: list[Placed], supports: dict[str, str]) -> list[Placed]:
+    """Every item at its height, lower ones first, since a support must be in its place before what it carries.
+
+    Args:
+        items: sorted from low to high, so that each comes after its support.
+        supports: id -> 'floor' or the id of the item beneath.
+    """
+    done: dict[str, Placed] = {}
+    for item in items:
+        support = supports[item.id]
+        done[item.id] = at_height(item, support, 0.0 if support == FLOOR else done[support].top)
+    return list(done.values())

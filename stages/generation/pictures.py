@@ -1,0 +1,49 @@
+"""Previews from the input camera, and the comparison picture: input beside the scenes of every rank."""
+
+from pathlib import Path
+
+import numpy as np
+import sapien
+from numpy.typing import NDArray
+from PIL import Image, ImageDraw, ImageFont
+
+from stages.contracts import InputError, Objects
+from stages.simulation.rendering import Camera
+
+TITLE, COLUMNS, GAP = 34, 3, 6
+SMOOTHING = 2  # rendered so many times larger and averaged
+INK, PAPER = (30, 30, 30), (255, 255, 255)
+
+
+def preview(scene: sapien.Scene, objects: Objects, width: int) -> NDArray[np.uint8]:
+    """The scene as the input camera sees it, (H, width, 3); its world is the floor frame."""
+    factor = SMOOTHING * width / objects.width
+    height = round(objects.height * width / objects.width)
+    intrinsics = np.array(objects.intrinsics) * [[factor], [factor], [1.0]]
+    intrinsics[:2, 2] += (factor - 1) / 2  # pixel centres are at integers
+    picture = Camera(scene, intrinsics, SMOOTHING * width, SMOOTHING * height).render(objects.floor_from_camera)
+    return np.asarray(Image.fromarray(picture.rgb).resize((width, height), Image.Resampling.BOX))
+
+
+def read_picture(path: Path, width: int) -> NDArray[np.uint8]:
+    """An RGB image, resized to a width."""
+    try:
+        image = Image.open(path).convert("RGB")
+    except OSError as error:
+        raise InputError(path, f"is no picture that can be read ({error}).") from None
+    return np.asarray(image.resize((width, round(image.height * width / image.width)), Image.Resampling.LANCZOS))
+
+
+def side_by_side(pictures: list[tuple[str, NDArray[np.uint8]]]) -> Image.Image:
+    """Pictures of one size with their titles above, three to a row."""
+    height, width = pictures[0][1].shape[:2]
+    columns = min(COLUMNS, len(pictures))
+    rows = -(-len(pictures) // columns)
+    cell_width, cell_height = width + GAP, height + TITLE + GAP
+    sheet = Image.new("RGB", (columns * cell_width - GAP, rows * cell_height - GAP), PAPER)
+    canvas = ImageDraw.Draw(sheet)
+    for index, (title, picture) in enumerate(pictures):
+        x, y = index % columns * cell_width, index // columns * cell_height
+        canvas.text((x + width / 2, y + TITLE / 2), title, fill=INK, font=ImageFont.load_default(20), anchor="mm")
+        sheet.paste(Image.fromarray(picture).resize((width, height)), (x, y + TITLE))
+    return sheet

@@ -1,0 +1,54 @@
+"""An asset in its place, as it passes from step to step."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stages.contracts import Asset
+from stages.contracts.objects import Mounting
+from stages.geometry.boxes import UprightBox
+
+FLOOR, WALL = "floor", "wall"
+
+
+@dataclass(frozen=True)
+class Placed:
+    """An asset whose closed box is `box` (floor frame). `support`: 'floor', 'wall' or the id of the object beneath."""
+
+    id: str
+    label: str
+    asset: Asset
+    box: UprightBox
+    mounting: Mounting
+    support: str = FLOOR
+    moved: float = 0.0
+
+    @property
+    def center(self) -> NDArray[np.float64]:
+        """Box centre (3,)."""
+        return np.asarray(self.box.center, dtype=float)
+
+    @property
+    def size(self) -> NDArray[np.float64]:
+        """Extents (3,) along the asset's own axes."""
+        return np.asarray(self.box.size, dtype=float)
+
+    @property
+    def bottom(self) -> float:
+        """Height of the lower face."""
+        return float(self.center[2] - self.size[2] / 2)
+
+    @property
+    def top(self) -> float:
+        """Height of the upper face."""
+        return float(self.center[2] + self.size[2] / 2)
+
+    @property
+    def wall_mounted(self) -> bool:
+        """Whether it hangs on a wall (A.2, type 1)."""
+        return self.mounting.type == 1
+
+    def shifted(self, offset: ArrayLike) -> "Placed":
+        """Moved by `offset` (3,)."""
+        return replace(self, box=self.box._replace(center=self.center + np.asarray(offset, dtype=float)))

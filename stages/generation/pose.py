@@ -1,0 +1,52 @@
+"""Yaw of an asset from the matched view, its cloud and its walls (paper A.7, A.3)."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from shapely import MultiPoint
+
+from stages.geometry.frames import wrap_angle
+
+QUARTER = np.pi / 2
+OUTLINE_TOLERANCE = 0.02  # metres by which the outline of a cloud is smoothed, above the noise of depth
+OUTLINE_ANGLE = np.deg2rad(12)  # a side that is turned less than this runs along an axis
+
+
+def view_yaw(camera: ArrayLike, center: ArrayLike, psi: float) -> float:
+    """Yaw in the floor frame of an asset that looks to the camera as it does at snapshot yaw `psi`.
+
+    At psi = 0 the asset's front (+x) faces the camera; the direction is that to the object, not the
+    optical axis, so that things at the border of the picture are turned rightly as well.
+    """
+    away = np.asarray(center, dtype=float)[:2] - np.asarray(camera, dtype=float)[:2]
+    return wrap_angle(float(np.arctan2(-away[1], -away[0])) + psi)
+
+
+def turned_to(yaw: float, axes: float, limit: float | None = None) -> float:
+    """`yaw` turned by the smallest angle that lays the asset's x or y axis along the frame at angle `axes`.
+
+    Args:
+        limit: largest turn in radians; a larger one is not made. None: no limit.
+    """
+    turn = wrap_angle(axes - yaw, QUARTER)
+    return yaw if limit is not None and abs(turn) > limit else wrap_angle(yaw + turn)
+
+
+def wall_axes(normal: ArrayLike) -> float:
+    """Angle of the frame whose x axis is the normal of a wall."""
+    x, y = np.asarray(normal, dtype=float)[:2]
+    return float(np.arctan2(y, x))
+
+
+def rectangularity(cloud: NDArray[np.floating], yaw: float) -> float:
+    """Share, in [0, 1], of the cloud's outline from above that runs along the axes turned by `yaw`.
+
+    1 for a rectangle seen whole, 0.6 for its front and one side, about a quarter for a round thing.
+    """
+    outline = MultiPoint(np.asarray(cloud, dtype=float)[:, :2]).convex_hull.simplify(OUTLINE_TOLERANCE)
+    points = np.asarray(outline.exterior.coords if outline.geom_type == "Polygon" else outline.coords)
+    sides = np.diff(points, axis=0)
+    lengths = np.linalg.norm(sides, axis=1)
+    if not lengths.sum():
+        return 0.0
+    turns = np.abs([wrap_angle(angle - yaw, QUARTER) for angle in np.arctan2(sides[:, 1], sides[:, 0])])
+    return float(lengths[turns <= OUTLINE_ANGLE].sum() / lengths.sum())

@@ -1,0 +1,105 @@
+"""The physics check: put the scene into SAPIEN, let it settle, and see what moves (CPU PhysX)."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeAlias
+
+import numpy as np
+import sapien
+from numpy.typing import NDArray
+from sapien.physx import PhysxArticulation
+from scipy.spatial.transform import Rotation
+
+from stages.config.generation import GenerationConfig
+from stages.contracts.generated import Plausibility
+from stages.generation.placed import Placed
+from stages.simulation.loading import load_asset, root_pose
+
+Body: TypeAlias = PhysxArticulation | sapien.Entity
+
+
+@dataclass(frozen=True)
+class Settled:
+    """The verdict, and how far every item moved, metres."""
+
+    plausibility: Plausibility
+    shifts: dict[str, float]
+
+
+def is_fixed(item: Placed) -> bool:
+    """What hangs on a wall, and articulated furniture, is held in place; everything else may fall."""
+    return item.wall_mounted or item.asset.articulated
+
+
+def load_items(scene: sapien.Scene, items: list[Placed], folders: Mapping[str, Path]) -> dict[str, Body]:
+    """Load every item at its place, closed. `folders`: by id, of assets that have the item's size already."""
+    return {
+        item.id: load_asset(
+            scene,
+            folders[item.id],
+            root_pose(item.asset, item.center.tolist(), item.box.yaw),
+            fixed=is_fixed(item),
+            name=item.id,
+        )
+        for item in items
+    }
+
+
+def _pose(body: Body) -> sapien.Pose:
+    return body.get_root_pose() if isinstance(body, PhysxArticulation) else body.get_pose()
+
+
+def _box_center(item: Placed, pose: sapien.Pose) -> NDArray[np.float64]:
+    middle = (np.asarray(item.asset.box_min) + np.asarray(item.asset.box_max)) / 2
+    return np.asarray((pose * sapien.Pose(middle)).p, dtype=float)
+
+
+def _tilt(pose: sapien.Pose) -> float:
+    """Angle between the body's z axis and the world's, degrees."""
+    up = Rotation.from_quat(pose.q, scalar_first=True).as_matrix()[2, 2]
+    return float(np.degrees(np.arccos(np.clip(up, -1, 1))))
+
+
+def deepest_contact(scene: sapien.Scene) -> float:
+    """Largest overlap of any two bodies in contact, metres."""
+    separations = [point.separation for contact in scene.get_contacts() for point in contact.points]
+    return max(0.0, -min(separations, default=0.0))
+
+
+def settle(
+    scene: sapien.Scene,
+    bodies: Mapping[str, Body],
+    items: list[Placed],
+    collisions: int,
+    options: GenerationConfig,
+) -> Settled:
+    """Run the scene for `settle_seconds` and compare where everything is with where it was put.
+
+    Args:
+        scene: holds the bodies of `load_items`, a floor and the walls.
+        collisions: pairs of collision shapes that the pushes could not free.
+    """
+    steps = round(options.settle_seconds / scene.timestep)
+    penetration = 0.0
+    for step in range(steps):
+        scene.step()
+        if step == 0:
+            penetration = deepest_contact(scene)
+    shifts, fallen = {}, []
+    for item in items:
+        pose = _pose(bodies[item.id])
+        shift = float(np.linalg.norm(_box_center(item, pose) - item.center))
+        shifts[item.id] = round(shift, 5)
+        if shift > options.fallen_distance or _tilt(pose) > options.fallen_tilt:
+            fallen.append(item.id)
+    free = [shifts[item.id] for item in items if not is_fixed(item)]
+    verdict = Plausibility(
+        seconds=options.settle_seconds,
+        stable=not fallen and not collisions,
+        fallen=fallen,
+        mean_displacement=round(float(np.mean(free)), 5) if free else 0.0,
+        max_penetration=round(penetration, 5),
+        collisions=collisions,
+    )
+    return Settled(verdict, shifts)

@@ -1,0 +1,62 @@
+"""Extents that the camera could not see, from the asset's own proportions. The paper has no such step (option off)."""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from stages.geometry.boxes import UprightBox
+from stages.geometry.frames import wrap_angle, yaw_matrix
+
+SIDEWAYS = 0.25  # cosine to the line of sight below which neither end of an axis is the nearer one
+
+
+def sight_yaw(box: UprightBox, camera: ArrayLike) -> float:
+    """Yaw whose x axis points away from the camera."""
+    away = np.asarray(box.center, dtype=float)[:2] - np.asarray(camera, dtype=float)[:2]
+    return wrap_angle(float(np.arctan2(away[1], away[0])))
+
+
+def round_box(box: UprightBox, believable: tuple[float, float]) -> UprightBox:
+    """The box of a round asset: as deep as it is wide.
+
+    Its width is seen whole; half of its surface is hidden, and noise and mixed pixels at its outline
+    stretch the other half along the line of sight.
+
+    Args:
+        box: measured along `sight_yaw`, so that x is depth and y is width.
+        believable: a depth beyond the second number times the width has points of the background in it.
+    """
+    center, size = np.array(box.center, dtype=float), np.array(box.size, dtype=float)
+    depth, width = size[:2]
+    if depth < width or depth > believable[1] * width:
+        center += (width - depth) / 2 * yaw_matrix(box.yaw)[:, 0]
+    size[0] = width
+    return UprightBox(center, size, box.yaw)
+
+
+def believable_box(
+    box: UprightBox, native: ArrayLike, fixed_face: ArrayLike, believable: tuple[float, float]
+) -> UprightBox:
+    """The box with depth or width replaced if it cannot be what was seen of such an asset.
+
+    The scale of an axis is its extent over the asset's native one. The median of the three scales is
+    the asset's scale; an x or y scale outside `believable` times it is replaced by it.
+
+    Args:
+        box: measured extents along the asset's axes.
+        native: extents (3,) of the asset as it is in the library.
+        fixed_face: direction (2,) to the face that stays where it is: towards the camera, since that
+            side was seen, or towards the wall that the object touches.
+    """
+    size, native = np.array(box.size, dtype=float), np.asarray(native, dtype=float)
+    center, turn = np.array(box.center, dtype=float), yaw_matrix(box.yaw)
+    scales = size / native
+    scale = float(np.median(scales))
+    for axis in (0, 1):
+        if believable[0] * scale <= scales[axis] <= believable[1] * scale:
+            continue
+        along = float(turn[:2, axis] @ np.asarray(fixed_face, dtype=float)[:2])
+        growth = scale * native[axis] - size[axis]
+        size[axis] += growth
+        if abs(along) > SIDEWAYS:
+            center -= np.sign(along) * growth / 2 * turn[:, axis]
+    return UprightBox(center, size, box.yaw)

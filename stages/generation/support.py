@@ -1,0 +1,53 @@
+"""What stands on what: the 70 % rule (paper A.3), with a check that it is on top and not merely in front."""
+
+from collections.abc import Mapping
+
+from stages.generation.placed import FLOOR, Placed
+from stages.geometry.boxes import footprint
+
+
+def sorted_by_height(items: list[Placed]) -> list[Placed]:
+    """From low to high by the height of the box centre (A.3); ties by id, so that the order is always the same."""
+    return sorted(items, key=lambda item: (item.center[2], item.id))
+
+
+def overlap_share(upper: Placed, lower: Placed) -> float:
+    """Shared footprint area as a share of the smaller of both footprints."""
+    a, b = footprint(upper.box), footprint(lower.box)
+    smaller = min(a.area, b.area)
+    return float(a.intersection(b).area / smaller) if smaller > 0 else 0.0
+
+
+def support_tree(items: list[Placed], overlap: float, tolerance: float | None) -> dict[str, str]:
+    """The support of every item: 'floor' or the id of the highest one beneath it.
+
+    Args:
+        items: sorted from low to high.
+        overlap: share of the smaller footprint that must be exceeded (paper: 0.7).
+        tolerance: metres by which the upper bottom may lie below the lower top. Without it (None, as
+            in the paper) a chair that is tucked under a table ends up standing on it.
+    """
+    supports = {}
+    for index, item in enumerate(items):
+        carriers = [
+            lower
+            for lower in items[:index]
+            if overlap_share(item, lower) > overlap and (tolerance is None or item.bottom >= lower.top - tolerance)
+        ]
+        supports[item.id] = max(carriers, key=lambda lower: (lower.top, lower.id)).id if carriers else FLOOR
+    return supports
+
+
+def stack_of(base: str, supports: Mapping[str, str]) -> set[str]:
+    """Ids of an item and of everything that it carries, directly or not."""
+    stack = {base}
+    while True:
+        more = {name for name, support in supports.items() if support in stack} - stack
+        if not more:
+            return stack
+        stack |= more
+
+
+def related(a: str, b: str, supports: Mapping[str, str]) -> bool:
+    """Whether one of the two carries the other, directly or not."""
+    return b in stack_of(a, supports) or a in stack_of(b, supports)

@@ -1,0 +1,67 @@
+"""Upright boxes: corners, footprint, intersection over union (paper B.1)."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from shapely import Polygon
+
+from stages.geometry.frames import yaw_matrix
+
+_SIGNS = np.array([(x, y, z) for z in (-0.5, 0.5) for x, y in ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))])
+
+
+class UprightBox(NamedTuple):
+    """A box turned about z: centre (3,), extents (3,) along its own axes, yaw in radians."""
+
+    center: ArrayLike
+    size: ArrayLike
+    yaw: float
+
+    @property
+    def bottom(self) -> float:
+        """Height of the lower face."""
+        return float(np.asarray(self.center)[2] - np.asarray(self.size)[2] / 2)
+
+    @property
+    def top(self) -> float:
+        """Height of the upper face."""
+        return float(np.asarray(self.center)[2] + np.asarray(self.size)[2] / 2)
+
+
+def corners(box: UprightBox) -> NDArray[np.float64]:
+    """The 8 corners (8, 3): bottom face counter-clockwise from (-x, -y), then the top face."""
+    return _SIGNS * np.asarray(box.size) @ yaw_matrix(box.yaw).T + np.asarray(box.center)
+
+
+def footprint(box: UprightBox) -> Polygon:
+    """The box seen from above, as a polygon in the x-y plane."""
+    return Polygon(corners(box)[:4, :2])
+
+
+def bounds(box: UprightBox) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Lowest and highest corner (3,), (3,) of the axis-aligned box around the box."""
+    points = corners(box)
+    return points.min(axis=0), points.max(axis=0)
+
+
+def volume(box: UprightBox) -> float:
+    """Volume in cubic metres."""
+    return float(np.prod(np.asarray(box.size)))
+
+
+def axis_aligned_iou(a: UprightBox, b: UprightBox) -> float:
+    """Intersection over union in [0, 1] of the axis-aligned boxes around two boxes ("Bbox IoU", Table 2)."""
+    (low_a, high_a), (low_b, high_b) = bounds(a), bounds(b)
+    overlap = np.prod(np.clip(np.minimum(high_a, high_b) - np.maximum(low_a, low_b), 0, None))
+    union = np.prod(high_a - low_a) + np.prod(high_b - low_b) - overlap
+    return float(overlap / union) if union > 0 else 0.0
+
+
+def oriented_iou(a: UprightBox, b: UprightBox) -> float:
+    """Intersection over union in [0, 1] of two boxes as they are turned ("Ori. Bbox IoU", Table 2)."""
+    (low_a, high_a), (low_b, high_b) = bounds(a), bounds(b)
+    height = max(0.0, min(high_a[2], high_b[2]) - max(low_a[2], low_b[2]))
+    overlap = footprint(a).intersection(footprint(b)).area * height
+    union = volume(a) + volume(b) - overlap
+    return float(overlap / union) if union > 0 else 0.0

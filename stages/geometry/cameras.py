@@ -1,0 +1,37 @@
+"""Pinhole camera: intrinsics, back-projection, projection. Camera frame x right, y down, z forward."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stages.geometry.frames import rigid
+
+
+def intrinsics_from_fov(width: int, height: int, fov_y: float) -> NDArray[np.float64]:
+    """3x3 matrix K for a vertical field of view in radians; square pixels, pixel centres at integers."""
+    focal = height / 2 / np.tan(fov_y / 2)
+    return np.array([[focal, 0.0, (width - 1) / 2], [0.0, focal, (height - 1) / 2], [0.0, 0.0, 1.0]])
+
+
+def look_at(eye: ArrayLike, target: ArrayLike) -> NDArray[np.float64]:
+    """4x4 `world_from_camera` of a level camera at `eye` that looks at `target`; world z is up."""
+    eye = np.asarray(eye, dtype=float)
+    forward = np.asarray(target, dtype=float) - eye
+    forward /= np.linalg.norm(forward)
+    right = np.cross(forward, [0.0, 0.0, 1.0])
+    right /= np.linalg.norm(right)
+    return rigid(np.column_stack([right, np.cross(forward, right), forward]), eye)
+
+
+def back_project(depth: NDArray[np.floating], intrinsics: ArrayLike) -> NDArray[np.float64]:
+    """Points (H, W, 3) in the camera frame of a depth image (H, W) in metres along the optical axis."""
+    height, width = depth.shape
+    u, v = np.meshgrid(np.arange(width), np.arange(height))
+    rays = np.stack([u, v, np.ones_like(u)], axis=-1) @ np.linalg.inv(np.asarray(intrinsics, dtype=float)).T
+    return rays * depth[..., None]
+
+
+def project(points: ArrayLike, intrinsics: ArrayLike) -> NDArray[np.float64]:
+    """Pixels (..., 2) of points (..., 3) in the camera frame; NaN behind the camera."""
+    image = np.asarray(points, dtype=float) @ np.asarray(intrinsics, dtype=float).T
+    depth = np.where(image[..., 2:] > 1e-6, image[..., 2:], np.nan)
+    return image[..., :2] / depth

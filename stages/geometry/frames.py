@@ -1,0 +1,67 @@
+"""Rotations and rigid transforms: yaw, quaternions (wxyz), 4x4 matrices `target_from_source`."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.spatial.transform import Rotation
+
+# Smallest turn about z that maps an object onto itself, by `Asset.symmetry`.
+SYMMETRY_PERIOD = {"none": 2 * np.pi, "half_turn": np.pi, "quarter_turn": np.pi / 2, "full": 0.0}
+
+
+def wrap_angle(angle: float, period: float = 2 * np.pi) -> float:
+    """`angle` modulo `period`, in (-period / 2, period / 2]."""
+    return float(period / 2 - (period / 2 - angle) % period)
+
+
+def angle_difference(a: float, b: float, symmetry: str = "none") -> float:
+    """Smallest turn between two yaws in [0, pi], given the object's rotational symmetry about z."""
+    period = SYMMETRY_PERIOD[symmetry]
+    return abs(wrap_angle(a - b, period)) if period else 0.0
+
+
+def yaw_matrix(yaw: float) -> NDArray[np.float64]:
+    """3x3 rotation about z."""
+    c, s = np.cos(yaw), np.sin(yaw)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+def yaw_of_matrix(rotation: ArrayLike) -> float:
+    """Yaw of the rotated x axis; the rotation is taken to be about z."""
+    rotation = np.asarray(rotation)
+    return float(np.arctan2(rotation[1, 0], rotation[0, 0]))
+
+
+def yaw_quaternion(yaw: float) -> NDArray[np.float64]:
+    """Quaternion wxyz of a rotation about z."""
+    return np.array([np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)])
+
+
+def quaternion_from_matrix(rotation: ArrayLike) -> NDArray[np.float64]:
+    """Unit quaternion wxyz, w >= 0, of a 3x3 rotation."""
+    return Rotation.from_matrix(np.asarray(rotation)).as_quat(canonical=True, scalar_first=True)
+
+
+def matrix_from_quaternion(wxyz: ArrayLike) -> NDArray[np.float64]:
+    """3x3 rotation of a quaternion wxyz (normalised first)."""
+    return Rotation.from_quat(np.asarray(wxyz, dtype=float), scalar_first=True).as_matrix()
+
+
+def rigid(rotation: ArrayLike, translation: ArrayLike) -> NDArray[np.float64]:
+    """4x4 transform of a 3x3 rotation and a translation."""
+    transform = np.eye(4)
+    transform[:3, :3] = rotation
+    transform[:3, 3] = translation
+    return transform
+
+
+def inverse(transform: ArrayLike) -> NDArray[np.float64]:
+    """Inverse of a rigid 4x4 transform."""
+    transform = np.asarray(transform, dtype=float)
+    rotation = transform[:3, :3].T
+    return rigid(rotation, -rotation @ transform[:3, 3])
+
+
+def apply(transform: ArrayLike, points: ArrayLike) -> NDArray[np.float64]:
+    """Transform points (..., 3)."""
+    transform = np.asarray(transform, dtype=float)
+    return np.asarray(points) @ transform[:3, :3].T + transform[:3, 3]

@@ -1,0 +1,12 @@
+"""`python -m stages.matching VERB --help`."""
+
+from stages.cli import main
+
+main(
+    "matching",
+    {
+        "features": "encode the patches of one shard of snapshots",
+        "match": "rank the cousins of every object of one scene",
+        "select": "name twin, cousins and dissimilar asset of a policy experiment",
+    },
+)

@@ -1,0 +1,39 @@
+"""Verb `features`: encode the patches of one shard of snapshots, once per library and encoder."""
+
+from pathlib import Path
+
+import numpy as np
+
+from stages.cli import progress
+from stages.config.matching import MatchingConfig
+from stages.contracts import read_options
+from stages.matching.encoders import make_encoder, settings_digest
+from stages.matching.snapshots import SnapshotFile
+from stages.matching.store import StoreIndex, write_store
+
+
+def run(*, snapshots: Path, out: Path, options: str = "{}") -> None:
+    """Write the feature store of one shard.
+
+    Args:
+        snapshots: shard_I.h5 of the assets stage, with shard_I.json beside it.
+        out: .npy file to write; its .json index comes beside it.
+        options: JSON of the config section `matching`; of it only the encoder's part counts.
+    """
+    settings = read_options(MatchingConfig, options)
+    encoder = make_encoder(settings)
+    rows, starts = [], [0]
+    with SnapshotFile(snapshots) as shard:
+        for asset in progress(shard.sidecar.assets, "assets encoded", len(shard.sidecar.assets)):
+            for patches in encoder.encode(shard.views(asset)):
+                rows.append(patches.rows.astype(np.float16))
+                starts.append(starts[-1] + len(rows[-1]))
+        index = StoreIndex(
+            encoder=settings.encoder,
+            settings=settings_digest(settings, encoder),
+            upright=shard.sidecar.elevation is not None,
+            assets=shard.sidecar.assets,
+            yaws=shard.sidecar.yaws,
+            starts=starts,
+        )
+    write_store(out, index, rows)

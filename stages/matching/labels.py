@@ -1,0 +1,118 @@
+"""Nearest categories of a label (paper 2.1): by words, kinds and letters, or by CLIP's text encoder."""
+
+import importlib
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from sklearn.feature_extraction.text import TfidfVectorizer
+
+from stages.config.matching import MatchingConfig
+
+# Words for the same thing; each is replaced by the first of its line. Single words, singular.
+SYNONYMS = """
+cabinet cupboard sideboard credenza
+wardrobe closet armoire
+dresser commode bureau
+refrigerator fridge freezer icebox
+television tv telly monitor screen
+sofa couch settee loveseat
+shelf bookshelf bookcase rack shelving
+stool footstool ottoman
+lamp light lantern
+picture painting poster artwork canvas frame photo
+plant houseplant
+pot planter flowerpot
+mug cup beaker
+bottle flask
+box carton crate package
+rug carpet mat
+stove cooker
+book novel
+"""
+# Kinds of things: a label without a category of its own name finds its kin, not the first of the alphabet.
+KINDS = """
+cabinet wardrobe dresser chest nightstand drawer locker shelf
+refrigerator oven stove microwave dishwasher washer dryer toaster
+chair stool armchair bench sofa seat
+table desk counter
+bowl mug plate dish pot pan kettle vase bottle jar glass jug
+television picture mirror clock laptop board
+lamp candle chandelier
+book box basket bin bag
+plant pot flower vase tree
+bed sofa crib mattress
+"""
+CANONICAL = {word: line.split()[0] for line in SYNONYMS.strip().splitlines() for word in line.split()}
+GROUPS = [set(line.split()) for line in KINDS.strip().splitlines()]
+LEAST = 0.03  # similarity below this is a few letters by chance
+KNOWN = set(CANONICAL).union(*GROUPS)
+SHARES = {"word": 0.6, "kind": 0.25, "letters": 0.15}  # of the similarity; letters: plurals, compounds, spelling
+
+TextDistance = Callable[[str, Sequence[str]], NDArray[np.float64]]
+
+
+def words(label: str) -> list[str]:
+    """A label or category as lower-case canonical words: underscores removed, plural endings cut."""
+    parts = ["".join(filter(str.isalnum, part)) for part in label.lower().replace("_", " ").replace("-", " ").split()]
+    if "".join(parts) in KNOWN:  # "night stand" as nightstand
+        parts = ["".join(parts)]
+    result = []
+    for word in parts:
+        if len(word) > 3 and word.endswith("s") and not word.endswith(("ss", "us")):
+            word = word[:-2] if word.endswith(("shes", "ches", "xes", "sses")) else word[:-1]
+        word = {"shelve": "shelf"}.get(word, word)
+        if word:
+            result.append(CANONICAL.get(word, word))
+    return result
+
+
+def _texts(tokens: list[str]) -> dict[str, str]:
+    """What is compared, by aspect. The last word says what a thing is ("coffee table"): it counts twice."""
+    weighted = tokens + tokens[-1:]
+    kinds = [f"kind{number}" for word in weighted for number, group in enumerate(GROUPS) if word in group]
+    return {"word": " ".join(weighted), "kind": " ".join(kinds), "letters": " ".join(tokens)}
+
+
+def lexical_distance(label: str, categories: Sequence[str]) -> NDArray[np.float64]:
+    """1 - similarity (C,), in [0, 1), of the label to each category; inf: they have nothing in common."""
+    texts = [_texts(words(text)) for text in [label, *categories]]
+    similarity = np.zeros(len(categories))
+    for aspect, share in SHARES.items():
+        corpus = [text[aspect] for text in texts]
+        if not corpus[0] or not any(corpus[1:]):
+            continue
+        if aspect == "letters":
+            vectorizer = TfidfVectorizer(analyzer="char_wb", ngram_range=(3, 4))
+        else:
+            vectorizer = TfidfVectorizer(token_pattern=r"\S+")
+        vectors = vectorizer.fit_transform(corpus)
+        similarity += share * (vectors[1:] @ vectors[0].T).toarray()[:, 0]
+    return np.where(similarity > LEAST, np.maximum(1 - similarity, 0.0), np.inf)
+
+
+def _lexical(options: MatchingConfig) -> TextDistance:
+    return lexical_distance
+
+
+def _clip(options: MatchingConfig) -> TextDistance:
+    distance: TextDistance = importlib.import_module("stages.matching.clip").ClipText(options.clip).distance
+    return distance
+
+
+TEXT_ENCODERS: dict[str, Callable[[MatchingConfig], TextDistance]] = {"lexical": _lexical, "clip": _clip}
+
+
+def nearest_categories(
+    label: str, categories: Sequence[str], count: int, distance: TextDistance
+) -> list[tuple[str, float]]:
+    """The `count` nearest categories with their distances, nearest first; ties by name.
+
+    Fewer, or none, if the others have nothing in common with the label.
+    """
+    names = sorted(set(categories))
+    if not names:
+        return []
+    distances = np.round(distance(label, names), 6)
+    order = np.argsort(distances, kind="stable")[:count]
+    return [(names[index], float(distances[index])) for index in order if np.isfinite(distances[index])]

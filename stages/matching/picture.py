@@ -1,0 +1,77 @@
+"""`cousins.png`: each object's crop beside its cousins in the orientation chosen for them."""
+
+from collections.abc import Sequence
+from contextlib import ExitStack
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageDraw, ImageFont
+
+from stages.contracts import Cousins, InputError, atomic
+from stages.matching.crop import View, cut
+from stages.matching.scene import Scene
+from stages.matching.snapshots import SnapshotFile
+
+TILE, CAPTION, MARGIN = 128, 32, 6
+SHOWN = 8  # cousins per row
+PAPER, INK, PALE = (255, 255, 255), (30, 30, 30), (150, 150, 150)
+Picture = NDArray[np.uint8]
+
+
+def write_picture(path: Path, result: Cousins, scene: Scene, snapshots: Sequence[Path]) -> None:
+    """Write one row per object: its crop, then its first cousins with asset, distance and yaw."""
+    rows = max(1, len(result.objects))
+    columns = 1 + min(SHOWN, max((len(entry.cousins) for entry in result.objects), default=0))
+    step_x, step_y = TILE + MARGIN, TILE + CAPTION + MARGIN
+    page = Image.new("RGB", (columns * step_x + MARGIN, rows * step_y + MARGIN), PAPER)
+    draw, font = ImageDraw.Draw(page), ImageFont.load_default(size=11)
+    with ExitStack() as stack:
+        shards = [stack.enter_context(SnapshotFile(shard)) for shard in snapshots]
+        for row, (item, entry) in enumerate(zip(scene.objects.objects, result.objects, strict=True)):
+            y = MARGIN + row * step_y
+            view = scene.view(item)
+            if view.mask.any():
+                page.paste(Image.fromarray(crop_picture(view)), (MARGIN, y))
+            draw.text((MARGIN, y + TILE + 2), f"{entry.id}\n{_counts(item.doors, item.drawers)}", INK, font)
+            if entry.status == "failed":
+                draw.text((MARGIN + step_x, y + TILE // 2), f"failed: {entry.reason}", INK, font)
+            for column, cousin in enumerate(entry.cousins[:SHOWN], 1):
+                x = MARGIN + column * step_x
+                tile = _snapshot(shards, cousin.asset, cousin.orientation.yaw)
+                page.paste(Image.fromarray(_fit(tile)), (x, y))
+                yaw = f"{np.degrees(cousin.orientation.yaw):.0f}°"
+                draw.text((x, y + TILE + 2), f"{cousin.asset}\n{cousin.distance:.3f}  {yaw}", INK, font)
+            draw.line([(MARGIN, y + step_y - 4), (page.width - MARGIN, y + step_y - 4)], PALE)
+    with atomic(path) as temporary:
+        page.save(temporary)
+
+
+def crop_picture(view: View) -> Picture:
+    """The object (TILE, TILE, 3) with a little of what is around it, darkened outside its mask."""
+    shade = np.where(view.mask[..., None], view.rgb, view.rgb // 3).astype(np.uint8)
+    return _fit(cut(View(shade, view.mask)).rgb)
+
+
+def _fit(picture: Picture) -> Picture:
+    """A picture scaled to fit into a (TILE, TILE) square, centred on white."""
+    scale = TILE / max(picture.shape[:2])
+    width, height = (max(1, round(side * scale)) for side in picture.shape[1::-1])
+    small = cv2.resize(picture, (width, height), interpolation=cv2.INTER_AREA if scale < 1 else cv2.INTER_LINEAR)
+    tile = np.full((TILE, TILE, 3), 255, np.uint8)
+    x, y = (TILE - width) // 2, (TILE - height) // 2
+    tile[y : y + height, x : x + width] = small
+    return tile
+
+
+def _counts(doors: int, drawers: int) -> str:
+    counts = {"door": doors, "drawer": drawers}
+    return ", ".join(f"{number} {name}{'s' if number > 1 else ''}" for name, number in counts.items() if number)
+
+
+def _snapshot(shards: Sequence[SnapshotFile], asset: str, yaw: float) -> Picture:
+    for shard in shards:
+        if asset in shard:
+            return shard.picture(asset, yaw)
+    raise InputError("--snapshots", f"no shard holds {asset}.", "give the snapshots that the features were made from")

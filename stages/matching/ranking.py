@@ -1,0 +1,137 @@
+"""Rank models and orientations for one object by patch voting and by embedding distance (paper A.6, B.1)."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stages.config.matching import MatchingConfig
+from stages.contracts.cousins import Candidate, Cousin, ObjectCousins, Orientation
+from stages.contracts.library import LibraryEntry
+from stages.matching.candidates import Candidates
+from stages.matching.crop import View
+from stages.matching.encoders import PatchEncoder
+from stages.matching.search import distance_table
+from stages.matching.store import FeatureStore, Snapshot
+from stages.matching.voting import Pick, embedding_distance, vote
+
+DIGITS = 4  # of distances: beyond them backends differ, so what is equal up to here is a tie
+
+
+class Query(NamedTuple):
+    """Weighted patches (P, D) of one object, and the weights (columns,) that made them, for the other side."""
+
+    patches: NDArray[np.float32]
+    weights: NDArray[np.float32]
+
+
+class Ranking(NamedTuple):
+    """Both rankings of some groups of snapshots: distance (G,) per group, and the picks in order."""
+
+    distances: NDArray[np.float64]
+    picks: list[Pick]
+
+    @property
+    def nearest(self) -> list[int]:
+        """Groups, nearest first; ties in their order."""
+        return [int(group) for group in np.argsort(self.distances, kind="stable")]
+
+
+def weighted(rows: NDArray[np.floating], weights: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Stored rows (P, columns) as vectors (P, D) to compare: weights applied, columns without weight left out."""
+    used = weights > 0
+    return rows[:, used].astype(np.float32) * weights[used]
+
+
+def make_query(view: View, encoder: PatchEncoder) -> Query | None:
+    """Encode an object; normals count if half of its pixels or more have depth. None: it has no foreground patch."""
+    known = 0 if view.depth is None else np.count_nonzero(view.depth[view.mask])
+    weights = encoder.weights(bool(2 * known >= np.count_nonzero(view.mask)))
+    rows = encoder.encode([view])[0].rows.astype(np.float16)  # as the other side is stored
+    return Query(weighted(rows, weights), weights) if len(rows) else None
+
+
+def rank(
+    query: Query,
+    snapshots: Sequence[Snapshot],
+    groups: Sequence[int],
+    store: FeatureStore,
+    options: MatchingConfig,
+    rounds: int,
+) -> Ranking:
+    """Compare the query with snapshots that are grouped, e.g. by model: a group is as near as its nearest snapshot."""
+    owner = np.asarray(groups, dtype=np.intp)
+    nearest = rounds * int(np.bincount(owner).max())  # entries per patch that some round of voting can look at
+    table = distance_table(
+        query.patches,
+        lambda number: weighted(store.rows(snapshots[number]), query.weights),
+        len(snapshots),
+        options.search,
+        nearest,
+    )
+    distances = np.full(int(owner.max()) + 1, np.inf)
+    np.minimum.at(distances, owner, embedding_distance(table, options.exclude_worst))
+    return Ranking(distances.round(DIGITS), vote(table, owner, rounds))
+
+
+def compared_views(store: FeatureStore, options: MatchingConfig) -> list[int]:
+    """Views by which models are compared: the representative alone (paper), or some evenly spaced yaws."""
+    count = min(options.views, len(store.yaws))
+    return [round(k * len(store.yaws) / count) for k in range(count)] or [store.representative]
+
+
+def rank_models(
+    query: Query, assets: Sequence[LibraryEntry], store: FeatureStore, options: MatchingConfig
+) -> tuple[list[Candidate], list[Candidate]]:
+    """Candidates by votes (the top k_model) and by distance (all of them)."""
+    views = compared_views(store, options)
+    snapshots = [Snapshot(entry.id, view) for entry in assets for view in views]
+    groups = [number for number in range(len(assets)) for _ in views]
+    ranking = rank(query, snapshots, groups, store, options, options.k_model)
+    votes = dict(ranking.picks)
+    candidates = [
+        Candidate(asset=entry.id, category=entry.category, distance=float(distance), votes=votes.get(number))
+        for number, (entry, distance) in enumerate(zip(assets, ranking.distances, strict=True))
+    ]
+    return [candidates[group] for group, _ in ranking.picks], [candidates[group] for group in ranking.nearest]
+
+
+def rank_orientations(query: Query, asset: str, store: FeatureStore, options: MatchingConfig) -> list[Orientation]:
+    """The k_ori best views of an asset, best first, in the order that `orientation_selection` asks for."""
+    views = range(len(store.yaws))
+    ranking = rank(query, [Snapshot(asset, view) for view in views], views, store, options, options.k_ori)
+    votes = dict(ranking.picks)
+    order = [view for view, _ in ranking.picks] if options.orientation_selection == "votes" else ranking.nearest
+    return [
+        Orientation(yaw=store.yaws[view], distance=float(ranking.distances[view]), votes=votes.get(view))
+        for view in order[: options.k_ori]
+    ]
+
+
+def rank_cousins(
+    query: Query, found: Candidates, label: str, id: str, store: FeatureStore, options: MatchingConfig
+) -> ObjectCousins:
+    """Ranked cousins of one object, each with its own orientation."""
+    by_votes, by_distance = rank_models(query, found.assets, store, options)
+    chosen = by_distance
+    if options.model_selection == "votes":
+        voted = {candidate.asset for candidate in by_votes}
+        chosen = by_votes + [candidate for candidate in by_distance if candidate.asset not in voted]
+    cousins = []
+    for number, candidate in enumerate(chosen[: options.k_cousins], 1):
+        orientations = rank_orientations(query, candidate.asset, store, options)
+        cousins.append(
+            Cousin(rank=number, **candidate.model_dump(), orientation=orientations[0], orientations=orientations)
+        )
+    return ObjectCousins(
+        id=id,
+        label=label,
+        note=found.note,
+        categories=found.categories,
+        by_votes=by_votes,
+        by_distance=by_distance,
+        decided_by=options.model_selection,
+        orientation_decided_by=options.orientation_selection,
+        cousins=cousins,
+    )

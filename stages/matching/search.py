@@ -1,0 +1,80 @@
+"""Nearest patches, exact and in one pass: T[q, c], the distance of query patch q to candidate picture c (paper A.6).
+
+The paper searches all candidates' patches anew for every one of its top-k rounds. But a patch's nearest
+neighbour over several pictures is the nearest of its nearest neighbours in each: with T at hand a round
+is an arg-min over the columns that remain, and the embedding distance is a mean over a column.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+Rows = Callable[[int], NDArray[np.float32]]  # candidate picture -> its patches (P, D)
+Search = Callable[[NDArray[np.float32], Rows, int], NDArray[np.float32]]
+
+TIE = 1e-5  # above the error of a squared distance in float32 (about 1e-6), relative to the squared lengths
+DECIMALS = 9
+
+
+def torch_search(queries: NDArray[np.float32], rows: Rows, count: int) -> NDArray[np.float32]:
+    """Squared distances (Q, count) by matrix products: |q - r|^2 = |q|^2 - 2 q.r + |r|^2."""
+    import torch
+
+    table = np.empty((len(queries), count), np.float32)
+    query = torch.from_numpy(np.ascontiguousarray(queries))
+    length = (query * query).sum(1)
+    for candidate in range(count):
+        patches = torch.from_numpy(rows(candidate))
+        products = torch.addmm((patches * patches).sum(1), query, patches.T, alpha=-2)
+        table[:, candidate] = (products.amin(1) + length).numpy()
+    return table
+
+
+def faiss_search(queries: NDArray[np.float32], rows: Rows, count: int) -> NDArray[np.float32]:
+    """The same by faiss (the paper's search library)."""
+    import faiss
+
+    table = np.empty((len(queries), count), np.float32)
+    for candidate in range(count):
+        table[:, candidate] = faiss.knn(queries, rows(candidate), 1)[0][:, 0]
+    return table
+
+
+SEARCHES: dict[str, Search] = {"torch": torch_search, "faiss": faiss_search}
+
+
+def distance_table(
+    queries: NDArray[np.float32], rows: Rows, count: int, search: str, nearest: int | None = None
+) -> NDArray[np.float64]:
+    """T (Q, count): L2 distance of every query patch (Q, D) to the nearest patch of every candidate picture.
+
+    Float32 rounding differs between backends and could swap near ties. Entries among the `nearest` of a
+    patch (default: all) that lie so close together are computed again in float64, and so is what is next
+    to 0: all backends then make the same picks, equal pictures tie exactly, a picture has distance 0 to itself.
+    """
+    table = np.maximum(SEARCHES[search](queries, rows, count).astype(np.float64), 0.0)
+    doubtful = _doubtful(table, TIE * float((queries.astype(np.float64) ** 2).sum(1).max()), nearest)
+    for candidate in np.flatnonzero(doubtful.any(axis=0)).tolist():
+        again = doubtful[:, candidate]
+        table[again, candidate] = _float64_minimum(queries[again], rows(candidate))
+    return np.sqrt(table)
+
+
+def _doubtful(table: NDArray[np.float64], tie: float, nearest: int | None) -> NDArray[np.bool_]:
+    """Entries (Q, C) within `tie` of 0, or of the next larger or smaller one of the `nearest` in their row."""
+    order = np.argsort(table, axis=1)[:, :nearest]
+    close = np.diff(np.take_along_axis(table, order, axis=1), axis=1) <= tie
+    near = np.zeros(order.shape, dtype=bool)
+    near[:, 1:] |= close
+    near[:, :-1] |= close
+    doubtful = table <= tie
+    np.put_along_axis(doubtful, order, np.take_along_axis(doubtful, order, axis=1) | near, axis=1)
+    return doubtful
+
+
+def _float64_minimum(queries: NDArray[np.float32], patches: NDArray[np.float32]) -> NDArray[np.float64]:
+    """Smallest squared distance (Q,) of each query to the patches, to nine decimals."""
+    query, patch = queries.astype(np.float64), patches.astype(np.float64)
+    squared = (query**2).sum(1)[:, None] - 2 * query @ patch.T + (patch**2).sum(1)
+    return np.maximum(np.round(squared.min(axis=1), DECIMALS), 0.0)

@@ -1,0 +1,125 @@
+"""Verb `select`: the assets of a policy experiment, by embedding distance to the twin (paper B.4, Table 3)."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from stages.config.matching import MatchingConfig
+from stages.contracts import Cousins, GeneratedScene, InputError, TaskAssets, read_json, read_options, write_json
+from stages.contracts.cousins import ObjectCousins
+from stages.contracts.library import LibraryEntry, Vector
+from stages.contracts.policies import TaskAsset
+from stages.matching.affordance import Panel, Task, target_joint
+from stages.matching.encoders import make_encoder, settings_digest
+from stages.matching.match import read_library
+from stages.matching.ranking import Query, rank, weighted
+from stages.matching.store import FeatureStore, Snapshot
+
+
+def run(
+    *,
+    cousins: Path,
+    scene_file: Path,
+    object: str,
+    task: Task,
+    library: Path,
+    features: list[Path],
+    out: Path,
+    count: int = 10,
+    options: str = "{}",
+) -> None:
+    """Write the TaskAssets of a named object: twin, cousins, and one dissimilar asset.
+
+    The twin is the object's best cousin with a joint for the task. The cousins are `count` other such
+    assets from the object's candidates, ordered by their embedding distance to the twin between
+    representative snapshots, as in Table 3. If the candidates are too few, what `count_threshold` held
+    back of their categories is used as well. The dissimilar asset is the farthest one of the whole
+    library. Every asset is loaded in the box of the object, as the official code does.
+
+    Args:
+        cousins: cousins.json of the scene that holds the object.
+        scene_file: scene_1.json of generation; the object's size is read from it.
+        object: id of the object, e.g. cabinet_1.
+        task: what is opened.
+        library: library.json, with the asset folders it names.
+        features: feature stores of all shards (.npy).
+        out: file to write.
+        count: number of cousins.
+        options: JSON of the config section `matching`.
+    """
+    settings = read_options(MatchingConfig, options)
+    encoder = make_encoder(settings)
+    store = FeatureStore(features, settings_digest(settings, encoder))
+    entries = {entry.id: entry for entry in read_library(library, store).assets}
+    matched, scene = read_json(Cousins, cousins), read_json(GeneratedScene, scene_file)
+    folders = {id: library.parent / entry.folder for id, entry in entries.items()}
+
+    def usable(asset: str, like: Panel | None = None) -> Panel | None:
+        return target_joint(folders[asset], task, like) if entries[asset].doors + entries[asset].drawers else None
+
+    item = next((entry for entry in matched.objects if entry.id == object), None)
+    twin = next((cousin for cousin in item.cousins if usable(cousin.asset)), None) if item else None
+    size = next((placed.size for placed in scene.objects if placed.id == object and placed.status == "ok"), None)
+    if item is None or twin is None or size is None:
+        would_do = [e.id for e in matched.objects if any(usable(cousin.asset) for cousin in e.cousins[:1])]
+        what = f"object '{object}' {_why_not(item, task, size)}."
+        raise InputError(cousins, what, f"objects that would do for a {task}: {', '.join(would_do) or 'none'}")
+    if twin.rank > 1:
+        print(f"twin: cousin {twin.rank} of {object}; those before it have no {task} with a handle", file=sys.stderr)
+
+    like = target_joint(folders[twin.asset], task)
+    panels = {asset: panel for asset in entries if (panel := usable(asset, like))}
+    distances = distances_to(twin.asset, list(panels), store, encoder.weights(True), settings)
+    chosen = choose_cousins(item, twin.asset, distances, entries, count)
+    if len(chosen) < count:
+        what = f"'{object}' has {len(chosen)} cousins with a {task} that has a handle, {count} are asked for."
+        raise InputError(library, what, "lower experiment.cousins, raise matching.k_cat, or make a larger library")
+    roles = {"twin": twin.asset} | {f"cousin_{number}": asset for number, asset in enumerate(chosen, 1)}
+    others = [asset for asset in distances if asset not in roles.values()]
+    if others:
+        roles["dissimilar"] = max(others, key=lambda asset: (distances[asset], asset))
+    assets = [
+        TaskAsset(
+            role=role,
+            asset=asset,
+            category=entries[asset].category,
+            joint=panels[asset].joint,
+            size=size,
+            distance=distances[asset],
+        )
+        for role, asset in roles.items()
+    ]
+    write_json(
+        out,
+        TaskAssets(task=task, scene=matched.scene, object=object, encoder=matched.encoder, assets=assets),
+    )
+
+
+def distances_to(
+    twin: str, assets: list[str], store: FeatureStore, weights: np.ndarray, options: MatchingConfig
+) -> dict[str, float]:
+    """Embedding distance of the twin's representative snapshot to that of each asset; 0 to itself."""
+    view = store.representative
+    query = Query(weighted(store.rows(Snapshot(twin, view)), weights), weights)
+    ranking = rank(query, [Snapshot(asset, view) for asset in assets], range(len(assets)), store, options, 1)
+    return dict(zip(assets, ranking.distances.tolist(), strict=True))
+
+
+def choose_cousins(
+    item: ObjectCousins, twin: str, distances: dict[str, float], entries: dict[str, LibraryEntry], count: int
+) -> list[str]:
+    """The `count` cousins, nearest to the twin first: from the object's candidates, then from their categories."""
+    candidates = {candidate.asset for candidate in item.by_distance}
+    categories = {category.category for category in item.categories}
+    pool = [asset for asset in distances if asset != twin and entries[asset].category in categories]
+    nearest = sorted(pool, key=lambda asset: (asset not in candidates, distances[asset], asset))[:count]
+    return sorted(nearest, key=lambda asset: (distances[asset], asset))
+
+
+def _why_not(item: ObjectCousins | None, task: str, size: Vector | None) -> str:
+    if item is None:
+        return "is not in the scene"
+    if item.status == "failed":
+        return f"failed ({item.reason})"
+    return "was not placed in the scene" if size is None and item.cousins else f"has no cousin with a {task} to open"

@@ -1,0 +1,101 @@
+"""The feature store: foreground patches of all snapshots, float16 rows in a memory-mapped .npy with a JSON index."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, model_validator
+
+from stages.contracts import Contract, InputError, atomic, read_json, write_json
+
+
+class StoreIndex(Contract):
+    """`shard_I.json` beside `shard_I.npy`: which rows belong to which view of which asset."""
+
+    version: Literal[1] = 1
+    encoder: str
+    settings: str = Field(description="digest of the encoder's settings; another one makes another store")
+    upright: bool = Field(description="whether normals are upright (the snapshot camera's elevation was known)")
+    assets: list[str]
+    yaws: list[float] = Field(description="radians; views in this order, then the representative")
+    starts: list[int] = Field(
+        description="first row of view v of asset a at a * (len(yaws) + 1) + v; the last is the count"
+    )
+
+    @model_validator(mode="after")
+    def _complete(self) -> "StoreIndex":
+        if len(self.starts) != len(self.assets) * (len(self.yaws) + 1) + 1:
+            raise ValueError("starts needs one entry per view and one at the end")
+        return self
+
+
+class Snapshot(NamedTuple):
+    """One stored view: `view` counts the yaws; len(yaws) is the representative."""
+
+    asset: str
+    view: int
+
+
+def write_store(path: Path, index: StoreIndex, rows: Sequence[NDArray[np.float16]]) -> None:
+    """Write the rows of all views, in the order of `index.starts`, and the index beside them."""
+    with atomic(path) as temporary:
+        columns = rows[0].shape[1] if rows else 0
+        shape = (index.starts[-1], columns)
+        if not shape[0]:
+            raise InputError(path, "no snapshot has a foreground patch.", "look at the contact sheet of the snapshots")
+        array = np.lib.format.open_memmap(temporary, mode="w+", dtype=np.float16, shape=shape)
+        for start, block in zip(index.starts, rows, strict=False):
+            array[start : start + len(block)] = block
+        array.flush()
+    write_json(path.with_suffix(".json"), index)
+
+
+class FeatureStore:
+    """All shards of a library, opened for reading."""
+
+    def __init__(self, paths: Sequence[Path], settings: str) -> None:
+        """Open the shards; `settings` is the digest of the encoder that is to be compared with them.
+
+        Raises:
+            InputError: a shard is missing, broken, made with other settings, or disagrees with the first one.
+        """
+        fix = "run `python -m stages.matching features` again with the present options"
+        self._where: dict[str, tuple[int, int]] = {}  # asset -> shard, position in it
+        self._arrays: list[NDArray[np.float16]] = []
+        self._indices: list[StoreIndex] = []
+        for shard, path in enumerate(paths):
+            index = read_json(StoreIndex, path.with_suffix(".json"), fix)
+            if index.settings != settings:
+                raise InputError(path, f"was made by {index.encoder} with other settings.", fix)
+            if self._indices and (index.yaws, index.upright) != (self._indices[0].yaws, self._indices[0].upright):
+                raise InputError(path, f"has other views than {paths[0]}.", fix)
+            try:
+                array = np.load(path, mmap_mode="r", allow_pickle=False)
+            except (OSError, ValueError) as error:
+                raise InputError(path, f"cannot be read ({error.__class__.__name__}).", fix) from None
+            if array.ndim != 2 or len(array) != index.starts[-1]:
+                raise InputError(path, f"has shape {array.shape}, its index says {index.starts[-1]} rows.", fix)
+            self._arrays.append(array)
+            self._indices.append(index)
+            self._where |= {asset: (shard, position) for position, asset in enumerate(index.assets)}
+        if not self._indices:
+            raise InputError("--features", "names no feature store.", fix)
+        self.yaws = self._indices[0].yaws
+        self.upright = self._indices[0].upright
+
+    def __contains__(self, asset: str) -> bool:
+        return asset in self._where
+
+    @property
+    def representative(self) -> int:
+        """View number of the representative snapshots."""
+        return len(self.yaws)
+
+    def rows(self, snapshot: Snapshot) -> NDArray[np.float16]:
+        """Stored rows (P, D + 2) of one view, still on disk."""
+        shard, position = self._where[snapshot.asset]
+        at = position * (len(self.yaws) + 1) + snapshot.view
+        starts = self._indices[shard].starts
+        return self._arrays[shard][starts[at] : starts[at + 1]]

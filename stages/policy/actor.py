@@ -1,0 +1,60 @@
+"""A policy in closed loop on several environments: one forward pass per control step for all of them."""
+
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from stages.policy.network import Policy
+
+Float = NDArray[np.float32]
+
+
+class Actor:
+    """Acts for `slots` environments, each with its own memory and its own random numbers.
+
+    The LSTM is run over the last `horizon` encoded observations, as in training, where a sequence
+    starts anywhere in an episode with an empty memory.
+
+    Args:
+        choose: 'sample' a mode of the mixture by its weight (robomimic), or take the 'most_likely'.
+    """
+
+    def __init__(self, policy: Policy, horizon: int, slots: int, choose: Literal["sample", "most_likely"]) -> None:
+        self.policy, self.horizon, self.choose = policy, horizon, choose
+        self.device = policy.proprio_mean.device
+        self.past: list[list[Tensor]] = [[] for _ in range(slots)]
+        self.random = [np.random.default_rng(0) for _ in range(slots)]
+
+    def reset(self, slot: int, seed: int) -> None:
+        """Start an episode: forget the last one; `seed` decides every random choice of this one."""
+        self.past[slot] = []
+        self.random[slot] = np.random.default_rng((seed, 7))
+
+    @torch.inference_mode()
+    def act(self, slots: Sequence[int], clouds: Sequence[Float], proprio: Sequence[Float]) -> Float:
+        """Actions (n, 7) in [-1, 1] of the environments in `slots`, from clouds (P, 4) and proprioception (9,)."""
+        kept = [self._subset(slot, cloud) for slot, cloud in zip(slots, clouds, strict=True)]
+        encoded = self.policy.encode(self._tensor(kept), self._tensor(proprio))
+        for slot, row in zip(slots, encoded, strict=True):
+            self.past[slot] = [*self.past[slot], row][-self.horizon :]
+        lengths = [len(self.past[slot]) for slot in slots]
+        batch = torch.nn.utils.rnn.pad_sequence([torch.stack(self.past[slot]) for slot in slots], batch_first=True)
+        mixture = self.policy.decode(batch)[0].at([length - 1 for length in lengths])
+        if self.choose == "most_likely":
+            actions = mixture.most_likely()
+        else:
+            draws = [self.random[slot].random() for slot in slots]
+            actions = mixture.sample(torch.tensor(draws, device=self.device, dtype=torch.float32))
+        return actions.clamp(-1, 1).cpu().numpy().astype(np.float32)
+
+    def _subset(self, slot: int, cloud: Float) -> Float:
+        """As many points as in training, drawn anew at every step (as official)."""
+        points = self.policy.network.points
+        return cloud if len(cloud) <= points else cloud[self.random[slot].permutation(len(cloud))[:points]]
+
+    def _tensor(self, rows: Sequence[Float]) -> Tensor:
+        return torch.from_numpy(np.stack(rows)).to(self.device)

@@ -1,0 +1,48 @@
+"""Policies on disk: safetensors weights (with the normaliser) and `config.json`."""
+
+from pathlib import Path
+
+from safetensors import SafetensorError
+from safetensors.torch import load_file, save_file
+from torch import Tensor
+
+from stages.contracts.errors import InputError
+from stages.contracts.files import atomic, read_json
+from stages.contracts.trained import TrainedPolicy
+from stages.policy.network import Policy
+
+FILES = {"best": "policy.safetensors", "last": "last.safetensors"}
+
+
+def save_weights(path: Path, weights: dict[str, Tensor]) -> None:
+    """Write a state dict atomically; the same tensors give the same bytes."""
+    with atomic(path) as temporary:
+        save_file({name: tensor.detach().cpu().contiguous() for name, tensor in weights.items()}, temporary)
+
+
+def read_config(folder: Path) -> TrainedPolicy:
+    """The `config.json` of a training folder."""
+    return read_json(TrainedPolicy, folder / "config.json", "train the policy first")
+
+
+def load_policy(folder: Path, checkpoint: str, device: str = "cpu") -> Policy:
+    """The policy of a training folder, ready for inference.
+
+    Args:
+        folder: output of `training train`.
+        checkpoint: 'best', 'last', or the name of one of `checkpoints` in config.json.
+
+    Raises:
+        InputError: a file is missing, or the weights do not fit the sizes in config.json.
+    """
+    config = read_config(folder)
+    policy = Policy(config.run.network, bf16=config.run.precision == "bf16")
+    path = folder / FILES.get(checkpoint, checkpoint)
+    if not path.is_file():
+        raise InputError(path, "no such file.", "train the policy first")
+    try:
+        policy.load_state_dict(load_file(path))
+    except (SafetensorError, RuntimeError) as error:
+        reason = str(error).splitlines()[-1].strip()
+        raise InputError(path, f"does not hold the weights that config.json describes ({reason}).") from None
+    return policy.to(device).eval()

@@ -1,0 +1,76 @@
+"""BC-RNN-GMM: PointNet and proprioception -> LSTM -> MLP -> mixture of Gaussians (paper B.3)."""
+
+from itertools import pairwise
+
+import torch
+from torch import Tensor, nn
+from torch.nn import functional
+
+from stages.config.training import NetworkConfig
+from stages.policy.mixture import Mixture
+from stages.policy.pointnet import PointNet
+
+ACTION = 7  # delta position 3, delta axis-angle 3, gripper
+PROPRIO = 9  # end-effector position 3, quaternion 4, finger joints 2
+
+State = tuple[Tensor, Tensor]
+
+
+class Policy(nn.Module):
+    """Policy network with its normaliser. Clouds and proprioception come in the robot base frame, metres."""
+
+    proprio_mean: Tensor
+    proprio_std: Tensor
+    cloud_mean: Tensor
+    cloud_std: Tensor
+
+    def __init__(self, network: NetworkConfig, bf16: bool = False) -> None:
+        super().__init__()
+        self.network = network
+        width, hidden, modes = network.pointnet_width, network.rnn_hidden, network.gmm_modes
+        self.pointnet = PointNet(width, network.pointnet_layers, network.flag_embedding, bf16)
+        self.lstm = nn.LSTM(width + PROPRIO, hidden, batch_first=True)
+        sizes = [hidden, *network.mlp]
+        self.mlp = nn.Sequential(*(nn.Sequential(nn.Linear(a, b), nn.ReLU()) for a, b in pairwise(sizes)))
+        self.head = nn.Linear(sizes[-1], modes * (1 + 2 * ACTION))
+        for name, value in (
+            ("proprio_mean", torch.zeros(PROPRIO)),
+            ("proprio_std", torch.ones(PROPRIO)),
+            ("cloud_mean", torch.zeros(3)),
+            ("cloud_std", torch.ones(())),
+        ):
+            self.register_buffer(name, value)
+
+    def in_frame(self, clouds: Tensor, proprio: Tensor) -> Tensor:
+        """Coordinates (..., P, 3) of clouds (..., P, 4) about the origin that `cloud_frame` names."""
+        xyz = clouds[..., :3]
+        return xyz - proprio[..., None, :3] if self.network.cloud_frame == "gripper" else xyz
+
+    def normalised(self, clouds: Tensor, proprio: Tensor) -> Tensor:
+        """What the PointNet reads: (..., P, 4)."""
+        xyz = (self.in_frame(clouds, proprio) - self.cloud_mean) / self.cloud_std
+        return torch.cat([xyz, clouds[..., 3:]], dim=-1)
+
+    def encode(self, clouds: Tensor, proprio: Tensor) -> Tensor:
+        """What the LSTM reads, (..., width + 9), of clouds (..., P, 4) and proprioception (..., 9)."""
+        features = self.pointnet(self.normalised(clouds, proprio).flatten(0, -3)).unflatten(0, clouds.shape[:-2])
+        return torch.cat([features, (proprio - self.proprio_mean) / self.proprio_std], dim=-1)
+
+    def decode(self, encoded: Tensor, state: State | None = None) -> tuple[Mixture, State]:
+        """Mixtures (B, T, ...) of encoded observations (B, T, F), and the LSTM's state behind the last one."""
+        memory, state = self.lstm(encoded, state)
+        out = self.head(self.mlp(memory))
+        modes = self.network.gmm_modes
+        logits, means, stds = out.split([modes, modes * ACTION, modes * ACTION], dim=-1)
+        return (
+            Mixture(
+                logits,
+                means.unflatten(-1, (modes, ACTION)).tanh(),
+                functional.softplus(stds.unflatten(-1, (modes, ACTION))) + self.network.gmm_min_std,
+            ),
+            state,
+        )
+
+    def forward(self, clouds: Tensor, proprio: Tensor) -> Mixture:
+        """Mixtures (B, T, ...) of sequences of clouds (B, T, P, 4) and proprioception (B, T, 9)."""
+        return self.decode(self.encode(clouds, proprio))[0]

@@ -1,0 +1,73 @@
+"""Handles that a parallel gripper can hold: 8-16 mm thick, with room for a finger behind."""
+
+from typing import Literal
+
+import numpy as np
+
+from stages.procedural.model import METAL, Colour, Part, part
+from stages.procedural.shapes import hull, lathe, moved, rod, slab, turned
+
+Style = Literal["bar", "square_bar", "knob", "arch", "recessed"]
+PROTRUSION = {"bar": 0.038, "square_bar": 0.036, "knob": 0.034, "arch": 0.040, "recessed": 0.0}
+
+
+def handle_parts(
+    style: str,
+    at: tuple[float, float, float],
+    along: Literal["y", "z"],
+    length: float,
+    protrusion: float,
+    colour: Colour,
+) -> list[Part]:
+    """Parts of a handle on a panel that faces +x.
+
+    Args:
+        at: point on the panel's face at the handle's middle.
+        along: direction of its length: z on doors, y on drawers.
+        length: metres; a knob ignores it.
+        protrusion: distance from face to the handle's front.
+    """
+    if style == "recessed":
+        return []
+    make = {"bar": _bar, "square_bar": _square_bar, "knob": _knob, "arch": _arch}[style]
+    parts = make(max(length, 0.06), protrusion, colour)
+    if along == "y":
+        parts = [part(turned(p.mesh, np.pi / 2, [1, 0, 0]), colour, p.density, p.smooth) for p in parts]
+    return [part(moved(p.mesh, at), colour, p.density, p.smooth) for p in parts]
+
+
+def _bar(length: float, out: float, colour: Colour) -> list[Part]:
+    radius = 0.0055
+    x, inset = out - radius, length * 0.38
+    posts = [rod((-0.004, 0, z), (x, 0, z), 0.004) for z in (-inset, inset)]
+    bar = rod((x, 0, -length / 2), (x, 0, length / 2), radius)
+    return [part(mesh, colour, METAL, smooth=True) for mesh in (bar, *posts)]
+
+
+def _square_bar(length: float, out: float, colour: Colour) -> list[Part]:
+    thickness, width = 0.010, 0.013
+    middle = (out - 0.003) / 2 - 0.002
+    bar = slab((out - thickness / 2, 0, 0), (thickness, width, length))
+    posts = [slab((middle, 0, z), (out - 0.001, width, 0.012)) for z in (0.006 - length / 2, length / 2 - 0.006)]
+    return [part(mesh, colour, METAL) for mesh in (bar, *posts)]
+
+
+def _knob(length: float, out: float, colour: Colour) -> list[Part]:
+    head = lathe(
+        [(0, out * 0.45), (0.009, out * 0.45), (0.015, out * 0.68), (0.015, out * 0.82), (0.010, out), (0, out)], 16
+    )
+    meshes = [rod((-0.004, 0, 0), (out * 0.5, 0, 0), 0.0065), turned(head, np.pi / 2, [0, 1, 0])]
+    return [part(mesh, colour, METAL, smooth=True) for mesh in meshes]
+
+
+def _arch(length: float, out: float, colour: Colour) -> list[Part]:
+    half, thickness, width = length / 2, 0.010, 0.014
+    angles = np.linspace(0, np.pi, 9)
+    outline = np.column_stack([out * np.sin(angles) ** 0.7, -half * np.cos(angles)])
+    inner = np.column_stack([np.maximum(outline[:, 0] - thickness, -0.004), outline[:, 1] * (1 - 0.009 / half)])
+    outline[[0, -1], 0] = -0.004
+    pieces = []
+    for k in range(len(angles) - 1):
+        corners = [outline[k], outline[k + 1], inner[k], inner[k + 1]]
+        pieces.append(hull([(x, y, z) for x, z in corners for y in (-width / 2, width / 2)]))
+    return [part(mesh, colour, METAL) for mesh in pieces]

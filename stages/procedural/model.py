@@ -1,0 +1,123 @@
+"""A procedural model before it is written: parts with colour and density, some of them on joints."""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from trimesh import Trimesh
+
+from stages.procedural.shapes import bounds_of
+
+Size = tuple[float, float, float]
+Colour = Sequence[float]
+Symmetry = Literal["none", "half_turn", "quarter_turn", "full"]
+Placement = Literal["floor", "object", "wall"]
+Parameters = dict[str, Any]  # flat: see contracts.library.Recipe
+
+WOOD, METAL, STEEL, CERAMIC, GLASS = 500.0, 2700.0, 7800.0, 2200.0, 2400.0  # kg / m^3
+FOAM, PLASTIC, PAPER = 60.0, 1000.0, 700.0
+
+
+@dataclass(frozen=True)
+class Part:
+    """One solid of one colour. `collisions` are its convex pieces; None: the mesh is convex itself; (): none."""
+
+    mesh: Trimesh
+    colour: tuple[float, float, float]
+    density: float = WOOD
+    collisions: tuple[Trimesh, ...] | None = None
+    smooth: bool = False
+
+    @property
+    def pieces(self) -> tuple[Trimesh, ...]:
+        """The convex pieces that PhysX sees."""
+        return (self.mesh,) if self.collisions is None else self.collisions
+
+
+@dataclass(frozen=True)
+class Moving:
+    """Parts on a joint of the base, drawn closed, in the asset frame. `axis` points so that opening is positive."""
+
+    name: str
+    role: Literal["door", "drawer"]
+    parts: list[Part]
+    origin: tuple[float, float, float]
+    axis: tuple[float, float, float]
+    upper: float
+    handle: str | None = None
+
+
+@dataclass(frozen=True)
+class Model:
+    """The result of a generator: z up, front towards +x."""
+
+    base: list[Part]
+    moving: list[Moving] = field(default_factory=list)
+    symmetry: Symmetry = "none"
+    placement: Placement = "floor"
+
+
+Generator = Callable[[Size, Parameters], Model]
+
+
+@dataclass(frozen=True)
+class Draw:
+    """A sampled member of a category: native size of the closed box and the generator's parameters."""
+
+    generator: str
+    size: Size
+    parameters: Parameters
+
+
+def rgb(colour: Colour) -> tuple[float, float, float]:
+    """A colour of a recipe as a tuple."""
+    r, g, b = colour
+    return (float(r), float(g), float(b))
+
+
+def part(mesh: Trimesh, colour: Colour, density: float = WOOD, smooth: bool = False, solid: bool = True) -> Part:
+    """A convex part; `solid=False`: seen, but not touched."""
+    return Part(mesh, rgb(colour), density, None if solid else (), smooth)
+
+
+def parts_of(model: Model) -> Iterable[Part]:
+    """All parts, moving ones last."""
+    yield from model.base
+    for moving in model.moving:
+        yield from moving.parts
+
+
+def bounds(model: Model) -> NDArray[np.float64]:
+    """Closed box of the visible geometry, (2, 3)."""
+    return bounds_of([piece.mesh for piece in parts_of(model)])
+
+
+def fitted(model: Model, size: Size) -> Model:
+    """The model scaled and moved to fill exactly x in +-size_x/2, y in +-size_y/2, z in 0..size_z.
+
+    Generators aim at `size` themselves, so that the scale is close to 1 and panels keep their thickness.
+    """
+    low, high = bounds(model)
+    scale = np.array(size) / (high - low)
+    shift = np.array([-size[0] / 2, -size[1] / 2, 0.0]) - scale * low
+
+    def fit_mesh(mesh: Trimesh) -> Trimesh:
+        copy = mesh.copy()
+        copy.vertices = copy.vertices * scale + shift
+        return copy
+
+    def fit_part(piece: Part) -> Part:
+        pieces = None if piece.collisions is None else tuple(fit_mesh(mesh) for mesh in piece.collisions)
+        return replace(piece, mesh=fit_mesh(piece.mesh), collisions=pieces)
+
+    def fit_moving(moving: Moving) -> Moving:
+        x, y, z = (np.array(moving.origin) * scale + shift).tolist()
+        stretch = float(np.abs(np.array(moving.axis)) @ scale) if moving.role == "drawer" else 1.0
+        parts = [fit_part(piece) for piece in moving.parts]
+        return replace(moving, parts=parts, origin=(x, y, z), upper=moving.upper * stretch)
+
+    return replace(
+        model, base=[fit_part(piece) for piece in model.base], moving=[fit_moving(moving) for moving in model.moving]
+    )

@@ -1,0 +1,149 @@
+"""Front panels of doors, flaps and drawers in several styles, with their handles."""
+
+from typing import Any, NamedTuple
+
+from stages.procedural.handles import handle_parts
+from stages.procedural.model import GLASS, METAL, PLASTIC, WOOD, Colour, Part, part
+from stages.procedural.shapes import box, rod
+
+DARK = (0.05, 0.05, 0.06)
+RELIEF = 0.006  # height of a frame above its field
+
+
+class Front(NamedTuple):
+    """Where a panel is: its front face at `x`, its rectangle in y and z, its thickness."""
+
+    x: float
+    y: tuple[float, float]
+    z: tuple[float, float]
+    thickness: float
+
+    @property
+    def width(self) -> float:
+        return self.y[1] - self.y[0]
+
+    @property
+    def height(self) -> float:
+        return self.z[1] - self.z[0]
+
+
+def panel_parts(front: Front, style: str, colour: Colour, second: Colour, density: float = WOOD) -> list[Part]:
+    """A panel as `flat`, `frame` (raised rim), `glass` (dark window), `planks` (grooves) or `raised` (raised field)."""
+    (y0, y1), (z0, z1) = front.y, front.z
+    x1, x0 = front.x, front.x - front.thickness
+    rim = min(0.055, 0.22 * min(front.width, front.height))
+    if style == "flat" or rim < 0.012:
+        return [part(box((x0, x1), front.y, front.z), colour, density)]
+    back = x1 - RELIEF
+    core = part(box((x0, back), front.y, front.z), second, density)
+    if style in ("frame", "glass"):
+        field = DARK if style == "glass" else second
+        core = part(box((x0, back), front.y, front.z), field, GLASS if style == "glass" else density)
+        strips = [
+            box((back, x1), (y0, y0 + rim), front.z),
+            box((back, x1), (y1 - rim, y1), front.z),
+            box((back, x1), (y0 + rim, y1 - rim), (z0, z0 + rim)),
+            box((back, x1), (y0 + rim, y1 - rim), (z1 - rim, z1)),
+        ]
+        return [core, *[part(mesh, colour, density) for mesh in strips]]
+    if style == "raised":
+        edge = part(box((x0, back), front.y, front.z), colour, density)
+        return [edge, part(box((back, x1), (y0 + rim, y1 - rim), (z0 + rim, z1 - rim)), second, density)]
+    count = max(2, round(front.width / 0.09))
+    pitch, groove = front.width / count, 0.006
+    planks = [
+        box((back, x1), (y0 + k * pitch + groove / 2, y0 + (k + 1) * pitch - groove / 2), front.z) for k in range(count)
+    ]
+    return [core, *[part(mesh, colour, density) for mesh in planks]]
+
+
+def pulled_panel(front: Front, p: dict[str, Any], kind: str, free_side: float, glass: bool = False) -> list[Part]:
+    """A panel with its handle: `p` holds panel, handle, handle_length, handle_at and the colours.
+
+    Args:
+        kind: door, drawer or flap; says where the handle sits.
+        free_side: for a door, +1 if its free edge is at high y, -1 if at low y.
+    """
+    style = "glass" if glass else p["panel"]
+    handle = p["handle"]
+    if handle == "recessed":
+        return recessed_panel(front, kind, free_side, p["front_colour"], p.get("density", WOOD))
+    parts = panel_parts(front, style, p["front_colour"], p["field_colour"], p.get("density", WOOD))
+    if handle == "none":
+        return parts
+    y_mid, z_mid = (front.y[0] + front.y[1]) / 2, (front.z[0] + front.z[1]) / 2
+    inset = min(p["handle_inset"], 0.25 * front.width)
+    if kind == "door":
+        length = min(p["handle_length"] * front.height, 0.6 * front.height)
+        y = front.y[1] - inset if free_side > 0 else front.y[0] + inset
+        reach = (front.height - (0.04 if handle == "knob" else length)) / 2 - min(0.03, 0.1 * front.height)
+        at, along = (front.x, y, z_mid + p["handle_at"] * max(reach, 0.0)), "z"
+    else:
+        length = min(p["handle_length"] * front.width, 0.7 * front.width)
+        z = z_mid if kind == "drawer" else front.z[1] - min(0.04, 0.2 * front.height)
+        at, along = (front.x, y_mid, z), "y"
+    if kind == "drawer" and style in ("frame", "glass", "planks"):
+        parts.append(
+            part(
+                box((front.x - RELIEF, front.x), (at[1] - 0.012, at[1] + 0.012), (at[2] - 0.012, at[2] + 0.012)),
+                p["front_colour"],
+            )
+        )
+    pulls = handle_parts(handle, at, along, length, p["protrusion"], p["handle_colour"])  # type: ignore[arg-type]
+    return parts + pulls
+
+
+def recessed_panel(front: Front, kind: str, free_side: float, colour: Colour, density: float) -> list[Part]:
+    """A flat panel with a dark grip hole near the edge that opens; nothing protrudes."""
+    (y0, y1), (z0, z1) = front.y, front.z
+    x1, x0 = front.x, front.x - front.thickness
+    if kind == "door":
+        depth = min(0.030, 0.2 * front.width)
+        tall = min(0.14, 0.5 * front.height)
+        edge = y1 - depth * 1.8 if free_side > 0 else y0 + depth * 0.8
+        hole_y = (edge, edge + depth)
+        hole_z = ((z0 + z1 - tall) / 2, (z0 + z1 + tall) / 2)
+    else:
+        wide, depth = min(0.16, 0.5 * front.width), min(0.030, 0.3 * front.height)
+        hole_y = ((y0 + y1 - wide) / 2, (y0 + y1 + wide) / 2)
+        hole_z = (z1 - depth * 1.7, z1 - depth * 0.7)
+    around = [
+        box((x0, x1), (y0, hole_y[0]), front.z),
+        box((x0, x1), (hole_y[1], y1), front.z),
+        box((x0, x1), hole_y, (z0, hole_z[0])),
+        box((x0, x1), hole_y, (hole_z[1], z1)),
+    ]
+    inset = part(box((x0, x0 + 0.2 * front.thickness), hole_y, hole_z), DARK, density)
+    return [*[part(mesh, colour, density) for mesh in around], inset]
+
+
+def control_panel(front: Front, p: dict[str, Any]) -> list[Part]:
+    """A fixed strip with a display and round buttons: ovens, microwaves, dishwashers."""
+    x0, x1 = front.x - front.thickness, front.x
+    parts = [part(box((x0, x1), front.y, front.z), p["panel_colour"], PLASTIC)]
+    upright = front.height > front.width
+    y_mid, z_mid = (front.y[0] + front.y[1]) / 2, (front.z[0] + front.z[1]) / 2
+    count = int(p.get("buttons", 3))
+    short = min(front.width, front.height)
+    radius, out = 0.24 * short, min(0.02, 0.3 * short)
+    if upright:
+        display = box(
+            (x1, x1 + 0.002),
+            (y_mid - 0.35 * short, y_mid + 0.35 * short),
+            (front.z[1] - 0.22 * front.height, front.z[1] - 0.08 * front.height),
+        )
+        spots = [(y_mid, front.z[0] + front.height * (0.6 * (k + 0.6) / count)) for k in range(count)]
+    else:
+        display = box(
+            (x1, x1 + 0.002),
+            (y_mid - 0.1 * front.width, y_mid + 0.1 * front.width),
+            (z_mid - 0.28 * short, z_mid + 0.28 * short),
+        )
+        side = [(-1) ** k * (0.2 + 0.26 * (k // 2) / max(1, (count - 1) // 2)) for k in range(count)]
+        spots = [(y_mid + s * front.width, z_mid) for s in side]
+    parts.append(part(display, DARK, PLASTIC, solid=False))
+    parts += [
+        part(rod((x1, y, z), (x1 + out, y, z), min(radius, 0.022)), p["handle_colour"], METAL, smooth=True, solid=False)
+        for y, z in spots
+    ]
+    return parts

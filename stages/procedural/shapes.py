@@ -1,0 +1,104 @@
+"""Solid shapes in metres, as watertight trimesh meshes; everything else is put together from these."""
+
+import itertools
+from collections.abc import Sequence
+
+import numpy as np
+import trimesh
+from numpy.typing import ArrayLike, NDArray
+from trimesh import Trimesh
+
+SEGMENTS = 24  # of a full circle
+
+
+def box(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float]) -> Trimesh:
+    """Axis-aligned box between the bounds."""
+    bounds = np.sort(np.array([x, y, z], dtype=float), axis=1).T
+    return trimesh.creation.box(bounds=bounds)
+
+
+def slab(center: ArrayLike, size: ArrayLike) -> Trimesh:
+    """Axis-aligned box by its centre and extents."""
+    center, half = np.asarray(center, dtype=float), np.asarray(size, dtype=float) / 2
+    return trimesh.creation.box(bounds=np.array([center - half, center + half]))
+
+
+def hull(points: ArrayLike) -> Trimesh:
+    """Convex hull of points (N, 3)."""
+    return trimesh.convex.convex_hull(np.asarray(points, dtype=float))
+
+
+def cushion(low: ArrayLike, high: ArrayLike, edge: float) -> Trimesh:
+    """Box whose edges are chamfered by `edge`."""
+    low, high = np.asarray(low, dtype=float), np.asarray(high, dtype=float)
+    edge = min(edge, 0.45 * float((high - low).min()))
+    corners = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T
+    center, half = (low + high) / 2, (high - low) / 2
+    pulled = [half - edge * (1 - np.eye(3)[axis]) for axis in range(3)]
+    return hull(np.concatenate([center + corners * h for h in pulled]))
+
+
+def rod(
+    start: ArrayLike, end: ArrayLike, radius: float, end_radius: float | None = None, segments: int = 12
+) -> Trimesh:
+    """Cylinder, or frustum where `end_radius` differs, from `start` to `end`."""
+    start, end = np.asarray(start, dtype=float), np.asarray(end, dtype=float)
+    length = float(np.linalg.norm(end - start))
+    tip = radius if end_radius is None else end_radius
+    mesh = lathe([(0, 0), (radius, 0), (tip, length), (0, length)], segments)
+    mesh.apply_transform(trimesh.geometry.align_vectors([0, 0, 1], (end - start) / length))
+    mesh.apply_translation(start)
+    return mesh
+
+
+def beam(start: ArrayLike, end: ArrayLike, width: float, end_width: float | None = None) -> Trimesh:
+    """Square beam (horizontal cross-sections) between two points; it may lean and taper."""
+    square = np.array([[-0.5, -0.5, 0], [0.5, -0.5, 0], [0.5, 0.5, 0], [-0.5, 0.5, 0]])
+    tip = width if end_width is None else end_width
+    return hull(np.concatenate([np.asarray(start) + square * width, np.asarray(end) + square * tip]))
+
+
+def lathe(profile: Sequence[tuple[float, float]], segments: int = SEGMENTS) -> Trimesh:
+    """Solid of revolution about z of a closed profile of (radius, z), from axis to axis, bottom first."""
+    return trimesh.creation.revolve(np.asarray(profile, dtype=float), sections=segments)
+
+
+def shell_pieces(
+    outer: Sequence[tuple[float, float]], inner: Sequence[tuple[float, float]], pieces: int = 12
+) -> list[Trimesh]:
+    """Convex pieces of the wall between two profiles of (radius, z) with as many points each: hollow to PhysX.
+
+    Each band between consecutive points becomes `pieces` wedges around the axis.
+    """
+    solids = []
+    edges = 2 * np.pi * np.arange(pieces + 1) / pieces
+    for (a, b), (c, d) in zip(itertools.pairwise(outer), itertools.pairwise(inner), strict=True):
+        for angles in itertools.pairwise(edges):
+            points = [(r * np.cos(t), r * np.sin(t), z) for t in angles for r, z in (a, b, c, d)]
+            solids.append(hull(points))
+    return solids
+
+
+def moved(mesh: Trimesh, by: ArrayLike) -> Trimesh:
+    """A copy moved by a vector."""
+    copy = mesh.copy()
+    copy.apply_translation(np.asarray(by, dtype=float))
+    return copy
+
+
+def turned(mesh: Trimesh, angle: float, axis: ArrayLike, about: ArrayLike = (0.0, 0.0, 0.0)) -> Trimesh:
+    """A copy turned by `angle` about an axis through `about`."""
+    copy = mesh.copy()
+    copy.apply_transform(trimesh.transformations.rotation_matrix(angle, axis, about))
+    return copy
+
+
+def is_box(mesh: Trimesh) -> bool:
+    """Whether the mesh fills its axis-aligned bounds."""
+    return len(mesh.vertices) == 8 and bool(np.isclose(mesh.volume, np.prod(mesh.extents), rtol=1e-6))
+
+
+def bounds_of(meshes: Sequence[Trimesh]) -> NDArray[np.float64]:
+    """Lowest and highest corner, (2, 3), of several meshes."""
+    corners = np.array([mesh.bounds for mesh in meshes])
+    return np.array([corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)])

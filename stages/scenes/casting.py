@@ -1,0 +1,79 @@
+"""Which model plays which item: drawn by seed for all rooms together, no model in two rooms (paper B.1)."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from stages.contracts import Asset, InputError, Library, read_json
+from stages.scenes.layout import Layout, arrange
+from stages.scenes.recipe import Room
+
+ATTEMPTS = 400  # casts tried per room before the library is said not to fit
+SALT = 0x5CE7E  # keeps this draw apart from others with the same seed
+
+
+@dataclass(frozen=True)
+class CastRoom:
+    """A room with its models (by item name) and their places."""
+
+    room: Room
+    layout: Layout
+    assets: dict[str, Asset]
+
+
+def read_models(library: Path) -> dict[str, Asset]:
+    """All assets of a library by id."""
+    index = read_json(Library, library, "make it first: python -m stages.assets library")
+    return {entry.id: read_json(Asset, library.parent / entry.folder / "asset.json") for entry in index.assets}
+
+
+def _draw(room: Room, models: dict[str, Asset], free: set[str], rng: np.random.Generator, library: Path) -> list[Asset]:
+    """One model per item, all different.
+
+    Raises:
+        InputError: no unused model is left for an item.
+    """
+    chosen: list[Asset] = []
+    taken: set[str] = set()
+    for item in room.items:
+        able = [
+            name
+            for name, asset in models.items()
+            if name in free and name not in taken and asset.category == item.category and item.want.fits(asset)
+        ]
+        if not able:
+            raise InputError(
+                library,
+                f"has no model left for '{item.name}' of {room.name}: category {item.category}, {item.want.text()}.",
+                f"raise assets.counts.{item.category} (no model stands in two rooms)",
+            )
+        name = able[int(rng.integers(len(able)))]
+        taken.add(name)
+        chosen.append(models[name])
+    return chosen
+
+
+def cast(rooms: Sequence[Room], models: dict[str, Asset], seed: int, library: Path) -> dict[str, CastRoom]:
+    """Models and layout of every room, by the room's name.
+
+    A room's cast depends on the rooms before it, never on those after it: jobs for single rooms agree.
+
+    Raises:
+        InputError: a category is short, or its models are too large for the room.
+    """
+    rng = np.random.default_rng(np.random.SeedSequence((seed, SALT)))
+    free = set(models)
+    result = {}
+    for room in rooms:
+        for _ in range(ATTEMPTS):
+            assets = _draw(room, models, free, rng, library)
+            layout = arrange(room, {item.name: asset.size for item, asset in zip(room.items, assets, strict=True)})
+            if layout is not None:
+                break
+        else:
+            raise InputError(library, f"{room.name}: no choice of models fits its layout.", "change the seed")
+        result[room.name] = CastRoom(room, layout, {i.name: a for i, a in zip(room.items, assets, strict=True)})
+        free -= {asset.id for asset in assets}
+    return result

@@ -1,0 +1,100 @@
+"""Verb `render`: one room -> what a camera sees of it (`input/`) and, apart from it, the truth."""
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from stages.config.scenes import ScenesConfig
+from stages.contracts import Annotations, Camera, InputError, Truth, atomic, read_options, write_json
+from stages.contracts.scenes import Annotation, TrueObject
+from stages.geometry.boxes import corners
+from stages.scenes.casting import CastRoom, cast, read_models
+from stages.scenes.framing import frame
+from stages.scenes.layout import scale_of
+from stages.scenes.photograph import photograph
+from stages.scenes.rooms import BY_NAME, ROOMS
+
+
+def mask_values(cast_room: CastRoom) -> dict[str, int]:
+    """Value in masks.png of every item; the floor and the walls come after them."""
+    return {item.name: value for value, item in enumerate(cast_room.room.items, start=1)}
+
+
+def truth_of(cast_room: CastRoom, world_from_camera: np.ndarray) -> Truth:
+    """Where everything really is."""
+    values = mask_values(cast_room)
+    objects = []
+    for name, standing in cast_room.layout.standing.items():
+        asset, box = cast_room.assets[name], standing.box
+        objects.append(
+            TrueObject(
+                mask=values[name],
+                asset=asset.id,
+                category=asset.category,
+                position=tuple(np.asarray(box.center, dtype=float).tolist()),
+                yaw=box.yaw,
+                size=tuple(np.asarray(box.size, dtype=float).tolist()),
+                symmetry=asset.symmetry,
+                support=str(values.get(standing.support, standing.support)),
+            )
+        )
+    return Truth(
+        scene=cast_room.room.name,
+        scale=scale_of(np.array([item.position for item in objects])),
+        world_from_camera=world_from_camera.tolist(),
+        objects=objects,
+    )
+
+
+def annotations_of(cast_room: CastRoom) -> Annotations:
+    """What a captioner would say: labels, doors and drawers, which mask is the floor and which are walls."""
+    values, assets = mask_values(cast_room), cast_room.assets
+    count = len(values)
+    return Annotations(
+        objects=[
+            Annotation(
+                mask=values[item.name],
+                label=item.label,
+                articulated=assets[item.name].articulated,
+                doors=assets[item.name].doors,
+                drawers=assets[item.name].drawers,
+            )
+            for item in cast_room.room.items
+        ],
+        floor=count + 1,
+        walls=[count + 2 + k for k in range(len(cast_room.room.walls))],
+    )
+
+
+def run(*, library: Path, scene: str, out: Path, options: str = "{}", seed: int = 0) -> None:
+    """Furnish and photograph one room.
+
+    Args:
+        library: library.json, whose models play the objects.
+        scene: room_1 ... room_8.
+        out: folder; gets input/ and truth.json.
+        options: JSON of the config section `scenes`.
+        seed: decides which models are used.
+    """
+    config = read_options(ScenesConfig, options)
+    if scene not in BY_NAME:
+        raise InputError("--scene", f"no room is called '{scene}'.", f"one of {', '.join(BY_NAME)}")
+    rooms = ROOMS[: ROOMS.index(BY_NAME[scene]) + 1]
+    cast_room = cast(rooms, read_models(library), seed, library)[scene]
+    points = np.concatenate([corners(standing.box) for standing in cast_room.layout.standing.values()])
+    intrinsics, world_from_camera = frame(points, cast_room.room.shot, config.width, config.height, config.margin)
+    picture = photograph(cast_room, library, intrinsics, world_from_camera, config, seed)
+
+    folder = out / "input"
+    with atomic(folder / "rgb.png") as path:
+        cv2.imwrite(str(path), picture.rgb[..., ::-1])
+    with atomic(folder / "masks.png") as path:
+        cv2.imwrite(str(path), picture.masks)
+    with atomic(folder / "depth.npz") as path:
+        np.savez_compressed(path, depth=picture.depth)
+    write_json(folder / "annotations.json", annotations_of(cast_room))
+    write_json(folder / "camera.json", Camera(width=config.width, height=config.height, intrinsics=intrinsics.tolist()))
+    truth = truth_of(cast_room, world_from_camera)
+    write_json(out / "truth.json", truth)
+    print(f"{scene}: {len(truth.objects)} objects, scale {truth.scale:.2f} m")

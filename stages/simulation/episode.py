@@ -1,0 +1,76 @@
+"""The random initial state of an episode, drawn from its seed alone (paper A.5)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from stages.config.task import TaskConfig
+from stages.geometry.frames import rigid, yaw_matrix
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class EpisodeSetup:
+    """What varies between episodes. Offsets are uniform in the ranges of the `task` section; metres, radians."""
+
+    variant: int  # which of the scale variants
+    base_offset: Array  # (3,)
+    base_yaw: float
+    object_offset: Array  # (2,)
+    object_yaw: float
+    joints: Array  # (7,) added to the rest configuration
+    camera_offset: Array  # (3,)
+    camera_turn: Array  # (3,) rotation vector
+
+
+def draw_episode(seed: int, options: TaskConfig) -> EpisodeSetup:
+    """The initial state of episode `seed`; the same seed gives the same state for every asset and policy."""
+    rng = np.random.default_rng(seed)
+    base_range = np.array([options.base_xy, options.base_xy, options.base_z])
+    metres, radians = options.camera_jitter
+    turn = rng.standard_normal(3)
+    return EpisodeSetup(
+        variant=int(rng.integers(options.scale_variants)),
+        base_offset=rng.uniform(-1, 1, 3) * base_range,
+        base_yaw=float(rng.uniform(-1, 1) * options.base_yaw),
+        object_offset=rng.uniform(-1, 1, 2) * options.object_xy,
+        object_yaw=float(rng.uniform(-1, 1) * options.object_yaw),
+        joints=rng.normal(0, 1, 7) * options.qpos_noise,
+        camera_offset=rng.uniform(-1, 1, 3) * metres,
+        camera_turn=turn / np.linalg.norm(turn) * rng.uniform(0, radians),
+    )
+
+
+def variant_scale(variant: int, options: TaskConfig) -> Array:
+    """(3,) scale factors of a variant. They are few, so that each rescaled asset is built once and cached."""
+    low, high = options.scale_range
+    scale: Array = np.random.default_rng((variant, 31)).uniform(low, high, 3).round(3)
+    return scale
+
+
+def base_pose(handle: Array, side: float, setup: EpisodeSetup, options: TaskConfig) -> Array:
+    """(4, 4) pose of the robot base in front of the handle's (3,) nominal place, facing it.
+
+    `side` is +1 or -1 along y: away from the hinge of a door; 0 for a drawer.
+    """
+    nominal = np.array([options.base_distance, side * options.base_side, -options.handle_height])
+    return rigid(yaw_matrix(np.pi + setup.base_yaw), handle + nominal + setup.base_offset)
+
+
+def object_motion(setup: EpisodeSetup) -> Array:
+    """(4, 4) small turn about z and shift of the object away from its nominal pose."""
+    return rigid(yaw_matrix(setup.object_yaw), [*setup.object_offset, 0.0])
+
+
+def camera_pose(setup: EpisodeSetup, options: TaskConfig) -> Array:
+    """(4, 4) pose of the over-the-shoulder camera in the robot base frame: x forward, y left, z up."""
+    eye = np.array(options.camera_eye)
+    forward = np.array(options.camera_target) - eye
+    forward /= np.linalg.norm(forward)
+    left = np.cross([0.0, 0.0, 1.0], forward)
+    left /= np.linalg.norm(left)
+    rotation = np.stack([forward, left, np.cross(forward, left)], axis=1)
+    return rigid(Rotation.from_rotvec(setup.camera_turn).as_matrix() @ rotation, eye + setup.camera_offset)

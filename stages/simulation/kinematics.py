@@ -1,0 +1,115 @@
+"""Forward kinematics and damped-least-squares IK of a serial arm, batched over configurations.
+
+The controller that executes an action and the planner that rolls a candidate out call the same `track`,
+so that what was planned is what happens.
+"""
+
+import xml.etree.ElementTree as ElementTree
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+Array = NDArray[np.float64]
+
+DAMPING = 0.03  # of the least squares: 3 cm or 0.03 rad of task space per radian
+LIMIT_MARGIN = 0.02  # radians kept to every joint limit
+MAX_JOINT_STEP = 0.25  # radians in one iteration
+
+
+@dataclass(frozen=True)
+class Chain:
+    """A chain of revolute joints about their local z axes.
+
+    origins: (J, 4, 4) joint frame in the frame of the joint before it; tip: (4, 4) end effector in the last one.
+    lower, upper: (J,) limits in radians.
+    """
+
+    origins: Array
+    tip: Array
+    lower: Array
+    upper: Array
+
+    def frames(self, q: Array) -> Array:
+        """(N, J) joints -> (N, J + 1, 4, 4) poses of the joint frames and, last, of the end effector, in the base."""
+        count, joints = q.shape
+        turn = np.zeros((count, joints, 4, 4))
+        cos, sin = np.cos(q), np.sin(q)
+        turn[:, :, 0, 0], turn[:, :, 0, 1] = cos, -sin
+        turn[:, :, 1, 0], turn[:, :, 1, 1] = sin, cos
+        turn[:, :, 2, 2] = turn[:, :, 3, 3] = 1.0
+        steps = self.origins @ turn
+        result = np.empty((count, joints + 1, 4, 4))
+        result[:, 0] = steps[:, 0]
+        for joint in range(1, joints):
+            result[:, joint] = result[:, joint - 1] @ steps[:, joint]
+        result[:, joints] = result[:, joints - 1] @ self.tip
+        return result
+
+    def pose(self, q: Array) -> Array:
+        """(N, J) joints -> (N, 4, 4) end-effector poses in the base."""
+        return self.frames(q)[:, -1]
+
+
+def jacobian(frames: Array) -> Array:
+    """(N, J + 1, 4, 4) frames -> (N, 6, J) geometric Jacobian: velocity, then angular velocity, base axes."""
+    axes = frames[:, :-1, :3, 2]
+    arms = frames[:, -1:, :3, 3] - frames[:, :-1, :3, 3]
+    return np.concatenate([np.cross(axes, arms), axes], axis=2).transpose(0, 2, 1)
+
+
+def pose_error(target: Array, pose: Array) -> Array:
+    """(N, 6) translation and rotation vector, base axes, that take `pose` (N, 4, 4) to `target` (N, 4, 4)."""
+    turn = target[:, :3, :3] @ pose[:, :3, :3].transpose(0, 2, 1)
+    return np.concatenate([target[:, :3, 3] - pose[:, :3, 3], Rotation.from_matrix(turn).as_rotvec()], axis=1)
+
+
+def track(chain: Chain, q: Array, target: Array, iterations: int = 3) -> Array:
+    """Joints near `q` (N, J) that bring the end effector towards `target` (N, 4, 4).
+
+    Damped least squares (Nakamura & Hanafusa 1986) from `q`: the minimum-norm step, clamped to the joint limits.
+    What cannot be reached is approached.
+    """
+    lower, upper = chain.lower + LIMIT_MARGIN, chain.upper - LIMIT_MARGIN
+    for _ in range(iterations):
+        frames = chain.frames(q)
+        J = jacobian(frames)
+        error = pose_error(target, frames[:, -1])
+        gram = J @ J.transpose(0, 2, 1) + DAMPING**2 * np.eye(6)
+        step = (J.transpose(0, 2, 1) @ np.linalg.solve(gram, error[..., None]))[..., 0]
+        largest = np.abs(step).max(axis=1, keepdims=True)
+        q = np.clip(q + step * np.minimum(1.0, MAX_JOINT_STEP / np.maximum(largest, 1e-9)), lower, upper)
+    return q
+
+
+def read_chain(urdf: Path, tip: str) -> Chain:
+    """The chain from the root of a URDF to the link `tip`; fixed joints are folded into their neighbours."""
+    joints = {joint.find("child").get("link"): joint for joint in ElementTree.parse(urdf).iter("joint")}  # type: ignore[union-attr]
+    path = []
+    while tip in joints:
+        path.append(joints[tip])
+        tip = joints[tip].find("parent").get("link")  # type: ignore[union-attr,assignment]
+    origins, limits, offset = [], [], np.eye(4)
+    for joint in reversed(path):
+        offset = offset @ _origin(joint)
+        if joint.get("type") == "revolute":
+            limit = joint.find("limit")
+            assert limit is not None
+            origins.append(offset)
+            limits.append([float(limit.get("lower", 0)), float(limit.get("upper", 0))])
+            offset = np.eye(4)
+    lower, upper = np.array(limits).T
+    return Chain(np.array(origins), offset, lower, upper)
+
+
+def _origin(joint: ElementTree.Element) -> Array:
+    """(4, 4) of a URDF joint's <origin>."""
+    pose = np.eye(4)
+    origin = joint.find("origin")
+    if origin is not None:
+        pose[:3, 3] = [float(value) for value in origin.get("xyz", "0 0 0").split()]
+        rpy = [float(value) for value in origin.get("rpy", "0 0 0").split()]
+        pose[:3, :3] = Rotation.from_euler("xyz", rpy).as_matrix()
+    return pose

@@ -1,0 +1,125 @@
+"""Put asset folders into a SAPIEN scene: articulated ones as articulations, the others as rigid actors."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import sapien
+from numpy.typing import NDArray
+from sapien.physx import PhysxArticulation, PhysxMaterial
+
+from stages.contracts.errors import InputError
+from stages.contracts.files import read_json
+from stages.contracts.library import Asset
+from stages.geometry.frames import yaw_matrix, yaw_quaternion
+
+JOINT_FRICTION, JOINT_DAMPING = 0.1, 2.0
+SURFACE_FRICTION = 0.6
+
+
+def physics_scene(timestep: float = 0.01) -> sapien.Scene:
+    """A scene with CPU physics alone: needs no Vulkan device, and assets load without their looks."""
+    scene = sapien.Scene([sapien.physx.PhysxCpuSystem()])
+    scene.timestep = timestep
+    return scene
+
+
+def has_renderer(scene: sapien.Scene) -> bool:
+    """Whether the scene can show anything."""
+    try:
+        return scene.render_system is not None
+    except RuntimeError:
+        return False
+
+
+def read_asset(folder: Path) -> Asset:
+    """The `asset.json` of an asset folder."""
+    return read_json(Asset, Path(folder) / "asset.json", "make the library again: python -m stages.assets library")
+
+
+def box_centre(asset: Asset) -> NDArray[np.float64]:
+    """Centre of the closed box in the asset frame."""
+    return (np.array(asset.box_min) + np.array(asset.box_max)) / 2
+
+
+def root_pose(asset: Asset, position: Sequence[float], yaw: float) -> sapien.Pose:
+    """Pose of the URDF root that puts the closed box's centre at `position`, turned by `yaw` about z."""
+    return sapien.Pose(np.asarray(position) - yaw_matrix(yaw) @ box_centre(asset), yaw_quaternion(yaw))
+
+
+def load_asset(
+    scene: sapien.Scene, folder: Path, pose: sapien.Pose, fixed: bool, name: str
+) -> PhysxArticulation | sapien.Entity:
+    """Add an asset to a scene, closed.
+
+    Args:
+        pose: of the URDF root; see `root_pose`.
+        fixed: the base does not move (a cabinet screwed to the wall); doors and drawers still do.
+
+    Returns:
+        An articulation if the URDF has joints, else an entity (kinematic if fixed).
+    """
+    asset = read_asset(folder)
+    urdf = Path(folder).resolve() / asset.urdf
+    loader = scene.create_urdf_loader()
+    loader.fix_root_link = fixed
+    loader.set_material(SURFACE_FRICTION, SURFACE_FRICTION, 0.0)
+    try:
+        articulations, actors, _ = loader.parse(str(urdf))
+    except Exception as error:  # the loader raises whatever its XML and mesh readers raise
+        raise InputError(urdf, f"cannot be loaded: {str(error).splitlines()[0]}.") from error
+    if len(articulations) + len(actors) != 1:
+        raise InputError(urdf, f"holds {len(articulations) + len(actors)} separate bodies.", "one body per URDF")
+    builder = (articulations or actors)[0]
+    builder.initial_pose = pose
+    if not has_renderer(scene):
+        for link in builder.link_builders if articulations else [builder]:
+            link.visual_records.clear()
+    if actors:
+        builder.set_name(name)
+        builder.set_physx_body_type("kinematic" if fixed else "dynamic")
+        return builder.build()
+    articulation = builder.build()
+    articulation.set_name(name)
+    close(articulation)
+    return articulation
+
+
+def close(articulation: PhysxArticulation) -> None:
+    """Shut every joint at its lower limit and give it friction (SAPIEN's loader ignores the URDF's)."""
+    joints = articulation.get_active_joints()
+    for joint in joints:
+        joint.set_friction(JOINT_FRICTION)
+        joint.set_drive_properties(stiffness=0.0, damping=JOINT_DAMPING)
+    lower = [float(joint.limits[0][0]) for joint in joints]
+    articulation.set_qpos(np.array(lower, dtype=np.float32))
+
+
+def add_ground(scene: sapien.Scene, height: float = 0.0) -> sapien.Entity:
+    """A static floor without looks, 20 x 20 m, its surface at z = `height`."""
+    builder = scene.create_actor_builder()
+    material = PhysxMaterial(SURFACE_FRICTION, SURFACE_FRICTION, 0.0)
+    builder.add_box_collision(sapien.Pose([0, 0, height - 0.5]), [10, 10, 0.5], material=material)
+    return builder.build_static("ground")
+
+
+def position_of(body: PhysxArticulation | sapien.Entity) -> NDArray[np.float64]:
+    """Translation of the URDF root in the world."""
+    pose = body.get_root_pose() if isinstance(body, PhysxArticulation) else body.get_pose()
+    return np.asarray(pose.p, dtype=float)
+
+
+def move(body: PhysxArticulation | sapien.Entity, pose: sapien.Pose) -> None:
+    """Put the URDF root at a pose."""
+    if isinstance(body, PhysxArticulation):
+        body.set_root_pose(pose)
+    else:
+        body.set_pose(pose)
+
+
+def remove(scene: sapien.Scene, body: PhysxArticulation | sapien.Entity) -> None:
+    """Take an asset out of the scene."""
+    if isinstance(body, PhysxArticulation):
+        scene.remove_articulation(body)
+    else:
+        scene.remove_actor(body)

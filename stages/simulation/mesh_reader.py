@@ -1,0 +1,58 @@
+"""Read mesh files with trimesh, and cut them into convex pieces to collide."""
+
+from pathlib import Path
+
+import numpy as np
+import trimesh
+from trimesh import Trimesh
+
+from stages.contracts.errors import InputError
+
+SUFFIXES = {".obj", ".glb", ".gltf", ".stl", ".ply", ".dae", ".off"}
+MOST_PIECES = 64
+FLAT = 1e-4  # metres: a piece thinner than this gets that thickness
+
+
+def load_meshes(path: Path) -> list[Trimesh]:
+    """All meshes of a file, in the file's own frame.
+
+    Raises:
+        InputError: the file is of no known kind, cannot be read, or holds no triangles.
+    """
+    if path.suffix.lower() not in SUFFIXES:
+        raise InputError(path, f"'{path.suffix}' is not a mesh file that is read here.", ", ".join(sorted(SUFFIXES)))
+    try:
+        scene = trimesh.load_scene(path)
+        meshes = [mesh for mesh in scene.dump() if isinstance(mesh, Trimesh) and len(mesh.faces)]
+    except Exception as error:  # mesh readers raise whatever they stumble over
+        reason = (str(error).splitlines() or [error.__class__.__name__])[0]
+        raise InputError(path, f"cannot be read as a mesh: {reason}.") from None
+    if not meshes or not all(np.isfinite(mesh.vertices).all() for mesh in meshes):
+        raise InputError(path, "holds no triangles.")
+    return meshes
+
+
+def has_texture(mesh: Trimesh) -> bool:
+    """Whether the mesh comes with an image."""
+    material = getattr(mesh.visual, "material", None)
+    images = (getattr(material, key, None) for key in ("image", "baseColorTexture"))
+    return any(image is not None for image in images)
+
+
+def convex_pieces(mesh: Trimesh) -> list[Trimesh]:
+    """Convex hulls of the mesh's connected bodies, or one hull if there are too many."""
+    welded = Trimesh(mesh.vertices, mesh.faces, process=True)
+    bodies = welded.split(only_watertight=False)
+    if not 1 <= len(bodies) <= MOST_PIECES:
+        bodies = [welded]
+    return [_hull(body) for body in bodies if len(body.vertices) >= 3]
+
+
+def _hull(mesh: Trimesh) -> Trimesh:
+    if mesh.extents.min() < FLAT:
+        center, size = mesh.bounds.mean(axis=0), np.maximum(mesh.extents, FLAT)
+        return trimesh.creation.box(bounds=np.array([center - size / 2, center + size / 2]))
+    try:
+        return mesh.convex_hull
+    except Exception:  # qhull: all points in a slanted plane
+        return trimesh.creation.box(bounds=mesh.bounds)

@@ -1,0 +1,116 @@
+"""What the policy sees (paper B.3): proprioception and one cloud of object and finger points, robot base frame."""
+
+from functools import cache
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+from stages.geometry.frames import matrix_from_quaternion, quaternion_from_matrix, rigid
+from stages.simulation.kinematics import Array, pose_error
+
+Float = NDArray[np.float32]
+
+MAX_CANDIDATES = 2048  # pixels kept before farthest point sampling, which is quadratic
+# Camera axes of SAPIEN's position image (x right, y up, z backward) in its camera pose (x forward, y left, z up).
+CAMERA_FROM_IMAGE = np.array([[0.0, 0.0, -1.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+# (centre, extents) of the finger's collision boxes that lie furthest out, in its own frame; y towards the other finger
+FINGER_BOXES = (((0.0, 0.0076, 0.0453), (0.0175, 0.0152, 0.0185)), ((0.0, 0.0159, 0.0284), (0.0175, 0.007, 0.0235)))
+FINGER_OFFSET = 0.0584 - 0.1034  # finger frame along the approach axis, seen from the tool centre point
+
+
+def farthest_points(points: Float, count: int) -> Float:
+    """(N, 3) -> (count, 3) by farthest point sampling, from the first point on; repeats if N is smaller."""
+    if len(points) == 0:
+        return np.zeros((count, 3), np.float32)
+    if len(points) <= count:
+        return points[np.resize(np.arange(len(points)), count)]
+    x, y, z = np.ascontiguousarray(points.T)
+    nearest = np.full(len(points), np.inf, np.float32)
+    chosen = np.zeros(count, np.intp)
+    for i in range(1, count):
+        last = chosen[i - 1]
+        dx, dy, dz = x - x[last], y - y[last], z - z[last]
+        np.minimum(nearest, dx * dx + dy * dy + dz * dz, out=nearest)
+        chosen[i] = nearest.argmax()
+    return points[chosen]
+
+
+def object_points(
+    image: NDArray[np.int16], object_ids: NDArray[np.int16], base_from_camera: Array, low: Array, high: Array
+) -> Float:
+    """Points (N, 3) of the object's pixels inside the workspace box, in the base frame.
+
+    Args:
+        image: (H, W, 4) SAPIEN `PositionSegmentation`: position in millimetres, then the entity id.
+        object_ids: entity ids of the object's links; everything else (robot, background) is masked out.
+        base_from_camera: (4, 4) camera pose, x forward.
+        low, high: (3,) corners of the workspace.
+    """
+    points = image[np.isin(image[..., 3], object_ids)][:, :3].astype(np.float32) * 1e-3
+    base_from_image = base_from_camera[:3, :3] @ CAMERA_FROM_IMAGE
+    points = points @ base_from_image.T.astype(np.float32) + base_from_camera[:3, 3].astype(np.float32)
+    inside = points[((points > low) & (points < high)).all(axis=1)]
+    # An even stride over the pixels keeps the picture's density and costs nothing.
+    return inside[np.linspace(0, len(inside) - 1, MAX_CANDIDATES).astype(int)] if len(inside) > MAX_CANDIDATES else inside
+
+
+@cache
+def finger_surface(count: int) -> tuple[Array, Array]:
+    """Points on the left and right finger, in the frame of the tool centre point with the gripper closed."""
+    rng = np.random.default_rng(0)
+    boxes = []
+    for center, extents in FINGER_BOXES:
+        box = trimesh.creation.box(extents)
+        if center[1] > 0.01:  # the diagonal part leans outwards by 30 degrees
+            box.apply_transform(trimesh.transformations.rotation_matrix(np.pi / 6, [1, 0, 0]))
+        boxes.append(box.apply_translation(center))
+    mesh = trimesh.util.concatenate(boxes)
+    left, _ = trimesh.sample.sample_surface(mesh, count - count // 2, seed=rng)
+    left = np.asarray(left) + [0.0, 0.0, FINGER_OFFSET]
+    return left, (left * [1.0, -1.0, 1.0])[: count // 2]
+
+
+def finger_points(tcp: Array, fingers: Array, count: int) -> Float:
+    """(count, 3) precomputed finger points placed by forward kinematics; `tcp` (4, 4), `fingers` (2,) metres."""
+    left, right = finger_surface(count)
+    local = np.concatenate([left + [0.0, fingers[0], 0.0], right - [0.0, fingers[1], 0.0]])
+    return (local @ tcp[:3, :3].T + tcp[:3, 3]).astype(np.float32)
+
+
+def unified_cloud(scene: Float, fingers: Float, points: int) -> Float:
+    """(points, 4): farthest points of the scene with flag 0, then all finger points with flag 1."""
+    cloud = np.zeros((points, 4), np.float32)
+    visible = points - len(fingers)
+    cloud[:visible, :3] = farthest_points(scene, visible)
+    cloud[visible:, :3] = fingers
+    cloud[visible:, 3] = 1.0
+    return cloud
+
+
+def proprioception(tcp: Array, fingers: Array, rest: Array) -> Float:
+    """(9,) end-effector position, quaternion wxyz, finger joints, in the base frame.
+
+    Of the two quaternions of an orientation the one nearer to that of `rest` (4, 4) is taken, so that the value
+    has no jumps within the workspace.
+    """
+    quaternion = quaternion_from_matrix(tcp[:3, :3])
+    if quaternion @ quaternion_from_matrix(rest[:3, :3]) < 0:
+        quaternion = -quaternion
+    return np.concatenate([tcp[:3, 3], quaternion, fingers]).astype(np.float32)
+
+
+def pose_of_proprioception(proprio: Float) -> Array:
+    """(4, 4) end-effector pose in the base frame of a (9,) proprioception."""
+    return rigid(matrix_from_quaternion(proprio[3:7]), proprio[:3])
+
+
+__all__ = [
+    "farthest_points",
+    "finger_points",
+    "object_points",
+    "pose_error",
+    "pose_of_proprioception",
+    "proprioception",
+    "unified_cloud",
+]

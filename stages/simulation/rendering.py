@@ -1,0 +1,136 @@
+"""Pictures from SAPIEN's rasteriser: colour, metric depth and one instance id per object."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import sapien
+from numpy.typing import ArrayLike, NDArray
+from sapien.physx import PhysxArticulation, PhysxArticulationLinkComponent
+
+from stages.contracts.errors import InputError
+from stages.geometry.frames import quaternion_from_matrix
+
+# OpenCV camera axes (x right, y down, z forward) -> SAPIEN's (x forward, y left, z up)
+SAPIEN_FROM_OPENCV = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
+NEAR, FAR = 0.02, 60.0
+BACKGROUND = (0.82, 0.82, 0.84)
+
+
+@dataclass(frozen=True)
+class Picture:
+    """rgb (H, W, 3) uint8; depth (H, W) float32 metres along the optical axis, 0: nothing there;
+    segmentation (H, W) int32 of `instance_id`, 0: nothing there."""
+
+    rgb: NDArray[np.uint8]
+    depth: NDArray[np.float32]
+    segmentation: NDArray[np.int32]
+
+
+def make_scene(
+    timestep: float = 0.01, shadows: bool = True, light: Sequence[float] = (-0.5, -0.6, -1.0)
+) -> sapien.Scene:
+    """A scene with CPU physics, a renderer, and one key light, one fill light and ambient light.
+
+    Args:
+        light: direction in which the key light shines, world frame.
+
+    Raises:
+        InputError: there is no Vulkan device to render with.
+    """
+    try:
+        sapien.render.set_log_level("error")
+        sapien.render.set_camera_shader_dir("default")  # holds for the whole process
+        renderer = sapien.render.RenderSystem()
+    except RuntimeError as error:
+        raise InputError("renderer", f"no Vulkan device ({error}).", "python -m stages.doctor") from None
+    scene = sapien.Scene([sapien.physx.PhysxCpuSystem(), renderer])
+    scene.timestep = timestep
+    scene.set_ambient_light([0.42, 0.42, 0.44])
+    key = np.asarray(light, dtype=float)
+    scene.add_directional_light(key.tolist(), [1.55, 1.5, 1.42], shadow=shadows, shadow_scale=8.0, shadow_map_size=2048)
+    scene.add_directional_light([-key[0], -key[1], -1.4], [0.35, 0.37, 0.42])
+    return scene
+
+
+def instance_id(body: PhysxArticulation | sapien.Entity) -> int:
+    """The id that all pixels of an object carry in `Picture.segmentation`."""
+    entity = body.links[0].entity if isinstance(body, PhysxArticulation) else body
+    return int(entity.per_scene_id)
+
+
+class Camera:
+    """A pinhole camera of a scene. Moving one camera is faster than keeping many (docs/assets.md)."""
+
+    def __init__(self, scene: sapien.Scene, intrinsics: ArrayLike, width: int, height: int) -> None:
+        """`intrinsics`: 3x3 matrix K in pixels, pixel centres at integers."""
+        k = np.asarray(intrinsics, dtype=float)
+        self.scene = scene
+        self._component = sapien.render.RenderCameraComponent(width, height)
+        # SAPIEN counts pixel centres at half integers
+        self._component.set_perspective_parameters(NEAR, FAR, k[0, 0], k[1, 1], k[0, 2] + 0.5, k[1, 2] + 0.5, k[0, 1])
+        self._entity = sapien.Entity()
+        self._entity.name = "camera"
+        self._entity.add_component(self._component)
+        scene.add_entity(self._entity)
+
+    def render(self, world_from_camera: ArrayLike) -> Picture:
+        """Picture from a 4x4 pose of the camera, OpenCV axes."""
+        pose = np.asarray(world_from_camera, dtype=float)
+        rotation = pose[:3, :3] @ SAPIEN_FROM_OPENCV.T
+        self._entity.set_pose(sapien.Pose(pose[:3, 3], quaternion_from_matrix(rotation)))
+        self.scene.update_render()
+        self._component.take_picture()
+        colour = self._component.get_picture("Color")
+        position = self._component.get_picture("Position")
+        entities = self._component.get_picture("Segmentation")[..., 1].astype(np.int32)
+        seen = entities > 0
+        rgb = (np.clip(colour[..., :3], 0.0, 1.0) * 255).round().astype(np.uint8)
+        rgb[~seen] = np.round(np.array(BACKGROUND) * 255)
+        depth = np.where(seen, -position[..., 2], 0.0).astype(np.float32)
+        return Picture(rgb, depth, self._instances(entities))
+
+    def close(self) -> None:
+        """Take the camera out of the scene."""
+        self.scene.remove_entity(self._entity)
+
+    def _instances(self, entities: NDArray[np.int32]) -> NDArray[np.int32]:
+        """Ids of links -> id of their articulation."""
+        table = np.arange(max(int(entities.max()), max((e.per_scene_id for e in self.scene.entities), default=0)) + 1)
+        for entity in self.scene.entities:
+            link = entity.find_component_by_type(PhysxArticulationLinkComponent)
+            if link is not None:
+                table[entity.per_scene_id] = instance_id(link.articulation)
+        return table.astype(np.int32)[entities]
+
+
+def render(
+    scene: sapien.Scene, intrinsics: ArrayLike, width: int, height: int, world_from_camera: ArrayLike
+) -> Picture:
+    """One picture with a camera of its own; use `Camera` for many."""
+    camera = Camera(scene, intrinsics, width, height)
+    try:
+        return camera.render(world_from_camera)
+    finally:
+        camera.close()
+
+
+def add_block(
+    scene: sapien.Scene,
+    center: Sequence[float],
+    size: Sequence[float],
+    colour: Sequence[float],
+    name: str,
+    yaw: float = 0.0,
+    roughness: float = 0.9,
+) -> sapien.Entity:
+    """A kinematic box: floor, wall. Its extents are `size`, its surface one colour."""
+    half = (np.asarray(size, dtype=float) / 2).tolist()
+    material = sapien.render.RenderMaterial()
+    material.base_color = [*colour, 1.0]
+    material.roughness, material.specular = roughness, 0.1
+    builder = scene.create_actor_builder()
+    builder.add_box_collision(half_size=half)
+    builder.add_box_visual(half_size=half, material=material)
+    builder.initial_pose = sapien.Pose(list(center), [np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)])
+    return builder.build_kinematic(name)

@@ -1,0 +1,39 @@
+"""The same asset at another size: procedural ones are made again, imported ones are stretched."""
+
+import hashlib
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+from stages.contracts.errors import InputError
+from stages.procedural import build
+from stages.simulation.loading import read_asset
+
+SAME = 5e-4  # metres: a size this near to the native one is left alone
+
+
+def resized(asset_folder: Path, size: Sequence[float], out: Path) -> Path:
+    """A folder, inside `out`, of the asset with a closed box of exactly `size` (metres, own axes).
+
+    The folder's name is a key of asset and size; one that is there already is used as it is.
+
+    Raises:
+        InputError: the size is not positive.
+    """
+    asset = read_asset(asset_folder)
+    x, y, z = (float(value) for value in size)
+    if min(x, y, z) <= 0:
+        raise InputError(asset_folder, f"cannot be resized to {x:g} x {y:g} x {z:g} m.", "all extents must be positive")
+    if max(abs(a - b) for a, b in zip((x, y, z), asset.size, strict=True)) < SAME:
+        return Path(asset_folder)
+    key = json.dumps([asset.id, asset.checksum, [round(value, 5) for value in (x, y, z)]])
+    folder = Path(out) / f"{asset.id}-{hashlib.sha256(key.encode()).hexdigest()[:12]}"
+    if (folder / "asset.json").exists():
+        return folder
+    if asset.recipe is not None:
+        build(asset.recipe, (x, y, z), folder, asset.id, asset.category, asset.provenance)
+    else:
+        from stages.simulation.stretch import stretch
+
+        stretch(asset_folder, asset, (x, y, z), folder)
+    return folder

@@ -1,0 +1,133 @@
+"""The robot: ManiSkill's Panda with few triangles and end-effector pose controllers (paper B.3)."""
+
+import hashlib
+import os
+import tempfile
+import xml.etree.ElementTree as ElementTree
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import sapien
+from mani_skill import PACKAGE_ASSET_DIR
+from mani_skill.agents.base_agent import Keyframe
+from mani_skill.agents.controllers import PDEEPoseControllerConfig, PDJointPosMimicControllerConfig
+from mani_skill.agents.registration import register_agent
+from mani_skill.agents.robots import Panda
+
+from stages.contracts.files import atomic
+from stages.simulation.controller import PDEEPoseDLSConfig
+from stages.simulation.kinematics import Chain, read_chain
+
+PANDA = Path(PACKAGE_ASSET_DIR) / "robots" / "panda" / "panda_v2.urdf"
+TCP = "panda_hand_tcp"
+
+# The hand 0.42 m in front of the base and 0.55 m above it, pitched 0.7 rad below the horizontal, fingers closing
+# sideways: folded enough to leave room for a door, 0.46 rad from every joint limit, and with the pitch at which the
+# arm can follow the whole arc of a door from nearly everywhere (from half of the places with 0.35 rad).
+REST = np.array([0.0, -0.876, 0.0, -2.609, 0.0, 2.603, np.pi / 4])
+GRIPPER_OPEN, GRIPPER_CLOSED = 0.04, -0.01  # finger joint targets, metres; below zero keeps a force on thin handles
+MATERIAL = '<material name="arm"><color rgba="0.24 0.36 0.62 1"/></material>'  # stands out in film strips
+
+
+@dataclass(frozen=True)
+class ActionScale:
+    """What action 1 means: metres and radians per control step, and what the step is added to."""
+
+    position: float = 0.05
+    rotation: float = 0.2
+    from_target: bool = False
+
+
+def cache_folder() -> Path:
+    """Where generated robot files are kept between runs; a temporary folder if the home is not writable."""
+    home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    folder = home / "acdc-workflow"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        writable = os.access(folder, os.W_OK)
+    except OSError:
+        writable = False
+    return folder if writable else Path(tempfile.gettempdir()) / "acdc-workflow"
+
+
+@cache
+def low_poly_urdf() -> Path:
+    """The Panda with its collision shapes as visuals: 2,400 triangles instead of 135,000.
+
+    Software rendering is bound by vertices, so that a depth image takes a tenth of the time.
+    """
+    tree = ElementTree.parse(PANDA)
+    for link in tree.iter("link"):
+        for visual in link.findall("visual"):
+            link.remove(visual)
+        for index, collision in enumerate(link.findall("collision")):
+            visual = ElementTree.Element("visual", collision.attrib)
+            visual.extend([*collision, ElementTree.fromstring(MATERIAL)])
+            link.insert(index, visual)
+    for mesh in tree.iter("mesh"):
+        mesh.set("filename", str(PANDA.parent / str(mesh.get("filename")).removeprefix(f"{PANDA.parent}/")))
+    text = ElementTree.tostring(tree.getroot(), encoding="unicode")
+    path = cache_folder() / f"panda-{hashlib.sha256(text.encode()).hexdigest()[:16]}" / "panda.urdf"
+    if not path.exists():
+        srdf = PANDA.with_suffix(".srdf").read_text()
+        with atomic(path.with_suffix(".srdf")) as temporary:
+            temporary.write_text(srdf)
+        with atomic(path) as temporary:
+            temporary.write_text(text)
+    return path
+
+
+@cache
+def panda_chain() -> Chain:
+    """Kinematics of the arm from its root link to the tool centre point between the finger pads."""
+    return read_chain(PANDA, TCP)
+
+
+@register_agent()
+class AcdcPanda(Panda):
+    """Panda whose actions are end-effector steps in [-1, 1]; see `ActionScale`."""
+
+    uid = "acdc_panda"
+    keyframes = {"rest": Keyframe(pose=sapien.Pose(), qpos=np.append(REST, [GRIPPER_OPEN, GRIPPER_OPEN]))}  # noqa: RUF012
+    # Stock damping of 100 makes the arm lag its target by a step and a half at 10 Hz.
+    arm_damping = 60.0
+    # 45 N on a 1 cm handle: the stock 15 N lets go of heavy doors and of drawers that are pulled fast.
+    gripper_stiffness = 3e3
+
+    def __init__(self, *args: Any, scale: ActionScale | None = None, **kwargs: Any) -> None:
+        self.action_scale = scale or ActionScale()
+        self.urdf_path = str(low_poly_urdf())
+        super().__init__(*args, **kwargs)
+
+    @property
+    def _controller_configs(self) -> dict[str, Any]:
+        scale = self.action_scale
+        arm: dict[str, Any] = {
+            "joint_names": self.arm_joint_names,
+            "pos_lower": -scale.position,
+            "pos_upper": scale.position,
+            # The stock controller multiplies a rotation by its lower bound: positive keeps the sign.
+            "rot_lower": scale.rotation,
+            "rot_upper": scale.rotation,
+            "stiffness": self.arm_stiffness,
+            "damping": self.arm_damping,
+            "force_limit": self.arm_force_limit,
+            "ee_link": self.ee_link_name,
+            "urdf_path": self.urdf_path,
+        }
+        gripper = PDJointPosMimicControllerConfig(
+            self.gripper_joint_names,
+            lower=GRIPPER_CLOSED,
+            upper=GRIPPER_OPEN,
+            stiffness=self.gripper_stiffness,
+            damping=self.gripper_damping,
+            force_limit=self.gripper_force_limit,
+            mimic={"panda_finger_joint2": {"joint": "panda_finger_joint1"}},
+        )
+        return {
+            "pd_ee_dls": {"arm": PDEEPoseDLSConfig(**arm, use_target=scale.from_target), "gripper": gripper},
+            "pd_ee_target_delta_pose": {"arm": PDEEPoseControllerConfig(**arm, use_target=True), "gripper": gripper},
+        }

@@ -1,0 +1,92 @@
+"""The geometry that a task needs of its asset: the target joint, its handle, and what moves and what stands still."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import trimesh
+from mani_skill.utils.geometry.trimesh_utils import get_component_meshes
+from mani_skill.utils.structs import Articulation
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from stages.geometry.frames import inverse, rigid
+from stages.simulation.handle import Handle, find_handle
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Target:
+    """The joint to open, in the asset frame with all joints closed.
+
+    axis: (3,) unit axis, about which (revolute) or along which (prismatic) the joint opens with positive values.
+    origin: (3,) point on the axis. moving, fixed: collision meshes of the moving links and of all others.
+    """
+
+    index: int  # among the articulation's active joints
+    revolute: bool
+    axis: Array
+    origin: Array
+    lower: float
+    upper: float
+    moving: trimesh.Trimesh
+    fixed: trimesh.Trimesh
+    handle: Handle | None
+
+    @property
+    def reference(self) -> Array:
+        """(3,) the handle, or the middle of the front if there is none: the robot is placed relative to it."""
+        if self.handle is not None:
+            return self.handle.position
+        low, high = self.moving.bounds
+        return np.array([high[0], (low[1] + high[1]) / 2, (low[2] + high[2]) / 2])
+
+    @property
+    def side(self) -> float:
+        """+1 or -1: the y direction from the hinge to the handle; 0 for a drawer."""
+        return float(np.sign(self.reference[1] - self.origin[1])) if self.revolute else 0.0
+
+    def motion(self, value: float) -> Array:
+        """(4, 4) motion of the moving link when the joint goes from closed to `value`, in the asset frame."""
+        travel = value - self.lower
+        if not self.revolute:
+            return rigid(np.eye(3), self.axis * travel)
+        rotation = Rotation.from_rotvec(self.axis * travel).as_matrix()
+        return rigid(rotation, self.origin - rotation @ self.origin)
+
+
+def read_target(articulation: Articulation, joint_name: str) -> Target:
+    """Measure the target joint of a loaded asset; its joints must be closed."""
+    raw = articulation._objs[0]
+    root_inverse = inverse(raw.root.pose.to_transformation_matrix())
+    names = [joint.name for joint in articulation.active_joints]
+    index = names.index(joint_name)
+    joint = raw.active_joints[index]
+    joint_frame = root_inverse @ joint.get_global_pose().to_transformation_matrix()
+    moving, fixed = [], []
+    for link in raw.links:
+        root_from_link = root_inverse @ link.pose.to_transformation_matrix()
+        group = moving if _descends(link, joint.child_link) else fixed
+        group += [mesh.apply_transform(root_from_link) for mesh in get_component_meshes(link)]
+    lower, upper = articulation.get_qlimits()[0, index].tolist()
+    mesh = trimesh.util.concatenate(moving)
+    return Target(
+        index=index,
+        revolute=joint.type.startswith("revolute"),
+        axis=joint_frame[:3, 0],
+        origin=joint_frame[:3, 3],
+        lower=float(lower),
+        upper=float(upper),
+        moving=mesh,
+        fixed=trimesh.util.concatenate(fixed) if fixed else trimesh.Trimesh(),
+        handle=find_handle(mesh),
+    )
+
+
+def _descends(link: object, ancestor: object) -> bool:
+    """Whether `ancestor` is `link` or above it in the tree."""
+    while link is not None:
+        if link == ancestor:
+            return True
+        link = link.parent  # type: ignore[attr-defined]
+    return False

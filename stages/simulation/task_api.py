@@ -1,0 +1,210 @@
+"""The manipulation task as demonstrations and evaluation use it: one environment, plain numpy in and out."""
+
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, TypedDict
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stages.config.task import TaskConfig
+from stages.contracts import Asset, InputError, read_json
+from stages.simulation import observation
+from stages.simulation.episode import draw_episode, variant_scale
+from stages.simulation.kinematics import Array
+from stages.simulation.robot import REST, panda_chain
+
+if TYPE_CHECKING:
+    from stages.simulation.tasks import OpenTaskEnv
+
+Float = NDArray[np.float32]
+Size = tuple[float, float, float]
+
+
+class Observation(TypedDict):
+    """What a policy sees (paper B.3), in the robot base frame.
+
+    point_cloud: (P, 4) float32 xyz in metres and a flag: 0 scene, 1 gripper finger. Fingers come last.
+    proprio: (9,) float32 end-effector position, quaternion wxyz, the two finger joints.
+    """
+
+    point_cloud: Float
+    proprio: Float
+
+
+@dataclass(frozen=True)
+class StepResult:
+    """Outcome of one control step. `done` is success or the end of `max_steps`."""
+
+    observation: Observation
+    success: bool
+    opened: float
+    done: bool
+
+
+def make_task(
+    task: str,
+    assets: Path,
+    joint: str,
+    size: Size | None,
+    options: TaskConfig,
+    render: bool = True,
+    cache: Path | None = None,
+    vary_scale: bool = True,
+) -> "TaskEnv":
+    """A task on one asset. Several may live in one process.
+
+    Args:
+        task: 'door' or 'drawer'.
+        assets: folder of the asset (with asset.json).
+        joint: name of the joint to open.
+        size: nominal closed box (x, y, z) in metres; None: as the asset is.
+        options: the `task` section.
+        render: False leaves out the camera (no point cloud in the observations, no pictures).
+        cache: folder for rescaled assets; default: a temporary one that `close` removes.
+        vary_scale: False keeps the nominal size (official code leaves the evaluated asset's size alone).
+    """
+    from stages.simulation.tasks import TASKS
+
+    if task not in TASKS:
+        raise InputError("task", f"unknown task {task!r}.", f"use one of {', '.join(TASKS)}")
+    asset = read_json(Asset, assets / "asset.json")
+    found = next((known for known in asset.joints if known.name == joint), None)
+    if found is None or found.role != task:
+        names = [known.name for known in asset.joints if known.role == task]
+        raise InputError(assets, f"has no {task} joint {joint!r}.", f"its {task} joints: {names or 'none'}")
+    return TaskEnv(task, assets, joint, size or asset.size, options, render, cache, vary_scale)
+
+
+class TaskEnv:
+    """env = make_task(...); obs = env.reset(seed); result = env.step(action)."""
+
+    def __init__(
+        self,
+        task: str,
+        assets: Path,
+        joint: str,
+        size: Size,
+        options: TaskConfig,
+        render: bool,
+        cache: Path | None,
+        vary_scale: bool,
+    ) -> None:
+        self.task, self.assets, self.joint, self.size, self.options = task, assets, joint, size, options
+        self.render, self.vary_scale = render, vary_scale
+        self._temporary = None if cache else tempfile.TemporaryDirectory(prefix="acdc-sized-")
+        self.cache = cache or Path(self._temporary.name)  # type: ignore[union-attr]
+        self.max_steps = options.max_steps
+        self.chain = panda_chain()
+        self._env: OpenTaskEnv | None = None
+        self._folder: Path | None = None
+
+    @property
+    def env(self) -> "OpenTaskEnv":
+        """The ManiSkill environment; it exists after the first reset."""
+        assert self._env is not None, "reset() first"
+        return self._env
+
+    def reset(self, seed: int) -> Observation:
+        """Start the episode of `seed`: robot pose, object pose and scale, joint noise, camera pose all follow from it."""
+        self.place(seed)
+        return self.observe()
+
+    def place(self, seed: int) -> None:
+        """`reset` without looking: a skill plans before it needs a picture."""
+        from stages.simulation.tasks import TASKS
+
+        folder = self._sized_folder(seed)
+        if self._env is None:
+            self._env = TASKS[self.task](
+                asset_folder=folder,
+                joint=self.joint,
+                options=self.options,
+                obs_mode="none",
+                reward_mode="none",
+                sim_backend="physx_cpu",
+                render_backend="cpu" if self.render else "none",
+            )
+        reconfigure = folder != self._folder
+        self._folder = self._env.asset_folder = folder
+        self._env.reset(seed=seed, options={"reconfigure": reconfigure})
+        self.steps, self.success, self.opened = 0, False, 0.0
+
+    def step(self, action: Float) -> StepResult:
+        """Apply one action (7,) in [-1, 1]: translation, axis-angle (robot base axes), gripper (1 open, -1 closed)."""
+        self.act(action)
+        return StepResult(self.observe(), self.success, self.opened, self.success or self.steps >= self.max_steps)
+
+    def act(self, action: Float) -> None:
+        """`step` without looking."""
+        _, _, _, _, info = self.env.step(np.asarray(action, np.float32))
+        self.steps += 1
+        self.success, self.opened = bool(info["success"][0]), float(info["opened"][0])
+
+    def observe(self) -> Observation:
+        """The observation of the present state."""
+        options, env = self.options, self.env
+        joints = self.joints()
+        tcp, fingers = self.chain.pose(joints[None, :7])[0], joints[7:]
+        cloud = np.zeros((options.points, 4), np.float32)
+        if self.render:
+            scene = observation.object_points(
+                self._position_image(),
+                env.object_ids,
+                env.base_from_camera[0],
+                np.array(options.workspace_min),
+                np.array(options.workspace_max),
+            )
+            finger = observation.finger_points(tcp, fingers, options.finger_points)
+            cloud = observation.unified_cloud(scene, finger, options.points)
+        rest = self.chain.pose(REST[None])[0]
+        return {"point_cloud": cloud, "proprio": observation.proprioception(tcp, fingers, rest)}
+
+    def joints(self) -> Array:
+        """(9,) measured joints: seven of the arm, two of the fingers."""
+        joints: Array = self.env.agent.robot.get_qpos()[0].cpu().numpy().astype(np.float64)
+        return joints
+
+    def hand(self) -> Array:
+        """(4, 4) measured pose of the tool centre point in the base frame."""
+        return np.asarray(self.chain.pose(self.joints()[None, :7])[0])
+
+    def reference(self) -> Array:
+        """(4, 4) pose that the next action's delta is added to, in the base frame."""
+        controller = self.env.agent.controller.controllers["arm"]
+        if hasattr(controller, "reference_pose"):
+            return np.asarray(controller.reference_pose()[0])
+        return np.asarray(controller._target_pose.sp.to_transformation_matrix(), dtype=float)
+
+    def picture(self) -> NDArray[np.uint8]:
+        """(H, W, 3) picture from an external camera, for film strips."""
+        picture: NDArray[np.uint8] = self.env.render_rgb_array("film")[0].cpu().numpy()
+        return picture
+
+    def close(self) -> None:
+        """Free the simulator."""
+        if self._env is not None:
+            self._env.close()
+            self._env = None
+        if self._temporary is not None:
+            self._temporary.cleanup()
+
+    def _position_image(self) -> NDArray[np.int16]:
+        """(H, W, 4) millimetres and entity ids from the shoulder camera."""
+        env = self.env
+        env.scene.update_render(update_sensors=True, update_human_render_cameras=False)
+        camera = env._sensors["shoulder"]
+        camera.capture()
+        image: NDArray[np.int16] = camera.camera.get_picture("PositionSegmentation")[0][0].cpu().numpy()
+        return image
+
+    def _sized_folder(self, seed: int) -> Path:
+        """Folder of the asset at the size of episode `seed`."""
+        from stages.simulation.resize import resized
+
+        scale = np.ones(3)
+        if self.vary_scale:
+            scale = variant_scale(draw_episode(seed, self.options).variant, self.options)
+        x, y, z = (np.array(self.size) * scale).round(4).tolist()
+        return resized(self.assets, (x, y, z), self.cache)

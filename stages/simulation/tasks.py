@@ -1,0 +1,211 @@
+"""The ManiSkill tasks ACDC-OpenDoor-v1 and ACDC-OpenDrawer-v1 (paper B.4: Door Opening, Drawer Opening)."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import sapien
+import torch
+from mani_skill.envs.sapien_env import BaseEnv
+from mani_skill.sensors.camera import CameraConfig
+from mani_skill.utils.registration import register_env
+from mani_skill.utils.structs import Articulation, Pose
+from mani_skill.utils.structs.types import SceneConfig, SimConfig
+
+from stages.config.task import TaskConfig
+from stages.contracts import Asset, read_json
+from stages.geometry.frames import inverse
+from stages.simulation.episode import EpisodeSetup, base_pose, camera_pose, draw_episode, object_motion
+from stages.simulation.kinematics import Array
+from stages.simulation.loading import SURFACE_FRICTION, close
+from stages.simulation.robot import GRIPPER_OPEN, REST, ActionScale, AcdcPanda
+from stages.simulation.target import Target, read_target
+
+SIMULATION_FREQUENCY = 100
+SHOULDER, FILM = "shoulder", "film"
+
+
+class OpenTaskEnv(BaseEnv):
+    """Open one joint of one asset with a fixed-base Panda; success is `opened >= success_fraction`.
+
+    The robot stands in front of the handle, at a height relative to it. There is no floor: nothing falls.
+
+    Args:
+        asset_folder: folder with asset.json. A change takes effect at reset(options={"reconfigure": True}).
+        joint: name of the joint to open.
+        options: the `task` section.
+    """
+
+    SUPPORTED_ROBOTS = ["acdc_panda"]  # noqa: RUF012
+    SUPPORTED_REWARD_MODES = ("sparse", "none")
+    agent: AcdcPanda
+
+    def __init__(
+        self,
+        *args: Any,
+        asset_folder: str | Path,
+        joint: str,
+        options: TaskConfig | None = None,
+        robot_uids: str = "acdc_panda",
+        **kwargs: Any,
+    ) -> None:
+        self.options = options or TaskConfig()
+        self.asset_folder, self.joint_name = Path(asset_folder), joint
+        kwargs.setdefault("control_mode", self.options.controller)
+        super().__init__(*args, robot_uids=robot_uids, **kwargs)
+
+    @property
+    def _default_sim_config(self) -> SimConfig:
+        return SimConfig(
+            sim_freq=SIMULATION_FREQUENCY,
+            control_freq=self.options.control_frequency,
+            scene_config=SceneConfig(solver_position_iterations=15, solver_velocity_iterations=1, contact_offset=0.02),
+        )
+
+    @property
+    def _default_sensor_configs(self) -> list[CameraConfig]:
+        size = self.options.camera_size
+        return [
+            CameraConfig(
+                uid=SHOULDER,
+                pose=sapien.Pose(),
+                width=size,
+                height=size,
+                fov=self.options.camera_fov,
+                near=0.05,
+                far=10.0,
+                mount=self.agent.robot.root,
+                shader_pack="minimal",
+            )
+        ]
+
+    @property
+    def _default_human_render_camera_configs(self) -> list[CameraConfig]:
+        pose = camera_pose_from([-0.1, -1.15, 0.95], [0.45, 0.0, 0.42])
+        return [
+            CameraConfig(
+                uid=FILM,
+                pose=pose,
+                width=320,
+                height=320,
+                fov=1.0,
+                near=0.05,
+                far=10.0,
+                mount=self.agent.robot.root,
+                shader_pack="default",
+            )
+        ]
+
+    def _load_agent(self, options: dict[str, Any], *args: Any, **kwargs: Any) -> None:
+        scale = ActionScale(
+            position=self.options.position_step,
+            rotation=self.options.rotation_step,
+            from_target=self.options.delta_from == "target",
+        )
+        # Well away from the asset until the episode is initialised.
+        self.agent = AcdcPanda(
+            self.scene, self._control_freq, self._control_mode, initial_pose=sapien.Pose([5, 0, 0]), scale=scale
+        )
+
+    def _load_scene(self, options: dict[str, Any]) -> None:
+        self.asset = read_json(Asset, self.asset_folder / "asset.json")
+        loader = self.scene.create_urdf_loader()
+        loader.fix_root_link = True
+        loader.set_material(SURFACE_FRICTION, SURFACE_FRICTION, 0.0)
+        loader.name = "target_object"
+        builder = loader.parse(str(self.asset_folder / self.asset.urdf))["articulation_builders"][0]
+        builder.initial_pose = sapien.Pose()
+        self.object: Articulation = builder.build()
+        for articulation in self.object._objs:
+            close(articulation)
+
+    def _load_lighting(self, options: dict[str, Any]) -> None:
+        """For film strips alone: the policy's camera has no use for light."""
+        self.scene.set_ambient_light([0.45, 0.45, 0.45])
+        self.scene.add_directional_light([-0.3, 0.5, -1.0], [1.0, 1.0, 1.0])
+        self.scene.add_directional_light([-1.0, -0.6, -0.3], [0.6, 0.6, 0.6])
+
+    def _after_reconfigure(self, options: dict[str, Any]) -> None:
+        self.target: Target = read_target(self.object, self.joint_name)
+        links = self.object._objs[0].links
+        self.object_ids = np.array([link.entity.per_scene_id for link in links], np.int16)
+
+    def _initialize_episode(self, env_idx: torch.Tensor, options: dict[str, Any]) -> None:
+        indices = env_idx.tolist()
+        setups = [draw_episode(int(self._episode_seed[i]), self.options) for i in indices]
+        # The nominal object stands with its box centre above the origin and its box on z = 0.
+        center = (np.array(self.asset.box_min) + np.array(self.asset.box_max)) / 2
+        nominal = np.array([-center[0], -center[1], -self.asset.box_min[2]])
+        handle = self.target.reference + nominal
+        shift = np.eye(4)
+        shift[:3, 3] = nominal
+        bases = np.stack([base_pose(handle, self.target.side, setup, self.options) for setup in setups])
+        roots = np.stack([object_motion(setup) @ shift for setup in setups])
+        fingers = [GRIPPER_OPEN, GRIPPER_OPEN]
+        qpos = np.stack([np.append(REST + setup.joints, fingers) for setup in setups])
+        self.agent.robot.set_qpos(torch.as_tensor(qpos, dtype=torch.float32, device=self.device))
+        self.agent.robot.set_pose(to_poses(bases))
+        self.object.set_pose(to_poses(roots))
+        self.object.set_qpos(self.object.get_qlimits()[env_idx, :, 0])
+        self.object.set_qvel(torch.zeros_like(self.object.get_qvel()[env_idx]))
+        self._place_camera(indices, setups)
+
+    def _place_camera(self, indices: Sequence[int], setups: Sequence[EpisodeSetup]) -> None:
+        """Jitter the shoulder camera of each environment; its pose in the base frame is known to the robot."""
+        if not hasattr(self, "base_from_camera"):
+            self.base_from_camera = np.tile(np.eye(4), (self.num_envs, 1, 1))
+        for index, setup in zip(indices, setups, strict=True):
+            self.base_from_camera[index] = camera_pose(setup, self.options)
+            if SHOULDER in self._sensors:
+                camera = self._sensors[SHOULDER].camera._render_cameras[index]
+                camera.set_local_pose(sapien.Pose(self.base_from_camera[index]))
+
+    def opened(self) -> torch.Tensor:
+        """(N,) fraction of the target joint's range, 0 closed, 1 fully open."""
+        target = self.target
+        return (self.object.get_qpos()[:, target.index] - target.lower) / (target.upper - target.lower)
+
+    def evaluate(self) -> dict[str, torch.Tensor]:
+        """The one success criterion, for demonstrations and evaluation alike."""
+        opened = self.opened()
+        return {"success": opened >= self.options.success_fraction, "opened": opened}
+
+    def _get_obs_extra(self, info: dict[str, Any]) -> dict[str, torch.Tensor]:
+        return {"tcp_pose": self.agent.tcp.pose.raw_pose, "opened": info["opened"][:, None]}
+
+    def base_from_asset(self, index: int = 0) -> Array:
+        """(4, 4) pose of the asset's root in the robot base frame."""
+        base = self.agent.robot.pose.sp if self.num_envs == 1 else self.agent.robot.pose[index].sp
+        root = self.object.pose.sp if self.num_envs == 1 else self.object.pose[index].sp
+        return np.asarray(inverse(base.to_transformation_matrix()) @ root.to_transformation_matrix(), dtype=float)
+
+
+def to_poses(matrices: Array) -> Pose:
+    """(N, 4, 4) -> a batched pose."""
+    return Pose.create(torch.as_tensor(np.stack([_raw(m) for m in matrices]), dtype=torch.float32))
+
+
+def _raw(matrix: Array) -> Array:
+    pose = sapien.Pose(matrix)
+    return np.concatenate([pose.p, pose.q])
+
+
+def camera_pose_from(eye: Sequence[float], target: Sequence[float]) -> sapien.Pose:
+    """Pose of a camera at `eye` that looks at `target`, z up."""
+    from mani_skill.utils import sapien_utils
+
+    return sapien_utils.look_at(eye, target).sp
+
+
+@register_env("ACDC-OpenDoor-v1", max_episode_steps=100)
+class OpenDoorEnv(OpenTaskEnv):
+    """Door Opening: the joint is revolute."""
+
+
+@register_env("ACDC-OpenDrawer-v1", max_episode_steps=100)
+class OpenDrawerEnv(OpenTaskEnv):
+    """Drawer Opening: the joint is prismatic."""
+
+
+TASKS: dict[str, type[OpenTaskEnv]] = {"door": OpenDoorEnv, "drawer": OpenDrawerEnv}

@@ -1,0 +1,12 @@
+"""Command line of the `tables` stage."""
+
+from stages.cli import main
+
+main(
+    "tables",
+    {
+        "tables": "Tables 2 and 3 as CSV, HTML and LaTeX, with the paper's values beside ours",
+        "figures": "Figures 4, 6 and 9 as SVG and PNG",
+        "report": "one self-contained page about the whole run",
+    },
+)

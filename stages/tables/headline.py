@@ -1,0 +1,97 @@
+"""The few numbers at the top of the page, each with its interval."""
+
+from dataclasses import dataclass
+
+import pandas as pd
+
+from stages.config.tables import TablesConfig
+from stages.tables.benchmarks import StageTime, duration
+from stages.tables.inputs import records
+from stages.tables.library import LibraryPart
+from stages.tables.markup import number, percent
+from stages.tables.order import title
+from stages.tables.policies import TaskPart
+from stages.tables.statistics import wilson
+from stages.tables.table2 import TOTAL
+
+
+@dataclass(frozen=True)
+class Tile:
+    """A number, what it is, and how sure it is."""
+
+    value: str
+    label: str
+    detail: str = ""
+
+
+def rate(successes: int, episodes: int, confidence: float) -> str:
+    """'31/50, 48–74 %': counts with their Wilson interval."""
+    low, high = wilson(successes, episodes, confidence)
+    return f"{successes}/{episodes}, {100 * low:.0f}–{100 * high:.0f} %"
+
+
+def _scene_tiles(table: pd.DataFrame, confidence: float) -> list[Tile]:
+    tiles = []
+    for row in records(table[table["scene"] == TOTAL]):
+        variant, objects = f"variant ({row['variant']})", int(row["n_objects"])
+        for name, what in (("category_correct", "right category"), ("model_correct", "right model")):
+            right = int(row[name])
+            tiles.append(Tile(percent(right / objects), f"{what}, {variant}", rate(right, objects, confidence)))
+        detail = f"{number(row['l2_cm_low'], 1)}–{number(row['l2_cm_high'], 1)} cm, {row['n_placed']} objects"
+        tiles.append(Tile(f"{number(row['l2_cm_mean'], 1)} cm", f"off the true place, {variant}", detail))
+        detail = f"{number(row['iou_low'], 2)}–{number(row['iou_high'], 2)}"
+        tiles.append(Tile(number(row["iou_mean"], 2), f"box IoU, {variant}", detail))
+    return tiles
+
+
+def _policy_tiles(pooled: pd.DataFrame) -> list[Tile]:
+    """Success on the twin and on the asset that is least like it."""
+    tiles = []
+    for row in records(pooled[pooled["test_asset"].isin(["twin", "dissimilar"])]):
+        runs = "1 policy" if row["runs"] == 1 else f"{row['runs']} policies"
+        interval = f"{row['successes']}/{row['episodes']}, {100 * row['low']:.0f}–{100 * row['high']:.0f} %, {runs}"
+        label = f"{title(row['task'])} on {title(row['test_asset'])}, trained on {title(row['training_set'])}"
+        tiles.append(Tile(percent(row["mean"]), label, interval))
+    return tiles
+
+
+def _difference_tiles(gains: pd.DataFrame) -> list[Tile]:
+    """What cousins gain over the twin on the least similar asset."""
+    tiles = []
+    for row in records(gains[gains["test_asset"] == "dissimilar"]):
+        label = f"{title(row['task'])} on dissimilar, {title(row['training_set'])} against twin"
+        interval = f"{100 * row['low']:+.0f} to {100 * row['high']:+.0f}, {row['states']} paired states"
+        tiles.append(Tile(f"{100 * row['difference']:+.0f} points", label, interval))
+    return tiles
+
+
+def tiles(
+    scenes: pd.DataFrame | None,
+    pooled: pd.DataFrame | None,
+    gains: pd.DataFrame | None,
+    library: LibraryPart | None,
+    tasks: list[TaskPart],
+    times: list[StageTime],
+    options: TablesConfig,
+) -> list[Tile]:
+    """The tiles of what was run; nothing is said of the rest."""
+    found = []
+    if library:
+        detail = f"{library.with_doors} with doors, {library.with_drawers} with drawers"
+        found.append(Tile(str(library.models), f"models in {len(library.categories)} categories", detail))
+    if scenes is not None:
+        found += _scene_tiles(scenes, options.confidence)
+    attempts = sum(item.attempts for task in tasks for item in task.demonstrations)
+    if attempts:
+        successes = sum(item.successes for task in tasks for item in task.demonstrations)
+        counts = rate(successes, attempts, options.confidence)
+        found.append(Tile(percent(successes / attempts), "of demonstrations succeed", counts))
+    if pooled is not None:
+        found += _policy_tiles(pooled)
+    if gains is not None:
+        found += _difference_tiles(gains)
+    if times:
+        jobs = sum(stage.jobs for stage in times)
+        detail = f"{jobs} jobs, {duration(sum(stage.cpu_seconds for stage in times))} of CPU time"
+        found.append(Tile(duration(sum(stage.seconds for stage in times)), "of work, jobs added up", detail))
+    return found

@@ -1,0 +1,93 @@
+"""Read the rows that `evaluation` wrote and the values that the paper published."""
+
+import csv
+import io
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, get_args
+
+import pandas as pd
+from pydantic import BaseModel, ValidationError
+
+from stages.contracts.errors import InputError
+from stages.contracts.files import first_error, read_text
+
+PUBLISHED_2 = [
+    "scene", "n_objects", "scale_m", "variant", "category_correct", "model_correct", "l2_cm_mean", "l2_cm_std",
+    "orientation_rad_mean", "orientation_rad_std", "iou_mean", "iou_std", "oriented_iou_mean", "oriented_iou_std",
+]  # fmt: skip
+PUBLISHED_3 = ["task", "test_asset", "dino_distance", "training_set", "run", "success_percent"]
+
+
+def read_rows(model: type[BaseModel], paths: Sequence[Path], one_file: list[str]) -> pd.DataFrame:
+    """All rows of some CSV files, each validated against `model`; a column per field, in the model's order.
+
+    An empty cell of an optional field is None. Rows that agree in all `one_file` columns must come from one file: the
+    same rows given twice would count twice.
+
+    Raises:
+        InputError: a file is missing, a row breaks the contract (file, line and field named), or two files
+            hold the same rows.
+    """
+    optional = {name for name, field in model.model_fields.items() if type(None) in get_args(field.annotation)}
+    rows = []
+    source: dict[tuple[object, ...], int] = {}
+    for number, path in enumerate(paths):
+        reader = csv.DictReader(io.StringIO(read_text(path), newline=""))
+        missing = [name for name in model.model_fields if name not in (reader.fieldnames or [])]
+        if missing:
+            raise InputError(path, f"lacks the column {missing[0]}.", "write it with `python -m stages.evaluation`")
+        for values in reader:
+            where = f"{path}:{reader.line_num}"
+            if None in values:
+                raise InputError(where, "has more cells than the header has columns.")
+            cells = {name: None if name in optional and value == "" else value for name, value in values.items()}
+            try:
+                row = model.model_validate(cells).model_dump()
+            except ValidationError as error:
+                raise InputError(where, f"breaks the {model.__name__} contract at {first_error(error)}.") from None
+            key = tuple(row[name] for name in one_file)
+            if source.setdefault(key, number) != number:
+                same = ", ".join(f"{name} {value}" for name, value in zip(one_file, key, strict=True))
+                raise InputError(path, f"holds the same rows as {paths[source[key]]} ({same}).", "give each file once")
+            rows.append(row)
+    return pd.DataFrame(rows, columns=list(model.model_fields))
+
+
+def read_table(path: Path, columns: list[str], text: Sequence[str] = ()) -> pd.DataFrame:
+    """A CSV table that has at least `columns`; the columns in `text` stay text.
+
+    Raises:
+        InputError: the file is missing, is not CSV, or lacks a column.
+    """
+    source = io.StringIO(read_text(path))
+    try:
+        table = pd.read_csv(source, dtype=dict.fromkeys(text, str), keep_default_na=False, na_values=[""])
+    except ValueError as error:  # also pandas' parser errors
+        raise InputError(path, f"is not a CSV table ({str(error).splitlines()[0]}).") from None
+    for column in columns:
+        if column not in table.columns:
+            raise InputError(path, f"lacks the column {column}.")
+    return table
+
+
+def records(table: pd.DataFrame) -> list[dict[str, Any]]:
+    """The rows of a table as dictionaries."""
+    return [{str(name): value for name, value in row.items()} for row in table.to_dict("records")]
+
+
+def published_scenes(folder: Path) -> pd.DataFrame:
+    """Table 2 of the paper, indexed by (scene number, variant)."""
+    table = read_table(folder / "table2.csv", PUBLISHED_2, text=["variant"])
+    return table.set_index(["scene", "variant"])
+
+
+def published_policies(folder: Path) -> pd.DataFrame:
+    """Table 3 of the paper: one row per cell (task, test_asset, training_set) with mean and std over its runs.
+
+    Columns: the three keys, `runs`, `mean` and `std` (sample) of the success rate in [0, 1].
+    """
+    table = read_table(folder / "table3.csv", PUBLISHED_3, text=["task", "test_asset", "training_set"])
+    table["rate"] = table["success_percent"] / 100
+    cells = table.groupby(["task", "test_asset", "training_set"], sort=False)["rate"]
+    return cells.agg(runs="count", mean="mean", std="std").reset_index()

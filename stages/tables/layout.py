@@ -1,0 +1,146 @@
+"""How Tables 2 and 3 look: ours, its interval, and the paper's value in every cell."""
+
+from typing import Any
+
+import pandas as pd
+
+from stages.config.tables import TablesConfig
+from stages.tables.inputs import records
+from stages.tables.markup import NOT_RUN, Cell, Row, Table, number, percent, spread
+from stages.tables.order import set_key, task_key, title, variant_title
+from stages.tables.table2 import TOTAL
+from stages.tables.table3 import CELL, pool
+
+NOTHING = "–"
+DIGITS = {"l2_cm": 1, "orientation_rad": 2, "iou": 2, "oriented_iou": 2}
+
+
+def _level(options: TablesConfig) -> str:
+    return f"{100 * options.confidence:g} %"
+
+
+def _runs(count: int) -> str:
+    return "1 run" if count == 1 else f"{count} runs"
+
+
+def _score_cells(row: dict[str, Any]) -> list[Cell]:
+    """The seven result cells of a row of Table 2; of a row that was not run, the first says so."""
+    ran = row["status"] == "run"
+    objects, theirs = row["n_objects"], row["published_n_objects"]
+    known = pd.notna(theirs)
+    cells = [Cell(str(objects) if ran else NOT_RUN, published=str(theirs) if known and ran else "")]
+    for name in ("category_correct", "model_correct"):
+        value = f"{row[name]}/{objects}" if ran else ""
+        cells.append(Cell(value, published=f"{row[f'published_{name}']}/{theirs}" if known else ""))
+    for metric, digits in DIGITS.items():
+        value = spread(row[f"{metric}_mean"], row[f"{metric}_std"], digits) or NOTHING if ran else ""
+        ends = [number(row.get(f"{metric}_{end}"), digits) for end in ("low", "high")]
+        published = spread(row[f"published_{metric}_mean"], row[f"published_{metric}_std"], max(digits, 2))
+        cells.append(Cell(value, f"[{ends[0]}, {ends[1]}]" if ran and all(ends) else "", published))
+    return cells
+
+
+def scenes_table(table: pd.DataFrame, options: TablesConfig) -> Table:
+    """Table 2, laid out as in the paper."""
+    rows = []
+    for row in records(table):
+        head = [Cell(title(row["scene"])), Cell(f"({row['variant']})"), Cell(number(row["scale_m"], 2))]
+        kind = "total" if row["scene"] == TOTAL else "" if row["status"] == "run" else "not-run"
+        rows.append(Row(head + _score_cells(row), kind))
+    variants = ", ".join(variant_title(name) for name in sorted(table["variant"].unique()))
+    return Table(
+        name="table2",
+        caption="Table 2: scene reconstruction in the sim-to-sim setting, scenes of nearest cousins.",
+        columns=["Scene", "Variant", "Scale (m)", "Objects", "Category", "Model", "L2 (cm)", "Ori. (rad)", "Box IoU",
+                 "Oriented IoU"],
+        rows=rows,
+        headers=2,
+        notes=[
+            "Mean ± sample standard deviation over the objects of a scene, "
+            f"[{_level(options)} t interval of the mean]. A missed or failed object counts as not correct and has no "
+            "distance; symmetric objects have no orientation. Totals pool all objects of the scenes that were run; the "
+            "paper's totals are over the same scenes, means weighted by objects.",
+            "The paper's assets and renderer are others than ours: the same measures, a different library. Its text "
+            "carries one IoU per row, taken to be that of axis-aligned boxes by its position.",
+            f"Variants: {variants}.",
+        ],
+    )  # fmt: skip
+
+
+def policies_table(table: pd.DataFrame, published: pd.DataFrame, options: TablesConfig) -> Table:
+    """Table 3, laid out as in the paper: a row per test asset, a column per training set, runs pooled."""
+    cells = {tuple(row[name] for name in CELL): row for row in records(pool(table, options.confidence))}
+    theirs = {tuple(row[name] for name in CELL): row for row in records(published)}
+    keys = [*cells, *theirs]
+    sets = sorted({key[2] for key in keys}, key=set_key)
+    rows = []
+    for task, asset in sorted({key[:2] for key in keys}, key=lambda key: (task_key(key[0]), set_key(key[1]))):
+        ran = {name: cells[task, asset, name] for name in sets if (task, asset, name) in cells}
+        distance = next((number(row["dino_distance"], 2) for row in ran.values()), "")
+        line = [Cell(title(task)), Cell(title(asset)), Cell(distance)]
+        for name in sets:
+            paper = theirs.get((task, asset, name))
+            shown = percent(paper["mean"], paper["std"]) if paper else ""
+            if name not in ran:
+                line.append(Cell(NOT_RUN if paper or ran else "", published=shown))
+                continue
+            cell = ran[name]
+            remark = f"[{100 * cell['low']:.0f}, {100 * cell['high']:.0f}] {cell['successes']}/{cell['episodes']}"
+            line.append(Cell(percent(cell["mean"], cell["std"]), f"{remark}, {_runs(cell['runs'])}", shown))
+        rows.append(Row(line, "" if ran else "not-run"))
+    return Table(
+        name="table3",
+        caption="Table 3: success of policies by training set (columns) and test asset (rows).",
+        columns=["Task", "Test asset", "Distance", *(title(name) for name in sets)],
+        rows=rows,
+        headers=2,
+        notes=[
+            f"Mean ± sample standard deviation over runs, [{_level(options)} Wilson interval over all episodes], "
+            "successes/episodes. The interval takes all episodes of a cell as alike; the deviation shows how runs "
+            "differ.",
+            "Paper: mean ± sample standard deviation over its six runs (bowl: five) of 100 rollouts each. Distance is "
+            "ours, under the encoder of this run; the paper's is under DINOv2, so rows correspond by role.",
+        ],
+    )
+
+
+def runs_table(table: pd.DataFrame) -> Table:
+    """Every policy that was rolled out, unpooled."""
+    rows = [
+        Row(
+            [
+                Cell(title(row["task"])), Cell(title(row["training_set"])), Cell(f"{row['run']} / {row['seed']}"),
+                Cell(title(row["test_asset"])), Cell(f"{row['successes']}/{row['episodes']}"),
+                Cell(percent(row["success_rate"]), f"[{100 * row['wilson_low']:.0f}, {100 * row['wilson_high']:.0f}]"),
+            ]
+        )
+        for row in records(table[table["status"] == "run"])
+    ]  # fmt: skip
+    columns = ["Task", "Training set", "Run / seed", "Test asset", "Successes", "Success rate"]
+    return Table("table3_runs", "Table 3, run by run.", columns, rows, headers=3)
+
+
+def differences_table(table: pd.DataFrame, options: TablesConfig) -> Table:
+    """What training on cousins gains over training on the twin."""
+    rows = [
+        Row(
+            [
+                Cell(title(row["task"])), Cell(title(row["test_asset"])), Cell(title(row["training_set"])),
+                Cell(f"{100 * row['difference']:+.0f} points", f"[{100 * row['low']:+.0f}, {100 * row['high']:+.0f}]"),
+                Cell(str(row["states"])), Cell(f"{row['runs']} against {row['baseline_runs']}"),
+            ]
+        )
+        for row in records(table)
+    ]  # fmt: skip
+    return Table(
+        name="table3_differences",
+        caption="Success of each training set minus success of the twin's policies.",
+        columns=["Task", "Test asset", "Training set", "Difference", "Initial states", "Runs"],
+        rows=rows,
+        headers=3,
+        notes=[
+            f"Paired by initial state; {_level(options)} bootstrap interval over initial states and runs "
+            f"({options.bootstrap_samples} resamples, seed {options.seed}). With one run a side it speaks of these "
+            "policies only, not of training again."
+        ],
+    )

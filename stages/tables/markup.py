@@ -1,0 +1,93 @@
+"""A table as HTML and as LaTeX."""
+
+import math
+from dataclasses import dataclass, field
+from functools import cache
+from typing import Any
+
+import jinja2
+
+
+@dataclass(frozen=True)
+class Cell:
+    """What one cell shows: our value, a remark on it (its interval, its n), the paper's value beside it."""
+
+    value: str
+    remark: str = ""
+    published: str = ""
+
+
+@dataclass(frozen=True)
+class Row:
+    """A line of a table; `kind` is '', 'not-run' or 'total'."""
+
+    cells: list[Cell]
+    kind: str = ""
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table to show; the first `headers` columns name the row."""
+
+    name: str
+    caption: str
+    columns: list[str]
+    rows: list[Row]
+    headers: int = 1
+    notes: list[str] = field(default_factory=list)
+
+
+NOT_RUN = "not run"
+
+
+def number(value: Any, digits: int) -> str:
+    """A number with fixed digits; nothing for a missing one."""
+    return "" if value is None or value != value or math.isinf(value) else f"{value:.{digits}f}"
+
+
+def spread(mean: Any, std: Any, digits: int) -> str:
+    """'mean ± std', without the part that is missing."""
+    middle, width = number(mean, digits), number(std, digits)
+    return f"{middle} ± {width}" if middle and width else middle
+
+
+def percent(mean: Any, std: Any = None) -> str:
+    """A rate in percent, '92 %' or '92 ± 4 %'."""
+    middle, width = (None if value is None or value != value else 100 * value for value in (mean, std))
+    text = spread(middle, width, 0)
+    return f"{text} %" if text else ""
+
+
+LATEX = {"\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "±": r"$\pm$"}
+LATEX |= {"–": "--", "−": "$-$", "≤": r"$\leq$", "×": r"$\times$", "(": "(", "²": "$^2$"}
+LATEX |= {sign: "\\" + sign for sign in "&%$#_{}"}
+
+
+def latex_escape(text: str) -> str:
+    """Text in which LaTeX sees no command."""
+    return "".join(LATEX.get(sign, sign) for sign in str(text))
+
+
+@cache
+def environment() -> jinja2.Environment:
+    """Templates beside this module; HTML is escaped, an undefined name is an error."""
+    made = jinja2.Environment(
+        loader=jinja2.PackageLoader("stages.tables", "."),
+        autoescape=jinja2.select_autoescape(["html.jinja"]),
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    made.filters["tex"] = latex_escape
+    return made
+
+
+def html(tables: list[Table], title: str) -> str:
+    """A small page of its own with the tables (the workflow's report shows it as it is)."""
+    return environment().get_template("table_page.html.jinja").render(tables=tables, title=title)
+
+
+def latex(tables: list[Table]) -> str:
+    r"""The tables as `table` environments; they need \usepackage{booktabs, xcolor}."""
+    return environment().get_template("table.tex.jinja").render(tables=tables)

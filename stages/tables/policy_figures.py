@@ -1,0 +1,131 @@
+"""Figures 4 and 9: success on test assets that are ever less like the twin."""
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib import pyplot as plt
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from stages.tables.drawing import GREY, MARKERS, colour, legend_name, not_run, rate_axis
+from stages.tables.order import set_key, task_key, title
+
+
+def _tasks(pooled: pd.DataFrame, published: pd.DataFrame) -> list[str]:
+    return sorted({*pooled["task"], *published["task"]}, key=task_key)
+
+
+def _sets(pooled: pd.DataFrame, published: pd.DataFrame) -> list[str]:
+    return sorted({*pooled["training_set"], *published["training_set"]}, key=set_key)
+
+
+def _bars(cells: pd.DataFrame, low: Any, high: Any) -> Any:
+    """Error bars in percent; never negative, as rounding may make them."""
+    rate = cells["mean"].to_numpy()
+    return 100 * np.clip(np.stack([rate - np.asarray(low), np.asarray(high) - rate]), 0, None)
+
+
+def figure4(pooled: pd.DataFrame, published: pd.DataFrame) -> Figure:
+    """Success against the distance of the test asset from the twin: a panel per task, a line per training set.
+
+    Bars are Wilson intervals over all episodes of a cell.
+    """
+    tasks = _tasks(pooled, published)
+    figure, axes = plt.subplots(1, len(tasks), figsize=(3.3 * len(tasks), 3.1), squeeze=False, layout="constrained")
+    for column, (task, panel) in enumerate(zip(tasks, axes[0], strict=True)):
+        cells = pooled[pooled["task"] == task].sort_values("dino_distance")
+        rate_axis(panel, column == 0)
+        panel.set_title(title(task), loc="left")
+        panel.set_xlabel("distance of the test asset from the twin")
+        panel.grid(False, axis="x")
+        if cells.empty:
+            not_run(panel)
+            panel.set_xticks([])
+            continue
+        sets = sorted(cells["training_set"].unique(), key=set_key)
+        span = cells["dino_distance"].max() - cells["dino_distance"].min() or 1.0
+        for index, name in enumerate(sets):
+            line = cells[cells["training_set"] == name]
+            shift = 0.012 * span * (index - (len(sets) - 1) / 2)  # keeps the bars of different sets apart
+            panel.errorbar(
+                line["dino_distance"] + shift, 100 * line["mean"], yerr=_bars(line, line["low"], line["high"]),
+                color=colour(name), marker=MARKERS.get(name, "x"), markersize=5, linewidth=1.8, elinewidth=1,
+                capsize=2.5, label=legend_name(name),
+            )  # fmt: skip
+        _mark_assets(panel, cells)
+    handles, labels = _legend(axes[0])
+    if handles:
+        figure.legend(handles, labels, loc="outside lower center", ncols=5)
+    return figure
+
+
+def _mark_assets(panel: Axes, cells: pd.DataFrame) -> None:
+    """Names of the test assets along the top, where their distances are."""
+    assets = cells.drop_duplicates("test_asset")
+    for name, distance in zip(assets["test_asset"], assets["dino_distance"], strict=True):
+        panel.axvline(distance, color="#e7e5df", linewidth=0.7, zorder=0)
+        panel.annotate(
+            title(name), (distance, 0), xytext=(6, 2), xycoords=("data", "axes fraction"), textcoords="offset points",
+            rotation=90, size=6.5, color=GREY, va="bottom",
+        )  # fmt: skip
+
+
+def _legend(panels: Any) -> tuple[list[Any], list[str]]:
+    found: dict[str, Any] = {}
+    for panel in panels:
+        for handle, label in zip(*panel.get_legend_handles_labels(), strict=True):
+            found.setdefault(label, handle)
+    return list(found.values()), list(found)
+
+
+def figure9(pooled: pd.DataFrame, published: pd.DataFrame) -> Figure:
+    """A panel per task (rows) and training set (columns): ours, and the paper's as a faint dashed line.
+
+    The four test assets stand from left to right, as in the paper: distances under different encoders do not compare.
+    Our bars are the standard deviation over runs where there are two or more, else the Wilson interval of the run.
+    """
+    tasks, sets = _tasks(pooled, published), _sets(pooled, published)
+    roles = sorted({*pooled["test_asset"], *published["test_asset"]}, key=set_key)
+    figure, axes = plt.subplots(
+        len(tasks), len(sets), figsize=(2.1 * len(sets), 2.0 * len(tasks) + 0.5), squeeze=False, sharex=True,
+        sharey=True, layout="constrained",
+    )  # fmt: skip
+    for row, task in enumerate(tasks):
+        for column, name in enumerate(sets):
+            panel = axes[row, column]
+            rate_axis(panel, column == 0)
+            panel.set_xticks(range(len(roles)), [title(role) for role in roles], size=6.5, rotation=30)
+            panel.set_xlim(-0.4, len(roles) - 0.6)
+            if row == 0:
+                panel.set_title(title(name), color=colour(name))
+            _panel(panel, name, roles, *(_cells(table, task, name) for table in (pooled, published)))
+        axes[row, 0].set_ylabel(f"{title(task)}\nsuccess (%)")
+    handles, labels = _legend(axes.ravel())
+    figure.legend(handles, labels, loc="outside lower center", ncols=6)
+    return figure
+
+
+def _cells(table: pd.DataFrame, task: str, training_set: str) -> pd.DataFrame:
+    return table[(table["task"] == task) & (table["training_set"] == training_set)]
+
+
+def _panel(panel: Axes, name: str, roles: list[str], ours: pd.DataFrame, theirs: pd.DataFrame) -> None:
+    if len(theirs):
+        theirs = theirs.sort_values("test_asset", key=lambda column: column.map(roles.index))
+        places = theirs["test_asset"].map(roles.index)
+        panel.plot(places, 100 * theirs["mean"], "--", color=GREY, linewidth=1, alpha=0.8, label="paper, mean ± std")
+        low, high = (np.clip(100 * (theirs["mean"] + sign * theirs["std"]), 0, 100) for sign in (-1, 1))
+        panel.fill_between(places, low, high, color=GREY, alpha=0.12, linewidth=0)
+    if ours.empty:
+        height = 0.5 if theirs.empty else 0.13 if theirs["mean"].mean() > 0.35 else 0.8  # clear of the paper's line
+        not_run(panel, "not run" if len(theirs) else "not run,\nnor in the paper", height)
+        return
+    ours = ours.sort_values("test_asset", key=lambda column: column.map(roles.index))
+    several = (ours["runs"] > 1).to_numpy()
+    low = np.where(several, np.clip(ours["mean"] - ours["std"], 0, 1), ours["low"])
+    high = np.where(several, np.clip(ours["mean"] + ours["std"], 0, 1), ours["high"])
+    panel.errorbar(
+        ours["test_asset"].map(roles.index), 100 * ours["mean"], yerr=_bars(ours, low, high), color=colour(name),
+        marker="o", markersize=4.5, linewidth=1.8, elinewidth=1, capsize=2.5, label=f"ours, {title(name)}",
+    )  # fmt: skip

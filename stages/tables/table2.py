@@ -1,0 +1,97 @@
+"""Table 2: how well the scenes of nearest cousins match the rooms they were made from (paper B.1)."""
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from stages.config.tables import TablesConfig
+from stages.tables.inputs import records
+from stages.tables.order import natural
+from stages.tables.statistics import mean, std, t_interval
+
+METRICS = ["l2_cm", "orientation_rad", "iou", "oriented_iou"]
+COUNTS = ["category_correct", "model_correct"]
+MOMENTS = [f"{metric}_{moment}" for metric in METRICS for moment in ("mean", "std")]
+COLUMNS = ["scene", "scale_m", "variant", "n_objects", *COUNTS, *MOMENTS]
+INTERVALS = ["l2_cm_low", "l2_cm_high", "iou_low", "iou_high"]
+PUBLISHED = [f"published_{name}" for name in ["n_objects", *COUNTS, *MOMENTS]]
+ALL_COLUMNS = [*COLUMNS, *INTERVALS, "n_scenes", "n_placed", "n_oriented", "n_stable", *PUBLISHED, "status"]
+TOTAL = "total"
+
+
+def _measured(scores: pd.DataFrame, confidence: float) -> dict[str, Any]:
+    """Counts, means and intervals over the true objects in `scores` (one row per object)."""
+    cell: dict[str, Any] = {
+        "n_scenes": scores["scene"].nunique(),
+        "n_objects": len(scores),
+        "n_placed": int(scores["l2_cm"].notna().sum()),
+        "n_oriented": int(scores["orientation_rad"].notna().sum()),
+        "n_stable": int((scores["stable"] == True).sum()),  # noqa: E712, None is neither
+        "status": "run",
+    }
+    for name in COUNTS:
+        cell[name] = int(scores[name].sum())
+    for metric in METRICS:
+        cell[f"{metric}_mean"], cell[f"{metric}_std"] = mean(scores[metric]), std(scores[metric])
+    for metric, highest in (("l2_cm", np.inf), ("iou", 1.0)):
+        ends = np.clip(t_interval(scores[metric], confidence), 0.0, highest)  # no distance is negative
+        cell[f"{metric}_low"], cell[f"{metric}_high"] = map(float, ends)
+    return cell
+
+
+def _published_total(rows: list[dict[str, Any]]) -> dict[str, Any]:
+    """Published counts added up over `rows`, and means of L2 and IoU weighted by the objects of each scene.
+
+    Orientation is left out: the paper does not say how many objects were symmetric. So are standard deviations.
+    """
+    rows = [row for row in rows if "published_n_objects" in row]
+    if not rows:
+        return {}
+    objects = sum(row["published_n_objects"] for row in rows)
+    total = {f"published_{name}": sum(row[f"published_{name}"] for row in rows) for name in ["n_objects", *COUNTS]}
+    for name in ("published_l2_cm_mean", "published_iou_mean"):
+        total[name] = sum(row[name] * row["published_n_objects"] for row in rows) / objects
+    return total
+
+
+def build(scores: pd.DataFrame, published: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
+    """One row per (scene, variant) with `ALL_COLUMNS`, and a row `total` per variant that was run.
+
+    Args:
+        scores: rows of `SceneScore`; rank 1 (the nearest cousins) is used, and rows of true objects only.
+        published: Table 2 of the paper, indexed by (scene number, variant).
+
+    An object that was missed or that failed counts as not correct and has no distance, orientation or IoU. Standard
+    deviations are sample ones. Cells of the configured grid without rows have the status `not run`. The total pools
+    the objects of all scenes that were run; published totals are over the same scenes.
+    """
+    scores = scores[(scores["rank"] == 1) & (scores["true_asset"] != "")]
+    scales = scores.groupby("scene")["scale_m"].first()
+    scenes = [*options.scenes, *sorted(set(scores["scene"]) - set(options.scenes), key=natural)]
+    variants = [*options.variants, *sorted(set(scores["variant"]) - set(options.variants))]
+    groups = dict(list(scores.groupby(["scene", "variant"])))
+    paper = {
+        key: {f"published_{name}": value for name, value in cell.items()}
+        for key, cell in zip(published.index, records(published), strict=True)
+    }
+    rows = []
+    for scene in scenes:
+        for variant in variants:
+            group = groups.get((scene, variant))
+            theirs = (options.scenes.get(scene), options.variants.get(variant))
+            if group is None and None in theirs:
+                continue
+            row: dict[str, Any] = {"scene": scene, "variant": variant, "status": "not run"}
+            if group is not None:
+                row |= {"scale_m": scales[scene]} | _measured(group, options.confidence)
+            row |= paper.get(theirs, {})
+            rows.append(row)
+    for variant in variants:
+        ran = [row for row in rows if row["variant"] == variant and row["status"] == "run"]
+        if ran:
+            pooled = _measured(scores[scores["variant"] == variant], options.confidence)
+            rows.append({"scene": TOTAL, "variant": variant} | pooled | _published_total(ran))
+    table = pd.DataFrame(rows, columns=ALL_COLUMNS)
+    whole = [name for name in ALL_COLUMNS if name.startswith("n_") or name.removeprefix("published_") in COUNTS]
+    return table.astype(dict.fromkeys([*whole, "published_n_objects"], "Int64"))

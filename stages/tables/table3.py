@@ -1,0 +1,107 @@
+"""Table 3: success of every trained policy on every test asset (paper B.4)."""
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from stages.config.tables import TablesConfig
+from stages.tables.order import set_key, task_key
+from stages.tables.statistics import difference_interval, mean, std, wilson
+
+COLUMNS = [
+    "task", "test_asset", "dino_distance", "training_set", "run", "seed", "episodes", "successes", "success_rate",
+    "wilson_low", "wilson_high",
+]  # fmt: skip
+ALL_COLUMNS = [*COLUMNS, "checkpoint", "asset", "status"]
+DIFFERENCE_COLUMNS = [
+    "task", "test_asset", "training_set", "baseline", "states", "runs", "baseline_runs", "difference", "low", "high",
+]  # fmt: skip
+CELL = ["task", "test_asset", "training_set"]
+BASELINE = "twin"
+
+
+def _order(row: Any) -> tuple[Any, ...]:
+    order = task_key(row["task"]), set_key(row["test_asset"]), set_key(row["training_set"])
+    seed = row.get("seed")
+    return (*order, str(row.get("run", "")), -1 if seed is None else seed, str(row.get("checkpoint", "")))
+
+
+def build(rollouts: pd.DataFrame, published: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
+    """One row per (task, test asset, training set, run, seed) with `ALL_COLUMNS`.
+
+    Args:
+        rollouts: rows of `Rollout`.
+        published: cells of Table 3 of the paper; a cell without rollouts becomes one row `not run`.
+    """
+    rows: list[dict[str, Any]] = []
+    keys = [*CELL, "run", "seed", "checkpoint"]
+    for key, group in rollouts.groupby(keys):
+        successes, episodes = int(group["success"].sum()), len(group)
+        low, high = wilson(successes, episodes, options.confidence)
+        first = group.iloc[0]
+        rows.append(
+            dict(zip(keys, key, strict=True))
+            | {"dino_distance": float(first["dino_distance"]), "asset": first["asset"]}
+            | {"episodes": episodes, "successes": successes, "success_rate": successes / episodes}
+            | {"wilson_low": low, "wilson_high": high, "status": "run"}
+        )
+    ran = {tuple(row[name] for name in CELL) for row in rows}
+    for cell in published[CELL].itertuples(index=False, name=None):
+        if cell not in ran:
+            rows.append(dict(zip(CELL, cell, strict=True)) | {"status": "not run"})
+    table = pd.DataFrame(sorted(rows, key=_order), columns=ALL_COLUMNS)
+    return table.astype(dict.fromkeys(["seed", "episodes", "successes"], "Int64"))
+
+
+def pool(table: pd.DataFrame, confidence: float) -> pd.DataFrame:
+    """Cells of Table 3 over their runs: mean and sample std of the runs' rates, and the pooled Wilson interval.
+
+    Columns: task, test_asset, training_set, dino_distance, runs, episodes, successes, mean, std, low, high. The
+    interval treats all episodes of a cell as alike, which holds within a run; `std` shows how runs differ.
+    """
+    rows = []
+    for cell, group in table[table["status"] == "run"].groupby(CELL, sort=False):
+        successes, episodes = int(group["successes"].sum()), int(group["episodes"].sum())
+        low, high = wilson(successes, episodes, confidence)
+        rates = group["success_rate"].astype(float)
+        rows.append(
+            dict(zip(CELL, cell, strict=True))
+            | {"dino_distance": float(group["dino_distance"].iloc[0]), "runs": len(group)}
+            | {"episodes": episodes, "successes": successes, "mean": mean(rates), "std": std(rates)}
+            | {"low": low, "high": high}
+        )
+    columns = [*CELL, "dino_distance", "runs", "episodes", "successes", "mean", "std", "low", "high"]
+    return pd.DataFrame(rows, columns=columns)
+
+
+def _successes(rollouts: pd.DataFrame) -> pd.DataFrame:
+    """Successes as a (policy, initial state) table; NaN where a policy never started from a state."""
+    return rollouts.pivot_table(
+        index=["run", "seed", "checkpoint"], columns="initial_state", values="success", aggfunc="mean"
+    ).astype(float)
+
+
+def differences(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
+    """Success of each training set minus that of the twin's, per task and test asset, with `DIFFERENCE_COLUMNS`.
+
+    Only initial states from which every policy of both sets was started are compared, so that the pairs are whole.
+    """
+    rows: list[dict[str, Any]] = []
+    for (task, test_asset), group in rollouts.groupby(["task", "test_asset"]):
+        sets = {str(name): _successes(part) for name, part in group.groupby("training_set")}
+        baseline = sets.pop(BASELINE, None)
+        if baseline is None:
+            continue
+        for name, ours in sets.items():
+            both = pd.concat([ours, baseline], keys=["ours", "baseline"]).dropna(axis="columns")
+            if both.empty or both.shape[1] == 0:
+                continue
+            a, b = (np.asarray(both.loc[side], dtype=float) for side in ("ours", "baseline"))
+            low, high = difference_interval(a, b, options.confidence, options.bootstrap_samples, options.seed)
+            rows.append(
+                {"task": task, "test_asset": test_asset, "training_set": name, "baseline": BASELINE}
+                | {"states": both.shape[1], "runs": len(a), "baseline_runs": len(b)}
+                | {"difference": float(a.mean() - b.mean()), "low": low, "high": high}
+            )
+    return pd.DataFrame(sorted(rows, key=_order), columns=DIFFERENCE_COLUMNS)

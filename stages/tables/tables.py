@@ -1,0 +1,59 @@
+"""Verb `tables`: Tables 2 and 3 from the rows of `evaluation`."""
+
+from pathlib import Path
+
+import pandas as pd
+
+from stages.config.tables import TablesConfig
+from stages.contracts.files import read_options, write_text
+from stages.contracts.policies import Rollout, SceneScore
+from stages.tables import layout, table2, table3
+from stages.tables.inputs import published_policies, published_scenes, read_rows
+from stages.tables.markup import Table, html, latex
+
+ONE_SCENE = ["scene", "variant", "rank"]
+ONE_TEST = ["task", "training_set", "run", "seed", "checkpoint", "test_asset"]
+
+
+def _csv(table: pd.DataFrame) -> str:
+    return table.to_csv(index=False, lineterminator="\n", float_format="%.6g")
+
+
+def _write(out: Path, name: str, table: pd.DataFrame, shown: list[Table]) -> None:
+    write_text(out / f"{name}.csv", _csv(table))
+    write_text(out / f"{name}.html", html(shown, shown[0].caption))
+    write_text(out / f"{name}.tex", latex(shown))
+
+
+def run(
+    *,
+    out: Path,
+    scores: tuple[Path, ...] = (),
+    rollouts: tuple[Path, ...] = (),
+    published: Path = Path("report/published"),
+    options: str = "",
+) -> None:
+    """Write table2.{csv,html,tex}, table3.{csv,html,tex} and table3_differences.csv into `out` (paper B.1, B.4).
+
+    Args:
+        out: folder to write into.
+        scores: scores.csv files of generated scenes.
+        rollouts: rollouts.csv files of policies.
+        published: folder with the paper's values, table2.csv and table3.csv.
+        options: JSON of the config section `tables`.
+    """
+    settings = read_options(TablesConfig, options)
+    scene_rows = read_rows(SceneScore, scores, ONE_SCENE)
+    episode_rows = read_rows(Rollout, rollouts, ONE_TEST)
+    paper = published_policies(published)
+
+    scenes = table2.build(scene_rows, published_scenes(published), settings)
+    _write(out, "table2", scenes, [layout.scenes_table(scenes, settings)])
+
+    policies = table3.build(episode_rows, paper, settings)
+    gains = table3.differences(episode_rows, settings)
+    shown = [layout.policies_table(policies, paper, settings)]
+    shown += [layout.differences_table(gains, settings)] if len(gains) else []
+    shown += [layout.runs_table(policies)] if (policies["status"] == "run").any() else []
+    _write(out, "table3", policies, shown)
+    write_text(out / "table3_differences.csv", _csv(gains))

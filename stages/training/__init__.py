@@ -1,0 +1,1 @@
+"""Training of BC-RNN-GMM policies on demonstrations (paper B.3)."""

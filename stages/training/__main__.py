@@ -1,0 +1,5 @@
+"""`python -m stages.training VERB`."""
+
+from stages.cli import main
+
+main("training", {"train": "train one policy on episode stores"})

@@ -1,0 +1,152 @@
+"""Demonstrations in memory: all frames once, in half precision; a training sequence is an index into them."""
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import h5py
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from pydantic import ValidationError
+from torch import Tensor
+
+from stages.config.task import TaskConfig
+from stages.contracts.errors import InputError
+from stages.contracts.trained import TrainingStore
+
+Indices = NDArray[np.int64]
+Mask = NDArray[np.bool_]
+Float = NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class Demonstrations:
+    """Episodes end to end: clouds (F, P, 4) float16, proprio (F, 9), actions (F, 7) float32; robot frame, metres."""
+
+    clouds: Tensor
+    proprio: Tensor
+    actions: Tensor
+    lengths: list[int]
+    store_of: list[int]  # which store each episode comes from
+    stores: list[TrainingStore]
+    task: str
+    task_options: TaskConfig
+    digest: str
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Sequences: clouds (B, T, P, 4), proprio (B, T, 9), actions (B, T, 7), weights (B, T): 0 behind an episode."""
+
+    clouds: Tensor
+    proprio: Tensor
+    actions: Tensor
+    weights: Tensor
+
+
+@dataclass(frozen=True)
+class Store:
+    """What one file gives: per episode (T, P, 4) float16 clouds, (T, 9) proprio, (T, 7) actions."""
+
+    entry: TrainingStore
+    task: str
+    task_options: str
+    episodes: list[tuple[NDArray[np.float16], Float, Float]]
+
+
+def read_store(path: Path, count: int) -> Store:
+    """The first `count` episodes of a store in robomimic's layout."""
+    try:
+        with h5py.File(path, "r") as file:
+            data = file["data"]
+            demos = [data[f"demo_{i}"] for i in range(min(count, len(data)))]
+            episodes = [
+                (
+                    demo["obs/point_cloud"][()].astype(np.float16),
+                    demo["obs/proprio"][()].astype(np.float32),
+                    demo["actions"][()].astype(np.float32),
+                )
+                for demo in demos
+            ]
+            frames = sum(len(actions) for _, _, actions in episodes)
+            entry = TrainingStore(file=str(path), asset=data.attrs["asset"], episodes=len(demos), frames=frames)
+            store = Store(entry, data.attrs["task"], data.attrs["task_options"], episodes)
+    except (OSError, KeyError) as error:
+        raise InputError(path, f"is no episode store ({error}).", "collect the demonstrations again") from None
+    if len(demos) < count:
+        raise InputError(path, f"has {len(demos)} episodes, {count} are asked for.", "collect more demonstrations")
+    return store
+
+
+def read_demonstrations(paths: Sequence[Path], per_store: int) -> Demonstrations:
+    """The first `per_store` episodes of every store.
+
+    Raises:
+        InputError: a file is no episode store, has too few episodes, or differs in task or task options.
+    """
+    stores = [read_store(path, per_store) for path in paths]
+    first = stores[0]
+    for path, store in zip(paths, stores, strict=True):
+        if (store.task, store.task_options) != (first.task, first.task_options):
+            raise InputError(path, f"was collected for another task or with other task options than {paths[0]}.")
+    try:
+        options = TaskConfig.model_validate_json(first.task_options)
+    except ValidationError as error:
+        what = f"task_options: {error.errors()[0]['msg']}."
+        raise InputError(paths[0], what, "collect the demonstrations again") from None
+    episodes = [episode for store in stores for episode in store.episodes]
+    clouds, proprio, actions = (np.concatenate(arrays) for arrays in zip(*episodes, strict=True))
+    digest = hashlib.sha256()
+    for array in (clouds, proprio, actions):
+        digest.update(np.ascontiguousarray(array).data)
+    return Demonstrations(
+        clouds=torch.from_numpy(clouds),
+        proprio=torch.from_numpy(proprio),
+        actions=torch.from_numpy(actions),
+        lengths=[len(episode[2]) for episode in episodes],
+        store_of=[number for number, store in enumerate(stores) for _ in store.episodes],
+        stores=[store.entry for store in stores],
+        task=first.task,
+        task_options=options,
+        digest=digest.hexdigest(),
+    )
+
+
+def split_episodes(data: Demonstrations, fraction: float, seed: int) -> tuple[list[int], list[int]]:
+    """Episodes for training and for validation; of every store the same fraction, at least one to train on."""
+    random = np.random.default_rng((seed, 11))
+    validation: list[int] = []
+    for store in range(len(data.stores)):
+        episodes = [i for i, owner in enumerate(data.store_of) if owner == store]
+        count = min(round(fraction * len(episodes)), len(episodes) - 1)
+        validation += random.permutation(episodes)[:count].tolist()
+    return [i for i in range(len(data.lengths)) if i not in set(validation)], sorted(validation)
+
+
+def windows(data: Demonstrations, episodes: Sequence[int], horizon: int, stride: int) -> tuple[Indices, Mask]:
+    """Frame indices (W, T) of the sequences that start at every `stride`-th step, and (W, T) which steps are real.
+
+    Behind its end an episode is padded by its last frame, as robomimic does, but with no weight in the loss.
+    """
+    ends = np.cumsum(data.lengths)
+    frames, real = [], []
+    for episode in episodes:
+        first, end = ends[episode] - data.lengths[episode], ends[episode]
+        index = np.arange(first, end, stride)[:, None] + np.arange(horizon)
+        frames.append(np.minimum(index, end - 1))
+        real.append(index < end)
+    return np.concatenate(frames), np.concatenate(real)
+
+
+def gather(data: Demonstrations, frames: Indices, real: Mask, points: int, random: torch.Generator) -> Batch:
+    """Sequences of `frames` (B, T), each seeing its own random `points` of the P points of every cloud."""
+    index = torch.from_numpy(frames)
+    available = data.clouds.shape[1]
+    if points < available:
+        subset = torch.rand((len(index), available), generator=random).argsort(1)[:, :points]
+        clouds = data.clouds[index[:, :, None], subset[:, None, :]]
+    else:
+        clouds = data.clouds[index]
+    return Batch(clouds.float(), data.proprio[index], data.actions[index], torch.from_numpy(real).float())

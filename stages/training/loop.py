@@ -1,0 +1,129 @@
+"""The optimisation: a step is a function of weights, seed and step number, so that a resumed run equals a whole one."""
+
+import math
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from stages.cli import progress
+from stages.config.training import TrainingRun
+from stages.policy.checkpoint import save_weights
+from stages.policy.network import Policy
+from stages.training.augment import augment
+from stages.training.dataset import Batch, Demonstrations, gather, split_episodes, windows
+from stages.training.logbook import Line
+from stages.training.state import TrainingState
+
+LINEAR_STEPS, LINEAR_FLOOR = 10_000, 0.1  # official: 100 epochs of 100 steps
+VALIDATION_SEQUENCES = 256
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What a training run works on."""
+
+    run: TrainingRun
+    data: Demonstrations
+    seed: int
+    device: str
+    work: Path
+
+
+def learning_rate(step: int, run: TrainingRun) -> float:
+    """Learning rate of update `step` (from 0)."""
+    if run.schedule == "cosine":
+        return run.learning_rate * 0.5 * (1 + math.cos(math.pi * step / run.steps))
+    if run.schedule == "linear":
+        return run.learning_rate * (1 - (1 - LINEAR_FLOOR) * min(1.0, step / LINEAR_STEPS))
+    return run.learning_rate
+
+
+def generator(*key: int) -> torch.Generator:
+    """Random numbers that depend on `key` alone."""
+    return torch.Generator().manual_seed(int(np.random.SeedSequence(key).generate_state(1)[0]))
+
+
+def negative_log_likelihood(policy: Policy, batch: Batch) -> tuple[Tensor, Tensor]:
+    """Mean negative log-density of the demonstrated actions, and the RMS error of the most likely ones."""
+    mixture = policy(batch.clouds, batch.proprio)
+    total = batch.weights.sum()
+    loss = -(mixture.log_prob(batch.actions) * batch.weights).sum() / total
+    squared = (mixture.most_likely().detach() - batch.actions).square().mean(-1)
+    return loss, ((squared * batch.weights).sum() / total).sqrt()
+
+
+def optimise(policy: Policy, state: TrainingState, setting: Setting, log: Callable[[Line], None]) -> None:
+    """Train `policy` from `state.step` to the last step; `state` collects the best weights."""
+    run, data = setting.run, setting.data
+    training, validation = split_episodes(data, run.validation_fraction, setting.seed)
+    frames, real = windows(data, training, run.rnn_horizon, stride=1)
+    held_out = list(validation_batches(setting, validation))
+    keep_at = {round(run.steps * (k + 1) / run.keep) for k in range(run.keep)}
+    losses: list[Tensor] = []
+    since = time.perf_counter()
+    for step in progress(range(state.step, run.steps), "training", run.steps - state.step):
+        for group in state.optimiser.param_groups:
+            group["lr"] = learning_rate(step, run)
+        random = generator(setting.seed, step)
+        chosen = torch.randint(len(frames), (run.batch_size,), generator=random).numpy()
+        batch = to_device(gather(data, frames[chosen], real[chosen], run.network.points, random), setting.device)
+        clouds, proprio = augment(batch.clouds, batch.proprio, run, random)
+        loss, _ = negative_log_likelihood(policy, Batch(clouds, proprio, batch.actions, batch.weights))
+        state.optimiser.zero_grad()
+        loss.backward()
+        torch.nn.utils.clip_grad_norm_(policy.parameters(), run.gradient_clip)
+        state.optimiser.step()
+        losses.append(loss.detach())
+        state.step = step + 1
+        if state.step in keep_at:
+            save_weights(setting.work / "checkpoints" / f"step_{state.step}.safetensors", policy.state_dict())
+        if state.step % run.log_every == 0 or state.step == run.steps:
+            validated = validate(policy, held_out)
+            speed = len(losses) / (time.perf_counter() - since)
+            line: Line = {
+                "step": state.step,
+                "loss": round(torch.stack(losses).mean().item(), 5),
+                **validated,
+                "learning_rate": learning_rate(step, run),
+                "steps_per_s": round(speed, 2),
+            }
+            log(line)
+            state.note(policy, validated.get("validation_loss"), line, run.select)
+            if state.step < run.steps and state.due(run.save_every):
+                state.save(policy, setting.work)
+            losses, since = [], time.perf_counter()
+
+
+def validation_batches(setting: Setting, episodes: list[int]) -> Iterator[Batch]:
+    """The same sequences each time: side by side, not augmented, with a fixed subset of points."""
+    if not episodes:
+        return
+    run = setting.run
+    frames, real = windows(setting.data, episodes, run.rnn_horizon, stride=run.rnn_horizon)
+    even = np.linspace(0, len(frames) - 1, min(len(frames), VALIDATION_SEQUENCES)).astype(int)
+    random = generator(setting.seed, 2**31)
+    for part in np.array_split(even, -(-len(even) // run.batch_size)):
+        yield to_device(gather(setting.data, frames[part], real[part], run.network.points, random), setting.device)
+
+
+@torch.no_grad()
+def validate(policy: Policy, batches: list[Batch]) -> dict[str, float]:
+    """Loss and action error on the validation episodes; empty without any."""
+    if not batches:
+        return {}
+    results = [torch.stack(negative_log_likelihood(policy, batch)) for batch in batches]
+    weights = torch.stack([batch.weights.sum() for batch in batches])
+    loss, error = (torch.stack(results) * weights[:, None]).sum(0) / weights.sum()
+    return {"validation_loss": round(loss.item(), 5), "validation_error": round(error.item(), 5)}
+
+
+def to_device(batch: Batch, device: str) -> Batch:
+    """The batch where the network is."""
+    if device == "cpu":
+        return batch
+    return Batch(*(tensor.to(device) for tensor in (batch.clouds, batch.proprio, batch.actions, batch.weights)))

@@ -1,0 +1,77 @@
+"""Everything an interrupted run needs to go on: weights, optimiser, best weights, the lines logged so far."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import torch
+from torch import Tensor
+
+from stages.policy.network import Policy
+from stages.training.logbook import Line
+
+STATE = "state.pt"
+
+
+@dataclass
+class TrainingState:
+    """The run after `step` updates. `fingerprint` names data, options and seed: another run must not go on from it."""
+
+    optimiser: torch.optim.Optimizer
+    fingerprint: str
+    step: int = 0
+    saved: int = 0
+    best_step: int = 0
+    best_loss: float | None = None
+    best: dict[str, Tensor] = field(default_factory=dict)
+    lines: list[Line] = field(default_factory=list)
+
+    def note(self, policy: Policy, validation_loss: float | None, line: Line, select: str) -> None:
+        """Remember the line, and the weights if they are the best so far (without validation: the last ones)."""
+        self.lines.append(line)
+        latest = select == "last" or validation_loss is None
+        if latest or self.best_loss is None or (validation_loss is not None and validation_loss < self.best_loss):
+            self.best_step, self.best_loss = self.step, validation_loss
+            self.best = copy_weights(policy.state_dict())
+
+    def due(self, every: int) -> bool:
+        """Whether `every` steps have passed since the last save."""
+        return self.step - self.saved >= every
+
+    def save(self, policy: Policy, folder: Path) -> None:
+        """Write the state; a crash while writing leaves the last one."""
+        self.saved = self.step
+        folder.mkdir(parents=True, exist_ok=True)
+        content = {
+            "policy": policy.state_dict(),
+            "optimiser": self.optimiser.state_dict(),
+            "fingerprint": self.fingerprint,
+            "step": self.step,
+            "best_step": self.best_step,
+            "best_loss": self.best_loss,
+            "best": self.best,
+            "lines": self.lines,
+        }
+        temporary = folder / f"{STATE}.partial"
+        torch.save(content, temporary)
+        temporary.replace(folder / STATE)
+
+    def resume(self, policy: Policy, folder: Path) -> bool:
+        """Go on from the state in `folder` if there is one of this very run."""
+        path = folder / STATE
+        if not path.is_file():
+            return False
+        content = torch.load(path, weights_only=True, map_location=policy.proprio_mean.device)
+        if content["fingerprint"] != self.fingerprint:
+            return False
+        policy.load_state_dict(content["policy"])
+        self.optimiser.load_state_dict(content["optimiser"])
+        for name in ("step", "best_step", "best_loss", "best", "lines"):
+            setattr(self, name, content[name])
+        self.saved = self.step
+        return True
+
+
+def copy_weights(weights: Mapping[str, Tensor]) -> dict[str, Tensor]:
+    """A copy that later updates do not touch."""
+    return {name: tensor.detach().clone() for name, tensor in weights.items()}

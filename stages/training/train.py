@@ -1,0 +1,117 @@
+"""Verb `train`: one policy on the episode stores of a training set (paper B.3)."""
+
+import hashlib
+import json
+import shutil
+import sys
+from pathlib import Path
+from typing import Literal
+
+import torch
+
+from stages.config.training import TrainingRun
+from stages.contracts.errors import InputError
+from stages.contracts.files import read_options, write_json, write_text
+from stages.contracts.trained import TrainedPolicy
+from stages.policy.checkpoint import FILES, save_weights
+from stages.policy.network import Policy
+from stages.training.dataset import Demonstrations, read_demonstrations, split_episodes
+from stages.training.logbook import Logbook
+from stages.training.loop import Setting, optimise
+from stages.training.state import TrainingState
+
+
+def run(
+    *,
+    episodes: tuple[Path, ...],
+    per_store: int,
+    out: Path,
+    options: str = "",
+    seed: int = 0,
+    threads: int = 1,
+    device: Literal["cpu", "cuda"] = "cpu",
+) -> None:
+    """Train a BC-RNN-GMM policy.
+
+    An interrupted run leaves its state in the folder `<out>.work`, and the same command goes on from there.
+
+    Args:
+        episodes: episode stores (episodes.h5) of the training set.
+        per_store: how many episodes of each are used, from the first.
+        out: folder for policy.safetensors (best), last.safetensors, config.json, metrics.jsonl.
+        options: one entry of `training.runs` as JSON, or a JSON file.
+        seed: of initial weights, validation split, sampling and augmentation.
+        threads: CPU threads. Results are repeatable for a given number.
+        device: where the network is trained.
+    """
+    hyper = read_options(TrainingRun, options)
+    if device == "cuda" and not torch.cuda.is_available():
+        raise InputError("device", "cuda is asked for, but torch finds no GPU.", "set `device: cpu`")
+    torch.set_num_threads(threads)
+    torch.manual_seed(seed)
+    data = read_demonstrations(episodes, per_store)
+    if data.clouds.shape[1] < hyper.network.points:
+        raise InputError(
+            "training.network.points", f"is {hyper.network.points}, but the clouds have {data.clouds.shape[1]} points."
+        )
+    setting = Setting(hyper, data, seed, device, work=out.parent / f"{out.name}.work")
+    training, validation = split_episodes(data, hyper.validation_fraction, seed)
+    policy = Policy(hyper.network, bf16=hyper.precision == "bf16")
+    fit_normaliser(policy, data, training)
+    policy.to(device)
+    optimiser = torch.optim.AdamW(policy.parameters(), weight_decay=hyper.weight_decay, fused=True)
+    state = TrainingState(optimiser, fingerprint(data, hyper, seed))
+    if state.resume(policy, setting.work):
+        print(f"training: goes on from step {state.step}", file=sys.stderr)
+    setting.work.mkdir(parents=True, exist_ok=True)
+    metrics = setting.work / "metrics.jsonl"
+    logbook = Logbook(metrics, state.lines, hyper.wandb, out, hyper.model_dump(mode="json") | {"seed": seed})
+    optimise(policy, state, setting, logbook.write)
+    logbook.close()
+
+    kept = sorted((setting.work / "checkpoints").glob("*.safetensors")) if hyper.keep else []
+    for path in kept:
+        (out / "checkpoints").mkdir(parents=True, exist_ok=True)
+        path.replace(out / "checkpoints" / path.name)
+    save_weights(out / FILES["last"], policy.state_dict())
+    save_weights(out / FILES["best"], state.best)
+    write_text(out / "metrics.jsonl", metrics.read_text(encoding="utf-8"))
+    write_json(
+        out / "config.json",
+        TrainedPolicy(
+            task=data.task,
+            task_options=data.task_options,
+            run=hyper,
+            seed=seed,
+            stores=data.stores,
+            data_digest=data.digest,
+            training_episodes=len(training),
+            validation_episodes=len(validation),
+            parameters=sum(parameter.numel() for parameter in policy.parameters()),
+            best_step=state.best_step,
+            best_loss=state.best_loss,
+            checkpoints=[f"checkpoints/{path.name}" for path in kept],
+        ),
+    )
+    shutil.rmtree(setting.work)
+
+
+def fit_normaliser(policy: Policy, data: Demonstrations, episodes: list[int]) -> None:
+    """Mean and spread of proprioception, and of the clouds where `standardise` asks for it, over training episodes."""
+    ends = torch.tensor(data.lengths).cumsum(0)
+    used = torch.cat([torch.arange(int(ends[i]) - data.lengths[i], int(ends[i])) for i in episodes])
+    proprio = data.proprio[used]
+    policy.proprio_mean.copy_(proprio.mean(0))
+    policy.proprio_std.copy_(proprio.std(0).clamp_min(1e-3))
+    if policy.network.standardise:
+        some = used[:: max(1, len(used) // 1000)]  # a thousand clouds say enough
+        xyz = policy.in_frame(data.clouds[some].float(), data.proprio[some]).flatten(0, -2)
+        policy.cloud_mean.copy_(xyz.mean(0))
+        policy.cloud_std.copy_((xyz - xyz.mean(0)).square().mean().sqrt())
+        policy.pointnet.standardise(policy.normalised(data.clouds[some].float(), data.proprio[some]))
+
+
+def fingerprint(data: Demonstrations, run: TrainingRun, seed: int) -> str:
+    """What must be equal for an interrupted run to go on."""
+    text = json.dumps([data.digest, run.model_dump(mode="json"), seed], sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()

@@ -1,0 +1,183 @@
+"""A small made-up run in the fixed layout: two rooms, one task, every kind of file that the report reads."""
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+from PIL import Image, ImageDraw
+from pydantic import BaseModel
+
+from stages.contracts.cousins import Cousin, Cousins, ObjectCousins, Orientation
+from stages.contracts.files import write_json
+from stages.contracts.generated import GeneratedScene, PlacedObject, Plausibility
+from stages.contracts.library import Library, LibraryEntry
+from stages.contracts.objects import Box, Mounting, Objects, SceneObject
+from stages.contracts.policies import Attempt, Rollout, SceneScore, TaskAsset, TaskAssets
+
+EYE = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+POSE = [[*row, 0.0] for row in EYE] + [[0.0, 0.0, 0.0, 1.0]]
+LABELS = {"room_1": ["cabinet", "bowl", "lamp"], "room_2": ["table", "chair"]}
+ROLES = {"twin": 0.0, "cousin_1": 3.1, "cousin_2": 4.0, "cousin_6": 7.5, "dissimilar": 12.25}
+
+
+def picture(path: Path, width: int = 240, height: int = 160, seed: int = 0) -> None:
+    """A picture of coloured boxes on a floor."""
+    rng = np.random.default_rng(seed)
+    image = Image.new("RGB", (width, height), (214, 209, 200))
+    draw = ImageDraw.Draw(image)
+    draw.rectangle((0, height * 0.6, width, height), fill=(168, 150, 130))
+    for _ in range(4):
+        x, w, h = rng.integers(0, width - 40), rng.integers(20, width // 3), rng.integers(20, height // 2)
+        colour = tuple(int(c) for c in rng.integers(60, 200, 3))
+        draw.rectangle((x, height * 0.75 - h, x + w, height * 0.75), fill=colour, outline=(60, 60, 60))
+    path.parent.mkdir(parents=True, exist_ok=True)
+    image.save(path)
+
+
+def write_rows(path: Path, rows: list[BaseModel]) -> Path:
+    """Rows as `evaluation` writes them: a CSV with empty cells for None."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("w", newline="") as file:
+        writer = csv.DictWriter(file, type(rows[0]).model_fields, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(row.model_dump() for row in rows)
+    return path
+
+
+def score(scene: str = "room_1", number: int = 1, **changes: object) -> SceneScore:
+    """A score of a well placed object."""
+    values = {
+        "scene": scene, "variant": "b", "rank": 1, "scale_m": 3.68, "object": f"object_{number}", "status": "ok",
+        "true_asset": f"asset_{number}", "asset": f"asset_{number}", "category_correct": True, "model_correct": True,
+        "l2_cm": 4.0 + number, "orientation_rad": 0.05, "iou": 0.7, "oriented_iou": 0.6, "stable": True,
+    }  # fmt: skip
+    return SceneScore.model_validate(values | changes)
+
+
+def rollout(episode: int = 0, success: bool = True, **changes: object) -> Rollout:
+    """A rollout on the twin of a policy that was trained on it."""
+    values = {
+        "task": "door", "training_set": "twin", "run": "lite", "seed": 0, "checkpoint": "best", "test_asset": "twin",
+        "asset": "cabinet_07", "dino_distance": 0.0, "episode": episode, "initial_state": 1000 + episode,
+        "success": success, "steps": 80, "opened": 0.9,
+    }  # fmt: skip
+    return Rollout.model_validate(values | changes)
+
+
+def rollouts() -> list[BaseModel]:
+    """Two training sets with two seeds on four test assets, ten episodes each; cousins do better further away."""
+    rows: list[BaseModel] = []
+    chance = {"twin": [0.9, 0.7, 0.5, 0.3], "cousins_4": [0.9, 0.9, 0.8, 0.6]}
+    rng = np.random.default_rng(5)
+    for name, rates in chance.items():
+        for seed in (0, 1):
+            for role, rate in zip(["twin", "cousin_2", "cousin_6", "dissimilar"], rates, strict=True):
+                same = {"training_set": name, "seed": seed, "test_asset": role, "dino_distance": ROLES[role]}
+                rows += [rollout(episode, bool(rng.random() < rate), **same) for episode in range(10)]
+    return rows
+
+
+def _room(results: Path, name: str) -> None:
+    picture(results / "scenes" / name / "input" / "rgb.png", seed=1)
+    picture(results / "extraction" / name / "overview.png", 720, 160, seed=2)
+    labels = LABELS[name]
+    box = Box(center=(2.0, 0.0, 0.5), size=(0.6, 0.4, 1.0), yaw=0.1)
+    seen = [
+        SceneObject(id=f"{label}_1", label=label, mask=number, box=box, doors=2 if label == "cabinet" else 0,
+                    mounting=Mounting(type=3 if label == "cabinet" else 2))
+        for number, label in enumerate(labels, start=1)
+    ]  # fmt: skip
+    seen.append(
+        SceneObject(id="vase_1", label="vase", mask=9, status="failed", reason="only 12 points <after cleaning>")
+    )
+    frame = {"width": 240, "height": 160, "intrinsics": EYE, "floor_from_camera": POSE, "walls": []}
+    write_json(results / "extraction" / name / "objects.json", Objects(scene=name, objects=seen, **frame))
+
+    view = Orientation(yaw=0.2, distance=8.0)
+    found = [
+        ObjectCousins(id=item.id, label=item.label, decided_by="distance", cousins=[
+            Cousin(rank=rank, asset=f"{item.label}_{rank:02d}", category=item.label, distance=6.0 + rank,
+                   votes=9 - rank, orientation=view, orientations=[view]) for rank in range(1, 8)])
+        for item in seen[:-1]
+    ]  # fmt: skip
+    found.append(ObjectCousins(id="vase_1", label="vase", status="failed", reason="no cloud"))
+    matching = results / "matching" / "b" / name
+    write_json(matching / "cousins.json", Cousins(scene=name, encoder="hog", objects=found))
+    picture(matching / "cousins.png", 700, 300, seed=3)
+
+    generation = results / "generation" / "b" / name
+    picture(generation / "comparison.png", 700, 240, seed=4)
+    for rank in (1, 2):
+        placed = [PlacedObject(id=item.id, label=item.label, asset=item.id, moved=0.04) for item in seen[:-1]]
+        fallen = ["lamp_1"] if rank == 2 else []
+        check = Plausibility(seconds=2, stable=not fallen, fallen=fallen, mean_displacement=0.004,
+                             max_penetration=0.001, collisions=0)  # fmt: skip
+        scene = GeneratedScene(scene=name, variant="b", rank=rank, objects=placed, plausibility=check, **frame)
+        write_json(generation / f"scene_{rank}.json", scene)
+        picture(generation / f"scene_{rank}.png", seed=10 + rank)
+
+
+def _policies(results: Path) -> None:
+    assets = [
+        TaskAsset(role=role, asset=f"cabinet_{number:02d}", category="cabinet", joint="door", size=(0.5, 0.6, 0.7),
+                  distance=distance) for number, (role, distance) in enumerate(ROLES.items())
+    ]  # fmt: skip
+    chosen = TaskAssets(task="door", scene="room_1", object="cabinet_1", encoder="hog", assets=assets)
+    write_json(results / "matching" / "b" / "task_door.json", chosen)
+    for role in ("twin", "cousin_1"):
+        folder = results / "demonstrations" / "door" / role
+        picture(folder / "film.png", 1000, 130, seed=6)
+        causes = ["success"] * 8 + ["grasp_slip", "approach"]
+        attempts = [
+            Attempt(attempt=n, seed=n, success=cause == "success", cause=cause, steps=60, opened=0.8)
+            for n, cause in enumerate(causes)
+        ]
+        (folder / "attempts.jsonl").write_text("".join(attempt.model_dump_json() + "\n" for attempt in attempts))
+    for name in ("twin", "cousins_4"):
+        folder = results / "training" / "door" / name / "lite" / "seed_0"
+        folder.mkdir(parents=True)
+        lines = [
+            {"step": s, "train_loss": 5 - s / 300, "valid_loss": 5 - s / 400, "lr": 1e-3} for s in range(0, 900, 50)
+        ]
+        (folder / "metrics.jsonl").write_text("".join(json.dumps(line) + "\n" for line in lines))
+        for role in ("twin", "dissimilar"):
+            film = results / "evaluation" / "policies" / "door" / name / "lite" / "seed_0" / f"film_{role}.png"
+            picture(film, 1000, 130, seed=7)
+
+
+def write_run(root: Path) -> Path:
+    """Write results/, benchmarks/ and rows to score under `root`; returns `root`."""
+    results = root / "results"
+    for name in LABELS:
+        _room(results, name)
+    models = [
+        LibraryEntry(id=f"{category}_{number:02d}", category=category, folder="x", doors=category == "cabinet",
+                     drawers=0, checksum="0")
+        for category, count in (("cabinet", 9), ("bowl", 4)) for number in range(count)
+    ]  # fmt: skip
+    write_json(results / "assets" / "library" / "library.json", Library(assets=models))
+    picture(results / "assets" / "snapshots" / "shard_0.png", 600, 400, seed=8)
+    _policies(results)
+
+    scenes = results / "evaluation" / "scenes" / "b"
+    lost = {"status": "missed", "asset": "", "category_correct": False, "model_correct": False}
+    lost |= dict.fromkeys(["l2_cm", "orientation_rad", "iou", "oriented_iou", "stable"])
+    write_rows(
+        scenes / "room_1" / "scores.csv",
+        [score(number=1), score(number=2, model_correct=False), score(number=3, **lost)],
+    )
+    write_rows(
+        scenes / "room_2" / "scores.csv", [score("room_2", n, scale_m=3.42, orientation_rad=None) for n in (1, 2)]
+    )
+    write_rows(results / "evaluation" / "policies" / "door" / "rollouts.csv", rollouts())
+
+    header = "s\th:m:s\tmax_rss\tmax_vms\tmax_uss\tmax_pss\tio_in\tio_out\tmean_load\tcpu_time\n"
+    for name, seconds, memory in (("assets/library", 61.5, 300.25), ("matching/b/room_1", 12.0, 800.0)):
+        path = root / "benchmarks" / f"{name}.tsv"
+        path.parent.mkdir(parents=True)
+        path.write_text(header + f"{seconds}\t0:01:01\t{memory}\t1\t1\t1\t0\t0\t90\t{seconds * 0.9}\n")
+    short = root / "benchmarks" / "tables" / "tables.jsonl"
+    short.parent.mkdir()
+    short.write_text('{"s": 0.4, "max_rss": "NA", "cpu_time": "NA"}\n')
+    return root

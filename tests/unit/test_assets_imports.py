@@ -1,0 +1,200 @@
+"""Importing other people's models: known answers from small URDFs, and one clear line for each way to break one."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from stages.assets.imports import import_folders, import_model, model_files, word
+from stages.contracts.errors import InputError
+from stages.contracts.files import read_json
+from stages.contracts.library import Asset
+from stages.simulation.mesh_reader import convex_pieces
+from stages.simulation.resize import resized
+from stages.simulation.robot_model import closed_box, link_frames, stretched
+from stages.simulation.urdf_reader import read_urdf
+
+DATA = Path(os.environ.get("ACDC_TEST_DATA", Path(__file__).parents[3] / "shared" / "data"))
+
+CABINET = """<robot name="cabinet">
+  <material name="oak"><color rgba="0.5 0.3 0.1 1"/></material>
+  <link name="body">
+    <inertial><mass value="12"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
+    <visual><origin xyz="0 0 0.4"/><geometry><box size="0.4 0.6 0.8"/></geometry><material name="oak"/></visual>
+  </link>
+  <link name="door">
+    <visual><origin xyz="0.01 -0.29 0"/><geometry><box size="0.02 0.58 0.7"/></geometry></visual></link>
+  <link name="door_knob"><visual><geometry><sphere radius="0.02"/></geometry></visual></link>
+  <link name="tray"><visual><origin rpy="0 0 1.5707963"/><geometry><box size="0.2 0.1 0.05"/></geometry></visual></link>
+  <joint name="hinge" type="revolute"><parent link="body"/><child link="door"/><origin xyz="0.2 0.3 0.4"/>
+    <axis xyz="0 0 -1"/><limit lower="-1.5" upper="0" effort="1" velocity="1"/></joint>
+  <joint name="knob" type="fixed"><parent link="door"/><child link="door_knob"/><origin xyz="0.03 -0.5 0"/></joint>
+  <joint name="slide" type="prismatic"><parent link="body"/><child link="tray"/>
+    <origin xyz="0 0 0.9" rpy="0 0 1.5707963"/><axis xyz="0 -1 0"/>
+    <limit lower="0" upper="0.2" effort="1" velocity="1"/></joint>
+</robot>"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A user's folder with one cabinet."""
+    path = tmp_path / "mine" / "bottom_cabinet" / "Oak 1" / "cab.urdf"
+    path.parent.mkdir(parents=True)
+    path.write_text(CABINET)
+    return tmp_path / "mine"
+
+
+def write_urdf(folder: Path, old: str, new: str) -> None:
+    path = folder / "bottom_cabinet" / "Oak 1" / "cab.urdf"
+    assert old in CABINET
+    path.write_text(CABINET.replace(old, new))
+
+
+def test_urdf_is_imported_with_doors_drawers_and_handles(folder: Path, tmp_path: Path) -> None:
+    (asset,) = import_folders([folder], tmp_path / "models")
+    assert (asset.id, asset.category, asset.doors, asset.drawers) == ("bottom_cabinet_cab", "bottom_cabinet", 1, 1)
+    hinge, slide = asset.joints
+    assert (hinge.lower, hinge.upper, hinge.axis) == (0.0, 1.5, (0.0, 0.0, 1.0)), "turned round to close at 0"
+    assert hinge.handle_link == "door_knob"
+    assert (slide.upper, slide.handle_link) == (0.2, "tray")
+    assert np.allclose(asset.box_min, (-0.2, -0.3, 0.0), atol=1e-6)
+    assert np.allclose(asset.box_max, (0.25, 0.3, 0.925), atol=1e-4)
+    assert asset.provenance == "imported: bottom_cabinet/Oak 1/cab.urdf"
+    assert read_json(Asset, tmp_path / "models" / asset.id / "asset.json") == asset
+    again = read_urdf(tmp_path / "models" / asset.id / "model.urdf", tmp_path / "models")
+    assert np.allclose(closed_box(again), [asset.box_min, asset.box_max], atol=2e-5)
+    assert again.links["body"].mass == 12
+
+
+def test_resized_import_has_exactly_the_size(folder: Path, tmp_path: Path) -> None:
+    (asset,) = import_folders([folder], tmp_path / "models")
+    out = resized(tmp_path / "models" / asset.id, (0.9, 0.3, 1.85), tmp_path / "sized")
+    larger = read_json(Asset, out / "asset.json")
+    assert larger.size == pytest.approx((0.9, 0.3, 1.85), abs=1e-5)
+    assert larger.joints[1].upper == pytest.approx(0.4, rel=1e-3), "the drawer slides along x, which doubled"
+    assert larger.joints[0].upper == 1.5
+    assert larger.mass == pytest.approx(asset.mass * 2 * 0.5 * 2, rel=0.01)
+    assert resized(tmp_path / "models" / asset.id, (0.9, 0.3, 1.85), tmp_path / "sized") == out
+    assert resized(tmp_path / "models" / asset.id, asset.size, tmp_path / "sized") == tmp_path / "models" / asset.id
+    with pytest.raises(InputError, match="must be positive"):
+        resized(tmp_path / "models" / asset.id, (0.9, -1, 1), tmp_path / "sized")
+
+
+def test_stretching_a_turned_link_scales_along_the_assets_axes(folder: Path) -> None:
+    robot = read_urdf(folder / "bottom_cabinet" / "Oak 1" / "cab.urdf", folder)
+    before, after = closed_box(robot), closed_box(stretched(robot, (2.0, 3.0, 0.5)))
+    assert np.allclose(after, before * [2.0, 3.0, 0.5], atol=1e-9)
+    slid = [link_frames(r, 1.0)["tray"][:3, 3] for r in (robot, stretched(robot, (2.0, 3.0, 0.5)))]
+    assert np.allclose(slid[1], slid[0] * [2.0, 3.0, 0.5], atol=1e-9)
+
+
+def test_stretched_inertia_is_that_of_the_stretched_box() -> None:
+    from stages.simulation.robot_model import Link, RobotModel
+
+    box = trimesh.creation.box([0.2, 0.3, 0.4])
+    link = Link("a", [box], [box], 2.0, np.zeros(3), 2 / 12 * np.diag([0.25, 0.20, 0.13]))
+    long = stretched(RobotModel("r", {"a": link}), (2.0, 1.0, 1.0)).links["a"]
+    assert long.mass == pytest.approx(4.0)
+    assert np.allclose(long.inertia, 4 / 12 * np.diag([0.25, 0.32, 0.25]))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "complaint"),
+    [
+        ("</robot>", "", "is not XML"),
+        ("<robot", "<!DOCTYPE x><robot", "DOCTYPE"),
+        ('<box size="0.4 0.6 0.8"/>', '<box size="0.4 wide"/>', r"link 'body', <visual>: size"),
+        ('<box size="0.4 0.6 0.8"/>', '<mesh filename="gone.obj"/>', "there is no mesh 'gone.obj'"),
+        ('<box size="0.4 0.6 0.8"/>', '<mesh filename="../../../secret.obj"/>', "lies outside mine/"),
+        ('<box size="0.4 0.6 0.8"/>', '<mesh filename="package://../../../../secret.obj"/>', "lies outside mine/"),
+        ('<box size="0.4 0.6 0.8"/>', '<mesh filename="bad.obj"/>', "bad.obj"),
+        ('<axis xyz="0 0 -1"/>', '<axis xyz="0 0 0"/>', "joint 'hinge': its axis is zero"),
+        ('<child link="door"/>', '<child link="gate"/>', r"joint 'hinge': <child> names no link"),
+        ('<child link="tray"/>', '<child link="door"/>', "one tree"),
+        ('type="prismatic"', 'type="floating"', "joint 'slide': type 'floating'"),
+        ('lower="0" upper="0.2"', 'lower="0.3" upper="0.2"', "lower limit 0.3 is above"),
+        ('lower="-1.5"', 'lower="nan"', "joint 'hinge': lower"),
+    ],
+)  # fmt: skip
+def test_broken_urdf_is_one_clear_line(folder: Path, tmp_path: Path, old: str, new: str, complaint: str) -> None:
+    write_urdf(folder, old, new)
+    trimesh.creation.box().export(tmp_path / "secret.obj")
+    (folder / "bottom_cabinet" / "Oak 1" / "bad.obj").write_text("this is not a mesh")
+    with pytest.raises(InputError, match=complaint) as caught:
+        import_folders([folder], tmp_path / "models")
+    assert "\n" not in str(caught.value)
+    assert not (tmp_path / "models" / "bottom_cabinet_cab").exists()
+
+
+def test_meshes_become_one_body_with_notes(tmp_path: Path) -> None:
+    mine = tmp_path / "mine" / "Desk Lamp!"
+    mine.mkdir(parents=True)
+    trimesh.creation.box([0.1, 0.4, 0.2]).export(mine / "a.glb")  # glTF: y up, z forward
+    (mine / "asset.json").write_text('{"mass": 3.0, "licence": "CC-BY-4.0", "placement": "object", "scale": 2.0}')
+    (asset,) = import_folders([tmp_path / "mine"], tmp_path / "models")
+    assert (asset.id, asset.category, asset.licence, asset.placement) == (
+        "desk_lamp_a",
+        "desk_lamp",
+        "CC-BY-4.0",
+        "object",
+    )
+    assert asset.size == pytest.approx((0.4, 0.2, 0.8)), "glTF's z is our x, its y our z"
+    assert asset.mass == pytest.approx(3.0)
+    (mine / "asset.json").write_text('{"colour": "red"}')
+    with pytest.raises(InputError, match="colour"):
+        import_folders([tmp_path / "mine"], tmp_path / "models")
+
+
+def test_model_files_prefers_urdf_over_meshes(folder: Path) -> None:
+    trimesh.creation.box().export(folder / "bottom_cabinet" / "Oak 1" / "part.obj")
+    trimesh.creation.box().export(folder / "bottom_cabinet" / "single.obj")
+    assert [path.name for path in model_files(folder)] == ["cab.urdf", "single.obj"]
+    assert word(" Bottom-Cabinet 3") == "bottom_cabinet_3"
+
+
+def test_empty_and_missing_folders(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="not a folder"):
+        import_folders([tmp_path / "gone"], tmp_path / "models")
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(InputError, match="holds no URDF"):
+        import_folders([tmp_path / "empty"], tmp_path / "models")
+
+
+def test_two_bodies_are_two_hulls() -> None:
+    left, right = trimesh.creation.box(), trimesh.creation.icosphere(2)
+    right.apply_translation([5, 0, 0])
+    pieces = convex_pieces(trimesh.util.concatenate([left, right]))
+    assert sorted(round(piece.volume, 1) for piece in pieces) == [1.0, round(right.volume, 1)]
+
+
+@pytest.mark.skipif(not (DATA / "articulated").exists(), reason=f"no real test data in {DATA} (set ACDC_TEST_DATA)")
+def test_a_real_cabinet(tmp_path: Path) -> None:
+    mine = tmp_path / "mine" / "bottom_cabinet"
+    mine.mkdir(parents=True)
+    (mine / "sektion").symlink_to(DATA / "articulated" / "sektion_cabinet_urdf" / "sektion_cabinet_model")
+    with pytest.raises(InputError, match="lies outside"):  # through the link, the meshes are elsewhere
+        import_folders([tmp_path / "mine"], tmp_path / "models")
+    root = DATA / "articulated"
+    urdf = root / "sektion_cabinet_urdf" / "sektion_cabinet_model" / "urdf" / "sektion_cabinet.urdf"
+    asset = import_model(urdf, root, tmp_path / "models")
+    assert (asset.doors, asset.drawers) == (2, 2)
+    assert all(joint.lower == 0 and joint.upper > 0.3 for joint in asset.joints)
+    assert asset.size == pytest.approx((0.668, 0.764, 0.786), abs=0.01)
+    robot = read_urdf(tmp_path / "models" / asset.id / "model.urdf", tmp_path / "models")
+    for joint in asset.joints:
+        shut, open_ = (link_frames(robot, share)[joint.handle_link or joint.link] for share in (0.0, 0.3))
+        center = robot.links[joint.handle_link or joint.link].visuals[0].bounds.mean(axis=0)
+        assert (open_ @ [*center, 1])[0] > (shut @ [*center, 1])[0] + 0.05, f"{joint.name} opens inwards"
+
+
+@pytest.mark.skipif(not (DATA / "objects" / "ycb").exists(), reason=f"no real test data in {DATA} (set ACDC_TEST_DATA)")
+def test_real_textured_objects(tmp_path: Path) -> None:
+    assets = {asset.id: asset for asset in import_folders([DATA / "objects"], tmp_path / "models")}
+    mug = assets["ycb_025_mug"]
+    assert mug.size == pytest.approx((0.117, 0.092, 0.081), abs=0.002), "its file is in centimetres"
+    scene = trimesh.load_scene(tmp_path / "models" / mug.id / "meshes" / "link_0.glb")
+    material = next(iter(scene.geometry.values())).visual.material
+    assert material.baseColorTexture is not None
+    assert material.metallicFactor == 0.0

@@ -1,0 +1,95 @@
+"""Snapshots and pictures: right shapes, the asset in view, the right way round, metric depth, instance ids."""
+
+import json
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from stages.assets import library, snapshots
+from stages.assets.library import make
+from stages.contracts.errors import InputError
+from stages.contracts.files import read_json
+from stages.contracts.library import SnapshotShard
+from stages.geometry.cameras import back_project, intrinsics_from_fov, look_at
+from stages.geometry.frames import apply
+from stages.simulation.loading import load_asset, read_asset, root_pose
+from stages.simulation.rendering import Camera, add_block, instance_id, make_scene, render
+
+OPTIONS = json.dumps({"counts": {"mug": 2, "television": 1}, "n_snap": 4, "image_size": 96})
+
+
+@pytest.fixture(scope="module")
+def shard(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("library")
+    library.run(out=folder / "library.json", options=OPTIONS)
+    snapshots.run(library=folder / "library.json", shard=0, shards=2, out=folder / "shard_0.h5", options=OPTIONS)
+    return folder
+
+
+def test_shard_holds_every_second_asset_from_all_sides(shard: Path) -> None:
+    about = read_json(SnapshotShard, shard / "shard_0.json")
+    assert about.assets == ["mug_00", "television_00"]
+    assert about.yaws == pytest.approx([0, np.pi / 2, np.pi, 3 * np.pi / 2])
+    with h5py.File(shard / "shard_0.h5") as file:
+        rgb, depth = file["rgb"][:], file["depth"][:]
+    assert rgb.shape == (2, 5, 96, 96, 3)
+    assert rgb.dtype == np.uint8
+    assert depth.shape == (2, 5, 96, 96)
+    assert depth.dtype == np.uint16
+    seen = (depth > 0).mean(axis=(2, 3))
+    assert (seen > 0.02).all(), "something is in every picture"
+    border = np.concatenate([depth[..., 0].ravel(), depth[..., -1].ravel(), depth[..., 0, :].ravel()])
+    assert (border == 0).all(), "and nothing is cut off"
+    distances = depth[depth > 0] / 1000
+    assert distances.min() > 1.5
+    assert distances.max() < 3.3
+    assert (shard / "shard_0.png").exists()
+
+
+def test_television_shows_its_screen_at_yaw_zero_and_its_back_at_half_a_turn(shard: Path) -> None:
+    with h5py.File(shard / "shard_0.h5") as file:
+        rgb, depth = file["rgb"][1], file["depth"][1]
+    row, column = np.argwhere(depth[0] > 0).mean(axis=0).astype(int)
+    front, back = rgb[0, row - 8, column].astype(int), rgb[2, row - 8, column].astype(int)
+    assert front.sum() < 250, "dark screen"
+    assert back.sum() != front.sum()
+    width = [(depth[view] > 0).any(axis=0).sum() for view in (0, 1)]
+    assert width[0] > 2 * width[1], "a television is wider than deep"
+
+
+def test_snapshots_repeat_byte_for_byte(shard: Path) -> None:
+    again = shard / "again" / "shard_0.h5"
+    snapshots.run(library=shard / "library.json", shard=0, shards=2, out=again, options=OPTIONS)
+    assert again.read_bytes() == (shard / "shard_0.h5").read_bytes()
+    with pytest.raises(InputError, match="not below"):
+        snapshots.run(library=shard / "library.json", shard=2, shards=2, out=again, options=OPTIONS)
+
+
+def test_depth_and_ids_of_a_room(tmp_path: Path) -> None:
+    scene = make_scene()
+    floor = add_block(scene, (0, 0, -0.05), (6, 6, 0.1), (0.5, 0.5, 0.5), "floor")
+    bodies = {}
+    for y, (category, index) in enumerate([("bottom_cabinet", 1), ("chair", 0)]):
+        asset = make(category, index, 0, tmp_path)
+        center = (0.0, 1.2 * y - 0.6, asset.size[2] / 2)
+        bodies[asset.id] = load_asset(scene, tmp_path / asset.id, root_pose(asset, center, 0.2), True, asset.id)
+    k = intrinsics_from_fov(160, 120, 0.8)
+    pose = look_at((4.0, 0.3, 1.8), (0.0, 0.0, 0.4))
+    picture = render(scene, k, 160, 120, pose)
+    ids = {instance_id(body) for body in bodies.values()} | {instance_id(floor)}
+    assert ids <= set(np.unique(picture.segmentation)) <= ids | {0}
+    points = apply(pose, back_project(picture.depth, k))
+    on_floor = points[picture.segmentation == instance_id(floor)]
+    assert np.abs(on_floor[:, 2]).max() < 5e-3, "metric depth along the optical axis"
+    cabinet = points[picture.segmentation == instance_id(bodies["bottom_cabinet_01"])]
+    size = read_asset(tmp_path / "bottom_cabinet_01").size
+    assert np.ptp(cabinet[:, 2]) == pytest.approx(size[2], abs=0.05)
+    assert (picture.depth[picture.segmentation == 0] == 0).all()
+    bodies["bottom_cabinet_01"].set_qpos(
+        np.array([j.limits[0][1] for j in bodies["bottom_cabinet_01"].get_active_joints()])
+    )
+    opened = Camera(scene, k, 160, 120).render(pose)
+    assert set(np.unique(opened.segmentation)) <= ids | {0}, "links of one cabinet share one id"
+    assert (opened.rgb != picture.rgb).any()

@@ -1,0 +1,78 @@
+"""Contract files: validated, atomic, and refused with one line when they break."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from stages.contracts import Camera, InputError, atomic, read_json, read_options, write_json
+from stages.contracts.__main__ import KINDS, main
+from stages.contracts.policies import Attempt
+
+CAMERA = Camera(width=4, height=3, intrinsics=[[1, 0, 2], [0, 1, 1.5], [0, 0, 1]])
+
+
+def test_round_trip_is_byte_for_byte(tmp_path: Path) -> None:
+    write_json(tmp_path / "a.json", CAMERA)
+    write_json(tmp_path / "b.json", read_json(Camera, tmp_path / "a.json"))
+    assert (tmp_path / "a.json").read_bytes() == (tmp_path / "b.json").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('{"width": 4, "height": 3}', "intrinsics: Field required"),
+        ('{"width": 4, "height": 3, "intrinsics": [], "fov": 1}', "fov: Extra inputs"),
+        ("not json", "Invalid JSON"),
+    ],
+)
+def test_a_broken_file_names_itself_and_the_field(tmp_path: Path, text: str, message: str) -> None:
+    path = tmp_path / "camera.json"
+    path.write_text(text)
+    with pytest.raises(InputError, match=message) as error:
+        read_json(Camera, path)
+    assert str(path) in str(error.value)
+
+
+def test_a_missing_file_is_named(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no such file"):
+        read_json(Camera, tmp_path / "none.json")
+
+
+def test_a_failed_write_leaves_nothing(tmp_path: Path) -> None:
+    (tmp_path / "out.txt").write_text("old")
+    with pytest.raises(RuntimeError), atomic(tmp_path / "out.txt") as path:
+        path.write_text("half")
+        raise RuntimeError
+    assert (tmp_path / "out.txt").read_text() == "old"
+    assert [p.name for p in tmp_path.iterdir()] == ["out.txt"]
+
+
+def test_options_accept_text_file_or_nothing(tmp_path: Path) -> None:
+    (tmp_path / "camera.json").write_text(CAMERA.model_dump_json())
+    assert read_options(Camera, str(tmp_path / "camera.json")) == CAMERA
+    assert read_options(Camera, CAMERA.model_dump_json()) == CAMERA
+    with pytest.raises(InputError, match="--options"):
+        read_options(Camera, "")
+
+
+def test_checker_checks_lines_and_tables(tmp_path: Path) -> None:
+    good = Attempt(attempt=0, seed=1, success=True, cause="success", steps=5, opened=0.5).model_dump_json()
+    path = tmp_path / "attempts.jsonl"
+    path.write_text(good + "\n")
+    assert main(["attempts", str(path)]) == 0
+    path.write_text(good + "\n{}\n")
+    assert main(["attempts", str(path)]) == 1
+    assert main(["nonsense", str(path)]) == 2
+    assert set(KINDS) >= {"cousins", "objects", "rollouts", "scores"}
+
+
+def test_stage_command_lines_end_with_one_line(tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "stages.contracts", "camera", str(tmp_path / "none.json")],
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 1
+    assert done.stderr.startswith("error: ") and done.stderr.count("\n") == 1

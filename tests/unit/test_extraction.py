@@ -1,0 +1,199 @@
+"""Extraction on ray-traced rooms with known boxes: frame, boxes, mounting types, bad input."""
+
+import hashlib
+import json
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from stages.contracts import Annotations, InputError, Objects, read_json, write_json
+from stages.extraction.extract import run
+from stages.extraction.observation import read_folder
+from stages.geometry.boxes import UprightBox, oriented_iou
+from stages.geometry.frames import apply, inverse, wrap_angle, yaw_of_matrix
+from tests.unit.synthetic_room import BACK_WALL, FLOOR, OBJECT, WORLD_FROM_CAMERA, write_room
+
+EXACT = json.dumps({"depth_noise": "none"})
+BOXES = {  # label -> box, mounting type
+    "cabinet": (UprightBox([3.7, -0.8, 0.4], [0.6, 0.8, 0.8], 0.0), 3),
+    "microwave": (UprightBox([3.8, -0.8, 0.95], [0.35, 0.45, 0.3], 0.0), 3),
+    "wall cabinet": (UprightBox([3.82, 0.5, 1.5], [0.36, 0.6, 0.6], 0.0), 1),
+    "box": (UprightBox([2.4, 0.5, 0.25], [0.5, 0.5, 0.5], 0.5), 2),
+    "mug": (UprightBox([2.4, 0.5, 0.57], [0.14, 0.14, 0.14], 0.0), 2),
+    "picture": (UprightBox([3.97, -0.1, 1.5], [0.06, 0.5, 0.4], 0.0), 1),
+}
+
+
+def _extract(folder: Path, out: Path, options: str = EXACT) -> Objects:
+    run(input=folder, scene="test", out=out / "objects.json", options=options)
+    return read_json(Objects, out / "objects.json")
+
+
+def _write(folder: Path, names: list[str], **changes: bool) -> Path:
+    return write_room(folder, [BOXES[name][0] for name in names], names, **changes)
+
+
+@pytest.fixture(scope="module")
+def furnished(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Objects]:
+    folder = tmp_path_factory.mktemp("room")
+    return folder, _extract(_write(folder / "input", list(BOXES)), folder / "out")
+
+
+def test_floor_and_wall_are_found(furnished: tuple[Path, Objects]) -> None:
+    floor_from_world = np.array(furnished[1].floor_from_camera) @ inverse(WORLD_FROM_CAMERA)
+    np.testing.assert_allclose(floor_from_world[2], [0, 0, 1, 0], atol=1e-3)
+    np.testing.assert_allclose(floor_from_world[:2, 3], 0, atol=1e-3)  # the origin is below the camera
+    view = floor_from_world[:3, :3] @ WORLD_FROM_CAMERA[:3, 2]
+    assert view[0] > 0 and abs(view[1]) < 1e-6  # x runs along the view
+    (wall,) = furnished[1].walls
+    np.testing.assert_allclose(floor_from_world[:3, :3].T @ wall.normal, [-1, 0, 0], atol=2e-3)
+    assert wall.offset == pytest.approx(-BACK_WALL, abs=5e-3)
+
+
+@pytest.mark.parametrize("name", BOXES)
+def test_boxes_and_mounting(furnished: tuple[Path, Objects], name: str) -> None:
+    objects = furnished[1]
+    floor_from_world = np.array(objects.floor_from_camera) @ inverse(WORLD_FROM_CAMERA)
+    item = next(item for item in objects.objects if item.label == name)
+    true, mounting = BOXES[name]
+    assert item.box is not None and item.mounting is not None
+    assert item.mounting.type == mounting
+    assert item.mounting.walls == (["wall_1"] if mounting != 2 else [])
+    assert item.box.center[2] - item.box.size[2] / 2 == pytest.approx(true.bottom, abs=0.03)
+    if mounting == 2:  # seen from two sides and above: the whole box is there
+        here = UprightBox(
+            apply(floor_from_world, true.center), true.size, true.yaw + yaw_of_matrix(floor_from_world[:3, :3])
+        )
+        box = UprightBox(item.box.center, item.box.size, item.box.yaw)
+        assert oriented_iou(box, here) > (0.8 if name == "box" else 0.55)
+        assert abs(wrap_angle(box.yaw - here.yaw, np.pi / 2)) < np.deg2rad(2)
+
+
+def test_ids_files_and_annotations(furnished: tuple[Path, Objects]) -> None:
+    folder, objects = furnished
+    assert [item.id for item in objects.objects] == [name.replace(" ", "_") + "_1" for name in BOXES]
+    masks = cv2.imread(str(folder / "out" / "masks.png"), cv2.IMREAD_UNCHANGED)
+    assert masks.dtype == np.uint16 and masks.shape == (objects.height, objects.width)
+    clouds = np.load(folder / "out" / "clouds.npz")
+    depth = np.load(folder / "out" / "depth.npz")["depth"]
+    assert depth.dtype == np.float32
+    for item in objects.objects:
+        assert item.pixels is not None
+        assert (masks == item.mask).any() and clouds[item.id].shape == (item.points, 3)
+        assert clouds[item.id].dtype == np.float32
+        rows, columns = np.nonzero(masks == item.mask)
+        assert item.pixels == (columns.min(), rows.min(), columns.max() + 1, rows.max() + 1)
+    assert (folder / "out" / "overview.png").stat().st_size > 10_000
+
+
+def test_same_seed_same_bytes(furnished: tuple[Path, Objects], tmp_path: Path) -> None:
+    def digests(out: Path, seed: int) -> list[str]:
+        run(input=furnished[0] / "input", scene="test", out=out / "objects.json", seed=seed)
+        return [hashlib.sha256(path.read_bytes()).hexdigest() for path in sorted(out.iterdir())]
+
+    first = digests(tmp_path / "a", 3)
+    assert first == digests(tmp_path / "b", 3)
+    assert first != digests(tmp_path / "c", 4)
+
+
+def test_noise_shifts_boxes_but_keeps_mounting(furnished: tuple[Path, Objects], tmp_path: Path) -> None:
+    noisy = _extract(furnished[0] / "input", tmp_path, "{}")
+    for exact, item in zip(furnished[1].objects, noisy.objects, strict=True):
+        assert exact.box is not None and item.box is not None and item.mounting is not None
+        assert 1e-3 < np.linalg.norm(np.subtract(exact.box.center, item.box.center)) < 0.25
+        assert item.mounting.type == BOXES[item.label][1]
+
+
+def test_no_floor_mask_and_no_wall(tmp_path: Path) -> None:
+    objects = _extract(_write(tmp_path / "in", ["box", "mug"], wall=False, floor=False), tmp_path / "out")
+    np.testing.assert_allclose(
+        (np.array(objects.floor_from_camera) @ inverse(WORLD_FROM_CAMERA))[2], [0, 0, 1, 0], atol=0.01
+    )
+    assert objects.walls == []
+    assert [item.mounting.type for item in objects.objects if item.mounting] == [2, 2]
+
+
+def test_hidden_feet_are_extended_to_the_floor(tmp_path: Path) -> None:
+    """A box in front hides the lower half of a cabinet: it stands all the same."""
+    boxes = [UprightBox([2.2, 0, 0.3], [0.4, 1.6, 0.6], 0.0), UprightBox([3.0, 0, 0.6], [0.5, 0.6, 1.2], 0.0)]
+    objects = _extract(write_room(tmp_path / "in", boxes, ["bench", "cabinet"]), tmp_path / "out")
+    cabinet = objects.objects[1]
+    clouds = np.load(tmp_path / "out" / "clouds.npz")
+    assert clouds["cabinet_1"][:, 2].min() > 0.3
+    assert cabinet.box is not None and cabinet.mounting is not None
+    assert cabinet.box.center[2] - cabinet.box.size[2] / 2 == pytest.approx(0, abs=1e-6)
+    assert cabinet.mounting.type == 2  # the bench in front does not change that the space behind is seen
+
+
+def test_objects_that_cannot_be_used_fail_alone(tmp_path: Path) -> None:
+    boxes = [
+        UprightBox([2.5, 0, 0.3], [0.5, 0.5, 0.6], 0.0),
+        UprightBox([2.2, 1.85, 0.3], [0.3, 0.6, 0.6], 0.0),  # at the left border, mostly outside the central 90 %
+        UprightBox([3.5, 0, 0.1], [0.1, 0.1, 0.1], 0.0),  # behind the first one
+    ]
+    objects = _extract(write_room(tmp_path / "in", boxes, ["box", "chair", "mug"]), tmp_path / "out")
+    assert [item.status for item in objects.objects] == ["ok", "failed", "failed"]
+    assert "crop" in objects.objects[1].reason
+    assert "not in the picture" in objects.objects[2].reason
+    assert objects.objects[1].box is None and list(np.load(tmp_path / "out" / "clouds.npz")) == ["box_1"]
+
+
+def test_alpha_and_grey_pictures_are_accepted(tmp_path: Path) -> None:
+    folder = _write(tmp_path / "in", ["box"])
+    rgb = cv2.imread(str(folder / "rgb.png"))
+    cv2.imwrite(str(folder / "rgb.png"), np.dstack([rgb, np.full(rgb.shape[:2], 255, np.uint8)]))
+    np.testing.assert_array_equal(read_folder(folder).rgb, rgb[..., ::-1])
+    cv2.imwrite(str(folder / "rgb.png"), rgb[..., 0])
+    assert read_folder(folder).rgb.shape == rgb.shape
+
+
+def _spoil(folder: Path, how: str) -> None:
+    """Break one file of an input folder."""
+    if how == "missing":
+        (folder / "masks.png").unlink()
+    elif how == "truncated":
+        (folder / "rgb.png").write_bytes((folder / "rgb.png").read_bytes()[:40])
+    elif how == "not npz":
+        (folder / "depth.npz").write_text("depth")
+    elif how == "no array":
+        np.savez(folder / "depth.npz", z=np.ones((360, 480)))
+    elif how == "size":
+        np.savez(folder / "depth.npz", depth=np.ones((360, 200)))
+    elif how == "camera":
+        camera = json.loads((folder / "camera.json").read_text())
+        camera["intrinsics"] = camera["intrinsics"][:2]
+        (folder / "camera.json").write_text(json.dumps(camera))
+    elif how == "values":
+        annotations = read_json(Annotations, folder / "annotations.json")
+        annotations.objects[0].mask = FLOOR
+        write_json(folder / "annotations.json", annotations)
+    elif how == "no floor":
+        np.savez(folder / "depth.npz", depth=np.zeros((360, 480), np.float32))
+
+
+@pytest.mark.parametrize(
+    ("how", "file"),
+    [
+        ("missing", "masks.png"),
+        ("truncated", "rgb.png"),
+        ("not npz", "depth.npz"),
+        ("no array", "depth.npz"),
+        ("size", "depth.npz"),
+        ("camera", "camera.json"),
+        ("values", "annotations.json"),
+        ("no floor", "depth.npz"),
+    ],
+)
+def test_bad_input_is_named_and_leaves_nothing(tmp_path: Path, how: str, file: str) -> None:
+    folder = _write(tmp_path / "in", ["box"])
+    _spoil(folder, how)
+    with pytest.raises(InputError, match=file):
+        _extract(folder, tmp_path / "out")
+    assert not (tmp_path / "out").exists() or list((tmp_path / "out").iterdir()) == []
+
+
+def test_masks_keep_their_values(tmp_path: Path) -> None:
+    objects = _extract(_write(tmp_path / "in", ["box", "mug"]), tmp_path / "out")
+    assert [item.mask for item in objects.objects] == [OBJECT, OBJECT + 1]

@@ -1,0 +1,112 @@
+"""Single steps of extraction: noise model, erosion, border, room planes."""
+
+import numpy as np
+import pytest
+
+from stages.config.extraction import DepthNoiseConfig, ExtractionConfig
+from stages.contracts.scenes import Annotation
+from stages.extraction.border import continued_depth
+from stages.extraction.clouds import cleaned_cloud
+from stages.extraction.masks import central_crop, eroded, without_specks
+from stages.extraction.noise import noisy_depth, periphery_ramp
+from stages.extraction.reconstruct import object_ids
+from stages.extraction.room import fit_wall, merge_walls
+
+QUIET = DepthNoiseConfig(range_constant=0, range_quadratic=0, bleeding=0, periphery=0, scale=0)
+
+
+def _rng() -> np.random.Generator:
+    return np.random.default_rng(0)
+
+
+def test_all_noise_off_changes_nothing() -> None:
+    depth = np.linspace(1, 5, 48 * 64, dtype=np.float32).reshape(48, 64)
+    np.testing.assert_allclose(noisy_depth(depth, QUIET, _rng()), depth, rtol=1e-6)
+
+
+@pytest.mark.parametrize(("z", "sigma"), [(1.0, 0.0045), (3.0, 0.0165), (8.0, 0.099)])
+def test_range_noise_has_the_documented_size(z: float, sigma: float) -> None:
+    options = QUIET.model_copy(update={"range_constant": 0.003, "range_quadratic": 0.0015})
+    depth = np.full((200, 300), z, np.float32)
+    assert (noisy_depth(depth, options, _rng()) - depth).std() == pytest.approx(sigma, rel=0.02)
+
+
+def test_bleeding_stays_at_the_outline() -> None:
+    depth = np.full((40, 60), 2.0, np.float32)
+    depth[:, 30:] = 4.0
+    changed = np.abs(noisy_depth(depth, QUIET.model_copy(update={"bleeding": 1.0}), _rng()) - depth) > 1e-6
+    assert changed[:, 29:31].all() and not changed[:, :26].any() and not changed[:, 34:].any()
+
+
+def test_periphery_is_quiet_in_the_middle() -> None:
+    ramp = periphery_ramp((100, 100))
+    assert ramp[50, 50] == 0 and ramp[15, 50] == 0 and ramp[0, 50] == pytest.approx(1)
+
+
+def test_unknown_depth_stays_unknown() -> None:
+    depth = np.full((50, 50), 2.0, np.float32)
+    depth[10:20, 10:20] = 0
+    noisy = noisy_depth(depth, DepthNoiseConfig(), _rng())
+    np.testing.assert_array_equal(noisy == 0, depth == 0)
+
+
+def test_central_crop() -> None:
+    assert central_crop((100, 200), 0.9).sum() == 90 * 180
+    assert central_crop((100, 200), 1.0).all()
+
+
+def test_erosion_spares_small_masks() -> None:
+    large = np.zeros((50, 50), bool)
+    large[10:40, 10:40] = True
+    assert eroded(large, 2, 0.5).sum() < large.sum()
+    assert not eroded(large, 2, 0.5)[10].any()
+    pole = np.zeros((50, 50), bool)
+    pole[10:40, 20:23] = True
+    np.testing.assert_array_equal(eroded(pole, 2, 0.5), pole)
+
+
+def test_specks_go() -> None:
+    mask = np.zeros((50, 50), bool)
+    mask[5:30, 5:30] = True
+    mask[45, 45] = True
+    assert without_specks(mask).sum() == 25 * 25
+
+
+def test_border_depth_of_a_slanted_plane_is_exact() -> None:
+    v, u = np.mgrid[:60, :80]
+    depth = 1 / (0.3 + 0.002 * u - 0.001 * v)
+    core, border = np.zeros((60, 80), bool), np.zeros((60, 80), bool)
+    core[20:40, 20:60] = True
+    border[18:42, 18:62] = True
+    found = continued_depth(depth, core, border)
+    np.testing.assert_allclose(found[border], depth[border], rtol=2e-3)
+    assert (found[~border] == 0).all()
+
+
+def test_cleaning_drops_flyers_and_keeps_both_halves() -> None:
+    rng = _rng()
+    halves = [rng.uniform([x, 0, 0], [x + 0.3, 0.3, 0.02], (1500, 3)) for x in (0.0, 0.6)]
+    flyers = rng.uniform(-2, 2, (30, 3))
+    cloud = cleaned_cloud(np.vstack([*halves, flyers]), ExtractionConfig(), rng)
+    assert np.abs(cloud).max() < 1.0
+    assert (cloud[:, 0] < 0.3).any() and (cloud[:, 0] > 0.6).any()
+
+
+def test_parts_of_a_wall_are_one_wall() -> None:
+    rng = _rng()
+    options = ExtractionConfig()
+    left = np.c_[np.full(2000, 3.0), rng.uniform(-2, -1, 2000), rng.uniform(0, 2, 2000)]
+    right = left + np.array([0.03, 3.0, 0.0])
+    side = np.c_[rng.uniform(0, 3, 2000), np.full(2000, 2.0), rng.uniform(0, 2, 2000)]
+    fits = [fit_wall(part, 1.6, options, rng) for part in (left, right, side)]
+    walls = merge_walls([fit for fit in fits if fit is not None], options)
+    assert [wall.id for wall in walls] == ["wall_1", "wall_2"]
+    assert walls[0].points == 4000
+    np.testing.assert_allclose(walls[0].normal, [-1, 0, 0], atol=1e-3)
+    assert walls[0].offset == pytest.approx(-3.015, abs=2e-3)
+
+
+def test_ids_count_per_label() -> None:
+    labels = ["Wall Cabinet", "mug", "wall-cabinet", "???"]
+    ids = object_ids([Annotation(mask=k + 1, label=label) for k, label in enumerate(labels)])
+    assert ids == ["wall_cabinet_1", "mug_1", "wall_cabinet_2", "object_1"]

@@ -1,0 +1,117 @@
+"""Pushing things apart: shortest way, whole stacks, walls, the cap."""
+
+import numpy as np
+import pytest
+from shapely import Point
+
+from stages.config.generation import GenerationConfig
+from stages.generation.collisions import out_of_walls, resolve
+from stages.generation.prisms import Prism, forbidden_shifts
+from stages.geometry.boxes import UprightBox, corners
+from tests.unit.generation_scenes import BACK, solid, thing
+
+OPTIONS = GenerationConfig(touch=0.0)
+
+
+def solve(items, walls=(), prisms=None, **options):
+    shapes = prisms or {item.id: solid(item) for item in items}
+    result = resolve(items, shapes, list(walls), OPTIONS.model_copy(update=options))
+    return {item.id: item for item in result.items}, result.left
+
+
+def square(x, y, half=0.5, low=0.0, high=1.0):
+    corner = half * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
+    return Prism(corner + np.array([x, y]), low, high)
+
+
+def test_forbidden_shifts_are_the_minkowski_difference():
+    region = forbidden_shifts([square(0, 0)], [square(0.8, 0)], 0.0)
+    assert region.area == pytest.approx(4.0)
+    assert region.contains(Point(0, 0))
+    assert not region.contains(Point(-0.21, 0))
+    assert forbidden_shifts([square(0, 0)], [square(0.8, 0, low=1.0, high=2.0)], 0.0).is_empty
+
+
+def test_the_smaller_one_gives_way_by_the_shortest_path():
+    big, small = thing("big", (2, 0, 0.5), (1, 1, 1)), thing("small", (2.6, 0.1, 0.25), (0.4, 0.4, 0.5))
+    items, left = solve([big, small])
+    assert not left
+    assert items["big"].center == pytest.approx([2, 0, 0.5])
+    assert items["small"].center == pytest.approx([2.7, 0.1, 0.25], abs=1e-3)
+    assert items["small"].moved == pytest.approx(0.1, abs=1e-3)
+
+
+def test_a_stack_moves_together():
+    big, table = thing("big", (2, 0, 1), (2, 2, 2)), thing("table", (3.2, 0, 0.4), (0.6, 0.6, 0.8))
+    cup = thing("cup", (3.3, 0.1, 0.85), (0.1, 0.1, 0.1), support="table")
+    items, left = solve([big, table, cup])
+    assert not left
+    assert items["table"].center[0] == pytest.approx(3.3, abs=1e-3)
+    assert items["cup"].center - items["table"].center == pytest.approx([0.1, 0.1, 0.45])
+
+
+def test_a_push_makes_no_new_collision():
+    left_box, right_box = thing("left", (0, 0, 0.5), (1, 1, 1)), thing("right", (1.45, 0, 0.5), (1, 1, 1))
+    middle = thing("middle", (0.7, 0, 0.25), (0.5, 0.5, 0.5))  # overlaps both; the gap is 0.45 wide
+    items, left = solve([left_box, right_box, middle], push_limit=2.0)
+    assert not left
+    assert abs(items["middle"].center[1]) > 0.7  # out sideways, since the gap is too narrow
+
+
+def test_what_hangs_stays_and_what_touches_a_wall_slides_along_it():
+    shelf = thing("shelf", (3.8, 0, 0.9), (0.4, 1.0, 0.4), mounting=1, walls=["wall_1"], support="wall")
+    cabinet = thing("cabinet", (3.7, 0.9, 0.5), (0.6, 1.0, 1.0), mounting=3, walls=["wall_1"])
+    items, left = solve([shelf, cabinet], [BACK])
+    assert not left
+    assert items["shelf"].center == pytest.approx([3.8, 0, 0.9])
+    assert items["cabinet"].center == pytest.approx([3.7, 1.0, 0.5], abs=1e-3)
+
+
+def test_things_are_not_pushed_into_walls():
+    cabinet = thing("cabinet", (3.0, 0, 0.5), (1.0, 3.0, 1.0))
+    box = thing("box", (3.65, 0, 0.25), (0.4, 0.4, 0.5))  # shortest way out is +x, into the wall
+    items, left = solve([cabinet, box], [BACK], push_limit=3.0)
+    assert not left
+    assert corners(items["box"].box)[:, 0].max() <= 4.0 + 1e-6
+
+
+def test_things_stay_on_their_support():
+    table = thing("table", (2, 0, 0.4), (0.5, 0.5, 0.8))
+    a = thing("a", (2, -0.1, 0.9), (0.3, 0.3, 0.2), support="table")
+    b = thing("b", (2, 0.1, 0.9), (0.29, 0.29, 0.2), support="table")
+    items, left = solve([table, a, b])
+    assert not left
+    assert np.abs(items["b"].center[:2] - [2, 0]).max() <= 0.25 + 1e-6
+
+
+def test_supports_and_different_heights_do_not_collide():
+    table = thing("table", (2, 0, 0.4), (1, 1, 0.8))
+    sunk = thing("sunk", (2, 0, 0.85), (0.2, 0.2, 0.2), support="table")
+    lamp = thing("lamp", (2, 0.2, 2.0), (0.2, 0.2, 0.2))
+    items, left = solve([table, sunk, lamp])
+    assert not left
+    assert all(item.moved == 0 for item in items.values())
+
+
+def test_a_chair_may_stand_under_a_table_top():
+    table, chair = thing("table", (2, 0, 0.4), (1.2, 1.2, 0.8)), thing("chair", (2.5, 0, 0.2), (0.5, 0.5, 0.4))
+    top = Prism(np.array([(-0.6, -0.6), (0.6, -0.6), (0.6, 0.6), (-0.6, 0.6)]), 0.35, 0.4)
+    items, left = solve([table, chair], prisms={"table": [top], "chair": solid(chair)})
+    assert not left
+    assert items["chair"].moved == 0
+
+
+def test_what_cannot_be_freed_is_reported_and_the_loop_ends():
+    a, b = thing("a", (2, 0, 0.5), (3, 3, 1)), thing("b", (2, 0, 0.5), (2.9, 2.9, 1))
+    items, left = solve([a, b], push_limit=0.3)
+    assert left == [("a", "b")]
+    assert items["b"].moved == 0
+    assert solve([a, b], push_limit=9.0, push_rounds=0)[1] == [("a", "b")]
+    assert solve([a, b], push_limit=9.0, resolve_collisions=False)[1] == [("a", "b")]
+
+
+def test_out_of_walls():
+    inside = out_of_walls(UprightBox((3.8, 0, 0.5), (0.6, 1, 1), 0.0), [BACK])
+    assert inside.center == pytest.approx([3.7, 0, 0.5])
+    beyond = out_of_walls(UprightBox((5, 0, 0.5), (0.6, 1, 1), 0.0), [BACK])  # another room
+    assert beyond.center == pytest.approx([5, 0, 0.5])

@@ -1,0 +1,133 @@
+"""Yaw and extents of a placed asset: known answers."""
+
+import numpy as np
+import pytest
+
+from stages.generation.extents import measured_box, near_end
+from stages.generation.pose import rectangularity, turned_to, view_yaw, wall_axes
+from stages.generation.sizing import believable_box, round_box, sight_yaw
+from stages.geometry.boxes import UprightBox
+from stages.geometry.frames import wrap_angle, yaw_matrix
+
+DEGREE = np.pi / 180
+
+
+@pytest.mark.parametrize(
+    ("center", "psi", "expected"),
+    [
+        ((3, 0, 0), 0.0, 180),  # straight ahead, front to the camera: looks back along -x
+        ((3, 0, 0), 90 * DEGREE, -90),
+        ((0, 3, 0), 0.0, -90),  # to the left, still facing the camera
+        ((3, 3, 0), 0.0, -135),
+        ((3, -3, 1), 45 * DEGREE, 180),
+    ],
+)
+def test_view_yaw(center, psi, expected):
+    assert wrap_angle(view_yaw((0, 0, 1.6), center, psi) - expected * DEGREE) == pytest.approx(0, abs=1e-9)
+
+
+def test_turned_to_the_nearest_quarter_of_the_frame():
+    assert turned_to(100 * DEGREE, 5 * DEGREE) == pytest.approx(95 * DEGREE)
+    assert turned_to(-80 * DEGREE, 5 * DEGREE) == pytest.approx(-85 * DEGREE)
+    assert turned_to(175 * DEGREE, -3 * DEGREE) == pytest.approx(177 * DEGREE)
+
+
+def test_a_turn_beyond_the_limit_is_not_made():
+    assert turned_to(30 * DEGREE, 0.0, 20 * DEGREE) == pytest.approx(30 * DEGREE)
+    assert turned_to(19 * DEGREE, 0.0, 20 * DEGREE) == pytest.approx(0, abs=1e-12)
+    assert turned_to(30 * DEGREE, 0.0, None) == pytest.approx(0, abs=1e-12)
+
+
+def test_wall_axes_is_the_angle_of_the_normal():
+    assert wall_axes((-1, 0, 0)) == pytest.approx(np.pi)
+    assert turned_to(170 * DEGREE, wall_axes((-1, 0, 0))) == pytest.approx(np.pi)
+
+
+def test_rectangularity_tells_boxes_from_round_things():
+    rng = np.random.default_rng(0)
+    square = rng.uniform(-0.5, 0.5, (4000, 3)) @ yaw_matrix(0.3).T
+    angle, radius = rng.uniform(0, 2 * np.pi, 4000), 0.5 * np.sqrt(rng.uniform(0, 1, 4000))
+    disc = np.stack([radius * np.cos(angle), radius * np.sin(angle), np.zeros(4000)], axis=1)
+    corner = np.array([(x, 0, 0) for x in np.linspace(0, 1, 200)] + [(0, y, 0) for y in np.linspace(0, 1, 200)])
+    assert rectangularity(square, 0.3) > 0.85
+    assert rectangularity(square, 0.3 + np.pi / 4) < 0.2
+    assert rectangularity(disc, 0.0) < 0.4
+    assert 0.5 < rectangularity(corner, 0.0) < 0.65
+    assert rectangularity(np.zeros((5, 3)), 0.0) == 0.0
+
+
+def test_a_noisy_face_is_where_it_is_densest():
+    rng = np.random.default_rng(1)
+    face = rng.normal(2.0, 0.02, 4000)  # the front, 2 m away, seen along the axis
+    side = rng.uniform(2.0, 2.6, 1000)
+    values = np.concatenate([face, side])
+    assert near_end(values, -1, 0.08, 0.005) == pytest.approx(2.0, abs=0.01)
+    assert np.quantile(values, 0.005) < 1.96  # what the plain quantile makes of it
+    assert near_end(-values, 1, 0.08, 0.005) == pytest.approx(-2.0, abs=0.01)
+
+
+def test_without_a_face_the_end_is_a_quantile():
+    values = np.random.default_rng(2).uniform(0, 1, 5000)
+    assert near_end(values, -1, 0.08, 0.01) == pytest.approx(0.01, abs=0.005)
+
+
+def _faces(size, yaw, center, camera, count=3000):
+    """Points on the two upright faces of a box that a camera sees, and on its top."""
+    rng = np.random.default_rng(3)
+    half = np.asarray(size) / 2
+    to_camera = (np.asarray(camera) - center) @ yaw_matrix(yaw)
+    parts = []
+    for axis in range(3):
+        part = rng.uniform(-half, half, (count, 3))
+        part[:, axis] = half[axis] * np.sign(to_camera[axis])
+        parts.append(part)
+    return np.concatenate(parts) @ yaw_matrix(yaw).T + center
+
+
+@pytest.mark.parametrize("quarter", [0, 1, 2, 3])
+def test_measured_box_in_the_assets_own_axes(quarter):
+    size, center, camera = np.array([0.6, 1.2, 0.8]), np.array([3.0, 0.5, 0.4]), np.array([0, 0, 1.6])
+    cloud = _faces(size, 0.4, center, camera)
+    seen = UprightBox(center, size, 0.4)
+    box = measured_box(cloud, seen, 0.4 + quarter * np.pi / 2, camera, 0.001)
+    expected = size[[1, 0, 2]] if quarter % 2 else size
+    assert np.asarray(box.size) == pytest.approx(expected, abs=0.02)
+    assert np.asarray(box.center) == pytest.approx(center, abs=0.02)
+
+
+def test_heights_are_those_of_extraction():
+    cloud = _faces((0.4, 0.4, 0.4), 0.0, np.array([2, 0, 0.8]), np.array([0, 0, 1.6]))
+    box = measured_box(cloud, UprightBox((2, 0, 0.5), (0.4, 0.4, 1.0), 0.0), 0.2, (0, 0, 1.6), 0.0)
+    assert box.size[2] == 1.0
+    assert box.center[2] == 0.5
+
+
+def test_unseen_depth_comes_from_the_asset_and_the_front_stays():
+    flat = UprightBox((2.0, 0, 0.5), (0.1, 1.0, 1.0), np.pi)  # front at x = 1.95, facing the camera
+    box = believable_box(flat, (0.5, 1.0, 1.0), (-1, 0), (0.5, 2.0))
+    assert box.size == pytest.approx([0.5, 1.0, 1.0])
+    assert box.center == pytest.approx([2.2, 0, 0.5])
+
+
+def test_depth_at_a_wall_grows_from_the_wall():
+    flat = UprightBox((2.95, 0, 0.5), (0.1, 1.0, 1.0), np.pi)  # rear at x = 3.0
+    box = believable_box(flat, (0.5, 1.0, 1.0), (1, 0), (0.5, 2.0))
+    assert box.center == pytest.approx([2.75, 0, 0.5])
+
+
+def test_believable_proportions_are_kept():
+    stretched = UprightBox((2, 0, 0.5), (0.6, 1.9, 1.0), 0.3)
+    box = believable_box(stretched, (0.5, 1.0, 1.0), (-1, 0), (0.5, 2.0))
+    assert box.size == pytest.approx([0.6, 1.9, 1.0])
+    assert box.center == pytest.approx([2, 0, 0.5])
+
+
+def test_round_things_are_as_deep_as_wide():
+    assert sight_yaw(UprightBox((0, 2, 0), (1, 1, 1), 0), (0, 0, 1)) == pytest.approx(np.pi / 2)
+    half_seen = round_box(UprightBox((0.1, 0, 0.1), (0.2, 0.4, 0.2), 0.0), (0.5, 2.0))  # near end at x = 0
+    assert half_seen.size == pytest.approx([0.4, 0.4, 0.2])
+    assert half_seen.center == pytest.approx([0.2, 0, 0.1])
+    noisy = round_box(UprightBox((0.3, 0, 0.1), (0.6, 0.4, 0.2), 0.0), (0.5, 2.0))  # noise at either end
+    assert noisy.center == pytest.approx([0.3, 0, 0.1])
+    smeared = round_box(UprightBox((1.0, 0, 0.1), (2.0, 0.4, 0.2), 0.0), (0.5, 2.0))  # background behind it
+    assert smeared.center == pytest.approx([0.2, 0, 0.1])

@@ -1,0 +1,234 @@
+"""The verb `generate` on a cabinet with a mug on it: files, places, failures, physics, repeatability."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from PIL import Image
+
+from stages.config.generation import GenerationConfig
+from stages.contracts import Asset, Cousins, GeneratedScene, InputError, Library, Objects, read_json, write_json
+from stages.contracts.cousins import Cousin, ObjectCousins, Orientation
+from stages.contracts.library import LibraryEntry
+from stages.contracts.objects import Box, Mounting, SceneObject, Wall
+from stages.generation.build import build
+from stages.generation.generate import run
+from stages.generation.inputs import read_inputs
+from stages.generation.meshes import collision_pieces, visual_meshes
+from stages.generation.settling import load_items, settle
+from stages.geometry.cameras import intrinsics_from_fov, look_at
+from stages.geometry.frames import yaw_matrix
+from stages.procedural import build as build_asset
+from stages.procedural.catalogue import sample
+from stages.simulation.loading import add_ground, physics_scene
+
+WIDTH, HEIGHT = 160, 120
+CABINET = ((3.0, 0.2, 0.4), (0.5, 0.9, 0.8))  # centre and extents; its rear 5 cm from the wall x = 3.3
+MUG = ((2.95, 0.3, 0.85), (0.1, 0.1, 0.1))
+
+
+def _library(folder: Path) -> Path:
+    entries = []
+    for category in ("bottom_cabinet", "mug"):
+        for index in range(2):
+            name = f"{category}_{index}"
+            made = build_asset(sample(category, index, 0), None, folder / "models" / name, name, category)
+            entries.append(
+                LibraryEntry(
+                    id=name,
+                    category=category,
+                    folder=f"models/{name}",
+                    doors=made.doors,
+                    drawers=made.drawers,
+                    checksum=made.checksum,
+                )
+            )
+    write_json(folder / "library.json", Library(assets=entries))
+    return folder / "library.json"
+
+
+def _object(name: str, mask: int, place: tuple, mounting: Mounting) -> SceneObject:
+    box = Box(center=place[0], size=place[1], yaw=0.0)
+    return SceneObject(id=name, label=name, mask=mask, box=box, mounting=mounting, points=2000, pixels=(1, 1, 9, 9))
+
+
+def _cloud(place: tuple) -> np.ndarray:
+    rng = np.random.default_rng(0)
+    points = rng.uniform(-0.5, 0.5, (3000, 3))
+    points[:2000, 0] = -0.5  # the face towards the camera
+    return (points * place[1] + place[0]).astype(np.float32)
+
+
+def _cousins(name: str, assets: list[str], psi: float = 0.0) -> ObjectCousins:
+    view = Orientation(yaw=psi, distance=0.0)
+    found = [
+        Cousin(
+            rank=k + 1, asset=a, category=a[:-2], distance=float(k), votes=None, orientation=view, orientations=[view]
+        )
+        for k, a in enumerate(assets)
+    ]
+    return ObjectCousins(id=name, label=name, cousins=found)
+
+
+@pytest.fixture(scope="module")
+def scene(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """Files of a scene: cabinet_1 at a wall, mug_1 on it, lamp_1 that extraction lost, vase_1 without cousins."""
+    folder = tmp_path_factory.mktemp("scene")
+    library = _library(folder / "library")
+    objects = Objects(
+        scene="room_t",
+        width=WIDTH,
+        height=HEIGHT,
+        intrinsics=intrinsics_from_fov(WIDTH, HEIGHT, 0.9).tolist(),
+        floor_from_camera=look_at([0, 0, 1.5], [3, 0, 0.5]).tolist(),
+        walls=[Wall(id="wall_1", normal=(-1, 0, 0), offset=-3.3, points=99)],
+        objects=[
+            _object("cabinet_1", 1, CABINET, Mounting(type=3, walls=["wall_1"])),
+            _object("mug_1", 2, MUG, Mounting(type=2)),
+            SceneObject(id="lamp_1", label="lamp", mask=3, status="failed", reason="too small"),
+            _object("vase_1", 4, ((1, 1, 0.1), (0.1, 0.1, 0.2)), Mounting(type=2)),
+        ],
+    )
+    write_json(folder / "objects.json", objects)
+    np.savez(folder / "clouds.npz", cabinet_1=_cloud(CABINET), mug_1=_cloud(MUG), vase_1=_cloud(MUG))
+    cousins = Cousins(
+        scene="room_t",
+        encoder="test",
+        objects=[
+            _cousins("cabinet_1", ["bottom_cabinet_0", "bottom_cabinet_1"], psi=0.1),
+            _cousins("mug_1", ["mug_0"]),
+            ObjectCousins(id="vase_1", label="vase", status="failed", reason="nothing like it"),
+        ],
+    )
+    write_json(folder / "cousins.json", cousins)
+    Image.new("RGB", (WIDTH, HEIGHT), (9, 9, 9)).save(folder / "rgb.png")
+    return {
+        "cousins": folder / "cousins.json",
+        "objects": folder / "objects.json",
+        "image": folder / "rgb.png",
+        "library": library,
+    }
+
+
+@pytest.fixture(scope="module")
+def made(scene: dict[str, Path], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("out")
+    run(**scene, variant="v", out=out, options='{"ranks": 2, "preview_width": 128}')
+    return out
+
+
+def test_every_file_of_every_rank(made: Path) -> None:
+    for rank in (1, 2):
+        assert read_json(GeneratedScene, made / f"scene_{rank}.json").rank == rank
+        picture = np.asarray(Image.open(made / f"scene_{rank}.png"))
+        assert picture.shape == (96, 128, 3)
+        assert picture.std() > 5
+    assert Image.open(made / "comparison.png").width > 3 * 128
+
+
+def test_the_cabinet_stands_at_the_wall_and_the_mug_on_it(made: Path) -> None:
+    cabinet, mug = read_json(GeneratedScene, made / "scene_1.json").objects[:2]
+    assert cabinet.asset == "bottom_cabinet_0"
+    assert abs(cabinet.yaw) == pytest.approx(np.pi, abs=1e-3)  # looks back at the camera, square to the wall
+    assert cabinet.position[0] + cabinet.size[0] / 2 == pytest.approx(3.3, abs=1e-5)
+    assert cabinet.position[0] - cabinet.size[0] / 2 == pytest.approx(2.75, abs=0.01)
+    assert cabinet.size[1:] == pytest.approx((0.9, 0.8), abs=0.01)
+    assert mug.support == "cabinet_1"
+    assert mug.position[2] - mug.size[2] / 2 == pytest.approx(0.8, abs=1e-5)
+
+
+def test_an_object_with_fewer_cousins_uses_its_last(made: Path) -> None:
+    cabinet, mug = read_json(GeneratedScene, made / "scene_2.json").objects[:2]
+    assert (cabinet.asset, mug.asset) == ("bottom_cabinet_1", "mug_0")
+
+
+def test_failed_objects_are_carried_with_their_reason(made: Path) -> None:
+    lamp, vase = read_json(GeneratedScene, made / "scene_1.json").objects[2:]
+    assert (lamp.status, lamp.reason) == ("failed", "extraction: too small")
+    assert (vase.status, vase.reason) == ("failed", "matching: nothing like it")
+
+
+def test_the_scene_is_stable(made: Path) -> None:
+    scene = read_json(GeneratedScene, made / "scene_1.json")
+    assert scene.plausibility is not None
+    assert scene.plausibility.stable
+    assert scene.plausibility.max_penetration < 0.005
+    assert scene.objects[1].settled_shift is not None
+    assert scene.objects[1].settled_shift < 0.01
+
+
+def test_the_export_has_the_same_places(made: Path) -> None:
+    cabinet = read_json(GeneratedScene, made / "scene_1.json").objects[0]
+    low, high = trimesh.load_scene(made / "scene_1.glb").bounds
+    assert high[0] == pytest.approx(3.3, abs=1e-3)  # the wall
+    assert low[1] == pytest.approx(0.0, abs=1e-3)  # glTF's up axis is y
+    assert -high[2] == pytest.approx(cabinet.position[1] - cabinet.size[1] / 2, abs=1e-3)
+    assert (made / "scene_1.glb").stat().st_size < 10e6
+
+
+def test_same_input_same_bytes(scene: dict[str, Path], made: Path, tmp_path: Path) -> None:
+    run(**scene, variant="v", out=tmp_path, options='{"ranks": 1, "preview_width": 128}')
+    for name in ("scene_1.json", "scene_1.png", "scene_1.glb"):
+        assert (tmp_path / name).read_bytes() == (made / name).read_bytes(), name
+
+
+def test_collision_and_visual_meshes_fill_the_closed_box(scene: dict[str, Path]) -> None:
+    folder = scene["library"].parent / "models/bottom_cabinet_0"
+    asset = read_json(Asset, folder / "asset.json")
+    bounds = trimesh.util.concatenate(visual_meshes(folder)).bounds
+    assert bounds == pytest.approx(np.array([asset.box_min, asset.box_max]), abs=1e-3)
+    assert trimesh.util.concatenate(collision_pieces(folder)).extents == pytest.approx(asset.size, abs=0.05)
+
+
+def test_a_floating_mug_has_fallen(scene: dict[str, Path], tmp_path: Path) -> None:
+    options = GenerationConfig()
+    built = build(read_inputs(scene["cousins"], scene["objects"], scene["library"]), 1, options, tmp_path)
+    items = [item.shifted([0, 0, 0.3]) if item.id == "mug_1" else item for item in built.items]
+    physics = physics_scene()
+    add_ground(physics)
+    settled = settle(physics, load_items(physics, items, built.folders), items, 0, options)
+    assert settled.plausibility.fallen == ["mug_1"]
+    assert not settled.plausibility.stable
+    assert settled.shifts["mug_1"] == pytest.approx(0.3, abs=0.02)
+    assert settled.shifts["cabinet_1"] == 0.0
+
+
+def test_an_overlap_is_seen_in_the_contacts(scene: dict[str, Path], tmp_path: Path) -> None:
+    options = GenerationConfig(settle_seconds=0.02)
+    built = build(read_inputs(scene["cousins"], scene["objects"], scene["library"]), 1, options, tmp_path)
+    items = [item.shifted([0, 0, -0.02]) if item.id == "mug_1" else item for item in built.items]
+    physics = physics_scene()
+    settled = settle(physics, load_items(physics, items, built.folders), items, 0, options)
+    assert settled.plausibility.max_penetration == pytest.approx(0.02, abs=0.01)
+
+
+def test_a_missing_asset_fails_that_object_alone(scene: dict[str, Path], tmp_path: Path) -> None:
+    cousins = read_json(Cousins, scene["cousins"]).model_dump()
+    cousins["objects"][1]["cousins"][0]["asset"] = "gone"
+    write_json(tmp_path / "cousins.json", Cousins.model_validate(cousins))
+    inputs = read_inputs(tmp_path / "cousins.json", scene["objects"], scene["library"])
+    built = build(inputs, 1, GenerationConfig(), tmp_path)
+    assert [item.id for item in built.items] == ["cabinet_1"]
+    assert "gone" in built.failed["mug_1"]
+
+
+def test_files_of_different_scenes_are_refused(scene: dict[str, Path], tmp_path: Path) -> None:
+    other = json.loads(scene["cousins"].read_text()) | {"scene": "room_x"}
+    (tmp_path / "cousins.json").write_text(json.dumps(other))
+    with pytest.raises(InputError, match="room_x"):
+        read_inputs(tmp_path / "cousins.json", scene["objects"], scene["library"])
+
+
+def test_missing_clouds_are_named(scene: dict[str, Path], tmp_path: Path) -> None:
+    (tmp_path / "objects.json").write_text(scene["objects"].read_text())
+    with pytest.raises(InputError, match=r"clouds\.npz"):
+        read_inputs(scene["cousins"], tmp_path / "objects.json", scene["library"])
+
+
+def test_frames_agree_with_the_box(scene: dict[str, Path], tmp_path: Path) -> None:
+    """The yaw of a placed cabinet turns its front (+x) towards the camera."""
+    built = build(read_inputs(scene["cousins"], scene["objects"], scene["library"]), 1, GenerationConfig(), tmp_path)
+    front = yaw_matrix(built.items[0].box.yaw)[:, 0]
+    assert front == pytest.approx([-1, 0, 0], abs=1e-3)

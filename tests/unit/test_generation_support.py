@@ -1,0 +1,96 @@
+"""What stands on what, at which height, and against which wall (paper A.3)."""
+
+import numpy as np
+import pytest
+
+from stages.contracts.objects import Wall
+from stages.generation.mounting import against_wall, on_supports
+from stages.generation.support import related, sorted_by_height, stack_of, support_tree
+from stages.geometry.boxes import UprightBox, corners
+from tests.unit.generation_scenes import BACK, thing
+
+TABLE = thing("table", (2, 0, 0.375), (0.8, 1.2, 0.75))
+BOOK = thing("book", (2, 0.2, 0.8), (0.2, 0.3, 0.05))
+CUP = thing("cup", (2, 0.2, 0.87), (0.08, 0.08, 0.1))
+
+
+def tree(items, overlap=0.7, tolerance=0.15):
+    return support_tree(sorted_by_height(items), overlap, tolerance)
+
+
+def test_a_stack_is_found_whatever_the_order():
+    assert tree([CUP, BOOK, TABLE]) == {"table": "floor", "book": "table", "cup": "book"}
+
+
+@pytest.mark.parametrize(("y", "support"), [(0.66, "floor"), (0.5, "table")])
+def test_seventy_percent_of_the_smaller_footprint(y, support):
+    edge = thing("edge", (2, y, 0.85), (0.2, 0.2, 0.2))  # table ends at y = 0.6
+    assert tree([TABLE, edge])["edge"] == support
+
+
+def test_a_large_thing_on_a_small_one_counts_the_smaller_footprint():
+    stool = thing("stool", (2, 0, 0.2), (0.3, 0.3, 0.4))
+    board = thing("board", (2, 0, 0.45), (1.0, 1.0, 0.1))
+    assert tree([stool, board])["board"] == "stool"
+
+
+def test_a_chair_under_a_table_is_not_on_it():
+    chair = thing("chair", (2, 0, 0.45), (0.5, 0.5, 0.9))  # its centre is higher than the table's
+    assert tree([TABLE, chair])["chair"] == "floor"
+    assert tree([TABLE, chair], tolerance=None)["chair"] == "table"  # the paper's rule alone
+
+
+def test_the_highest_support_wins():
+    low = thing("low", (2, 0, 0.1), (1, 1, 0.2))
+    assert tree([low, TABLE, BOOK])["book"] == "table"
+
+
+def test_stacks_and_relations():
+    supports = {"table": "floor", "book": "table", "cup": "book", "lamp": "floor"}
+    assert stack_of("table", supports) == {"table", "book", "cup"}
+    assert related("cup", "table", supports)
+    assert not related("lamp", "table", supports)
+
+
+def test_heights_follow_the_supports():
+    floating = thing("book", (2, 0.2, 0.85), (0.2, 0.3, 0.05))
+    sunk = thing("table", (2, 0, 0.35), (0.8, 1.2, 0.75))
+    placed = on_supports([sunk, floating], {"table": "floor", "book": "table"})
+    assert [item.bottom for item in placed] == pytest.approx([0, 0.75])
+    assert placed[1].support == "table"
+
+
+def test_type_1_is_only_lifted():
+    counter = thing("counter", (3.7, 0, 0.45), (0.6, 1, 0.9))
+    clear = thing("clear", (3.85, 0, 1.6), (0.3, 1, 0.6), mounting=1)
+    sunk = thing("sunk", (3.85, 0, 1.1), (0.3, 1, 0.6), mounting=1)  # bottom at 0.8
+    supports = {"counter": "floor", "clear": "counter", "sunk": "counter"}
+    heights = {item.id: item for item in on_supports([counter, sunk, clear], supports)}
+    assert heights["clear"].bottom == pytest.approx(1.3)
+    assert heights["sunk"].bottom == pytest.approx(0.9)
+    assert heights["clear"].support == heights["sunk"].support == "wall"
+
+
+@pytest.mark.parametrize("rear", [3.7, 4.2])  # short of the wall, and in it
+@pytest.mark.parametrize(("yaw", "axis"), [(np.pi, 0), (0.0, 0), (np.pi / 2, 1)])
+def test_rear_to_the_wall_front_stays(rear, yaw, axis):
+    front, size = 3.4, [0.9, 0.9, 1.0]
+    size[axis] = rear - front
+    box = against_wall(UprightBox(((front + rear) / 2, 0.3, 0.5), size, yaw), BACK, 0.01)
+    assert box.size[axis] == pytest.approx(0.6)
+    assert box.size[1 - axis] == 0.9
+    assert corners(box)[:, 0].max() == pytest.approx(4.0)
+    assert corners(box)[:, 0].min() == pytest.approx(front)
+    assert box.center[1] == pytest.approx(0.3)
+
+
+def test_a_front_behind_the_wall_leaves_a_thin_box():
+    box = against_wall(UprightBox((4.1, 0, 1), (0.1, 1, 1), np.pi), BACK, 0.02)
+    assert box.size[0] == 0.02
+    assert box.center[0] == pytest.approx(3.99)
+
+
+def test_a_wall_at_an_odd_angle_is_left_alone():
+    slanted = Wall(id="w", normal=(-np.sqrt(0.5), np.sqrt(0.5), 0), offset=-3, points=9)
+    box = UprightBox((2, 0, 1), (0.1, 1, 1), 0.0)
+    assert against_wall(box, slanted, 0.01) is box

@@ -1,0 +1,164 @@
+"""Known answers of the geometry room."""
+
+import numpy as np
+import pytest
+
+from stages.geometry.boxes import UprightBox, axis_aligned_iou, bounds, corners, footprint, oriented_iou
+from stages.geometry.cameras import back_project, intrinsics_from_fov, look_at, project
+from stages.geometry.clouds import farthest_point_sample, statistical_inliers, voxel_downsample
+from stages.geometry.frames import (
+    angle_difference,
+    apply,
+    inverse,
+    matrix_from_quaternion,
+    quaternion_from_matrix,
+    rigid,
+    wrap_angle,
+    yaw_matrix,
+    yaw_of_matrix,
+    yaw_quaternion,
+)
+from stages.geometry.minimum_box import minimum_box
+from stages.geometry.planes import fit_plane
+
+
+@pytest.mark.parametrize(
+    ("angle", "period", "expected"),
+    [
+        (3 * np.pi, 2 * np.pi, np.pi),
+        (-np.pi, 2 * np.pi, np.pi),
+        (np.pi, np.pi / 2, 0.0),
+        (1.0, np.pi / 2, 1 - np.pi / 2),
+    ],
+)
+def test_wrap_angle(angle: float, period: float, expected: float) -> None:
+    assert wrap_angle(angle, period) == pytest.approx(expected, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("symmetry", "expected"), [("none", np.pi - 0.1), ("half_turn", 0.1), ("quarter_turn", 0.1), ("full", 0.0)]
+)
+def test_angle_difference_knows_symmetry(symmetry: str, expected: float) -> None:
+    assert angle_difference(np.pi, 0.1, symmetry) == pytest.approx(expected)
+
+
+def test_quaternions_are_wxyz() -> None:
+    np.testing.assert_allclose(quaternion_from_matrix(yaw_matrix(np.pi / 2)), [np.sqrt(0.5), 0, 0, np.sqrt(0.5)])
+    np.testing.assert_allclose(yaw_quaternion(0.7), quaternion_from_matrix(yaw_matrix(0.7)))
+    np.testing.assert_allclose(matrix_from_quaternion(yaw_quaternion(-2.0)), yaw_matrix(-2.0), atol=1e-12)
+    assert yaw_of_matrix(yaw_matrix(-2.0)) == pytest.approx(-2.0)
+
+
+def test_rigid_inverse() -> None:
+    transform = rigid(yaw_matrix(0.4), [1.0, 2.0, 3.0])
+    np.testing.assert_allclose(inverse(transform) @ transform, np.eye(4), atol=1e-12)
+    np.testing.assert_allclose(apply(rigid(yaw_matrix(np.pi / 2), [0, 0, 1]), [[1.0, 0, 0]]), [[0, 1, 1]], atol=1e-12)
+
+
+def test_projection_undoes_back_projection() -> None:
+    intrinsics = intrinsics_from_fov(8, 6, np.deg2rad(50))
+    points = back_project(np.full((6, 8), 2.0), intrinsics)
+    np.testing.assert_allclose(points[..., 2], 2.0)
+    np.testing.assert_allclose(project(points[4, 7], intrinsics), [7, 4], atol=1e-9)
+    assert np.isnan(project([0.0, 0.0, -1.0], intrinsics)).all()
+
+
+def test_look_at_is_level_and_looks_forward() -> None:
+    world_from_camera = look_at([0, 0, 1.5], [4, 0, 0.5])
+    right, down, forward = world_from_camera[:3, :3].T
+    assert right[2] == pytest.approx(0)
+    assert down[2] < 0
+    np.testing.assert_allclose(np.cross(right, down), forward, atol=1e-12)
+    np.testing.assert_allclose(right, [0, -1, 0], atol=1e-12)
+
+
+def test_corners_and_bounds_of_a_turned_box() -> None:
+    box = UprightBox([1, 0, 0.5], [2, 1, 1], np.pi / 2)
+    low, high = bounds(box)
+    np.testing.assert_allclose([low, high], [[0.5, -1, 0], [1.5, 1, 1]], atol=1e-12)
+    assert footprint(box).area == pytest.approx(2)
+    assert corners(box)[:4, 2].max() == 0
+
+
+def test_iou_of_known_boxes() -> None:
+    cube = UprightBox([0, 0, 0], [1, 1, 1], 0.0)
+    half = UprightBox([0.5, 0, 0], [1, 1, 1], 0.0)
+    assert axis_aligned_iou(cube, half) == pytest.approx(1 / 3)
+    assert oriented_iou(cube, half) == pytest.approx(1 / 3)
+    turned = UprightBox([0, 0, 0], [1, 1, 1], np.pi / 4)
+    octagon = 2 * (np.sqrt(2) - 1)  # area common to a unit square and itself turned by 45 degrees
+    assert oriented_iou(cube, turned) == pytest.approx(octagon / (2 - octagon))
+    assert axis_aligned_iou(cube, turned) == pytest.approx(0.5)
+    assert oriented_iou(cube, UprightBox([0, 0, 1], [1, 1, 1], 0.0)) == 0
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.3, -0.6, np.pi / 4])
+def test_minimum_box_of_a_turned_cuboid(yaw: float) -> None:
+    expected = UprightBox([1.0, -2.0, 0.4], [0.9, 0.5, 0.8], yaw)
+    unit = np.random.default_rng(0).uniform(-0.5, 0.5, (20_000, 3))
+    box = minimum_box(unit * expected.size @ yaw_matrix(yaw).T + expected.center)
+    assert abs(wrap_angle(box.yaw - yaw, np.pi / 2)) < np.deg2rad(0.3)
+    np.testing.assert_allclose(box.center, expected.center, atol=0.003)
+    np.testing.assert_allclose(sorted(box.size), sorted(expected.size), atol=0.01)
+    assert -np.pi / 4 < box.yaw <= np.pi / 4
+
+
+@pytest.mark.parametrize("yaw", np.deg2rad([-30.0, 0.0, 20.0]))
+def test_minimum_box_of_two_visible_sides(yaw: float) -> None:
+    """Seen from above, two sides are an L, whose smallest rectangle is not unique."""
+    rng = np.random.default_rng(1)
+    along = rng.random(4000)
+    plan = np.where(rng.random(4000)[:, None] < 0.6, np.c_[0.7 * along, 0 * along], np.c_[0 * along, 0.4 * along])
+    points = np.c_[plan, rng.random(4000)] + rng.normal(0, 0.004, (4000, 3))
+    box = minimum_box(points @ yaw_matrix(yaw).T, trim=0.005)
+    assert box.yaw == pytest.approx(yaw, abs=np.deg2rad(1))
+    np.testing.assert_allclose(np.asarray(box.size)[:2], [0.7, 0.4], atol=0.03)
+
+
+def test_minimum_box_trims_stray_points() -> None:
+    points = np.vstack([np.random.default_rng(0).uniform(0, 1, (5000, 3)), [[9.0, 9.0, 9.0]]])
+    assert np.asarray(minimum_box(points, trim=0.001).size).max() < 1.01
+    assert np.asarray(minimum_box(points).size)[2] > 8
+
+
+def test_minimum_box_of_a_single_point() -> None:
+    np.testing.assert_allclose(minimum_box(np.array([[1.0, 2.0, 3.0]])).center, [1, 2, 3], atol=1e-9)
+
+
+def test_plane_among_outliers_is_found_and_repeatable() -> None:
+    rng = np.random.default_rng(3)
+    plane = np.c_[rng.uniform(-2, 2, (2000, 2)), np.zeros(2000)]
+    plane[:, 2] = 0.1 * plane[:, 0] + 0.5 + rng.normal(0, 0.005, 2000)
+    points = np.vstack([plane, rng.uniform(-2, 2, (3000, 3))])
+    first, second = (fit_plane(points, 0.02, 300, np.random.default_rng(0)) for _ in range(2))
+    assert first is not None and second is not None
+    expected = np.array([-0.1, 0, 1]) / np.sqrt(1.01)
+    assert abs(first.normal @ expected) > np.cos(np.deg2rad(0.3))
+    assert first.inliers[:2000].mean() > 0.99
+    np.testing.assert_array_equal(first.normal, second.normal)
+
+
+def test_plane_keeps_to_plausible_normals() -> None:
+    rng = np.random.default_rng(4)
+    wall = np.c_[np.zeros(3000), rng.uniform(0, 3, (3000, 2))]
+    floor = np.c_[rng.uniform(0, 3, (1000, 2)), np.zeros(1000)]
+    plane = fit_plane(np.vstack([wall, floor]), 0.02, 300, rng, plausible=lambda normals: np.abs(normals[:, 2]) > 0.9)
+    assert plane is not None and abs(plane.normal[2]) > 0.99
+    assert fit_plane(wall[:2], 0.02, 10, rng) is None
+
+
+def test_farthest_points_come_first() -> None:
+    points = np.array([[0.0, 0, 0], [0.1, 0, 0], [5, 0, 0], [0, 3, 0]])
+    np.testing.assert_array_equal(farthest_point_sample(points, 3), [0, 2, 3])
+    assert len(farthest_point_sample(points, 99)) == 4
+
+
+def test_voxels_keep_one_point_each() -> None:
+    points = np.array([[0.01, 0, 0], [0.02, 0, 0], [0.11, 0, 0], [0.05, 0, 0.15]])
+    np.testing.assert_array_equal(voxel_downsample(points, 0.1), [0, 2, 3])
+
+
+def test_statistical_inliers_drop_a_flyer() -> None:
+    points = np.vstack([np.random.default_rng(0).uniform(0, 1, (500, 3)), [[9.0, 9.0, 9.0]]])
+    kept = statistical_inliers(points, 10, 3.0)
+    assert not kept[-1] and kept[:-1].mean() > 0.95

@@ -1,0 +1,185 @@
+"""Matching: patch encoders (hog, dinov2 through a tiny random model) and what they make of masks and depth."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stages.config.matching import MatchingConfig
+from stages.contracts import InputError
+from stages.geometry.cameras import back_project, intrinsics_from_fov, look_at
+from stages.geometry.frames import yaw_matrix
+from stages.matching.crop import View, cut, foreground, mask_box
+from stages.matching.encoders import make_encoder, settings_digest
+from stages.matching.hog import GRADIENT_COLUMNS
+from stages.matching.normals import object_frame, patch_normals
+from stages.matching.ranking import make_query
+from tests.unit.matching_data import trace_box
+
+HOG = MatchingConfig()
+
+
+def view_of_box(
+    yaw: float, elevation: float = 0.3, distance: float = 3.0, offset: float = 0.0, side: int = 128
+) -> View:
+    intrinsics = intrinsics_from_fov(side, side, 0.8)
+    eye = distance * np.array([np.cos(elevation), 0, np.sin(elevation)])
+    pose = look_at(eye, [0, offset * distance, 0])
+    rgb, depth = trace_box((0.6, 1.0, 0.8), yaw, (2, 1), pose, intrinsics, side, side)
+    return View(rgb, depth > 0, depth, intrinsics, pose[:3, :3].T @ np.array([0.0, 0.0, 1.0]))
+
+
+def test_only_foreground_patches_are_encoded() -> None:
+    view = view_of_box(0.4)
+    patches = make_encoder(HOG).encode([view])[0]
+    assert patches.features.shape == (len(patches.positions), 270)
+    assert 0 < len(patches.features) < 16 * 16
+    cropped = cut(view)
+    assert cropped.mask.any(axis=0).all() and cropped.mask.any(axis=1).all()
+    assert np.abs(patches.positions).max() < 1
+    empty = make_encoder(HOG).encode([replace(view, mask=np.zeros_like(view.mask))])[0]
+    assert empty.rows.shape == (0, 272)
+
+
+def test_background_does_not_matter() -> None:
+    view = view_of_box(0.4)
+    noise = np.random.default_rng(0).integers(0, 255, view.rgb.shape, dtype=np.uint8)
+    other = replace(
+        view, rgb=np.where(view.mask[..., None], view.rgb, noise), depth=np.where(view.mask, view.depth, 9.0)
+    )
+    for a, b in zip(make_encoder(HOG).encode([view])[0], make_encoder(HOG).encode([other])[0], strict=True):
+        np.testing.assert_array_equal(a, b)
+
+
+def test_gradients_are_unit_and_blind_to_inverted_colours() -> None:
+    view = view_of_box(0.0)
+    inside = replace(view, mask=np.zeros_like(view.mask))
+    inside.mask[50:80, 50:80] = True
+    gradients = make_encoder(HOG).encode([inside])[0].features[:, :GRADIENT_COLUMNS]
+    inverted = make_encoder(HOG).encode([replace(inside, rgb=254 - inside.rgb)])[0].features[:, :GRADIENT_COLUMNS]
+    np.testing.assert_allclose(gradients, inverted, atol=0.03)  # grey 127 inverts to itself; resizing rounds
+    assert np.linalg.norm(gradients, axis=1).max() <= 1.0 + 1e-5
+
+
+def test_normals_of_a_box_are_those_of_its_faces() -> None:
+    yaw = 0.5
+    normals = patch_normals(cut(view_of_box(yaw)), 16)
+    found = normals[np.abs(np.linalg.norm(normals, axis=-1) - 1) < 1e-3]
+    # frame (right, up, towards): the camera on +x sees front (cos, sin) and side; its right is +y
+    expected = {"top": (0, 1, 0), "front": (np.sin(yaw), 0, np.cos(yaw)), "side": (-np.cos(yaw), 0, np.sin(yaw))}
+    for name, normal in expected.items():
+        share = ((found @ np.array(normal)) > np.cos(0.03)).mean()
+        assert share > 0.05, f"{name}: {share:.2f} of the patches"
+    assert ((found @ np.array(list(expected.values())).T).max(axis=1) > np.cos(0.03)).mean() > 0.6
+
+
+def test_upright_normals_do_not_depend_on_where_the_camera_is() -> None:
+    base = patch_normals(cut(view_of_box(0.5)), 16)
+    for other in (view_of_box(0.5, elevation=0.6), view_of_box(0.5, distance=5.0), view_of_box(0.5, offset=0.15)):
+        moved = patch_normals(cut(other), 16)
+        fronts = [n[(n @ np.array([np.sin(0.5), 0, np.cos(0.5)])) > 0.97].mean(axis=0) for n in (base, moved)]
+        assert np.linalg.norm(fronts[0] - fronts[1]) < 0.05
+
+
+def test_object_frame_without_gravity_looks_along_the_ray() -> None:
+    center = np.array([0.5, 0.2, 2.0])
+    frame = object_frame(center, None)
+    np.testing.assert_allclose(frame.T @ frame, np.eye(3), atol=1e-12)
+    np.testing.assert_allclose(frame[:, 2], -center / np.linalg.norm(center))
+    assert frame[:, 1] @ [0, -1, 0] > 0.9
+    assert np.isfinite(object_frame(center, center / np.linalg.norm(center))).all()  # seen from straight above
+
+
+def test_missing_depth_takes_normals_out_of_the_comparison() -> None:
+    view, encoder = view_of_box(0.4), make_encoder(HOG)
+    known = view.depth.copy()  # type: ignore[union-attr]
+    known[:, :70] = 0  # more than half of the object
+    with_depth = make_query(view, encoder)
+    for poorer in (replace(view, depth=None), replace(view, depth=known)):
+        without = make_query(poorer, encoder)
+        assert with_depth is not None and without is not None
+        assert (with_depth.patches.shape[1], without.patches.shape[1]) == (272, 245)
+
+
+def test_crops_of_a_few_pixels_are_encoded() -> None:
+    view = view_of_box(0.4)
+    tiny = np.zeros_like(view.mask)
+    tiny[60:63, 64:66] = True
+    patches = make_encoder(HOG).encode([replace(view, mask=tiny)])[0]
+    assert len(patches.features) and np.isfinite(patches.features).all()
+    assert mask_box(tiny) == (64, 60, 66, 63)
+    thin = np.zeros((96, 96), np.float32)
+    thin[:, 47] = 1
+    assert foreground(thin, 4, 4).any()
+
+
+def test_settings_name_the_store() -> None:
+    digests = {settings_digest(o, make_encoder(o)) for o in (HOG, MatchingConfig(hog={"grid": 12}))}  # type: ignore[arg-type]
+    assert len(digests) == 2
+    heavier = MatchingConfig(hog={"normals": 0.5})  # type: ignore[arg-type]
+    assert settings_digest(heavier, make_encoder(heavier)) in digests  # weights are applied when comparing
+
+
+def test_back_projection_agrees_with_the_ray_tracer() -> None:
+    view = view_of_box(0.3)
+    points = back_project(view.depth, view.intrinsics)[view.mask]  # type: ignore[arg-type]
+    pose = look_at(3 * np.array([np.cos(0.3), 0, np.sin(0.3)]), [0, 0, 0])
+    world = (points @ pose[:3, :3].T + pose[:3, 3]) @ yaw_matrix(0.3)
+    assert np.abs(np.abs(world) / [0.3, 0.5, 0.4]).max() < 1.001
+
+
+@pytest.fixture(scope="module")
+def tiny_dinov2(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    import torch
+    from transformers import Dinov2Config, Dinov2Model
+
+    torch.manual_seed(0)
+    config = Dinov2Config(hidden_size=16, num_hidden_layers=2, num_attention_heads=2, patch_size=14, image_size=56)
+    folder = tmp_path_factory.mktemp("dinov2")
+    Dinov2Model(config).save_pretrained(folder)
+    return folder
+
+
+def dinov2(**keys: object) -> MatchingConfig:
+    return MatchingConfig.model_validate({"encoder": "dinov2", "dinov2": {"height": 56, "width": 84} | keys})
+
+
+def test_dinov2_encodes_patches_of_saved_weights(tiny_dinov2: Path) -> None:
+    encoder = make_encoder(dinov2(path=str(tiny_dinov2), batch=2))
+    views = [view_of_box(0.1), view_of_box(0.9), view_of_box(2.0)]
+    patches = encoder.encode(views)
+    assert all(item.features.shape == (len(item.positions), 16) for item in patches)
+    assert 0 < len(patches[0].features) <= 4 * 6
+    again = make_encoder(dinov2(path=str(tiny_dinov2), batch=3)).encode(views)
+    for one, other in zip(patches, again, strict=True):
+        np.testing.assert_allclose(one.features, other.features, atol=1e-5)
+    query = make_query(views[0], encoder)
+    assert query is not None and query.patches.shape[1] == 16  # position has weight 0: left out
+    empty = encoder.encode([replace(views[0], mask=np.zeros_like(views[0].mask))])[0]
+    assert empty.rows.shape == (0, 18)
+
+
+def test_dinov2_checks_its_weights(tiny_dinov2: Path, tmp_path: Path) -> None:
+    import hashlib
+
+    from safetensors.torch import load_file, save_file
+
+    digest = hashlib.sha256((tiny_dinov2 / "model.safetensors").read_bytes()).hexdigest()
+    make_encoder(dinov2(path=str(tiny_dinov2), sha256=digest))
+    for keys, message in (
+        ({"path": str(tiny_dinov2), "sha256": "0" * 64}, digest),
+        ({"path": ""}, "config.json and model.safetensors"),
+        ({"path": str(tmp_path / "nowhere")}, "no such file"),
+        ({"path": str(tiny_dinov2), "height": 60}, "no multiple of 14"),
+    ):
+        with pytest.raises(InputError, match=message):
+            make_encoder(dinov2(**keys))
+    (tmp_path / "config.json").write_text((tiny_dinov2 / "config.json").read_text())
+    (tmp_path / "model.safetensors").write_bytes(b"broken")
+    with pytest.raises(InputError, match="does not load"):
+        make_encoder(dinov2(path=str(tmp_path)))
+    weights = load_file(tiny_dinov2 / "model.safetensors")
+    save_file({name: weights[name] for name in sorted(weights)[3:]}, tmp_path / "model.safetensors", {"format": "pt"})
+    with pytest.raises(InputError, match="lacks 3 weights"):
+        make_encoder(dinov2(path=str(tmp_path)))

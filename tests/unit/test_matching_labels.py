@@ -1,0 +1,153 @@
+"""Matching: nearest categories by words and by CLIP, and which assets an object is compared with."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stages.config.matching import MatchingConfig, PretrainedConfig
+from stages.contracts import InputError, Library
+from stages.contracts.library import LibraryEntry
+from stages.contracts.objects import SceneObject
+from stages.matching.candidates import Candidates, find_candidates
+from stages.matching.labels import TEXT_ENCODERS, lexical_distance, nearest_categories, words
+
+CATEGORIES = [
+    *("bottom_cabinet", "wall_cabinet", "wardrobe", "chest_of_drawers", "fridge", "microwave", "table", "coffee_table"),
+    *(
+        "table_lamp",
+        "floor_lamp",
+        "bookshelf",
+        "television",
+        "picture",
+        "plant_pot",
+        "cooking_pot",
+        "mug",
+        "sofa",
+        "box",
+    ),
+]
+
+
+@pytest.mark.parametrize(
+    ("label", "expected"),
+    [
+        ("fridge", "fridge"),
+        ("Refrigerators", "fridge"),
+        ("cup", "mug"),
+        ("couch", "sofa"),
+        ("tv", "television"),
+        ("desk lamp", "table_lamp"),
+        ("dining table", "table"),
+        ("coffee-table", "coffee_table"),
+        ("cupboards", "wall_cabinet"),
+        ("flower pot", "plant_pot"),
+        ("book case", "bookshelf"),
+        ("painting", "picture"),
+        ("cardboard boxes", "box"),
+        ("desk", "coffee_table"),  # no category of that name: kin
+        ("nightstand", "bookshelf"),
+    ],
+)
+def test_nearest_category(label: str, expected: str) -> None:
+    assert nearest_categories(label, CATEGORIES, 3, lexical_distance)[0][0] == expected
+
+
+def test_an_exact_name_has_distance_zero_and_nothing_in_common_is_left_out() -> None:
+    assert nearest_categories("television", CATEGORIES, 3, lexical_distance) == [("television", 0.0), ("picture", 0.75)]
+    assert nearest_categories("xyzzy", CATEGORIES, 3, lexical_distance) == []
+    assert nearest_categories("", CATEGORIES, 3, lexical_distance) == []
+    assert nearest_categories("table", [], 3, lexical_distance) == []
+
+
+def test_distances_do_not_depend_on_the_order_of_categories() -> None:
+    forward = nearest_categories("wall cabinet", CATEGORIES, 5, lexical_distance)
+    assert forward == nearest_categories("wall cabinet", CATEGORIES[::-1], 5, lexical_distance)
+    assert words("Wall_Cabinets") == ["wall", "cabinet"]
+    assert words("glass vases") == ["glass", "vase"]
+
+
+def entry(id: str, doors: int = 0, drawers: int = 0) -> LibraryEntry:
+    category = id.rsplit("_", 1)[0]
+    return LibraryEntry(id=id, category=category, folder=id, doors=doors, drawers=drawers, checksum="")
+
+
+LIBRARY = Library(
+    assets=[entry("cabinet_0", 2), entry("cabinet_1", 1, 3), entry("cabinet_2"), entry("fridge_0", 2), entry("table_0")]
+)
+
+
+def found(item: dict, **options: object) -> Candidates:
+    base = {"id": "x_1", "label": "cabinet", "mask": 1}
+    text_distance = TEXT_ENCODERS["lexical"](MatchingConfig())
+    return find_candidates(
+        SceneObject.model_validate(base | item), LIBRARY, text_distance, MatchingConfig.model_validate(options)
+    )
+
+
+def names(candidates: Candidates) -> list[str]:
+    return [asset.id for asset in candidates.assets]
+
+
+def test_articulated_objects_are_sought_among_articulated_assets() -> None:
+    two_doors = {"articulated": True, "doors": 2}
+    assert names(found({})) == ["cabinet_0", "cabinet_1", "cabinet_2"]
+    assert names(found(two_doors, count_threshold=None)) == ["cabinet_0", "cabinet_1"]
+    assert names(found(two_doors, count_threshold=None, articulated_only=False)) == [
+        "cabinet_0",
+        "cabinet_1",
+        "cabinet_2",
+    ]
+    assert names(found(two_doors)) == ["cabinet_0"]  # |2 - 1| + |0 - 3| = 4 > 2
+    assert names(found(two_doors, count_threshold=4)) == ["cabinet_0", "cabinet_1"]
+    assert found(two_doors).note == ""
+
+
+def test_a_threshold_without_candidates_is_widened_visibly_but_never_to_assets_without_joints() -> None:
+    many = found({"articulated": True, "doors": 0, "drawers": 7}, count_threshold=1)
+    assert names(many) == ["cabinet_1"] and many.note == "count_threshold widened from 1 to 5"
+    table = found({"label": "table", "articulated": True, "drawers": 1})
+    assert "table_0" not in names(table) and "resembles no category" in table.note
+
+
+def test_unknown_label_searches_everything_and_says_so() -> None:
+    result = found({"label": "xyzzy"})
+    assert len(result.assets) == len(LIBRARY.assets) and result.categories == []
+    assert result.note == "label 'xyzzy' resembles no category, so all were searched"
+
+
+@pytest.fixture(scope="module")
+def tiny_clip(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    import torch
+    from transformers import CLIPTextConfig, CLIPTextModelWithProjection
+
+    folder = tmp_path_factory.mktemp("clip")
+    letters = "abcdefghijklmnopqrstuvwxyz"
+    tokens = [*letters, *(letter + "</w>" for letter in letters), "<|startoftext|>", "<|endoftext|>"]
+    (folder / "vocab.json").write_text(json.dumps({token: number for number, token in enumerate(tokens)}))
+    (folder / "merges.txt").write_text("#version: 0.2\n")
+    torch.manual_seed(0)
+    sizes = {"hidden_size": 16, "intermediate_size": 32, "projection_dim": 8, "num_hidden_layers": 2}
+    config = CLIPTextConfig(
+        vocab_size=len(tokens), num_attention_heads=2, bos_token_id=52, eos_token_id=53, pad_token_id=53, **sizes
+    )
+    CLIPTextModelWithProjection(config).save_pretrained(folder)
+    return folder
+
+
+def test_clip_compares_label_and_categories(tiny_clip: Path) -> None:
+    options = MatchingConfig(text_encoder="clip", clip=PretrainedConfig(path=str(tiny_clip)))
+    distance = TEXT_ENCODERS["clip"](options)
+    result = nearest_categories("coffee table", CATEGORIES, 3, distance)
+    assert result[0] == ("coffee_table", 0.0) and 0 < result[1][1] <= 2
+    np.testing.assert_allclose(distance("mug", CATEGORIES), distance("mug", CATEGORIES[::-1])[::-1], atol=1e-6)
+
+
+def test_clip_without_weights_or_tokenizer_says_what_to_do(tiny_clip: Path, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"matching\.clip\.path: is empty"):
+        TEXT_ENCODERS["clip"](MatchingConfig(text_encoder="clip"))
+    for name in ("config.json", "model.safetensors"):
+        (tmp_path / name).write_bytes((tiny_clip / name).read_bytes())
+    with pytest.raises(InputError, match="has no tokenizer"):
+        TEXT_ENCODERS["clip"](MatchingConfig(text_encoder="clip", clip=PretrainedConfig(path=str(tmp_path))))

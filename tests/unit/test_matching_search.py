@@ -1,0 +1,89 @@
+"""Matching: the one-pass table against a literal reading of A.6, and the two search backends against each other."""
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from stages.matching.search import SEARCHES, distance_table
+from stages.matching.voting import embedding_distance, vote
+
+Patches = list[NDArray[np.float32]]
+
+
+def patches(
+    seed: int, candidates: int = 12, queries: int = 40, columns: int = 16
+) -> tuple[NDArray[np.float32], Patches]:
+    rng = np.random.default_rng(seed)
+    query = rng.normal(size=(queries, columns)).astype(np.float32)
+    return query, [rng.normal(size=(rng.integers(5, 30), columns)).astype(np.float32) for _ in range(candidates)]
+
+
+def literal_votes(query: NDArray[np.float32], candidates: Patches, rounds: int) -> list[tuple[int, int]]:
+    """A.6 word by word: search all candidates' patches, count, take the top one, remove it, repeat."""
+    left, picks = list(range(len(candidates))), []
+    for _ in range(rounds):
+        rows = np.concatenate([candidates[c] for c in left]).astype(np.float64)
+        owner = np.concatenate([[c] * len(candidates[c]) for c in left])
+        counts = dict.fromkeys(left, 0)
+        for patch in query.astype(np.float64):
+            counts[int(owner[((rows - patch) ** 2).sum(axis=1).argmin()])] += 1
+        best = max(left, key=lambda c: counts[c])
+        picks.append((best, counts[best]))
+        left.remove(best)
+    return picks
+
+
+def literal_distance(query: NDArray[np.float32], candidate: NDArray[np.float32]) -> float:
+    """A.6: mean distance of each patch to its nearest patch, the largest 10 % left out."""
+    nearest = sorted(float(np.linalg.norm(candidate - patch, axis=1).min()) for patch in query)
+    return float(np.mean(nearest[: len(nearest) - len(nearest) // 10]))
+
+
+@pytest.mark.parametrize("search", SEARCHES)
+def test_one_pass_equals_the_literal_loop(search: str) -> None:
+    for seed in range(3):
+        query, candidates = patches(seed)
+        table = distance_table(query, candidates.__getitem__, len(candidates), search)
+        picks = vote(table, np.arange(len(candidates)), 8)
+        assert [tuple(pick) for pick in picks] == literal_votes(query, candidates, 8)
+        expected = [literal_distance(query, candidate) for candidate in candidates]
+        np.testing.assert_allclose(embedding_distance(table, 0.1), expected, rtol=1e-5)
+
+
+def test_backends_agree_pick_for_pick_under_near_ties() -> None:
+    """Candidates that are rounding-noise copies of each other, far from the origin: float32 alone disagrees here."""
+    query, candidates = patches(5, candidates=4, queries=200, columns=64)
+    rng = np.random.default_rng(6)
+    shift = np.float32(3.0)
+    copies = [c + shift + rng.normal(size=c.shape).astype(np.float32) * np.float32(3e-7) for c in candidates * 5]
+    plain = [SEARCHES[name](query + shift, copies.__getitem__, len(copies)) for name in ("torch", "faiss")]
+    assert (plain[0].argmin(axis=1) != plain[1].argmin(axis=1)).any(), "the case is no test: plain float32 agrees"
+    tables = [distance_table(query + shift, copies.__getitem__, len(copies), name) for name in ("torch", "faiss")]
+    groups = np.arange(len(copies))
+    assert vote(tables[0], groups, 10) == vote(tables[1], groups, 10)
+
+
+def test_equal_pictures_tie_and_the_first_wins() -> None:
+    query, candidates = patches(7, candidates=3)
+    table = distance_table(query, [*candidates, *candidates].__getitem__, 6, "torch")
+    np.testing.assert_array_equal(table[:, :3], table[:, 3:])
+    assert vote(table, np.arange(6), 1)[0].group < 3
+
+
+def test_distance_to_itself_is_exactly_zero() -> None:
+    query, candidates = patches(8)
+    for search in SEARCHES:
+        table = distance_table(query, [query * 7, query, *candidates].__getitem__, 3, search, nearest=1)
+        assert embedding_distance(table, 0.1)[1] == 0.0
+
+
+def test_a_group_wins_once_and_takes_all_its_pictures_along() -> None:
+    table = np.array([[0.1, 0.2, 0.3], [0.1, 0.2, 0.3], [0.2, 0.1, 0.3]])
+    assert [tuple(pick) for pick in vote(table, np.array([4, 4, 9]), 5)] == [(4, 2), (9, 3)]
+
+
+def test_worst_tenth_is_left_out() -> None:
+    table = np.arange(1, 21, dtype=float)[:, None]
+    assert embedding_distance(table, 0.10)[0] == np.mean(np.arange(1, 19))
+    assert embedding_distance(table, 0.0)[0] == np.mean(np.arange(1, 21))
+    assert embedding_distance(table[:1], 0.10)[0] == 1.0

@@ -1,0 +1,145 @@
+"""The policy network: exact savings, mixture, files, closed loop."""
+
+import copy
+
+import numpy as np
+import pytest
+import torch
+from torch import nn
+from torch.nn import functional
+
+from stages.config.training import NetworkConfig
+from stages.contracts.errors import InputError
+from stages.policy.actor import Actor
+from stages.policy.mixture import Mixture
+from stages.policy.network import Policy
+from stages.policy.pointnet import PointNet
+
+
+def dense(net: PointNet, clouds: torch.Tensor) -> torch.Tensor:
+    """The plain network: embedding beside every point, gradient through every point."""
+    x = net.first(torch.cat([clouds[..., :3], net.flag(clouds[..., 3].long())], dim=-1))
+    for layer in net.rest:
+        x = layer(functional.gelu(x))
+    return functional.relu(x.amax(dim=1))
+
+
+def clouds(count: int, points: int) -> torch.Tensor:
+    random = torch.Generator().manual_seed(0)
+    xyz = torch.randn((count, points, 3), generator=random)
+    return torch.cat([xyz, (torch.rand((count, points, 1), generator=random) < 0.2).float()], dim=-1)
+
+
+@pytest.mark.parametrize("layers", [2, 3])
+def test_savings_leave_values_and_gradients_as_they_are(layers: int) -> None:
+    torch.manual_seed(1)
+    net = PointNet(width=64, layers=layers, flag_embedding=128)
+    plain, points = copy.deepcopy(net), clouds(12, 200)
+    target = torch.randn(12, 64)
+    value, expected = net(points), dense(plain, points)
+    assert torch.allclose(value, expected, atol=1e-5)
+    (value * target).sum().backward()
+    (expected * target).sum().backward()
+    for (name, ours), theirs in zip(net.named_parameters(), plain.parameters(), strict=True):
+        error = (ours.grad - theirs.grad).norm() / theirs.grad.norm()
+        assert error < 1e-4, f"{name}: relative gradient error {error:.1e}"
+
+
+def test_inference_equals_training_pass() -> None:
+    net, points = PointNet(32, 2, 8), clouds(5, 100)
+    with torch.no_grad():
+        inference = net(points)
+    assert torch.allclose(inference, net(points), atol=1e-5)
+
+
+def test_bf16_is_near() -> None:
+    torch.manual_seed(0)
+    net, points = PointNet(32, 2, 8), clouds(5, 100)
+    expected = net(points)
+    net.bf16 = True
+    assert 0 < (net(points) - expected).abs().max() < 0.05
+
+
+def test_mixture_density_and_choices() -> None:
+    mixture = Mixture(
+        logits=torch.tensor([[0.0, 2.0]]),
+        means=torch.tensor([[[0.1] * 7, [-0.4] * 7]]),
+        stds=torch.full((1, 2, 7), 0.3),
+    )
+    components = torch.distributions.Independent(torch.distributions.Normal(mixture.means, mixture.stds), 1)
+    reference = torch.distributions.MixtureSameFamily(
+        torch.distributions.Categorical(logits=mixture.logits), components
+    )
+    action = torch.linspace(-0.5, 0.5, 7)[None]
+    assert torch.allclose(mixture.log_prob(action), reference.log_prob(action), atol=1e-5)
+    assert torch.allclose(mixture.most_likely(), torch.full((1, 7), -0.4))
+    # the first mode has weight 1 / (1 + e^2) = 0.119
+    assert torch.allclose(mixture.sample(torch.tensor([0.11])), torch.full((1, 7), 0.1))
+    assert torch.allclose(mixture.sample(torch.tensor([0.13])), torch.full((1, 7), -0.4))
+
+
+def test_paper_sizes() -> None:
+    """B.3: 2-layer 512 PointNet, 128-d flag embedding, LSTM 512; 3.01 M parameters with MLP 512, 512 and 5 modes."""
+    sizes = {"pointnet_width": 512, "pointnet_layers": 2, "rnn_hidden": 512, "mlp": [512, 512], "gmm_modes": 5}
+    policy = Policy(NetworkConfig.model_validate(sizes))
+    assert policy.pointnet.first.in_features == 3 + 128
+    assert sum(parameter.numel() for parameter in policy.parameters()) == pytest.approx(3.01e6, rel=0.01)
+
+
+def test_gripper_frame_sees_no_common_shift() -> None:
+    policy = Policy(NetworkConfig(cloud_frame="gripper"))
+    cloud, proprio, shift = clouds(1, 40)[None], torch.randn(1, 1, 9), torch.tensor([0.3, -0.2, 0.1])
+    moved, moved_proprio = cloud.clone(), proprio.clone()
+    moved[..., :3] += shift
+    moved_proprio[..., :3] += shift
+    assert torch.allclose(policy.in_frame(cloud, proprio), policy.in_frame(moved, moved_proprio), atol=1e-6)
+    robot = Policy(NetworkConfig(cloud_frame="robot"))
+    assert torch.equal(robot.in_frame(cloud, proprio), cloud[..., :3])
+
+
+def test_actor_acts_as_the_network_on_the_last_steps() -> None:
+    """Stepwise in a batch of episodes of unequal age = the whole sequence at once."""
+    torch.manual_seed(0)
+    policy = Policy(NetworkConfig(points=40)).eval()
+    observations = clouds(6, 40).numpy(), np.random.default_rng(0).normal(size=(6, 9)).astype(np.float32)
+    actor = Actor(policy, horizon=4, slots=2, choose="most_likely")
+    actor.reset(0, 1)
+    actor.reset(1, 2)
+    for step in range(6):
+        slots = [0, 1] if step >= 3 else [0]
+        actions = actor.act(slots, [observations[0][step]] * len(slots), [observations[1][step]] * len(slots))
+    for slot, first in ((0, 2), (1, 3)):
+        with torch.no_grad():
+            mixture = policy(*(torch.from_numpy(o[first:])[None] for o in observations))
+        assert np.allclose(actions[slot], mixture.most_likely()[0, -1].clamp(-1, 1).numpy(), atol=1e-5)
+
+
+def test_actor_repeats_itself_after_reset() -> None:
+    torch.manual_seed(0)
+    actor = Actor(Policy(NetworkConfig(points=16)).eval(), horizon=10, slots=1, choose="sample")
+    cloud, proprio = clouds(1, 64)[0].numpy(), np.zeros(9, np.float32)
+
+    def episode(seed: int) -> np.ndarray:
+        actor.reset(0, seed)
+        return np.stack([actor.act([0], [cloud], [proprio])[0] for _ in range(4)])
+
+    first = episode(3)
+    other = episode(4)
+    assert np.array_equal(first, episode(3))
+    assert not np.array_equal(first, other)
+
+
+def test_lstm_is_the_only_memory() -> None:
+    assert [type(module) for module in Policy(NetworkConfig()).children()] == [
+        PointNet,
+        nn.LSTM,
+        nn.Sequential,
+        nn.Linear,
+    ]
+
+
+def test_missing_policy_is_an_input_error(tmp_path) -> None:  # type: ignore[no-untyped-def]
+    from stages.policy.checkpoint import load_policy
+
+    with pytest.raises(InputError, match=r"config\.json"):
+        load_policy(tmp_path, "best")

@@ -1,0 +1,165 @@
+"""Procedural models: exact sizes, right joints, graspable handles, same bytes for the same seed."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from stages.config.assets import COUNTS
+from stages.contracts.errors import InputError
+from stages.contracts.library import Recipe
+from stages.procedural import build, generate
+from stages.procedural.catalogue import CATEGORIES, sample
+from stages.procedural.folder import checksum
+from stages.procedural.layout import cells
+from stages.procedural.model import bounds
+from stages.procedural.shapes import bounds_of, cushion, rod, shell_pieces, slab
+from stages.procedural.urdf import mass_properties
+from stages.simulation.robot_model import closed_box, link_frames
+from stages.simulation.urdf_reader import read_urdf
+
+CABINETS = ["bottom_cabinet", "wall_cabinet", "sideboard", "wardrobe"]
+SIZES = [None, (0.5, 0.9, 0.7), (1.3, 0.35, 0.4), (0.21, 0.2, 1.9)]
+
+
+def recipes(categories: list[str]) -> list[tuple[str, Recipe]]:
+    return [(f"{c}_{k}", sample(c, k, 0)) for c in categories for k in range(COUNTS[c])]
+
+
+@pytest.mark.parametrize("category", sorted(CATEGORIES))
+def test_closed_box_is_exact_at_any_size(category: str) -> None:
+    recipe = sample(category, 1, 7)
+    for size in SIZES:
+        low, high = bounds(generate(recipe, size))
+        assert np.allclose(high - low, recipe.parameters["size"] if size is None else size, atol=1e-9)
+        assert np.allclose((low + high)[:2], 0, atol=1e-9)
+        assert abs(low[2]) < 1e-9
+
+
+def test_written_files_fill_the_promised_box(tmp_path: Path) -> None:
+    asset = build(sample("bottom_cabinet", 3, 0), (0.6, 1.1, 0.8), tmp_path / "cab", "cab", "bottom_cabinet")
+    robot = read_urdf(tmp_path / "cab" / "model.urdf", tmp_path / "cab")
+    assert np.allclose(closed_box(robot), [asset.box_min, asset.box_max], atol=2e-5)
+    assert asset.size == pytest.approx((0.6, 1.1, 0.8), abs=1e-6)
+    assert sum(link.mass for link in robot.links.values()) == pytest.approx(asset.mass, rel=1e-4)
+    assert asset.checksum == checksum(tmp_path / "cab")
+
+
+def test_same_recipe_same_bytes(tmp_path: Path) -> None:
+    for category in ("mug", "sideboard", "bookshelf", "plant_pot"):
+        sums = {build(sample(category, 0, 3), None, tmp_path / str(k), "x", category).checksum for k in range(2)}
+        assert len(sums) == 1
+    assert sample("mug", 0, 3) != sample("mug", 0, 4)
+    assert sample("mug", 0, 3) != sample("mug", 1, 3)
+
+
+def test_default_library_is_as_large_as_promised() -> None:
+    assert sum(COUNTS.values()) >= 120
+    assert sum(count > 0 for count in COUNTS.values()) >= 15
+    models = [generate(recipe) for _, recipe in recipes([*CABINETS, "chest_of_drawers"])]
+    roles = [{moving.role for moving in model.moving} for model in models]
+    assert sum("door" in role for role in roles) >= 40
+    assert sum("drawer" in role for role in roles) >= 16
+    handles = {moving.handle for model in models for moving in model.moving}
+    assert {"bar", "knob", "arch", "recessed"} <= handles
+
+
+def test_models_of_a_category_differ() -> None:
+    for category, count in COUNTS.items():
+        drawn = {sample(category, k, 0).model_dump_json() for k in range(count)}
+        assert len(drawn) == count
+
+
+def test_fronts_open_outwards_and_leave_gaps() -> None:
+    for name, recipe in recipes(["bottom_cabinet", "sideboard", "oven", "fridge", "microwave"]):
+        model = generate(recipe)
+        boxes = [bounds_of([part.mesh for part in moving.parts]) for moving in model.moving]
+        for k, moving in enumerate(model.moving):
+            pull = boxes[k].mean(axis=0)
+            if moving.role == "door":
+                turn = trimesh.transformations.rotation_matrix(moving.upper / 2, moving.axis, moving.origin)
+                opened = trimesh.transform_points([pull], turn)[0]
+            else:
+                opened = pull + moving.upper * np.array(moving.axis)
+            assert opened[0] > pull[0] + 0.05, f"{name} {moving.name} opens inwards"
+            for other in boxes[k + 1 :]:
+                gap = np.maximum(boxes[k][0] - other[1], other[0] - boxes[k][1])[1:].max()
+                assert gap > 0.0029, f"{name}: {moving.name} is {gap:.4f} m from its neighbour"
+
+
+def test_handles_are_on_the_free_side_and_keep_their_size() -> None:
+    for name, recipe in recipes(CABINETS):
+        for size in (None, (0.7, 1.6, 1.4)):
+            model = generate(recipe, size)
+            for moving in model.moving:
+                if moving.handle in (None, "recessed") or moving.role != "door":
+                    continue
+                foremost = max(moving.parts, key=lambda part: part.mesh.bounds[1][0])
+                box = bounds_of([part.mesh for part in moving.parts])
+                half = (box[1] - box[0])[1] / 2
+                away = abs(foremost.mesh.bounds[:, 1].mean() - moving.origin[1])
+                assert away > 1.2 * half, f"{name} {moving.name}: handle on the hinge side"
+                thickness = np.sort(foremost.mesh.extents)[:2]
+                assert 0.008 < thickness[1] < 0.034, f"{name} {moving.name}: {thickness}"
+                pull = tuple(recipe.parameters["handle_colour"])
+                panel_front = max(part.mesh.bounds[1][0] for part in moving.parts if part.colour != pull)
+                assert 0.028 < box[1][0] - panel_front < 0.055, name
+
+
+def test_mass_properties_of_a_known_solid() -> None:
+    from stages.procedural.model import part
+
+    halves = [part(slab((0, y, 0.5), (2, 1, 1)), (1, 1, 1), 100.0) for y in (-0.5, 0.5)]
+    mass, center, inertia = mass_properties(halves)
+    assert mass == pytest.approx(400.0)
+    assert np.allclose(center, [0, 0, 0.5])
+    assert np.allclose(inertia, 400 / 12 * np.diag([5.0, 5.0, 8.0]), atol=1e-5)
+
+
+def test_shapes_are_closed_and_have_the_right_volume() -> None:
+    assert rod((0, 0, 0), (0.3, 0, 0), 0.1, segments=64).volume == pytest.approx(np.pi * 0.01 * 0.3, rel=0.01)
+    soft = cushion((0, 0, 0), (1, 2, 0.5), 0.1)
+    assert np.allclose(soft.bounds, [[0, 0, 0], [1, 2, 0.5]])
+    assert 0.8 < soft.volume < 1.0
+    wall = shell_pieces([(0.1, 0), (0.1, 0.2)], [(0.09, 0), (0.09, 0.2)], pieces=48)
+    assert sum(piece.volume for piece in wall) == pytest.approx(np.pi * (0.1**2 - 0.09**2) * 0.2, rel=0.01)
+    assert all(mesh.is_watertight for mesh in (soft, *wall))
+
+
+def test_bowls_are_hollow_to_physics() -> None:
+    model = generate(sample("bowl", 0, 0))
+    height = bounds(model)[1][2]
+    middle = np.array([0.0, 0.0, 0.6 * height])
+    pieces = [piece for part in model.base for piece in part.pieces]
+    assert len(pieces) > 8
+    for piece in pieces:  # outside of a convex piece: before at least one of its faces
+        assert ((middle - piece.triangles_center) * piece.face_normals).sum(axis=1).max() > 0
+
+
+def test_cells_cover_the_front_and_pair_their_hinges() -> None:
+    weights = {"door": 1.0, "drawer": 0.25}
+    found = cells([["drawer"], ["door", "door"]], "rows", (0, 2), (0, 1), weights, 1)
+    assert [cell.kind for cell in found] == ["drawer", "door", "door"]
+    assert sum((c.y[1] - c.y[0]) * (c.z[1] - c.z[0]) for c in found) == pytest.approx(2.0)
+    assert found[0].z == pytest.approx((0.8, 1.0))
+    assert [cell.hinge for cell in found[1:]] == [-1, 1]
+    alone = cells([["door"]], "columns", (0, 1), (0, 1), weights, 1)
+    assert alone[0].hinge == 1
+
+
+def test_bad_recipes_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="unknown generator 'spaceship'"):
+        generate(Recipe(generator="spaceship", parameters={"size": [1.0, 1.0, 1.0]}))
+    with pytest.raises(InputError, match="not positive"):
+        build(sample("mug", 0, 0), (0.1, 0.0, 0.1), tmp_path / "mug", "mug", "mug")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_opened_frames_follow_the_contract(tmp_path: Path) -> None:
+    asset = build(sample("bottom_cabinet", 0, 0), None, tmp_path / "c", "c", "bottom_cabinet")
+    robot = read_urdf(tmp_path / "c" / "model.urdf", tmp_path / "c")
+    joint = asset.joints[0]
+    closed, opened = link_frames(robot)[joint.link], link_frames(robot, 1.0)[joint.link]
+    turn = closed[:3, :3].T @ opened[:3, :3]
+    assert np.degrees(np.arccos((np.trace(turn) - 1) / 2)) == pytest.approx(90, abs=0.1)

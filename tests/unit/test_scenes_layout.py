@@ -1,0 +1,143 @@
+"""Rooms without a simulator: counts and scales of Table 2, casting, layout, framing."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stages.contracts import InputError
+from stages.geometry.boxes import corners, footprint
+from stages.geometry.cameras import project
+from stages.geometry.frames import apply, inverse
+from stages.scenes.casting import CastRoom, cast
+from stages.scenes.framing import frame
+from stages.scenes.layout import arrange, scale_of
+from stages.scenes.recipe import Against, Beside, Floor, Hung, Item, On, Room
+from stages.scenes.rooms import ROOMS
+from tests.unit.scene_models import default_models
+from tests.unit.synthetic_room import hit_box
+
+TABLE_2 = [(5, 3.68), (6, 3.42), (6, 2.91), (5, 3.54), (6, 3.24), (8, 4.17), (12, 6.89), (15, 10.23)]
+MIN_PIXELS = 100  # per object at 800 x 600
+NOWHERE = Path("library.json")
+
+
+@pytest.fixture(scope="module", params=[0, 1])
+def cast_rooms(request: pytest.FixtureRequest) -> dict[str, CastRoom]:
+    return cast(ROOMS, default_models(request.param), request.param, NOWHERE)
+
+
+def test_counts_and_scales_of_table_2(cast_rooms: dict[str, CastRoom]) -> None:
+    assert list(cast_rooms) == [f"room_{k}" for k in range(1, 9)]
+    for room, (count, scale) in zip(cast_rooms.values(), TABLE_2, strict=True):
+        centers = np.array([standing.box.center for standing in room.layout.standing.values()])
+        assert len(centers) == count
+        assert scale_of(centers) == pytest.approx(scale, abs=0.01)
+
+
+def test_no_model_stands_in_two_rooms(cast_rooms: dict[str, CastRoom]) -> None:
+    used = [asset.id for room in cast_rooms.values() for asset in room.assets.values()]
+    assert len(used) == len(set(used)) == sum(count for count, _ in TABLE_2)
+
+
+def test_boxes_do_not_overlap_and_rest_on_their_support(cast_rooms: dict[str, CastRoom]) -> None:
+    for room in cast_rooms.values():
+        standing = room.layout.standing
+        for name, one in standing.items():
+            if one.support in standing:
+                below = standing[one.support].box
+                assert one.box.bottom == pytest.approx(below.top)
+                assert footprint(below).buffer(0.003).covers(footprint(one.box))
+            elif one.support == "floor":
+                assert one.box.bottom == pytest.approx(0, abs=1e-9)
+            for other_name, other in standing.items():
+                if name < other_name and not (one.box.top <= other.box.bottom + 0.003):
+                    overlap = footprint(one.box).intersection(footprint(other.box)).area
+                    assert overlap < 0.01 or other.box.top <= one.box.bottom + 0.003, (room.room.name, name, other_name)
+
+
+def test_all_ways_of_standing_occur(cast_rooms: dict[str, CastRoom]) -> None:
+    for room in list(cast_rooms.values())[:3]:
+        places = {type(item.place) for item in room.room.items}
+        assert On in places and places & {Against, Beside} and places & {Floor, Hung}
+    assert any(isinstance(item.place, Hung) for room in ROOMS for item in room.items)
+
+
+def test_targets_of_the_policy_experiment(cast_rooms: dict[str, CastRoom]) -> None:
+    room = cast_rooms["room_1"]
+    labels = [item.label for item in room.room.items]
+    first = room.room.items[labels.index("cabinet")]
+    cabinet, box = room.assets[first.name], room.layout.standing[first.name].box
+    assert cabinet.doors >= 1 and box.bottom == pytest.approx(0)
+    assert {joint.handle for joint in cabinet.joints} <= {"bar", "square_bar", "knob", "arch"}
+    assert 0.3 <= cabinet.size[1] / cabinet.doors <= 0.5
+    camera = _camera(room)[1][:3, 3]
+    ahead = camera[:2] - np.asarray(box.center)[:2]
+    assert abs(np.arctan2(ahead[1], ahead[0]) - box.yaw) < np.deg2rad(30)
+    chests = [asset for k in (1, 2, 3) for asset in cast_rooms[f"room_{k}"].assets.values() if asset.drawers >= 2]
+    assert chests
+
+
+def _camera(room: CastRoom) -> tuple[np.ndarray, np.ndarray]:
+    points = np.concatenate([corners(standing.box) for standing in room.layout.standing.values()])
+    return frame(points, room.room.shot, 800, 600, 0.06)
+
+
+def test_everything_is_in_the_picture(cast_rooms: dict[str, CastRoom]) -> None:
+    for room in cast_rooms.values():
+        intrinsics, world_from_camera = _camera(room)
+        points = np.concatenate([corners(standing.box) for standing in room.layout.standing.values()])
+        pixels = project(apply(inverse(world_from_camera), points), intrinsics)
+        assert pixels.min() >= 0.05 * 600 and (pixels.max(axis=0) <= 0.95 * np.array([800, 600])).all()
+        tilt = np.rad2deg(np.arcsin(-world_from_camera[2, 2]))
+        assert 10 <= tilt <= 25, (room.room.name, tilt)
+        assert 1.3 <= world_from_camera[2, 3] <= 2.0
+
+
+def test_every_object_is_seen(cast_rooms: dict[str, CastRoom]) -> None:
+    """Ray-traced as boxes: each covers some pixels of the default picture, and most of it is not behind others."""
+    for room in cast_rooms.values():
+        intrinsics, world_from_camera = _camera(room)
+        u, v = np.meshgrid(np.arange(0, 800, 4), np.arange(0, 600, 4))
+        rays = np.stack([u, v, np.ones_like(u)], axis=-1) @ np.linalg.inv(intrinsics).T @ world_from_camera[:3, :3].T
+        hits = [hit_box(world_from_camera[:3, 3], rays, one.box) for one in room.layout.standing.values()]
+        nearest, seen = np.argmin(hits, axis=0), np.isfinite(np.min(hits, axis=0))
+        for index, (name, hit) in enumerate(zip(room.layout.standing, hits, strict=True)):
+            visible = ((nearest == index) & seen).sum()
+            assert 16 * visible >= MIN_PIXELS, (room.room.name, name, visible)
+            assert visible >= 0.4 * np.isfinite(hit).sum(), (room.room.name, name)
+
+
+def test_same_seed_same_rooms_and_single_jobs_agree() -> None:
+    models = default_models(0)
+    everything, first_two = cast(ROOMS, models, 5, NOWHERE), cast(ROOMS[:2], models, 5, NOWHERE)
+    for name in ("room_1", "room_2"):
+        assert everything[name].assets == first_two[name].assets
+        for item, standing in everything[name].layout.standing.items():
+            np.testing.assert_array_equal(standing.box.center, first_two[name].layout.standing[item].box.center)
+    assert cast(ROOMS, models, 6, NOWHERE)["room_8"].assets != everything["room_8"].assets
+
+
+def test_a_short_category_is_named() -> None:
+    models = {name: asset for name, asset in default_models(0).items() if asset.category != "fridge"}
+    with pytest.raises(InputError, match=r"fridge.*assets\.counts\.fridge"):
+        cast(ROOMS, models, 0, NOWHERE)
+
+
+def test_places_of_a_small_room() -> None:
+    items = (
+        Item("a", "a", "a", Against("left", 1.0, gap=0.0)),
+        Item("b", "b", "b", Beside("a", -1, gap=0.1)),
+        Item("c", "c", "c", On("a", forward=1.0)),
+        Item("d", "d", "d", Floor(4.0, 1.5, 90)),
+    )
+    room = Room("test", 4.0, items, walls=("back", "left"), half_width=2.0)
+    sizes = {"a": (0.6, 1.0, 0.8), "b": (0.4, 0.5, 0.5), "c": (0.2, 0.2, 0.2), "d": (0.5, 0.5, 0.5)}
+    layout = arrange(room, sizes)
+    assert layout is not None
+    a, b, c = (layout.standing[name].box for name in "abc")
+    assert a.yaw == pytest.approx(np.pi / 2)
+    assert np.asarray(a.center)[1] == pytest.approx(-layout.half_width + 0.3)  # its back is at the wall
+    np.testing.assert_allclose(np.asarray(b.center)[0] - np.asarray(a.center)[0], 0.85)  # left of it, facing the wall
+    np.testing.assert_allclose(np.asarray(c.center) - a.center, [0, 0.2, 0.5], atol=1e-9)  # at the front edge, on top
+    assert arrange(room, sizes | {"c": (0.9, 0.9, 0.9)}) is None  # sticks out over the edge

@@ -1,0 +1,185 @@
+"""Scores of generated scenes against a known truth (paper B.1)."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from stages.contracts import GeneratedScene, InputError, Library, Objects, Truth, write_json
+from stages.contracts.__main__ import main as check_contract
+from stages.contracts.generated import PlacedObject, Plausibility
+from stages.contracts.library import LibraryEntry
+from stages.contracts.objects import SceneObject
+from stages.contracts.scenes import TrueObject
+from stages.evaluation.score import run
+from stages.evaluation.scoring import score_scene
+from stages.geometry.cameras import look_at
+from stages.geometry.frames import apply, inverse, yaw_of_matrix
+
+WORLD_FROM_CAMERA = look_at([5.0, 1.0, 1.6], [0.0, 0.0, 0.6])  # the room's frame
+FLOOR_FROM_CAMERA = look_at([0.0, 0.0, 1.6], [np.hypot(5.0, 1.0), 0.0, 0.6])  # the floor frame of extraction
+FLOOR_FROM_WORLD = FLOOR_FROM_CAMERA @ inverse(WORLD_FROM_CAMERA)
+YAW = yaw_of_matrix(FLOOR_FROM_WORLD[:3, :3])
+
+
+def true(mask: int, asset: str, position: tuple, yaw: float = 0.0, symmetry: str = "none") -> TrueObject:
+    return TrueObject(
+        mask=mask,
+        asset=asset,
+        category=asset[:-2],
+        position=position,
+        yaw=yaw,
+        size=(0.5, 1.0, 0.8),
+        symmetry=symmetry,
+        support="floor",
+    )
+
+
+TRUTH = Truth(
+    scene="room_t",
+    scale=3.5,
+    world_from_camera=WORLD_FROM_CAMERA.tolist(),
+    objects=[
+        true(1, "cabinet_0", (0.3, 0.0, 0.4)),
+        true(2, "chair_0", (2.0, 1.0, 0.4), yaw=0.5),
+        true(3, "bowl_0", (1.0, -1.0, 0.4), symmetry="full"),
+        true(4, "lamp_0", (1.0, 1.0, 0.4)),
+        true(5, "vase_0", (0.0, 2.0, 0.4)),
+    ],
+)
+
+
+def placed(name: str, of: TrueObject, asset: str, shift: tuple = (0, 0, 0), turn: float = 0.0) -> PlacedObject:
+    """The true object as it would be in the floor frame, shifted (world frame) and turned."""
+    position = apply(FLOOR_FROM_WORLD, np.array(of.position) + shift)
+    return PlacedObject(
+        id=name,
+        label=name,
+        asset=asset,
+        category=asset[:-2],
+        position=tuple(position.tolist()),
+        yaw=of.yaw + YAW + turn,
+        size=of.size,
+    )
+
+
+def scene_and_objects() -> tuple[GeneratedScene, Objects]:
+    names = {1: "cabinet_1", 2: "chair_1", 3: "bowl_1", 4: "lamp_1"}
+    common = {
+        "scene": "room_t",
+        "width": 8,
+        "height": 6,
+        "intrinsics": np.eye(3).tolist(),
+        "floor_from_camera": FLOOR_FROM_CAMERA.tolist(),
+        "walls": [],
+    }
+    seen = Objects(objects=[SceneObject(id=name, label=name, mask=mask) for mask, name in names.items()], **common)
+    a, b, c = TRUTH.objects[:3]
+    scene = GeneratedScene(
+        variant="v",
+        rank=1,
+        objects=[
+            placed("cabinet_1", a, "cabinet_0"),
+            placed("chair_1", b, "chair_1", shift=(0.03, 0.04, 0.0), turn=0.2),
+            placed("bowl_1", c, "plate_0", turn=1.0),
+            PlacedObject(id="lamp_1", label="lamp_1", status="failed", reason="matching: no cousins"),
+        ],
+        plausibility=Plausibility(
+            seconds=1.0, stable=False, fallen=["chair_1"], mean_displacement=0.1, max_penetration=0.0, collisions=0
+        ),
+        **common,
+    )
+    return scene, seen
+
+
+def rows() -> dict:
+    scene, seen = scene_and_objects()
+    return {row.object: row for row in score_scene(scene, seen, TRUTH)}
+
+
+def test_a_twin_in_its_place_is_perfect() -> None:
+    row = rows()["cabinet_1"]
+    assert row.category_correct
+    assert row.model_correct
+    assert row.l2_cm == pytest.approx(0, abs=1e-6)
+    assert row.orientation_rad == pytest.approx(0, abs=1e-9)
+    assert row.iou == pytest.approx(1)
+    assert row.oriented_iou == pytest.approx(1)
+    assert row.stable is True
+    assert row.scale_m == 3.5
+
+
+def test_a_cousin_a_little_off() -> None:
+    row = rows()["chair_1"]
+    assert row.category_correct
+    assert not row.model_correct
+    assert row.l2_cm == pytest.approx(5.0)
+    assert row.orientation_rad == pytest.approx(0.2)
+    assert row.iou is not None
+    assert row.oriented_iou is not None
+    assert 0.5 < row.oriented_iou < 0.9
+    assert row.stable is False
+
+
+def test_symmetric_objects_have_no_orientation() -> None:
+    row = rows()["bowl_1"]
+    assert row.orientation_rad is None
+    assert not row.category_correct
+
+
+def test_missed_and_failed_objects_count_as_wrong() -> None:
+    table = rows()
+    assert table["lamp_1"].status == "failed"
+    assert table["mask_5"].status == "missed"
+    for name in ("lamp_1", "mask_5"):
+        row = table[name]
+        assert (row.category_correct, row.model_correct, row.l2_cm, row.iou, row.stable) == (
+            False,
+            False,
+            None,
+            None,
+            None,
+        )
+    assert len(table) == len(TRUTH.objects)
+
+
+def _write(folder: Path) -> dict:
+    scene, seen = scene_and_objects()
+    library = Library(
+        assets=[
+            LibraryEntry(id=t.asset, category=t.category, folder=t.asset, doors=0, drawers=0, checksum="0")
+            for t in TRUTH.objects
+        ]
+    )
+    for name, value in {"scene_1": scene, "objects": seen, "truth": TRUTH, "library": library}.items():
+        write_json(folder / f"{name}.json", value)
+    write_json(folder / "scene_2.json", scene.model_copy(update={"rank": 2}))
+    return {name: folder / f"{name}.json" for name in ("objects", "truth", "library")} | {
+        "scenes": (folder / "scene_1.json", folder / "scene_2.json"),
+        "out": folder / "scores.csv",
+    }
+
+
+def test_the_table_holds_all_ranks_and_meets_its_contract(tmp_path: Path) -> None:
+    run(**_write(tmp_path))
+    table = pd.read_csv(tmp_path / "scores.csv")
+    assert len(table) == 10
+    assert set(table["rank"]) == {1, 2}
+    assert table.l2_cm.isna().sum() == 4
+    assert check_contract(["scores", str(tmp_path / "scores.csv")]) == 0
+
+
+def test_files_of_different_rooms_are_refused(tmp_path: Path) -> None:
+    files = _write(tmp_path)
+    write_json(files["truth"], TRUTH.model_copy(update={"scene": "room_x"}))
+    with pytest.raises(InputError, match="room_x"):
+        run(**files)
+    assert not files["out"].exists()
+
+
+def test_a_truth_of_another_library_is_refused(tmp_path: Path) -> None:
+    files = _write(tmp_path)
+    write_json(files["library"], Library(assets=[]))
+    with pytest.raises(InputError, match="cabinet_0"):
+        run(**files)

@@ -1,0 +1,242 @@
+"""Tables 2 and 3: statistics, what counts, what is pooled, what is shown as not run."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from stages.config.tables import TablesConfig
+from stages.contracts.errors import InputError
+from stages.contracts.policies import Rollout, SceneScore
+from stages.tables import layout, table2, table3
+from stages.tables.inputs import published_policies, published_scenes, read_rows
+from stages.tables.markup import Cell, Row, Table, html, latex, latex_escape, percent
+from stages.tables.order import natural, set_key
+from stages.tables.statistics import difference_interval, std, t_interval, wilson
+from stages.tables.tables import ONE_SCENE, run
+from tests.unit.tables_results import rollout, rollouts, score, write_rows
+
+PUBLISHED = Path(__file__).parents[2] / "report" / "published"
+OPTIONS = TablesConfig()
+
+
+def frame(rows: list) -> pd.DataFrame:
+    return pd.DataFrame([row.model_dump() for row in rows])
+
+
+def cell(table: pd.DataFrame, **keys: object) -> pd.Series:
+    found = table[np.logical_and.reduce([table[name] == value for name, value in keys.items()])]
+    assert len(found) == 1
+    return found.iloc[0]
+
+
+def scene_cells(rows: list) -> pd.DataFrame:
+    return table2.build(frame(rows), published_scenes(PUBLISHED), OPTIONS)
+
+
+# Known answers of the statistics -------------------------------------------------------------------------------------
+
+
+def test_wilson_interval_of_a_published_example() -> None:
+    low, high = wilson(8, 10, 0.95)
+    assert (low, high) == pytest.approx((0.4902, 0.9433), abs=1e-4)
+    assert wilson(0, 10, 0.95).low == 0
+
+
+def test_t_interval_and_sample_deviation() -> None:
+    assert std([1, 2, 3, None]) == pytest.approx(1.0)  # the population one would be 0.816
+    low, high = t_interval([1, 2, 3], 0.95)
+    assert (low, high) == pytest.approx((2 - 2.4841, 2 + 2.4841), abs=1e-3)
+    assert np.isnan(std([4.0])) and np.isnan(t_interval([4.0], 0.95).low)
+
+
+def test_difference_is_paired_by_initial_state() -> None:
+    states = np.array([[1, 0, 1, 0, 1, 0, 1, 1, 0, 0]] * 2, dtype=float)
+    same = difference_interval(states, states.copy(), 0.95, 500, 0)
+    assert same == pytest.approx((0, 0), abs=1e-12)  # unpaired resampling would give a wide interval
+    better = difference_interval(np.ones((2, 10)), np.zeros((3, 10)), 0.95, 500, 0)
+    assert better == pytest.approx((1, 1))
+    assert difference_interval(states, 1 - states, 0.95, 500, 3) == difference_interval(
+        states, 1 - states, 0.95, 500, 3
+    )
+
+
+def test_order_of_names() -> None:
+    assert sorted(["room_10", "room_2"], key=natural) == ["room_2", "room_10"]
+    assert sorted(["all", "cousins_8", "cousins_2", "twin"], key=set_key) == ["twin", "cousins_2", "cousins_8", "all"]
+    assert sorted(["dissimilar", "cousin_6", "cousin_2", "twin"], key=set_key)[-1] == "dissimilar"
+
+
+# The paper's values --------------------------------------------------------------------------------------------------
+
+
+def test_published_scenes_add_up_to_the_paper() -> None:
+    table = published_scenes(PUBLISHED)
+    assert len(table) == 32 and table["oriented_iou_mean"].isna().all()
+    by_variant = table.groupby("variant")[["n_objects", "category_correct", "model_correct"]].sum()
+    assert by_variant.loc["b"].tolist() == [63, 62, 39]
+    assert by_variant.loc["d"].tolist() == [63, 62, 56]
+    assert table.loc[(8, "d"), ["scale_m", "l2_cm_mean", "iou_std"]].tolist() == [10.23, 17.09, 0.21]
+
+
+def test_published_policies() -> None:
+    table = published_policies(PUBLISHED)
+    assert len(table) == 48 and set(table["runs"]) == {5, 6}
+    door = cell(table, task="door", test_asset="cousin_6", training_set="cousins_8")
+    assert door["mean"] == pytest.approx(0.9333, abs=1e-4)
+    assert cell(table, task="bowl", test_asset="twin", training_set="twin")["mean"] == pytest.approx(0.162)
+
+
+# Table 2 -------------------------------------------------------------------------------------------------------------
+
+
+def test_table2_counts_lost_objects_as_wrong_and_leaves_them_out_of_means() -> None:
+    lost = {"status": "missed", "category_correct": False, "model_correct": False, "asset": ""}
+    nothing = dict.fromkeys(["l2_cm", "orientation_rad", "iou", "oriented_iou", "stable"])
+    other_rank = score(number=4, rank=2, l2_cm=500)
+    invented = score(number=5, true_asset="", l2_cm=900)
+    table = scene_cells([score(number=1), score(number=3), score(number=9, **lost, **nothing), other_rank, invented])
+    row = cell(table, scene="room_1", variant="b")
+    assert [row[name] for name in ("n_objects", "category_correct", "model_correct", "n_placed")] == [3, 2, 2, 2]
+    assert (row["l2_cm_mean"], row["l2_cm_std"]) == pytest.approx((6.0, np.sqrt(2)))
+    assert row["l2_cm_low"] == 0  # the t interval reaches below zero, a distance does not
+    assert row["published_l2_cm_mean"] == 5.27 and row["status"] == "run"
+
+
+def test_table2_symmetric_objects_have_no_orientation() -> None:
+    table = scene_cells([score(number=1, orientation_rad=0.3), score(number=2, orientation_rad=None)])
+    row = cell(table, scene="room_1", variant="b")
+    assert row["orientation_rad_mean"] == pytest.approx(0.3) and row["n_oriented"] == 1
+
+
+def test_table2_total_pools_objects_and_compares_with_the_same_scenes() -> None:
+    rows = [score("room_1", n, l2_cm=1) for n in (1, 2, 3)] + [score("room_2", 1, l2_cm=5)]
+    row = cell(scene_cells(rows), scene="total")
+    assert row["l2_cm_mean"] == pytest.approx(2.0)  # over objects; the mean of the scenes' means would be 3
+    assert [row["n_objects"], row["n_scenes"], row["published_n_objects"], row["published_model_correct"]] == [
+        4,
+        2,
+        11,
+        9,
+    ]
+    assert row["published_l2_cm_mean"] == pytest.approx((5 * 5.27 + 6 * 4.85) / 11)
+
+
+def test_table2_says_not_run_and_knows_other_scenes_and_variants() -> None:
+    table = scene_cells([score(), score("kitchen", variant="dinov2")])
+    assert cell(table, scene="room_8", variant="d")["status"] == "not run"
+    assert pd.isna(cell(table, scene="room_8", variant="d")["n_objects"])
+    own = cell(table, scene="kitchen", variant="dinov2")
+    assert own["status"] == "run" and pd.isna(own["published_n_objects"])
+    assert not ((table["scene"] == "kitchen") & (table["status"] == "not run")).any()
+
+
+# Table 3 -------------------------------------------------------------------------------------------------------------
+
+
+def policy_cells(rows: list) -> pd.DataFrame:
+    return table3.build(frame(rows), published_policies(PUBLISHED), OPTIONS)
+
+
+def test_table3_has_a_row_per_run_and_pools_over_runs() -> None:
+    rows = [rollout(n, n < 8, seed=0) for n in range(10)] + [rollout(n, n < 4, seed=1) for n in range(10)]
+    table = policy_cells(rows)
+    first = cell(table, status="run", seed=0)
+    assert [first["episodes"], first["successes"], first["success_rate"]] == [10, 8, 0.8]
+    assert (first["wilson_low"], first["wilson_high"]) == pytest.approx((0.4902, 0.9433), abs=1e-4)
+    (pooled,) = table3.pool(table, 0.95).to_dict("records")
+    assert [pooled["runs"], pooled["episodes"], pooled["successes"]] == [2, 20, 12]
+    assert (pooled["mean"], pooled["std"]) == pytest.approx((0.6, np.sqrt(0.08)))
+    assert (table["status"] == "not run").sum() == 47
+
+
+def test_table3_differences_compare_shared_initial_states_only() -> None:
+    twin = [rollout(n, False) for n in range(5)]
+    cousins = [rollout(n, n != 9, training_set="cousins_4") for n in range(10)]  # states 1005-1009 are theirs alone
+    (row,) = table3.differences(frame(twin + cousins), OPTIONS).to_dict("records")
+    assert (row["states"], row["difference"], row["low"]) == (5, 1.0, 1.0)
+    assert table3.differences(frame(cousins), OPTIONS).empty
+
+
+# Files ---------------------------------------------------------------------------------------------------------------
+
+
+def test_verb_writes_the_tables_with_fixed_columns_and_the_same_bytes(tmp_path: Path) -> None:
+    scores = write_rows(tmp_path / "scores.csv", [score(number=1), score(number=2, orientation_rad=None)])
+    episodes = write_rows(tmp_path / "rollouts.csv", rollouts())
+    for out in ("one", "two"):
+        run(out=tmp_path / out, scores=(scores,), rollouts=(episodes,), published=PUBLISHED)
+    names = sorted(path.name for path in (tmp_path / "one").iterdir())
+    assert names == sorted(
+        [f"table{k}.{s}" for k in (2, 3) for s in ("csv", "html", "tex")] + ["table3_differences.csv"]
+    )
+    for name in names:
+        assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes()
+    for name, columns in (("table2.csv", table2.COLUMNS), ("table3.csv", table3.COLUMNS)):
+        head = (tmp_path / "one" / name).read_text().splitlines()[0].split(",")
+        assert head[: len(columns)] == columns and head[-1] == "status"
+    page = (tmp_path / "one" / "table3.html").read_text()
+    assert "not run" in page and "paper 90 ± 4 %" in page and "http" not in page
+
+
+def test_verb_without_any_rows_says_not_run(tmp_path: Path) -> None:
+    run(out=tmp_path, published=PUBLISHED)
+    table = pd.read_csv(tmp_path / "table2.csv")
+    assert set(table["status"]) == {"not run"} and len(table) == 32
+    assert "total" not in set(table["scene"])
+
+
+@pytest.mark.parametrize(
+    ("text", "complaint"),
+    [
+        ("", "lacks the column"),
+        ("HEADER\nroom_1,b,one,3.68,o,ok,a,a,True,True,1,1,1,1,True\n", "breaks the SceneScore contract at rank"),
+        ("HEADER\nroom_1,b,1,3.68,o,lost,a,a,True,True,1,1,1,1,True\n", ":2: breaks the SceneScore contract at status"),
+        ("HEADER\nroom_1,b,1,3.68,o,ok,a,a,True,True,1,1,1,1,True,9,9\n", "more cells than the header"),
+    ],
+)
+def test_bad_rows_are_named_by_file_line_and_field(tmp_path: Path, text: str, complaint: str) -> None:
+    path = tmp_path / "scores.csv"
+    path.write_text(text.replace("HEADER", ",".join(SceneScore.model_fields)))
+    with pytest.raises(InputError, match=complaint) as error:
+        read_rows(SceneScore, [path], ONE_SCENE)
+    assert "scores.csv" in str(error.value) and "\n" not in str(error.value)
+
+
+def test_rows_given_twice_are_refused(tmp_path: Path) -> None:
+    path = write_rows(tmp_path / "scores.csv", [score()])
+    with pytest.raises(InputError, match="same rows"):
+        read_rows(SceneScore, [path, path], ONE_SCENE)
+    with pytest.raises(InputError, match="no such file"):
+        read_rows(Rollout, [tmp_path / "none.csv"], [])
+
+
+def test_broken_published_values_leave_nothing_behind(tmp_path: Path) -> None:
+    (tmp_path / "table2.csv").write_text("scene,variant\n1,a\n")
+    (tmp_path / "table3.csv").write_text((PUBLISHED / "table3.csv").read_text())
+    with pytest.raises(InputError, match="lacks the column n_objects"):
+        run(out=tmp_path / "out", published=tmp_path)
+    assert not (tmp_path / "out").exists()
+
+
+# Markup --------------------------------------------------------------------------------------------------------------
+
+
+def test_markup_escapes() -> None:
+    table = Table("t", "50 % & <b>", ["a_b"], [Row([Cell("<i>", "x_1", "±")])])
+    assert "&lt;i&gt;" in html([table], "t") and "<i>" not in html([table], "t")
+    text = latex([table])
+    assert r"50 \% \& <b>" in text and r"a\_b" in text and r"\textcolor{gray}{$\pm$}" in text
+    assert latex_escape("\\{") == r"\textbackslash{}\{"
+    assert percent(0.916, 0.04) == "92 ± 4 %" and percent(0.5) == "50 %" and percent(float("nan")) == ""
+
+
+def test_layouts_show_ours_beside_the_paper() -> None:
+    shown = layout.policies_table(policy_cells(rollouts()), published_policies(PUBLISHED), OPTIONS)
+    first = shown.rows[0].cells
+    assert [first[0].value, first[1].value] == ["Door opening", "twin"]
+    assert first[3].published == "90 ± 4 %" and "2 runs" in first[3].remark
+    assert first[4].value == "not run" and first[4].published == "91 ± 9 %"
+    bowl = next(row for row in shown.rows if row.cells[0].value == "Putting away bowl")
+    assert bowl.kind == "not-run" and bowl.cells[4] == Cell("")  # the paper has no such cell either

@@ -1,0 +1,184 @@
+"""Figures and the report page, on a small made-up run."""
+
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from stages.contracts.errors import InputError
+from stages.tables import figures, report, tables
+from stages.tables.benchmarks import by_stage, duration, read_jobs
+from stages.tables.charts import line_chart
+from stages.tables.pictures import Album, load
+from stages.tables.policies import losses, read_attempts
+from tests.unit.tables_results import picture, write_run
+
+PUBLISHED = Path(__file__).parents[2] / "report" / "published"
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A whole run with its tables, figures and page."""
+    root = write_run(tmp_path_factory.mktemp("run"))
+    results = root / "results"
+    tables.run(
+        out=results / "tables",
+        scores=tuple(sorted(results.glob("evaluation/scenes/b/*/scores.csv"))),
+        rollouts=(results / "evaluation/policies/door/rollouts.csv",),
+        published=PUBLISHED,
+    )
+    draw(root, results / "figures")
+    page(root, results / "report" / "index.html")
+    return root
+
+
+def draw(root: Path, out: Path) -> None:
+    results = root / "results"
+    pictures = tuple(f"{room}/b={results}/generation/b/{room}/comparison.png" for room in ("room_1", "room_2"))
+    figures.run(out=out, table3_csv=results / "tables" / "table3.csv", comparisons=pictures, published=PUBLISHED)
+
+
+def page(root: Path, out: Path, **flags: object) -> str:
+    results = root / "results"
+    places = {"results": results, "benchmarks": root / "benchmarks", "tables": results / "tables"}
+    report.run(out=out, figures=results / "figures", published=PUBLISHED, **places, **flags)  # type: ignore[arg-type]
+    return out.read_text()
+
+
+class Checker(HTMLParser):
+    """Collects what must hold of the page's elements."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.ids: set[str] = set()
+        self.links: set[str] = set()
+        self.sources: list[str] = []
+        self.unnamed: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        values = dict(attrs)
+        if tag not in ("meta", "img", "input", "line", "polyline", "br"):
+            self.open.append(tag)
+        if "id" in values:
+            assert values["id"] not in self.ids, values["id"]
+            self.ids.add(str(values["id"]))
+        if tag == "a":
+            self.links.add(str(values["href"]))
+        if tag == "img":
+            self.sources.append(str(values["src"]))
+            self.unnamed += [] if "alt" in values else [tag]
+
+    def handle_endtag(self, tag: str) -> None:
+        if tag not in ("line", "polyline"):
+            assert self.open.pop() == tag
+
+
+def test_page_is_whole_and_stands_alone(made: Path) -> None:
+    text = (made / "results/report/index.html").read_text()
+    checker = Checker()
+    checker.feed(text)
+    assert checker.open == [] and checker.unnamed == []
+    assert all(link.removeprefix("#") in checker.ids for link in checker.links)
+    assert len(checker.sources) > 15 and all(source.startswith("data:") for source in checker.sources)
+    assert not re.search(r"(src|href)=\"(https?:)?//", text) and "@import" not in text and "url(" not in text
+    assert len(text.encode()) < report.MAX_BYTES
+
+
+def test_page_tells_what_happened(made: Path) -> None:
+    text = (made / "results/report/index.html").read_text()
+    for words in (
+        "13</b><span>models in 2 categories", "only 12 points &lt;after cleaning&gt;", "fallen: lamp_1",
+        "1. cabinet_01", "grasp slip 1", "8/10, 49–94 %", "16/20", "train_loss", "Table 3:", "paper 5/5",
+        "Trained on 4 cousins, lite, seed 0", "matching/b/room_1", "800 MiB", "not run", "+55 points",
+    ):  # fmt: skip
+        assert words in text, words
+    assert text.count("only 12 points") == 2  # once per room: a failure is told where it happened first
+    assert "no cloud" not in text
+
+
+def test_page_and_figures_are_the_same_bytes_again(made: Path, tmp_path: Path) -> None:
+    draw(made, tmp_path)
+    for name in ("figure4", "figure6", "figure9"):
+        for suffix in ("svg", "png"):
+            again = (tmp_path / f"{name}.{suffix}").read_bytes()
+            assert again == (made / "results/figures" / f"{name}.{suffix}").read_bytes(), name
+    assert page(made, tmp_path / "index.html") == (made / "results/report/index.html").read_text()
+
+
+def test_figures_without_results_are_drawn_as_not_run(tmp_path: Path) -> None:
+    figures.run(out=tmp_path, published=PUBLISHED)
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(
+        f"figure{n}.{suffix}" for n in (4, 6, 9) for suffix in ("png", "svg")
+    )
+    with Image.open(tmp_path / "figure6.png") as drawn:
+        assert drawn.width > 500
+
+
+def test_page_of_an_empty_run_says_not_run(tmp_path: Path) -> None:
+    (tmp_path / "results").mkdir()
+    text = page(tmp_path, tmp_path / "index.html", title="Nothing <yet>", seed=3)
+    assert (
+        text.count("Not run:") >= 5 and "<title>Nothing &lt;yet&gt;</title>" in text and "seed of this run is 3" in text
+    )
+    with pytest.raises(InputError, match="no such folder"):
+        report.run(out=tmp_path / "x.html", results=tmp_path / "none")
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "complaint"),
+    [
+        ("results/extraction/room_1/objects.json", "{", "breaks the Objects contract"),
+        ("results/demonstrations/door/twin/attempts.jsonl", '{"attempt": 0}\n', "attempts.jsonl:1: breaks the Attempt"),
+        ("results/training/door/twin/lite/seed_0/metrics.jsonl", "{}\nnan,\n", "metrics.jsonl:2: is not JSON"),
+        ("results/generation/b/room_1/comparison.png", "no picture", "is not a readable picture"),
+        ("benchmarks/assets/library.tsv", "a\tb\n1\t2\n", "not a benchmark file"),
+        ("results/tables/table2.csv", "scene\n", "lacks the column"),
+    ],
+)
+def test_broken_input_gives_one_line_and_no_page(tmp_path: Path, name: str, text: str, complaint: str) -> None:
+    root = write_run(tmp_path)
+    (root / name).parent.mkdir(parents=True, exist_ok=True)
+    (root / name).write_text(text)
+    with pytest.raises(InputError, match=complaint) as error:
+        page(root, tmp_path / "out" / "index.html")
+    assert "\n" not in str(error.value) and not (tmp_path / "out").exists()
+
+
+def test_comparisons_must_name_a_room(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="not room=picture"):
+        figures.run(out=tmp_path, comparisons=("picture.png",), published=PUBLISHED)
+
+
+def test_benchmarks_by_stage(made: Path) -> None:
+    rows = {row.stage: row for row in by_stage(read_jobs(made / "benchmarks"), ["matching", "assets"])}
+    assert list(rows) == ["matching", "assets", "tables"]
+    assert rows["assets"].seconds == 61.5 and rows["assets"].memory == 300.25
+    assert sum(row.share for row in rows.values()) == pytest.approx(1)
+    assert rows["tables"].cpu_seconds == 0  # too short to be measured
+    assert [duration(s) for s in (0.4, 59.7, 74, 7500)] == ["0.4 s", "1 min 00 s", "1 min 14 s", "2 h 05 min"]
+
+
+def test_losses_and_charts() -> None:
+    step, series = losses([{"step": 10, "loss": 2.0, "lr": 1}, {"step": 20, "loss": 1.0, "valid_loss": 3}])
+    assert step == "step" and series == {"loss": [(10.0, 2.0), (20.0, 1.0)], "valid_loss": [(20.0, 3.0)]}
+    chart = line_chart({"<a>": [(0, 1), (1, float("nan")), (2, 0)]}, "step", "x")
+    assert chart.count("polyline") == 1 and "&lt;a&gt;" in chart and "nan" not in chart
+    assert line_chart({"flat": [(0, 1)]}, "step", "x") != "" and line_chart({}, "step", "x") == ""
+
+
+def test_pictures_are_made_smaller(tmp_path: Path) -> None:
+    picture(tmp_path / "a.png", 400, 200)
+    assert load(tmp_path / "a.png", 100).size == (100, 50) and load(tmp_path / "a.png", 900).size == (400, 200)
+    clear = Image.new("RGBA", (8, 8), (0, 0, 0, 0))
+    clear.save(tmp_path / "clear.png")
+    assert load(tmp_path / "clear.png", 8).getpixel((0, 0)) == (255, 255, 255)
+    added = Album(100, 80).add(tmp_path / "a.png", "a box")
+    assert added.source.startswith("data:image/webp;base64,") and (added.width, added.height) == (100, 50)
+
+
+def test_attempts_of_an_empty_ledger(tmp_path: Path) -> None:
+    (tmp_path / "attempts.jsonl").write_text("")
+    assert read_attempts(tmp_path / "attempts.jsonl") == []

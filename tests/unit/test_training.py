@@ -1,0 +1,200 @@
+"""Training: it learns, resumes exactly, repeats itself, refuses bad stores."""
+
+import json
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+import torch
+from safetensors.torch import load_file
+
+from stages.config.training import TrainingRun
+from stages.contracts.errors import InputError
+from stages.policy.actor import Actor
+from stages.policy.checkpoint import load_policy, read_config
+from stages.training import loop
+from stages.training.augment import augment
+from stages.training.dataset import gather, read_demonstrations, split_episodes, windows
+from stages.training.train import run as train
+from tests.toy_reach import ToyReach, write_store
+
+SMALL = {
+    "network": {"points": 64, "pointnet_width": 32, "rnn_hidden": 32, "mlp": [32], "flag_embedding": 8},
+    "batch_size": 8,
+    "steps": 6,
+    "log_every": 2,
+    "save_every": 2,
+    "wandb": "disabled",
+}
+
+
+@pytest.fixture(scope="module")
+def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write_store(tmp_path_factory.mktemp("store") / "episodes.h5", episodes=40)
+
+
+def options(**changes: object) -> str:
+    return json.dumps(SMALL | changes)
+
+
+def test_learns_to_reach_what_the_cloud_shows(store: Path, tmp_path: Path) -> None:
+    """Closed loop on unseen goals: the hand ends within 3 cm; before training it does not."""
+    train(episodes=(store,), per_store=40, options=options(steps=400, log_every=100), out=tmp_path / "policy")
+    policy = load_policy(tmp_path / "policy", "last")
+    reached = []
+    for seed in range(1000, 1012):
+        toy, actor = ToyReach(seed), Actor(policy, horizon=10, slots=1, choose="most_likely")
+        actor.reset(0, seed)
+        for _ in range(16):
+            cloud, proprio = toy.observe()
+            toy.step(actor.act([0], [cloud], [proprio])[0])
+        reached.append(toy.distance < 0.03)
+    assert np.mean(reached) >= 0.75
+    lines = [json.loads(line) for line in (tmp_path / "policy" / "metrics.jsonl").read_text().splitlines()]
+    assert [line["step"] for line in lines] == [100, 200, 300, 400]
+    assert lines[-1]["validation_loss"] < lines[0]["validation_loss"]
+
+
+def test_interrupted_equals_uninterrupted(store: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    whole, broken = tmp_path / "whole", tmp_path / "broken"
+    train(episodes=(store,), per_store=8, options=options(), out=whole)
+
+    calls = 0
+    augment_once = loop.augment
+
+    def power_cut(*args: object) -> object:
+        nonlocal calls
+        calls += 1
+        if calls == 6:
+            raise KeyboardInterrupt
+        return augment_once(*args)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(loop, "augment", power_cut)
+    with pytest.raises(KeyboardInterrupt):
+        train(episodes=(store,), per_store=8, options=options(), out=broken)
+    assert not broken.exists()
+    monkeypatch.undo()
+    train(episodes=(store,), per_store=8, options=options(), out=broken)
+    for name in ("policy.safetensors", "last.safetensors", "config.json"):
+        assert (whole / name).read_bytes() == (broken / name).read_bytes(), name
+    assert [json.loads(line)["step"] for line in (broken / "metrics.jsonl").read_text().splitlines()] == [2, 4, 6]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["broken", "whole"]
+
+
+def test_another_run_does_not_go_on_from_the_state(
+    store: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stop(*args: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(loop, "validation_batches", lambda *args: iter(()))
+    train(episodes=(store,), per_store=8, options=options(), out=tmp_path / "a", seed=1)
+    monkeypatch.setattr("stages.training.train.save_weights", stop)
+    with pytest.raises(KeyboardInterrupt):
+        train(episodes=(store,), per_store=8, options=options(), out=tmp_path / "b", seed=0)
+    monkeypatch.undo()
+    monkeypatch.setattr(loop, "validation_batches", lambda *args: iter(()))
+    train(episodes=(store,), per_store=8, options=options(), out=tmp_path / "b", seed=1)
+    assert (tmp_path / "a" / "last.safetensors").read_bytes() == (tmp_path / "b" / "last.safetensors").read_bytes()
+
+
+def test_writes_what_the_contract_says(store: Path, tmp_path: Path) -> None:
+    train(episodes=(store, store), per_store=5, options=options(keep=2), out=tmp_path / "policy", seed=3)
+    config = read_config(tmp_path / "policy")
+    assert [s.episodes for s in config.stores] == [5, 5]
+    assert config.training_episodes + config.validation_episodes == 10
+    assert config.task_options.points == 96
+    assert config.checkpoints == ["checkpoints/step_3.safetensors", "checkpoints/step_6.safetensors"]
+    kept = load_file(tmp_path / "policy" / config.checkpoints[-1])
+    last = load_file(tmp_path / "policy" / "last.safetensors")
+    assert all(torch.equal(kept[name], last[name]) for name in last)
+    policy = load_policy(tmp_path / "policy", "checkpoints/step_3.safetensors")
+    assert policy.proprio_std[3:7].min() >= 1e-3  # constant entries do not blow up
+
+
+def test_select_last(store: Path, tmp_path: Path) -> None:
+    train(episodes=(store,), per_store=5, options=options(select="last"), out=tmp_path / "policy")
+    files = [(tmp_path / "policy" / name).read_bytes() for name in ("policy.safetensors", "last.safetensors")]
+    assert files[0] == files[1]
+
+
+def test_windows_pad_at_the_end_without_weight(store: Path) -> None:
+    data = read_demonstrations([store], 3)
+    frames, real = windows(data, [1], horizon=10, stride=1)
+    assert frames.shape == (14, 10)
+    assert frames[0].tolist() == list(range(14, 24))
+    assert frames[-1].tolist() == [27] * 10
+    assert real[-1].tolist() == [True] + [False] * 9
+
+
+def test_split_is_by_episode_and_store(store: Path) -> None:
+    data = read_demonstrations([store, store], 10)
+    training, validation = split_episodes(data, 0.2, seed=0)
+    assert sorted(training + validation) == list(range(20))
+    assert sum(i < 10 for i in validation) == 2
+    assert split_episodes(read_demonstrations([store], 1), 0.9, 0) == ([0], [])
+
+
+def test_downsampling_takes_one_subset_per_sequence(store: Path) -> None:
+    data = read_demonstrations([store], 2)
+    frames, real = windows(data, [0], 5, 5)
+    batch = gather(data, frames[:1], real[:1], 20, torch.Generator().manual_seed(0))
+    assert batch.clouds.shape == (1, 5, 20, 4)
+    whole = data.clouds[int(frames[0, 2])].float()
+    assert all((whole == point).all(1).any() for point in batch.clouds[0, 2])
+
+
+def sequences() -> tuple[torch.Tensor, torch.Tensor]:
+    return torch.zeros(64, 5, 8, 4), torch.zeros(64, 5, 9)
+
+
+def test_translation_keeps_hand_and_handle_together() -> None:
+    hyper = TrainingRun(translation_probability=0.5, jitter_probability=0)
+    clouds, proprio = augment(*sequences(), hyper, torch.Generator().manual_seed(0))
+    assert torch.equal(clouds[:, :, 0, :3], proprio[..., :3])  # same shift for both
+    assert (proprio == proprio[:, :1]).all()  # constant over the sequence
+    share = (proprio[:, 0, 0] != 0).float().mean()
+    assert 0.3 < share < 0.7
+    assert 0.03 < proprio.abs().max() <= 0.04
+    assert (clouds[..., 3] == 0).all()
+    assert (proprio[..., 3:] == 0).all()
+
+
+def test_official_translation_moves_the_cloud_alone() -> None:
+    hyper = TrainingRun(translation_mode="cloud_only", translation_probability=1, jitter_probability=0)
+    clouds, proprio = augment(*sequences(), hyper, torch.Generator().manual_seed(0))
+    assert (proprio == 0).all()
+    assert not torch.equal(clouds[:, 0], clouds[:, 1])
+
+
+def test_jitter_is_clipped() -> None:
+    hyper = TrainingRun(translation_probability=0, jitter_probability=1)
+    clouds, proprio = augment(*sequences(), hyper, torch.Generator().manual_seed(0))
+    assert clouds[..., :3].abs().max() == pytest.approx(0.015)
+    assert 0.005 < clouds[..., :3].std() < 0.01
+    assert (proprio == 0).all()
+
+
+def test_learning_rates() -> None:
+    cosine = TrainingRun(steps=100, learning_rate=1.0, schedule="cosine")
+    assert [loop.learning_rate(step, cosine) for step in (0, 50, 100)] == pytest.approx([1, 0.5, 0])
+    linear = TrainingRun(steps=50_000, learning_rate=1.0, schedule="linear")
+    assert [loop.learning_rate(step, linear) for step in (0, 10_000, 40_000)] == pytest.approx([1, 0.1, 0.1])
+
+
+def test_too_few_episodes_and_broken_stores_are_input_errors(store: Path, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="has 40 episodes, 41 are asked for"):
+        read_demonstrations([store], 41)
+    broken = tmp_path / "broken.h5"
+    broken.write_bytes(b"no HDF5")
+    with pytest.raises(InputError, match=r"broken\.h5: is no episode store"):
+        read_demonstrations([broken], 1)
+    other = write_store(tmp_path / "other.h5", 2)
+    with h5py.File(other, "a") as file:
+        file["data"].attrs["task"] = "drawer"
+    with pytest.raises(InputError, match=r"other\.h5: was collected for another task"):
+        read_demonstrations([store, other], 2)
+    with pytest.raises(InputError, match=r"training\.network\.points"):
+        train(episodes=(store,), per_store=2, options=json.dumps({"network": {"points": 97}}), out=tmp_path / "policy")
+    assert not (tmp_path / "policy").exists()

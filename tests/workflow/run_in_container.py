@@ -1,0 +1,91 @@
+"""Run the rule `tables` in its container with podman, on rows made for the purpose, and compare with a run on the host.
+
+Called by containers/check.sh once the report image is built; it is a script because pytest must not need podman.
+"""
+
+import csv
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from stages.contracts import Rollout, SceneScore
+
+ROOT = Path(__file__).resolve().parents[2]
+SNAKEMAKE = [
+    str(Path(sys.executable).parent / "snakemake"),
+    "--cores",
+    "1",
+    "--allowed-rules",
+    "tables",
+    "--quiet",
+    "rules",
+]
+
+
+def rows() -> tuple[list[SceneScore], list[Rollout]]:
+    """A few plausible rows."""
+    scores = [
+        SceneScore(
+            scene="room_1", variant="b", rank=1, scale_m=3.68, object=f"cabinet_{k}", status="ok", true_asset=f"a{k}",
+            asset=f"a{k}", category_correct=True, model_correct=k > 1, l2_cm=3.0 + k, orientation_rad=0.05 * k,
+            iou=0.7, oriented_iou=0.65, stable=True,
+        )
+        for k in range(1, 6)
+    ]  # fmt: skip
+    rollouts = [
+        Rollout(
+            task="door", training_set="twin", run="lite", seed=0, checkpoint="last", test_asset="twin", asset="a1",
+            dino_distance=0.0, episode=k, initial_state=k, success=k % 3 > 0, steps=50, opened=0.4,
+        )
+        for k in range(8)
+    ]  # fmt: skip
+    return scores, rollouts
+
+
+def write(path: Path, items: list) -> None:
+    """Write rows as CSV."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("w", newline="") as file:
+        writer = csv.DictWriter(file, list(type(items[0]).model_fields))
+        writer.writeheader()
+        writer.writerows(item.model_dump() for item in items)
+
+
+def main() -> int:
+    """Exit code 0 if the container's tables equal the host's."""
+    scores, rollouts = rows()
+    with tempfile.TemporaryDirectory() as folder:
+        work = Path(folder) / "workflow"
+        shutil.copytree(
+            ROOT, work, symlinks=True,
+            ignore=shutil.ignore_patterns(".venv", ".git", ".snakemake", "results", "logs", "*.egg-info", "__pycache__"),
+        )  # fmt: skip
+        experiment = "{rooms: [room_1], variants: {b: {}}, training_sets: [twin], runs: [lite], seeds: [0]}"
+        (work / "one.yaml").write_text(f"experiment: {experiment}\n")
+        write(work / "results/evaluation/scenes/b/room_1/scores.csv", scores)
+        write(work / "results/evaluation/policies/door/twin/lite/seed_0/rollouts.csv", rollouts)
+        base = [*SNAKEMAKE, "--configfile", "config.yaml", "one.yaml", "--", "tables"]
+        produced = {}
+        for place, extra in (
+            ("host", []),
+            ("container", ["--set-resources", "tables:shell_exec=containers/sh-report"]),
+        ):
+            shutil.rmtree(work / "results/tables", ignore_errors=True)
+            command = [base[0], *extra, *base[1:]]
+            done = subprocess.run(command, cwd=work, text=True, capture_output=True)
+            if done.returncode:
+                print(done.stdout, done.stderr, sep="\n")
+                print(f"containers: the rule failed on the {place}")
+                return 1
+            produced[place] = {path.name: path.read_bytes() for path in sorted((work / "results/tables").iterdir())}
+        if produced["host"] != produced["container"]:
+            print("containers: the tables of the container differ from those of the host")
+            return 1
+    print(f"containers: rule tables ran in its image and wrote {len(produced['host'])} files, byte for byte the host's")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
