@@ -77,7 +77,7 @@ def check_packages() -> Check:
 def check_vulkan() -> Check:
     """A device that SAPIEN can render with."""
     device = _probe(VULKAN_PROBE)
-    fix = "run as root: bash envs/vulkan.sh" if not os.geteuid() == 0 else "bash envs/vulkan.sh"
+    fix = "run as root: bash envs/vulkan.sh" if os.geteuid() != 0 else "bash envs/vulkan.sh"
     return Check("vulkan", bool(device), device or "SAPIEN finds no rendering device", fix)
 
 

@@ -9,13 +9,13 @@ class DemonstrationsConfig(Section):
     """How the scripted skill moves, and how long collection tries."""
 
     goal_margin: float = Field(
-        0.08, ge=0, le=0.5, description="open this fraction of the range further than success needs, then let go"
+        0.2, ge=0, le=0.5, description="open this fraction of the range further than success needs, then let go"
     )
     pregrasp: float = Field(0.1, gt=0, description="where Approach ends and Converge begins, metres (official: 0.13)")
     approach_lookahead: float = Field(0.06, gt=0, description="how far ahead on its path the hand aims, metres")
     articulate_lookahead: float = Field(0.04, gt=0, description="the same while it holds the handle, metres")
     noise: float = Field(
-        0.0,
+        0.005,
         ge=0,
         description="standard deviation of the noise on executed actions, metres per step; the recorded action is "
         "the clean one, so that policies see how to recover (DART, Laskey et al. 2017)",

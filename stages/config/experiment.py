@@ -44,7 +44,7 @@ class ExperimentConfig(Section):
     held_out: list[int] = Field([2, 6], description="Cousins kept out of every training set (paper: 2nd and 6th).")
     cousins: int = Field(10, ge=1, description="How many cousins the policy experiment knows.")
     episodes: int = Field(
-        80, ge=1, description="Demonstrations in every training set, shared evenly by its assets so that sets compare."
+        120, ge=1, description="Demonstrations in every training set, shared evenly by its assets so that sets compare."
     )
     runs: list[str] = Field(["lite"], description="Hyper-parameter sets to train, from `training.runs`.")
     seeds: list[int] = Field([0], description="Training seeds. The paper: best two hyper-parameter sets x 3 seeds.")

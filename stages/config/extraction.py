@@ -33,7 +33,9 @@ class ExtractionConfig(Section):
         "simulator", description="Where depth and masks come from. simulator: from the files in the input folder."
     )
     depth_noise: Literal["model", "none"] = Field(
-        "model", description="model: depth is put through `noise` first. none: it is used as it is (measured depth)."
+        "model",
+        description="model: exact depth from the renderer is put through `noise` first. none: it is used as it is. "
+        "Depth of your own pictures is never disturbed.",
     )
     noise: DepthNoiseConfig = Field(DepthNoiseConfig(), description="The noise model of `depth_noise: model`.")
     crop: float = Field(0.9, gt=0, le=1, description="Central part of the image that is used (paper: 0.9).")
@@ -71,7 +73,7 @@ class ExtractionConfig(Section):
     dbscan_min_points: int = Field(8, ge=1, description="DBSCAN core size (A.7).")
     dbscan_keep: float = Field(0.01, ge=0, lt=1, description="Clusters with a smaller share of the points are dropped.")
     trim: float = Field(
-        0.005,
+        0.01,
         ge=0,
         lt=0.25,
         description="Share of the points left out at either end of a box (0: raw extremes).",

@@ -12,7 +12,12 @@ class GenerationConfig(Section):
 
     ranks: int = Field(4, ge=1, description="Scenes to make: scene r is built of the r-th cousin of every object.")
 
-    # Orientation refinement (A.7)
+    # Orientation (A.3, A.7)
+    wall_view: Literal["rear", "first"] = Field(
+        "rear",
+        description="View of what touches a wall. rear: the best of the matched views that turns its rear to the wall, "
+        "as A.3 lays it. first: the best matched view, as in the paper.",
+    )
     refinement: Literal["box", "off"] = Field(
         "box",
         description="box: turn each asset to the axes of its cloud's minimum box (A.7). off: keep the matched view.",
@@ -38,11 +43,11 @@ class GenerationConfig(Section):
     trim: float = Field(0.005, ge=0, lt=0.25, description="Share of the cloud left out at either end of an extent.")
     aspect_prior: Literal["native", "off"] = Field(
         "native",
-        description="native: depth or width that cannot be right (the far side is hidden) is taken from the asset's "
-        "own proportions, and round assets stay round. off: extents of the cloud, as in the paper.",
+        description="native: a depth that cannot be right (the far side is hidden) is taken from the asset's own "
+        "proportions, and round assets stay round. off: extents of the cloud, as in the paper.",
     )
     aspect_range: tuple[float, float] = Field(
-        (0.5, 2.0), description="Believable scale of depth and width, relative to the median scale of the three axes."
+        (0.5, 2.0), description="Believable scale of the depth, relative to the median scale of the three axes."
     )
     min_extent: float = Field(0.01, gt=0, description="Smallest extent of a placed asset, metres.")
 

@@ -1,4 +1,4 @@
-"""Config section `task`: everything that defines environment and observation, shared by demonstrations and evaluation."""
+"""Config section `task`: environment and observation, shared by demonstrations and evaluation."""
 
 from typing import Literal
 

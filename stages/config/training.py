@@ -10,18 +10,20 @@ from stages.config.base import Section
 class NetworkConfig(Section):
     """Sizes of the policy network: PointNet, LSTM, MLP, Gaussian mixture."""
 
-    points: int = Field(256, ge=16, description="random subset of each cloud that is seen (official: 1024 of 2048)")
+    points: int = Field(128, ge=16, description="random subset of each cloud that is seen (official: 1024 of 2048)")
     cloud_frame: Literal["robot", "gripper"] = Field(
         "gripper", description="origin of the cloud: robot base (paper), or the end-effector, axes kept"
     )
     standardise: bool = Field(True, description="shift and scale clouds to unit variance (official: raw metres)")
-    pointnet_width: int = Field(128, ge=8, description="paper: 512")
+    pointnet_width: int = Field(64, ge=8, description="paper: 512")
     pointnet_layers: int = Field(2, ge=2, description="linear layers before the max-pool; paper: 2, official code: 3")
     flag_embedding: int = Field(128, ge=1, description="learned embedding of the finger flag; paper: 128")
     rnn_hidden: int = Field(128, ge=8, description="LSTM state; paper: 512")
     mlp: list[int] = Field([128], description="hidden layers behind the LSTM; official code: [512, 512]")
     gmm_modes: int = Field(5, ge=1, description="official code: 5")
-    gmm_min_std: float = Field(0.01, gt=0, description="added to every standard deviation; official code: 1e-4")
+    gmm_min_std: float = Field(
+        0.1, gt=0, description="added to every standard deviation (official: 1e-4); docs/training.md says why so large"
+    )
 
 
 class TrainingRun(Section):
@@ -31,9 +33,9 @@ class TrainingRun(Section):
     rnn_horizon: int = Field(10, ge=1, description="steps per training sequence; paper: 10")
 
     # Optimisation
-    steps: int = Field(3000, ge=1, description="AdamW updates; official code: 300000")
+    steps: int = Field(4000, ge=1, description="AdamW updates; official code: 300000")
     batch_size: int = Field(16, ge=1, description="sequences per update; official code: 32")
-    learning_rate: float = Field(1e-3, gt=0, description="peak; official code: 1e-3")
+    learning_rate: float = Field(4e-3, gt=0, description="peak; official code: 1e-3")
     schedule: Literal["linear", "cosine", "constant"] = Field(
         "cosine",
         description="cosine: to zero at the last step; linear: to a tenth over 10000 steps, then flat (official)",
@@ -82,6 +84,7 @@ PAPER = TrainingRun(
     network=PAPER_NETWORK,
     steps=300_000,
     batch_size=32,
+    learning_rate=1e-3,
     schedule="linear",
     weight_decay=0.0,
     log_every=500,

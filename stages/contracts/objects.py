@@ -10,7 +10,7 @@ from stages.contracts.scenes import Matrix
 
 
 class Wall(Contract):
-    """A wall plane in the floor frame: points p with normal . p = offset; the normal is horizontal and faces the camera."""
+    """A wall plane in the floor frame: points p with normal . p = offset; the normal is horizontal and faces us."""
 
     id: str
     normal: Vector

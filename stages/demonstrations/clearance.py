@@ -36,7 +36,7 @@ class Surroundings:
 
     def clear(self, centers: Array, radii: Array, value: float) -> bool:
         """Whether spheres (N, 3), (N,) in the asset frame touch nothing with the joint at `value`."""
-        motion = self.target.motion(value)
+        motion = self.target.motions(np.array([value]))[0]
         in_moving = (centers - motion[:3, 3]) @ motion[:3, :3]
         gaps = self.moving.query(in_moving, distance_upper_bound=0.1)[0] - radii
         if self.fixed is not None:

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TypeVar
 
 import cv2
 import numpy as np
@@ -10,13 +11,14 @@ from numpy.typing import NDArray
 from stages.contracts import atomic
 
 Image = NDArray[np.uint8]
+T = TypeVar("T")
 
 FRAMES = 8
 SIZE = 256
 SCENE, FINGER = (40, 40, 40), (220, 30, 30)
 
 
-def pick(frames: Sequence[Image], count: int = FRAMES) -> list[Image]:
+def pick(frames: Sequence[T], count: int = FRAMES) -> list[T]:
     """`count` frames evenly over an episode, the first and the last included."""
     return [frames[i] for i in np.linspace(0, len(frames) - 1, count).round().astype(int)]
 
@@ -36,10 +38,11 @@ def draw_cloud(cloud: NDArray[np.floating]) -> Image:
 
 def strip(pictures: Sequence[Image], clouds: Sequence[NDArray[np.floating]]) -> Image:
     """One episode: pictures in a row, the clouds below them."""
-    columns = zip(pick(pictures), [clouds[i] for i in np.linspace(0, len(clouds) - 1, FRAMES).round().astype(int)])
-    return np.concatenate(
-        [np.concatenate([cv2.resize(picture, (SIZE, SIZE)), draw_cloud(cloud)]) for picture, cloud in columns], axis=1
-    )
+    columns = [
+        np.concatenate([cv2.resize(picture, (SIZE, SIZE)), draw_cloud(cloud)])
+        for picture, cloud in zip(pick(pictures), pick(clouds), strict=True)
+    ]
+    return np.concatenate(columns, axis=1)
 
 
 def write_film(path: Path, strips: Sequence[Image]) -> None:

@@ -34,15 +34,14 @@ def opening(target: Target, grasp: Array, goal: float, follow: float) -> Array:
         grasp: (4, 4) pose of the hand when the joint is closed.
         follow: the part of a door's turn that the hand makes as well; with 0 the handle turns between the fingers.
     """
-    handle = target.motion(goal) @ grasp
+    handle = target.motions(np.array([goal]))[0] @ grasp
     count = max(2, 1 + int(np.ceil(distance(grasp[None], handle[None])[0] / SPACING)))
-    poses = np.tile(grasp, (count, 1, 1))
-    for pose, value in zip(poses, np.linspace(target.lower, goal, count), strict=True):
-        pose[:3, 3] = (target.motion(value) @ grasp)[:3, 3]
-        if target.revolute:
-            turn = Rotation.from_rotvec(target.axis * follow * (value - target.lower)).as_matrix()
-            pose[:3, :3] = turn @ grasp[:3, :3]
-    return poses
+    values = np.linspace(target.lower, goal, count)
+    poses = target.motions(values) @ grasp
+    if target.revolute:
+        turns = Rotation.from_rotvec(follow * (values - target.lower)[:, None] * target.axis)
+        poses[:, :3, :3] = turns.as_matrix() @ grasp[:3, :3]
+    return np.asarray(poses)
 
 
 class Pursuit:

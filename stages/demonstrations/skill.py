@@ -1,4 +1,4 @@
-"""The Open skill (paper A.4): Approach, Converge, Grasp, Articulate, Ungrasp, closed-loop through the policy's actions."""
+"""The Open skill (paper A.4), closed-loop through the actions a policy has: Approach ... Ungrasp."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -45,9 +45,7 @@ class OpenSkill:
         fraction = min(1.0, task.options.success_fraction + self.options.goal_margin)
         goal = target.lower + fraction * (target.upper - target.lower)
         base_from_asset = task.env.base_from_asset()
-        plan = plan_open(
-            task.chain, task.joints()[:7], base_from_asset, target, surroundings, goal, self.options
-        )
+        plan = plan_open(task.chain, task.joints()[:7], base_from_asset, target, surroundings, goal, self.options)
         if plan is None:
             return Outcome(False, "no_plan")
         approach = np.concatenate([plan.approach, plan.converge[1:]])

@@ -19,6 +19,7 @@ from stages.evaluation.episodes import Episode, roll_out
 from stages.evaluation.film import film
 from stages.policy.actor import Actor
 from stages.policy.checkpoint import load_policy, read_config
+from stages.policy.network import Policy
 from stages.simulation.task_api import TaskEnv, make_task
 
 FIRST_STATE = 2**31  # demonstrations use seeds below: no policy is tested on a state that it was shown
@@ -58,7 +59,7 @@ def run(
     torch.set_num_threads(1)
     arena = Arena(trained, settings, library, device)
     tested = [find(plan, role, assets) for role in settings.test_assets]
-    checkpoint = settings.checkpoint
+    checkpoint: str = settings.checkpoint
     if checkpoint == "rollouts":
         checkpoint = arena.most_successful(policy, find(plan, "twin", assets), seed)
     network = load_policy(policy, checkpoint, device)
@@ -103,7 +104,7 @@ class Arena:
         entries = read_json(Library, library).assets
         self.folders = {entry.id: library.parent / entry.folder for entry in entries}
 
-    def episodes(self, network: torch.nn.Module, asset: TaskAsset, states: list[int], film_every: int) -> list[Episode]:
+    def episodes(self, network: Policy, asset: TaskAsset, states: list[int], film_every: int) -> list[Episode]:
         """One episode per initial state."""
         tasks = [self.task(asset) for _ in range(min(self.settings.envs, len(states)))]
         actor = Actor(network, self.trained.run.rnn_horizon, len(tasks), self.settings.action)

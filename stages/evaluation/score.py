@@ -44,9 +44,10 @@ def run(*, scenes: tuple[Path, ...], objects: Path, truth: Path, library: Path, 
     table = pd.DataFrame(rows, columns=list(SceneScore.model_fields))
     with atomic(out) as path:
         table.to_csv(path, index=False, float_format="%.6g")
-    ok = table[table.status == "ok"]
+    best = table[table["rank"] == table["rank"].min()]
     print(
-        f"{true.scene}: category {table.category_correct.mean():.2f}, model {table.model_correct.mean():.2f}, "
-        f"L2 {ok.l2_cm.mean():.1f} cm, orientation {ok.orientation_rad.mean():.2f} rad, "
-        f"IoU {ok.iou.mean():.2f}, oriented {ok.oriented_iou.mean():.2f}, stable {ok.stable.mean():.2f}"
+        f"{true.scene} rank {best['rank'].min()}: category {best.category_correct.mean():.2f}, "
+        f"model {best.model_correct.mean():.2f}, L2 {best.l2_cm.mean():.1f} cm, "
+        f"orientation {best.orientation_rad.mean():.2f} rad, IoU {best.iou.mean():.2f}, "
+        f"oriented {best.oriented_iou.mean():.2f}"
     )

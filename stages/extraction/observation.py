@@ -16,7 +16,8 @@ class Observation:
     """One picture with all that is known of its pixels.
 
     rgb (H, W, 3) uint8; depth (H, W) float32 metres along the optical axis, 0: unknown;
-    masks (H, W) uint16, values as named by `annotations`; intrinsics (3, 3) in pixels.
+    masks (H, W) uint16, values as named by `annotations`; intrinsics (3, 3) in pixels; exact: the depth
+    has no error at all, as a renderer's.
     """
 
     rgb: NDArray[np.uint8]
@@ -24,6 +25,7 @@ class Observation:
     masks: NDArray[np.uint16]
     intrinsics: NDArray[np.float64]
     annotations: Annotations
+    exact: bool = False
 
 
 K_FORM = "write [[fx, 0, cx], [0, fy, cy], [0, 0, 1]] in pixels"
@@ -61,20 +63,21 @@ def read_masks(path: Path) -> NDArray[np.uint16]:
     return image.astype(np.uint16)
 
 
-def read_depth(path: Path) -> NDArray[np.float32]:
-    """The array `depth` of an npz file; negative and non-finite values become 0 (unknown)."""
+def read_depth(path: Path) -> tuple[NDArray[np.float32], bool]:
+    """The array `depth` of an npz file (negative and non-finite values become 0, unknown), and its flag `exact`."""
     if not path.is_file():
         raise InputError(path, "no such file.", "see docs/scenes.md for what an input folder holds")
     try:
         with np.load(path, allow_pickle=False) as arrays:
             depth = np.asarray(arrays["depth"], dtype=np.float32)
+            exact = bool(arrays["exact"]) if "exact" in arrays else False
     except KeyError:
         raise InputError(path, "has no array named 'depth'.", "np.savez(path, depth=...)") from None
     except Exception as error:  # numpy and zipfile raise many kinds for a broken file
         raise InputError(path, f"is not a readable npz file ({error.__class__.__name__}).") from None
     if depth.ndim != 2:
         raise InputError(path, f"depth has shape {depth.shape}.", "write an array (height, width) in metres")
-    return np.where(np.isfinite(depth) & (depth > 0), depth, 0).astype(np.float32)
+    return np.where(np.isfinite(depth) & (depth > 0), depth, 0).astype(np.float32), exact
 
 
 def read_camera(path: Path) -> tuple[Camera, NDArray[np.float64]]:
@@ -100,7 +103,7 @@ def read_folder(folder: Path) -> Observation:
     """
     rgb = read_rgb(folder / "rgb.png")
     camera, intrinsics = read_camera(folder / "camera.json")
-    depth, masks = read_depth(folder / "depth.npz"), read_masks(folder / "masks.png")
+    (depth, exact), masks = read_depth(folder / "depth.npz"), read_masks(folder / "masks.png")
     annotations = read_json(Annotations, folder / "annotations.json")
     size = (camera.height, camera.width)
     for name, shape in (("rgb.png", rgb.shape[:2]), ("depth.npz", depth.shape), ("masks.png", masks.shape)):
@@ -114,4 +117,4 @@ def read_folder(folder: Path) -> Observation:
     values += [] if annotations.floor is None else [annotations.floor]
     if min(values, default=1) < 1 or len(set(values)) < len(values):
         raise InputError(folder / "annotations.json", "mask values must be 1 or more, each used once.")
-    return Observation(rgb, depth, masks, intrinsics, annotations)
+    return Observation(rgb, depth, masks, intrinsics, annotations, exact)

@@ -1,5 +1,6 @@
 """Provider `simulator`: masks and captions from the renderer, its depth made as bad as estimated depth."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,9 +11,8 @@ from stages.extraction.observation import Observation, read_folder
 
 
 def observe(folder: Path, options: ExtractionConfig, rng: np.random.Generator) -> Observation:
-    """Read the input folder; with `depth_noise: model`, disturb its depth."""
+    """Read the input folder; with `depth_noise: model`, disturb its depth if that is exact."""
     seen = read_folder(folder)
-    if options.depth_noise == "none":
+    if options.depth_noise == "none" or not seen.exact:
         return seen
-    depth = noisy_depth(seen.depth, options.noise, rng)
-    return Observation(seen.rgb, depth, seen.masks, seen.intrinsics, seen.annotations)
+    return replace(seen, depth=noisy_depth(seen.depth, options.noise, rng), exact=False)

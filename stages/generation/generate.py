@@ -19,10 +19,12 @@ from stages.generation.pictures import preview, read_picture, side_by_side
 from stages.generation.settling import Settled, load_items, settle
 from stages.simulation.rendering import make_scene
 
+LIGHT = (0.55, -0.5, -1.0)  # over the photographer's shoulder: x of the floor frame is the viewing direction
+
 
 def show_and_settle(built: Built, inputs: Inputs, options: GenerationConfig) -> tuple[NDArray[np.uint8], Settled]:
     """Load the scene once: first its picture, then the physics check."""
-    scene = make_scene()
+    scene = make_scene(light=LIGHT)
     camera = np.array(inputs.objects.floor_from_camera)[:3, 3]
     add_backdrop(scene, built.items, inputs.objects.walls, camera)
     bodies = load_items(scene, built.items, built.folders)

@@ -11,7 +11,7 @@ from stages.generation.collisions import out_of_walls
 from stages.generation.extents import measured_box
 from stages.generation.mounting import against_wall, on_supports
 from stages.generation.placed import Placed
-from stages.generation.pose import rectangularity, turned_to, view_yaw, wall_axes
+from stages.generation.pose import rear_at_wall, rectangularity, turned_to, view_yaw, wall_axes
 from stages.generation.sizing import believable_box, round_box, sight_yaw
 from stages.generation.support import sorted_by_height, support_tree
 from stages.geometry.boxes import UprightBox
@@ -21,6 +21,15 @@ def walls_of(mounting: Mounting, walls: list[Wall]) -> list[Wall]:
     """The walls that an object touches, the dominant one first."""
     by_id = {wall.id: wall for wall in walls}
     return [by_id[name] for name in mounting.walls if name in by_id] if mounting.type != 2 else []
+
+
+def matched_yaw(
+    cousin: Cousin, seen: UprightBox, camera: NDArray[np.float64], touched: list[Wall], options: GenerationConfig
+) -> float:
+    """Yaw of the matched view, or of the best of the k_ori views that turns its rear to a touched wall."""
+    views = [cousin.orientation, *cousin.orientations]
+    yaws = [view_yaw(camera, seen.center, view.yaw) for view in views]
+    return rear_at_wall(yaws, [wall.normal for wall in touched]) if options.wall_view == "rear" else yaws[0]
 
 
 def final_yaw(
@@ -61,8 +70,9 @@ def place(
     seen = UprightBox(item.box.center, item.box.size, item.box.yaw)
     native = options.aspect_prior == "native"
     is_round = native and asset.symmetry == "full" and not touched
-    yaw = view_yaw(camera, seen.center, cousin.orientation.yaw)
-    yaw = final_yaw(yaw, item.box, cloud, touched, asset.articulated, options)
+    yaw = final_yaw(
+        matched_yaw(cousin, seen, camera, touched, options), item.box, cloud, touched, asset.articulated, options
+    )
     box = measured_box(cloud, seen, sight_yaw(seen, camera) if is_round else yaw, camera, options.trim)
     for wall in touched:
         box = against_wall(box, wall, options.min_extent)
@@ -70,7 +80,7 @@ def place(
         box = round_box(box, options.aspect_range)._replace(yaw=yaw)
     elif native:
         kept = -np.asarray(touched[0].normal) if touched else camera - np.asarray(box.center)
-        box = believable_box(box, asset.size, kept / np.linalg.norm(kept[:2]), options.aspect_range)
+        box = believable_box(box, asset.size, kept, options.aspect_range)
     if not touched:
         box = out_of_walls(box, scene.walls)
     box = box._replace(size=np.maximum(np.asarray(box.size), options.min_extent))

@@ -1,5 +1,7 @@
 """Yaw of an asset from the matched view, its cloud and its walls (paper A.7, A.3)."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from shapely import MultiPoint
@@ -35,6 +37,21 @@ def wall_axes(normal: ArrayLike) -> float:
     """Angle of the frame whose x axis is the normal of a wall."""
     x, y = np.asarray(normal, dtype=float)[:2]
     return float(np.arctan2(y, x))
+
+
+def rear_at_wall(yaws: Sequence[float], normals: Sequence[ArrayLike]) -> float:
+    """The first of the yaws, best first, at which the asset's rear (-x) is to one of the walls; the first if none is.
+
+    A.3 lays the rear face into the wall. A patch encoder often takes the rear or a side of furniture for its
+    front, and one of the next best views is right.
+
+    Args:
+        normals: horizontal normals of the walls that the object touches, into the room.
+    """
+    for yaw in yaws:
+        if any(abs(wrap_angle(yaw - wall_axes(normal))) <= QUARTER / 2 for normal in normals):
+            return yaw
+    return yaws[0]
 
 
 def rectangularity(cloud: NDArray[np.floating], yaw: float) -> float:

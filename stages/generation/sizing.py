@@ -6,8 +6,6 @@ from numpy.typing import ArrayLike
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import wrap_angle, yaw_matrix
 
-SIDEWAYS = 0.25  # cosine to the line of sight below which neither end of an axis is the nearer one
-
 
 def sight_yaw(box: UprightBox, camera: ArrayLike) -> float:
     """Yaw whose x axis points away from the camera."""
@@ -36,27 +34,26 @@ def round_box(box: UprightBox, believable: tuple[float, float]) -> UprightBox:
 def believable_box(
     box: UprightBox, native: ArrayLike, fixed_face: ArrayLike, believable: tuple[float, float]
 ) -> UprightBox:
-    """The box with depth or width replaced if it cannot be what was seen of such an asset.
+    """The box with its depth replaced if it cannot be that of such an asset.
 
     The scale of an axis is its extent over the asset's native one. The median of the three scales is
-    the asset's scale; an x or y scale outside `believable` times it is replaced by it.
+    the asset's scale; a depth whose scale is outside `believable` times it gets that scale. Width and
+    height are left alone: the picture shows them.
 
     Args:
         box: measured extents along the asset's axes.
         native: extents (3,) of the asset as it is in the library.
         fixed_face: direction (2,) to the face that stays where it is: towards the camera, since that
-            side was seen, or towards the wall that the object touches.
+            side was seen, or towards the wall that the object touches. Depth is along it.
     """
     size, native = np.array(box.size, dtype=float), np.asarray(native, dtype=float)
-    center, turn = np.array(box.center, dtype=float), yaw_matrix(box.yaw)
+    along = yaw_matrix(box.yaw)[:2, :2].T @ np.asarray(fixed_face, dtype=float)[:2]
+    depth = int(np.argmax(np.abs(along)))
     scales = size / native
     scale = float(np.median(scales))
-    for axis in (0, 1):
-        if believable[0] * scale <= scales[axis] <= believable[1] * scale:
-            continue
-        along = float(turn[:2, axis] @ np.asarray(fixed_face, dtype=float)[:2])
-        growth = scale * native[axis] - size[axis]
-        size[axis] += growth
-        if abs(along) > SIDEWAYS:
-            center -= np.sign(along) * growth / 2 * turn[:, axis]
-    return UprightBox(center, size, box.yaw)
+    if believable[0] * scale <= scales[depth] <= believable[1] * scale:
+        return box
+    growth = scale * native[depth] - size[depth]
+    size[depth] += growth
+    center = np.asarray(box.center, dtype=float)
+    return UprightBox(center - np.sign(along[depth]) * growth / 2 * yaw_matrix(box.yaw)[:, depth], size, box.yaw)

@@ -41,11 +41,6 @@ def quaternion_from_matrix(rotation: ArrayLike) -> NDArray[np.float64]:
     return Rotation.from_matrix(np.asarray(rotation)).as_quat(canonical=True, scalar_first=True)
 
 
-def matrix_from_quaternion(wxyz: ArrayLike) -> NDArray[np.float64]:
-    """3x3 rotation of a quaternion wxyz (normalised first)."""
-    return Rotation.from_quat(np.asarray(wxyz, dtype=float), scalar_first=True).as_matrix()
-
-
 def rigid(rotation: ArrayLike, translation: ArrayLike) -> NDArray[np.float64]:
     """4x4 transform of a 3x3 rotation and a translation."""
     transform = np.eye(4)

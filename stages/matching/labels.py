@@ -9,7 +9,7 @@ from sklearn.feature_extraction.text import TfidfVectorizer
 
 from stages.config.matching import MatchingConfig
 
-# Words for the same thing; each is replaced by the first of its line. Single words, singular.
+# Words for the same thing: each also counts as the first of its line. Single words, singular.
 SYNONYMS = """
 cabinet cupboard sideboard credenza
 wardrobe closet armoire
@@ -21,8 +21,7 @@ shelf bookshelf bookcase rack shelving
 stool footstool ottoman
 lamp light lantern
 picture painting poster artwork canvas frame photo
-plant houseplant
-pot planter flowerpot
+plant houseplant flower flowerpot planter
 mug cup beaker
 bottle flask
 box carton crate package
@@ -40,7 +39,7 @@ bowl mug plate dish pot pan kettle vase bottle jar glass jug
 television picture mirror clock laptop board
 lamp candle chandelier
 book box basket bin bag
-plant pot flower vase tree
+plant pot vase tree
 bed sofa crib mattress
 """
 CANONICAL = {word: line.split()[0] for line in SYNONYMS.strip().splitlines() for word in line.split()}
@@ -53,7 +52,7 @@ TextDistance = Callable[[str, Sequence[str]], NDArray[np.float64]]
 
 
 def words(label: str) -> list[str]:
-    """A label or category as lower-case canonical words: underscores removed, plural endings cut."""
+    """A label or category as lower-case words: underscores removed, plural endings cut."""
     parts = ["".join(filter(str.isalnum, part)) for part in label.lower().replace("_", " ").replace("-", " ").split()]
     if "".join(parts) in KNOWN:  # "night stand" as nightstand
         parts = ["".join(parts)]
@@ -63,15 +62,16 @@ def words(label: str) -> list[str]:
             word = word[:-2] if word.endswith(("shes", "ches", "xes", "sses")) else word[:-1]
         word = {"shelve": "shelf"}.get(word, word)
         if word:
-            result.append(CANONICAL.get(word, word))
+            result.append(word)
     return result
 
 
 def _texts(tokens: list[str]) -> dict[str, str]:
     """What is compared, by aspect. The last word says what a thing is ("coffee table"): it counts twice."""
-    weighted = tokens + tokens[-1:]
-    kinds = [f"kind{number}" for word in weighted for number, group in enumerate(GROUPS) if word in group]
-    return {"word": " ".join(weighted), "kind": " ".join(kinds), "letters": " ".join(tokens)}
+    canonical = [CANONICAL.get(word, word) for word in tokens + tokens[-1:]]
+    own = [word for word in tokens if word not in canonical]
+    kinds = [f"kind{number}" for word in canonical for number, group in enumerate(GROUPS) if word in group]
+    return {"word": " ".join(canonical + own), "kind": " ".join(kinds), "letters": " ".join(tokens)}
 
 
 def lexical_distance(label: str, categories: Sequence[str]) -> NDArray[np.float64]:

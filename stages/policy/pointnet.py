@@ -51,6 +51,7 @@ class PointNet(nn.Module):
         """
         pooled = self._winners(clouds)[0]
         last = self.rest[-1]
+        assert isinstance(last, nn.Linear)
         scale = 1 / pooled.std(0).clamp_min(1e-6)
         last.weight.mul_(scale[:, None])
         last.bias.copy_((last.bias - pooled.mean(0)) * scale + 1)

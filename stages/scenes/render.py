@@ -92,7 +92,7 @@ def run(*, library: Path, scene: str, out: Path, options: str = "{}", seed: int 
     with atomic(folder / "masks.png") as path:
         cv2.imwrite(str(path), picture.masks)
     with atomic(folder / "depth.npz") as path:
-        np.savez_compressed(path, depth=picture.depth)
+        np.savez_compressed(path, depth=picture.depth, exact=np.array(True))
     write_json(folder / "annotations.json", annotations_of(cast_room))
     write_json(folder / "camera.json", Camera(width=config.width, height=config.height, intrinsics=intrinsics.tolist()))
     truth = truth_of(cast_room, world_from_camera)

@@ -6,8 +6,8 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from stages.geometry.frames import matrix_from_quaternion, quaternion_from_matrix, rigid
-from stages.simulation.kinematics import Array, pose_error
+from stages.geometry.frames import quaternion_from_matrix
+from stages.simulation.kinematics import Array
 
 Float = NDArray[np.float32]
 
@@ -51,8 +51,10 @@ def object_points(
     base_from_image = base_from_camera[:3, :3] @ CAMERA_FROM_IMAGE
     points = points @ base_from_image.T.astype(np.float32) + base_from_camera[:3, 3].astype(np.float32)
     inside = points[((points > low) & (points < high)).all(axis=1)]
+    if len(inside) <= MAX_CANDIDATES:
+        return inside
     # An even stride over the pixels keeps the picture's density and costs nothing.
-    return inside[np.linspace(0, len(inside) - 1, MAX_CANDIDATES).astype(int)] if len(inside) > MAX_CANDIDATES else inside
+    return inside[np.linspace(0, len(inside) - 1, MAX_CANDIDATES).astype(int)]
 
 
 @cache
@@ -66,15 +68,15 @@ def finger_surface(count: int) -> tuple[Array, Array]:
             box.apply_transform(trimesh.transformations.rotation_matrix(np.pi / 6, [1, 0, 0]))
         boxes.append(box.apply_translation(center))
     mesh = trimesh.util.concatenate(boxes)
-    left, _ = trimesh.sample.sample_surface(mesh, count - count // 2, seed=rng)
-    left = np.asarray(left) + [0.0, 0.0, FINGER_OFFSET]
+    surface, _ = trimesh.sample.sample_surface(mesh, count - count // 2, seed=rng)
+    left = np.add(surface, (0.0, 0.0, FINGER_OFFSET))
     return left, (left * [1.0, -1.0, 1.0])[: count // 2]
 
 
 def finger_points(tcp: Array, fingers: Array, count: int) -> Float:
     """(count, 3) precomputed finger points placed by forward kinematics; `tcp` (4, 4), `fingers` (2,) metres."""
     left, right = finger_surface(count)
-    local = np.concatenate([left + [0.0, fingers[0], 0.0], right - [0.0, fingers[1], 0.0]])
+    local = np.concatenate([np.add(left, (0.0, fingers[0], 0.0)), np.subtract(right, (0.0, fingers[1], 0.0))])
     return (local @ tcp[:3, :3].T + tcp[:3, 3]).astype(np.float32)
 
 
@@ -98,19 +100,3 @@ def proprioception(tcp: Array, fingers: Array, rest: Array) -> Float:
     if quaternion @ quaternion_from_matrix(rest[:3, :3]) < 0:
         quaternion = -quaternion
     return np.concatenate([tcp[:3, 3], quaternion, fingers]).astype(np.float32)
-
-
-def pose_of_proprioception(proprio: Float) -> Array:
-    """(4, 4) end-effector pose in the base frame of a (9,) proprioception."""
-    return rigid(matrix_from_quaternion(proprio[3:7]), proprio[:3])
-
-
-__all__ = [
-    "farthest_points",
-    "finger_points",
-    "object_points",
-    "pose_error",
-    "pose_of_proprioception",
-    "proprioception",
-    "unified_cloud",
-]

@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import trimesh
-from mani_skill.utils.geometry.trimesh_utils import get_component_meshes
+from mani_skill.utils.geometry.trimesh_utils import get_component_meshes, merge_meshes
 from mani_skill.utils.structs import Articulation
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from stages.geometry.frames import inverse, rigid
+from stages.geometry.frames import inverse
 from stages.simulation.handle import Handle, find_handle
 
 Array = NDArray[np.float64]
@@ -46,13 +46,16 @@ class Target:
         """+1 or -1: the y direction from the hinge to the handle; 0 for a drawer."""
         return float(np.sign(self.reference[1] - self.origin[1])) if self.revolute else 0.0
 
-    def motion(self, value: float) -> Array:
-        """(4, 4) motion of the moving link when the joint goes from closed to `value`, in the asset frame."""
-        travel = value - self.lower
-        if not self.revolute:
-            return rigid(np.eye(3), self.axis * travel)
-        rotation = Rotation.from_rotvec(self.axis * travel).as_matrix()
-        return rigid(rotation, self.origin - rotation @ self.origin)
+    def motions(self, values: Array) -> Array:
+        """(K, 4, 4) motions of the moving link when the joint goes from closed to `values` (K,), asset frame."""
+        travel = (np.asarray(values) - self.lower)[:, None] * self.axis
+        moved = np.tile(np.eye(4), (len(travel), 1, 1))
+        if self.revolute:
+            moved[:, :3, :3] = Rotation.from_rotvec(travel).as_matrix()
+            moved[:, :3, 3] = self.origin - moved[:, :3, :3] @ self.origin
+        else:
+            moved[:, :3, 3] = travel
+        return moved
 
 
 def read_target(articulation: Articulation, joint_name: str) -> Target:
@@ -63,13 +66,14 @@ def read_target(articulation: Articulation, joint_name: str) -> Target:
     index = names.index(joint_name)
     joint = raw.active_joints[index]
     joint_frame = root_inverse @ joint.get_global_pose().to_transformation_matrix()
-    moving, fixed = [], []
+    moving: list[trimesh.Trimesh] = []
+    fixed: list[trimesh.Trimesh] = []
     for link in raw.links:
         root_from_link = root_inverse @ link.pose.to_transformation_matrix()
         group = moving if _descends(link, joint.child_link) else fixed
         group += [mesh.apply_transform(root_from_link) for mesh in get_component_meshes(link)]
     lower, upper = articulation.get_qlimits()[0, index].tolist()
-    mesh = trimesh.util.concatenate(moving)
+    mesh = merge_meshes(moving)
     return Target(
         index=index,
         revolute=joint.type.startswith("revolute"),
@@ -78,7 +82,7 @@ def read_target(articulation: Articulation, joint_name: str) -> Target:
         lower=float(lower),
         upper=float(upper),
         moving=mesh,
-        fixed=trimesh.util.concatenate(fixed) if fixed else trimesh.Trimesh(),
+        fixed=merge_meshes(fixed) if fixed else trimesh.Trimesh(),
         handle=find_handle(mesh),
     )
 

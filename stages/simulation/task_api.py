@@ -1,7 +1,9 @@
 """The manipulation task as demonstrations and evaluation use it: one environment, plain numpy in and out."""
 
+import gc
 import tempfile
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, TypedDict
 
@@ -94,7 +96,7 @@ class TaskEnv:
         self.task, self.assets, self.joint, self.size, self.options = task, assets, joint, size, options
         self.render, self.vary_scale = render, vary_scale
         self._temporary = None if cache else tempfile.TemporaryDirectory(prefix="acdc-sized-")
-        self.cache = cache or Path(self._temporary.name)  # type: ignore[union-attr]
+        self.sized = cache or Path(self._temporary.name)  # type: ignore[union-attr]
         self.max_steps = options.max_steps
         self.chain = panda_chain()
         self._env: OpenTaskEnv | None = None
@@ -107,7 +109,7 @@ class TaskEnv:
         return self._env
 
     def reset(self, seed: int) -> Observation:
-        """Start the episode of `seed`: robot pose, object pose and scale, joint noise, camera pose all follow from it."""
+        """Start the episode of `seed`, from which robot, object, scale, joint noise and camera all follow."""
         self.place(seed)
         return self.observe()
 
@@ -117,6 +119,7 @@ class TaskEnv:
 
         folder = self._sized_folder(seed)
         if self._env is None:
+            _freeze_imports()
             self._env = TASKS[self.task](
                 asset_folder=folder,
                 joint=self.joint,
@@ -207,4 +210,10 @@ class TaskEnv:
         if self.vary_scale:
             scale = variant_scale(draw_episode(seed, self.options).variant, self.options)
         x, y, z = (np.array(self.size) * scale).round(4).tolist()
-        return resized(self.assets, (x, y, z), self.cache)
+        return resized(self.assets, (x, y, z), self.sized)
+
+
+@cache
+def _freeze_imports() -> None:
+    """Keep what importing has left out of garbage collection, which every change of asset calls (0.2 s -> 0.02 s)."""
+    gc.freeze()

@@ -19,7 +19,7 @@ from stages.geometry.frames import inverse
 from stages.simulation.episode import EpisodeSetup, base_pose, camera_pose, draw_episode, object_motion
 from stages.simulation.kinematics import Array
 from stages.simulation.loading import SURFACE_FRICTION, close
-from stages.simulation.robot import GRIPPER_OPEN, REST, ActionScale, AcdcPanda
+from stages.simulation.robot import GRIPPER_OPEN, REST, AcdcPanda, ActionScale
 from stages.simulation.target import Target, read_target
 
 SIMULATION_FREQUENCY = 100
@@ -37,7 +37,7 @@ class OpenTaskEnv(BaseEnv):
         options: the `task` section.
     """
 
-    SUPPORTED_ROBOTS = ["acdc_panda"]  # noqa: RUF012
+    SUPPORTED_ROBOTS = ["acdc_panda"]
     SUPPORTED_REWARD_MODES = ("sparse", "none")
     agent: AcdcPanda
 

@@ -3,15 +3,16 @@
 import json
 import sys
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 Line = dict[str, float | int | None]
+Mode = Literal["disabled", "offline", "online"]
 
 
 class Logbook:
     """Appends lines to a metrics file; a resumed run goes on behind the lines it had."""
 
-    def __init__(self, path: Path, lines: list[Line], wandb_mode: str, folder: Path, config: dict[str, Any]) -> None:
+    def __init__(self, path: Path, lines: list[Line], wandb_mode: Mode, folder: Path, config: dict[str, Any]) -> None:
         self.path = path
         self.path.write_text("".join(json.dumps(line) + "\n" for line in lines), encoding="utf-8")
         self.run = start_wandb(wandb_mode, folder, config)
@@ -34,7 +35,7 @@ class Logbook:
             self.run.log({name: value for name, value in line.items() if name != "step"}, step=int(line["step"] or 0))
 
 
-def start_wandb(mode: str, folder: Path, config: dict[str, Any]) -> Any:
+def start_wandb(mode: Mode, folder: Path, config: dict[str, Any]) -> Any:
     """A run that writes below `folder`/wandb, or None where it is switched off or cannot start."""
     if mode == "disabled":
         return None

@@ -1,4 +1,4 @@
-"""The default library's models without their meshes: what casting needs, made in a second."""
+"""The default library's models without their meshes: what casting needs, made in two seconds."""
 
 from functools import cache
 
@@ -15,7 +15,7 @@ def default_models(seed: int) -> dict[str, Asset]:
     for category, count in sorted(AssetsConfig().counts.items()):
         for index in range(count):
             recipe = sample(category, index, seed)
-            model = generate(recipe)
+            joints = joints_of(generate(recipe)) if recipe.generator == "cabinet" else []  # nothing else has joints
             name = f"{category}_{index:02d}"
             x, y, z = recipe.parameters["size"]  # type: ignore[misc]
             models[name] = Asset(
@@ -24,11 +24,9 @@ def default_models(seed: int) -> dict[str, Asset]:
                 box_min=(0, 0, 0),
                 box_max=(x, y, z),
                 mass=1.0,
-                joints=joints_of(model),
-                doors=sum(moving.role == "door" for moving in model.moving),
-                drawers=sum(moving.role == "drawer" for moving in model.moving),
-                symmetry=model.symmetry,
-                placement=model.placement,
+                joints=joints,
+                doors=sum(joint.role == "door" for joint in joints),
+                drawers=sum(joint.role == "drawer" for joint in joints),
                 licence="",
                 provenance="",
                 checksum="",

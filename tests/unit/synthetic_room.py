@@ -51,7 +51,7 @@ def write_room(folder: Path, boxes: list[UprightBox], labels: list[str], wall: b
     folder.mkdir(parents=True, exist_ok=True)
     cv2.imwrite(str(folder / "rgb.png"), np.dstack([masks * 20 % 255] * 3).astype(np.uint8))
     cv2.imwrite(str(folder / "masks.png"), masks)
-    np.savez_compressed(folder / "depth.npz", depth=depth)
+    np.savez_compressed(folder / "depth.npz", depth=depth, exact=True)
     write_json(folder / "camera.json", Camera(width=WIDTH, height=HEIGHT, intrinsics=INTRINSICS.tolist()))
     objects = [Annotation(mask=OBJECT + k, label=label) for k, label in enumerate(labels)]
     write_json(

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import shutil
 from pathlib import Path
 
 import cv2
@@ -104,6 +105,14 @@ def test_noise_shifts_boxes_but_keeps_mounting(furnished: tuple[Path, Objects], 
         assert exact.box is not None and item.box is not None and item.mounting is not None
         assert 1e-3 < np.linalg.norm(np.subtract(exact.box.center, item.box.center)) < 0.25
         assert item.mounting.type == BOXES[item.label][1]
+
+
+def test_measured_depth_is_not_disturbed(furnished: tuple[Path, Objects], tmp_path: Path) -> None:
+    folder = shutil.copytree(furnished[0] / "input", tmp_path / "in")
+    depth = np.load(folder / "depth.npz")["depth"]
+    np.savez(folder / "depth.npz", depth=depth)  # no flag `exact`
+    _extract(folder, tmp_path / "out", "{}")
+    np.testing.assert_array_equal(np.load(tmp_path / "out" / "depth.npz")["depth"], depth)
 
 
 def test_no_floor_mask_and_no_wall(tmp_path: Path) -> None:

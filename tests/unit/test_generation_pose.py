@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from stages.generation.extents import measured_box, near_end
-from stages.generation.pose import rectangularity, turned_to, view_yaw, wall_axes
+from stages.generation.pose import rear_at_wall, rectangularity, turned_to, view_yaw, wall_axes
 from stages.generation.sizing import believable_box, round_box, sight_yaw
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import wrap_angle, yaw_matrix
@@ -41,6 +41,14 @@ def test_a_turn_beyond_the_limit_is_not_made():
 def test_wall_axes_is_the_angle_of_the_normal():
     assert wall_axes((-1, 0, 0)) == pytest.approx(np.pi)
     assert turned_to(170 * DEGREE, wall_axes((-1, 0, 0))) == pytest.approx(np.pi)
+
+
+def test_of_several_views_the_one_with_its_rear_to_the_wall():
+    back, side = (-1, 0, 0), (0, 1, 0)  # normals of two walls; fronts look along them
+    assert rear_at_wall([0.0, 1.5, 3.0], [back]) == 3.0
+    assert rear_at_wall([0.0, 1.5, 3.0], [back, side]) == 1.5
+    assert rear_at_wall([0.0, 0.5], [back]) == 0.0
+    assert rear_at_wall([0.4, 0.5], []) == 0.4
 
 
 def test_rectangularity_tells_boxes_from_round_things():
@@ -113,6 +121,11 @@ def test_depth_at_a_wall_grows_from_the_wall():
     flat = UprightBox((2.95, 0, 0.5), (0.1, 1.0, 1.0), np.pi)  # rear at x = 3.0
     box = believable_box(flat, (0.5, 1.0, 1.0), (1, 0), (0.5, 2.0))
     assert box.center == pytest.approx([2.75, 0, 0.5])
+
+
+def test_a_width_is_never_changed():
+    wide = UprightBox((2, 0, 0.5), (0.5, 4.0, 1.0), 0.0)
+    assert believable_box(wide, (0.5, 1.0, 1.0), (-1, 0.2), (0.5, 2.0)) is wide
 
 
 def test_believable_proportions_are_kept():

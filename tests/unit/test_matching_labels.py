@@ -41,7 +41,7 @@ CATEGORIES = [
         ("desk lamp", "table_lamp"),
         ("dining table", "table"),
         ("coffee-table", "coffee_table"),
-        ("cupboards", "wall_cabinet"),
+        ("cupboards", "bottom_cabinet"),
         ("flower pot", "plant_pot"),
         ("book case", "bookshelf"),
         ("painting", "picture"),

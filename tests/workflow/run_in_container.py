@@ -58,10 +58,8 @@ def main() -> int:
     scores, rollouts = rows()
     with tempfile.TemporaryDirectory() as folder:
         work = Path(folder) / "workflow"
-        shutil.copytree(
-            ROOT, work, symlinks=True,
-            ignore=shutil.ignore_patterns(".venv", ".git", ".snakemake", "results", "logs", "*.egg-info", "__pycache__"),
-        )  # fmt: skip
+        passed_over = (".venv", ".git", ".snakemake", "results", "logs", "*.egg-info", "__pycache__")
+        shutil.copytree(ROOT, work, symlinks=True, ignore=shutil.ignore_patterns(*passed_over))
         experiment = "{rooms: [room_1], variants: {b: {}}, training_sets: [twin], runs: [lite], seeds: [0]}"
         (work / "one.yaml").write_text(f"experiment: {experiment}\n")
         write(work / "results/evaluation/scenes/b/room_1/scores.csv", scores)
@@ -83,7 +81,8 @@ def main() -> int:
         if produced["host"] != produced["container"]:
             print("containers: the tables of the container differ from those of the host")
             return 1
-    print(f"containers: rule tables ran in its image and wrote {len(produced['host'])} files, byte for byte the host's")
+    count = len(produced["host"])
+    print(f"containers: rule tables ran in its image and wrote {count} files, byte for byte those of the host")
     return 0
 
 
