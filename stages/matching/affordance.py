@@ -87,7 +87,7 @@ class Urdf:
     def link_bounds(self, link: str) -> tuple[Array, Array]:
         """Bounds of a link's visual meshes and boxes in the asset frame."""
         corners = []
-        for visual in self._links[link].iter("visual"):
+        for visual in self._links[link].iter("visual") if link in self._links else ():
             pose = self.root_from(link) @ _origin(visual)
             mesh, box = visual.find("geometry/mesh"), visual.find("geometry/box")
             if mesh is not None:
@@ -98,7 +98,7 @@ class Urdf:
                 half = np.array(box.get("size", "0 0 0").split(), dtype=float) / 2
                 corners.append(apply(pose, trimesh.bounds.corners([-half, half])))
         if not corners:
-            raise InputError(self.path, f"link '{link}' shows no mesh or box.")
+            raise InputError(self.path, f"has no link '{link}' with a visual mesh or box.")
         points = np.concatenate(corners)
         return points.min(axis=0), points.max(axis=0)
 

@@ -56,7 +56,8 @@ def run(
     folders = {id: library.parent / entry.folder for id, entry in entries.items()}
 
     def usable(asset: str, like: Panel | None = None) -> Panel | None:
-        return target_joint(folders[asset], task, like) if entries[asset].doors + entries[asset].drawers else None
+        entry = entries.get(asset)
+        return target_joint(folders[asset], task, like) if entry and entry.doors + entry.drawers else None
 
     item = next((entry for entry in matched.objects if entry.id == object), None)
     twin = next((cousin for cousin in item.cousins if usable(cousin.asset)), None) if item else None

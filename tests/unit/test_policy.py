@@ -45,6 +45,19 @@ def test_savings_leave_values_and_gradients_as_they_are(layers: int) -> None:
         assert error < 1e-4, f"{name}: relative gradient error {error:.1e}"
 
 
+def test_standardised_features_have_unit_variance() -> None:
+    torch.manual_seed(0)
+    net, points = PointNet(32, 2, 128), clouds(200, 60)
+    points[..., :3] += torch.randn(200, 1, 3)  # clouds that differ
+    with torch.no_grad():
+        before = net(points).std(0).mean()
+        net.standardise(points)
+        pooled = net._winners(points)[0]
+    assert before < 0.7
+    assert torch.allclose(pooled.std(0), torch.ones(32), atol=1e-3)
+    assert torch.allclose(pooled.mean(0), torch.ones(32), atol=1e-3)
+
+
 def test_inference_equals_training_pass() -> None:
     net, points = PointNet(32, 2, 8), clouds(5, 100)
     with torch.no_grad():
