@@ -30,4 +30,4 @@ class EvaluationConfig(Section):
         False, description="rescale the test asset at random as in the demonstrations (official: no)"
     )
     envs: int = Field(4, ge=1, description="environments that share a forward pass of the policy")
-    film_every: int = Field(8, ge=1, description="steps between the pictures of a film strip")
+    film_every: int = Field(4, ge=1, description="steps between the pictures of a film strip")

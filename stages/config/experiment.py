@@ -10,8 +10,8 @@ from stages.config.base import Section
 class TaskTarget(Section):
     """The object that the policy experiment opens."""
 
-    scene: str = Field("room_1", description="room of the object, one of `rooms`")
-    object: str = Field("cabinet_1", description="its id in that room's objects.json")
+    scene: str = Field("room_3", description="room of the object, one of `rooms`")
+    object: str = Field("hanging_cabinet_1", description="its id in that room's objects.json")
 
 
 class ExperimentConfig(Section):
@@ -33,7 +33,7 @@ class ExperimentConfig(Section):
     )
     policy_variant: str = Field("b", description="The variant whose cousins the policy experiment uses.")
     tasks: dict[Literal["door", "drawer"], TaskTarget] = Field(
-        {"door": TaskTarget(scene="room_1", object="cabinet_1")},
+        {"door": TaskTarget(scene="room_3", object="hanging_cabinet_1")},
         description="Tasks of the policy experiment (Table 3) and the object each one opens.",
     )
     training_sets: list[Literal["twin", "cousins_2", "cousins_4", "cousins_8", "all"]] = Field(
@@ -44,7 +44,7 @@ class ExperimentConfig(Section):
     held_out: list[int] = Field([2, 6], description="Cousins kept out of every training set (paper: 2nd and 6th).")
     cousins: int = Field(10, ge=1, description="How many cousins the policy experiment knows.")
     episodes: int = Field(
-        120, ge=1, description="Demonstrations in every training set, shared evenly by its assets so that sets compare."
+        160, ge=1, description="Demonstrations in every training set, shared evenly by its assets so that sets compare."
     )
     runs: list[str] = Field(["lite"], description="Hyper-parameter sets to train, from `training.runs`.")
     seeds: list[int] = Field([0], description="Training seeds. The paper: best two hyper-parameter sets x 3 seeds.")

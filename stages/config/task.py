@@ -42,8 +42,9 @@ class TaskConfig(Section):
 
     # Randomisation of the initial state (paper A.5: robot pose, object pose, object scale)
     base_distance: float = Field(0.65, gt=0, description="robot base in front of the handle, metres (official: 0.5)")
-    base_side: float = Field(0.1, description="robot base away from the hinge, metres; drawers: to the right")
-    handle_height: float = Field(0.4, description="handle above the robot base, metres")
+    base_side: float = Field(0.1, description="robot base away from the hinge of a door, metres")
+    handle_height: float = Field(0.4, description="handle of a door above the robot base, metres")
+    drawer_height: float = Field(0.5, description="handle of a drawer above the robot base, metres")
     base_xy: float = Field(0.03, ge=0, description="uniform +/- metres (official: 0.03)")
     base_z: float = Field(0.07, ge=0, description="uniform +/- metres (official: 0.07)")
     base_yaw: float = Field(0.31, ge=0, description="uniform +/- radians (official: pi/10)")

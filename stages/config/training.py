@@ -10,7 +10,7 @@ from stages.config.base import Section
 class NetworkConfig(Section):
     """Sizes of the policy network: PointNet, LSTM, MLP, Gaussian mixture."""
 
-    points: int = Field(128, ge=16, description="random subset of each cloud that is seen (official: 1024 of 2048)")
+    points: int = Field(384, ge=16, description="random subset of each cloud that is seen (official: 1024 of 2048)")
     cloud_frame: Literal["robot", "gripper"] = Field(
         "gripper", description="origin of the cloud: robot base (paper), or the end-effector, axes kept"
     )
@@ -35,7 +35,7 @@ class TrainingRun(Section):
     # Optimisation
     steps: int = Field(4000, ge=1, description="AdamW updates; official code: 300000")
     batch_size: int = Field(16, ge=1, description="sequences per update; official code: 32")
-    learning_rate: float = Field(4e-3, gt=0, description="peak; official code: 1e-3")
+    learning_rate: float = Field(2e-3, gt=0, description="peak; official code: 1e-3")
     schedule: Literal["linear", "cosine", "constant"] = Field(
         "cosine",
         description="cosine: to zero at the last step; linear: to a tenth over 10000 steps, then flat (official)",

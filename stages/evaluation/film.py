@@ -30,7 +30,7 @@ def strip(episode: Episode, title: str) -> Image:
     row = np.concatenate([cv2.resize(episode.pictures[i], (SIZE, SIZE)) for i in index], axis=1)
     line = np.full((24, row.shape[1], 3), 255, np.uint8)
     outcome = "success" if episode.success else "failure"
-    text = f"{title}: {outcome} after {episode.steps} steps, opened {episode.opened:.0%}"
+    text = f"{title}: {outcome} after {episode.steps} steps, opened {max(0.0, episode.opened):.0%}"
     cv2.putText(line, text, (6, 17), cv2.FONT_HERSHEY_SIMPLEX, 0.5, GOOD if episode.success else BAD, 1, cv2.LINE_AA)
     return np.concatenate([line, row])
 

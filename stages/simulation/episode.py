@@ -56,7 +56,8 @@ def base_pose(handle: Array, side: float, setup: EpisodeSetup, options: TaskConf
 
     `side` is +1 or -1 along y: away from the hinge of a door; 0 for a drawer.
     """
-    nominal = np.array([options.base_distance, side * options.base_side, -options.handle_height])
+    height = options.handle_height if side else options.drawer_height
+    nominal = np.array([options.base_distance, side * options.base_side, -height])
     return rigid(yaw_matrix(np.pi + setup.base_yaw), handle + nominal + setup.base_offset)
 
 

@@ -95,7 +95,7 @@ class AcdcPanda(Panda):
     # Stock damping of 100 makes the arm lag its target by a step and a half at 10 Hz.
     arm_damping = 60.0
     # 45 N on a 1 cm handle: the stock 15 N lets go of heavy doors and of drawers that are pulled fast.
-    gripper_stiffness = 6e3
+    gripper_stiffness = 3e3
 
     def __init__(self, *args: Any, scale: ActionScale | None = None, **kwargs: Any) -> None:
         self.action_scale = scale or ActionScale()

@@ -31,7 +31,7 @@ SMALL = {
 
 @pytest.fixture(scope="module")
 def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return write_store(tmp_path_factory.mktemp("store") / "episodes.h5", episodes=40)
+    return write_store(tmp_path_factory.mktemp("store") / "episodes.h5", episodes=60)
 
 
 def options(**changes: object) -> str:
@@ -40,17 +40,17 @@ def options(**changes: object) -> str:
 
 def test_learns_to_reach_what_the_cloud_shows(store: Path, tmp_path: Path) -> None:
     """Closed loop on unseen goals: the hand ends within 3 cm; before training it does not."""
-    train(episodes=(store,), per_store=40, options=options(steps=800, log_every=200), out=tmp_path / "policy")
+    train(episodes=(store,), per_store=60, options=options(steps=800, log_every=200), out=tmp_path / "policy")
     policy = load_policy(tmp_path / "policy", "last")
     reached = []
-    for seed in range(1000, 1012):
+    for seed in range(1000, 1020):
         toy, actor = ToyReach(seed), Actor(policy, horizon=10, slots=1, choose="most_likely")
         actor.reset(0, seed)
         for _ in range(16):
             cloud, proprio = toy.observe()
             toy.step(actor.act([0], [cloud], [proprio])[0])
         reached.append(toy.distance < 0.03)
-    assert np.mean(reached) >= 0.75
+    assert np.mean(reached) >= 0.7
     lines = [json.loads(line) for line in (tmp_path / "policy" / "metrics.jsonl").read_text().splitlines()]
     assert [line["step"] for line in lines] == [200, 400, 600, 800]
     assert lines[-1]["validation_loss"] < lines[0]["validation_loss"]
@@ -184,8 +184,8 @@ def test_learning_rates() -> None:
 
 
 def test_too_few_episodes_and_broken_stores_are_input_errors(store: Path, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="has 40 episodes, 41 are asked for"):
-        read_demonstrations([store], 41)
+    with pytest.raises(InputError, match="has 60 episodes, 61 are asked for"):
+        read_demonstrations([store], 61)
     broken = tmp_path / "broken.h5"
     broken.write_bytes(b"no HDF5")
     with pytest.raises(InputError, match=r"broken\.h5: is no episode store"):

@@ -1,0 +1,41 @@
+"""A small cabinet with one door, or one drawer, for the tests of tasks and demonstrations."""
+
+from pathlib import Path
+from typing import Any
+
+from stages.contracts.library import Asset, Recipe
+from stages.procedural import build
+
+PARAMETERS: dict[str, Any] = {
+    "layout": [["door"]],
+    "major": "columns",
+    "drawer_weight": 0.35,
+    "open_weight": 0.6,
+    "panel_weight": 0.2,
+    "hinge": 1,
+    "panel": "flat",
+    "handle": "bar",
+    "handle_length": 0.25,
+    "handle_at": 0.3,
+    "handle_inset": 0.045,
+    "protrusion": 0.038,
+    "board": 0.018,
+    "base": "none",
+    "base_height": 0.08,
+    "top": 0.0,
+    "top_thickness": 0.03,
+    "reach": 0.85,
+    "shelves": 1,
+    "front_thickness": 0.018,
+    "size": [0.4, 0.45, 0.7],
+    **{
+        f"{name}_colour": [0.7, 0.6, 0.5]
+        for name in ("body", "front", "field", "handle", "top", "base", "inside", "panel")
+    },
+}
+
+
+def cabinet(folder: Path, **changes: Any) -> Asset:
+    """Build the cabinet, with some parameters changed, in `folder`; its box is 0.4 x 0.45 x 0.7 m."""
+    recipe = Recipe(generator="cabinet", parameters={**PARAMETERS, **changes})
+    return build(recipe, None, folder, folder.name, "bottom_cabinet")

@@ -1,0 +1,136 @@
+"""What a task is made of, without a simulator: randomisation, kinematics, handles, observations."""
+
+import numpy as np
+import pytest
+import trimesh
+
+from stages.config.task import TaskConfig
+from stages.geometry.frames import rigid, yaw_matrix
+from stages.simulation import observation
+from stages.simulation.controller import apply_delta, scale_action
+from stages.simulation.episode import base_pose, camera_pose, draw_episode, variant_scale
+from stages.simulation.handle import find_handle
+from stages.simulation.kinematics import jacobian, pose_error, track
+from stages.simulation.robot import REST, panda_chain
+
+STILL = TaskConfig(base_xy=0, base_z=0, base_yaw=0, object_xy=0, object_yaw=0, qpos_noise=0, camera_jitter=(0, 0))
+
+
+def test_an_episode_follows_from_its_seed() -> None:
+    options = TaskConfig()
+    once, again, other = (draw_episode(seed, options) for seed in (2**31 + 5, 2**31 + 5, 6))
+    assert np.array_equal(once.joints, again.joints) and once.base_yaw == again.base_yaw
+    assert not np.array_equal(once.base_offset, other.base_offset)
+    assert np.abs(once.base_offset[:2]).max() <= options.base_xy
+
+
+def test_scales_stay_in_their_range_and_differ() -> None:
+    scales = np.array([variant_scale(variant, TaskConfig(scale_range=(0.8, 0.9))) for variant in range(8)])
+    assert scales.min() >= 0.8 and scales.max() <= 0.9
+    assert len(np.unique(scales[:, 0])) > 1
+
+
+def test_the_robot_stands_in_front_of_the_handle_and_faces_it() -> None:
+    handle = np.array([0.2, -0.1, 0.5])
+    pose = base_pose(handle, -1.0, draw_episode(0, STILL), STILL)
+    seen = np.linalg.inv(pose) @ np.append(handle, 1.0)
+    assert seen[:3] == pytest.approx([STILL.base_distance, -STILL.base_side, STILL.handle_height])
+
+
+def test_the_camera_looks_at_its_target() -> None:
+    pose = camera_pose(draw_episode(0, STILL), STILL)
+    towards = np.array(STILL.camera_target) - STILL.camera_eye
+    assert pose[:3, 0] == pytest.approx(towards / np.linalg.norm(towards))
+    assert np.linalg.det(pose[:3, :3]) == pytest.approx(1.0)
+
+
+def test_the_rest_pose_is_where_it_says() -> None:
+    pose = panda_chain().pose(REST[None])[0]
+    assert pose[:3, 3] == pytest.approx([0.42, 0.0, 0.55], abs=2e-3)
+    assert pose[:3, 2] == pytest.approx([np.cos(0.7), 0.0, -np.sin(0.7)], abs=2e-3)
+
+
+def test_the_jacobian_is_the_derivative_of_the_pose() -> None:
+    chain, q, step = panda_chain(), REST + 0.1 * np.arange(7), 1e-6
+    J = jacobian(chain.frames(q[None]))[0]
+    for joint in range(7):
+        moved = q + step * np.eye(7)[joint]
+        change = pose_error(chain.pose(moved[None]), chain.pose(q[None]))[0] / step
+        assert change == pytest.approx(J[:, joint], abs=1e-4)
+
+
+def test_tracking_reaches_a_near_pose_and_keeps_the_limits() -> None:
+    chain = panda_chain()
+    target = apply_delta(chain.pose(REST[None]), np.array([[0.03, -0.02, 0.02, 0.0, 0.1, 0.1]]))
+    q = track(chain, REST[None], target)
+    assert np.abs(pose_error(target, chain.pose(q))).max() < 1e-3
+    target[0, 0, 3] += 3.0  # far out of reach
+    q = track(chain, q, target, iterations=50)[0]
+    assert (q > chain.lower).all() and (q < chain.upper).all()
+
+
+def test_an_action_is_clipped_per_axis_and_by_its_turn() -> None:
+    scaled = scale_action(np.array([[2.0, -0.5, 0.0, 3.0, 4.0, 0.0]]), 0.05, 0.2)[0]
+    assert scaled == pytest.approx([0.05, -0.025, 0.0, 0.12, 0.16, 0.0])
+
+
+def panel(*parts: tuple[tuple[float, float, float], tuple[float, float, float]]) -> trimesh.Trimesh:
+    """A 2 cm panel, 0.4 x 0.6 m, its front at x = 0, with boxes (extents, centre) on it."""
+    boxes = [((0.02, 0.4, 0.6), (-0.01, 0.0, 0.0)), *parts]
+    return trimesh.util.concatenate([trimesh.creation.box(extents).apply_translation(at) for extents, at in boxes])
+
+
+@pytest.mark.parametrize(
+    ("extents", "axis", "elongated"),
+    [((0.01, 0.012, 0.14), 2, True), ((0.01, 0.14, 0.012), 1, True), ((0.01, 0.03, 0.03), None, False)],
+)
+def test_rays_find_the_handle(extents: tuple[float, float, float], axis: int | None, elongated: bool) -> None:
+    handle = find_handle(panel((extents, (0.03, -0.15, 0.1))))
+    assert handle is not None
+    assert handle.position == pytest.approx([0.035, -0.15, 0.1], abs=0.004)
+    assert handle.protrusion == pytest.approx(0.035, abs=1e-3)
+    assert handle.elongated == elongated
+    if axis is not None:
+        assert abs(handle.axis[axis]) == pytest.approx(1.0, abs=0.05)
+
+
+def test_a_flat_panel_has_no_handle() -> None:
+    assert find_handle(panel()) is None
+
+
+def test_farthest_points_spread_out() -> None:
+    cluster = np.random.default_rng(0).normal(0, 0.001, (50, 3))
+    corners = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    chosen = observation.farthest_points(np.concatenate([cluster, corners]).astype(np.float32), 4)
+    assert {tuple(point) for point in chosen.round(2)} >= {(1, 0, 0), (0, 1, 0), (0, 0, 1)}
+    assert observation.farthest_points(np.ones((2, 3), np.float32), 5).shape == (5, 3)
+    assert observation.farthest_points(np.zeros((0, 3), np.float32), 5).shape == (5, 3)
+
+
+def test_only_the_object_is_in_the_cloud() -> None:
+    image = np.zeros((4, 4, 4), np.int16)
+    image[1, 2] = [100, 200, -1000, 7]  # 10 cm right, 20 cm up, 1 m ahead; the object
+    image[2, 2] = [0, 0, -500, 3]  # the robot
+    pose = rigid(yaw_matrix(np.pi / 2), [0.0, 0.0, 1.0])  # the camera looks along y
+    points = observation.object_points(image, np.array([7, 8], np.int16), pose, np.full(3, -2.0), np.full(3, 2.0))
+    assert points == pytest.approx(np.array([[0.1, 1.0, 1.2]]), abs=1e-5)
+    assert len(observation.object_points(image, np.array([7], np.int16), pose, np.full(3, -2.0), np.zeros(3))) == 0
+
+
+def test_finger_points_follow_the_gripper() -> None:
+    tcp = panda_chain().pose(REST[None])[0]
+    points = observation.finger_points(tcp, np.array([0.03, 0.01]), 40)
+    across = (points - tcp[:3, 3]) @ tcp[:3, 1]
+    left, right = across[:20], across[20:]
+    assert left.min() == pytest.approx(0.03, abs=0.003) and right.max() == pytest.approx(-0.01, abs=0.003)
+    cloud = observation.unified_cloud(np.ones((300, 3), np.float32), points, 100)
+    assert cloud.shape == (100, 4) and cloud[:60, 3].max() == 0 and cloud[60:, 3].min() == 1
+
+
+def test_orientation_does_not_jump_at_the_rest_pose() -> None:
+    rest = panda_chain().pose(REST[None])[0]
+    quaternions = [
+        observation.proprioception(rigid(yaw_matrix(yaw) @ rest[:3, :3], [0, 0, 0]), np.zeros(2), rest)[3:7]
+        for yaw in (-0.02, 0.02)
+    ]
+    assert np.abs(quaternions[0] - quaternions[1]).max() < 0.05
