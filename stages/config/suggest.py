@@ -36,4 +36,6 @@ def explain(root: type[BaseModel], error: ValidationError) -> str:
         near = get_close_matches(str(path[-1]), keys, n=1, cutoff=0.5)
         hint = f"did you mean '{near[0]}'?" if near else f"known keys: {', '.join(keys)}."
         return f"{name}: unknown key; {hint}"
+    if detail["type"] == "value_error":  # raised by our own checks, which name the key
+        return detail["msg"].removeprefix("Value error, ")
     return f"{name}: {detail['msg']} (got {detail['input']!r})"

@@ -28,7 +28,7 @@ def rows() -> tuple[list[SceneScore], list[Rollout]]:
     """A few plausible rows."""
     scores = [
         SceneScore(
-            scene="room_1", variant="b", rank=1, scale_m=3.68, object=f"cabinet_{k}", status="ok", true_asset=f"a{k}",
+            scene="room_3", variant="b", rank=1, scale_m=2.91, object=f"cabinet_{k}", status="ok", true_asset=f"a{k}",
             asset=f"a{k}", category_correct=True, model_correct=k > 1, l2_cm=3.0 + k, orientation_rad=0.05 * k,
             iou=0.7, oriented_iou=0.65, stable=True,
         )
@@ -60,9 +60,9 @@ def main() -> int:
         work = Path(folder) / "workflow"
         passed_over = (".venv", ".git", ".snakemake", "results", "logs", "*.egg-info", "__pycache__")
         shutil.copytree(ROOT, work, symlinks=True, ignore=shutil.ignore_patterns(*passed_over))
-        experiment = "{rooms: [room_1], variants: {b: {}}, training_sets: [twin], runs: [lite], seeds: [0]}"
+        experiment = "{rooms: [room_3], variants: {b: {}}, training_sets: [twin], runs: [lite], seeds: [0]}"
         (work / "one.yaml").write_text(f"experiment: {experiment}\n")
-        write(work / "results/evaluation/scenes/b/room_1/scores.csv", scores)
+        write(work / "results/evaluation/scenes/b/room_3/scores.csv", scores)
         write(work / "results/evaluation/policies/door/twin/lite/seed_0/rollouts.csv", rollouts)
         base = [*SNAKEMAKE, "--configfile", "config.yaml", "one.yaml", "--", "tables"]
         produced = {}

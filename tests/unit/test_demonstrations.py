@@ -1,0 +1,101 @@
+"""`collect` from end to end, with the camera."""
+
+import json
+from pathlib import Path
+
+import cv2
+import h5py
+import numpy as np
+import pytest
+
+from stages.config.task import TaskConfig
+from stages.contracts import Attempt, InputError, Library, TaskAssets, write_json
+from stages.contracts.library import LibraryEntry
+from stages.contracts.policies import TaskAsset
+from stages.demonstrations.collect import attempt_seeds, run
+from stages.simulation.task_api import make_task
+from tests.unit.demo_assets import cabinet
+
+TASK = {"scale_variants": 1, "points": 128, "finger_points": 16, "camera_size": 64}
+
+
+def experiment(folder: Path, **changes: object) -> dict[str, Path]:
+    """A library with one cabinet, and an experiment that uses it as twin."""
+    asset = cabinet(folder / "models" / "cab", **changes)
+    entry = LibraryEntry(
+        id="cab", category="bottom_cabinet", folder="models/cab", doors=1, drawers=0, checksum=asset.checksum
+    )
+    write_json(folder / "library.json", Library(assets=[entry]))
+    twin = TaskAsset(
+        role="twin", asset="cab", category="bottom_cabinet", joint="door_0_joint", size=asset.size, distance=0.0
+    )
+    write_json(
+        folder / "task_door.json", TaskAssets(task="door", scene="s", object="cab_1", encoder="patches", assets=[twin])
+    )
+    return {"assets": folder / "task_door.json", "library": folder / "library.json"}
+
+
+def test_collect_writes_successes_that_replay(tmp_path: Path) -> None:
+    inputs = experiment(tmp_path)
+    for name in ("a", "b"):
+        run(
+            **inputs,
+            role="twin",
+            episodes=2,
+            out=tmp_path / name / "episodes.h5",
+            options='{"noise": 0.004, "film_episodes": 1}',
+            task_options=json.dumps(TASK),
+            seed=3,
+        )
+    first = tmp_path / "a" / "episodes.h5"
+    assert first.read_bytes() == (tmp_path / "b" / "episodes.h5").read_bytes()
+    lines = (tmp_path / "a" / "attempts.jsonl").read_text().splitlines()
+    ledger = [Attempt.model_validate_json(line) for line in lines]
+    kept = [attempt for attempt in ledger if attempt.success]
+    assert [attempt.episode for attempt in kept] == [0, 1] and all(attempt.opened > 0.5 for attempt in kept)
+    film = cv2.imread(str(tmp_path / "a" / "film.png"))
+    assert film is not None and len(np.unique(film.reshape(-1, 3), axis=0)) > 50
+
+    with h5py.File(first) as file:
+        data = file["data"]
+        assert list(data) == ["demo_0", "demo_1"]
+        options = TaskConfig.model_validate_json(data.attrs["task_options"])
+        assert options == TaskConfig(**TASK)
+        assert data.attrs["success_fraction"] == options.success_fraction
+        demo = data["demo_0"]
+        steps = demo.attrs["num_samples"]
+        assert demo.attrs["seed"] == kept[0].seed and steps == kept[0].steps
+        cloud, proprio, actions, joint = (
+            demo[key][:] for key in ("obs/point_cloud", "obs/proprio", "actions", "joint")
+        )
+    assert cloud.shape == (steps, 128, 4) and cloud.dtype == np.float16
+    assert proprio.shape == (steps, 9) and actions.shape == (steps, 7) and joint.shape == (steps,)
+    assert np.abs(actions).max() <= 1.0 + 1e-6
+    assert joint[0] == 0.0 and joint[-1] > 0.5
+    scene = cloud[0, cloud[0, :, 3] == 0, :3].astype(float)
+    fingers = cloud[0, cloud[0, :, 3] == 1, :3].astype(float)
+    assert np.linalg.norm(fingers.mean(axis=0) - proprio[0, :3]) < 0.03  # the fingers are at the hand
+    assert 0.1 < np.ptp(scene[:, 1]) < 0.8 and np.median(scene[:, 0]) > 0.4  # the cabinet is in front of it
+
+    # Evaluation sees the same first observation, from the options in the file.
+    task = make_task("door", tmp_path / "models" / "cab", "door_0_joint", (0.4, 0.45, 0.7), options)
+    again = task.reset(kept[0].seed)
+    task.close()
+    assert again["proprio"] == pytest.approx(proprio[0])
+    assert again["point_cloud"] == pytest.approx(cloud[0].astype(np.float32), abs=2e-3)
+
+
+def test_too_few_successes_are_one_line_and_no_file(tmp_path: Path) -> None:
+    inputs = experiment(tmp_path, handle="recessed")
+    out = tmp_path / "out" / "episodes.h5"
+    with pytest.raises(InputError, match=r"only 0 of 2 .* \(no_handle 6\)"):
+        run(**inputs, role="twin", episodes=2, out=out, task_options=json.dumps(TASK))
+    assert not out.exists() and not (out.parent / "film.png").exists()
+    with pytest.raises(InputError, match="it has twin"):
+        run(**inputs, role="cousin_1", episodes=2, out=out)
+
+
+def test_attempts_of_roles_differ_and_stay_below_those_of_evaluation() -> None:
+    twin, cousin = (list(attempt_seeds(0, role, 50)) for role in ("twin", "cousin_1"))
+    assert not set(twin) & set(cousin)
+    assert max(twin + cousin) < 2**31

@@ -1,0 +1,149 @@
+"""The tasks in the simulator and the skill that opens them; physics alone, no renderer."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stages.config.demonstrations import DemonstrationsConfig
+from stages.config.task import TaskConfig
+from stages.contracts.errors import InputError
+from stages.demonstrations.clearance import Surroundings
+from stages.demonstrations.path import Pursuit, distance, opening, straight
+from stages.demonstrations.plan import grasp_pose, plan_open
+from stages.demonstrations.skill import OpenSkill, Outcome
+from stages.geometry.frames import rigid, yaw_matrix
+from stages.simulation.task_api import TaskEnv, make_task
+from tests.unit.demo_assets import cabinet
+
+OPTIONS = TaskConfig(scale_variants=1)
+
+
+@pytest.fixture(scope="module")
+def door(tmp_path_factory: pytest.TempPathFactory) -> TaskEnv:
+    folder = tmp_path_factory.mktemp("assets") / "door"
+    cabinet(folder)
+    return make_task("door", folder, "door_0_joint", None, OPTIONS, render=False)
+
+
+def attempt(task: TaskEnv, seed: int) -> Outcome:
+    task.place(seed)
+    skill = OpenSkill(task, DemonstrationsConfig(noise=0.0), lambda action, noisy: task.act(action))
+    return skill.run(Surroundings(task.env.target))
+
+
+def test_an_unknown_task_or_joint_is_one_clear_line(tmp_path: Path) -> None:
+    cabinet(tmp_path / "door")
+    with pytest.raises(InputError, match="door_0_joint"):
+        make_task("door", tmp_path / "door", "nonsense", None, OPTIONS)
+    with pytest.raises(InputError, match="unknown task"):
+        make_task("window", tmp_path / "door", "door_0_joint", None, OPTIONS)
+
+
+def test_a_seed_gives_one_initial_state(door: TaskEnv) -> None:
+    first = door.reset(7)["proprio"]
+    other = door.reset(8)["proprio"]
+    again = door.reset(7)["proprio"]
+    assert np.array_equal(first, again) and not np.array_equal(first, other)
+    assert door.opened == 0.0 and not door.success
+
+
+@pytest.mark.parametrize("controller", ["pd_ee_dls", "pd_ee_target_delta_pose"])
+def test_an_action_moves_the_hand_in_the_base_frame(tmp_path: Path, controller: str) -> None:
+    cabinet(tmp_path / "door")
+    options = OPTIONS.model_copy(update={"controller": controller})
+    task = make_task("door", tmp_path / "door", "door_0_joint", None, options, render=False)
+    task.place(3)
+    before = task.hand()
+    for _ in range(3):
+        task.act(np.array([-0.4, 0.4, 0, 0, 0, 0.5, 1], np.float32))
+    for _ in range(2):
+        result = task.step(np.array([0, 0, 0, 0, 0, 0, -1], np.float32))
+    moved = task.hand()
+    assert 0.03 < moved[1, 3] - before[1, 3] < 0.065 and 0.03 < before[0, 3] - moved[0, 3] < 0.065
+    turn = moved[:3, :3] @ before[:3, :3].T
+    assert 0.15 < np.arctan2(turn[1, 0], turn[0, 0]) < 0.35
+    assert task.joints()[7:].max() < 0.03  # the fingers close
+    assert not result.done and result.observation["point_cloud"].shape == (options.points, 4)
+    task.close()
+
+
+def test_success_is_the_fraction_of_the_range(door: TaskEnv) -> None:
+    door.place(0)
+    for value, expected in ((0.49, False), (0.51, True)):
+        door.env.object.set_qpos(np.array([[value * np.pi / 2]], np.float32))
+        assert bool(door.env.evaluate()["success"][0]) is expected
+
+
+def test_a_straight_path_keeps_its_ends_and_spacing() -> None:
+    start, end = np.eye(4), rigid(yaw_matrix(1.0), [0.1, 0.0, 0.0])
+    path = straight(start, end)
+    assert path[0] == pytest.approx(start) and path[-1] == pytest.approx(end)
+    assert distance(path[1:], path[:-1]).max() < 0.006
+
+
+def test_pursuit_aims_ahead_and_never_back() -> None:
+    path = straight(np.eye(4), rigid(np.eye(3), [1.0, 0.0, 0.0]))
+    pursuit = Pursuit(path, lookahead=0.1)
+    assert pursuit.aim(rigid(np.eye(3), [0.05, 0.02, 0.0]))[0, 3] == pytest.approx(0.15, abs=0.01)
+    assert pursuit.aim(rigid(np.eye(3), [0.0, 0.0, 0.0]))[0, 3] >= 0.14
+    assert pursuit.progress == pytest.approx(0.05, abs=0.006)
+
+
+def test_the_opening_path_turns_about_the_hinge(door: TaskEnv) -> None:
+    door.place(0)
+    target = door.env.target
+    assert target.handle is not None
+    grasp = grasp_pose(target.handle, 0.0, np.eye(4))
+    path = opening(target, grasp, target.lower + np.pi / 3, follow=1.0)
+    radii = np.linalg.norm(path[:, :2, 3] - target.origin[:2], axis=1)
+    assert np.ptp(radii) < 1e-6
+    assert path[-1, 0, 3] > grasp[0, 3] + 0.2  # outwards
+    assert path[-1][:3, :3] @ path[0][:3, :3].T == pytest.approx(yaw_matrix(np.pi / 3 * target.axis[2]), abs=1e-6)
+
+
+def test_clearance_sees_the_panel_where_it_is(door: TaskEnv) -> None:
+    door.place(0)
+    target = door.env.target
+    around = Surroundings(target)
+    before_the_front = np.array([[target.moving.bounds[1, 0] + 0.1, 0.0, 0.35]])
+    radii = np.array([0.03])
+    assert around.clear(before_the_front, radii, target.lower)
+    assert not around.clear(np.array([[target.origin[0] - 0.01, 0.0, 0.35]]), radii, target.lower)
+    assert not all(around.clear(before_the_front, radii, value) for value in np.linspace(0.1, 1.0, 10))  # it swings by
+
+
+def test_doors_and_drawers_are_opened(door: TaskEnv, tmp_path: Path) -> None:
+    outcomes = [attempt(door, seed) for seed in range(4)]
+    assert [outcome.cause for outcome in outcomes] == ["success"] * 4
+    assert door.opened > 0.5 and 15 < door.steps < 60
+    cabinet(tmp_path / "drawer", layout=[["drawer", "open"]], handle="knob", protrusion=0.034)
+    drawer = make_task("drawer", tmp_path / "drawer", "drawer_0_joint", None, OPTIONS, render=False)
+    assert sum(attempt(drawer, seed).success for seed in range(4)) >= 3
+    drawer.close()
+
+
+def test_failures_have_causes(tmp_path: Path) -> None:
+    cabinet(tmp_path / "smooth", handle="recessed")
+    smooth = make_task("door", tmp_path / "smooth", "door_0_joint", None, OPTIONS, render=False)
+    assert attempt(smooth, 0) == Outcome(False, "no_handle")
+    smooth.close()
+    cabinet(tmp_path / "door")
+    far = make_task(
+        "door", tmp_path / "door", "door_0_joint", None, OPTIONS.model_copy(update={"base_distance": 1.6}), render=False
+    )
+    assert attempt(far, 0) == Outcome(False, "no_plan")
+    far.close()
+
+
+def test_no_plan_goes_through_an_obstacle(door: TaskEnv) -> None:
+    door.place(0)
+    target = door.env.target
+
+    class Blocked(Surroundings):
+        def clear(self, centers: np.ndarray, radii: np.ndarray, value: float) -> bool:
+            return False
+
+    arguments = (door.chain, door.joints()[:7], door.env.base_from_asset(), target)
+    assert plan_open(*arguments, Surroundings(target), target.lower + 0.9, DemonstrationsConfig()) is not None
+    assert plan_open(*arguments, Blocked(target), target.lower + 0.9, DemonstrationsConfig()) is None
