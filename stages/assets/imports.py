@@ -9,15 +9,15 @@ import numpy as np
 import trimesh
 from pydantic import Field
 
+from stages.articulated.mesh_reader import convex_pieces, load_meshes
+from stages.articulated.model import Link, RobotModel, closed_box, rebased, stretched
+from stages.articulated.stretch import write_imported
+from stages.articulated.urdf_reader import DENSITY, MINIMUM_INERTIA, MINIMUM_MASS, read_urdf
 from stages.cli import progress
 from stages.contracts.errors import InputError
 from stages.contracts.files import Contract, read_json
 from stages.contracts.library import Asset
 from stages.geometry.frames import rigid
-from stages.simulation.mesh_reader import convex_pieces, load_meshes
-from stages.simulation.robot_model import Link, RobotModel, closed_box, rebased, stretched
-from stages.simulation.stretch import write_imported
-from stages.simulation.urdf_reader import DENSITY, MINIMUM_INERTIA, MINIMUM_MASS, read_urdf
 
 KINDS = (".urdf", ".glb", ".obj")  # of the files in a folder, the first kind that occurs
 Axis = Literal["+x", "-x", "+y", "-y", "+z", "-z"]

@@ -76,7 +76,8 @@ class Booth:
 
         The asset keeps its size and the camera's distance is scaled instead: the same picture.
         """
-        from stages.simulation.loading import load_asset, move, read_asset, remove, root_pose
+        from stages.articulated.asset_folder import read_asset
+        from stages.simulation.loading import load_asset, move, remove, root_pose
 
         asset = read_asset(folder)
         unit = largest_extent(asset)

@@ -11,7 +11,7 @@ from stages.generation.inputs import Inputs
 from stages.generation.layout import place, stacked
 from stages.generation.placed import Placed
 from stages.generation.prisms import asset_prisms
-from stages.simulation.resize import resized
+from stages.procedural.resize import resized
 
 
 @dataclass(frozen=True)

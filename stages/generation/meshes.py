@@ -6,9 +6,9 @@ from pathlib import Path
 
 from trimesh import Trimesh
 
-from stages.simulation.loading import read_asset
-from stages.simulation.robot_model import Link, link_frames, moved
-from stages.simulation.urdf_reader import read_urdf
+from stages.articulated.asset_folder import read_asset
+from stages.articulated.model import Link, link_frames, moved
+from stages.articulated.urdf_reader import read_urdf
 
 
 @lru_cache(maxsize=64)

@@ -5,12 +5,12 @@ from pathlib import Path
 
 import numpy as np
 
+from stages.articulated.affordance import Panel, Task, target_joint
 from stages.config.matching import MatchingConfig
 from stages.contracts import Cousins, GeneratedScene, InputError, TaskAssets, read_json, read_options, write_json
 from stages.contracts.cousins import ObjectCousins
 from stages.contracts.library import LibraryEntry, Vector
 from stages.contracts.policies import TaskAsset
-from stages.matching.affordance import Panel, Task, target_joint
 from stages.matching.encoders import make_encoder, settings_digest
 from stages.matching.match import read_library
 from stages.matching.ranking import Query, rank, weighted

@@ -1,14 +1,10 @@
-"""Asset folders: make one from a recipe, and the checksum that all asset folders carry."""
+"""Make an asset folder from a recipe."""
 
-import hashlib
-import shutil
-import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 
+from stages.articulated.asset_folder import atomic_folder, checksum
 from stages.contracts.errors import InputError
 from stages.contracts.files import write_json
 from stages.contracts.library import Asset, Joint, Recipe
@@ -93,28 +89,3 @@ def joints_of(model: Model) -> list[Joint]:
         )
         for moving in model.moving
     ]
-
-
-def checksum(folder: Path) -> str:
-    """sha256 over the names and bytes of all files of the folder but asset.json, in order of name."""
-    digest = hashlib.sha256()
-    files = sorted(path for path in folder.rglob("*") if path.is_file() and path.name != "asset.json")
-    for path in files:
-        content = path.read_bytes()
-        digest.update(f"{path.relative_to(folder).as_posix()}\0{len(content)}\0".encode())
-        digest.update(content)
-    return digest.hexdigest()
-
-
-@contextmanager
-def atomic_folder(out: Path) -> Iterator[Path]:
-    """A temporary folder that takes the place of `out` only if the block succeeds."""
-    out = Path(out)
-    out.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=out.parent, prefix=".partial-") as temporary:
-        folder = Path(temporary) / out.name
-        folder.mkdir()
-        yield folder
-        if out.exists():
-            shutil.rmtree(out)
-        folder.replace(out)

@@ -8,8 +8,8 @@ import sapien
 from numpy.typing import NDArray
 from sapien.physx import PhysxArticulation, PhysxMaterial
 
+from stages.articulated.asset_folder import read_asset
 from stages.contracts.errors import InputError
-from stages.contracts.files import read_json
 from stages.contracts.library import Asset
 from stages.geometry.frames import yaw_matrix, yaw_quaternion
 
@@ -30,11 +30,6 @@ def has_renderer(scene: sapien.Scene) -> bool:
         return scene.render_system is not None
     except RuntimeError:
         return False
-
-
-def read_asset(folder: Path) -> Asset:
-    """The `asset.json` of an asset folder."""
-    return read_json(Asset, Path(folder) / "asset.json", "make the library again: python -m stages.assets library")
 
 
 def box_centre(asset: Asset) -> NDArray[np.float64]:

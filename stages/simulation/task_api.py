@@ -204,7 +204,7 @@ class TaskEnv:
 
     def _sized_folder(self, seed: int) -> Path:
         """Folder of the asset at the size of episode `seed`."""
-        from stages.simulation.resize import resized
+        from stages.procedural.resize import resized
 
         scale = np.ones(3)
         if self.vary_scale:

@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 import trimesh
 
+from stages.articulated.mesh_reader import convex_pieces
+from stages.articulated.model import closed_box, link_frames, stretched
+from stages.articulated.urdf_reader import read_urdf
 from stages.assets.imports import import_folders, import_model, model_files, word
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json
 from stages.contracts.library import Asset
-from stages.simulation.mesh_reader import convex_pieces
-from stages.simulation.resize import resized
-from stages.simulation.robot_model import closed_box, link_frames, stretched
-from stages.simulation.urdf_reader import read_urdf
+from stages.procedural.resize import resized
 
 DATA = Path(os.environ.get("ACDC_TEST_DATA", Path(__file__).parents[3] / "shared" / "data"))
 
@@ -91,7 +91,7 @@ def test_stretching_a_turned_link_scales_along_the_assets_axes(folder: Path) -> 
 
 
 def test_stretched_inertia_is_that_of_the_stretched_box() -> None:
-    from stages.simulation.robot_model import Link, RobotModel
+    from stages.articulated.model import Link, RobotModel
 
     box = trimesh.creation.box([0.2, 0.3, 0.4])
     link = Link("a", [box], [box], 2.0, np.zeros(3), 2 / 12 * np.diag([0.25, 0.20, 0.13]))

@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pytest
 
+from stages.articulated.asset_folder import checksum
 from stages.assets.library import index_of, make, run
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json
 from stages.contracts.library import Asset, Library
-from stages.procedural.folder import checksum
 
 OPTIONS = json.dumps({"counts": {"mug": 2, "bottom_cabinet": 2, "picture": 1}})
 

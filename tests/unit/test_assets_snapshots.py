@@ -7,6 +7,7 @@ import h5py
 import numpy as np
 import pytest
 
+from stages.articulated.asset_folder import read_asset
 from stages.assets import library, snapshots
 from stages.assets.library import make
 from stages.contracts.errors import InputError
@@ -14,7 +15,7 @@ from stages.contracts.files import read_json
 from stages.contracts.library import SnapshotShard
 from stages.geometry.cameras import back_project, intrinsics_from_fov, look_at
 from stages.geometry.frames import apply
-from stages.simulation.loading import load_asset, read_asset, root_pose
+from stages.simulation.loading import load_asset, root_pose
 from stages.simulation.rendering import Camera, add_block, instance_id, make_scene, render
 
 OPTIONS = json.dumps({"counts": {"mug": 2, "television": 1}, "n_snap": 4, "image_size": 96})

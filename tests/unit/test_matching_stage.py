@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 import trimesh
 
+from stages.articulated.affordance import target_joint
 from stages.contracts import Asset, Cousins, GeneratedScene, InputError, TaskAssets, read_json, write_json
 from stages.contracts.generated import PlacedObject
 from stages.contracts.library import Joint
 from stages.geometry.frames import angle_difference
-from stages.matching.affordance import target_joint
 from stages.matching.features import run as features
 from stages.matching.match import run as match
 from stages.matching.select import run as select

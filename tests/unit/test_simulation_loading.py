@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 import sapien
 
+from stages.articulated.asset_folder import read_asset
 from stages.assets.library import make
 from stages.contracts.errors import InputError
 from stages.contracts.library import Asset
+from stages.procedural.resize import resized
 from stages.simulation.loading import (
     JOINT_FRICTION,
     add_ground,
@@ -16,11 +18,9 @@ from stages.simulation.loading import (
     move,
     physics_scene,
     position_of,
-    read_asset,
     remove,
     root_pose,
 )
-from stages.simulation.resize import resized
 
 
 @pytest.fixture(scope="module")

@@ -8,11 +8,11 @@ import trimesh
 from scipy.spatial.transform import Rotation
 from trimesh import Trimesh
 
+from stages.articulated.mesh_reader import has_texture
+from stages.articulated.model import JointModel, Link, Matrix, RobotModel
 from stages.contracts.library import Joint
 from stages.procedural.shapes import is_box
 from stages.procedural.urdf import DOOR_DAMPING, DRAWER_DAMPING, FRICTION, SHARP, numbers, write_obj
-from stages.simulation.mesh_reader import has_texture
-from stages.simulation.robot_model import JointModel, Link, Matrix, RobotModel
 
 HANDLE_NAMES = ("handle", "knob", "nob", "pull", "grip")
 

@@ -5,9 +5,9 @@ import json
 from collections.abc import Sequence
 from pathlib import Path
 
+from stages.articulated.asset_folder import read_asset
 from stages.contracts.errors import InputError
 from stages.procedural import build
-from stages.simulation.loading import read_asset
 
 SAME = 5e-4  # metres: a size this near to the native one is left alone
 
@@ -33,7 +33,7 @@ def resized(asset_folder: Path, size: Sequence[float], out: Path) -> Path:
     if asset.recipe is not None:
         build(asset.recipe, (x, y, z), folder, asset.id, asset.category, asset.provenance)
     else:
-        from stages.simulation.stretch import stretch
+        from stages.articulated.stretch import stretch
 
         stretch(asset_folder, asset, (x, y, z), folder)
     return folder

@@ -5,12 +5,12 @@ from typing import Any
 
 import numpy as np
 
+from stages.articulated.asset_folder import atomic_folder, checksum
+from stages.articulated.model import RobotModel, closed_box, stretched
+from stages.articulated.urdf_reader import read_urdf
+from stages.articulated.urdf_writer import contract_joints, write_robot
 from stages.contracts.files import write_json
 from stages.contracts.library import Asset
-from stages.procedural.folder import atomic_folder, checksum
-from stages.simulation.robot_model import RobotModel, closed_box, stretched
-from stages.simulation.urdf_reader import read_urdf
-from stages.simulation.urdf_writer import contract_joints, write_robot
 
 
 def write_imported(robot: RobotModel, out: Path, about: dict[str, Any]) -> Asset:

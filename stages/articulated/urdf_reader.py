@@ -8,10 +8,10 @@ import trimesh
 from scipy.spatial.transform import Rotation
 from trimesh import Trimesh
 
+from stages.articulated.mesh_reader import convex_pieces, has_texture, load_meshes
+from stages.articulated.model import JointModel, Link, Matrix, RobotModel, moved
 from stages.contracts.errors import InputError
 from stages.geometry.frames import rigid
-from stages.simulation.mesh_reader import convex_pieces, has_texture, load_meshes
-from stages.simulation.robot_model import JointModel, Link, Matrix, RobotModel, moved
 
 DENSITY = 500.0  # kg / m^3, for links that say nothing of their mass
 MINIMUM_MASS, MINIMUM_INERTIA = 0.01, 1e-7
