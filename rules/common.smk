@@ -6,16 +6,20 @@ from hashlib import sha256
 from pathlib import Path
 
 from snakemake.exceptions import WorkflowError
+from snakemake.settings.types import ExecMode
 
 from stages.config.code import code_digest
 from stages.config.model import load
 from stages.contracts.errors import InputError
+from stages.guard import hold_folder, makes_files
 
 # `.venv/bin/snakemake` works without activating the environment: jobs find its python first.
 os.environ.update(PATH=os.pathsep.join([str(Path(sys.executable).parent), *os.get_exec_path()]))
 
 try:
     CONFIG = load(config)
+    if workflow.exec_mode == ExecMode.DEFAULT and not workflow.output_settings.dryrun and makes_files(sys.argv):
+        LOCKED = hold_folder()
 except InputError as error:
     raise WorkflowError(str(error)) from None
 

@@ -27,6 +27,9 @@ def main(stage: str, verbs: dict[str, str]) -> None:
 
     import tyro
 
+    from stages.guard import end_with_workflow
+
+    end_with_workflow()
     run = importlib.import_module(f"stages.{stage}.{argv[0]}").run
     try:
         tyro.cli(run, args=argv[1:], prog=f"python -m stages.{stage} {argv[0]}")

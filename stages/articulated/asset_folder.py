@@ -2,7 +2,6 @@
 
 import hashlib
 import shutil
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -32,10 +31,13 @@ def atomic_folder(out: Path) -> Iterator[Path]:
     """A temporary folder that takes the place of `out` only if the block succeeds."""
     out = Path(out)
     out.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=out.parent, prefix=".partial-") as temporary:
-        folder = Path(temporary) / out.name
-        folder.mkdir()
+    folder = out.with_name(f".partial-{out.name}")  # the same at every try: what a killed process left goes
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir()
+    try:
         yield folder
         if out.exists():
             shutil.rmtree(out)
         folder.replace(out)
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)

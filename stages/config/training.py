@@ -67,7 +67,7 @@ class TrainingRun(Section):
     log_every: int = Field(100, ge=1, description="steps between lines of metrics.jsonl and validations")
     save_every: int = Field(1000, ge=1, description="steps between states that an interrupted run resumes from")
     wandb: Literal["disabled", "offline", "online"] = Field(
-        "offline", description="Weights & Biases run beside the policy"
+        "disabled", description="Weights & Biases run beside metrics.jsonl, below logs/training/wandb"
     )
 
 

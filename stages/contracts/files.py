@@ -1,7 +1,6 @@
 """Read and write the files that pass between stages: validated, atomic, byte-for-byte repeatable."""
 
 import json
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -23,13 +22,18 @@ M = TypeVar("M", bound=BaseModel)
 
 @contextmanager
 def atomic(path: Path) -> Iterator[Path]:
-    """Yield a temporary path (same suffix) that replaces `path` only if the block succeeds."""
+    """Yield a temporary path (same folder and suffix) that replaces `path` only if the block succeeds.
+
+    Its name is always the same, so that what a killed process left behind is written over, not heaped up.
+    """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=path.parent, prefix=".partial-") as folder:
-        temporary = Path(folder) / path.name
+    temporary = path.with_name(f".partial-{path.name}")
+    try:
         yield temporary
         temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)
 
 
 def write_text(path: Path, text: str) -> None:

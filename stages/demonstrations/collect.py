@@ -15,6 +15,8 @@ from stages.demonstrations.film import write_film
 from stages.demonstrations.store import Episode, StoreHeader, write_episodes
 from stages.simulation.task_api import make_task
 
+FAILED_LEDGER = "attempts.failed.jsonl"  # not an output of the rule: Snakemake deletes those of a failed job
+
 
 def run(
     *,
@@ -28,6 +30,8 @@ def run(
     seed: int = 0,
 ) -> None:
     """Write `episodes.h5` with as many successes as asked, and beside it attempts.jsonl and film.png.
+
+    If there are too few, the ledger alone is left, as attempts.failed.jsonl.
 
     Args:
         assets: the experiment's assets (contract TaskAssets).
@@ -68,14 +72,19 @@ def run(
         )
         recorder.report(len(kept), episodes, len(ledger))
     task.close()
-    write_text(out.parent / "attempts.jsonl", "".join(line.model_dump_json() + "\n" for line in ledger))
+    lines = "".join(line.model_dump_json() + "\n" for line in ledger)
+    failed = out.parent / FAILED_LEDGER
     if len(kept) < episodes:
+        write_text(failed, lines)
         causes = ", ".join(f"{cause} {count}" for cause, count in Counter(a.cause for a in ledger).most_common())
         raise InputError(
             out,
-            f"only {len(kept)} of {episodes} demonstrations after {len(ledger)} attempts on {chosen.asset} ({causes}).",
+            f"only {len(kept)} of {episodes} demonstrations after {len(ledger)} attempts on {chosen.asset} ({causes}); "
+            f"{failed} tells of each.",
             "raise demonstrations.max_attempts_factor, narrow the ranges of `task`, or choose another object",
         )
+    failed.unlink(missing_ok=True)
+    write_text(out.parent / "attempts.jsonl", lines)
     write_film(out.parent / "film.png", recorder.strips)
     write_episodes(out, StoreHeader(plan.task, chosen.asset, chosen.joint, chosen.size, world), kept)
 

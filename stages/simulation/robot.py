@@ -17,7 +17,6 @@ from mani_skill.agents.controllers import PDEEPoseControllerConfig, PDJointPosMi
 from mani_skill.agents.registration import register_agent
 from mani_skill.agents.robots import Panda
 
-from stages.contracts.files import atomic
 from stages.simulation.controller import PDEEPoseDLSConfig
 from stages.simulation.kinematics import Chain, read_chain
 
@@ -72,11 +71,12 @@ def low_poly_urdf() -> Path:
     text = ElementTree.tostring(tree.getroot(), encoding="unicode")
     path = cache_folder() / f"panda-{hashlib.sha256(text.encode()).hexdigest()[:16]}" / "panda.urdf"
     if not path.exists():
-        srdf = PANDA.with_suffix(".srdf").read_text()
-        with atomic(path.with_suffix(".srdf")) as temporary:
-            temporary.write_text(srdf)
-        with atomic(path) as temporary:
-            temporary.write_text(text)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        contents = {path.with_suffix(".srdf"): PANDA.with_suffix(".srdf").read_text(), path: text}
+        for file, content in contents.items():
+            own = file.with_name(f"{os.getpid()}-{file.name}")  # two jobs may come here at once
+            own.write_text(content, encoding="utf-8")
+            own.replace(file)
     return path
 
 

@@ -1,7 +1,6 @@
 """The optimisation: a step is a function of weights, seed and step number, so that a resumed run equals a whole one."""
 
 import math
-import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -65,7 +64,6 @@ def optimise(policy: Policy, state: TrainingState, setting: Setting, log: Callab
     held_out = list(validation_batches(setting, validation))
     keep_at = {round(run.steps * (k + 1) / run.keep) for k in range(run.keep)}
     losses: list[Tensor] = []
-    since = time.perf_counter()
     for step in progress(range(state.step, run.steps), "training", run.steps - state.step):
         for group in state.optimiser.param_groups:
             group["lr"] = learning_rate(step, run)
@@ -84,19 +82,17 @@ def optimise(policy: Policy, state: TrainingState, setting: Setting, log: Callab
             save_weights(setting.work / "checkpoints" / f"step_{state.step}.safetensors", policy.state_dict())
         if state.step % run.log_every == 0 or state.step == run.steps:
             validated = validate(policy, held_out)
-            speed = len(losses) / (time.perf_counter() - since)
             line: Line = {
                 "step": state.step,
                 "loss": round(torch.stack(losses).mean().item(), 5),
                 **validated,
                 "learning_rate": learning_rate(step, run),
-                "steps_per_s": round(speed, 2),
             }
             log(line)
             state.note(policy, validated.get("validation_loss"), line, run.select)
             if state.step < run.steps and state.due(run.save_every):
                 state.save(policy, setting.work)
-            losses, since = [], time.perf_counter()
+            losses = []
 
 
 def validation_batches(setting: Setting, episodes: list[int]) -> Iterator[Batch]:

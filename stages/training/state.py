@@ -7,6 +7,7 @@ from pathlib import Path
 import torch
 from torch import Tensor
 
+from stages.contracts.files import atomic
 from stages.policy.network import Policy
 from stages.training.logbook import Line
 
@@ -41,7 +42,6 @@ class TrainingState:
     def save(self, policy: Policy, folder: Path) -> None:
         """Write the state; a crash while writing leaves the last one."""
         self.saved = self.step
-        folder.mkdir(parents=True, exist_ok=True)
         content = {
             "policy": policy.state_dict(),
             "optimiser": self.optimiser.state_dict(),
@@ -52,9 +52,8 @@ class TrainingState:
             "best": self.best,
             "lines": self.lines,
         }
-        temporary = folder / f"{STATE}.partial"
-        torch.save(content, temporary)
-        temporary.replace(folder / STATE)
+        with atomic(folder / STATE) as temporary:
+            torch.save(content, temporary)
 
     def resume(self, policy: Policy, folder: Path) -> bool:
         """Go on from the state in `folder` if there is one of this very run."""

@@ -9,6 +9,7 @@ from typing import Literal
 
 import torch
 
+from stages.config.code import code_digest
 from stages.config.training import TrainingRun
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_options, write_json, write_text
@@ -19,6 +20,8 @@ from stages.training.dataset import Demonstrations, read_demonstrations, split_e
 from stages.training.logbook import Logbook
 from stages.training.loop import Setting, optimise
 from stages.training.state import TrainingState
+
+WANDB_FOLDER = Path("logs/training")  # its runs are named by time: nothing for results/
 
 
 def run(
@@ -33,7 +36,7 @@ def run(
 ) -> None:
     """Train a BC-RNN-GMM policy.
 
-    An interrupted run leaves its state in the folder `<out>.work`, and the same command goes on from there.
+    An interrupted run leaves its state in the folder `<out>.work`, and the same command and code go on from there.
 
     Args:
         episodes: episode stores (episodes.h5) of the training set.
@@ -65,14 +68,15 @@ def run(
         print(f"training: goes on from step {state.step}", file=sys.stderr)
     setting.work.mkdir(parents=True, exist_ok=True)
     metrics = setting.work / "metrics.jsonl"
-    logbook = Logbook(metrics, state.lines, hyper.wandb, out, hyper.model_dump(mode="json") | {"seed": seed})
+    logbook = Logbook(metrics, state.lines, hyper.wandb, WANDB_FOLDER, hyper.model_dump(mode="json") | {"seed": seed})
     optimise(policy, state, setting, logbook.write)
     logbook.close()
 
     kept = sorted((setting.work / "checkpoints").glob("*.safetensors")) if hyper.keep else []
-    for path in kept:
+    shutil.rmtree(out / "checkpoints", ignore_errors=True)
+    for path in kept:  # copied: the work folder stays whole until everything is written
         (out / "checkpoints").mkdir(parents=True, exist_ok=True)
-        path.replace(out / "checkpoints" / path.name)
+        shutil.copyfile(path, out / "checkpoints" / path.name)
     save_weights(out / FILES["last"], policy.state_dict())
     save_weights(out / FILES["best"], state.best)
     write_text(out / "metrics.jsonl", metrics.read_text(encoding="utf-8"))
@@ -112,6 +116,6 @@ def fit_normaliser(policy: Policy, data: Demonstrations, episodes: list[int]) ->
 
 
 def fingerprint(data: Demonstrations, run: TrainingRun, seed: int) -> str:
-    """What must be equal for an interrupted run to go on."""
-    text = json.dumps([data.digest, run.model_dump(mode="json"), seed], sort_keys=True)
+    """What must be equal for an interrupted run to go on: data, options, seed and code."""
+    text = json.dumps([data.digest, run.model_dump(mode="json"), seed, code_digest(__name__)], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()

@@ -90,7 +90,9 @@ def test_too_few_successes_are_one_line_and_no_file(tmp_path: Path) -> None:
     out = tmp_path / "out" / "episodes.h5"
     with pytest.raises(InputError, match=r"only 0 of 2 .* \(no_handle 6\)"):
         run(**inputs, role="twin", episodes=2, out=out, task_options=json.dumps(TASK))
-    assert not out.exists() and not (out.parent / "film.png").exists()
+    ledger = (out.parent / "attempts.failed.jsonl").read_text().splitlines()
+    assert [Attempt.model_validate_json(line).cause for line in ledger] == ["no_handle"] * 6
+    assert [path.name for path in out.parent.iterdir()] == ["attempts.failed.jsonl"], "nothing half-made stays"
     with pytest.raises(InputError, match="it has twin"):
         run(**inputs, role="cousin_1", episodes=2, out=out)
 
