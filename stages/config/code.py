@@ -9,7 +9,7 @@ from pathlib import Path
 PACKAGE = "stages"
 ROOT = Path(__file__).resolve().parents[1]  # of the package
 MODULE_NAME = re.compile(rf"{PACKAGE}(\.\w+)+")
-DATA_SUFFIXES = {".jinja", ".html", ".css", ".js", ".csv", ".json"}  # shipped beside a stage's modules
+DATA_SUFFIXES = {".jinja", ".html", ".css", ".js", ".csv", ".json"}  # shipped beside modules
 
 
 @cache
@@ -71,11 +71,10 @@ def closure(module: str) -> tuple[str, ...]:
 
 @cache
 def code_digest(module: str) -> str:
-    """Digest (12 hex digits) of `module`, of all it needs from this package, and of the data files beside it."""
+    """Digest (12 hex digits) of `module`, of all it needs from this package, and of the data files beside them."""
     files = {path for name in closure(module) if (path := source(name))}
-    home = source(module)
-    if home:
-        files.update(path for path in home.parent.iterdir() if path.suffix in DATA_SUFFIXES)
+    for folder in {path.parent for path in files}:
+        files.update(path for path in folder.iterdir() if path.suffix in DATA_SUFFIXES)
     digest = hashlib.sha256()
     for path in sorted(files):
         digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")

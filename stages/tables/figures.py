@@ -8,8 +8,8 @@ from stages.config.tables import TablesConfig
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_options
 from stages.tables.drawing import look, save
-from stages.tables.inputs import published_policies, read_table
 from stages.tables.policy_figures import figure4, figure9
+from stages.tables.rows import published_policies, read_table
 from stages.tables.scene_figure import figure6
 from stages.tables.table3 import ALL_COLUMNS, pool
 

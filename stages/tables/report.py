@@ -11,14 +11,15 @@ from markupsafe import Markup
 from stages.config.tables import TablesConfig
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_options, read_text, write_text
-from stages.tables import layout, library, policies, rooms, table2, table3
-from stages.tables.benchmarks import by_stage, duration, read_jobs
-from stages.tables.headline import rate, tiles
-from stages.tables.inputs import published_policies, read_table
+from stages.tables import formatting, table2, table3
 from stages.tables.markup import Table, environment, number, percent
 from stages.tables.order import title as name_title
 from stages.tables.order import variant_title
-from stages.tables.pictures import Album, Picture
+from stages.tables.page import library, policies, rooms
+from stages.tables.page.benchmarks import by_stage, duration, read_jobs
+from stages.tables.page.headline import rate, tiles
+from stages.tables.page.pictures import Album, Picture
+from stages.tables.rows import published_policies, read_table
 
 MAX_BYTES = 15_000_000
 STAGES = ["assets", "scenes", "extraction", "matching", "generation"]
@@ -54,11 +55,11 @@ def _tables(folder: Path, published: Path, options: TablesConfig) -> tuple[list[
     scenes = _table(folder / "table2.csv", table2.ALL_COLUMNS)
     runs = _table(folder / "table3.csv", table3.ALL_COLUMNS)
     gains = _table(folder / "table3_differences.csv", table3.DIFFERENCE_COLUMNS)
-    shown = [layout.scenes_table(scenes, options)] if scenes is not None else []
+    shown = [formatting.scenes_table(scenes, options)] if scenes is not None else []
     if runs is not None:
-        shown.append(layout.policies_table(runs, published_policies(published), options))
+        shown.append(formatting.policies_table(runs, published_policies(published), options))
     if gains is not None and len(gains):
-        shown.append(layout.differences_table(gains, options))
+        shown.append(formatting.differences_table(gains, options))
     pooled = None if runs is None else table3.pool(runs, options.confidence)
     return shown, {"scenes": scenes, "pooled": pooled, "gains": gains}
 
@@ -71,7 +72,7 @@ def _page(results: Path, benchmarks: Path, tables: Path, figures: Path, publishe
     times = by_stage(jobs, STAGES)
     models, tasks = library.collect(results, album), policies.collect(results, album)
     drawn = {name: (_figure(figures / f"{name}.svg", alt, album), alt) for name, alt in FIGURES.items()}
-    template = environment().get_template("report.html.jinja")
+    template = environment().get_template("page/page.html.jinja")
     return template.render(
         **facts,
         tiles=tiles(data["scenes"], data["pooled"], data["gains"], models, tasks, times, options),
@@ -82,7 +83,7 @@ def _page(results: Path, benchmarks: Path, tables: Path, figures: Path, publishe
         figures=drawn,
         times=times,
         longest=sorted(jobs, key=lambda job: (-job.seconds, job.name))[:8],
-        script=Markup(read_text(Path(__file__).with_name("report.js"))),
+        script=Markup(read_text(Path(__file__).with_name("page") / "page.js")),
         duration=duration,
         number=number,
         percent=percent,
@@ -109,7 +110,7 @@ def run(
 
     Args:
         out: the HTML file.
-        results: folder of the run's outputs, in their fixed layout.
+        results: folder of the run's outputs, in their fixed formatting.
         benchmarks: folder of Snakemake's benchmark files.
         tables: folder of table2.csv, table3.csv and table3_differences.csv.
         figures: folder of figure4.svg, figure6.svg and figure9.svg.

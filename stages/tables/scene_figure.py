@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from stages.tables.drawing import not_run
 from stages.tables.order import natural, title
-from stages.tables.pictures import load
+from stages.tables.page.pictures import load
 
 WIDTH = 900
 

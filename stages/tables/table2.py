@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 
 from stages.config.tables import TablesConfig
-from stages.tables.inputs import records
 from stages.tables.order import natural
+from stages.tables.rows import records
 from stages.tables.statistics import mean, std, t_interval
 
 METRICS = ["l2_cm", "orientation_rad", "iou", "oriented_iou"]

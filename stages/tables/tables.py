@@ -7,9 +7,9 @@ import pandas as pd
 from stages.config.tables import TablesConfig
 from stages.contracts.files import read_options, write_text
 from stages.contracts.policies import Rollout, SceneScore
-from stages.tables import layout, table2, table3
-from stages.tables.inputs import published_policies, published_scenes, read_rows
+from stages.tables import formatting, table2, table3
 from stages.tables.markup import Table, html, latex
+from stages.tables.rows import published_policies, published_scenes, read_rows
 
 ONE_SCENE = ["scene", "variant", "rank"]
 ONE_TEST = ["task", "training_set", "run", "seed", "checkpoint", "test_asset"]
@@ -48,12 +48,12 @@ def run(
     paper = published_policies(published)
 
     scenes = table2.build(scene_rows, published_scenes(published), settings)
-    _write(out, "table2", scenes, [layout.scenes_table(scenes, settings)])
+    _write(out, "table2", scenes, [formatting.scenes_table(scenes, settings)])
 
     policies = table3.build(episode_rows, paper, settings)
     gains = table3.differences(episode_rows, settings)
-    shown = [layout.policies_table(policies, paper, settings)]
-    shown += [layout.differences_table(gains, settings)] if len(gains) else []
-    shown += [layout.runs_table(policies)] if (policies["status"] == "run").any() else []
+    shown = [formatting.policies_table(policies, paper, settings)]
+    shown += [formatting.differences_table(gains, settings)] if len(gains) else []
+    shown += [formatting.runs_table(policies)] if (policies["status"] == "run").any() else []
     _write(out, "table3", policies, shown)
     write_text(out / "table3_differences.csv", _csv(gains))

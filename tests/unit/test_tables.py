@@ -9,10 +9,10 @@ import pytest
 from stages.config.tables import TablesConfig
 from stages.contracts.errors import InputError
 from stages.contracts.policies import Rollout, SceneScore
-from stages.tables import layout, table2, table3
-from stages.tables.inputs import published_policies, published_scenes, read_rows
+from stages.tables import formatting, table2, table3
 from stages.tables.markup import Cell, Row, Table, html, latex, latex_escape, percent
 from stages.tables.order import natural, set_key
+from stages.tables.rows import published_policies, published_scenes, read_rows
 from stages.tables.statistics import difference_interval, std, t_interval, wilson
 from stages.tables.tables import ONE_SCENE, run
 from tests.unit.tables_results import rollout, rollouts, score, write_rows
@@ -233,7 +233,7 @@ def test_markup_escapes() -> None:
 
 
 def test_layouts_show_ours_beside_the_paper() -> None:
-    shown = layout.policies_table(policy_cells(rollouts()), published_policies(PUBLISHED), OPTIONS)
+    shown = formatting.policies_table(policy_cells(rollouts()), published_policies(PUBLISHED), OPTIONS)
     first = shown.rows[0].cells
     assert [first[0].value, first[1].value] == ["Door opening", "twin"]
     assert first[3].published == "90 ± 4 %" and "2 runs" in first[3].remark

@@ -9,10 +9,10 @@ from PIL import Image
 
 from stages.contracts.errors import InputError
 from stages.tables import figures, report, tables
-from stages.tables.benchmarks import by_stage, duration, read_jobs
-from stages.tables.charts import line_chart
-from stages.tables.pictures import Album, load
-from stages.tables.policies import losses, read_attempts
+from stages.tables.page.benchmarks import by_stage, duration, read_jobs
+from stages.tables.page.charts import line_chart
+from stages.tables.page.pictures import Album, load
+from stages.tables.page.policies import losses, read_attempts
 from tests.unit.tables_results import picture, write_run
 
 PUBLISHED = Path(__file__).parents[2] / "report" / "published"

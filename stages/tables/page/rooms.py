@@ -8,7 +8,7 @@ from stages.contracts.files import read_json
 from stages.contracts.generated import GeneratedScene
 from stages.contracts.objects import Objects, SceneObject
 from stages.tables.order import natural, title
-from stages.tables.pictures import Album, Picture
+from stages.tables.page.pictures import Album, Picture
 
 MOUNTING = {1: "on the wall", 2: "stands free", 3: "stands, touches a wall"}
 

@@ -12,9 +12,9 @@ from pydantic import ValidationError
 from stages.contracts.errors import InputError
 from stages.contracts.files import first_error, read_json, read_text
 from stages.contracts.policies import Attempt, TaskAsset, TaskAssets
-from stages.tables.charts import Points, line_chart
 from stages.tables.order import natural, set_key, task_key, title
-from stages.tables.pictures import Album, Picture
+from stages.tables.page.charts import Points, line_chart
+from stages.tables.page.pictures import Album, Picture
 
 STEPS = ("step", "steps", "update", "iteration", "epoch")
 

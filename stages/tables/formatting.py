@@ -5,9 +5,9 @@ from typing import Any
 import pandas as pd
 
 from stages.config.tables import TablesConfig
-from stages.tables.inputs import records
 from stages.tables.markup import NOT_RUN, Cell, Row, Table, number, percent, spread
 from stages.tables.order import set_key, task_key, title, variant_title
+from stages.tables.rows import records
 from stages.tables.table2 import TOTAL
 from stages.tables.table3 import CELL, pool
 

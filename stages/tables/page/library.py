@@ -7,7 +7,7 @@ from pathlib import Path
 from stages.contracts.files import read_json
 from stages.contracts.library import Library
 from stages.tables.order import natural
-from stages.tables.pictures import Album, Picture
+from stages.tables.page.pictures import Album, Picture
 
 
 @dataclass(frozen=True)

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 import pandas as pd
 
 from stages.config.tables import TablesConfig
-from stages.tables.benchmarks import StageTime, duration
-from stages.tables.inputs import records
-from stages.tables.library import LibraryPart
 from stages.tables.markup import number, percent
 from stages.tables.order import title
-from stages.tables.policies import TaskPart
+from stages.tables.page.benchmarks import StageTime, duration
+from stages.tables.page.library import LibraryPart
+from stages.tables.page.policies import TaskPart
+from stages.tables.rows import records
 from stages.tables.statistics import wilson
 from stages.tables.table2 import TOTAL
 

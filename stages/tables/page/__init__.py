@@ -1,0 +1,1 @@
+"""The report page: what it tells of each part of a run, its templates, its style."""

@@ -1,0 +1,51 @@
+"""What an edit of a template, a style or a script re-runs."""
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from stages.config import code
+
+ROOT = Path(__file__).parents[2] / "stages"
+DATA = sorted(path.relative_to(ROOT) for path in (ROOT / "tables").rglob("*") if path.suffix in code.DATA_SUFFIXES)
+
+
+def forget() -> None:
+    for cached in (code.source, code._tree, code._needs, code.code_digest):
+        cached.cache_clear()
+
+
+@pytest.fixture(scope="module")
+def copied(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """A copy of the package that the digest looks at instead of this one."""
+    folder = tmp_path_factory.mktemp("code") / "stages"
+    shutil.copytree(ROOT, folder, ignore=shutil.ignore_patterns("__pycache__"))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(code, "ROOT", folder)
+        forget()
+        yield folder
+    forget()
+
+
+def digest(verb: str) -> str:
+    forget()
+    return code.code_digest(verb)
+
+
+def test_the_page_has_templates_a_style_and_a_script() -> None:
+    assert {path.suffix for path in DATA} == {".jinja", ".css", ".js"} and len(DATA) >= 8
+
+
+@pytest.mark.parametrize("name", DATA, ids=str)
+def test_an_edit_of_a_template_style_or_script_changes_the_digest_of_the_page(copied: Path, name: Path) -> None:
+    before = {verb: digest(verb) for verb in ("stages.tables.report", "stages.matching.match")}
+    text = (copied / name).read_text()
+    (copied / name).write_text(text + "\n")
+    try:
+        assert digest("stages.tables.report") != before["stages.tables.report"]
+        assert digest("stages.matching.match") == before["stages.matching.match"]
+    finally:
+        (copied / name).write_text(text)
+    assert digest("stages.tables.report") == before["stages.tables.report"]
