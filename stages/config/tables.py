@@ -21,7 +21,9 @@ class TablesConfig(Section):
     )
     confidence: float = Field(0.95, gt=0, lt=1, description="Level of every interval.")
     bootstrap_samples: int = Field(
-        10_000, ge=100, description="Resamples behind the intervals of differences between training sets."
+        10_000,
+        ge=100,
+        description="Resamples behind the intervals of differences between training sets of several runs.",
     )
     seed: int = Field(0, ge=0, description="Seed of the resamples.")
     picture_width: int = Field(1100, ge=200, description="Largest width of a picture in the report page, pixels.")

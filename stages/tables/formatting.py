@@ -5,7 +5,7 @@ from typing import Any
 import pandas as pd
 
 from stages.config.tables import TablesConfig
-from stages.tables.markup import NOT_RUN, Cell, Row, Table, number, percent, spread
+from stages.tables.markup import NOT_RUN, Cell, Row, Table, number, percent, points, span, spread
 from stages.tables.order import set_key, task_key, title, variant_title
 from stages.tables.rows import records
 from stages.tables.table2 import TOTAL
@@ -85,7 +85,7 @@ def policies_table(table: pd.DataFrame, published: pd.DataFrame, options: Tables
                 line.append(Cell(NOT_RUN if paper or ran else "", published=shown))
                 continue
             cell = ran[name]
-            remark = f"[{100 * cell['low']:.0f}, {100 * cell['high']:.0f}] {cell['successes']}/{cell['episodes']}"
+            remark = f"[{span(cell['low'], cell['high'])}] {cell['successes']}/{cell['episodes']}"
             line.append(Cell(percent(cell["mean"], cell["std"]), f"{remark}, {_runs(cell['runs'])}", shown))
         rows.append(Row(line, "" if ran else "not-run"))
     return Table(
@@ -111,7 +111,7 @@ def runs_table(table: pd.DataFrame) -> Table:
             [
                 Cell(title(row["task"])), Cell(title(row["training_set"])), Cell(f"{row['run']} / {row['seed']}"),
                 Cell(title(row["test_asset"])), Cell(f"{row['successes']}/{row['episodes']}"),
-                Cell(percent(row["success_rate"]), f"[{100 * row['wilson_low']:.0f}, {100 * row['wilson_high']:.0f}]"),
+                Cell(percent(row["success_rate"]), f"[{span(row['wilson_low'], row['wilson_high'])}]"),
             ]
         )
         for row in records(table[table["status"] == "run"])
@@ -126,7 +126,7 @@ def differences_table(table: pd.DataFrame, options: TablesConfig) -> Table:
         Row(
             [
                 Cell(title(row["task"])), Cell(title(row["test_asset"])), Cell(title(row["training_set"])),
-                Cell(f"{100 * row['difference']:+.0f} points", f"[{100 * row['low']:+.0f}, {100 * row['high']:+.0f}]"),
+                Cell(points(row["difference"]), f"[{span(row['low'], row['high'])}]"),
                 Cell(str(row["states"])), Cell(f"{row['runs']} against {row['baseline_runs']}"),
             ]
         )
@@ -139,8 +139,10 @@ def differences_table(table: pd.DataFrame, options: TablesConfig) -> Table:
         rows=rows,
         headers=3,
         notes=[
-            f"Paired by initial state; {_level(options)} bootstrap interval over initial states and runs "
-            f"({options.bootstrap_samples} resamples, seed {options.seed}). With one run a side it speaks of these "
-            "policies only, not of training again."
+            f"Paired by initial state; {_level(options)} hybrid score interval (Newcombe 1998, method 10), with "
+            f"several runs a side widened to the bootstrap over states and runs ({options.bootstrap_samples} resamples, seed "
+            f"{options.seed}). With one run a side it speaks of these policies only, not of training again.",
+            "An interval that holds zero says that this run does not tell the two apart. Unseen: all test assets but "
+            "the twin, pooled.",
         ],
     )

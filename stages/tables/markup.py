@@ -52,10 +52,30 @@ def spread(mean: Any, std: Any, digits: int) -> str:
 
 
 def percent(mean: Any, std: Any = None) -> str:
-    """A rate in percent, '92 %' or '92 ± 4 %'."""
-    middle, width = (None if value is None or value != value else 100 * value for value in (mean, std))
-    text = spread(middle, width, 0)
-    return f"{text} %" if text else ""
+    """A rate in percent, '92 %' or '92 ± 4 %'; 0 and 100 are said of nothing else: 320 of 321 are '99.7 %'."""
+    if mean is None or mean != mean:
+        return ""
+    digits = next((digits for digits in (0, 1) if _keeps_clear(100 * mean, digits)), None)
+    if digits is None:
+        return "> 99.9 %" if mean > 0.5 else "< 0.1 %"
+    width = None if std is None or std != std else 100 * std
+    return f"{spread(100 * mean, width, digits)} %"
+
+
+def _keeps_clear(value: float, digits: int) -> bool:
+    """Whether rounding a percentage neither makes 0 or 100 of it nor, if it is one of them, anything else."""
+    return all((round(value, digits) == end) == (value == end) for end in (0, 100))
+
+
+def span(low: float, high: float) -> str:
+    """An interval of rates in percent, '48–74', its ends rounded outwards; signs where it reaches below zero."""
+    ends = math.floor(100 * low + 1e-9), math.ceil(100 * high - 1e-9)
+    return f"{ends[0]:+d} to {ends[1]:+d}".replace("-", "−") if low < 0 else f"{ends[0]}–{ends[1]}"
+
+
+def points(difference: float) -> str:
+    """A difference of rates in percentage points, '+13 points'."""
+    return f"{100 * difference:+.0f} points".replace("-", "−").replace("+0 ", "0 ").replace("−0 ", "0 ")
 
 
 LATEX = {"\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "±": r"$\pm$"}

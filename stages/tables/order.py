@@ -23,8 +23,8 @@ def task_key(task: str) -> tuple[int, str]:
 
 
 def set_key(name: str) -> tuple[int, tuple[tuple[int, int, str], ...]]:
-    """Sort key of a training set or test asset: twin, then by number, then 'all' and 'dissimilar'."""
-    first = {"twin": 0, "all": 2, "dissimilar": 2}.get(name, 1)
+    """Sort key of a training set or test asset: twin, then by number, then 'all' and 'dissimilar', then 'unseen'."""
+    first = {"twin": 0, "all": 2, "dissimilar": 2, "unseen": 3}.get(name, 1)
     return (first, natural(name))
 
 

@@ -75,7 +75,7 @@ def _page(results: Path, benchmarks: Path, tables: Path, figures: Path, publishe
     template = environment().get_template("page/page.html.jinja")
     return template.render(
         **facts,
-        tiles=tiles(data["scenes"], data["pooled"], data["gains"], models, tasks, times, options),
+        tiles=tiles(data["scenes"], data["pooled"], models, tasks, times, options),
         rooms=rooms.collect(results, album),
         library=models,
         tasks=tasks,

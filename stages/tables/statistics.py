@@ -46,32 +46,16 @@ def t_interval(values: ArrayLike, confidence: float) -> Interval:
     return Interval(float(array.mean() - half), float(array.mean() + half))
 
 
+def wilson_of_rate(rate: float, trials: int, confidence: float) -> Interval:
+    """Wilson score interval of a success rate over `trials`; `rate` may be a mean over repeated trials."""
+    if trials == 0:
+        return Interval(NAN, NAN)
+    z2 = float(stats.norm.ppf((1 + confidence) / 2)) ** 2
+    middle = (rate + z2 / (2 * trials)) / (1 + z2 / trials)
+    half = np.sqrt(z2 * (rate * (1 - rate) / trials + z2 / (4 * trials**2))) / (1 + z2 / trials)
+    return Interval(0.0 if rate == 0 else float(middle - half), 1.0 if rate == 1 else float(middle + half))
+
+
 def wilson(successes: int, episodes: int, confidence: float) -> Interval:
     """Wilson score interval of a success rate."""
-    if episodes == 0:
-        return Interval(NAN, NAN)
-    interval = stats.binomtest(int(successes), int(episodes)).proportion_ci(confidence, method="wilson")
-    return Interval(float(interval.low), float(interval.high))
-
-
-def difference_interval(
-    ours: NDArray[np.float64], baseline: NDArray[np.float64], confidence: float, samples: int, seed: int
-) -> Interval:
-    """Bootstrap interval of mean(ours) - mean(baseline), paired by initial state.
-
-    Args:
-        ours, baseline: (runs, states) successes in {0, 1}; column s is the same initial state in both.
-
-    Each resample draws initial states, shared by both sides, and the runs of each side. With a single run there is
-    nothing to draw: the interval then speaks of these trained policies, not of training again.
-    """
-    rng = np.random.default_rng(seed)
-    states = ours.shape[1]
-
-    def weights(count: int) -> NDArray[np.float64]:
-        return rng.multinomial(count, np.full(count, 1 / count), size=samples) / count
-
-    by_state = weights(states)
-    rates = [np.einsum("br,rs,bs->b", weights(len(side)), side, by_state, optimize=True) for side in (ours, baseline)]
-    low, high = np.quantile(rates[0] - rates[1], [(1 - confidence) / 2, (1 + confidence) / 2])
-    return Interval(float(low), float(high))
+    return wilson_of_rate(successes / episodes if episodes else 0.0, episodes, confidence)

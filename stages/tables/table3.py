@@ -1,13 +1,15 @@
 """Table 3: success of every trained policy on every test asset (paper B.4)."""
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from stages.config.tables import TablesConfig
+from stages.tables.difference import difference_interval
 from stages.tables.order import set_key, task_key
-from stages.tables.statistics import difference_interval, mean, std, wilson
+from stages.tables.statistics import mean, std, wilson
 
 COLUMNS = [
     "task", "test_asset", "dino_distance", "training_set", "run", "seed", "episodes", "successes", "success_rate",
@@ -18,7 +20,7 @@ DIFFERENCE_COLUMNS = [
     "task", "test_asset", "training_set", "baseline", "states", "runs", "baseline_runs", "difference", "low", "high",
 ]  # fmt: skip
 CELL = ["task", "test_asset", "training_set"]
-BASELINE = "twin"
+BASELINE, UNSEEN = "twin", "unseen"
 
 
 def _order(row: Any) -> tuple[Any, ...]:
@@ -76,9 +78,9 @@ def pool(table: pd.DataFrame, confidence: float) -> pd.DataFrame:
 
 
 def _successes(rollouts: pd.DataFrame) -> pd.DataFrame:
-    """Successes as a (policy, initial state) table; NaN where a policy never started from a state."""
+    """Successes as a (policy, start) table; NaN where a policy never started from there."""
     return rollouts.pivot_table(
-        index=["run", "seed", "checkpoint"], columns="initial_state", values="success", aggfunc="mean"
+        index=["run", "seed", "checkpoint"], columns=["test_asset", "initial_state"], values="success", aggfunc="mean"
     ).astype(float)
 
 
@@ -86,22 +88,29 @@ def differences(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
     """Success of each training set minus that of the twin's, per task and test asset, with `DIFFERENCE_COLUMNS`.
 
     Only initial states from which every policy of both sets was started are compared, so that the pairs are whole.
+    The test asset `unseen` pools all test assets but the twin: what the comparison is about (paper B.4).
     """
     rows: list[dict[str, Any]] = []
-    for (task, test_asset), group in rollouts.groupby(["task", "test_asset"]):
-        sets = {str(name): _successes(part) for name, part in group.groupby("training_set")}
-        baseline = sets.pop(BASELINE, None)
-        if baseline is None:
-            continue
-        for name, ours in sets.items():
-            both = pd.concat([ours, baseline], keys=["ours", "baseline"]).dropna(axis="columns")
-            if both.empty or both.shape[1] == 0:
-                continue
-            a, b = (np.asarray(both.loc[side], dtype=float) for side in ("ours", "baseline"))
-            low, high = difference_interval(a, b, options.confidence, options.bootstrap_samples, options.seed)
-            rows.append(
-                {"task": task, "test_asset": test_asset, "training_set": name, "baseline": BASELINE}
-                | {"states": both.shape[1], "runs": len(a), "baseline_runs": len(b)}
-                | {"difference": float(a.mean() - b.mean()), "low": low, "high": high}
-            )
+    for task, episodes in rollouts.groupby("task"):
+        groups = {str(asset): group for asset, group in episodes.groupby("test_asset")}
+        if len(set(groups) - {BASELINE}) > 1:
+            groups[UNSEEN] = episodes[episodes["test_asset"] != BASELINE]
+        for test_asset, group in groups.items():
+            rows += [{"task": task, "test_asset": test_asset} | row for row in _compared(group, options)]
     return pd.DataFrame(sorted(rows, key=_order), columns=DIFFERENCE_COLUMNS)
+
+
+def _compared(rollouts: pd.DataFrame, options: TablesConfig) -> Iterator[dict[str, Any]]:
+    """Every training set against the twin's, from the starts that all their policies share."""
+    sets = {str(name): _successes(part) for name, part in rollouts.groupby("training_set")}
+    baseline = sets.pop(BASELINE, None)
+    for name, ours in sets.items() if baseline is not None else ():
+        both = pd.concat([ours, baseline], keys=["ours", "baseline"]).dropna(axis="columns")
+        if both.empty or both.shape[1] == 0:
+            continue
+        a, b = (np.asarray(both.loc[side], dtype=float) for side in ("ours", "baseline"))
+        low, high = difference_interval(a, b, options.confidence, options.bootstrap_samples, options.seed)
+        yield {
+            "training_set": name, "baseline": BASELINE, "states": both.shape[1], "runs": len(a),
+            "baseline_runs": len(b), "difference": float(a.mean() - b.mean()), "low": low, "high": high,
+        }  # fmt: skip

@@ -10,10 +10,11 @@ from stages.config.tables import TablesConfig
 from stages.contracts.errors import InputError
 from stages.contracts.policies import Rollout, SceneScore
 from stages.tables import formatting, table2, table3
-from stages.tables.markup import Cell, Row, Table, html, latex, latex_escape, percent
+from stages.tables.difference import difference_interval
+from stages.tables.markup import Cell, Row, Table, html, latex, latex_escape, percent, points, span
 from stages.tables.order import natural, set_key
 from stages.tables.rows import published_policies, published_scenes, read_rows
-from stages.tables.statistics import difference_interval, std, t_interval, wilson
+from stages.tables.statistics import std, t_interval, wilson
 from stages.tables.tables import ONE_SCENE, run
 from tests.unit.tables_results import rollout, rollouts, score, write_rows
 
@@ -51,15 +52,41 @@ def test_t_interval_and_sample_deviation() -> None:
     assert np.isnan(std([4.0])) and np.isnan(t_interval([4.0], 0.95).low)
 
 
-def test_difference_is_paired_by_initial_state() -> None:
-    states = np.array([[1, 0, 1, 0, 1, 0, 1, 1, 0, 0]] * 2, dtype=float)
-    same = difference_interval(states, states.copy(), 0.95, 500, 0)
-    assert same == pytest.approx((0, 0), abs=1e-12)  # unpaired resampling would give a wide interval
-    better = difference_interval(np.ones((2, 10)), np.zeros((3, 10)), 0.95, 500, 0)
-    assert better == pytest.approx((1, 1))
-    assert difference_interval(states, 1 - states, 0.95, 500, 3) == difference_interval(
-        states, 1 - states, 0.95, 500, 3
-    )
+def paired_table(both: int, ours: int, theirs: int, neither: int) -> tuple[np.ndarray, np.ndarray]:
+    """One run a side with these cells of the paired 2 x 2 table."""
+    counts = (both, ours, theirs, neither)
+    return np.repeat([1.0, 1, 0, 0], counts)[None], np.repeat([1.0, 0, 1, 0], counts)[None]
+
+
+@pytest.mark.parametrize(
+    ("cells", "interval"),
+    [
+        ((36, 12, 2, 0), (0.0569, 0.3404)),  # Newcombe 1998, table III, method 10
+        ((20, 12, 2, 16), (0.0562, 0.3292)),
+        ((0, 0, 0, 16), (-0.1936, 0.1936)),  # 0/16 against 0/16: as wide as Wilson's interval of 0/16
+        ((16, 0, 0, 0), (-0.1936, 0.1936)),
+    ],
+)
+def test_paired_score_interval(cells: tuple[int, int, int, int], interval: tuple[float, float]) -> None:
+    ours, theirs = paired_table(*cells)
+    assert difference_interval(ours, theirs, 0.95, 100, 0) == pytest.approx(interval, abs=1e-4)
+    mirrored = [-end for end in difference_interval(theirs, ours, 0.95, 100, 0)]
+    assert mirrored[::-1] == pytest.approx(interval, abs=1e-4)
+
+
+def test_paired_interval_is_narrower_than_an_unpaired_one() -> None:
+    paired = difference_interval(*paired_table(30, 5, 0, 15), 0.95, 100, 0)
+    ours, theirs = paired_table(30, 5, 0, 15)
+    unpaired = difference_interval(ours, np.random.default_rng(2).permutation(theirs[0])[None], 0.95, 100, 0)
+    assert paired.high - paired.low < 0.8 * (unpaired.high - unpaired.low)
+
+
+def test_several_runs_never_close_the_interval_and_widen_it_where_they_differ() -> None:
+    nothing = np.zeros((3, 16))
+    assert difference_interval(nothing, nothing, 0.95, 500, 0) == pytest.approx((-0.1936, 0.1936), abs=1e-4)
+    ends = np.array([[1.0] * 16, [0.0] * 16])  # one policy always, one never: training again may give either
+    apart = difference_interval(ends, nothing, 0.95, 500, 3)
+    assert apart.low <= 0 and apart.high >= 1 and apart == difference_interval(ends, nothing, 0.95, 500, 3)
 
 
 def test_order_of_names() -> None:
@@ -155,8 +182,19 @@ def test_table3_differences_compare_shared_initial_states_only() -> None:
     twin = [rollout(n, False) for n in range(5)]
     cousins = [rollout(n, n != 9, training_set="cousins_4") for n in range(10)]  # states 1005-1009 are theirs alone
     (row,) = table3.differences(frame(twin + cousins), OPTIONS).to_dict("records")
-    assert (row["states"], row["difference"], row["low"]) == (5, 1.0, 1.0)
+    assert (row["states"], row["difference"]) == (5, 1.0)
+    assert 0.3 < row["low"] < 0.5 and row["high"] == 1.0
     assert table3.differences(frame(cousins), OPTIONS).empty
+
+
+def test_table3_pools_what_the_twin_is_not_as_unseen() -> None:
+    roles = ("twin", "cousin_2", "dissimilar")
+    rows = [rollout(n, role == "twin", test_asset=role) for n in range(4) for role in roles]
+    rows += [rollout(n, role != "twin", training_set="cousins_4", test_asset=role) for n in range(4) for role in roles]
+    table = table3.differences(frame(rows), OPTIONS)
+    assert table["test_asset"].tolist() == [*roles, "unseen"]
+    unseen = cell(table, test_asset="unseen")
+    assert (unseen["states"], unseen["difference"]) == (8, 1.0) and cell(table, test_asset="twin")["difference"] == -1
 
 
 # Files ---------------------------------------------------------------------------------------------------------------
@@ -230,6 +268,26 @@ def test_markup_escapes() -> None:
     assert r"50 \% \& <b>" in text and r"a\_b" in text and r"\textcolor{gray}{$\pm$}" in text
     assert latex_escape("\\{") == r"\textbackslash{}\{"
     assert percent(0.916, 0.04) == "92 ± 4 %" and percent(0.5) == "50 %" and percent(float("nan")) == ""
+
+
+@pytest.mark.parametrize(
+    ("rate", "text"),
+    [
+        (320 / 321, "99.7 %"),
+        (1 / 321, "0.3 %"),
+        (1.0, "100 %"),
+        (0.0, "0 %"),
+        (0.99996, "> 99.9 %"),
+        (0.0001, "< 0.1 %"),
+    ],
+)
+def test_percent_says_100_and_0_of_nothing_else(rate: float, text: str) -> None:
+    assert percent(rate) == text
+
+
+def test_intervals_are_rounded_outwards() -> None:
+    assert span(0.4902, 0.9433) == "49–95" and span(0, 0.1936) == "0–20" and span(-0.012, 0.3) == "−2 to +30"
+    assert [points(value) for value in (0.125, -0.5625, 0.0)] == ["+12 points", "−56 points", "0 points"]
 
 
 def test_layouts_show_ours_beside_the_paper() -> None:

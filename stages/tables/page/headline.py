@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import pandas as pd
 
 from stages.config.tables import TablesConfig
-from stages.tables.markup import number, percent
+from stages.tables.markup import number, percent, span
 from stages.tables.order import title
 from stages.tables.page.benchmarks import StageTime, duration
 from stages.tables.page.library import LibraryPart
@@ -25,9 +25,9 @@ class Tile:
 
 
 def rate(successes: int, episodes: int, confidence: float) -> str:
-    """'31/50, 48–74 %': counts with their Wilson interval."""
+    """'31/50, 48–75 %': counts with their Wilson interval."""
     low, high = wilson(successes, episodes, confidence)
-    return f"{successes}/{episodes}, {100 * low:.0f}–{100 * high:.0f} %"
+    return f"{successes}/{episodes}, {span(low, high)} %"
 
 
 def _scene_tiles(table: pd.DataFrame, confidence: float) -> list[Tile]:
@@ -49,26 +49,15 @@ def _policy_tiles(pooled: pd.DataFrame) -> list[Tile]:
     tiles = []
     for row in records(pooled[pooled["test_asset"].isin(["twin", "dissimilar"])]):
         runs = "1 policy" if row["runs"] == 1 else f"{row['runs']} policies"
-        interval = f"{row['successes']}/{row['episodes']}, {100 * row['low']:.0f}–{100 * row['high']:.0f} %, {runs}"
+        interval = f"{row['successes']}/{row['episodes']}, {span(row['low'], row['high'])} %, {runs}"
         label = f"{title(row['task'])} on {title(row['test_asset'])}, trained on {title(row['training_set'])}"
         tiles.append(Tile(percent(row["mean"]), label, interval))
-    return tiles
-
-
-def _difference_tiles(gains: pd.DataFrame) -> list[Tile]:
-    """What cousins gain over the twin on the least similar asset."""
-    tiles = []
-    for row in records(gains[gains["test_asset"] == "dissimilar"]):
-        label = f"{title(row['task'])} on dissimilar, {title(row['training_set'])} against twin"
-        interval = f"{100 * row['low']:+.0f} to {100 * row['high']:+.0f}, {row['states']} paired states"
-        tiles.append(Tile(f"{100 * row['difference']:+.0f} points", label, interval))
     return tiles
 
 
 def tiles(
     scenes: pd.DataFrame | None,
     pooled: pd.DataFrame | None,
-    gains: pd.DataFrame | None,
     library: LibraryPart | None,
     tasks: list[TaskPart],
     times: list[StageTime],
@@ -88,8 +77,6 @@ def tiles(
         found.append(Tile(percent(successes / attempts), "of demonstrations succeed", counts))
     if pooled is not None:
         found += _policy_tiles(pooled)
-    if gains is not None:
-        found += _difference_tiles(gains)
     if times:
         jobs = sum(stage.jobs for stage in times)
         detail = f"{jobs} jobs, {duration(sum(stage.cpu_seconds for stage in times))} of CPU time"
