@@ -20,11 +20,12 @@ rule library:
     params:
         command=command("assets", "library"),
         code=code("assets", "library"),
+        check=check(library="library"),
         options=as_options(CONFIG.assets),
         seed=CONFIG.seed,
     shell:
         "({params.command} --options {params.options:q} --seed {params.seed} --out {output.library:q} && "
-        "python -m stages.contracts library {output.library:q}) 2>&1 | tee {log:q}"
+        "{params.check}) 2>&1 | tee {log:q}"
 
 
 rule snapshots:
@@ -47,9 +48,10 @@ rule snapshots:
     params:
         command=command("assets", "snapshots"),
         code=code("assets", "snapshots"),
+        check=check(snapshots="index"),
         options=as_options(CONFIG.assets),
         shards=len(SHARDS),
     shell:
         "({params.command} --library {input.library:q} --shard {wildcards.shard} --shards {params.shards} "
         "--options {params.options:q} --out {output.images:q} && "
-        "python -m stages.contracts snapshots {output.index:q}) 2>&1 | tee {log:q}"
+        "{params.check}) 2>&1 | tee {log:q}"

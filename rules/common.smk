@@ -1,14 +1,16 @@
 # Helpers: the validated config, options and code digests of each job, commands, paths. Nothing here makes a file.
 import json
 import os
+import shlex
 import sys
 from hashlib import sha256
+from itertools import chain
 from pathlib import Path
 
 from snakemake.exceptions import WorkflowError
 from snakemake.settings.types import ExecMode
 
-from stages.config.code import code_digest
+from stages.config.code import code_digest, files_digest
 from stages.config.model import load
 from stages.contracts.errors import InputError
 from stages.guard import hold_folder, makes_files
@@ -56,14 +58,26 @@ def config_digest():
 
 
 def command(stage, verb):
-    """The command line of a verb: ours, or the user's own for a replaced stage."""
-    own = CONFIG.stages.get(stage)
-    return f"{own.command if own else f'python -m stages.{stage}'} {verb}"
+    """The command line of a verb: ours, or the user's own if it is replaced."""
+    own = CONFIG.stages.get(stage, {}).get(verb)
+    return own.command if own else f"python -m stages.{stage} {verb}"
 
 
 def code(stage, verb):
-    """Digest of the code behind a verb: an edit re-runs what uses it. Not asked of a replaced stage."""
-    return "replaced" if stage in CONFIG.stages else code_digest(f"stages.{stage}.{verb}")
+    """Digest of the code behind a verb, ours or the user's own: an edit re-runs what uses it."""
+    own = CONFIG.stages.get(stage, {}).get(verb)
+    return files_digest(own.code) if own else code_digest(f"stages.{stage}.{verb}")
+
+
+def check(**outputs):
+    """The command that holds what a verb wrote to its contracts; `outputs`: kind of file = name of the output."""
+
+    def line(wildcards, output):
+        files = {kind: getattr(output, name) for kind, name in outputs.items()}
+        named = [[kind, *([file] if isinstance(file, str) else file)] for kind, file in files.items()]
+        return shlex.join(["python", "-m", "stages.contracts", *chain(*named)])
+
+    return line
 
 
 def matching_options(wildcards):

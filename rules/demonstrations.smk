@@ -29,6 +29,7 @@ rule demonstrate:
     params:
         command=command("demonstrations", "collect"),
         code=code("demonstrations", "collect"),
+        check=check(attempts="attempts"),
         options=as_options(CONFIG.demonstrations),
         task_options=as_options(CONFIG.task),
         episodes=lambda wildcards: EXPERIMENT.episodes_of(wildcards.role),
@@ -37,7 +38,7 @@ rule demonstrate:
         "({params.command} --assets {input.assets:q} --library {input.library:q} --role {wildcards.role} "
         "--episodes {params.episodes} --options {params.options:q} --task-options {params.task_options:q} "
         "--seed {params.seed} --out {output.episodes:q} && "
-        "python -m stages.contracts attempts {output.attempts:q}) 2>&1 | tee {log:q}"
+        "{params.check}) 2>&1 | tee {log:q}"
 
 
 rule demonstrations:

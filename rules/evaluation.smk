@@ -33,6 +33,7 @@ rule rollout:
     params:
         command=command("evaluation", "rollout"),
         code=code("evaluation", "rollout"),
+        check=check(rollouts="rollouts"),
         options=as_options(CONFIG.evaluation),
         seed=CONFIG.seed,
         device=CONFIG.device,
@@ -41,7 +42,7 @@ rule rollout:
         "({params.command} --policy {params.folder:q} --assets {input.assets:q} --library {input.library:q} "
         "--training-set {wildcards.training_set} --run-name {wildcards.run} --options {params.options:q} "
         "--seed {params.seed} --device {params.device} --out {output.rollouts:q} && "
-        "python -m stages.contracts rollouts {output.rollouts:q}) 2>&1 | tee {log:q}"
+        "{params.check}) 2>&1 | tee {log:q}"
 
 
 rule score:
@@ -65,11 +66,12 @@ rule score:
     params:
         command=command("evaluation", "score"),
         code=code("evaluation", "score"),
+        check=check(scores="scores"),
         options=as_options(CONFIG.evaluation),
     shell:
         "({params.command} --scenes {input.scenes:q} --objects {input.objects:q} --truth {input.truth:q} "
         "--library {input.library:q} --options {params.options:q} --out {output.scores:q} && "
-        "python -m stages.contracts scores {output.scores:q}) 2>&1 | tee {log:q}"
+        "{params.check}) 2>&1 | tee {log:q}"
 
 
 rule evaluation:

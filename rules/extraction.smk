@@ -30,13 +30,14 @@ rule extract:
     params:
         command=command("extraction", "extract"),
         code=code("extraction", "extract"),
+        check=check(objects="objects"),
         options=as_options(CONFIG.extraction),
         seed=CONFIG.seed,
         folder=subpath(input.rgb, parent=True),
     shell:
         "({params.command} --input {params.folder:q} --scene {wildcards.scene} --options {params.options:q} "
         "--seed {params.seed} --out {output.objects:q} && "
-        "python -m stages.contracts objects {output.objects:q}) 2>&1 | tee {log:q}"
+        "{params.check}) 2>&1 | tee {log:q}"
 
 
 rule extraction:

@@ -33,6 +33,7 @@ rule generate:
     params:
         command=command("generation", "generate"),
         code=code("generation", "generate"),
+        check=check(generated="scenes"),
         options=as_options(CONFIG.generation),
         seed=CONFIG.seed,
         out=subpath(output.comparison, parent=True),
@@ -40,7 +41,7 @@ rule generate:
         "({params.command} --cousins {input.cousins:q} --objects {input.objects:q} --image {input.image:q} "
         "--library {input.library:q} --variant {wildcards.variant} --options {params.options:q} "
         "--seed {params.seed} --out {params.out:q} && "
-        "python -m stages.contracts generated {output.scenes:q}) 2>&1 | tee {log:q}"
+        "{params.check}) 2>&1 | tee {log:q}"
 
 
 rule generation:
@@ -71,6 +72,7 @@ rule select:
     params:
         command=command("matching", "select"),
         code=code("matching", "select"),
+        check=check(task="assets"),
         options=matching_options,
         object=lambda wildcards: EXPERIMENT.tasks[wildcards.task].object,
         cousins=EXPERIMENT.cousins,
@@ -78,4 +80,4 @@ rule select:
         "({params.command} --cousins {input.cousins:q} --scene-file {input.scene:q} --object {params.object:q} "
         "--task {wildcards.task} --library {input.library:q} --features {input.features:q} "
         "--count {params.cousins} --options {params.options:q} --out {output.assets:q} && "
-        "python -m stages.contracts task {output.assets:q}) 2>&1 | tee {log:q}"
+        "{params.check}) 2>&1 | tee {log:q}"

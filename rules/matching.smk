@@ -61,12 +61,13 @@ rule match:
     params:
         command=command("matching", "match"),
         code=code("matching", "match"),
+        check=check(cousins="cousins"),
         options=matching_options,
     shell:
         "({params.command} --objects {input.objects:q} --image {input.image:q} --library {input.library:q} "
         "--snapshots {input.snapshots:q} --features {input.features:q} --options {params.options:q} "
         "--out {output.cousins:q} && "
-        "python -m stages.contracts cousins {output.cousins:q}) 2>&1 | tee {log:q}"
+        "{params.check}) 2>&1 | tee {log:q}"
 
 
 rule matching:

@@ -27,14 +27,14 @@ rule room:
     params:
         command=command("scenes", "render"),
         code=code("scenes", "render"),
+        check=check(camera="camera", annotations="annotations", truth="truth"),
         options=as_options(CONFIG.scenes),
         seed=CONFIG.seed,
         out=subpath(output.truth, parent=True),
     shell:
         "({params.command} --library {input.library:q} --scene {wildcards.scene} --options {params.options:q} "
         "--seed {params.seed} --out {params.out:q} && "
-        "python -m stages.contracts camera {output.camera:q} annotations {output.annotations:q} truth {output.truth:q}) "
-        "2>&1 | tee {log:q}"
+        "{params.check}) 2>&1 | tee {log:q}"
 
 
 rule scenes:

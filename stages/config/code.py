@@ -3,6 +3,7 @@
 import ast
 import hashlib
 import re
+from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 
@@ -78,4 +79,19 @@ def code_digest(module: str) -> str:
     digest = hashlib.sha256()
     for path in sorted(files):
         digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
+    return digest.hexdigest()[:12]
+
+
+def files_digest(names: Iterable[str]) -> str:
+    """Digest (12 hex digits) of files and of all files below folders, by name and content.
+
+    Raises:
+        FileNotFoundError: one of them does not exist.
+    """
+    digest = hashlib.sha256()
+    for name in names:
+        given = Path(name)
+        inside = [path for path in sorted(given.rglob("*")) if path.is_file() and "__pycache__" not in path.parts]
+        for path in inside if given.is_dir() else [given]:
+            digest.update(f"{path.as_posix()}\0".encode() + path.read_bytes() + b"\0")
     return digest.hexdigest()[:12]

@@ -1,18 +1,20 @@
 """The whole of config.yaml: one typed section per stage."""
 
+from pathlib import Path
 from typing import Any, Literal
 
 from pydantic import Field, ValidationError, model_validator
 
 from stages.config.assets import AssetsConfig
 from stages.config.base import Section
-from stages.config.containers import ContainersConfig, StageCommand, StageName
+from stages.config.containers import ContainersConfig
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.config.evaluation import EvaluationConfig
 from stages.config.experiment import ExperimentConfig
 from stages.config.extraction import ExtractionConfig
 from stages.config.generation import GenerationConfig
 from stages.config.matching import MatchingConfig
+from stages.config.replaced import Replaced
 from stages.config.scenes import ScenesConfig
 from stages.config.suggest import explain
 from stages.config.tables import TablesConfig
@@ -43,8 +45,10 @@ class Config(Section):
     training: TrainingConfig = Field(TrainingConfig(), description="Policies (B.3).")
     evaluation: EvaluationConfig = Field(EvaluationConfig(), description="Rollouts and scene scores (B.1, B.3).")
     tables: TablesConfig = Field(TablesConfig(), description="Tables, figures and the report page.")
-    stages: dict[StageName, StageCommand] = Field(
-        {}, description="Replace whole stages, e.g. {matching: {command: python my_matching.py}} (docs/swapping.md)."
+    stages: Replaced = Field(
+        {},
+        description="Replace verbs of stages by commands of yours, "
+        "e.g. {matching: {match: {command: python mine.py, code: [mine.py]}}} (docs/swapping.md).",
     )
     containers: ContainersConfig = Field(ContainersConfig(), description="Images of the rules, for `--sdm apptainer`.")
 
@@ -85,6 +89,12 @@ def load(config: dict[str, Any]) -> Config:
         InputError: names the section and key; an unknown key comes with the nearest known one.
     """
     try:
-        return Config.model_validate(config)
+        valid = Config.model_validate(config)
     except ValidationError as error:
         raise InputError("config", explain(Config, error), "see config/README.md") from None
+    for stage, commands in valid.stages.items():
+        for verb, own in commands.items():
+            for name in own.code:
+                if not Path(name).exists():
+                    raise InputError("config", f"stages.{stage}.{verb}.code: no file or folder {name}.", "correct it")
+    return valid

@@ -1,11 +1,17 @@
 """The config's own rules: which demonstrations each training set needs, and what a code digest covers."""
 
+import ast
+from pathlib import Path
+
 import pytest
 
-from stages.config.code import closure, code_digest
+from stages.config.code import closure, code_digest, files_digest
 from stages.config.experiment import ExperimentConfig
 from stages.config.model import load
+from stages.config.replaced import VERBS
 from stages.contracts import InputError
+
+ROOT = Path(__file__).resolve().parents[2]
 
 
 def test_training_sets_leave_out_held_out_cousins() -> None:
@@ -38,3 +44,48 @@ def test_code_digest_follows_imports_and_registries_but_not_other_stages() -> No
     assert not any(module.startswith("stages.training") for module in modules)
     assert "stages.contracts.policies" not in modules  # re-exports of stages.contracts are followed by name
     assert code_digest("stages.matching.match") != code_digest("stages.tables.tables")
+
+
+@pytest.mark.parametrize(
+    ("stages", "message"),
+    [
+        ({"maching": {}}, "stages.maching: no such stage; did you mean 'matching'?"),
+        (
+            {"matching": {"command": "./mine.sh"}},
+            "stages.matching.command: no verb of matching; known: features, match",
+        ),
+        (
+            {"matching": {"macth": {"command": "x"}}},
+            "stages.matching.macth: no verb of matching; did you mean 'match'?",
+        ),
+        ({"matching": {"match": {"code": []}}}, "stages.matching.match.command: Field required"),
+    ],
+)
+def test_only_verbs_that_exist_are_replaced(stages: dict, message: str) -> None:
+    with pytest.raises(InputError) as caught:
+        load({"stages": stages})
+    assert message in str(caught.value)
+
+
+@pytest.mark.parametrize("stage", VERBS)
+def test_every_verb_can_be_replaced(stage: str) -> None:
+    tree = ast.parse((ROOT / "stages" / stage / "__main__.py").read_text())
+    offered = next(node for node in ast.walk(tree) if isinstance(node, ast.Dict))
+    assert tuple(ast.literal_eval(offered)) == VERBS[stage]
+
+
+def test_digest_of_code_files_sees_edits_and_names_not_caches(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "lib").mkdir()
+    (tmp_path / "mine.sh").write_text("echo")
+    (tmp_path / "lib/part.py").write_text("a = 1")
+    first = files_digest(["mine.sh", "lib"])
+    (tmp_path / "lib/__pycache__").mkdir()
+    (tmp_path / "lib/__pycache__/part.pyc").write_bytes(b"1")
+    assert files_digest(["mine.sh", "lib"]) == first
+    (tmp_path / "lib/part.py").write_text("a = 2")
+    second = files_digest(["mine.sh", "lib"])
+    (tmp_path / "lib/part.py").rename(tmp_path / "lib/other.py")
+    assert len({first, second, files_digest(["mine.sh", "lib"])}) == 3
+    with pytest.raises(FileNotFoundError):
+        files_digest(["gone.sh"])

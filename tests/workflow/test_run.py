@@ -78,35 +78,35 @@ def test_shipped_swaps_run(run: Path, swap: str) -> None:
 
 COMMAND = """\
 import json, subprocess, sys
-arguments = sys.argv[1:]
-if arguments[0] != "match":
-    sys.exit(subprocess.call([sys.executable, "-m", "stages.matching", *arguments]))
-subprocess.check_call([sys.executable, "-m", "stages.matching", *arguments])
-path = arguments[arguments.index("--out") + 1]
+subprocess.check_call([sys.executable, "-m", "stages.matching", "match", *sys.argv[1:]])
+path = sys.argv[sys.argv.index("--out") + 1]
 cousins = json.load(open(path))
 EDIT
 json.dump(cousins, open(path, "w"))
 """
+MINE = f"stages: {{matching: {{match: {{command: '{sys.executable} mine.py', code: [mine.py]}}}}}}"
 
 
-def test_a_stage_is_replaced_by_a_command(run: Path) -> None:
+def test_a_verb_is_replaced_by_a_command(run: Path) -> None:
     folder = run.parent / "replaced"
     shutil.copytree(run, folder, symlinks=True)
     (folder / "mine.py").write_text(COMMAND.replace("EDIT", "cousins['encoder'] = 'mine'"))
-    done = snakemake(
-        folder, "matching", *overlay(folder, f"stages: {{matching: {{command: '{sys.executable} mine.py'}}}}")
-    )
+    done = snakemake(folder, "matching", *overlay(folder, MINE))
     assert done.returncode == 0, done.stdout[-3000:]
+    assert planned(done.stdout) == {"match", "matching"}  # `features` is still ours
     assert json.loads((folder / "results/matching/b/room_1/cousins.json").read_text())["encoder"] == "mine"
+    done = snakemake(folder, "-n", "matching", *overlay(folder, MINE))
+    assert "Nothing to be done" in done.stdout, done.stdout[-3000:]
+    (folder / "mine.py").write_text(COMMAND.replace("EDIT", "cousins['encoder'] = 'other'"))
+    done = snakemake(folder, "-n", "matching", *overlay(folder, MINE))
+    assert planned(done.stdout) == {"match", "matching"}
 
 
-def test_a_replaced_stage_with_wrong_output_is_refused_in_one_line(run: Path) -> None:
+def test_a_replaced_verb_with_wrong_output_is_refused_in_one_line(run: Path) -> None:
     folder = run.parent / "refused"
     shutil.copytree(run, folder, symlinks=True)
     (folder / "mine.py").write_text(COMMAND.replace("EDIT", "del cousins['scene']"))
-    done = snakemake(
-        folder, "matching", *overlay(folder, f"stages: {{matching: {{command: '{sys.executable} mine.py'}}}}")
-    )
+    done = snakemake(folder, "matching", *overlay(folder, MINE))
     assert done.returncode == 1
     assert "cousins.json: breaks the Cousins contract at scene: Field required" in done.stdout, done.stdout[-3000:]
     assert not (folder / "results/matching/b/room_1/cousins.json").exists()

@@ -1,0 +1,52 @@
+"""Config section `stages`: verbs of stages that are replaced by the user's own commands."""
+
+from difflib import get_close_matches
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, Field
+
+from stages.config.base import Section
+
+VERBS = {
+    "assets": ("library", "snapshots"),
+    "scenes": ("render",),
+    "extraction": ("extract",),
+    "matching": ("features", "match", "select"),
+    "generation": ("generate",),
+    "demonstrations": ("collect",),
+    "training": ("train",),
+    "evaluation": ("rollout", "score"),
+    "tables": ("tables", "figures", "report"),
+}
+
+
+class VerbCommand(Section):
+    """Replaces one verb of a stage by a command of yours, in any language."""
+
+    command: str = Field(
+        min_length=1,
+        description="Called as `<command> --flags ...` with the flags of the verb (docs/swapping.md); what it "
+        "writes is checked against the contract before the workflow goes on.",
+    )
+    code: list[str] = Field(
+        [], description="Files and folders of the command: an edit of one makes what it wrote again."
+    )
+
+
+def _known_verbs(value: Any) -> Any:
+    """Refuse stages and verbs that do not exist, with the nearest one that does."""
+    for stage, commands in value.items() if isinstance(value, dict) else ():
+        if stage not in VERBS:
+            raise ValueError(f"stages.{stage}: no such stage; {_nearest(stage, tuple(VERBS))}")
+        for verb in commands if isinstance(commands, dict) else ():
+            if verb not in VERBS[stage]:
+                raise ValueError(f"stages.{stage}.{verb}: no verb of {stage}; {_nearest(verb, VERBS[stage])}")
+    return value
+
+
+def _nearest(name: object, names: tuple[str, ...]) -> str:
+    near = get_close_matches(str(name), names, n=1, cutoff=0.5)
+    return f"did you mean '{near[0]}'?" if near else f"known: {', '.join(names)}."
+
+
+Replaced = Annotated[dict[str, dict[str, VerbCommand]], BeforeValidator(_known_verbs)]
