@@ -4,6 +4,7 @@
 """
 
 import argparse
+import contextlib
 import os
 import random
 import shutil
@@ -59,10 +60,8 @@ def kill(workflow: subprocess.Popen[bytes], kind: str, chance: random.Random) ->
     if kind == "process group":
         os.killpg(workflow.pid, signal.SIGKILL)
     elif kind == "job" and jobs:
-        try:
+        with contextlib.suppress(ProcessLookupError):
             os.kill(chance.choice(jobs), signal.SIGKILL)
-        except ProcessLookupError:
-            pass
     else:
         workflow.kill()
     workflow.wait()
