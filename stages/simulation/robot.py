@@ -70,10 +70,10 @@ def low_poly_urdf() -> Path:
         mesh.set("filename", str(PANDA.parent / str(mesh.get("filename")).removeprefix(f"{PANDA.parent}/")))
     text = ElementTree.tostring(tree.getroot(), encoding="unicode")
     path = cache_folder() / f"panda-{hashlib.sha256(text.encode()).hexdigest()[:16]}" / "panda.urdf"
-    if not path.exists():
-        path.parent.mkdir(parents=True, exist_ok=True)
-        contents = {path.with_suffix(".srdf"): PANDA.with_suffix(".srdf").read_text(), path: text}
-        for file, content in contents.items():
+    path.parent.mkdir(parents=True, exist_ok=True)
+    contents = {path.with_suffix(".srdf"): PANDA.with_suffix(".srdf").read_text(), path: text}
+    for file, content in contents.items():
+        if not file.exists() or file.read_text(encoding="utf-8") != content:
             own = file.with_name(f"{os.getpid()}-{file.name}")  # two jobs may come here at once
             own.write_text(content, encoding="utf-8")
             own.replace(file)
