@@ -16,6 +16,8 @@ from stages.contracts.library import Asset, Library, SnapshotShard
 from stages.geometry.cameras import intrinsics_from_fov, look_at
 
 MILLIMETRES = 1000.0
+# As fast as lzf here, and smaller; and lzf's bytes depend on memory that HDF5 does not initialise.
+PACKED = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
 
 
 def run(*, library: Path, shard: int, shards: int, out: Path, options: str = "{}") -> None:
@@ -38,12 +40,9 @@ def run(*, library: Path, shard: int, shards: int, out: Path, options: str = "{}
     with atomic(out) as temporary:
         with h5py.File(temporary, "w") as file:
             grid = (1, 1, side, side)
-            rgb = file.create_dataset(
-                "rgb", (len(entries), views, side, side, 3), "u1", chunks=(*grid, 3), compression="lzf"
-            )
-            depth = file.create_dataset(
-                "depth", (len(entries), views, side, side), "u2", chunks=grid, compression="lzf"
-            )
+            shape = (len(entries), views, side, side)
+            rgb = file.create_dataset("rgb", (*shape, 3), "u1", chunks=(*grid, 3), **PACKED)
+            depth = file.create_dataset("depth", shape, "u2", chunks=grid, **PACKED)
             for index, entry in enumerate(progress(entries, "assets")):
                 folder = library.parent / entry.folder
                 rgb[index], depth[index] = booth.photograph(folder, [*yaws, config.representative_yaw])
@@ -57,7 +56,8 @@ def run(*, library: Path, shard: int, shards: int, out: Path, options: str = "{}
             elevation=math.atan2(config.camera_height, config.camera_distance),
         )
         write_json(out.with_suffix(".json"), sidecar)
-        sheet.save(out.with_suffix(".png"))
+        with atomic(out.with_suffix(".png")) as picture:
+            sheet.save(picture)
 
 
 class Booth:
