@@ -40,6 +40,7 @@ wildcard_constraints:
     variant=r"[A-Za-z0-9_-]+",
     encoder=r"[a-z0-9_]+",
     task=r"door|drawer",
+    object=r"[^/]+",
     role=r"twin|cousin_\d+",
     training_set=r"twin|cousins_\d+|all",
     run=r"[A-Za-z0-9_-]+",
@@ -125,11 +126,12 @@ def policy_folders(task, parent):
     )
 
 
-def target_file(wildcards, pattern):
-    """The file of `pattern` for the scene that holds a task's object."""
-    return expand(pattern, variant=wildcards.variant, scene=EXPERIMENT.tasks[wildcards.task].scene)
+def of_target(wildcards, pattern):
+    """The file of `pattern` for a task's object or for the scene that holds it."""
+    target = EXPERIMENT.tasks[wildcards.task]
+    return expand(pattern, variant=wildcards.variant, scene=target.scene, object=target.object)
 
 
 def task_assets(task):
-    """The assets.json-like file of a task's policy experiment."""
-    return f"results/matching/{EXPERIMENT.policy_variant}/task_{task}.json"
+    """The file that names the assets of a task's policy experiment."""
+    return f"results/experiment/{EXPERIMENT.policy_variant}/{task}/assets.json"

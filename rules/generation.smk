@@ -49,35 +49,3 @@ rule generation:
     input:
         expand(rules.generate.output.comparison, variant=VARIANTS, scene=ROOMS),
     localrule: True
-
-
-rule select:
-    """Name the assets of a policy experiment: the matched object's twin, its cousins and a dissimilar one."""
-    input:
-        cousins=lambda wildcards: target_file(wildcards, rules.match.output.cousins),
-        scene=lambda wildcards: target_file(wildcards, rules.generate.output.scenes[0]),
-        library=rules.library.output.library,
-        features=lambda wildcards: features_of(wildcards.variant),
-    output:
-        assets="results/matching/{variant}/task_{task}.json",
-    log:
-        "logs/matching/{variant}_task_{task}.log",
-    benchmark:
-        "benchmarks/matching/{variant}_task_{task}.tsv"
-    container:
-        CONFIG.containers.learning
-    threads: 1
-    resources:
-        mem_mb=2000,
-    params:
-        command=command("matching", "select"),
-        code=code("matching", "select"),
-        check=check(task="assets"),
-        options=matching_options,
-        object=lambda wildcards: EXPERIMENT.tasks[wildcards.task].object,
-        cousins=EXPERIMENT.cousins,
-    shell:
-        "({params.command} --cousins {input.cousins:q} --scene-file {input.scene:q} --object {params.object:q} "
-        "--task {wildcards.task} --library {input.library:q} --features {input.features:q} "
-        "--count {params.cousins} --options {params.options:q} --out {output.assets:q} && "
-        "{params.check}) 2>&1 | tee {log:q}"

@@ -2,7 +2,7 @@
 # Reads:  the library's snapshots; a scene's objects and picture.
 # Writes: results/matching/features/<encoder>/shard_<i>.{npy,json} once per library and encoder,
 #         results/matching/<variant>/<scene>/cousins.{json,png},
-#         results/matching/<variant>/task_<task>.json: the assets of the policy experiment.
+#         results/matching/<variant>/<scene>/distances/<object>.json for the objects of the policy experiment.
 
 
 rule features:
@@ -67,6 +67,34 @@ rule match:
         "({params.command} --objects {input.objects:q} --image {input.image:q} --library {input.library:q} "
         "--snapshots {input.snapshots:q} --features {input.features:q} --options {params.options:q} "
         "--out {output.cousins:q} && "
+        "{params.check}) 2>&1 | tee {log:q}"
+
+
+rule distances:
+    """How far the library's models look from the cousins of one object."""
+    input:
+        cousins=rules.match.output.cousins,
+        library=rules.library.output.library,
+        features=lambda wildcards: features_of(wildcards.variant),
+    output:
+        distances="results/matching/{variant}/{scene}/distances/{object}.json",
+    log:
+        "logs/matching/distances_{variant}_{scene}_{object}.log",
+    benchmark:
+        "benchmarks/matching/distances_{variant}_{scene}_{object}.tsv"
+    container:
+        CONFIG.containers.learning
+    threads: 1
+    resources:
+        mem_mb=2000,
+    params:
+        command=command("matching", "distances"),
+        code=code("matching", "distances"),
+        check=check(distances="distances"),
+        options=matching_options,
+    shell:
+        "({params.command} --cousins {input.cousins:q} --object {wildcards.object:q} --library {input.library:q} "
+        "--features {input.features:q} --options {params.options:q} --out {output.distances:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
 
 

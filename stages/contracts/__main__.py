@@ -26,6 +26,7 @@ from stages.contracts import (
     TaskAssets,
     Truth,
 )
+from stages.contracts.distances import Distances
 from stages.contracts.files import first_error, read_json, read_text
 
 
@@ -72,6 +73,7 @@ KINDS: dict[str, Callable[[Path], object]] = {
     "truth": json_file(Truth),
     "objects": json_file(Objects),
     "cousins": json_file(Cousins),
+    "distances": json_file(Distances),
     "generated": json_file(GeneratedScene),
     "task": json_file(TaskAssets),
     "attempts": json_lines(Attempt),

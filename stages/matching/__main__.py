@@ -7,6 +7,6 @@ main(
     {
         "features": "encode the patches of one shard of snapshots",
         "match": "rank the cousins of every object of one scene",
-        "select": "name twin, cousins and dissimilar asset of a policy experiment",
+        "distances": "how far the library's models look from the cousins of one object",
     },
 )

@@ -22,7 +22,7 @@ from stages.tables.page.pictures import Album, Picture
 from stages.tables.rows import published_policies, read_table
 
 MAX_BYTES = 15_000_000
-STAGES = ["assets", "scenes", "extraction", "matching", "generation"]
+STAGES = ["assets", "scenes", "extraction", "matching", "generation", "experiment"]
 STAGES += ["demonstrations", "training", "evaluation", "tables"]
 TEXT = ["scene", "variant", "task", "test_asset", "training_set", "baseline", "run", "checkpoint", "asset", "status"]
 WHOLE = re.compile(r".*_correct|(published_)?n_.*|(baseline_)?runs|states|episodes|successes|seed")

@@ -1,17 +1,21 @@
 """A small library of ray-traced boxes with panels, their snapshots and a scene: no simulator needed."""
 
+import json
 from pathlib import Path
+from typing import Any
 
 import cv2
 import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts import Library, Objects, SnapshotShard, write_json
+from stages.contracts import Cousins, Library, Objects, SnapshotShard, read_json, write_json
 from stages.contracts.library import LibraryEntry
 from stages.contracts.objects import SceneObject
 from stages.geometry.cameras import intrinsics_from_fov, look_at
 from stages.geometry.frames import yaw_matrix
+from stages.matching.features import run as features
+from stages.matching.match import run as match
 
 SIZE, YAWS = 96, 16
 ELEVATION = 0.3
@@ -127,3 +131,40 @@ def write_scene(folder: Path, shown: list[tuple[str, float, dict]], models: dict
     )
     write_json(folder / "objects.json", objects)
     return folder / "objects.json"
+
+
+SHOWN: list[tuple[str, float, dict]] = [
+    ("cabinet_00", 0.5, {}),
+    ("cabinet_01", -0.4, {}),
+    ("shelf_00", 0.9, {}),
+    ("bowl_01", 0.2, {}),
+    ("cabinet_02", 0.1, {"id": "lost_1", "status": "failed", "reason": "no points", "mask": 5}),
+    ("bowl_00", 0.1, {"id": "unseen_1", "mask": 99}),
+]
+
+
+class World:
+    """Files of one library and one scene."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.library = write_library(folder)
+        names = sorted(MODELS)
+        self.snapshots = [write_snapshots(folder / f"shard_{k}.h5", names[k::2]) for k in range(2)]
+        self.features = [folder / "features" / f"shard_{k}.npy" for k in range(2)]
+        for snapshots, out in zip(self.snapshots, self.features, strict=True):
+            features(snapshots=snapshots, out=out)
+        self.objects = write_scene(folder / "scene", SHOWN)
+
+    def match(self, out: Path, **options: Any) -> Cousins:
+        snapshots = self.snapshots if options.pop("picture", False) else None
+        match(
+            objects=self.objects,
+            image=self.objects.parent / "rgb.png",
+            library=self.library,
+            features=self.features,
+            snapshots=snapshots,
+            out=out,
+            options=json.dumps(options),
+        )
+        return read_json(Cousins, out)

@@ -124,7 +124,7 @@ def _policies(results: Path) -> None:
                   distance=distance) for number, (role, distance) in enumerate(ROLES.items())
     ]  # fmt: skip
     chosen = TaskAssets(task="door", scene="room_1", object="cabinet_1", encoder="hog", assets=assets)
-    write_json(results / "matching" / "b" / "task_door.json", chosen)
+    write_json(results / "experiment" / "b" / "door" / "assets.json", chosen)
     for role in ("twin", "cousin_1"):
         folder = results / "demonstrations" / "door" / role
         picture(folder / "film.png", 1000, 130, seed=6)

@@ -30,9 +30,9 @@ def experiment(folder: Path, **changes: object) -> dict[str, Path]:
         role="twin", asset="cab", category="bottom_cabinet", joint="door_0_joint", size=asset.size, distance=0.0
     )
     write_json(
-        folder / "task_door.json", TaskAssets(task="door", scene="s", object="cab_1", encoder="patches", assets=[twin])
+        folder / "assets.json", TaskAssets(task="door", scene="s", object="cab_1", encoder="patches", assets=[twin])
     )
-    return {"assets": folder / "task_door.json", "library": folder / "library.json"}
+    return {"assets": folder / "assets.json", "library": folder / "library.json"}
 
 
 def test_collect_writes_successes_that_replay(tmp_path: Path) -> None:

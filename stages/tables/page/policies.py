@@ -152,7 +152,7 @@ def _films(results: Path, task: str, album: Album) -> list[Films]:
 
 def collect(results: Path, album: Album) -> list[TaskPart]:
     """Every task of which anything was made, in the paper's order."""
-    chosen = {path.stem.removeprefix("task_"): path for path in sorted(results.glob("matching/*/task_*.json"))}
+    chosen = {path.parent.name: path for path in sorted(results.glob("experiment/*/*/assets.json"))}
     folders = [*results.glob("demonstrations/*"), *results.glob("training/*"), *results.glob("evaluation/policies/*")]
     parts = []
     for task in sorted({*chosen, *(folder.name for folder in folders if folder.is_dir())}, key=task_key):

@@ -3,18 +3,14 @@
 import sys
 from pathlib import Path
 
-import numpy as np
-
 from stages.articulated.affordance import Panel, Task, target_joint
-from stages.config.matching import MatchingConfig
-from stages.contracts import Cousins, GeneratedScene, InputError, TaskAssets, read_json, read_options, write_json
+from stages.contracts import Cousins, GeneratedScene, InputError, Library, TaskAssets, read_json, write_json
 from stages.contracts.cousins import ObjectCousins
+from stages.contracts.distances import Distances
 from stages.contracts.library import LibraryEntry, Vector
 from stages.contracts.policies import TaskAsset
-from stages.matching.encoders import make_encoder, settings_digest
-from stages.matching.match import read_library
-from stages.matching.ranking import Query, rank, weighted
-from stages.matching.store import FeatureStore, Snapshot
+
+STALE = "run `python -m stages.matching distances` again"
 
 
 def run(
@@ -24,10 +20,9 @@ def run(
     object: str,
     task: Task,
     library: Path,
-    features: list[Path],
+    distances: Path,
     out: Path,
     count: int = 10,
-    options: str = "{}",
 ) -> None:
     """Write the TaskAssets of a named object: twin, cousins, and one dissimilar asset.
 
@@ -43,16 +38,13 @@ def run(
         object: id of the object, e.g. cabinet_1.
         task: what is opened.
         library: library.json, with the asset folders it names.
-        features: feature stores of all shards (.npy).
+        distances: distances/<object>.json of matching.
         out: file to write.
         count: number of cousins.
-        options: JSON of the config section `matching`.
     """
-    settings = read_options(MatchingConfig, options)
-    encoder = make_encoder(settings)
-    store = FeatureStore(features, settings_digest(settings, encoder))
-    entries = {entry.id: entry for entry in read_library(library, store).assets}
+    entries = {entry.id: entry for entry in read_json(Library, library).assets}
     matched, scene = read_json(Cousins, cousins), read_json(GeneratedScene, scene_file)
+    alike = read_distances(distances, matched, object)
     folders = {id: library.parent / entry.folder for id, entry in entries.items()}
 
     def usable(asset: str, like: Panel | None = None) -> Panel | None:
@@ -70,16 +62,18 @@ def run(
         print(f"twin: cousin {twin.rank} of {object}; those before it have no {task} with a handle", file=sys.stderr)
 
     like = target_joint(folders[twin.asset], task)
-    panels = {asset: panel for asset in entries if (panel := usable(asset, like))}
-    distances = distances_to(twin.asset, list(panels), store, encoder.weights(True), settings)
-    chosen = choose_cousins(item, twin.asset, distances, entries, count)
+    panels = {asset: panel for asset in alike.assets if (panel := usable(asset, like))}
+    if twin.asset not in alike.distances:
+        raise InputError(distances, f"has no distances from {twin.asset}, the twin.", STALE)
+    far = {asset: distance for asset, distance in alike.from_asset(twin.asset).items() if asset in panels}
+    chosen = choose_cousins(item, twin.asset, far, entries, count)
     if len(chosen) < count:
         what = f"'{object}' has {len(chosen)} cousins with a {task} that has a handle, {count} are asked for."
         raise InputError(library, what, "lower experiment.cousins, raise matching.k_cat, or make a larger library")
     roles = {"twin": twin.asset} | {f"cousin_{number}": asset for number, asset in enumerate(chosen, 1)}
-    others = [asset for asset in distances if asset not in roles.values()]
+    others = [asset for asset in far if asset not in roles.values()]
     if others:
-        roles["dissimilar"] = max(others, key=lambda asset: (distances[asset], asset))
+        roles["dissimilar"] = max(others, key=lambda asset: (far[asset], asset))
     assets = [
         TaskAsset(
             role=role,
@@ -87,7 +81,7 @@ def run(
             category=entries[asset].category,
             joint=panels[asset].joint,
             size=size,
-            distance=distances[asset],
+            distance=far[asset],
         )
         for role, asset in roles.items()
     ]
@@ -97,14 +91,13 @@ def run(
     )
 
 
-def distances_to(
-    twin: str, assets: list[str], store: FeatureStore, weights: np.ndarray, options: MatchingConfig
-) -> dict[str, float]:
-    """Embedding distance of the twin's representative snapshot to that of each asset; 0 to itself."""
-    view = store.representative
-    query = Query(weighted(store.rows(Snapshot(twin, view)), weights), weights)
-    ranking = rank(query, [Snapshot(asset, view) for asset in assets], range(len(assets)), store, options, 1)
-    return dict(zip(assets, ranking.distances.tolist(), strict=True))
+def read_distances(path: Path, matched: Cousins, object: str) -> Distances:
+    """The distances, checked to be those of the object and of its cousins."""
+    alike = read_json(Distances, path, STALE)
+    if (alike.scene, alike.object, alike.encoder) != (matched.scene, object, matched.encoder):
+        what = f"is of '{alike.object}' in {alike.scene} by {alike.encoder}, not of '{object}' in {matched.scene}."
+        raise InputError(path, what, STALE)
+    return alike
 
 
 def choose_cousins(

@@ -1,0 +1,55 @@
+"""Verb `distances`: how far the library's articulated models look from the cousins of one object (paper B.4)."""
+
+from pathlib import Path
+
+import numpy as np
+
+from stages.config.matching import MatchingConfig
+from stages.contracts import Cousins, read_json, read_options, write_json
+from stages.contracts.distances import Distances
+from stages.matching.encoders import make_encoder, settings_digest
+from stages.matching.match import read_library
+from stages.matching.ranking import Query, rank, weighted
+from stages.matching.store import FeatureStore, Snapshot
+
+
+def run(*, cousins: Path, object: str, library: Path, features: list[Path], out: Path, options: str = "{}") -> None:
+    """Write the embedding distances between representative snapshots that `experiment select` orders assets by.
+
+    Any cousin of the object may become the twin of an experiment, so there is a row for each. An object that
+    failed, or that is not there, has none; `experiment select` says what would do instead.
+
+    Args:
+        cousins: cousins.json of the scene that holds the object.
+        object: id of the object, e.g. cabinet_1.
+        library: library.json of the assets stage.
+        features: feature stores of all shards (.npy).
+        out: file to write.
+        options: JSON of the config section `matching`.
+    """
+    settings = read_options(MatchingConfig, options)
+    encoder = make_encoder(settings)
+    store = FeatureStore(features, settings_digest(settings, encoder))
+    assets = [entry.id for entry in read_library(library, store).assets if entry.doors + entry.drawers]
+    matched = read_json(Cousins, cousins)
+    item = next((entry for entry in matched.objects if entry.id == object), None)
+    weights = encoder.weights(True)
+    articulated = set(assets)
+    rows = {
+        cousin.asset: distances_to(cousin.asset, assets, store, weights, settings)
+        for cousin in (item.cousins if item else [])
+        if cousin.asset in articulated
+    }
+    write_json(
+        out, Distances(scene=matched.scene, object=object, encoder=matched.encoder, assets=assets, distances=rows)
+    )
+
+
+def distances_to(
+    asset: str, assets: list[str], store: FeatureStore, weights: np.ndarray, options: MatchingConfig
+) -> list[float]:
+    """Embedding distance of one asset's representative snapshot to that of each of `assets`; 0 to itself."""
+    view = store.representative
+    query = Query(weighted(store.rows(Snapshot(asset, view)), weights), weights)
+    ranking = rank(query, [Snapshot(other, view) for other in assets], range(len(assets)), store, options, 1)
+    return ranking.distances.tolist()
