@@ -140,8 +140,9 @@ def differences_table(table: pd.DataFrame, options: TablesConfig) -> Table:
         headers=3,
         notes=[
             f"Paired by initial state; {_level(options)} hybrid score interval (Newcombe 1998, method 10), with "
-            f"several runs a side widened to the bootstrap over states and runs ({options.bootstrap_samples} resamples, seed "
-            f"{options.seed}). With one run a side it speaks of these policies only, not of training again.",
+            "several runs a side widened to the bootstrap over states and runs "
+            f"({options.bootstrap_samples} resamples, seed {options.seed}). "
+            "With one run a side it speaks of these policies only, not of training again.",
             "An interval that holds zero says that this run does not tell the two apart. Unseen: all test assets but "
             "the twin, pooled.",
         ],
