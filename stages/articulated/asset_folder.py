@@ -1,18 +1,90 @@
-"""Asset folders: read their `asset.json`, write one whole or not at all, and the checksum that all of them carry."""
+"""Asset folders: write and stretch one, whole or not at all; the checksum that all of them carry."""
 
 import hashlib
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 
-from stages.contracts.files import read_json
-from stages.contracts.library import Asset
+import numpy as np
+
+from stages.articulated.forward_kinematics import closed_box
+from stages.articulated.model import RobotModel
+from stages.articulated.roles import contract_joints, count_roles, with_roles_of
+from stages.articulated.stretching import stretched
+from stages.articulated.urdf_reader import read_urdf
+from stages.articulated.urdf_writer import write_urdf
+from stages.contracts.errors import InputError
+from stages.contracts.files import read_json, write_json
+from stages.contracts.library import Asset, Placement, Recipe, Symmetry, Vector
+
+
+@dataclass(frozen=True)
+class Description:
+    """The fields of `Asset` that geometry does not tell."""
+
+    id: str
+    category: str
+    licence: str
+    provenance: str
+    symmetry: Symmetry = "none"
+    placement: Placement = "floor"
+    recipe: Recipe | None = None
+
+
+def write_asset(robot: RobotModel, out: Path, about: Description) -> Asset:
+    """Write the asset folder `out` of a model (z up, front towards +x); an old one is replaced."""
+    low, high = closed_box(robot).round(6) + 0.0
+    joints = contract_joints(robot)
+    with atomic_folder(out) as folder:
+        write_urdf(robot, folder)
+        asset = Asset(
+            id=about.id,
+            category=about.category,
+            box_min=tuple(low.tolist()),
+            box_max=tuple(high.tolist()),
+            mass=round(robot.mass, 4),
+            joints=joints,
+            doors=count_roles(joints, "door"),
+            drawers=count_roles(joints, "drawer"),
+            symmetry=about.symmetry,
+            placement=about.placement,
+            recipe=about.recipe,
+            licence=about.licence,
+            provenance=about.provenance,
+            checksum=checksum(folder),
+        )
+        write_json(folder / "asset.json", asset)
+    return asset
+
+
+def read_model(folder: Path) -> RobotModel:
+    """The model of an asset folder, with the roles that its `asset.json` gives to its joints."""
+    asset = read_asset(folder)
+    return with_roles_of(read_urdf(urdf_of(folder, asset), folder), asset.joints)
+
+
+def stretch_asset(folder: Path, asset: Asset, size: Vector, out: Path) -> Asset:
+    """Write the asset with a closed box of exactly `size`: everything in it is scaled per axis."""
+    x, y, z = (np.array(size) / np.maximum(asset.size, 1e-9)).tolist()
+    about = Description(
+        asset.id, asset.category, asset.licence, asset.provenance, symmetry=asset.symmetry, placement=asset.placement
+    )
+    return write_asset(stretched(read_model(folder), (x, y, z)), out, about)
 
 
 def read_asset(folder: Path) -> Asset:
     """The `asset.json` of an asset folder."""
     return read_json(Asset, Path(folder) / "asset.json", "make the library again: python -m stages.assets library")
+
+
+def urdf_of(folder: Path, asset: Asset) -> Path:
+    """The URDF of an asset, which lies in its folder."""
+    path = Path(folder) / asset.urdf
+    if not path.resolve().is_relative_to(Path(folder).resolve()):
+        raise InputError(Path(folder) / "asset.json", f"urdf: '{asset.urdf}' lies outside the asset's folder.")
+    return path
 
 
 def checksum(folder: Path) -> str:

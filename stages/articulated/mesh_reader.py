@@ -11,13 +11,14 @@ from stages.contracts.errors import InputError
 SUFFIXES = {".obj", ".glb", ".gltf", ".stl", ".ply", ".dae", ".off"}
 MOST_PIECES = 64
 FLAT = 1e-4  # metres: a piece thinner than this gets that thickness
+FARTHEST = 1e6  # coordinates beyond it are a slip, in whatever unit
 
 
 def load_meshes(path: Path) -> list[Trimesh]:
     """All meshes of a file, in the file's own frame.
 
     Raises:
-        InputError: the file is of no known kind, cannot be read, or holds no triangles.
+        InputError: the file is of no known kind, cannot be read, or holds no triangle that has an area.
     """
     if path.suffix.lower() not in SUFFIXES:
         raise InputError(path, f"'{path.suffix}' is not a mesh file that is read here.", ", ".join(sorted(SUFFIXES)))
@@ -25,10 +26,14 @@ def load_meshes(path: Path) -> list[Trimesh]:
         scene = trimesh.load_scene(path)
         meshes = [mesh for mesh in scene.dump() if isinstance(mesh, Trimesh) and len(mesh.faces)]
     except Exception as error:  # mesh readers raise whatever they stumble over
-        reason = (str(error).splitlines() or [error.__class__.__name__])[0]
+        reason = (str(error).splitlines() or [error.__class__.__name__])[0][:200]
         raise InputError(path, f"cannot be read as a mesh: {reason}.") from None
-    if not meshes or not all(np.isfinite(mesh.vertices).all() for mesh in meshes):
-        raise InputError(path, "holds no triangles.")
+    vertices = [np.asarray(mesh.vertices) for mesh in meshes]
+    if not all(np.isfinite(points).all() and np.abs(points).max() < FARTHEST for points in vertices):
+        raise InputError(path, f"has coordinates that are no numbers or beyond {FARTHEST:g}.")
+    meshes = [mesh for mesh in meshes if mesh.area > 0]
+    if not meshes:
+        raise InputError(path, "holds no triangles that have an area.")
     return meshes
 
 

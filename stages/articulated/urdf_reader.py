@@ -1,21 +1,22 @@
-"""Read someone else's URDF: meshes, fixed, revolute and prismatic joints, paths that stay inside a folder."""
+"""Read a URDF with its meshes: shapes, masses, joints; mesh paths that stay inside a folder."""
 
 import xml.etree.ElementTree as ET
+from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import trimesh
-from scipy.spatial.transform import Rotation
 from trimesh import Trimesh
 
 from stages.articulated.mesh_reader import convex_pieces, has_texture, load_meshes
-from stages.articulated.model import JointModel, Link, Matrix, RobotModel, moved
+from stages.articulated.model import RGBA, JointModel, Link, Matrix, RobotModel, Visual, moved
+from stages.articulated.urdf_tree import UrdfTree
 from stages.contracts.errors import InputError
-from stages.geometry.frames import rigid
 
 DENSITY = 500.0  # kg / m^3, for links that say nothing of their mass
 MINIMUM_MASS, MINIMUM_INERTIA = 0.01, 1e-7
-ROOMY = 1e-4  # metres or radians: joints with a smaller range are fixed
+HEAVIEST = 1e5  # kg, of one link
 
 
 def read_urdf(path: Path, folder: Path) -> RobotModel:
@@ -26,181 +27,141 @@ def read_urdf(path: Path, folder: Path) -> RobotModel:
     Raises:
         InputError: names the file and the element that is broken, missing, unsupported or outside `folder`.
     """
-    path = Path(path)
-    try:
-        text = path.read_text(encoding="utf-8")
-        if "<!DOCTYPE" in text:
-            raise InputError(path, "declares a DOCTYPE, which a URDF does not need.", "remove it")
-        robot = ET.fromstring(text)
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(path, f"cannot be read ({error.__class__.__name__}).") from None
-    except ET.ParseError as error:
-        raise InputError(path, f"is not XML: {error}.") from None
-    if robot.tag != "robot":
-        raise InputError(path, f"has <{robot.tag}> at the top.", "a URDF starts with <robot>")
-    reader = _Reader(path, Path(folder).resolve(), robot)
-    links = {name: reader.link(element, name) for name, element in reader.named(robot.findall("link"))}
-    if not links:
-        raise InputError(path, "has no <link>.")
-    joints = [reader.joint(element, name, links) for name, element in reader.named(robot.findall("joint"))]
-    children = [joint.child for joint in joints]
-    if len(set(children)) != len(children) or len(links) - len(children) != 1:
-        raise InputError(path, "its links do not form one tree.", "one root, and one parent joint for each other link")
+    reader = UrdfReader(path, folder)
+    links = {name: reader.link(name) for name in reader.tree.links}
     if not any(link.visuals for link in links.values()):
         raise InputError(path, "shows nothing: no link has geometry.")
-    return RobotModel(robot.get("name", path.stem), links, joints)
+    return RobotModel(reader.tree.robot.get("name", Path(path).stem), links, reader.joints)
 
 
-class _Reader:
-    """Elements of one URDF; complaints name the file and the element."""
+def closed_at_lower(joint: JointModel) -> JointModel:
+    """The same joint, turned round if its upper limit is nearer to zero: closed is then the lower one."""
+    if joint.type == "fixed" or abs(joint.upper) >= abs(joint.lower):
+        return joint
+    return replace(joint, axis=-joint.axis, lower=-joint.upper + 0.0, upper=-joint.lower + 0.0)
 
-    def __init__(self, path: Path, folder: Path, robot: ET.Element) -> None:
-        self.path, self.folder = path, folder
-        self.colours = {
-            m.get("name", ""): m.find("color") for m in robot.iter("material") if m.find("color") is not None
-        }
 
-    def named(self, elements: list[ET.Element]) -> list[tuple[str, ET.Element]]:
-        pairs = [(element.get("name", ""), element) for element in elements]
-        for name, element in pairs:
-            if not name:
-                raise InputError(self.path, f"a <{element.tag}> has no name.")
-        return pairs
+class UrdfReader:
+    """The links of one URDF, read when they are asked for; `joints` are closed at their lower limits."""
 
-    def numbers(self, element: ET.Element | None, key: str, default: str, count: int, where: str) -> Matrix:
-        text = default if element is None else element.get(key, default)
-        try:
-            values = np.array([float(word) for word in text.split()])
-        except ValueError:
-            values = np.array([])
-        if len(values) != count or not np.isfinite(values).all():
-            raise InputError(self.path, f'{where}: {key}="{text}" is not {count} number(s).')
-        return values
+    def __init__(self, path: Path, folder: Path) -> None:
+        self.path, self.folder = Path(path), Path(folder).resolve()
+        self.tree = UrdfTree(self.path)
+        self.joints = [closed_at_lower(joint) for joint in self.tree.joints]
 
-    def origin(self, element: ET.Element, where: str) -> Matrix:
-        found = element.find("origin")
-        xyz = self.numbers(found, "xyz", "0 0 0", 3, where)
-        rpy = self.numbers(found, "rpy", "0 0 0", 3, where)
-        return rigid(Rotation.from_euler("xyz", rpy).as_matrix(), xyz)
-
-    def link(self, element: ET.Element, name: str) -> Link:
-        where = f"link '{name}'"
-        visuals = [mesh for shape in element.findall("visual") for mesh in self.shape(shape, where, looks=True)]
-        collisions = [mesh for shape in element.findall("collision") for mesh in self.shape(shape, where, looks=False)]
-        visuals = visuals or [mesh.copy() for mesh in collisions]
-        pieces = [hull for mesh in (collisions or visuals) for hull in convex_pieces(mesh)]
-        mass, center, inertia = self.inertial(element.find("inertial"), pieces, where)
+    def link(self, name: str) -> Link:
+        """A link with what collides and its mass."""
+        element, where = self.tree.links[name], f"link '{name}'"
+        solids = [visual.mesh for visual in self._shapes(element.findall("collision"), where, looks=False)]
+        visuals = self._visuals(element, where) or [Visual(mesh.copy()) for mesh in solids]
+        meshes = solids or [visual.mesh for visual in visuals]
+        pieces = [hull for mesh in meshes for hull in convex_pieces(mesh)]
+        mass, center, inertia = self._inertial(element.find("inertial"), pieces, where)
         return Link(name, visuals, pieces, mass, center, inertia)
 
-    def inertial(self, element: ET.Element | None, pieces: list[Trimesh], where: str) -> tuple[float, Matrix, Matrix]:
-        solid = trimesh.util.concatenate(pieces) if pieces else trimesh.creation.box([0.01, 0.01, 0.01])
-        mass = max(sum(abs(piece.volume) for piece in pieces) * DENSITY, MINIMUM_MASS)
-        center = np.asarray(solid.bounds.mean(axis=0))
-        if element is not None and element.find("mass") is not None:
-            given = float(self.numbers(element.find("mass"), "value", "0", 1, where)[0])
-            mass = given if given > 0 else mass
-            center = self.origin(element, where)[:3, 3] if element.find("origin") is not None else center
-        found = element.find("inertia") if element is not None else None
-        if found is not None and element is not None:
-            xx, xy, xz, yy, yz, zz = (
-                self.numbers(found, key, "0", 1, where)[0] for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-            )
-            rotation = self.origin(element, where)[:3, :3]
-            inertia = rotation @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ rotation.T
-            if np.linalg.eigvalsh(inertia).min() > 0:
-                return mass, center, inertia
-        x, y, z = solid.extents**2  # as a solid box
-        return mass, center, mass / 12 * np.diag([y + z, x + z, x + y]) + MINIMUM_INERTIA * np.eye(3)
+    def visuals(self, name: str) -> list[Visual]:
+        """What is seen of a link."""
+        element, where = self.tree.links[name], f"link '{name}'"
+        return self._visuals(element, where) or self._shapes(element.findall("collision"), where, looks=False)
 
-    def shape(self, element: ET.Element, where: str, looks: bool) -> list[Trimesh]:
+    def _visuals(self, element: ET.Element, where: str) -> list[Visual]:
+        return self._shapes(element.findall("visual"), where, looks=True)
+
+    def _shapes(self, elements: Iterable[ET.Element], where: str, looks: bool) -> list[Visual]:
+        return [visual for element in elements for visual in self._shape(element, where, looks)]
+
+    def _shape(self, element: ET.Element, where: str, looks: bool) -> list[Visual]:
         where = f"{where}, <{element.tag}>"
         geometry = element.find("geometry")
         kind = next(iter(geometry), None) if geometry is not None else None
         if kind is None:
             raise InputError(self.path, f"{where}: has no <geometry>.")
-        if kind.tag == "mesh":
-            scale = self.numbers(kind, "scale", "1 1 1", 3, where)
-            meshes = load_meshes(self.file(kind.get("filename", ""), where))
-            meshes = [moved(mesh, np.diag([*scale, 1.0])) for mesh in meshes]
-        elif kind.tag == "box":
-            meshes = [trimesh.creation.box(self.numbers(kind, "size", "", 3, where))]
-        elif kind.tag == "sphere":
-            meshes = [trimesh.creation.icosphere(2, float(self.numbers(kind, "radius", "", 1, where)[0]))]
-        elif kind.tag in ("cylinder", "capsule"):
-            radius, length = (float(self.numbers(kind, key, "", 1, where)[0]) for key in ("radius", "length"))
-            make = trimesh.creation.cylinder if kind.tag == "cylinder" else trimesh.creation.capsule
-            meshes = [make(height=length, radius=radius)]
-            meshes[0].apply_translation([0, 0, -meshes[0].bounds.mean(axis=0)[2]])
-        else:
-            raise InputError(self.path, f"{where}: <{kind.tag}> is not a known geometry.")
-        meshes = [moved(mesh, self.origin(element, where)) for mesh in meshes]
-        colour = self.colour(element, where) if looks else None
-        for mesh in meshes:
-            if colour is not None and (kind.tag != "mesh" or not has_texture(mesh)):
-                mesh.visual = trimesh.visual.TextureVisuals(material=plain_material(colour))
-        return meshes
+        pose = self.tree.origin(element, where)
+        meshes = [moved(mesh, pose) for mesh in self._geometry(kind, where)]
+        colour = self._colour(element, where) if looks else None
+        return [Visual(mesh, None if kind.tag == "mesh" and has_texture(mesh) else colour) for mesh in meshes]
 
-    def colour(self, element: ET.Element, where: str) -> Matrix | None:
+    def _geometry(self, kind: ET.Element, where: str) -> list[Trimesh]:
+        if kind.tag == "mesh":
+            scale = self.tree.numbers(kind, "scale", "1 1 1", 3, where)
+            if (scale == 0).any():
+                raise InputError(self.path, f'{where}: scale="{kind.get("scale")}" flattens the mesh.')
+            meshes = load_meshes(self._mesh_file(kind.get("filename", ""), where))
+            return [moved(mesh, np.diag([*scale, 1.0])) for mesh in meshes]
+        if kind.tag == "box":
+            return [trimesh.creation.box(self.tree.positive(kind, "size", 3, where))]
+        if kind.tag == "sphere":
+            return [trimesh.creation.icosphere(2, float(self.tree.positive(kind, "radius", 1, where)[0]))]
+        if kind.tag in ("cylinder", "capsule"):
+            radius, length = (float(self.tree.positive(kind, key, 1, where)[0]) for key in ("radius", "length"))
+            make = trimesh.creation.cylinder if kind.tag == "cylinder" else trimesh.creation.capsule
+            mesh = make(height=length, radius=radius)
+            mesh.apply_translation([0, 0, -mesh.bounds.mean(axis=0)[2]])
+            return [mesh]
+        raise InputError(self.path, f"{where}: <{kind.tag}> is not a known geometry.")
+
+    def _colour(self, element: ET.Element, where: str) -> RGBA | None:
         material = element.find("material")
         if material is None:
             return None
         found = material.find("color")
-        found = self.colours.get(material.get("name", "")) if found is None else found
-        return None if found is None else self.numbers(found, "rgba", "", 4, where)
+        found = self.tree.colours.get(material.get("name", "")) if found is None else found
+        if found is None:
+            return None
+        r, g, b, a = self.tree.numbers(found, "rgba", "", 4, where, low=0.0).tolist()
+        if max(r, g, b, a) > 1.0:
+            raise InputError(self.path, f'{where}: rgba="{found.get("rgba")}" is above 1.', "colours go from 0 to 1")
+        return (r, g, b, a)
 
-    def file(self, name: str, where: str) -> Path:
+    def _inertial(self, element: ET.Element | None, pieces: list[Trimesh], where: str) -> tuple[float, Matrix, Matrix]:
+        """Mass, centre and inertia; what the file does not say, or says impossibly, is that of a solid box."""
+        low, high = _box_around(pieces)
+        mass, center = max(sum(abs(piece.volume) for piece in pieces) * DENSITY, MINIMUM_MASS), (low + high) / 2
+        if element is not None and element.find("mass") is not None:
+            given = float(self.tree.numbers(element.find("mass"), "value", "0", 1, f"{where}, <mass>", low=0.0)[0])
+            if given > HEAVIEST:
+                raise InputError(self.path, f"{where}, <mass>: {given:g} kg is too heavy.", f"at most {HEAVIEST:g}")
+            mass = given or mass
+            center = self.tree.origin(element, where)[:3, 3] if element.find("origin") is not None else center
+        found = element.find("inertia") if element is not None else None
+        if found is not None and element is not None:
+            xx, xy, xz, yy, yz, zz = (
+                self.tree.numbers(found, key, "0", 1, f"{where}, <inertia>")[0]
+                for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+            )
+            rotation = self.tree.origin(element, where)[:3, :3]
+            inertia = rotation @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ rotation.T
+            if np.linalg.eigvalsh(inertia).min() > 0:
+                return mass, center, inertia
+        x, y, z = (high - low) ** 2
+        return mass, center, mass / 12 * np.diag([y + z, x + z, x + y]) + MINIMUM_INERTIA * np.eye(3)
+
+    def _mesh_file(self, name: str, where: str) -> Path:
         """The mesh file that a URDF names, inside the folder."""
         relative = name.removeprefix("package://").removeprefix("file://").lstrip("/")
-        here = self.path.resolve().parent
-        for base in (here, *here.parents):
-            if not base.is_relative_to(self.folder):
-                break
-            found = (base / relative).resolve()
-            if found.is_file():
-                if not found.is_relative_to(self.folder):
-                    raise InputError(
-                        self.path, f"{where}: mesh '{name}' lies outside {self.folder.name}/.", "copy it inside"
-                    )
-                return found
-        if not (here / relative).resolve().is_relative_to(self.folder):
-            raise InputError(self.path, f"{where}: mesh '{name}' lies outside {self.folder.name}/.", "copy it inside")
-        raise InputError(self.path, f"{where}: there is no mesh '{name}' in {self.folder.name}/.")
-
-    def joint(self, element: ET.Element, name: str, links: dict[str, Link]) -> JointModel:
-        where, kind = f"joint '{name}'", element.get("type", "")
-        parent, child = (self.end(element, tag, links, where) for tag in ("parent", "child"))
-        origin = self.origin(element, where)
-        if kind in ("fixed", "continuous"):  # wheels and knobs turn without end: neither doors nor drawers
-            return JointModel(name, "fixed", parent, child, origin, np.array([1.0, 0.0, 0.0]))
-        if kind not in ("revolute", "prismatic"):
-            raise InputError(
-                self.path, f"{where}: type '{kind}' is not supported.", "fixed, continuous, revolute or prismatic"
-            )
-        axis = self.numbers(element.find("axis"), "xyz", "1 0 0", 3, where)
-        if np.linalg.norm(axis) < 1e-6:
-            raise InputError(self.path, f"{where}: its axis is zero.")
-        axis = axis / np.linalg.norm(axis)
-        limit = element.find("limit")
-        if limit is None:
-            raise InputError(self.path, f"{where}: a {kind} joint needs a <limit>.")
-        lower, upper = (float(self.numbers(limit, key, "0", 1, where)[0]) for key in ("lower", "upper"))
-        if lower > upper:
-            raise InputError(self.path, f"{where}: lower limit {lower:g} is above the upper one {upper:g}.")
-        if upper - lower < ROOMY or element.find("mimic") is not None:  # a follower of another joint stays put
-            return JointModel(name, "fixed", parent, child, origin, np.array([1.0, 0.0, 0.0]))
-        if abs(upper) < abs(lower):
-            axis, lower, upper = -axis, -upper, -lower
-        return JointModel(name, kind, parent, child, origin, axis, lower + 0.0, upper + 0.0)
-
-    def end(self, element: ET.Element, tag: str, links: dict[str, Link], where: str) -> str:
-        """The parent or child link of a joint."""
-        found = element.find(tag)
-        link = "" if found is None else found.get("link", "")
-        if link not in links:
-            raise InputError(self.path, f"{where}: <{tag}> names no link of this file ('{link}').")
-        return link
+        outside = InputError(
+            self.path, f"{where}: mesh '{name[:200]}' lies outside {self.folder.name}/.", "copy it inside"
+        )
+        try:
+            here = self.path.resolve().parent
+            for base in (here, *here.parents):
+                if not base.is_relative_to(self.folder):
+                    break
+                found = (base / relative).resolve()
+                if found.is_file():
+                    if not found.is_relative_to(self.folder):
+                        raise outside
+                    return found
+            if not (here / relative).resolve().is_relative_to(self.folder):
+                raise outside
+        except (OSError, RuntimeError, ValueError):  # names that are too long, links in a circle
+            pass
+        raise InputError(self.path, f"{where}: there is no mesh '{name[:200]}' in {self.folder.name}/.")
 
 
-def plain_material(rgba: Matrix) -> trimesh.visual.material.PBRMaterial:
-    """A dull material of one colour."""
-    return trimesh.visual.material.PBRMaterial(baseColorFactor=rgba, metallicFactor=0.0, roughnessFactor=0.8)
+def _box_around(pieces: list[Trimesh]) -> tuple[Matrix, Matrix]:
+    """Lowest and highest corner of the pieces; of a centimetre around the origin if there are none."""
+    if not pieces:
+        return np.full(3, -0.005), np.full(3, 0.005)
+    corners = np.array([piece.bounds for piece in pieces])
+    return corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)

@@ -1,25 +1,30 @@
 """Import the user's own models: URDF, GLB or OBJ files, sorted in folders by category."""
 
 import re
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 import trimesh
-from pydantic import Field
+from pydantic import Field, ValidationError
 
+from stages.articulated.asset_folder import Description, write_asset
+from stages.articulated.forward_kinematics import closed_box, rebased
 from stages.articulated.mesh_reader import convex_pieces, load_meshes
-from stages.articulated.model import Link, RobotModel, closed_box, rebased, stretched
-from stages.articulated.stretch import write_imported
-from stages.articulated.urdf_reader import DENSITY, MINIMUM_INERTIA, MINIMUM_MASS, read_urdf
+from stages.articulated.model import Link, Matrix, RobotModel, Visual
+from stages.articulated.roles import with_roles
+from stages.articulated.stretching import stretched
+from stages.articulated.urdf_reader import DENSITY, HEAVIEST, MINIMUM_INERTIA, MINIMUM_MASS, read_urdf
 from stages.cli import progress
 from stages.contracts.errors import InputError
 from stages.contracts.files import Contract, read_json
-from stages.contracts.library import Asset
+from stages.contracts.library import Asset, Placement, Symmetry
 from stages.geometry.frames import rigid
 
 KINDS = (".urdf", ".glb", ".obj")  # of the files in a folder, the first kind that occurs
+THINNEST, LARGEST = 1e-4, 20.0  # metres, of a model's extents: no furniture is larger than a room
 Axis = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
 
 
@@ -29,29 +34,52 @@ class Notes(Contract):
     category: str | None = Field(None, description="default: the name of the folder")
     front: Axis | None = Field(None, description="direction of the front in the file; default +x, or +z where up is +y")
     up: Axis | None = Field(None, description="direction up in the file; default +z, for GLB +y (glTF's rule)")
-    scale: float = Field(1.0, gt=0, description="metres per unit of the file")
-    mass: float | None = Field(None, gt=0, description="kg; default from the file, or 500 kg / m^3")
-    symmetry: Literal["none", "half_turn", "quarter_turn", "full"] = "none"
-    placement: Literal["floor", "object", "wall"] = "floor"
+    scale: float = Field(1.0, ge=1e-6, le=1e6, description="metres per unit of the file")
+    mass: float | None = Field(None, gt=0, le=HEAVIEST, description="kg; default from the file, or 500 kg / m^3")
+    symmetry: Symmetry = "none"
+    placement: Placement = "floor"
     licence: str = "unknown"
     provenance: str | None = None
 
 
-def import_folders(folders: list[Path], models: Path) -> list[Asset]:
+class ModelFile(NamedTuple):
+    """A model file of a user's folder and what its asset will be called."""
+
+    path: Path
+    folder: Path
+    notes: Notes
+    category: str
+    id: str
+
+    @property
+    def notes_path(self) -> Path:
+        """Where the notes are, or would be."""
+        return self.path.parent / "asset.json"
+
+
+def import_folders(folders: list[Path], models: Path, taken: Iterable[str] = ()) -> list[Asset]:
     """Write an asset folder below `models` for every model of <folder>/<category>/...
 
+    Args:
+        taken: names of other models of the library.
+
     Raises:
-        InputError: a folder is missing or empty, or a model is broken (file and element named).
+        InputError: a folder is missing or empty, two models have one name, or a model is broken (file and element).
     """
-    found = []
+    found: list[ModelFile] = []
     for folder in folders:
         if not folder.is_dir():
             raise InputError("assets.folders", f"{folder} is not a folder.")
-        files = [(folder, path) for path in model_files(folder)]
+        files = [with_notes(path, folder) for path in model_files(folder)]
         if not files:
             raise InputError(folder, "holds no URDF, GLB or OBJ.", "expected <folder>/<category>/<model>")
         found += files
-    return [import_model(path, folder, models) for folder, path in progress(found, "imports", len(found))]
+    names = set(taken)
+    for file in found:  # before anything is written
+        if file.id in names:
+            raise InputError(file.path, f"two models are called '{file.id}'.", "rename one")
+        names.add(file.id)
+    return [import_file(file, models) for file in progress(found, "imports", len(found))]
 
 
 def model_files(folder: Path) -> list[Path]:
@@ -62,32 +90,68 @@ def model_files(folder: Path) -> list[Path]:
             if child.is_file() and child.suffix.lower() in KINDS:
                 files.append(child)
             elif child.is_dir():
-                by_kind = [[p for p in sorted(child.rglob("*")) if p.suffix.lower() == kind] for kind in KINDS]
+                inside = [path for path in sorted(child.rglob("*")) if path.is_file()]
+                by_kind = [[path for path in inside if path.suffix.lower() == kind] for kind in KINDS]
                 files += next((group for group in by_kind if group), [])
     return files
 
 
-def import_model(path: Path, folder: Path, models: Path) -> Asset:
-    """Write the asset folder of one model file."""
-    notes_file = path.parent / "asset.json"
-    notes = read_json(Notes, notes_file) if notes_file.exists() else Notes()
+def with_notes(path: Path, folder: Path) -> ModelFile:
+    """A model file with the notes beside it."""
+    beside = path.parent / "asset.json"
+    notes = read_json(Notes, beside) if beside.exists() else Notes()
     category = word(notes.category or path.relative_to(folder).parts[0])
-    name = word(f"{category}_{path.stem}")
-    robot = read_urdf(path, folder) if path.suffix.lower() == ".urdf" else single_body(path)
-    robot = upright(robot, notes, gltf=path.suffix.lower() == ".glb")
+    return ModelFile(path, folder, notes, category, word(f"{category}_{path.stem}"))
+
+
+def import_model(path: Path, folder: Path, models: Path) -> Asset:
+    """Write the asset folder of one model file of a user's folder."""
+    return import_file(with_notes(path, folder), models)
+
+
+def import_file(file: ModelFile, models: Path) -> Asset:
+    """Write the asset folder of one model."""
+    path, notes = file.path, file.notes
+    robot = read_urdf(path, file.folder) if path.suffix.lower() == ".urdf" else single_body(path)
+    robot = with_roles(upright(robot, file))
     if notes.mass is not None:
         robot = with_mass(robot, notes.mass)
-    about = {
-        "id": name,
-        "category": category,
-        "licence": notes.licence,
-        "provenance": notes.provenance or f"imported: {path.relative_to(folder).as_posix()}",
-        "symmetry": notes.symmetry,
-        "placement": notes.placement,
-    }
-    if (closed_box(robot)[1] - closed_box(robot)[0]).min() < 1e-4:
-        raise InputError(path, "is flat: one of its extents is zero.")
-    return write_imported(robot, models / name, about)
+    check_believable(robot, path)
+    about = Description(
+        id=file.id,
+        category=file.category,
+        licence=notes.licence,
+        provenance=notes.provenance or f"imported: {path.relative_to(file.folder).as_posix()}",
+        symmetry=notes.symmetry,
+        placement=notes.placement,
+    )
+    try:
+        return write_asset(robot, models / file.id, about)
+    except ValidationError as error:
+        raise InputError(path, f"makes no asset: {error.errors()[0]['msg']}.") from None
+
+
+def check_believable(robot: RobotModel, path: Path) -> None:
+    """Refuse what is flat, larger than a room, or heavier than can be.
+
+    Raises:
+        InputError: names the extent, the joint or the link.
+    """
+    low, high = closed_box(robot)
+    extents = high - low
+    size = " x ".join(f"{extent:.4g}" for extent in extents)
+    if extents.min() < THINNEST:
+        raise InputError(path, f"is flat: its extents are {size} m.", "0.1 mm at least")
+    if extents.max() > LARGEST:
+        raise InputError(path, f"is {size} m large.", f"at most {LARGEST:g} m; see scale in asset.json")
+    if np.abs(np.array([low, high])).max() > 5 * LARGEST:
+        raise InputError(path, f"lies {np.abs([low, high]).max():.4g} m from its origin.", "move it there")
+    for joint in robot.joints:
+        if joint.type == "prismatic" and max(abs(joint.lower), abs(joint.upper)) > LARGEST:
+            raise InputError(path, f"joint '{joint.name}': slides to {joint.lower:g} ... {joint.upper:g} m.")
+    for link in robot.links.values():
+        if link.mass > HEAVIEST:
+            raise InputError(path, f"link '{link.name}': weighs {link.mass:.4g} kg.", f"at most {HEAVIEST:g} kg")
 
 
 def word(text: str) -> str:
@@ -102,28 +166,31 @@ def single_body(path: Path) -> RobotModel:
     hull = trimesh.convex.convex_hull(np.concatenate([piece.vertices for piece in pieces]))
     mass = max(float(hull.volume) * DENSITY, MINIMUM_MASS)
     inertia = hull.moment_inertia * (mass / hull.volume) + MINIMUM_INERTIA * np.eye(3)
-    return RobotModel(path.stem, {"base": Link("base", meshes, pieces, mass, hull.center_mass, inertia)})
+    visuals = [Visual(mesh) for mesh in meshes]
+    return RobotModel(path.stem, {"base": Link("base", visuals, pieces, mass, hull.center_mass, inertia)})
 
 
-def upright(robot: RobotModel, notes: Notes, gltf: bool) -> RobotModel:
+def upright(robot: RobotModel, file: ModelFile) -> RobotModel:
     """The model with z up, its front towards +x, in metres."""
-    up = notes.up or ("+y" if gltf else "+z")
+    notes = file.notes
+    up = notes.up or ("+y" if file.path.suffix.lower() == ".glb" else "+z")
     front = notes.front or ("+z" if up == "+y" else "+x")
     x, z = vector(front), vector(up)
     if abs(x @ z) > 0.5:
-        raise InputError("asset.json", f"front {front} and up {up} lie along one line.", "give two different axes")
+        what = f"front {front} and up {up} lie along one line."
+        raise InputError(file.notes_path, what, "give two different axes")
     rotation = np.array([x, np.cross(z, x), z])
     robot = rebased(robot, rigid(rotation, np.zeros(3)))
     return stretched(robot, (notes.scale,) * 3) if notes.scale != 1.0 else robot
 
 
-def vector(axis: Axis) -> np.ndarray:
+def vector(axis: Axis) -> Matrix:
     """Unit vector of '+x', '-x', ..."""
     return (1.0 if axis[0] == "+" else -1.0) * np.eye(3)["xyz".index(axis[1])]
 
 
 def with_mass(robot: RobotModel, mass: float) -> RobotModel:
     """The model with another total mass, spread as before."""
-    ratio = mass / sum(link.mass for link in robot.links.values())
+    ratio = mass / robot.mass
     links = {n: replace(link, mass=link.mass * ratio, inertia=link.inertia * ratio) for n, link in robot.links.items()}
     return replace(robot, links=links)

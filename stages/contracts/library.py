@@ -7,6 +7,8 @@ from pydantic import Field
 from stages.contracts.files import Contract
 
 Vector = tuple[float, float, float]
+Symmetry = Literal["none", "half_turn", "quarter_turn", "full"]
+Placement = Literal["floor", "object", "wall"]
 
 
 class Joint(Contract):
@@ -48,10 +50,10 @@ class Asset(Contract):
     joints: list[Joint] = []
     doors: int = 0
     drawers: int = 0
-    symmetry: Literal["none", "half_turn", "quarter_turn", "full"] = Field(
+    symmetry: Symmetry = Field(
         "none", description="rotational symmetry about z; all but none are left out of orientation scores"
     )
-    placement: Literal["floor", "object", "wall"] = "floor"
+    placement: Placement = "floor"
     recipe: Recipe | None = None
     licence: str
     provenance: str

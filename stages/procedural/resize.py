@@ -5,7 +5,7 @@ import json
 from collections.abc import Sequence
 from pathlib import Path
 
-from stages.articulated.asset_folder import read_asset
+from stages.articulated.asset_folder import read_asset, stretch_asset
 from stages.contracts.errors import InputError
 from stages.procedural import build
 
@@ -33,7 +33,5 @@ def resized(asset_folder: Path, size: Sequence[float], out: Path) -> Path:
     if asset.recipe is not None:
         build(asset.recipe, (x, y, z), folder, asset.id, asset.category, asset.provenance)
     else:
-        from stages.articulated.stretch import stretch
-
-        stretch(asset_folder, asset, (x, y, z), folder)
+        stretch_asset(asset_folder, asset, (x, y, z), folder)
     return folder

@@ -93,11 +93,6 @@ def turned(mesh: Trimesh, angle: float, axis: ArrayLike, about: ArrayLike = (0.0
     return copy
 
 
-def is_box(mesh: Trimesh) -> bool:
-    """Whether the mesh fills its axis-aligned bounds."""
-    return len(mesh.vertices) == 8 and bool(np.isclose(mesh.volume, np.prod(mesh.extents), rtol=1e-6))
-
-
 def bounds_of(meshes: Sequence[Trimesh]) -> NDArray[np.float64]:
     """Lowest and highest corner, (2, 3), of several meshes."""
     corners = np.array([mesh.bounds for mesh in meshes])

@@ -4,13 +4,14 @@ The controller that executes an action and the planner that rolls a candidate ou
 so that what was planned is what happens.
 """
 
-import xml.etree.ElementTree as ElementTree
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
+
+from stages.articulated.urdf_tree import UrdfTree
 
 Array = NDArray[np.float64]
 
@@ -86,30 +87,17 @@ def track(chain: Chain, q: Array, target: Array, iterations: int = 3) -> Array:
 
 def read_chain(urdf: Path, tip: str) -> Chain:
     """The chain from the root of a URDF to the link `tip`; fixed joints are folded into their neighbours."""
-    joints = {joint.find("child").get("link"): joint for joint in ElementTree.parse(urdf).iter("joint")}  # type: ignore[union-attr]
+    joints = {joint.child: joint for joint in UrdfTree(urdf).joints}
     path = []
     while tip in joints:
         path.append(joints[tip])
-        tip = joints[tip].find("parent").get("link")  # type: ignore[union-attr,assignment]
+        tip = joints[tip].parent
     origins, limits, offset = [], [], np.eye(4)
     for joint in reversed(path):
-        offset = offset @ _origin(joint)
-        if joint.get("type") == "revolute":
-            limit = joint.find("limit")
-            assert limit is not None
+        offset = offset @ joint.origin
+        if joint.type == "revolute":
             origins.append(offset)
-            limits.append([float(limit.get("lower", 0)), float(limit.get("upper", 0))])
+            limits.append([joint.lower, joint.upper])
             offset = np.eye(4)
     lower, upper = np.array(limits).T
     return Chain(np.array(origins), offset, lower, upper)
-
-
-def _origin(joint: ElementTree.Element) -> Array:
-    """(4, 4) of a URDF joint's <origin>."""
-    pose = np.eye(4)
-    origin = joint.find("origin")
-    if origin is not None:
-        pose[:3, 3] = [float(value) for value in origin.get("xyz", "0 0 0").split()]
-        rpy = [float(value) for value in origin.get("rpy", "0 0 0").split()]
-        pose[:3, :3] = Rotation.from_euler("xyz", rpy).as_matrix()
-    return pose

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 import trimesh
 
+from stages.articulated.forward_kinematics import closed_box, link_frames
 from stages.articulated.mesh_reader import convex_pieces
-from stages.articulated.model import closed_box, link_frames, stretched
+from stages.articulated.stretching import stretched
 from stages.articulated.urdf_reader import read_urdf
 from stages.assets.imports import import_folders, import_model, model_files, word
 from stages.contracts.errors import InputError
@@ -91,10 +92,10 @@ def test_stretching_a_turned_link_scales_along_the_assets_axes(folder: Path) -> 
 
 
 def test_stretched_inertia_is_that_of_the_stretched_box() -> None:
-    from stages.articulated.model import Link, RobotModel
+    from stages.articulated.model import Link, RobotModel, Visual
 
     box = trimesh.creation.box([0.2, 0.3, 0.4])
-    link = Link("a", [box], [box], 2.0, np.zeros(3), 2 / 12 * np.diag([0.25, 0.20, 0.13]))
+    link = Link("a", [Visual(box)], [box], 2.0, np.zeros(3), 2 / 12 * np.diag([0.25, 0.20, 0.13]))
     long = stretched(RobotModel("r", {"a": link}), (2.0, 1.0, 1.0)).links["a"]
     assert long.mass == pytest.approx(4.0)
     assert np.allclose(long.inertia, 4 / 12 * np.diag([0.25, 0.32, 0.25]))
@@ -185,7 +186,7 @@ def test_a_real_cabinet(tmp_path: Path) -> None:
     robot = read_urdf(tmp_path / "models" / asset.id / "model.urdf", tmp_path / "models")
     for joint in asset.joints:
         shut, open_ = (link_frames(robot, share)[joint.handle_link or joint.link] for share in (0.0, 0.3))
-        center = robot.links[joint.handle_link or joint.link].visuals[0].bounds.mean(axis=0)
+        center = robot.links[joint.handle_link or joint.link].visuals[0].mesh.bounds.mean(axis=0)
         assert (open_ @ [*center, 1])[0] > (shut @ [*center, 1])[0] + 0.05, f"{joint.name} opens inwards"
 
 

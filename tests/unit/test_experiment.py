@@ -35,7 +35,8 @@ def write_asset(world: World, name: str, doors: list[tuple[str, float, float, st
         panel = f'<geometry><mesh filename="panel.obj" scale="1 {width} 1"/></geometry>'
         links += f'<link name="l{number}"><visual><origin xyz="0 0 0.1"/>{panel}</visual></link>'
         links += f'<joint name="j{number}" type="revolute"><parent link="base"/><child link="l{number}"/>'
-        links += f'<origin xyz="0.2 0 {height - 0.1}" rpy="{origin}"/><axis xyz="{axis}"/></joint>'
+        links += f'<origin xyz="0.2 0 {height - 0.1}" rpy="{origin}"/><axis xyz="{axis}"/>'
+        links += '<limit lower="0" upper="1.57"/></joint>'
         joints.append(
             Joint(
                 name=f"j{number}",

@@ -7,7 +7,7 @@ import pytest
 import trimesh
 
 from stages.articulated.asset_folder import checksum
-from stages.articulated.model import closed_box, link_frames
+from stages.articulated.forward_kinematics import closed_box, link_frames
 from stages.articulated.urdf_reader import read_urdf
 from stages.config.assets import COUNTS
 from stages.contracts.errors import InputError
@@ -16,8 +16,8 @@ from stages.procedural import build, generate
 from stages.procedural.catalogue import CATEGORIES, sample
 from stages.procedural.layout import cells
 from stages.procedural.model import bounds
+from stages.procedural.robot import mass_properties
 from stages.procedural.shapes import bounds_of, cushion, rod, shell_pieces, slab
-from stages.procedural.urdf import mass_properties
 
 CABINETS = ["bottom_cabinet", "wall_cabinet", "sideboard", "wardrobe"]
 SIZES = [None, (0.5, 0.9, 0.7), (1.3, 0.35, 0.4), (0.21, 0.2, 1.9)]

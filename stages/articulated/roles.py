@@ -1,0 +1,65 @@
+"""What the joints are for: doors, drawers, and where their handles are; counting them."""
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+from stages.articulated.model import JointModel, RobotModel, Role
+from stages.contracts.library import Joint
+
+HANDLE_NAMES = ("handle", "knob", "nob", "pull", "grip")
+
+
+def with_roles(robot: RobotModel) -> RobotModel:
+    """A model that nobody has described: hinges are doors, slides are drawers.
+
+    A fixed child whose name says so is the handle; else it is looked for on the moving link itself.
+    """
+    fixed = {joint.child: joint.parent for joint in robot.joints if joint.type == "fixed"}
+
+    def with_role(joint: JointModel) -> JointModel:
+        if joint.type == "fixed":
+            return joint
+        attached = (child for child, parent in fixed.items() if parent == joint.child)
+        named = (child for child in attached if any(word in child.lower() for word in HANDLE_NAMES))
+        role: Role = "door" if joint.type == "revolute" else "drawer"
+        return replace(joint, role=role, handle_link=next(named, joint.child))
+
+    return replace(robot, joints=[with_role(joint) for joint in robot.joints])
+
+
+def with_roles_of(robot: RobotModel, described: Iterable[Joint]) -> RobotModel:
+    """A model with the roles and handles that its `asset.json` gives to its joints, by name."""
+    known = {joint.name: joint for joint in described}
+
+    def with_role(joint: JointModel) -> JointModel:
+        told = known.get(joint.name)
+        if told is None:
+            return joint
+        return replace(joint, role=told.role, handle_link=told.handle_link, handle=told.handle)
+
+    return replace(robot, joints=[with_role(joint) for joint in robot.joints])
+
+
+def contract_joints(robot: RobotModel) -> list[Joint]:
+    """The joints with a role as the contract names them."""
+    return [
+        Joint(
+            name=joint.name,
+            type=joint.type,
+            role=joint.role,
+            parent=joint.parent,
+            link=joint.child,
+            axis=tuple(joint.axis.round(9).tolist()),
+            lower=round(joint.lower, 5),
+            upper=round(joint.upper, 5),
+            handle_link=joint.handle_link,
+            handle=joint.handle,
+        )
+        for joint in robot.joints
+        if joint.type != "fixed" and joint.role is not None
+    ]
+
+
+def count_roles(joints: Iterable[Joint], role: Role) -> int:
+    """How many of the joints have a role."""
+    return sum(joint.role == role for joint in joints)

@@ -1,0 +1,171 @@
+"""The kinematic tree of a URDF: its XML, its numbers and its joints, checked; complaints name file and element."""
+
+import xml.etree.ElementTree as ET
+from collections import Counter
+from dataclasses import replace
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from stages.articulated.model import JointModel, Matrix
+from stages.contracts.errors import InputError
+from stages.geometry.frames import rigid
+
+MOST_LINKS = 1000
+LARGEST = 1e6  # of any number: beyond it is a slip, in whatever unit
+WIDEST_ANGLE = 4 * np.pi  # limits of a hinge
+FIXED_RANGE = 1e-4  # metres or radians: joints with a smaller range are fixed
+
+
+class UrdfTree:
+    """Links and joints of one URDF.
+
+    Attributes:
+        links: the <link> elements by name.
+        joints: parents before children. Continuous joints (wheels, knobs) and those that follow another (mimic) are
+            fixed: neither is a door or a drawer.
+        root: name of the one link that is no joint's child.
+
+    Raises:
+        InputError: the file is missing or no URDF, or its joints form no single tree.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = Path(path)
+        self.robot = self._parse()
+        self.links = self._named("link")
+        if not self.links:
+            raise InputError(path, "has no <link>.")
+        if len(self.links) > MOST_LINKS:
+            raise InputError(path, f"has {len(self.links)} links.", f"at most {MOST_LINKS}")
+        joints = [self._joint(element, name) for name, element in self._named("joint").items()]
+        self.root, self.joints = self._ordered(joints)
+
+    def _parse(self) -> ET.Element:
+        try:
+            text = self.path.read_text(encoding="utf-8-sig")
+        except (OSError, UnicodeDecodeError) as error:
+            raise InputError(self.path, f"cannot be read ({error.__class__.__name__}).") from None
+        if "<!DOCTYPE" in text:  # entities: files of this machine, or more text than its memory holds
+            raise InputError(self.path, "declares a DOCTYPE, which a URDF does not need.", "remove it")
+        try:
+            robot = ET.fromstring(text)
+        except (ET.ParseError, ValueError) as error:
+            raise InputError(self.path, f"is not XML: {error}.") from None
+        if robot.tag != "robot":
+            raise InputError(self.path, f"has <{robot.tag[:40]}> at the top.", "a URDF starts with <robot>")
+        return robot
+
+    def _named(self, tag: str) -> dict[str, ET.Element]:
+        elements = self.robot.findall(tag)
+        names = [element.get("name", "") for element in elements]
+        for name, count in Counter(names).items():
+            if not name.strip():
+                raise InputError(self.path, f"a <{tag}> has no name.")
+            if count > 1:
+                raise InputError(self.path, f"has {count} {tag}s called '{name}'.", "a name of its own for each")
+        return dict(zip(names, elements, strict=True))
+
+    @cached_property
+    def colours(self) -> dict[str, ET.Element]:
+        """<color> elements of the named materials."""
+        found = ((m.get("name", ""), m.find("color")) for m in self.robot.iter("material"))
+        return {name: colour for name, colour in found if colour is not None}
+
+    def numbers(
+        self, element: ET.Element | None, key: str, default: str, count: int, where: str, low: float = -LARGEST
+    ) -> Matrix:
+        """The `count` numbers of an attribute, each from `low` to a million."""
+        text = default if element is None else element.get(key, default)
+        try:
+            values = np.array([float(word) for word in text.split()])
+        except ValueError:
+            values = np.array([])
+        if len(values) != count or not np.isfinite(values).all():
+            raise InputError(self.path, f'{where}: {key}="{text[:60]}" is not {count} number(s).')
+        if (values < low).any() or (values > LARGEST).any():
+            raise InputError(self.path, f'{where}: {key}="{text[:60]}" is not within {low:g} and {LARGEST:g}.')
+        return values
+
+    def positive(self, element: ET.Element | None, key: str, count: int, where: str) -> Matrix:
+        """`numbers` above zero, which must be given."""
+        values = self.numbers(element, key, "", count, where)
+        if (values <= 0).any():
+            raise InputError(self.path, f'{where}: {key}="{" ".join(f"{v:g}" for v in values)}" must be positive.')
+        return values
+
+    def origin(self, element: ET.Element, where: str) -> Matrix:
+        """(4, 4) of an element's <origin xyz rpy>."""
+        found = element.find("origin")
+        xyz = self.numbers(found, "xyz", "0 0 0", 3, where)
+        rpy = self.numbers(found, "rpy", "0 0 0", 3, where)
+        return rigid(Rotation.from_euler("xyz", rpy).as_matrix(), xyz)
+
+    def _joint(self, element: ET.Element, name: str) -> JointModel:
+        where, kind = f"joint '{name}'", element.get("type", "")
+        parent, child = (self._end(element, tag, where) for tag in ("parent", "child"))
+        if parent == child:
+            raise InputError(self.path, f"{where}: link '{child}' is its own parent.")
+        fixed = JointModel(name, "fixed", parent, child, self.origin(element, where))
+        if kind in ("fixed", "continuous"):
+            return fixed
+        if kind not in ("revolute", "prismatic"):
+            fix = "fixed, continuous, revolute or prismatic"
+            raise InputError(self.path, f"{where}: type '{kind}' is not supported.", fix)
+        axis = self.numbers(element.find("axis"), "xyz", "1 0 0", 3, where)
+        if np.linalg.norm(axis) < 1e-6:
+            raise InputError(self.path, f"{where}: its axis is zero.")
+        limit = element.find("limit")
+        if limit is None:
+            raise InputError(self.path, f"{where}: a {kind} joint needs a <limit>.")
+        lower, upper = (float(self.numbers(limit, key, "0", 1, where)[0]) for key in ("lower", "upper"))
+        if lower > upper:
+            raise InputError(self.path, f"{where}: lower limit {lower:g} is above the upper one {upper:g}.")
+        if kind == "revolute" and max(abs(lower), abs(upper)) > WIDEST_ANGLE:
+            what = f"{where}: limits {lower:g} and {upper:g} are more than two full turns."
+            raise InputError(self.path, what, "radians; a joint without end is of type continuous")
+        if upper - lower < FIXED_RANGE or element.find("mimic") is not None:
+            return fixed
+        axis = axis / np.linalg.norm(axis)
+        revolute = kind == "revolute"
+        return replace(fixed, type="revolute" if revolute else "prismatic", axis=axis, lower=lower, upper=upper)
+
+    def _end(self, element: ET.Element, tag: str, where: str) -> str:
+        """The parent or child link of a joint."""
+        found = element.find(tag)
+        link = "" if found is None else found.get("link", "")
+        if link not in self.links:
+            raise InputError(self.path, f"{where}: <{tag}> names no link of this file ('{link}').")
+        return link
+
+    def _ordered(self, joints: list[JointModel]) -> tuple[str, list[JointModel]]:
+        """The root, and the joints in their order in the file, put off until their parent has been placed."""
+        moved_by = Counter(joint.child for joint in joints)
+        for name, count in moved_by.items():
+            if count > 1:
+                raise InputError(
+                    self.path, f"link '{name}' is the child of {count} joints: the links do not form one tree."
+                )
+        roots = [name for name in self.links if name not in moved_by]
+        if len(roots) != 1:
+            what = (
+                f"{len(roots)} of its links are no joint's child ({', '.join(roots[:3])}): they do not form one tree."
+            )
+            raise InputError(self.path, what, "one root, and one parent joint for each other link")
+        placed, ordered, waiting = {roots[0]}, [], joints
+        while waiting:
+            ready, later = [], []
+            for joint in waiting:
+                if joint.parent in placed:
+                    ready.append(joint)
+                    placed.add(joint.child)
+                else:
+                    later.append(joint)
+            if not ready:
+                what = f"joint '{waiting[0].name}' is part of a cycle: the links do not form one tree."
+                raise InputError(self.path, what, "one root, and one parent joint for each other link")
+            ordered += ready
+            waiting = later
+        return roots[0], ordered
