@@ -13,6 +13,7 @@ from snakemake.settings.types import ExecMode
 from stages.config.code import code_digest, files_digest
 from stages.config.model import load
 from stages.contracts.errors import InputError
+from stages.plugins import qualified
 from stages.guard import hold_folder, makes_files
 
 # `.venv/bin/snakemake` works without activating the environment: jobs find its python first.
@@ -39,7 +40,7 @@ wildcard_constraints:
     scene=r"[A-Za-z0-9-]+(_[A-Za-z0-9-]+)*",
     variant=r"[A-Za-z0-9_-]+",
     encoder=r"[a-z0-9_]+",
-    task=r"door|drawer",
+    task="|".join(TASKS) or "-",
     object=r"[^/]+",
     role=r"twin|cousin_\d+",
     training_set=r"twin|cousins_\d+|all",
@@ -64,10 +65,10 @@ def command(stage, verb):
     return own.command if own else f"python -m stages.{stage} {verb}"
 
 
-def code(stage, verb):
-    """Digest of the code behind a verb, ours or the user's own: an edit re-runs what uses it."""
+def code(stage, verb, *used):
+    """Digest of the code behind a verb and of the implementations it uses: an edit re-runs what uses it."""
     own = CONFIG.stages.get(stage, {}).get(verb)
-    return files_digest(own.code) if own else code_digest(f"stages.{stage}.{verb}")
+    return files_digest(own.code) if own else code_digest(f"stages.{stage}.{verb}", *used)
 
 
 def check(**outputs):

@@ -28,7 +28,7 @@ rule demonstrate:
         mem_mb=3000,
     params:
         command=command("demonstrations", "collect"),
-        code=code("demonstrations", "collect"),
+        code=lambda wildcards: code("demonstrations", "collect", qualified("tasks", wildcards.task)),
         check=check(attempts="attempts"),
         options=as_options(CONFIG.demonstrations),
         task_options=as_options(CONFIG.task),

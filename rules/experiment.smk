@@ -23,7 +23,7 @@ rule select:
         mem_mb=1000,
     params:
         command=command("experiment", "select"),
-        code=code("experiment", "select"),
+        code=lambda wildcards: code("experiment", "select", qualified("tasks", wildcards.task)),
         check=check(task="assets"),
         object=lambda wildcards: EXPERIMENT.tasks[wildcards.task].object,
         cousins=EXPERIMENT.cousins,

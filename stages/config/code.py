@@ -7,19 +7,27 @@ from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 
-PACKAGE = "stages"
-ROOT = Path(__file__).resolve().parents[1]  # of the package
-MODULE_NAME = re.compile(rf"{PACKAGE}(\.\w+)+")
+from stages import plugins
+
+ROOTS = {"stages": Path(__file__).resolve().parents[1]}  # of the packages whose code counts
+MODULE_NAME = re.compile(r"(\w+(?:\.\w+)+)(?::\w+)?")  # as text: "stages.x.y" or "stages.x.y:Class"
 DATA_SUFFIXES = {".jinja", ".html", ".css", ".js", ".csv", ".json"}  # shipped beside modules
+
+
+def cover(packages: Iterable[str]) -> None:
+    """Let the code of the user's packages count as ours does; to be called before any digest."""
+    for package in packages:
+        head = package.partition(".")[0]
+        ROOTS[head] = plugins.folder(head)
 
 
 @cache
 def source(module: str) -> Path | None:
-    """File of a module of this package, found without importing it; None if the name is no module."""
+    """File of a module of ours or of the user's, found without importing it; None if the name is no module."""
     head, *parts = module.split(".")
-    if head != PACKAGE:
+    if head not in ROOTS:
         return None
-    path = ROOT.joinpath(*parts)
+    path = ROOTS[head].joinpath(*parts)
     for file in (path / "__init__.py", path.with_suffix(".py")):
         if file.is_file():
             return file
@@ -37,31 +45,42 @@ def _origin(module: str, name: str) -> str:
     if source(f"{module}.{name}"):
         return f"{module}.{name}"
     for node in _tree(module).body:
-        if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith(PACKAGE):
+        if isinstance(node, ast.ImportFrom) and source(origin := _imported(node, module)):
             for alias in node.names:
                 if (alias.asname or alias.name) == name:
-                    return _origin(node.module, alias.name)
+                    return _origin(origin, alias.name)
     return module
+
+
+def _imported(node: ast.ImportFrom, module: str) -> str:
+    """The module that `from ... import` in `module` names; a leading dot is relative to its package."""
+    if not node.level:
+        return node.module or ""
+    path = source(module)
+    parts = module.split(".")
+    package = parts[: len(parts) - node.level + (path is not None and path.name == "__init__.py")]
+    return ".".join([*package, node.module] if node.module else package)
 
 
 @cache
 def _needs(module: str) -> frozenset[str]:
-    """Modules of this package that `module` imports, or names in a registry as text ("stages.x.y")."""
+    """Modules that `module` imports or names as text, as far as they count."""
     found: set[str] = set()
     for node in ast.walk(_tree(module)):
         if isinstance(node, ast.Import):
             found.update(alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom) and node.module and node.module.startswith(PACKAGE):
-            found.update(_origin(node.module, alias.name) for alias in node.names)
-        elif isinstance(node, ast.Constant) and isinstance(node.value, str) and MODULE_NAME.fullmatch(node.value):
-            found.add(node.value)
+        elif isinstance(node, ast.ImportFrom) and source(origin := _imported(node, module)):
+            found.update(_origin(origin, alias.name) for alias in node.names)
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+            match = MODULE_NAME.fullmatch(node.value)
+            found.update([match[1]] if match else [])
     return frozenset(name for name in found if source(name))
 
 
-def closure(module: str) -> tuple[str, ...]:
-    """`module` and every module of this package that it reaches, sorted."""
+def closure(*modules: str) -> tuple[str, ...]:
+    """The modules and all that they reach, sorted."""
     seen: set[str] = set()
-    queue = [module]
+    queue = [*modules]
     while queue:
         name = queue.pop()
         if name not in seen:
@@ -71,9 +90,9 @@ def closure(module: str) -> tuple[str, ...]:
 
 
 @cache
-def code_digest(module: str) -> str:
-    """Digest (12 hex digits) of `module`, of all it needs from this package, and of the data files beside them."""
-    files = {path for name in closure(module) if (path := source(name))}
+def code_digest(*modules: str) -> str:
+    """Digest (12 hex digits) of the modules, of all that they need, and of the data files beside them."""
+    files = {path for name in closure(*modules) if (path := source(name))}
     for folder in {path.parent for path in files}:
         files.update(path for path in folder.iterdir() if path.suffix in DATA_SUFFIXES)
     digest = hashlib.sha256()

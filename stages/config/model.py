@@ -21,6 +21,7 @@ from stages.config.tables import TablesConfig
 from stages.config.task import TaskConfig
 from stages.config.training import TrainingConfig
 from stages.contracts.errors import InputError
+from stages.plugins import find
 
 
 class Config(Section):
@@ -64,6 +65,7 @@ class Config(Section):
                 f"experiment.policy_variant: '{experiment.policy_variant}' is not one of experiment.variants"
             )
         for task, target in experiment.tasks.items():
+            find("tasks", task)
             if target.scene not in experiment.rooms:
                 raise ValueError(f"experiment.tasks.{task}.scene: '{target.scene}' is not one of experiment.rooms")
         for run in experiment.runs:

@@ -17,6 +17,9 @@ class TaskConfig(Section):
         0.5, gt=0, lt=1, description="the target joint must pass this fraction of its range (0.5: a door at 45 degrees)"
     )
     max_steps: int = Field(100, ge=10, description="steps after which an episode is over (official code: 100)")
+    sim_backend: Literal["physx_cpu", "physx_cuda"] = Field(
+        "physx_cpu", description="where the physics runs; physx_cuda needs a GPU"
+    )
 
     # Action (paper B.3: delta end-effector pose through inverse kinematics)
     controller: Literal["pd_ee_dls", "pd_ee_target_delta_pose"] = Field(

@@ -25,7 +25,7 @@ class TrainedPolicy(Contract):
     """
 
     version: Literal[1] = 1
-    task: Literal["door", "drawer"]
+    task: str
     task_options: TaskConfig = Field(description="environment of the demonstrations; evaluation uses the same")
     run: TrainingRun = Field(description="hyper-parameters")
     seed: int

@@ -13,7 +13,7 @@ from stages.contracts.policies import Attempt, TaskAsset
 from stages.demonstrations.attempt import Recorder
 from stages.demonstrations.film import write_film
 from stages.demonstrations.store import Episode, StoreHeader, write_episodes
-from stages.simulation.task_api import make_task
+from stages.tasks.api import make_task
 
 FAILED_LEDGER = "attempts.failed.jsonl"  # not an output of the rule: Snakemake deletes those of a failed job
 
@@ -86,7 +86,7 @@ def run(
     failed.unlink(missing_ok=True)
     write_text(out.parent / "attempts.jsonl", lines)
     write_film(out.parent / "film.png", recorder.strips)
-    write_episodes(out, StoreHeader(plan.task, chosen.asset, chosen.joint, chosen.size, world), kept)
+    write_episodes(out, StoreHeader(plan.task, task.task.gym_id, chosen.asset, chosen.joint, chosen.size, world), kept)
 
 
 def find_role(plan: TaskAssets, role: str, where: Path) -> TaskAsset:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from stages.config.task import TaskConfig
 from stages.contracts import atomic
-from stages.simulation.task_api import Observation
+from stages.tasks.api import Observation
 
 Float = NDArray[np.float32]
 
@@ -39,6 +39,7 @@ class StoreHeader:
     """What the episodes have in common."""
 
     task: str
+    environment: str  # its name for gym.make
     asset: str
     joint: str
     size: tuple[float, float, float]
@@ -52,7 +53,7 @@ def write_episodes(path: Path, header: StoreHeader, episodes: Sequence[Episode])
     joint (T,) float32}`, uncompressed so that training can map it; attributes as in robomimic.
     """
     env_args = {
-        "env_name": {"door": "ACDC-OpenDoor-v1", "drawer": "ACDC-OpenDrawer-v1"}[header.task],
+        "env_name": header.environment,
         "type": "maniskill",
         "env_kwargs": {"asset": header.asset, "joint": header.joint, "size": list(header.size)},
     }

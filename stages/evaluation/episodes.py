@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.policy.actor import Actor
-from stages.simulation.task_api import Observation, TaskEnv
+from stages.tasks.api import Observation, TaskEnv
 
 Image = NDArray[np.uint8]
 

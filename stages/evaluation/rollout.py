@@ -20,7 +20,7 @@ from stages.evaluation.film import film
 from stages.policy.actor import Actor
 from stages.policy.checkpoint import load_policy, read_config
 from stages.policy.network import Policy
-from stages.simulation.task_api import TaskEnv, make_task
+from stages.tasks.api import TaskEnv, make_task
 
 FIRST_STATE = 2**31  # demonstrations use seeds below: no policy is tested on a state that it was shown
 SELECTION_STATE = FIRST_STATE + 2**30  # states that choose a checkpoint are not those that it is judged by

@@ -3,12 +3,14 @@
 import sys
 from pathlib import Path
 
-from stages.articulated.affordance import Panel, Task, target_joint
+from stages.articulated.affordance import Panel
 from stages.contracts import Cousins, GeneratedScene, InputError, Library, TaskAssets, read_json, write_json
 from stages.contracts.cousins import ObjectCousins
 from stages.contracts.distances import Distances
 from stages.contracts.library import LibraryEntry, Vector
 from stages.contracts.policies import TaskAsset
+from stages.plugins import load
+from stages.tasks.task import Task
 
 STALE = "run `python -m stages.matching distances` again"
 
@@ -18,7 +20,7 @@ def run(
     cousins: Path,
     scene_file: Path,
     object: str,
-    task: Task,
+    task: str,
     library: Path,
     distances: Path,
     out: Path,
@@ -36,12 +38,13 @@ def run(
         cousins: cousins.json of the scene that holds the object.
         scene_file: scene_1.json of generation; the object's size is read from it.
         object: id of the object, e.g. cabinet_1.
-        task: what is opened.
+        task: its name, e.g. door; one of a package of yours by its module.
         library: library.json, with the asset folders it names.
         distances: distances/<object>.json of matching.
         out: file to write.
         count: number of cousins.
     """
+    kind: Task = load("tasks", task)
     entries = {entry.id: entry for entry in read_json(Library, library).assets}
     matched, scene = read_json(Cousins, cousins), read_json(GeneratedScene, scene_file)
     alike = read_distances(distances, matched, object)
@@ -49,26 +52,26 @@ def run(
 
     def usable(asset: str, like: Panel | None = None) -> Panel | None:
         entry = entries.get(asset)
-        return target_joint(folders[asset], task, like) if entry and entry.doors + entry.drawers else None
+        return kind.target_joint(folders[asset], like) if entry and entry.doors + entry.drawers else None
 
     item = next((entry for entry in matched.objects if entry.id == object), None)
     twin = next((cousin for cousin in item.cousins if usable(cousin.asset)), None) if item else None
     size = next((placed.size for placed in scene.objects if placed.id == object and placed.status == "ok"), None)
     if item is None or twin is None or size is None:
         would_do = [e.id for e in matched.objects if any(usable(cousin.asset) for cousin in e.cousins[:1])]
-        what = f"object '{object}' {_why_not(item, task, size)}."
-        raise InputError(cousins, what, f"objects that would do for a {task}: {', '.join(would_do) or 'none'}")
+        what = f"object '{object}' {_why_not(item, kind.role, size)}."
+        raise InputError(cousins, what, f"objects that would do for a {kind.role}: {', '.join(would_do) or 'none'}")
     if twin.rank > 1:
-        print(f"twin: cousin {twin.rank} of {object}; those before it have no {task} with a handle", file=sys.stderr)
+        print(f"twin: cousin {twin.rank} of {object}; those before have no {kind.role} with a handle", file=sys.stderr)
 
-    like = target_joint(folders[twin.asset], task)
+    like = kind.target_joint(folders[twin.asset])
     panels = {asset: panel for asset in alike.assets if (panel := usable(asset, like))}
     if twin.asset not in alike.distances:
         raise InputError(distances, f"has no distances from {twin.asset}, the twin.", STALE)
     far = {asset: distance for asset, distance in alike.from_asset(twin.asset).items() if asset in panels}
     chosen = choose_cousins(item, twin.asset, far, entries, count)
     if len(chosen) < count:
-        what = f"'{object}' has {len(chosen)} cousins with a {task} that has a handle, {count} are asked for."
+        what = f"'{object}' has {len(chosen)} cousins with a {kind.role} that has a handle, {count} are asked for."
         raise InputError(library, what, "lower experiment.cousins, raise matching.k_cat, or make a larger library")
     roles = {"twin": twin.asset} | {f"cousin_{number}": asset for number, asset in enumerate(chosen, 1)}
     others = [asset for asset in far if asset not in roles.values()]
@@ -111,9 +114,9 @@ def choose_cousins(
     return sorted(nearest, key=lambda asset: (distances[asset], asset))
 
 
-def _why_not(item: ObjectCousins | None, task: str, size: Vector | None) -> str:
+def _why_not(item: ObjectCousins | None, role: str, size: Vector | None) -> str:
     if item is None:
         return "is not in the scene"
     if item.status == "failed":
         return f"failed ({item.reason})"
-    return "was not placed in the scene" if size is None and item.cousins else f"has no cousin with a {task} to open"
+    return "was not placed in the scene" if size is None and item.cousins else f"has no cousin with a {role} to open"

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import sapien
@@ -42,6 +43,27 @@ def root_pose(asset: Asset, position: Sequence[float], yaw: float) -> sapien.Pos
     return sapien.Pose(np.asarray(position) - yaw_matrix(yaw) @ box_centre(asset), yaw_quaternion(yaw))
 
 
+def asset_builder(loader: Any, folder: Path, fixed: bool) -> tuple[Asset, Any]:
+    """An asset and the builder of its one body.
+
+    Args:
+        loader: SAPIEN's URDF loader, or ManiSkill's around it.
+    """
+    asset = read_asset(folder)
+    urdf = Path(folder).resolve() / asset.urdf
+    loader.fix_root_link = fixed
+    loader.set_material(SURFACE_FRICTION, SURFACE_FRICTION, 0.0)
+    try:
+        parsed = loader.parse(str(urdf))
+    except Exception as error:  # the loader raises whatever its XML and mesh readers raise
+        raise InputError(urdf, f"cannot be loaded: {str(error).splitlines()[0]}.") from error
+    names = ("articulation_builders", "actor_builders") if isinstance(parsed, dict) else (0, 1)
+    bodies = [*parsed[names[0]], *parsed[names[1]]]
+    if len(bodies) != 1:
+        raise InputError(urdf, f"holds {len(bodies)} separate bodies.", "one body per URDF")
+    return asset, bodies[0]
+
+
 def load_asset(
     scene: sapien.Scene, folder: Path, pose: sapien.Pose, fixed: bool, name: str
 ) -> PhysxArticulation | sapien.Entity:
@@ -54,23 +76,12 @@ def load_asset(
     Returns:
         An articulation if the URDF has joints, else an entity (kinematic if fixed).
     """
-    asset = read_asset(folder)
-    urdf = Path(folder).resolve() / asset.urdf
-    loader = scene.create_urdf_loader()
-    loader.fix_root_link = fixed
-    loader.set_material(SURFACE_FRICTION, SURFACE_FRICTION, 0.0)
-    try:
-        articulations, actors, _ = loader.parse(str(urdf))
-    except Exception as error:  # the loader raises whatever its XML and mesh readers raise
-        raise InputError(urdf, f"cannot be loaded: {str(error).splitlines()[0]}.") from error
-    if len(articulations) + len(actors) != 1:
-        raise InputError(urdf, f"holds {len(articulations) + len(actors)} separate bodies.", "one body per URDF")
-    builder = (articulations or actors)[0]
+    _, builder = asset_builder(scene.create_urdf_loader(), folder, fixed)
     builder.initial_pose = pose
     if not has_renderer(scene):
-        for link in builder.link_builders if articulations else [builder]:
+        for link in getattr(builder, "link_builders", [builder]):
             link.visual_records.clear()
-    if actors:
+    if not hasattr(builder, "link_builders"):
         builder.set_name(name)
         builder.set_physx_body_type("kinematic" if fixed else "dynamic")
         return builder.build()

@@ -13,7 +13,7 @@ from stages.contracts import Attempt, InputError, Library, TaskAssets, write_jso
 from stages.contracts.library import LibraryEntry
 from stages.contracts.policies import TaskAsset
 from stages.demonstrations.collect import attempt_seeds, run
-from stages.simulation.task_api import make_task
+from stages.tasks.api import make_task
 from tests.unit.demo_assets import cabinet
 
 TASK = {"scale_variants": 1, "points": 128, "finger_points": 16, "camera_size": 64}

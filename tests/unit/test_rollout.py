@@ -16,7 +16,7 @@ from stages.evaluation import rollout
 from stages.evaluation.episodes import FILMED, Episode, roll_out
 from stages.evaluation.film import film, pick
 from stages.policy.checkpoint import save_weights
-from stages.simulation.task_api import Observation, StepResult
+from stages.tasks.api import Observation, StepResult
 from stages.training.train import run as train
 from tests.toy_reach import Float, ToyReach, write_store
 

@@ -2,18 +2,20 @@
 
 from pathlib import Path
 
+import gymnasium
 import numpy as np
 import pytest
 
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.config.task import TaskConfig
 from stages.contracts.errors import InputError
-from stages.demonstrations.clearance import Surroundings
-from stages.demonstrations.path import Pursuit, distance, opening, straight
-from stages.demonstrations.plan import grasp_pose, plan_open
-from stages.demonstrations.skill import OpenSkill, Outcome
 from stages.geometry.frames import rigid, yaw_matrix
-from stages.simulation.task_api import TaskEnv, make_task
+from stages.skills import Outcome
+from stages.skills.clearance import Surroundings
+from stages.skills.open.plan import grasp_pose, plan_open
+from stages.skills.open.skill import OpenSkill
+from stages.skills.path import Pursuit, distance, opening, straight
+from stages.tasks.api import TaskEnv, make_task
 from tests.unit.demo_assets import cabinet
 
 OPTIONS = TaskConfig(scale_variants=1)
@@ -28,16 +30,15 @@ def door(tmp_path_factory: pytest.TempPathFactory) -> TaskEnv:
 
 def attempt(task: TaskEnv, seed: int) -> Outcome:
     task.place(seed)
-    skill = OpenSkill(task, DemonstrationsConfig(noise=0.0), lambda action, noisy: task.act(action))
-    return skill.run(Surroundings(task.env.target))
+    return OpenSkill(task, DemonstrationsConfig(noise=0.0)).run(lambda action, noisy: task.act(action))
 
 
 def test_an_unknown_task_or_joint_is_one_clear_line(tmp_path: Path) -> None:
     cabinet(tmp_path / "door")
     with pytest.raises(InputError, match="door_0_joint"):
         make_task("door", tmp_path / "door", "nonsense", None, OPTIONS)
-    with pytest.raises(InputError, match="unknown task"):
-        make_task("window", tmp_path / "door", "door_0_joint", None, OPTIONS)
+    with pytest.raises(InputError, match=r"no 'drower'.* did you mean 'drawer'"):
+        make_task("drower", tmp_path / "door", "door_0_joint", None, OPTIONS)
 
 
 def test_a_seed_gives_one_initial_state(door: TaskEnv) -> None:
@@ -147,3 +148,27 @@ def test_no_plan_goes_through_an_obstacle(door: TaskEnv) -> None:
     arguments = (door.chain, door.joints()[:7], door.env.base_from_asset(), target)
     assert plan_open(*arguments, Surroundings(target), target.lower + 0.9, DemonstrationsConfig()) is not None
     assert plan_open(*arguments, Blocked(target), target.lower + 0.9, DemonstrationsConfig()) is None
+
+
+def test_the_tasks_are_known_to_gym_and_end_at_their_own_horizon(tmp_path: Path) -> None:
+    import stages.tasks  # noqa: F401
+
+    cabinet(tmp_path / "door")
+    options = TaskConfig(max_steps=12)
+    env = gymnasium.make(
+        "ACDC-OpenDoor-v1",
+        asset_folder=tmp_path / "door",
+        joint="door_0_joint",
+        options=options,
+        obs_mode="none",
+        reward_mode="none",
+        sim_backend=options.sim_backend,
+        render_backend="none",
+    )
+    env.reset(seed=0)
+    steps = [bool(env.step(env.action_space.sample() * 0)[3].all()) for _ in range(12)]
+    assert steps == [False] * 11 + [True]
+    env.close()
+    assert "ACDC-OpenDrawer-v1" in gymnasium.registry
+    with pytest.raises(InputError, match=r"physx_cuda, but torch finds no GPU"):
+        make_task("door", tmp_path / "door", "door_0_joint", None, TaskConfig(sim_backend="physx_cuda"))

@@ -1,6 +1,7 @@
 """The manipulation task as demonstrations and evaluation use it: one environment, plain numpy in and out."""
 
 import gc
+import importlib
 import tempfile
 from dataclasses import dataclass
 from functools import cache
@@ -8,17 +9,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypedDict
 
 import numpy as np
+import torch
 from numpy.typing import NDArray
 
 from stages.config.task import TaskConfig
 from stages.contracts import Asset, InputError, read_json
+from stages.plugins import load
 from stages.simulation import observation
-from stages.simulation.episode import draw_episode, variant_scale
 from stages.simulation.kinematics import Array
 from stages.simulation.robot import REST, panda_chain
+from stages.tasks.initial_state import draw_initial_state, variant_scale
+from stages.tasks.task import Task
 
 if TYPE_CHECKING:
-    from stages.simulation.tasks import OpenTaskEnv
+    from stages.tasks.environment import OpenTaskEnv
 
 Float = NDArray[np.float32]
 Size = tuple[float, float, float]
@@ -58,7 +62,7 @@ def make_task(
     """A task on one asset. Several may live in one process.
 
     Args:
-        task: 'door' or 'drawer'.
+        task: its name, e.g. 'door'; one of a package of yours by its module.
         assets: folder of the asset (with asset.json).
         joint: name of the joint to open.
         size: nominal closed box (x, y, z) in metres; None: as the asset is.
@@ -67,16 +71,14 @@ def make_task(
         cache: folder for rescaled assets; default: a temporary one that `close` removes.
         vary_scale: False keeps the nominal size (official code leaves the evaluated asset's size alone).
     """
-    from stages.simulation.tasks import TASKS
-
-    if task not in TASKS:
-        raise InputError("task", f"unknown task {task!r}.", f"use one of {', '.join(TASKS)}")
+    known: Task = load("tasks", task)
     asset = read_json(Asset, assets / "asset.json")
-    found = next((known for known in asset.joints if known.name == joint), None)
-    if found is None or found.role != task:
-        names = [known.name for known in asset.joints if known.role == task]
-        raise InputError(assets, f"has no {task} joint {joint!r}.", f"its {task} joints: {names or 'none'}")
-    return TaskEnv(task, assets, joint, size or asset.size, options, render, cache, vary_scale)
+    names = [candidate.name for candidate in asset.joints if candidate.role == known.role]
+    if joint not in names:
+        raise InputError(assets, f"has no {known.role} joint {joint!r}.", f"its {known.role} joints: {names or 'none'}")
+    if options.sim_backend == "physx_cuda" and not torch.cuda.is_available():
+        raise InputError("task.sim_backend", "is physx_cuda, but torch finds no GPU.", "set it to physx_cpu")
+    return TaskEnv(known, assets, joint, size or asset.size, options, render, cache, vary_scale)
 
 
 class TaskEnv:
@@ -84,7 +86,7 @@ class TaskEnv:
 
     def __init__(
         self,
-        task: str,
+        task: Task,
         assets: Path,
         joint: str,
         size: Size,
@@ -115,23 +117,24 @@ class TaskEnv:
 
     def place(self, seed: int) -> None:
         """`reset` without looking: a skill plans before it needs a picture."""
-        from stages.simulation.tasks import TASKS
-
         folder = self._sized_folder(seed)
         if self._env is None:
+            module, _, name = self.task.environment.partition(":")
+            environment = getattr(importlib.import_module(module), name)
             _freeze_imports()
-            self._env = TASKS[self.task](
+            on_gpu = self.options.sim_backend == "physx_cuda"
+            self._env = environment(
                 asset_folder=folder,
                 joint=self.joint,
                 options=self.options,
                 obs_mode="none",
                 reward_mode="none",
-                sim_backend="physx_cpu",
-                render_backend="cpu" if self.render else "none",
+                sim_backend=self.options.sim_backend,
+                render_backend=("gpu" if on_gpu else "cpu") if self.render else "none",
             )
         reconfigure = folder != self._folder
-        self._folder = self._env.asset_folder = folder
-        self._env.reset(seed=seed, options={"reconfigure": reconfigure})
+        self._folder = self.env.asset_folder = folder
+        self.env.reset(seed=seed, options={"reconfigure": reconfigure})
         self.steps, self.success, self.opened = 0, False, 0.0
 
     def step(self, action: Float) -> StepResult:
@@ -208,7 +211,7 @@ class TaskEnv:
 
         scale = np.ones(3)
         if self.vary_scale:
-            scale = variant_scale(draw_episode(seed, self.options).variant, self.options)
+            scale = variant_scale(draw_initial_state(seed, self.options).variant, self.options)
         x, y, z = (np.array(self.size) * scale).round(4).tolist()
         return resized(self.assets, (x, y, z), self.sized)
 

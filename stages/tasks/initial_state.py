@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class EpisodeSetup:
+class InitialState:
     """What varies between episodes. Offsets are uniform in the ranges of the `task` section; metres, radians."""
 
     variant: int  # which of the scale variants
@@ -26,13 +26,13 @@ class EpisodeSetup:
     camera_turn: Array  # (3,) rotation vector
 
 
-def draw_episode(seed: int, options: TaskConfig) -> EpisodeSetup:
+def draw_initial_state(seed: int, options: TaskConfig) -> InitialState:
     """The initial state of episode `seed`; the same seed gives the same state for every asset and policy."""
     rng = np.random.default_rng(seed)
     base_range = np.array([options.base_xy, options.base_xy, options.base_z])
     metres, radians = options.camera_jitter
     turn = rng.standard_normal(3)
-    return EpisodeSetup(
+    return InitialState(
         variant=int(rng.integers(options.scale_variants)),
         base_offset=rng.uniform(-1, 1, 3) * base_range,
         base_yaw=float(rng.uniform(-1, 1) * options.base_yaw),
@@ -51,7 +51,7 @@ def variant_scale(variant: int, options: TaskConfig) -> Array:
     return scale
 
 
-def base_pose(handle: Array, side: float, setup: EpisodeSetup, options: TaskConfig) -> Array:
+def base_pose(handle: Array, side: float, setup: InitialState, options: TaskConfig) -> Array:
     """(4, 4) pose of the robot base in front of the handle's (3,) nominal place, facing it.
 
     `side` is +1 or -1 along y: away from the hinge of a door; 0 for a drawer.
@@ -61,12 +61,12 @@ def base_pose(handle: Array, side: float, setup: EpisodeSetup, options: TaskConf
     return rigid(yaw_matrix(np.pi + setup.base_yaw), handle + nominal + setup.base_offset)
 
 
-def object_motion(setup: EpisodeSetup) -> Array:
+def object_motion(setup: InitialState) -> Array:
     """(4, 4) small turn about z and shift of the object away from its nominal pose."""
     return rigid(yaw_matrix(setup.object_yaw), [*setup.object_offset, 0.0])
 
 
-def camera_pose(setup: EpisodeSetup, options: TaskConfig) -> Array:
+def camera_pose(setup: InitialState, options: TaskConfig) -> Array:
     """(4, 4) pose of the over-the-shoulder camera in the robot base frame: x forward, y left, z up."""
     eye = np.array(options.camera_eye)
     forward = np.array(options.camera_target) - eye

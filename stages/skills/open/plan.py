@@ -7,13 +7,13 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from stages.config.demonstrations import DemonstrationsConfig
-from stages.demonstrations.clearance import Surroundings, arm_spheres
-from stages.demonstrations.path import distance, opening, straight
 from stages.geometry.frames import inverse, rigid
 from stages.simulation.handle import Handle
 from stages.simulation.kinematics import Array, Chain, pose_error, track
 from stages.simulation.robot import GRIPPER_OPEN
 from stages.simulation.target import Target
+from stages.skills.clearance import Surroundings, arm_spheres
+from stages.skills.path import distance, opening, straight
 
 ROLLOUT_STEP = 0.03  # path length between rolled-out poses
 POSITION_TOLERANCE, ROTATION_TOLERANCE = 0.01, 0.1  # metres and radians the rollout may miss a pose by

@@ -1,19 +1,14 @@
 """The Open skill (paper A.4), closed-loop through the actions a policy has: Approach ... Ungrasp."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
-
 import numpy as np
-from numpy.typing import NDArray
 
 from stages.config.demonstrations import DemonstrationsConfig
-from stages.demonstrations.clearance import Surroundings
-from stages.demonstrations.path import Pursuit
-from stages.demonstrations.plan import plan_open
 from stages.simulation.kinematics import Array, pose_error
-from stages.simulation.task_api import TaskEnv
-
-Float = NDArray[np.float32]
+from stages.skills import Act, Outcome
+from stages.skills.clearance import Surroundings
+from stages.skills.open.plan import plan_open
+from stages.skills.path import Pursuit
+from stages.tasks.api import TaskEnv
 
 OPEN, CLOSED = 1.0, -1.0
 ARRIVED = (0.008, 0.1)  # metres and radians at which the hand is in place to grasp
@@ -23,23 +18,18 @@ EMPTY = 0.001  # finger joints below this hold nothing, metres
 LOST = 0.06  # hand this far off the path of the handle has lost it, metres
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """How an attempt ended: 'success', or the step that failed."""
-
-    success: bool
-    cause: str
-
-
 class OpenSkill:
-    """Runs the skill on a task; `act` executes one action (and records it)."""
+    """Opens the target joint of a task as it stands after `place`."""
 
-    def __init__(self, task: TaskEnv, options: DemonstrationsConfig, act: Callable[[Float, bool], None]) -> None:
-        self.task, self.options, self.act = task, options, act
+    def __init__(self, task: TaskEnv, options: DemonstrationsConfig) -> None:
+        self.task, self.options = task, options
+        self._surroundings: dict[str, Surroundings] = {}
 
-    def run(self, surroundings: Surroundings) -> Outcome:
-        """Open the joint of the task as it stands after `place`."""
-        target, task = surroundings.target, self.task
+    def run(self, act: Act) -> Outcome:
+        """Open it; `act` executes one action (and records it)."""
+        self.act, task = act, self.task
+        surroundings = self.surroundings()
+        target = surroundings.target
         if target.handle is None:
             return Outcome(False, "no_handle")
         fraction = min(1.0, task.options.success_fraction + self.options.goal_margin)
@@ -52,9 +42,16 @@ class OpenSkill:
         enough = task.options.success_fraction + self.options.goal_margin / 2
         cause = self._reach(approach, len(plan.approach)) or self._grasp() or self._articulate(plan.articulate, enough)
         cause = cause or self._hold(OPEN, UNGRASP_STEPS, "ungrasp")
-        if not cause and not task.success:
+        if not cause and task.opened < task.options.success_fraction:
             cause = "closed_again"
         return Outcome(not cause, cause or "success")
+
+    def surroundings(self) -> Surroundings:
+        """Of the task's object; kept per size, as sampling the surfaces takes longer than planning."""
+        key = str(self.task.env.asset_folder)
+        if key not in self._surroundings:
+            self._surroundings[key] = Surroundings(self.task.env.target)
+        return self._surroundings[key]
 
     def _move(self, aim: Array, hand: Array, gripper: float, noisy: bool = True) -> None:
         """One action towards `aim` (4, 4), scaled to the limits of a step without turning aside."""

@@ -1,4 +1,4 @@
-"""The ManiSkill tasks ACDC-OpenDoor-v1 and ACDC-OpenDrawer-v1 (paper B.4: Door Opening, Drawer Opening)."""
+"""The base of the tasks: a ManiSkill environment with a Panda before one articulated asset (paper B.3, B.4)."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -9,18 +9,16 @@ import sapien
 import torch
 from mani_skill.envs.sapien_env import BaseEnv
 from mani_skill.sensors.camera import CameraConfig
-from mani_skill.utils.registration import register_env
 from mani_skill.utils.structs import Articulation, Pose
 from mani_skill.utils.structs.types import SceneConfig, SimConfig
 
 from stages.config.task import TaskConfig
-from stages.contracts import Asset, read_json
 from stages.geometry.frames import inverse
-from stages.simulation.episode import EpisodeSetup, base_pose, camera_pose, draw_episode, object_motion
 from stages.simulation.kinematics import Array
-from stages.simulation.loading import SURFACE_FRICTION, close
+from stages.simulation.loading import asset_builder, close
 from stages.simulation.robot import GRIPPER_OPEN, REST, AcdcPanda, ActionScale
 from stages.simulation.target import Target, read_target
+from stages.tasks.initial_state import InitialState, base_pose, camera_pose, draw_initial_state, object_motion
 
 SIMULATION_FREQUENCY = 100
 SHOULDER, FILM = "shoulder", "film"
@@ -30,6 +28,7 @@ class OpenTaskEnv(BaseEnv):
     """Open one joint of one asset with a fixed-base Panda; success is `opened >= success_fraction`.
 
     The robot stands in front of the handle, at a height relative to it. There is no floor: nothing falls.
+    A task's own class overrides what differs: cameras (`_default_sensor_configs`), `max_episode_steps`, `evaluate`.
 
     Args:
         asset_folder: folder with asset.json. A change takes effect at reset(options={"reconfigure": True}).
@@ -54,6 +53,16 @@ class OpenTaskEnv(BaseEnv):
         self.asset_folder, self.joint_name = Path(asset_folder), joint
         kwargs.setdefault("control_mode", self.options.controller)
         super().__init__(*args, robot_uids=robot_uids, **kwargs)
+
+    @property
+    def max_episode_steps(self) -> int:
+        """Steps after which an episode is truncated; ManiSkill's wrappers ask for it under this name."""
+        return self.options.max_steps
+
+    def step(self, action: Any) -> tuple[Any, Any, torch.Tensor, torch.Tensor, dict[str, Any]]:
+        """ManiSkill's step, truncated at the task's own horizon."""
+        observation, reward, terminated, _, info = super().step(action)
+        return observation, reward, terminated, self.elapsed_steps >= self.max_episode_steps, info
 
     @property
     def _default_sim_config(self) -> SimConfig:
@@ -109,12 +118,9 @@ class OpenTaskEnv(BaseEnv):
         )
 
     def _load_scene(self, options: dict[str, Any]) -> None:
-        self.asset = read_json(Asset, self.asset_folder / "asset.json")
         loader = self.scene.create_urdf_loader()
-        loader.fix_root_link = True
-        loader.set_material(SURFACE_FRICTION, SURFACE_FRICTION, 0.0)
         loader.name = "target_object"
-        builder = loader.parse(str(self.asset_folder / self.asset.urdf))["articulation_builders"][0]
+        self.asset, builder = asset_builder(loader, self.asset_folder, fixed=True)
         builder.initial_pose = sapien.Pose()
         self.object: Articulation = builder.build()
         for articulation in self.object._objs:
@@ -133,7 +139,7 @@ class OpenTaskEnv(BaseEnv):
 
     def _initialize_episode(self, env_idx: torch.Tensor, options: dict[str, Any]) -> None:
         indices = env_idx.tolist()
-        setups = [draw_episode(int(self._episode_seed[i]), self.options) for i in indices]
+        setups = [draw_initial_state(int(self._episode_seed[i]), self.options) for i in indices]
         # The nominal object stands with its box centre above the origin and its box on z = 0.
         center = (np.array(self.asset.box_min) + np.array(self.asset.box_max)) / 2
         nominal = np.array([-center[0], -center[1], -self.asset.box_min[2]])
@@ -151,7 +157,7 @@ class OpenTaskEnv(BaseEnv):
         self.object.set_qvel(torch.zeros_like(self.object.get_qvel()[env_idx]))
         self._place_camera(indices, setups)
 
-    def _place_camera(self, indices: Sequence[int], setups: Sequence[EpisodeSetup]) -> None:
+    def _place_camera(self, indices: Sequence[int], setups: Sequence[InitialState]) -> None:
         """Jitter the shoulder camera of each environment; its pose in the base frame is known to the robot."""
         if not hasattr(self, "base_from_camera"):
             self.base_from_camera = np.tile(np.eye(4), (self.num_envs, 1, 1))
@@ -196,16 +202,3 @@ def camera_pose_from(eye: Sequence[float], target: Sequence[float]) -> sapien.Po
     from mani_skill.utils import sapien_utils
 
     return sapien_utils.look_at(eye, target).sp
-
-
-@register_env("ACDC-OpenDoor-v1", max_episode_steps=100)
-class OpenDoorEnv(OpenTaskEnv):
-    """Door Opening: the joint is revolute."""
-
-
-@register_env("ACDC-OpenDrawer-v1", max_episode_steps=100)
-class OpenDrawerEnv(OpenTaskEnv):
-    """Drawer Opening: the joint is prismatic."""
-
-
-TASKS: dict[str, type[OpenTaskEnv]] = {"door": OpenDoorEnv, "drawer": OpenDrawerEnv}

@@ -1,0 +1,94 @@
+"""Implementations by name, ours and the user's: an encoder, a task, a room ... (docs/extending.md).
+
+An implementation is a module or a folder in the home package of its kind, and defines the kind's symbol. A user's
+package has a sub-package per kind: `my_package/encoders/mine.py`. Nothing is imported to find one, only to use it.
+"""
+
+import importlib
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+from stages.contracts.errors import InputError
+
+
+@dataclass(frozen=True)
+class Kind:
+    """Where our implementations are, and the name that every implementation defines."""
+
+    home: str
+    symbol: str
+
+
+KINDS = {
+    "tasks": Kind("stages.tasks", "TASK"),
+    "skills": Kind("stages.skills", "Skill"),
+}
+
+
+def folder(package: str) -> Path:
+    """Folder of a package; only its first part is looked up, nothing is imported."""
+    head, *parts = package.split(".")
+    spec = find_spec(head)
+    if spec is None or not spec.submodule_search_locations:
+        raise InputError("plugins", f"there is no package '{head}'.", "put it into this folder or on PYTHONPATH")
+    return Path(spec.submodule_search_locations[0]).joinpath(*parts)
+
+
+def available(kind: str, packages: Sequence[str] = ()) -> dict[str, str]:
+    """Qualified module name of every implementation by its name, of ours and of the `packages`.
+
+    Raises:
+        InputError: a package is not there, or a name is taken twice.
+    """
+    found: dict[str, str] = {}
+    for home in [KINDS[kind].home, *(f"{package}.{kind}" for package in packages)]:
+        for file in sorted(folder(home).glob("*")):
+            module = file / "__init__.py" if file.is_dir() else file
+            if module.suffix == ".py" and module.is_file() and _defines(module, KINDS[kind].symbol):
+                name = file.stem
+                if name in found:
+                    raise InputError("plugins", f"{kind} '{name}' is in {found[name]} and in {home}.", "rename yours")
+                found[name] = f"{home}.{name}"
+    return found
+
+
+def find(kind: str, name: str, packages: Sequence[str] = ()) -> str:
+    """The name to load an implementation by: as it is for ours, qualified for a user's.
+
+    Raises:
+        InputError: there is none of that name; the message has the nearest one.
+    """
+    known = available(kind, packages)
+    if name not in known:
+        near = get_close_matches(name, known, n=1, cutoff=0.5)
+        hint = f"did you mean '{near[0]}'?" if near else f"known: {', '.join(known)}"
+        raise InputError(kind, f"there is no '{name}'.", hint)
+    return name if known[name] == f"{KINDS[kind].home}.{name}" else known[name]
+
+
+def qualified(kind: str, name: str) -> str:
+    """Module of an implementation."""
+    return name if "." in name else f"{KINDS[kind].home}.{name}"
+
+
+def short(name: str) -> str:
+    """The name without its package, for files and tables."""
+    return name.rpartition(".")[2]
+
+
+def load(kind: str, name: str) -> Any:
+    """Import what `find` found: the class, function or value that the module defines."""
+    if "." not in name:
+        find(kind, name)
+    return getattr(importlib.import_module(qualified(kind, name)), KINDS[kind].symbol)
+
+
+def _defines(module: Path, symbol: str) -> bool:
+    """Whether a module defines or imports a name at its top level."""
+    text = module.read_text(encoding="utf-8")
+    return re.search(rf"^(class |def |from .* import .*\b)?{symbol}\b", text, re.MULTILINE) is not None

@@ -1,0 +1,33 @@
+"""The skills that demonstrate the tasks (paper A.4): one folder each, over shared paths and clearance."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from stages.config.demonstrations import DemonstrationsConfig
+    from stages.tasks.api import TaskEnv
+
+Float = NDArray[np.float32]
+Act = Callable[[Float, bool], None]  # executes and records one action (7,); whether noise may disturb it
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a skill ended: 'success', or the step that failed."""
+
+    success: bool
+    cause: str
+
+
+class SkillProtocol(Protocol):
+    """One skill of a task's chain: made once per task, run once per attempt, on the task as it then stands."""
+
+    def __init__(self, task: "TaskEnv", options: "DemonstrationsConfig") -> None: ...
+
+    def run(self, act: Act) -> Outcome:
+        """Do it, through the actions that a policy has."""
+        ...

@@ -1,0 +1,36 @@
+"""What a task is, as far as it can be said without a simulator."""
+
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from stages.articulated.affordance import Panel, target_joint
+
+
+@dataclass(frozen=True)
+class Task:
+    """A task. Its environment (cameras, horizon, success) and its skills are named here and imported when used.
+
+    gym_id: name for `gym.make`. environment: "module:Class", a subclass of `stages.tasks.environment.TaskEnvironment`.
+    skills: modules of the chain of skills that demonstrate it, in order. role: of the joint that it opens.
+    """
+
+    gym_id: str
+    environment: str
+    skills: tuple[str, ...]
+    role: Literal["door", "drawer"]
+
+    def target_joint(self, folder: Path, like: Panel | None = None) -> Panel | None:
+        """The joint of the asset in `folder` that the task is about, None if none will do; `like`: that of the twin."""
+        return target_joint(folder, self.role, like)
+
+
+def register(task: Task) -> Task:
+    """Make a task known to `gym.make`, where there is gymnasium; the environment is imported when it is made."""
+    with suppress(ImportError):
+        import gymnasium
+
+        if task.gym_id not in gymnasium.registry:
+            gymnasium.register(task.gym_id, entry_point=task.environment, disable_env_checker=True)
+    return task
