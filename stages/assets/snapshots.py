@@ -64,12 +64,12 @@ class Booth:
     """A scene with one camera in which assets turn, each scaled so that its largest extent is one unit."""
 
     def __init__(self, config: AssetsConfig) -> None:
-        from stages.simulation.rendering import Camera, make_scene
+        from stages.simulation.rendering import RenderCamera, make_scene
 
         self.config = config
         self.scene = make_scene(shadows=False, light=(-1.0, 0.5, -1.2))
         self.intrinsics = intrinsics_from_fov(config.image_size, config.image_size, config.field_of_view)
-        self.camera = Camera(self.scene, self.intrinsics, config.image_size, config.image_size)
+        self.camera = RenderCamera(self.scene, self.intrinsics, config.image_size, config.image_size)
 
     def photograph(self, folder: Path, yaws: list[float]) -> tuple[NDArray[np.uint8], NDArray[np.uint16]]:
         """Pictures at the given turns: rgb (V, H, W, 3), depth (V, H, W) in millimetres of the scaled asset.

@@ -86,7 +86,7 @@ class ExtractionConfig(Section):
         ge=0,
         description="A gap to a wall that is not seen counts as filled by the object up to so many metres.",
     )
-    seen_through: float = Field(
+    free_space_share: float = Field(
         0.35, gt=0, lt=1, description="A gap is real if at least this share of it is seen to be empty."
     )
 

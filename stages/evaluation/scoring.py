@@ -21,12 +21,12 @@ def box_in_world(item: PlacedObject, transform: NDArray[np.float64]) -> UprightB
 
 
 def score_object(
-    true: TrueObject, found: PlacedObject | None, transform: NDArray[np.float64], stable: bool | None
+    true: TrueObject, placed: PlacedObject | None, transform: NDArray[np.float64], stable: bool | None
 ) -> dict[str, object]:
     """The measured columns of one row. What is not there, or failed, counts as wrong and has no distances."""
-    if found is None or found.status == "failed":
+    if placed is None or placed.status == "failed":
         return {
-            "status": "missed" if found is None else "failed",
+            "status": "missed" if placed is None else "failed",
             "asset": None,
             "category_correct": False,
             "model_correct": False,
@@ -36,12 +36,12 @@ def score_object(
             "oriented_iou": None,
             "stable": None,
         }
-    box, truth = box_in_world(found, transform), UprightBox(true.position, true.size, true.yaw)
+    box, truth = box_in_world(placed, transform), UprightBox(true.position, true.size, true.yaw)
     return {
         "status": "ok",
-        "asset": found.asset,
-        "category_correct": found.category == true.category,
-        "model_correct": found.asset == true.asset,
+        "asset": placed.asset,
+        "category_correct": placed.category == true.category,
+        "model_correct": placed.asset == true.asset,
         "l2_cm": 100 * float(np.linalg.norm(np.asarray(box.center) - np.asarray(truth.center))),
         "orientation_rad": angle_difference(box.yaw, truth.yaw) if true.symmetry == "none" else None,
         "iou": axis_aligned_iou(box, truth),
@@ -53,15 +53,15 @@ def score_object(
 def score_scene(scene: GeneratedScene, objects: Objects, truth: Truth) -> list[SceneScore]:
     """One row per true object, in the order of the truth; an object is known by its value in the masks."""
     transform = world_from_floor(truth.world_from_camera, scene.floor_from_camera)
-    placed = {item.id: item for item in scene.objects}
+    by_id = {item.id: item for item in scene.objects}
     id_of = {item.mask: item.id for item in objects.objects}
     check = scene.plausibility
     rows = []
     for true in truth.objects:
         name = id_of.get(true.mask)
-        found = placed.get(name) if name else None
+        placed = by_id.get(name) if name else None
         stable = None if check is None or not check.seconds else name not in check.fallen
-        columns = score_object(true, found, transform, stable)
+        columns = score_object(true, placed, transform, stable)
         rows.append(
             SceneScore.model_validate(
                 {

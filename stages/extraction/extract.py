@@ -27,18 +27,18 @@ def run(*, input: Path, scene: str, out: Path, options: str = "{}", seed: int = 
     config = read_options(ExtractionConfig, options)
     noise, steps = np.random.default_rng(np.random.SeedSequence((seed, zlib.crc32(scene.encode())))).spawn(2)
     observe = importlib.import_module(IMPLEMENTATIONS[config.implementation]).observe
-    seen = observe(input, config, noise)
-    result = reconstruct(scene, seen, config, steps)
+    image = observe(input, config, noise)
+    result = reconstruct(scene, image, config, steps)
 
     folder = out.parent
     with atomic(folder / "masks.png") as path:
         cv2.imwrite(str(path), result.masks)
     with atomic(folder / "depth.npz") as path:
-        np.savez_compressed(path, depth=seen.depth)
+        np.savez_compressed(path, depth=image.depth)
     with atomic(folder / "clouds.npz") as path:
         np.savez_compressed(path, **result.clouds)  # type: ignore[arg-type]
     with atomic(folder / "overview.png") as path:
-        draw_overview(seen.rgb, result).save(path)
+        draw_overview(image.rgb, result).save(path)
     write_json(out, result.objects)
     for item in result.objects.objects:
         kind = f"mounting {item.mounting.type}" if item.mounting else f"failed: {item.reason}"

@@ -31,9 +31,3 @@ def eroded(mask: NDArray[np.bool_], radius: int, keep: float) -> NDArray[np.bool
         if smaller.sum() >= keep * mask.sum():
             return smaller
     return mask
-
-
-def bounds(mask: NDArray[np.bool_]) -> tuple[int, int, int, int]:
-    """Pixel bounds x0, y0, x1, y1 (exclusive) of a mask that is not empty."""
-    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
-    return int(columns[0]), int(rows[0]), int(columns[-1]) + 1, int(rows[-1]) + 1

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from stages.config.extraction import ExtractionConfig
 from stages.contracts.objects import Mounting, Wall
 from stages.extraction.clouds import with_bottom
-from stages.extraction.view import View, grid
+from stages.extraction.visibility import DepthView, cell_centres
 from stages.extraction.walls import filled_to, walls_touched
 from stages.geometry.boxes import UprightBox, footprint
 from stages.geometry.frames import yaw_matrix
@@ -41,7 +41,7 @@ def height_beneath(box: UprightBox, carriers: list[UprightBox], tolerance: float
     return max(tops, default=0.0)
 
 
-def reaches_down(box: UprightBox, height: float, tolerance: float, view: View, own: NDArray[np.bool_]) -> bool:
+def reaches_down(box: UprightBox, height: float, tolerance: float, view: DepthView, own: NDArray[np.bool_]) -> bool:
     """Whether the object is seen to stand at `height`: rays through its lowest pixels meet it inside the footprint.
 
     Legs are too thin to have trusted depth, but their feet are in the mask. What hangs on a wall has
@@ -49,17 +49,17 @@ def reaches_down(box: UprightBox, height: float, tolerance: float, view: View, o
     """
     columns = np.flatnonzero(own.any(axis=0))
     lowest = own.shape[0] - 1 - np.argmax(own[::-1, columns], axis=0)
-    hits = view.meet_level(columns, lowest, height)
+    hits = view.intersect_level(columns, lowest, height)
     local = (hits - np.asarray(box.center)) @ yaw_matrix(box.yaw)
     inside = (np.abs(local[:, :2]) <= np.asarray(box.size)[:2] / 2 + tolerance).all(axis=1)
     return int(inside.sum()) >= FEET
 
 
-def seen_empty_beneath(box: UprightBox, height: float, view: View, own: NDArray[np.bool_]) -> float:
+def free_space_beneath(box: UprightBox, height: float, view: DepthView, own: NDArray[np.bool_]) -> float:
     """Share of the space between the box and `height` that the camera has seen to be empty."""
     half = np.asarray(box.size)[:2] / 2
-    local = grid(np.array([*-half, height]), np.array([*half, box.bottom]), (6, 6, 8))
-    return view.share_seen_empty(local @ yaw_matrix(box.yaw).T + [*np.asarray(box.center)[:2], 0.0], own)
+    local = cell_centres(np.array([*-half, height]), np.array([*half, box.bottom]), (6, 6, 8))
+    return view.free_space_share(local @ yaw_matrix(box.yaw).T + [*np.asarray(box.center)[:2], 0.0], own)
 
 
 def placement(
@@ -67,7 +67,7 @@ def placement(
     carriers: list[UprightBox],
     others: list[UprightBox],
     walls: list[Wall],
-    view: View,
+    view: DepthView,
     own: NDArray[np.bool_],
     options: ExtractionConfig,
 ) -> Placement:
@@ -90,7 +90,7 @@ def placement(
         bool(touched)
         and box.bottom - beneath > tolerance
         and not reaches_down(box, beneath, tolerance, view, own)
-        and seen_empty_beneath(box, beneath, view, own) >= options.seen_through
+        and free_space_beneath(box, beneath, view, own) >= options.free_space_share
     )
     standing = box if hangs else with_bottom(box, min(beneath, box.top - THINNEST))
     filled = filled_to(standing, touched[0]) if touched else standing

@@ -12,7 +12,7 @@ from stages.contracts import Annotations, Camera, InputError, read_json
 
 
 @dataclass(frozen=True)
-class Observation:
+class AnnotatedImage:
     """One picture with all that is known of its pixels.
 
     rgb (H, W, 3) uint8; depth (H, W) float32 metres along the optical axis, 0: unknown;
@@ -95,7 +95,7 @@ def read_camera(path: Path) -> tuple[Camera, NDArray[np.float64]]:
     return camera, matrix
 
 
-def read_folder(folder: Path) -> Observation:
+def read_folder(folder: Path) -> AnnotatedImage:
     """Read and cross-check rgb.png, camera.json, depth.npz, masks.png and annotations.json.
 
     Raises:
@@ -117,4 +117,4 @@ def read_folder(folder: Path) -> Observation:
     values += [] if annotations.floor is None else [annotations.floor]
     if min(values, default=1) < 1 or len(set(values)) < len(values):
         raise InputError(folder / "annotations.json", "mask values must be 1 or more, each used once.")
-    return Observation(rgb, depth, masks, intrinsics, annotations, exact)
+    return AnnotatedImage(rgb, depth, masks, intrinsics, annotations, exact)

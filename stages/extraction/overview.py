@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from stages.contracts.objects import Objects, SceneObject
-from stages.extraction.reconstruct import Reconstruction
+from stages.extraction.reconstruct import ExtractedScene
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.cameras import project
 from stages.geometry.frames import apply, inverse
@@ -81,7 +81,7 @@ class _Captions:
         self.canvas.text((x, y - 4), text, fill=(255, 255, 255), font=self.font, anchor="mb")
 
 
-def draw_overview(rgb: NDArray[np.uint8], result: Reconstruction) -> Image.Image:
+def draw_overview(rgb: NDArray[np.uint8], result: ExtractedScene) -> Image.Image:
     """The picture at twice its size; objects that failed are listed at the bottom with their reason."""
     objects = result.objects
     good = [item for item in objects.objects if item.status == "ok"]

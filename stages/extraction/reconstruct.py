@@ -5,26 +5,26 @@ from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from stages.config.extraction import ExtractionConfig
 from stages.contracts import InputError, Objects
-from stages.contracts.library import Vector
 from stages.contracts.objects import Box, SceneObject, Wall
 from stages.contracts.scenes import Annotation
 from stages.extraction import masks, room
 from stages.extraction.border import continued_depth
 from stages.extraction.clouds import cleaned_cloud, fit_box
 from stages.extraction.mounting import placement
-from stages.extraction.observation import Observation
-from stages.extraction.view import View
+from stages.extraction.observation import AnnotatedImage
+from stages.extraction.visibility import DepthView
 from stages.geometry.boxes import UprightBox
 from stages.geometry.cameras import back_project
-from stages.geometry.frames import apply
+from stages.geometry.frames import apply, rounded
+from stages.geometry.masks import pixel_bounds
 
 
 @dataclass(frozen=True)
-class Reconstruction:
+class ExtractedScene:
     """`objects` and the arrays written beside it (see the contract)."""
 
     objects: Objects
@@ -38,19 +38,19 @@ class ObjectError(Exception):
 
 def object_ids(annotations: list[Annotation]) -> list[str]:
     """`label_1`, `label_2`, ... in the order given."""
-    seen: Counter[str] = Counter()
+    counts: Counter[str] = Counter()
     ids = []
     for item in annotations:
         name = re.sub(r"[^a-z0-9]+", "_", item.label.lower()).strip("_") or "object"
-        seen[name] += 1
-        ids.append(f"{name}_{seen[name]}")
+        counts[name] += 1
+        ids.append(f"{name}_{counts[name]}")
     return ids
 
 
 def _object_mask(
-    item: Annotation, seen: Observation, crop: NDArray[np.bool_], options: ExtractionConfig
+    item: Annotation, image: AnnotatedImage, crop: NDArray[np.bool_], options: ExtractionConfig
 ) -> NDArray[np.bool_]:
-    whole = seen.masks == item.mask
+    whole = image.masks == item.mask
     if not whole.any():
         raise ObjectError("not in the picture: no pixel has its mask value")
     inside = masks.without_specks(whole & crop)
@@ -63,16 +63,16 @@ def _object_mask(
 
 def _object_cloud(
     mask: NDArray[np.bool_],
-    seen: Observation,
+    image: AnnotatedImage,
     floor_from_camera: NDArray[np.float64],
     options: ExtractionConfig,
     rng: np.random.Generator,
 ) -> NDArray[np.float64]:
     core = masks.eroded(mask, options.erosion, options.erosion_keep)
-    depth = np.where(core, seen.depth, 0.0)
+    depth = np.where(core, image.depth, 0.0)
     if options.restore_border:
-        depth = continued_depth(seen.depth, core, mask)
-    cloud = apply(floor_from_camera, back_project(depth, seen.intrinsics)[depth > 0])
+        depth = continued_depth(image.depth, core, mask)
+    cloud = apply(floor_from_camera, back_project(depth, image.intrinsics)[depth > 0])
     if len(cloud) < 3:
         raise ObjectError("no depth on its pixels")
     cloud = cleaned_cloud(cloud, options, rng)
@@ -83,15 +83,15 @@ def _object_cloud(
 
 def _floor_from_camera(
     points: NDArray[np.float64],
-    seen: Observation,
+    image: AnnotatedImage,
     usable: NDArray[np.bool_],
     options: ExtractionConfig,
     rng: np.random.Generator,
 ) -> NDArray[np.float64]:
     """Floor frame from the floor mask, or from the lowest level plane if there is no mask or it is no use."""
     floor = None
-    if seen.annotations.floor is not None:
-        floor = room.fit_floor(points[usable & (seen.masks == seen.annotations.floor)], options, rng)
+    if image.annotations.floor is not None:
+        floor = room.fit_floor(points[usable & (image.masks == image.annotations.floor)], options, rng)
     if floor is None:
         floor = room.find_floor(points[usable], options, rng)
     if floor is None:
@@ -103,75 +103,72 @@ def _floor_from_camera(
 
 def _walls(
     points: NDArray[np.float64],
-    seen: Observation,
+    image: AnnotatedImage,
     usable: NDArray[np.bool_],
     camera_height: float,
     options: ExtractionConfig,
     rng: np.random.Generator,
 ) -> list[Wall]:
     fits = []
-    for value in seen.annotations.walls:
-        mask = masks.eroded(usable & (seen.masks == value), options.erosion, options.erosion_keep)
+    for value in image.annotations.walls:
+        mask = masks.eroded(usable & (image.masks == value), options.erosion, options.erosion_keep)
         fit = room.fit_wall(points[mask], camera_height, options, rng)
         if fit is not None:
             fits.append(fit)
     return room.merge_walls(fits, options)
 
 
-def _vector(values: ArrayLike) -> Vector:
-    x, y, z = (round(float(value), 6) for value in np.asarray(values))
-    return x, y, z
-
-
-def reconstruct(scene: str, seen: Observation, options: ExtractionConfig, rng: np.random.Generator) -> Reconstruction:
+def reconstruct(
+    scene: str, image: AnnotatedImage, options: ExtractionConfig, rng: np.random.Generator
+) -> ExtractedScene:
     """Floor frame, walls, and per object cloud, box and mounting.
 
     Raises:
         InputError: no floor can be found. Anything wrong with one object only marks that object as failed.
     """
-    shape = seen.depth.shape
+    shape = image.depth.shape
     crop = masks.central_crop(shape, options.crop)
-    usable = crop & (seen.depth > 0)
-    camera_points = back_project(seen.depth, seen.intrinsics)
-    floor_from_camera = _floor_from_camera(camera_points, seen, usable, options, rng)
+    usable = crop & (image.depth > 0)
+    camera_points = back_project(image.depth, image.intrinsics)
+    floor_from_camera = _floor_from_camera(camera_points, image, usable, options, rng)
     points = np.where(usable[..., None], apply(floor_from_camera, camera_points), np.nan)
-    walls = _walls(points, seen, usable, float(floor_from_camera[2, 3]), options, rng)
+    walls = _walls(points, image, usable, float(floor_from_camera[2, 3]), options, rng)
 
-    annotations = sorted(seen.annotations.objects, key=lambda item: item.mask)
-    found: dict[str, SceneObject] = {}
+    annotations = sorted(image.annotations.objects, key=lambda item: item.mask)
+    extracted: dict[str, SceneObject] = {}
     boxes: dict[str, UprightBox] = {}
     clouds: dict[str, NDArray[np.float32]] = {}
     clean = np.zeros(shape, dtype=np.uint16)
     for name, item in zip(object_ids(annotations), annotations, strict=True):
         known = SceneObject(id=name, **item.model_dump())
         try:
-            mask = _object_mask(item, seen, crop, options)
-            cloud = _object_cloud(mask, seen, floor_from_camera, options, rng)
+            mask = _object_mask(item, image, crop, options)
+            cloud = _object_cloud(mask, image, floor_from_camera, options, rng)
         except ObjectError as failure:
-            found[name] = known.model_copy(update={"status": "failed", "reason": str(failure)})
+            extracted[name] = known.model_copy(update={"status": "failed", "reason": str(failure)})
             continue
         clean[mask] = item.mask
         clouds[name] = cloud.astype(np.float32)
         boxes[name] = fit_box(cloud, options)
-        found[name] = known.model_copy(update={"pixels": masks.bounds(mask), "points": len(cloud)})
+        extracted[name] = known.model_copy(update={"pixels": pixel_bounds(mask), "points": len(cloud)})
 
-    view = View(np.where(usable, seen.depth, 0), seen.intrinsics, floor_from_camera)
+    view = DepthView(np.where(usable, image.depth, 0), image.intrinsics, floor_from_camera)
     carriers: list[UprightBox] = []
     for name in sorted(boxes, key=lambda key: boxes[key].bottom):  # what carries comes before what it carries
         others = [other for key, other in boxes.items() if key != name]
-        own = seen.masks == found[name].mask
+        own = image.masks == extracted[name].mask
         placed = placement(boxes[name], carriers, others, walls, view, own, options)
         carriers.append(placed.filled)
-        upright = placed.box
-        fitted = Box(center=_vector(upright.center), size=_vector(upright.size), yaw=round(upright.yaw, 6))
-        found[name] = found[name].model_copy(update={"box": fitted, "mounting": placed.mounting})
+        center, size, yaw = placed.box
+        fitted = Box(center=rounded(center), size=rounded(size), yaw=round(yaw, 6))
+        extracted[name] = extracted[name].model_copy(update={"box": fitted, "mounting": placed.mounting})
     objects = Objects(
         scene=scene,
         width=shape[1],
         height=shape[0],
-        intrinsics=seen.intrinsics.tolist(),
+        intrinsics=image.intrinsics.tolist(),
         floor_from_camera=floor_from_camera.tolist(),
         walls=walls,
-        objects=list(found.values()),
+        objects=list(extracted.values()),
     )
-    return Reconstruction(objects, clean, clouds)
+    return ExtractedScene(objects, clean, clouds)

@@ -7,12 +7,12 @@ import numpy as np
 
 from stages.config.extraction import ExtractionConfig
 from stages.extraction.noise import noisy_depth
-from stages.extraction.observation import Observation, read_folder
+from stages.extraction.observation import AnnotatedImage, read_folder
 
 
-def observe(folder: Path, options: ExtractionConfig, rng: np.random.Generator) -> Observation:
+def observe(folder: Path, options: ExtractionConfig, rng: np.random.Generator) -> AnnotatedImage:
     """Read the input folder; with `depth_noise: model`, disturb its depth if that is exact."""
-    seen = read_folder(folder)
-    if options.depth_noise == "none" or not seen.exact:
-        return seen
-    return replace(seen, depth=noisy_depth(seen.depth, options.noise, rng), exact=False)
+    image = read_folder(folder)
+    if options.depth_noise == "none" or not image.exact:
+        return image
+    return replace(image, depth=noisy_depth(image.depth, options.noise, rng), exact=False)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from stages.config.extraction import ExtractionConfig
 from stages.contracts.objects import Wall
-from stages.extraction.view import View, grid
+from stages.extraction.visibility import DepthView, cell_centres
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.frames import wrap_angle, yaw_matrix
 
@@ -35,15 +35,15 @@ class Gap:
         low = np.array([along[0], height[0], 0.2 * self.depth])
         high = np.array([along[1], height[1], self.depth])
         tangent = [-self.normal[1], self.normal[0], 0.0]
-        local = grid(low, high, (*counts, 5))
+        local = cell_centres(low, high, (*counts, 5))
         return local @ np.stack([tangent, [0.0, 0.0, 1.0], self.normal]) + self.offset * self.normal
 
-    def seen_empty(self, view: View, own: NDArray[np.bool_], inset: float) -> float:
+    def free_space_share(self, view: DepthView, own: NDArray[np.bool_], inset: float) -> float:
         """How much of it the camera sees to be empty, from above or from either side, whichever is most."""
         (left, right), (bottom, top) = self.along, self.height
         left, right, top = left + inset, right - inset, top - inset
         faces = [((left, right), (top, top)), ((left, left), (bottom, top)), ((right, right), (bottom, top))]
-        return max(view.share_seen_empty(self.points(along, height), own) for along, height in faces)
+        return max(view.free_space_share(self.points(along, height), own) for along, height in faces)
 
     def blocked(self, others: list[UprightBox]) -> bool:
         """Whether another object stands in it."""
@@ -68,7 +68,7 @@ def walls_touched(
     box: UprightBox,
     others: list[UprightBox],
     walls: list[Wall],
-    view: View,
+    view: DepthView,
     own: NDArray[np.bool_],
     options: ExtractionConfig,
 ) -> list[Wall]:
@@ -80,7 +80,7 @@ def walls_touched(
         gap = gap_to(box, wall)
         hidden = (
             tolerance < gap.depth <= options.max_hidden_depth
-            and gap.seen_empty(view, own, OUTLINE * view.pixel(distance)) < options.seen_through
+            and gap.free_space_share(view, own, OUTLINE * view.pixel_size(distance)) < options.free_space_share
             and not gap.blocked(others)
         )
         in_front = (

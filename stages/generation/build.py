@@ -8,8 +8,8 @@ from stages.contracts import Asset, InputError, read_json
 from stages.contracts.objects import SceneObject
 from stages.generation.collisions import resolve
 from stages.generation.inputs import Inputs
-from stages.generation.layout import place, stacked
 from stages.generation.placed import Placed
+from stages.generation.placement import place, stacked
 from stages.generation.prisms import asset_prisms
 from stages.procedural.resize import resized
 

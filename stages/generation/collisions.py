@@ -50,7 +50,7 @@ class _Scene:
 
 def overlapping_pairs(scene: _Scene) -> list[Pair]:
     """Pairs of unrelated items whose collision shapes overlap by more than `touch`."""
-    found = []
+    pairs = []
     for a, b in combinations(sorted(scene.items), 2):
         first, second = scene.items[a], scene.items[b]
         if min(first.top, second.top) - max(first.bottom, second.bottom) <= scene.options.touch:
@@ -58,8 +58,8 @@ def overlapping_pairs(scene: _Scene) -> list[Pair]:
         if not footprint(first.box).intersects(footprint(second.box)) or related(a, b, scene.supports):
             continue
         if forbidden_shifts(scene.shapes(a), scene.shapes(b), scene.options.touch).contains(HERE):
-            found.append((a, b))
-    return found
+            pairs.append((a, b))
+    return pairs
 
 
 def wall_limits(item: Placed, walls: list[Wall]) -> BaseGeometry:

@@ -3,20 +3,20 @@
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 from PIL import Image
 
 from stages.cli import progress
 from stages.config.generation import GenerationConfig
 from stages.contracts import GeneratedScene, InputError, atomic, read_options, write_json
 from stages.contracts.generated import PlacedObject
-from stages.contracts.library import Vector
 from stages.generation.backdrop import add_backdrop
 from stages.generation.build import Built, build
 from stages.generation.export import write_glb
 from stages.generation.inputs import Inputs, read_inputs
 from stages.generation.pictures import preview, read_picture, side_by_side
 from stages.generation.settling import Settled, load_items, settle
+from stages.geometry.frames import rounded
 from stages.simulation.rendering import make_scene
 
 LIGHT = (0.55, -0.5, -1.0)  # over the photographer's shoulder: x of the floor frame is the viewing direction
@@ -32,29 +32,26 @@ def show_and_settle(built: Built, inputs: Inputs, options: GenerationConfig) -> 
     return picture, settle(scene, bodies, built.items, len(built.left), options)
 
 
-def _vector(values: ArrayLike) -> Vector:
-    x, y, z = (round(float(value), 6) for value in np.asarray(values))
-    return x, y, z
-
-
 def scene_of(built: Built, settled: Settled, inputs: Inputs, variant: str, rank: int) -> GeneratedScene:
     """The contract of one scene; objects in the order of objects.json, failed ones with their reason."""
     placed = {item.id: item for item in built.items}
     objects = []
-    for seen in inputs.objects.objects:
-        if seen.id in built.failed:
-            objects.append(PlacedObject(id=seen.id, label=seen.label, status="failed", reason=built.failed[seen.id]))
+    for extracted in inputs.objects.objects:
+        if extracted.id in built.failed:
+            objects.append(
+                PlacedObject(id=extracted.id, label=extracted.label, status="failed", reason=built.failed[extracted.id])
+            )
             continue
-        item = placed[seen.id]
+        item = placed[extracted.id]
         objects.append(
             PlacedObject(
                 id=item.id,
                 label=item.label,
                 asset=item.asset.id,
                 category=item.asset.category,
-                position=_vector(item.center),
+                position=rounded(item.center),
                 yaw=round(item.box.yaw, 6),
-                size=_vector(item.size),
+                size=rounded(item.size),
                 support=item.support,
                 mounting=item.mounting,
                 moved=round(item.moved, 6),

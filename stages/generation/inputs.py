@@ -22,14 +22,14 @@ class Inputs:
 
     def cousin(self, item: SceneObject, rank: int) -> Cousin | str:
         """The object's cousin of a rank, the last one if it has fewer; or why it has none."""
-        found = self.cousins.get(item.id)
+        matched = self.cousins.get(item.id)
         if item.status == "failed" or item.box is None:
             return f"extraction: {item.reason or 'no box'}"
-        if found is None or found.status == "failed" or not found.cousins:
-            return f"matching: {found.reason if found and found.reason else 'no cousins'}"
+        if matched is None or matched.status == "failed" or not matched.cousins:
+            return f"matching: {matched.reason if matched and matched.reason else 'no cousins'}"
         if item.id not in self.clouds:
             return "extraction: no cloud"
-        best_first = sorted(found.cousins, key=lambda cousin: cousin.rank)
+        best_first = sorted(matched.cousins, key=lambda cousin: cousin.rank)
         return best_first[min(rank, len(best_first)) - 1]
 
 
@@ -49,12 +49,14 @@ def read_inputs(cousins: Path, objects: Path, library: Path) -> Inputs:
     Raises:
         InputError: a file is missing or broken, or cousins and objects are of different scenes.
     """
-    matched, seen = read_json(Cousins, cousins), read_json(Objects, objects)
-    if matched.scene != seen.scene:
-        raise InputError(cousins, f"is of scene '{matched.scene}', {objects} of '{seen.scene}'.", "match them again")
+    matched, extracted = read_json(Cousins, cousins), read_json(Objects, objects)
+    if matched.scene != extracted.scene:
+        raise InputError(
+            cousins, f"is of scene '{matched.scene}', {objects} of '{extracted.scene}'.", "match them again"
+        )
     index = read_json(Library, library, "make it first: python -m stages.assets library")
     return Inputs(
-        objects=seen,
+        objects=extracted,
         cousins={entry.id: entry for entry in matched.objects},
         clouds=read_clouds(objects.parent / "clouds.npz"),
         folders={entry.id: library.parent / entry.folder for entry in index.assets},

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from stages.contracts import InputError, Objects
-from stages.simulation.rendering import Camera
+from stages.simulation.rendering import RenderCamera
 
 TITLE, COLUMNS, GAP = 34, 3, 6
 SMOOTHING = 2  # rendered so many times larger and averaged
@@ -21,7 +21,7 @@ def preview(scene: sapien.Scene, objects: Objects, width: int) -> NDArray[np.uin
     height = round(objects.height * width / objects.width)
     intrinsics = np.array(objects.intrinsics) * [[factor], [factor], [1.0]]
     intrinsics[:2, 2] += (factor - 1) / 2  # pixel centres are at integers
-    picture = Camera(scene, intrinsics, SMOOTHING * width, SMOOTHING * height).render(objects.floor_from_camera)
+    picture = RenderCamera(scene, intrinsics, SMOOTHING * width, SMOOTHING * height).render(objects.floor_from_camera)
     return np.asarray(Image.fromarray(picture.rgb).resize((width, height), Image.Resampling.BOX))
 
 

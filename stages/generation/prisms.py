@@ -32,8 +32,8 @@ def prism_of(vertices: NDArray[np.float64]) -> Prism | None:
 
 def asset_prisms(folder: Path) -> list[Prism]:
     """Prisms of all collision shapes of an asset, in the asset frame."""
-    found = (prism_of(np.asarray(mesh.vertices, dtype=float)) for mesh in collision_pieces(folder))
-    return [prism for prism in found if prism is not None]
+    pieces = (prism_of(np.asarray(mesh.vertices, dtype=float)) for mesh in collision_pieces(folder))
+    return [prism for prism in pieces if prism is not None]
 
 
 def placed_prisms(prisms: list[Prism], item: Placed) -> list[Prism]:

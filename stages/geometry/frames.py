@@ -8,6 +8,12 @@ from scipy.spatial.transform import Rotation
 SYMMETRY_PERIOD = {"none": 2 * np.pi, "half_turn": np.pi, "quarter_turn": np.pi / 2, "full": 0.0}
 
 
+def rounded(vector: ArrayLike) -> tuple[float, float, float]:
+    """A 3-vector as it is written to files: micrometres."""
+    x, y, z = (round(float(value), 6) for value in np.asarray(vector))
+    return x, y, z
+
+
 def wrap_angle(angle: float, period: float = 2 * np.pi) -> float:
     """`angle` modulo `period`, in (-period / 2, period / 2]."""
     return float(period / 2 - (period / 2 - angle) % period)

@@ -6,6 +6,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from stages.geometry.masks import pixel_bounds
+
 GREY = 127  # colour of what is masked out
 
 
@@ -25,17 +27,9 @@ class View:
     up: NDArray[np.float64] | None = None
 
 
-def mask_box(mask: NDArray[np.bool_]) -> tuple[int, int, int, int]:
-    """Bounds x0, y0, x1, y1 (exclusive) of a mask; all 0 if it is empty."""
-    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
-    if not len(rows):
-        return 0, 0, 0, 0
-    return int(columns[0]), int(rows[0]), int(columns[-1]) + 1, int(rows[-1]) + 1
-
-
 def cut(view: View) -> View:
     """The view cut to the box of its mask; the principal point moves along, everything else stays as it is."""
-    x0, y0, x1, y1 = mask_box(view.mask)
+    x0, y0, x1, y1 = pixel_bounds(view.mask)
     window = np.s_[y0:y1, x0:x1]
     intrinsics = None
     if view.intrinsics is not None:

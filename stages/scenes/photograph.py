@@ -14,7 +14,7 @@ from stages.contracts import Library, read_json
 from stages.scenes.casting import CastRoom
 from stages.scenes.recipe import Room
 from stages.simulation.loading import load_asset, root_pose
-from stages.simulation.rendering import Camera, add_block, instance_id, make_scene
+from stages.simulation.rendering import RenderCamera, add_block, instance_id, make_scene
 
 PLANK = 0.24  # metres
 PLANK_TONE = 0.035  # standard deviation of the planks' brightness
@@ -88,7 +88,7 @@ def photograph(
 
     groups = [[instance_id(body)] for body in bodies.values()]
     groups += [[instance_id(entity) for entity in part] for part in shell]
-    plain = Camera(scene, intrinsics, options.width, options.height).render(world_from_camera)
+    plain = RenderCamera(scene, intrinsics, options.width, options.height).render(world_from_camera)
     masks = np.zeros(plain.segmentation.shape, dtype=np.uint16)
     for value, ids in enumerate(groups, start=1):
         masks[np.isin(plain.segmentation, ids)] = value
@@ -98,6 +98,6 @@ def photograph(
         n = options.supersampling
         fine = np.diag([n, n, 1.0]) @ intrinsics
         fine[:2, 2] += (n - 1) / 2  # pixel centres are at integers
-        large = Camera(scene, fine, n * options.width, n * options.height).render(world_from_camera).rgb
+        large = RenderCamera(scene, fine, n * options.width, n * options.height).render(world_from_camera).rgb
         rgb = np.asarray(cv2.resize(large, (options.width, options.height), interpolation=cv2.INTER_AREA))
     return Photograph(rgb, plain.depth, masks)

@@ -18,7 +18,7 @@ BACKGROUND = (0.82, 0.82, 0.84)
 
 
 @dataclass(frozen=True)
-class Picture:
+class RenderedImage:
     """rgb (H, W, 3) uint8; depth (H, W) float32 metres along the optical axis, 0: nothing there;
     segmentation (H, W) int32 of `instance_id`, 0: nothing there."""
 
@@ -54,12 +54,12 @@ def make_scene(
 
 
 def instance_id(body: PhysxArticulation | sapien.Entity) -> int:
-    """The id that all pixels of an object carry in `Picture.segmentation`."""
+    """The id that all pixels of an object carry in `RenderedImage.segmentation`."""
     entity = body.links[0].entity if isinstance(body, PhysxArticulation) else body
     return int(entity.per_scene_id)
 
 
-class Camera:
+class RenderCamera:
     """A pinhole camera of a scene. Moving one camera is faster than keeping many (docs/assets.md)."""
 
     def __init__(self, scene: sapien.Scene, intrinsics: ArrayLike, width: int, height: int) -> None:
@@ -74,7 +74,7 @@ class Camera:
         self._entity.add_component(self._component)
         scene.add_entity(self._entity)
 
-    def render(self, world_from_camera: ArrayLike) -> Picture:
+    def render(self, world_from_camera: ArrayLike) -> RenderedImage:
         """Picture from a 4x4 pose of the camera, OpenCV axes."""
         pose = np.asarray(world_from_camera, dtype=float)
         rotation = pose[:3, :3] @ SAPIEN_FROM_OPENCV.T
@@ -88,7 +88,7 @@ class Camera:
         rgb = (np.clip(colour[..., :3], 0.0, 1.0) * 255).round().astype(np.uint8)
         rgb[~seen] = np.round(np.array(BACKGROUND) * 255)
         depth = np.where(seen, -position[..., 2], 0.0).astype(np.float32)
-        return Picture(rgb, depth, self._instances(entities))
+        return RenderedImage(rgb, depth, self._instances(entities))
 
     def close(self) -> None:
         """Take the camera out of the scene."""
@@ -106,9 +106,9 @@ class Camera:
 
 def render(
     scene: sapien.Scene, intrinsics: ArrayLike, width: int, height: int, world_from_camera: ArrayLike
-) -> Picture:
-    """One picture with a camera of its own; use `Camera` for many."""
-    camera = Camera(scene, intrinsics, width, height)
+) -> RenderedImage:
+    """One picture with a camera of its own; use `RenderCamera` for many."""
+    camera = RenderCamera(scene, intrinsics, width, height)
     try:
         return camera.render(world_from_camera)
     finally:

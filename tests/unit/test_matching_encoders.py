@@ -10,7 +10,8 @@ from stages.config.matching import MatchingConfig
 from stages.contracts import InputError
 from stages.geometry.cameras import back_project, intrinsics_from_fov, look_at
 from stages.geometry.frames import yaw_matrix
-from stages.matching.crop import View, cut, foreground, mask_box
+from stages.geometry.masks import pixel_bounds
+from stages.matching.crop import View, cut, foreground
 from stages.matching.encoders import make_encoder, settings_digest
 from stages.matching.hog import GRADIENT_COLUMNS
 from stages.matching.normals import object_frame, patch_normals
@@ -108,7 +109,7 @@ def test_crops_of_a_few_pixels_are_encoded() -> None:
     tiny[60:63, 64:66] = True
     patches = make_encoder(HOG).encode([replace(view, mask=tiny)])[0]
     assert len(patches.features) and np.isfinite(patches.features).all()
-    assert mask_box(tiny) == (64, 60, 66, 63)
+    assert pixel_bounds(tiny) == (64, 60, 66, 63)
     thin = np.zeros((96, 96), np.float32)
     thin[:, 47] = 1
     assert foreground(thin, 4, 4).any()

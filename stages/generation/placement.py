@@ -24,11 +24,11 @@ def walls_of(mounting: Mounting, walls: list[Wall]) -> list[Wall]:
 
 
 def matched_yaw(
-    cousin: Cousin, seen: UprightBox, camera: NDArray[np.float64], touched: list[Wall], options: GenerationConfig
+    cousin: Cousin, extracted: UprightBox, camera: NDArray[np.float64], touched: list[Wall], options: GenerationConfig
 ) -> float:
     """Yaw of the matched view, or of the best of the k_ori views that turns its rear to a touched wall."""
     views = [cousin.orientation, *cousin.orientations]
-    yaws = [view_yaw(camera, seen.center, view.yaw) for view in views]
+    yaws = [view_yaw(camera, extracted.center, view.yaw) for view in views]
     return rear_at_wall(yaws, [wall.normal for wall in touched]) if options.wall_view == "rear" else yaws[0]
 
 
@@ -67,13 +67,13 @@ def place(
     mounting = item.mounting or Mounting(type=2)
     touched = walls_of(mounting, scene.walls)
     camera = np.array(scene.floor_from_camera)[:3, 3]
-    seen = UprightBox(item.box.center, item.box.size, item.box.yaw)
+    extracted = UprightBox(item.box.center, item.box.size, item.box.yaw)
     native = options.aspect_prior == "native"
     is_round = native and asset.symmetry == "full" and not touched
     yaw = final_yaw(
-        matched_yaw(cousin, seen, camera, touched, options), item.box, cloud, touched, asset.articulated, options
+        matched_yaw(cousin, extracted, camera, touched, options), item.box, cloud, touched, asset.articulated, options
     )
-    box = measured_box(cloud, seen, sight_yaw(seen, camera) if is_round else yaw, camera, options.trim)
+    box = measured_box(cloud, extracted, sight_yaw(extracted, camera) if is_round else yaw, camera, options.trim)
     for wall in touched:
         box = against_wall(box, wall, options.min_extent)
     if is_round:

@@ -13,7 +13,7 @@ MARGIN_SLOPE = 0.01
 
 
 @dataclass(frozen=True)
-class View:
+class DepthView:
     """The depth image (H, W; 0 unknown or cropped away) with its camera in the floor frame."""
 
     depth: NDArray[np.float32]
@@ -24,11 +24,13 @@ class View:
         """Distance in metres from the camera to a point of the floor frame."""
         return float(np.linalg.norm(np.asarray(point) - self.floor_from_camera[:3, 3]))
 
-    def pixel(self, distance: float) -> float:
+    def pixel_size(self, distance: float) -> float:
         """Size in metres of a pixel's footprint at a distance."""
         return distance / float(self.intrinsics[0, 0])
 
-    def meet_level(self, columns: NDArray[np.integer], rows: NDArray[np.integer], height: float) -> NDArray[np.float64]:
+    def intersect_level(
+        self, columns: NDArray[np.integer], rows: NDArray[np.integer], height: float
+    ) -> NDArray[np.float64]:
         """Where the rays through pixels (N,), (N,) meet the plane z = `height` of the floor frame: (N, 3), else NaN."""
         pixels = np.stack([columns, rows, np.ones_like(rows)], axis=1).astype(np.float64)
         rays = pixels @ np.linalg.inv(self.intrinsics).T @ self.floor_from_camera[:3, :3].T
@@ -36,7 +38,7 @@ class View:
         down = np.where(rays[:, 2] < 0, rays[:, 2], np.nan)
         return origin + rays * ((height - origin[2]) / down)[:, None]
 
-    def share_seen_empty(self, points: NDArray[np.float64], own: NDArray[np.bool_]) -> float:
+    def free_space_share(self, points: NDArray[np.float64], own: NDArray[np.bool_]) -> float:
         """Share of the points (N, 3), floor frame, that an object with the mask `own` (H, W) does not fill.
 
         Were the point part of the object, its pixel would show the object, or something nearer that
@@ -48,12 +50,12 @@ class View:
         columns, rows = np.rint(np.where(np.isfinite(pixels), pixels, -1)).astype(int).T
         inside = (columns >= 0) & (columns < width) & (rows >= 0) & (rows < height)
         columns, rows, z = columns[inside], rows[inside], in_camera[inside, 2]
-        seen = self.depth[rows, columns]
-        hidden = own[rows, columns] | (seen < z * (1 - MARGIN_SLOPE) - MARGIN)
-        return float((~hidden[seen > 0]).mean()) if (seen > 0).any() else 0.0
+        shown = self.depth[rows, columns]
+        hidden = own[rows, columns] | (shown < z * (1 - MARGIN_SLOPE) - MARGIN)
+        return float((~hidden[shown > 0]).mean()) if (shown > 0).any() else 0.0
 
 
-def grid(low: NDArray[np.float64], high: NDArray[np.float64], counts: tuple[int, ...]) -> NDArray[np.float64]:
+def cell_centres(low: NDArray[np.float64], high: NDArray[np.float64], counts: tuple[int, ...]) -> NDArray[np.float64]:
     """Cell centres (N, d) of a regular grid between two corners (d,)."""
     axes = [lo + (np.arange(n) + 0.5) / n * (hi - lo) for lo, hi, n in zip(low, high, counts, strict=True)]
     return np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")], axis=1)
