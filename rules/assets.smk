@@ -1,7 +1,7 @@
 # The asset library and its snapshots (paper A.1).
 # Reads:  nothing, or the user's folders named in `assets.folders`.
 # Writes: results/assets/library/library.json and one folder per asset beside it,
-#         results/assets/snapshots/shard_<i>.{h5,json,png}.
+#         results/assets/snapshots/shard_<i>.{h5,json}, and for people shard_<i>.png.
 
 
 rule library:
@@ -35,7 +35,6 @@ rule snapshots:
     output:
         images="results/assets/snapshots/shard_{shard}.h5",
         index="results/assets/snapshots/shard_{shard}.json",
-        sheet="results/assets/snapshots/shard_{shard}.png",
     log:
         "logs/assets/snapshots_{shard}.log",
     benchmark:
@@ -55,3 +54,24 @@ rule snapshots:
         "({params.command} --library {input.library:q} --shard {wildcards.shard} --shards {params.shards} "
         "--options {params.options:q} --out {output.images:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
+
+
+rule draw_snapshots:
+    """Lay the snapshots of all shards out on contact sheets."""
+    input:
+        images=expand(rules.snapshots.output.images, shard=SHARDS),
+        indices=expand(rules.snapshots.output.index, shard=SHARDS),
+    output:
+        sheets=expand("results/assets/snapshots/shard_{shard}.png", shard=SHARDS),
+    log:
+        "logs/assets/draw.log",
+    container:
+        CONFIG.containers.simulation
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        command=command("assets", "draw"),
+        code=code("assets", "draw"),
+    shell:
+        "{params.command} --snapshots {input.images:q} 2>&1 | tee {log:q}"

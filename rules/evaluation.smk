@@ -67,10 +67,9 @@ rule score:
         command=command("evaluation", "score"),
         code=code("evaluation", "score"),
         check=check(scores="scores"),
-        options=as_options(CONFIG.evaluation),
     shell:
         "({params.command} --scenes {input.scenes:q} --objects {input.objects:q} --truth {input.truth:q} "
-        "--library {input.library:q} --options {params.options:q} --out {output.scores:q} && "
+        "--library {input.library:q} --out {output.scores:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
 
 

@@ -1,6 +1,6 @@
 # From an image to objects in space: masks, depth, floor and walls, clouds, mounting (paper A.2, A.7).
 # Reads:  a scene's input folder.
-# Writes: results/extraction/<scene>/{objects.json,masks.png,depth.npz,clouds.npz,overview.png}.
+# Writes: results/extraction/<scene>/{objects.json,masks.png,depth.npz,clouds.npz}, and for people overview.png.
 
 
 rule extract:
@@ -12,12 +12,6 @@ rule extract:
         masks="results/extraction/{scene}/masks.png",
         depth="results/extraction/{scene}/depth.npz",
         clouds="results/extraction/{scene}/clouds.npz",
-        overview=report(
-            "results/extraction/{scene}/overview.png",
-            caption="../report/captions/scene.rst",
-            category="Scenes",
-            labels={"scene": "{scene}", "picture": "extraction"},
-        ),
     log:
         "logs/extraction/{scene}.log",
     benchmark:
@@ -40,8 +34,36 @@ rule extract:
         "{params.check}) 2>&1 | tee {log:q}"
 
 
+rule draw_objects:
+    """Draw what was found in one scene."""
+    input:
+        objects=rules.extract.output.objects,
+        masks=rules.extract.output.masks,
+        image=scene_image,
+    output:
+        overview=report(
+            "results/extraction/{scene}/overview.png",
+            caption="../report/captions/scene.rst",
+            category="Scenes",
+            labels={"scene": "{scene}", "picture": "extraction"},
+        ),
+    log:
+        "logs/extraction/draw_{scene}.log",
+    container:
+        CONFIG.containers.learning
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        command=command("extraction", "draw"),
+        code=code("extraction", "draw"),
+    shell:
+        "{params.command} --objects {input.objects:q} --image {input.image:q} --out {output.overview:q} "
+        "2>&1 | tee {log:q}"
+
+
 rule extraction:
     """Objects of all scenes."""
     input:
-        expand(rules.extract.output.objects, scene=ROOMS),
+        expand(rules.draw_objects.output.overview, scene=ROOMS),
     localrule: True

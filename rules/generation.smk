@@ -1,6 +1,6 @@
 # Scenes made of cousins: placement, support, walls, collisions, settling (paper A.3, A.7).
 # Reads:  objects, cousins, library.
-# Writes: results/generation/<variant>/<scene>/{scene_<rank>.json,scene_<rank>.png,scene_<rank>.glb,comparison.png}.
+# Writes: results/generation/<variant>/<scene>/scene_<rank>.json, and for people scene_<rank>.{png,glb} and comparison.png.
 
 
 rule generate:
@@ -9,18 +9,9 @@ rule generate:
         cousins=rules.match.output.cousins,
         objects=rules.extract.output.objects,
         clouds=rules.extract.output.clouds,
-        image=scene_image,
         library=rules.library.output.library,
     output:
         scenes=[f"results/generation/{{variant}}/{{scene}}/scene_{rank}.json" for rank in RANKS],
-        previews=[f"results/generation/{{variant}}/{{scene}}/scene_{rank}.png" for rank in RANKS],
-        exports=[f"results/generation/{{variant}}/{{scene}}/scene_{rank}.glb" for rank in RANKS],
-        comparison=report(
-            "results/generation/{variant}/{scene}/comparison.png",
-            caption="../report/captions/scene.rst",
-            category="Scenes",
-            labels={"scene": "{scene}", "picture": "reconstruction ({variant})"},
-        ),
     log:
         "logs/generation/{variant}_{scene}.log",
     benchmark:
@@ -35,17 +26,50 @@ rule generate:
         code=code("generation", "generate"),
         check=check(generated="scenes"),
         options=as_options(CONFIG.generation),
-        seed=CONFIG.seed,
+        out=lambda wildcards, output: str(Path(output.scenes[0]).parent),
+    shell:
+        "({params.command} --cousins {input.cousins:q} --objects {input.objects:q} "
+        "--library {input.library:q} --variant {wildcards.variant} --options {params.options:q} "
+        "--out {params.out:q} && "
+        "{params.check}) 2>&1 | tee {log:q}"
+
+
+rule draw_scenes:
+    """Draw the generated scenes of one room beside its picture, and export them as GLB."""
+    input:
+        scenes=rules.generate.output.scenes,
+        image=scene_image,
+        library=rules.library.output.library,
+    output:
+        previews=[f"results/generation/{{variant}}/{{scene}}/scene_{rank}.png" for rank in RANKS],
+        exports=[f"results/generation/{{variant}}/{{scene}}/scene_{rank}.glb" for rank in RANKS],
+        comparison=report(
+            "results/generation/{variant}/{scene}/comparison.png",
+            caption="../report/captions/scene.rst",
+            category="Scenes",
+            labels={"scene": "{scene}", "picture": "reconstruction ({variant})"},
+        ),
+    log:
+        "logs/generation/draw_{variant}_{scene}.log",
+    benchmark:
+        "benchmarks/generation/draw_{variant}_{scene}.tsv"
+    container:
+        CONFIG.containers.simulation
+    threads: 1
+    resources:
+        mem_mb=2000,
+    params:
+        command=command("generation", "draw"),
+        code=code("generation", "draw"),
+        width=CONFIG.generation.preview_width,
         out=subpath(output.comparison, parent=True),
     shell:
-        "({params.command} --cousins {input.cousins:q} --objects {input.objects:q} --image {input.image:q} "
-        "--library {input.library:q} --variant {wildcards.variant} --options {params.options:q} "
-        "--seed {params.seed} --out {params.out:q} && "
-        "{params.check}) 2>&1 | tee {log:q}"
+        "{params.command} --scenes {input.scenes:q} --image {input.image:q} --library {input.library:q} "
+        "--width {params.width} --out {params.out:q} 2>&1 | tee {log:q}"
 
 
 rule generation:
     """Generated scenes of all rooms and variants."""
     input:
-        expand(rules.generate.output.comparison, variant=VARIANTS, scene=ROOMS),
+        expand(rules.draw_scenes.output.comparison, variant=VARIANTS, scene=ROOMS),
     localrule: True

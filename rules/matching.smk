@@ -1,7 +1,7 @@
 # Digital cousins: nearest categories, models and orientations by patch voting (paper A.6, A.7, B.1).
 # Reads:  the library's snapshots; a scene's objects and picture.
 # Writes: results/matching/features/<encoder>/shard_<i>.{npy,json} once per library and encoder,
-#         results/matching/<variant>/<scene>/cousins.{json,png},
+#         results/matching/<variant>/<scene>/cousins.json, and for people cousins.png,
 #         results/matching/<variant>/<scene>/distances/<object>.json for the objects of the policy experiment.
 
 
@@ -39,16 +39,9 @@ rule match:
         depth=rules.extract.output.depth,
         image=scene_image,
         library=rules.library.output.library,
-        snapshots=expand(rules.snapshots.output.images, shard=SHARDS),
         features=lambda wildcards: features_of(wildcards.variant),
     output:
         cousins="results/matching/{variant}/{scene}/cousins.json",
-        picture=report(
-            "results/matching/{variant}/{scene}/cousins.png",
-            caption="../report/captions/scene.rst",
-            category="Scenes",
-            labels={"scene": "{scene}", "picture": "cousins ({variant})"},
-        ),
     log:
         "logs/matching/{variant}_{scene}.log",
     benchmark:
@@ -65,8 +58,7 @@ rule match:
         options=matching_options,
     shell:
         "({params.command} --objects {input.objects:q} --image {input.image:q} --library {input.library:q} "
-        "--snapshots {input.snapshots:q} --features {input.features:q} --options {params.options:q} "
-        "--out {output.cousins:q} && "
+        "--features {input.features:q} --options {params.options:q} --out {output.cousins:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
 
 
@@ -98,8 +90,38 @@ rule distances:
         "{params.check}) 2>&1 | tee {log:q}"
 
 
+rule draw_cousins:
+    """Draw the objects of one scene beside their cousins."""
+    input:
+        cousins=rules.match.output.cousins,
+        objects=rules.extract.output.objects,
+        masks=rules.extract.output.masks,
+        image=scene_image,
+        snapshots=expand(rules.snapshots.output.images, shard=SHARDS),
+    output:
+        picture=report(
+            "results/matching/{variant}/{scene}/cousins.png",
+            caption="../report/captions/scene.rst",
+            category="Scenes",
+            labels={"scene": "{scene}", "picture": "cousins ({variant})"},
+        ),
+    log:
+        "logs/matching/draw_{variant}_{scene}.log",
+    container:
+        CONFIG.containers.learning
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        command=command("matching", "draw"),
+        code=code("matching", "draw"),
+    shell:
+        "{params.command} --cousins {input.cousins:q} --objects {input.objects:q} --image {input.image:q} "
+        "--snapshots {input.snapshots:q} --out {output.picture:q} 2>&1 | tee {log:q}"
+
+
 rule matching:
     """Cousins of all scenes, in all variants."""
     input:
-        expand(rules.match.output.cousins, variant=VARIANTS, scene=ROOMS),
+        expand(rules.draw_cousins.output.picture, variant=VARIANTS, scene=ROOMS),
     localrule: True

@@ -46,7 +46,7 @@ rule figures:
     input:
         table3=rules.tables.output.table3,
         published="report/published/table3.csv",
-        comparisons=expand(rules.generate.output.comparison, variant=VARIANTS, scene=ROOMS),
+        comparisons=expand(rules.draw_scenes.output.comparison, variant=VARIANTS, scene=ROOMS),
     output:
         figure4=report("results/figures/figure4.svg", caption="../report/captions/figures.rst", category="Figures"),
         figure6=report("results/figures/figure6.svg", caption="../report/captions/figures.rst", category="Figures"),
@@ -80,6 +80,9 @@ rule figures:
 rule report_page:
     """One page that shows the whole run."""
     input:
+        rules.draw_snapshots.output,
+        rules.extraction.input,
+        rules.matching.input,
         rules.generation.input,
         rules.demonstrations.input,
         rules.training.input,

@@ -7,7 +7,6 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.assets.contact_sheet import contact_sheet
 from stages.cli import progress
 from stages.config.assets import AssetsConfig
 from stages.contracts.errors import InputError
@@ -27,7 +26,7 @@ def run(*, library: Path, shard: int, shards: int, out: Path, options: str = "{}
         library: library.json.
         shard: which part, 0 to shards - 1.
         shards: number of parts.
-        out: the HDF5 file; the sidecar (.json) and a contact sheet (.png) get the same name.
+        out: the HDF5 file; the sidecar (.json) gets the same name.
         options: JSON of the config section `assets`.
     """
     config = read_options(AssetsConfig, options)
@@ -46,7 +45,6 @@ def run(*, library: Path, shard: int, shards: int, out: Path, options: str = "{}
             for index, entry in enumerate(progress(entries, "assets")):
                 folder = library.parent / entry.folder
                 rgb[index], depth[index] = booth.photograph(folder, [*yaws, config.representative_yaw])
-            sheet = contact_sheet(rgb, [entry.id for entry in entries])
         sidecar = SnapshotShard(
             assets=[entry.id for entry in entries],
             yaws=yaws,
@@ -56,8 +54,6 @@ def run(*, library: Path, shard: int, shards: int, out: Path, options: str = "{}
             elevation=math.atan2(config.camera_height, config.camera_distance),
         )
         write_json(out.with_suffix(".json"), sidecar)
-        with atomic(out.with_suffix(".png")) as picture:
-            sheet.save(picture)
 
 
 class Booth:

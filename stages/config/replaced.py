@@ -8,11 +8,11 @@ from pydantic import BeforeValidator, Field
 from stages.config.base import Section
 
 VERBS = {
-    "assets": ("library", "snapshots"),
+    "assets": ("library", "snapshots", "draw"),
     "scenes": ("render",),
-    "extraction": ("extract",),
-    "matching": ("features", "match", "distances"),
-    "generation": ("generate",),
+    "extraction": ("extract", "draw"),
+    "matching": ("features", "match", "distances", "draw"),
+    "generation": ("generate", "draw"),
     "experiment": ("select",),
     "demonstrations": ("collect",),
     "training": ("train",),

@@ -4,8 +4,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from stages.config.evaluation import EvaluationConfig
-from stages.contracts import GeneratedScene, InputError, Library, Objects, Truth, atomic, read_json, read_options
+from stages.contracts import GeneratedScene, InputError, Library, Objects, Truth, atomic, read_json
 from stages.contracts.policies import SceneScore
 from stages.evaluation.scoring import score_scene
 
@@ -21,7 +20,7 @@ def check_same_scene(scenes: list[GeneratedScene], objects: Objects, truth: Trut
         raise InputError("--scenes, --objects, --truth", f"are of different scenes: {', '.join(sorted(names))}.")
 
 
-def run(*, scenes: tuple[Path, ...], objects: Path, truth: Path, library: Path, out: Path, options: str = "{}") -> None:
+def run(*, scenes: tuple[Path, ...], objects: Path, truth: Path, library: Path, out: Path) -> None:
     """Score the scenes of one room.
 
     Args:
@@ -30,9 +29,7 @@ def run(*, scenes: tuple[Path, ...], objects: Path, truth: Path, library: Path, 
         truth: truth.json of the room.
         library: library.json; the true models must be in it.
         out: scores.csv.
-        options: JSON of the config section `evaluation`.
     """
-    read_options(EvaluationConfig, options)
     generated = [read_json(GeneratedScene, path) for path in scenes]
     seen, true = read_json(Objects, objects), read_json(Truth, truth)
     check_same_scene(generated, seen, true)

@@ -1,5 +1,11 @@
-"""`python -m stages.extraction extract --help`."""
+"""`python -m stages.extraction VERB --help`."""
 
 from stages.cli import main
 
-main("extraction", {"extract": "objects.json and its arrays from one input folder"})
+main(
+    "extraction",
+    {
+        "extract": "objects.json and its arrays from one input folder",
+        "draw": "the picture with what was found in it",
+    },
+)

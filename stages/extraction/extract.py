@@ -1,4 +1,4 @@
-"""Verb `extract`: one input folder -> objects.json, masks.png, depth.npz, clouds.npz, overview.png."""
+"""Verb `extract`: one input folder -> objects.json, masks.png, depth.npz, clouds.npz."""
 
 import importlib
 import zlib
@@ -10,7 +10,6 @@ import numpy as np
 from stages.config.extraction import ExtractionConfig
 from stages.contracts import atomic, read_options, write_json
 from stages.extraction import IMPLEMENTATIONS
-from stages.extraction.overview import draw_overview
 from stages.extraction.reconstruct import reconstruct
 
 
@@ -20,7 +19,7 @@ def run(*, input: Path, scene: str, out: Path, options: str = "{}", seed: int = 
     Args:
         input: folder with rgb.png, camera.json, depth.npz, masks.png, annotations.json.
         scene: name of the scene, written into the result.
-        out: objects.json; the arrays and the overview picture are written beside it.
+        out: objects.json; masks.png, depth.npz and clouds.npz are written beside it.
         options: JSON of the config section `extraction`.
         seed: seed of the depth noise and of RANSAC.
     """
@@ -37,8 +36,6 @@ def run(*, input: Path, scene: str, out: Path, options: str = "{}", seed: int = 
         np.savez_compressed(path, depth=image.depth)
     with atomic(folder / "clouds.npz") as path:
         np.savez_compressed(path, **result.clouds)  # type: ignore[arg-type]
-    with atomic(folder / "overview.png") as path:
-        draw_overview(image.rgb, result).save(path)
     write_json(out, result.objects)
     for item in result.objects.objects:
         kind = f"mounting {item.mounting.type}" if item.mounting else f"failed: {item.reason}"

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from stages.contracts.objects import Objects, SceneObject
-from stages.extraction.reconstruct import ExtractedScene
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.cameras import project
 from stages.geometry.frames import apply, inverse
@@ -81,12 +80,11 @@ class _Captions:
         self.canvas.text((x, y - 4), text, fill=(255, 255, 255), font=self.font, anchor="mb")
 
 
-def draw_overview(rgb: NDArray[np.uint8], result: ExtractedScene) -> Image.Image:
+def draw_overview(rgb: NDArray[np.uint8], masks: NDArray[np.uint16], objects: Objects) -> Image.Image:
     """The picture at twice its size; objects that failed are listed at the bottom with their reason."""
-    objects = result.objects
     good = [item for item in objects.objects if item.status == "ok"]
     colours = {item.mask: colour_of(k) for k, item in enumerate(good)}
-    image = Image.fromarray(_tinted(rgb, result.masks, colours))
+    image = Image.fromarray(_tinted(rgb, masks, colours))
     canvas = ImageDraw.Draw(image)
     for item in good:
         _wireframe(canvas, item, objects, colours[item.mask])

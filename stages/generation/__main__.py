@@ -1,5 +1,11 @@
-"""`python -m stages.generation generate --help`."""
+"""`python -m stages.generation VERB --help`."""
 
 from stages.cli import main
 
-main("generation", {"generate": "place the cousins of every rank: scene_<rank>.json, .png and .glb"})
+main(
+    "generation",
+    {
+        "generate": "place the cousins of every rank: scene_<rank>.json",
+        "draw": "the scenes as pictures and as GLB",
+    },
+)

@@ -1,35 +1,28 @@
-"""Verb `generate`: cousins + objects -> one scene per rank, with preview, export and physics check."""
+"""Verb `generate`: cousins + objects -> one scene per rank, with its physics check."""
 
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
-from PIL import Image
 
 from stages.cli import progress
 from stages.config.generation import GenerationConfig
-from stages.contracts import GeneratedScene, InputError, atomic, read_options, write_json
+from stages.contracts import GeneratedScene, InputError, read_options, write_json
 from stages.contracts.generated import PlacedObject
 from stages.generation.backdrop import add_backdrop
 from stages.generation.build import Built, build
-from stages.generation.export import write_glb
 from stages.generation.inputs import Inputs, read_inputs
-from stages.generation.pictures import preview, read_picture, side_by_side
 from stages.generation.settling import Settled, load_items, settle
 from stages.geometry.frames import rounded
-from stages.simulation.rendering import make_scene
-
-LIGHT = (0.55, -0.5, -1.0)  # over the photographer's shoulder: x of the floor frame is the viewing direction
+from stages.simulation.loading import physics_scene
 
 
-def show_and_settle(built: Built, inputs: Inputs, options: GenerationConfig) -> tuple[NDArray[np.uint8], Settled]:
-    """Load the scene once: first its picture, then the physics check."""
-    scene = make_scene(light=LIGHT)
+def physics_check(built: Built, inputs: Inputs, options: GenerationConfig) -> Settled:
+    """The physics check; nothing is rendered."""
+    scene = physics_scene()
     camera = np.array(inputs.objects.floor_from_camera)[:3, 3]
     add_backdrop(scene, built.items, inputs.objects.walls, camera)
     bodies = load_items(scene, built.items, built.folders)
-    picture = preview(scene, inputs.objects, options.preview_width)
-    return picture, settle(scene, bodies, built.items, len(built.left), options)
+    return settle(scene, bodies, built.items, len(built.left), options)
 
 
 def scene_of(built: Built, settled: Settled, inputs: Inputs, variant: str, rank: int) -> GeneratedScene:
@@ -91,41 +84,29 @@ def run(
     *,
     cousins: Path,
     objects: Path,
-    image: Path,
     library: Path,
     variant: str,
     out: Path,
     options: str = "{}",
-    seed: int = 0,
 ) -> None:
     """Make the scenes of one picture.
 
     Args:
         cousins: cousins.json of matching.
         objects: objects.json of extraction; clouds.npz lies beside it.
-        image: the input picture, for the comparison.
         library: library.json.
         variant: name of the matching variant, written into the scenes.
-        out: folder; gets scene_<rank>.json, .png, .glb, comparison.png and assets/ (resized models).
+        out: folder; gets scene_<rank>.json of every rank, and assets/ (resized models).
         options: JSON of the config section `generation`.
-        seed: not used: nothing here is random.
     """
     config = read_options(GenerationConfig, options)
     inputs = read_inputs(cousins, objects, library)
-    pictures = [("input", read_picture(image, config.preview_width))]
     for rank in progress(range(1, config.ranks + 1), "scenes", config.ranks):
         built = build(inputs, rank, config, out / "assets")
         if not built.items:
             raise InputError(
                 objects, "has no object that could be placed.", "see the reasons in it and in cousins.json"
             )
-        picture, settled = show_and_settle(built, inputs, config)
-        scene = scene_of(built, settled, inputs, variant, rank)
-        with atomic(out / f"scene_{rank}.png") as path:
-            Image.fromarray(picture).save(path)
-        write_glb(built.items, built.folders, out / f"scene_{rank}.glb")
+        scene = scene_of(built, physics_check(built, inputs, config), inputs, variant, rank)
         write_json(out / f"scene_{rank}.json", scene)
-        pictures.append((f"rank {rank}", picture))
         print(summary(scene, built.left))
-    with atomic(out / "comparison.png") as path:
-        side_by_side(pictures).save(path)

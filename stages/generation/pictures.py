@@ -7,7 +7,7 @@ import sapien
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-from stages.contracts import InputError, Objects
+from stages.contracts import GeneratedScene, InputError
 from stages.simulation.rendering import RenderCamera
 
 TITLE, COLUMNS, GAP = 34, 3, 6
@@ -15,13 +15,13 @@ SMOOTHING = 2  # rendered so many times larger and averaged
 INK, PAPER = (30, 30, 30), (255, 255, 255)
 
 
-def preview(scene: sapien.Scene, objects: Objects, width: int) -> NDArray[np.uint8]:
+def preview(scene: sapien.Scene, made: GeneratedScene, width: int) -> NDArray[np.uint8]:
     """The scene as the input camera sees it, (H, width, 3); its world is the floor frame."""
-    factor = SMOOTHING * width / objects.width
-    height = round(objects.height * width / objects.width)
-    intrinsics = np.array(objects.intrinsics) * [[factor], [factor], [1.0]]
+    factor = SMOOTHING * width / made.width
+    height = round(made.height * width / made.width)
+    intrinsics = np.array(made.intrinsics) * [[factor], [factor], [1.0]]
     intrinsics[:2, 2] += (factor - 1) / 2  # pixel centres are at integers
-    picture = RenderCamera(scene, intrinsics, SMOOTHING * width, SMOOTHING * height).render(objects.floor_from_camera)
+    picture = RenderCamera(scene, intrinsics, SMOOTHING * width, SMOOTHING * height).render(made.floor_from_camera)
     return np.asarray(Image.fromarray(picture.rgb).resize((width, height), Image.Resampling.BOX))
 
 

@@ -11,7 +11,6 @@ from stages.contracts.objects import SceneObject
 from stages.matching.candidates import find_candidates
 from stages.matching.encoders import PatchEncoder, make_encoder, settings_digest
 from stages.matching.labels import TEXT_ENCODERS, TextDistance
-from stages.matching.picture import write_picture
 from stages.matching.ranking import make_query, rank_cousins
 from stages.matching.scene import Scene
 from stages.matching.store import FeatureStore
@@ -24,10 +23,9 @@ def run(
     library: Path,
     features: list[Path],
     out: Path,
-    snapshots: list[Path] | None = None,
     options: str = "{}",
 ) -> None:
-    """Write cousins.json, and a picture of the same name beside it if the snapshots are given.
+    """Write cousins.json.
 
     Args:
         objects: objects.json of extraction, with masks.png and depth.npz beside it.
@@ -35,7 +33,6 @@ def run(
         library: library.json of the assets stage.
         features: feature stores of all shards (.npy).
         out: cousins.json to write.
-        snapshots: shards of snapshots (.h5), for the picture.
         options: JSON of the config section `matching`.
     """
     settings = read_options(MatchingConfig, options)
@@ -49,8 +46,6 @@ def run(
         for item in progress(scene.objects.objects, "objects matched", len(scene.objects.objects))
     ]
     result = Cousins(scene=scene.objects.scene, encoder=settings.encoder, objects=entries)
-    if snapshots:
-        write_picture(out.with_suffix(".png"), result, scene, snapshots)
     write_json(out, result)
 
 

@@ -29,8 +29,12 @@ def write_picture(path: Path, result: Cousins, scene: Scene, snapshots: Sequence
     draw, font = ImageDraw.Draw(page), ImageFont.load_default(size=11)
     with ExitStack() as stack:
         shards = [stack.enter_context(SnapshotFile(shard)) for shard in snapshots]
-        for row, (item, entry) in enumerate(zip(scene.objects.objects, result.objects, strict=True)):
+        items = {item.id: item for item in scene.objects.objects}
+        for row, entry in enumerate(result.objects):
             y = MARGIN + row * step_y
+            item = items.get(entry.id)
+            if item is None:
+                raise InputError("--cousins", f"names '{entry.id}', which is no object of the scene.", "match it again")
             view = scene.view(item)
             if view.mask.any():
                 page.paste(Image.fromarray(crop_picture(view)), (MARGIN, y))

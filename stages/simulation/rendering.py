@@ -10,11 +10,13 @@ from sapien.physx import PhysxArticulation, PhysxArticulationLinkComponent
 
 from stages.contracts.errors import InputError
 from stages.geometry.frames import quaternion_from_matrix
+from stages.simulation.loading import has_renderer
 
 # OpenCV camera axes (x right, y down, z forward) -> SAPIEN's (x forward, y left, z up)
 SAPIEN_FROM_OPENCV = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 NEAR, FAR = 0.02, 60.0
 BACKGROUND = (0.82, 0.82, 0.84)
+_alive: list[sapien.Scene] = []  # the last scene made; while one lives, the next need not compile shaders again (8 s)
 
 
 @dataclass(frozen=True)
@@ -50,6 +52,7 @@ def make_scene(
     key = np.asarray(light, dtype=float)
     scene.add_directional_light(key.tolist(), [1.55, 1.5, 1.42], shadow=shadows, shadow_scale=8.0, shadow_map_size=2048)
     scene.add_directional_light([-key[0], -key[1], -1.4], [0.35, 0.37, 0.42])
+    _alive[:] = [scene]
     return scene
 
 
@@ -124,13 +127,14 @@ def add_block(
     yaw: float = 0.0,
     roughness: float = 0.9,
 ) -> sapien.Entity:
-    """A kinematic box: floor, wall. Its extents are `size`, its surface one colour."""
+    """A kinematic box: floor, wall. Its extents are `size`, its surface one colour (if the scene shows anything)."""
     half = (np.asarray(size, dtype=float) / 2).tolist()
-    material = sapien.render.RenderMaterial()
-    material.base_color = [*colour, 1.0]
-    material.roughness, material.specular = roughness, 0.1
     builder = scene.create_actor_builder()
     builder.add_box_collision(half_size=half)
-    builder.add_box_visual(half_size=half, material=material)
+    if has_renderer(scene):
+        material = sapien.render.RenderMaterial()
+        material.base_color = [*colour, 1.0]
+        material.roughness, material.specular = roughness, 0.1
+        builder.add_box_visual(half_size=half, material=material)
     builder.initial_pose = sapien.Pose(list(center), [np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)])
     return builder.build_kinematic(name)

@@ -157,13 +157,11 @@ class World:
         self.objects = write_scene(folder / "scene", SHOWN)
 
     def match(self, out: Path, **options: Any) -> Cousins:
-        snapshots = self.snapshots if options.pop("picture", False) else None
         match(
             objects=self.objects,
             image=self.objects.parent / "rgb.png",
             library=self.library,
             features=self.features,
-            snapshots=snapshots,
             out=out,
             options=json.dumps(options),
         )

@@ -9,6 +9,7 @@ import pytest
 
 from stages.articulated.asset_folder import read_asset
 from stages.assets import library, snapshots
+from stages.assets.draw import run as draw
 from stages.assets.library import make
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json
@@ -46,6 +47,7 @@ def test_shard_holds_every_second_asset_from_all_sides(shard: Path) -> None:
     distances = depth[depth > 0] / 1000
     assert distances.min() > 1.5
     assert distances.max() < 3.3
+    draw(snapshots=(shard / "shard_0.h5",))
     assert (shard / "shard_0.png").exists()
 
 

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from stages.contracts import Annotations, InputError, Objects, read_json, write_json
+from stages.extraction.draw import run as draw
 from stages.extraction.extract import run
 from stages.extraction.observation import read_folder
 from stages.geometry.boxes import UprightBox, oriented_iou
@@ -86,7 +87,8 @@ def test_ids_files_and_annotations(furnished: tuple[Path, Objects]) -> None:
         assert clouds[item.id].dtype == np.float32
         rows, columns = np.nonzero(masks == item.mask)
         assert item.pixels == (columns.min(), rows.min(), columns.max() + 1, rows.max() + 1)
-    assert (folder / "out" / "overview.png").stat().st_size > 10_000
+    draw(objects=folder / "out/objects.json", image=folder / "input/rgb.png", out=folder / "overview.png")
+    assert (folder / "overview.png").stat().st_size > 10_000
 
 
 def test_same_seed_same_bytes(furnished: tuple[Path, Objects], tmp_path: Path) -> None:

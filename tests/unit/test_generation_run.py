@@ -14,6 +14,7 @@ from stages.contracts.cousins import Cousin, ObjectCousins, Orientation
 from stages.contracts.library import LibraryEntry
 from stages.contracts.objects import Box, Mounting, SceneObject, Wall
 from stages.generation.build import build
+from stages.generation.draw import run as draw
 from stages.generation.generate import run
 from stages.generation.inputs import read_inputs
 from stages.generation.meshes import collision_pieces, visual_meshes
@@ -107,7 +108,6 @@ def scene(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     return {
         "cousins": folder / "cousins.json",
         "objects": folder / "objects.json",
-        "image": folder / "rgb.png",
         "library": library,
     }
 
@@ -115,7 +115,14 @@ def scene(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 @pytest.fixture(scope="module")
 def made(scene: dict[str, Path], tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("out")
-    run(**scene, variant="v", out=out, options='{"ranks": 2, "preview_width": 128}')
+    return make(scene, out, 2)
+
+
+def make(scene: dict[str, Path], out: Path, ranks: int) -> Path:
+    """Scenes, and the pictures of them."""
+    run(**scene, variant="v", out=out, options=f'{{"ranks": {ranks}}}')
+    image = scene["objects"].parent / "rgb.png"
+    draw(scenes=tuple(sorted(out.glob("*.json"))), image=image, library=scene["library"], out=out, width=128)
     return out
 
 
@@ -169,7 +176,7 @@ def test_the_export_has_the_same_places(made: Path) -> None:
 
 
 def test_same_input_same_bytes(scene: dict[str, Path], made: Path, tmp_path: Path) -> None:
-    run(**scene, variant="v", out=tmp_path, options='{"ranks": 1, "preview_width": 128}')
+    make(scene, tmp_path, 1)
     for name in ("scene_1.json", "scene_1.png", "scene_1.glb"):
         assert (tmp_path / name).read_bytes() == (made / name).read_bytes(), name
 

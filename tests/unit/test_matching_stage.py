@@ -6,6 +6,7 @@ import pytest
 
 from stages.contracts import InputError
 from stages.geometry.frames import angle_difference
+from stages.matching.draw import run as draw
 from stages.matching.features import run as features
 from stages.matching.match import run as match
 from tests.unit.matching_data import SHOWN, World
@@ -41,10 +42,12 @@ def test_models_are_compared_by_representatives_if_asked(world: World, tmp_path:
 
 
 def test_one_bad_object_does_not_stop_the_scene(world: World, tmp_path: Path) -> None:
-    result = world.match(tmp_path / "cousins.json", picture=True)
+    result = world.match(tmp_path / "cousins.json")
     lost, unseen = result.objects[4:]
     assert (lost.status, lost.reason) == ("failed", "extraction: no points")
     assert unseen.status == "failed" and "mask 99 has no pixel" in unseen.reason
+    files = {"cousins": tmp_path / "cousins.json", "objects": world.objects, "image": world.objects.parent / "rgb.png"}
+    draw(**files, snapshots=world.snapshots, out=tmp_path / "cousins.png")
     assert (tmp_path / "cousins.png").stat().st_size > 10_000
 
 
