@@ -1,102 +1,61 @@
-"""Check files against their contracts: `python -m stages.contracts KIND FILE... [KIND FILE...]`.
+"""Check files against their contracts: `python -m stages.contracts [--refuse] KIND FILE... [KIND FILE...]`.
 
-The workflow runs it after every stage, so that a stage replaced by the user's own command is
-held to the same contract. Exit code 1 and one line naming file and field if a file breaks it.
+The workflow runs it after every stage, so that a stage replaced by the user's own command is held to the
+same contract; the files beside a file that belong to its contract are checked too. Exit code 1 and one line
+naming file and field if a file breaks it. With `--refuse` all files of the command are then renamed to
+`<name>.refused`: they are no result, but they are not lost either.
 """
 
-import csv
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
-from pydantic import BaseModel, ValidationError
+from stages.contracts.errors import InputError
+from stages.contracts.kinds import KINDS
 
-from stages.contracts import (
-    Annotations,
-    Attempt,
-    Camera,
-    Cousins,
-    GeneratedScene,
-    InputError,
-    Library,
-    Objects,
-    Rollout,
-    SceneScore,
-    SnapshotShard,
-    TaskAssets,
-    Truth,
-)
-from stages.contracts.distances import Distances
-from stages.contracts.files import first_error, read_json, read_text
+REFUSED = ".refused"
 
 
-def json_file(model: type[BaseModel]) -> Callable[[Path], object]:
-    """Checker of a file that is one JSON document."""
-    return lambda path: read_json(model, path)
+def parse(arguments: list[str]) -> list[tuple[str, Path]]:
+    """Pairs of kind and file; a kind holds for all files up to the next kind.
+
+    Raises:
+        ValueError: a file comes before any kind.
+    """
+    kind, pairs = None, []
+    for argument in arguments:
+        if argument in KINDS:
+            kind = argument
+        elif kind is None:
+            raise ValueError(f"'{argument}' is no kind of file. Known kinds: {', '.join(KINDS)}")
+        else:
+            pairs.append((kind, Path(argument)))
+    return pairs
 
 
-def json_lines(model: type[BaseModel]) -> Callable[[Path], object]:
-    """Checker of a file with one JSON document per line."""
-
-    def check(path: Path) -> None:
-        for number, line in enumerate(read_text(path).splitlines(), 1):
-            try:
-                model.model_validate_json(line)
-            except ValidationError as error:
-                raise InputError(
-                    f"{path}:{number}", f"breaks the {model.__name__} contract at {first_error(error)}."
-                ) from None
-
-    return check
-
-
-def csv_file(model: type[BaseModel]) -> Callable[[Path], object]:
-    """Checker of a CSV table whose columns are the model's fields; an empty cell is null."""
-
-    def check(path: Path) -> None:
-        for number, row in enumerate(csv.DictReader(read_text(path).splitlines()), 2):
-            try:
-                model.model_validate({key: None if value == "" else value for key, value in row.items()})
-            except ValidationError as error:
-                raise InputError(
-                    f"{path}:{number}", f"breaks the {model.__name__} contract at {first_error(error)}."
-                ) from None
-
-    return check
-
-
-KINDS: dict[str, Callable[[Path], object]] = {
-    "library": json_file(Library),
-    "snapshots": json_file(SnapshotShard),
-    "camera": json_file(Camera),
-    "annotations": json_file(Annotations),
-    "truth": json_file(Truth),
-    "objects": json_file(Objects),
-    "cousins": json_file(Cousins),
-    "distances": json_file(Distances),
-    "generated": json_file(GeneratedScene),
-    "task": json_file(TaskAssets),
-    "attempts": json_lines(Attempt),
-    "rollouts": csv_file(Rollout),
-    "scores": csv_file(SceneScore),
-}
+def set_aside(pairs: list[tuple[str, Path]]) -> list[Path]:
+    """Rename the files and their companions; returns the new paths."""
+    kept = []
+    for path in dict.fromkeys(path for kind, file in pairs for path in KINDS[kind].files(file)):
+        kept.append(path.replace(path.with_name(path.name + REFUSED)))
+    return kept
 
 
 def main(arguments: list[str]) -> int:
     """Check every file named; returns the exit code."""
-    check = None
-    for argument in arguments:
-        if argument in KINDS:
-            check = KINDS[argument]
-        elif check is None:
-            print(f"error: '{argument}' is no kind of file. Known kinds: {', '.join(KINDS)}", file=sys.stderr)
-            return 2
-        else:
-            try:
-                check(Path(argument))
-            except InputError as error:
-                print(f"error: {error}", file=sys.stderr)
-                return 1
+    refuse = "--refuse" in arguments
+    try:
+        pairs = parse([argument for argument in arguments if argument != "--refuse"])
+    except ValueError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    try:
+        for kind, path in pairs:
+            KINDS[kind].check(path)
+    except InputError as error:
+        kept = set_aside(pairs) if refuse else []
+        where = f" Kept as {kept[0]}" + (f" and {len(kept) - 1} more *{REFUSED}" if kept[1:] else "") if kept else ""
+        print(f"error: {error}{where}", file=sys.stderr)
+        return 1
     return 0
 
 

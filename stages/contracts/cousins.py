@@ -1,44 +1,47 @@
 """Contract of the `matching` stage: `cousins.json`."""
 
+from itertools import pairwise
 from typing import Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from stages.contracts.files import Contract
+from stages.contracts.files import Contract, Document
+from stages.contracts.objects import check_status
+from stages.contracts.types import Angle, Count, Finite, Id, NonNegative, Rank, Text, check_unique
 
 
 class CategoryMatch(Contract):
     """A library category near to the object's label; smaller distance is nearer."""
 
-    category: str
-    distance: float
+    category: Id
+    distance: Finite
 
 
 class Candidate(Contract):
     """An asset compared with the object by its representative snapshot (paper A.6)."""
 
-    asset: str
-    category: str
-    distance: float = Field(description="DINO distance: mean nearest-patch L2 distance without the worst 10 %")
-    votes: int | None = Field(None, description="patches won in its voting round; null: not among the top k_model")
+    asset: Id
+    category: Id
+    distance: NonNegative = Field(description="DINO distance: mean nearest-patch L2 distance without the worst 10 %")
+    votes: Count | None = Field(None, description="patches won in its voting round; null: not among the top k_model")
 
 
 class Orientation(Contract):
     """A yaw snapshot compared with the object."""
 
-    yaw: float = Field(description="turn of the asset about z as the camera sees it; 0: front faces the camera")
-    distance: float
-    votes: int | None = None
+    yaw: Angle = Field(description="turn of the asset about z as the camera sees it; 0: front faces the camera")
+    distance: NonNegative
+    votes: Count | None = None
 
 
 class Cousin(Contract):
     """One digital cousin, best first."""
 
-    rank: int
-    asset: str
-    category: str
-    distance: float
-    votes: int | None
+    rank: Rank
+    asset: Id
+    category: Id
+    distance: NonNegative
+    votes: Count | None
     orientation: Orientation
     orientations: list[Orientation] = Field(description="the k_ori nearest views, best first")
 
@@ -46,8 +49,8 @@ class Cousin(Contract):
 class ObjectCousins(Contract):
     """What matching found for one object."""
 
-    id: str
-    label: str
+    id: Id
+    label: Text
     status: Literal["ok", "failed"] = "ok"
     reason: str = ""
     note: str = Field("", description="what had to be relaxed to find candidates; empty: nothing")
@@ -56,13 +59,35 @@ class ObjectCousins(Contract):
     by_distance: list[Candidate] = Field([], description="every candidate, nearest first")
     decided_by: str = Field("", description="what chose the models, e.g. distance or votes")
     orientation_decided_by: str = ""
-    cousins: list[Cousin] = []
+    cousins: list[Cousin] = Field([], description="ranks 1 to k without gaps, each asset once")
+
+    @model_validator(mode="after")
+    def _ranked(self) -> "ObjectCousins":
+        check_status(self.id, self.status, self.reason)
+        if (self.status == "ok") != bool(self.cousins):
+            raise ValueError(f"cousins: '{self.id}' is {self.status}, but has {len(self.cousins)} cousins")
+        ranks = [cousin.rank for cousin in self.cousins]
+        if ranks != list(range(1, len(ranks) + 1)):
+            raise ValueError(f"cousins: ranks of '{self.id}' are {ranks[:12]}, not 1 to {len(ranks)} in order")
+        check_unique(f"cousins: assets of '{self.id}'", [cousin.asset for cousin in self.cousins])
+        check_unique(f"by_votes: assets of '{self.id}'", [candidate.asset for candidate in self.by_votes])
+        check_unique(f"by_distance: assets of '{self.id}'", [candidate.asset for candidate in self.by_distance])
+        distances = [candidate.distance for candidate in self.by_distance]
+        if distances != sorted(distances):
+            raise ValueError(f"by_distance: '{self.id}' has a nearer candidate behind a farther one")
+        if self.decided_by == "distance" and any(one.distance > next.distance for one, next in pairwise(self.cousins)):
+            raise ValueError(f"cousins: '{self.id}' is decided by distance, but its distances fall with rank")
+        return self
 
 
-class Cousins(Contract):
+class Cousins(Document):
     """`cousins.json`: one entry per object of `objects.json`, in its order."""
 
-    version: Literal[1] = 1
-    scene: str
-    encoder: str
+    scene: Id
+    encoder: Text
     objects: list[ObjectCousins]
+
+    @model_validator(mode="after")
+    def _once(self) -> "Cousins":
+        check_unique("objects: ids", [item.id for item in self.objects])
+        return self

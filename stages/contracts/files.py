@@ -1,20 +1,31 @@
 """Read and write the files that pass between stages: validated, atomic, byte-for-byte repeatable."""
 
+import csv
+import io
 import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Literal, TypeVar, get_args
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from stages.contracts.errors import InputError
 
+VERSION = 1
+MAX_TEXT = 200_000_000  # bytes: no text file that passes between stages comes near
+
 
 class Contract(BaseModel):
-    """A file that passes between stages. Unknown keys are errors; `version` guards old files."""
+    """Part of a file that passes between stages. Unknown keys are errors, and so are NaN and infinity."""
 
-    model_config = ConfigDict(extra="forbid", ser_json_inf_nan="strings")
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False)
+
+
+class Document(Contract):
+    """A whole JSON file: it says which version of its contract it follows."""
+
+    version: Literal[1] = 1
 
 
 M = TypeVar("M", bound=BaseModel)
@@ -43,23 +54,50 @@ def write_text(path: Path, text: str) -> None:
 
 
 def write_json(path: Path, value: BaseModel | Any) -> None:
-    """Write a contract (or plain data) as indented JSON, atomically and in a fixed order."""
+    """Write a contract (or plain data) as indented JSON, atomically, in a fixed order, checked as on reading."""
+    model = type(value) if isinstance(value, BaseModel) else None
     if isinstance(value, BaseModel):
         value = value.model_dump(mode="json")
-    write_text(path, json.dumps(value, indent=1, ensure_ascii=False) + "\n")
+    text = json.dumps(value, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+    if model:
+        model.model_validate_json(text, strict=True)
+    write_text(path, text)
 
 
 def first_error(error: ValidationError) -> str:
-    """The first complaint of a pydantic error as `field.path: message`."""
+    """The first complaint of a pydantic error as `field.path: message`, in one line."""
     detail = error.errors()[0]
+    message = " ".join(detail["msg"].removeprefix("Value error, ").split())
+    if not detail["loc"] and detail["type"] == "value_error":
+        return message  # a check of the whole file names the field itself
     field = ".".join(str(part) for part in detail["loc"]) or "(top level)"
-    return f"{field}: {detail['msg']}"
+    return f"{field}: {message}"
+
+
+def refusal(model: type[BaseModel], error: ValidationError) -> str:
+    """What is wrong with a file, as the second part of an `InputError`."""
+    return f"breaks the {model.__name__} contract at {first_error(error)}."
+
+
+def check_version(path: Path, text: str, fix: str) -> None:
+    """Refuse a document of another version before anything else is said of it: its fields are others."""
+    try:
+        content = json.loads(text)
+    except (ValueError, RecursionError):
+        return  # the model says what is wrong with it
+    if isinstance(content, dict) and content.get("version") != VERSION:
+        found = json.dumps(content["version"])[:40] if "version" in content else "missing"
+        what = f"is version {found}" if found != "missing" else "names no version"
+        fix = fix or "make it again with this workflow"
+        raise InputError(path, f"{what}; this workflow reads version {VERSION} (field 'version').", fix)
 
 
 def read_text(path: Path, fix: str = "") -> str:
     """The text of `path`, or an `InputError` that names it."""
     try:
-        return Path(path).read_text(encoding="utf-8")
+        if Path(path).stat().st_size > MAX_TEXT:
+            raise InputError(path, f"is larger than {MAX_TEXT // 10**6} MB.", fix)
+        return Path(path).read_text(encoding="utf-8-sig")
     except FileNotFoundError:
         raise InputError(path, "no such file.", fix) from None
     except (OSError, UnicodeDecodeError) as error:
@@ -72,10 +110,60 @@ def read_json(model: type[M], path: Path, fix: str = "") -> M:
     Raises:
         InputError: the file is missing, is not JSON, or breaks its contract (file and field named).
     """
+    text = read_text(path, fix)
+    if issubclass(model, Document):
+        check_version(path, text, fix)
     try:
-        return model.model_validate_json(read_text(path, fix))
+        return model.model_validate_json(text, strict=True)
     except ValidationError as error:
-        raise InputError(path, f"breaks the {model.__name__} contract at {first_error(error)}.", fix) from None
+        raise InputError(path, refusal(model, error), fix) from None
+
+
+def read_lines(model: type[M], path: Path, fix: str = "") -> list[M]:
+    """A file with one JSON document per line, at least one.
+
+    Raises:
+        InputError: it is missing or empty, or a line breaks the contract (file, line and field named).
+    """
+    rows = []
+    for number, line in enumerate(read_text(path, fix).splitlines(), 1):
+        try:
+            rows.append(model.model_validate_json(line, strict=True))
+        except ValidationError as error:
+            raise InputError(f"{path}:{number}", refusal(model, error), fix) from None
+    if not rows:
+        raise InputError(path, "is empty.", fix)
+    return rows
+
+
+def read_rows(model: type[M], path: Path, fix: str = "") -> list[M]:
+    """A CSV table whose columns are the model's fields, at least one row; an empty cell of an optional field is None.
+
+    Raises:
+        InputError: it is missing or empty, has other columns, or a row breaks the contract (file, line, field named).
+    """
+    optional = {name for name, field in model.model_fields.items() if type(None) in get_args(field.annotation)}
+    reader = csv.DictReader(io.StringIO(read_text(path, fix), newline=""), strict=True)
+    rows = []
+    try:
+        columns = list(reader.fieldnames or [])
+        wrong = [name for name in model.model_fields if name not in columns]
+        wrong = [f"lacks the column '{name}'" for name in wrong]
+        wrong += [f"has the unknown column '{name}'" for name in columns if name not in model.model_fields]
+        if wrong or len(set(columns)) < len(columns):
+            raise InputError(path, f"{(wrong or ['has a column twice'])[0]}.", fix)
+        for values in reader:
+            if None in values or None in values.values():
+                raise InputError(f"{path}:{reader.line_num}", "has more or fewer cells than the header.", fix)
+            cells = {name: None if name in optional and value == "" else value for name, value in values.items()}
+            rows.append(model.model_validate(cells))
+    except csv.Error as error:
+        raise InputError(f"{path}:{reader.line_num}", f"is not CSV ({error}).", fix) from None
+    except ValidationError as error:
+        raise InputError(f"{path}:{reader.line_num}", refusal(model, error), fix) from None
+    if not rows:
+        raise InputError(path, "has no rows.", fix)
+    return rows
 
 
 def read_options(model: type[M], text: str) -> M:

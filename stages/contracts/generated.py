@@ -2,54 +2,90 @@
 
 from typing import Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from stages.contracts.files import Contract
-from stages.contracts.library import Vector
-from stages.contracts.objects import Mounting, Wall
-from stages.contracts.scenes import Matrix
+from stages.contracts.files import Contract, Document
+from stages.contracts.objects import Mounting, Wall, check_mounting, check_status
+from stages.contracts.types import (
+    LARGEST,
+    Angle,
+    CameraMatrix,
+    Count,
+    Id,
+    NonNegative,
+    Position,
+    Rank,
+    RigidTransform,
+    Side,
+    Text,
+    Vector,
+    check_supports,
+    check_unique,
+    check_view,
+)
 
 
 class PlacedObject(Contract):
     """A cousin in its place, in the floor frame."""
 
-    id: str
-    label: str
+    id: Id
+    label: Text
     status: Literal["ok", "failed"] = "ok"
     reason: str = ""
     asset: str = ""
     category: str = ""
-    position: Vector = Field((0.0, 0.0, 0.0), description="centre of the asset's box, metres")
-    yaw: float = Field(0.0, description="turn of the asset about z, radians")
+    position: Position = Field((0.0, 0.0, 0.0), description="centre of the asset's box, metres")
+    yaw: Angle = Field(0.0, description="turn of the asset about z, radians")
     size: Vector = Field((0.0, 0.0, 0.0), description="box extents along the asset's own axes, metres")
     support: str = Field("floor", description="'floor', 'wall' or the id of the object beneath")
     mounting: Mounting | None = None
-    moved: float = Field(0.0, description="xy distance it was pushed to resolve collisions, metres")
-    settled_shift: float | None = Field(None, description="how far it moved in the settling test, metres")
+    moved: NonNegative = Field(0.0, description="xy distance it was pushed to resolve collisions, metres")
+    settled_shift: NonNegative | None = Field(None, description="how far it moved in the settling test, metres")
 
 
 class Plausibility(Contract):
     """Physics check of the scene: load it, let it settle for `seconds`."""
 
-    seconds: float
+    seconds: NonNegative
     stable: bool
     fallen: list[str] = Field(description="objects that dropped or tipped")
-    mean_displacement: float
-    max_penetration: float
-    collisions: int
+    mean_displacement: NonNegative
+    max_penetration: NonNegative
+    collisions: Count
 
 
-class GeneratedScene(Contract):
+class GeneratedScene(Document):
     """`scene.json`: the scene of cousins of one rank, loadable in SAPIEN."""
 
-    version: Literal[1] = 1
-    scene: str
-    variant: str
-    rank: int
-    width: int
-    height: int
-    intrinsics: Matrix
-    floor_from_camera: Matrix
+    scene: Id
+    variant: Id
+    rank: Rank
+    width: Side
+    height: Side
+    intrinsics: CameraMatrix
+    floor_from_camera: RigidTransform
     walls: list[Wall]
     objects: list[PlacedObject]
     plausibility: Plausibility | None = None
+
+    @model_validator(mode="after")
+    def _resolvable(self) -> "GeneratedScene":
+        check_view(self.width, self.intrinsics)
+        check_unique("walls: ids", [wall.id for wall in self.walls])
+        check_unique("objects: ids", [item.id for item in self.objects])
+        walls = {wall.id for wall in self.walls}
+        for item in self.objects:
+            check_status(item.id, item.status, item.reason)
+            if item.status == "failed":
+                continue
+            if not item.asset or not item.category:
+                raise ValueError(f"objects: '{item.id}' is ok, but has no asset or no category")
+            if not all(0 < extent <= LARGEST for extent in item.size):
+                raise ValueError(f"objects: size of '{item.id}' is {item.size} (positive, {LARGEST:g} m at most)")
+            check_mounting(item.id, item.mounting, walls)
+        placed = {item.id: item.support for item in self.objects if item.status == "ok"}
+        check_supports(placed)
+        strangers = set(self.plausibility.fallen if self.plausibility else []) - set(placed)
+        if strangers:
+            raise ValueError(f"plausibility.fallen: names '{min(strangers)}', which is not placed")
+        return self

@@ -1,55 +1,77 @@
 """Contracts of the `assets` stage: one `asset.json` per asset folder, one `library.json` per library."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from stages.contracts.files import Contract
+from stages.contracts.files import Contract, Document
+from stages.contracts.types import (
+    LARGEST,
+    Angle,
+    CameraMatrix,
+    Finite,
+    Id,
+    Mass,
+    Panels,
+    Position,
+    RelativePath,
+    Side,
+    Text,
+    UnitVector,
+    Vector,
+    check_unique,
+    check_view,
+)
 
-Vector = tuple[float, float, float]
 Symmetry = Literal["none", "half_turn", "quarter_turn", "full"]
 Placement = Literal["floor", "object", "wall"]
+Limit = Annotated[Finite, Field(ge=-100, le=100)]  # radians or metres
 
 
 class Joint(Contract):
     """One joint of an articulated asset. Angles in radians, lengths in metres."""
 
-    name: str
+    name: Text
     type: Literal["revolute", "prismatic"]
     role: Literal["door", "drawer"]
-    parent: str
-    link: str = Field(description="child link that the joint moves")
-    axis: Vector = Field(description="unit axis in the joint frame, as in the URDF")
-    lower: float
-    upper: float
+    parent: Text
+    link: Text = Field(description="child link that the joint moves")
+    axis: UnitVector = Field(description="unit axis in the joint frame, as in the URDF")
+    lower: Limit
+    upper: Limit
     handle_link: str | None = Field(None, description="link that carries the handle; null: no protruding handle")
     handle: str | None = Field(None, description="handle style: bar, knob, recessed, ...")
+
+    @model_validator(mode="after")
+    def _opens(self) -> "Joint":
+        if self.lower >= self.upper:
+            raise ValueError(f"joint '{self.name}' cannot move: lower {self.lower:g} is not below upper {self.upper:g}")
+        return self
 
 
 class Recipe(Contract):
     """How a procedural asset was made, so that it can be made again at another size."""
 
-    generator: str
-    parameters: dict[str, float | int | str | bool | list[float] | list[int] | list[str] | list[list[str]]]
+    generator: Text
+    parameters: dict[str, Finite | int | str | bool | list[Finite] | list[int] | list[str] | list[list[str]]]
 
 
-class Asset(Contract):
+class Asset(Document):
     """`asset.json`: one model a_i = (category t_i, geometry) of the library (paper A.1).
 
     The asset frame is the URDF root frame: z up, front towards +x. `box_min` and `box_max` bound
     the visual geometry in that frame with every joint at its lower limit (closed), in metres.
     """
 
-    version: Literal[1] = 1
-    id: str
-    category: str = Field(description="lower-case words joined by underscores, e.g. bottom_cabinet")
-    urdf: str = Field("model.urdf", description="path of the URDF relative to this file")
-    box_min: Vector
-    box_max: Vector
-    mass: float
+    id: Id
+    category: Id = Field(description="lower-case words joined by underscores, e.g. bottom_cabinet")
+    urdf: RelativePath = Field("model.urdf", description="path of the URDF relative to this file")
+    box_min: Position
+    box_max: Position
+    mass: Mass
     joints: list[Joint] = []
-    doors: int = 0
-    drawers: int = 0
+    doors: Panels = 0
+    drawers: Panels = 0
     symmetry: Symmetry = Field(
         "none", description="rotational symmetry about z; all but none are left out of orientation scores"
     )
@@ -58,6 +80,18 @@ class Asset(Contract):
     licence: str
     provenance: str
     checksum: str = Field(description="sha256 over the names and bytes of all other files of the folder")
+
+    @model_validator(mode="after")
+    def _consistent(self) -> "Asset":
+        if not all(1e-6 <= extent <= LARGEST for extent in self.size):
+            extents = " x ".join(f"{extent:g}" for extent in self.size)
+            raise ValueError(f"box_min, box_max: a box of {extents} m (0 to {LARGEST:g} m each)")
+        check_unique("joints", [joint.name for joint in self.joints])
+        for field, role in (("doors", "door"), ("drawers", "drawer")):
+            count = sum(joint.role == role for joint in self.joints)
+            if getattr(self, field) != count:
+                raise ValueError(f"{field}: says {getattr(self, field)}, but {count} joints have the role {role}")
+        return self
 
     @property
     def size(self) -> Vector:
@@ -73,22 +107,26 @@ class Asset(Contract):
 class LibraryEntry(Contract):
     """One line of the library's index: what matching needs without opening the asset."""
 
-    id: str
-    category: str
-    folder: str = Field(description="asset folder relative to library.json")
-    doors: int
-    drawers: int
+    id: Id
+    category: Id
+    folder: RelativePath = Field(description="asset folder relative to library.json")
+    doors: Panels
+    drawers: Panels
     checksum: str
 
 
-class Library(Contract):
+class Library(Document):
     """`library.json`: the index of a library, sorted by id."""
 
-    version: Literal[1] = 1
-    assets: list[LibraryEntry]
+    assets: list[LibraryEntry] = Field(min_length=1)
+
+    @model_validator(mode="after")
+    def _once(self) -> "Library":
+        check_unique("assets: ids", [entry.id for entry in self.assets])
+        return self
 
 
-class SnapshotShard(Contract):
+class SnapshotShard(Document):
     """Sidecar of a snapshot shard: N_snap yaw views and one representative per asset (paper A.1).
 
     The HDF5 file beside it holds `rgb` (A, V, H, W, 3) uint8 and `depth` (A, V, H, W) uint16 in thousandths
@@ -96,12 +134,18 @@ class SnapshotShard(Contract):
     by `yaws[v]` about z, and the last view is the representative. At yaw 0 the front faces the camera.
     """
 
-    version: Literal[1] = 1
-    assets: list[str]
-    yaws: list[float]
-    representative_yaw: float
-    image_size: int
-    intrinsics: list[list[float]] = Field(description="3x3 camera matrix in pixels")
-    elevation: float | None = Field(
+    assets: list[Id]
+    yaws: list[Angle] = Field(min_length=1)
+    representative_yaw: Angle
+    image_size: Side
+    intrinsics: CameraMatrix = Field(description="3x3 camera matrix in pixels")
+    elevation: Angle | None = Field(
         None, description="angle of the camera above the horizontal, radians; lets matching compare normals upright"
     )
+
+    @model_validator(mode="after")
+    def _consistent(self) -> "SnapshotShard":
+        check_unique("assets", self.assets)
+        check_unique("yaws", self.yaws)
+        check_view(self.image_size, self.intrinsics)
+        return self

@@ -2,55 +2,70 @@
 
 from typing import Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from stages.contracts.files import Contract
-from stages.contracts.library import Vector
-from stages.contracts.scenes import Matrix
+from stages.contracts.files import Contract, Document
+from stages.contracts.types import (
+    Angle,
+    CameraMatrix,
+    Coordinate,
+    Count,
+    HorizontalUnitVector,
+    Id,
+    MaskValue,
+    Panels,
+    Position,
+    RigidTransform,
+    Side,
+    Size,
+    Text,
+    check_unique,
+    check_view,
+)
 
 
 class Wall(Contract):
     """A wall plane in the floor frame: points p with normal . p = offset; the normal is horizontal and faces us."""
 
-    id: str
-    normal: Vector
-    offset: float
-    points: int
+    id: Id
+    normal: HorizontalUnitVector
+    offset: Coordinate
+    points: Count
 
 
 class Box(Contract):
     """A z-aligned box in the floor frame; `size` is (x, y, z) along the box's own axes, `yaw` in (-pi/4, pi/4]."""
 
-    center: Vector
-    size: Vector
-    yaw: float
+    center: Position
+    size: Size
+    yaw: Angle
 
 
 class Mounting(Contract):
     """Paper A.2: 1 wall mounted, 2 on the floor or on another object, 3 mixture (stands, and touches a wall)."""
 
     type: Literal[1, 2, 3]
-    walls: list[str] = Field([], description="ids of the walls touched, the dominant one first")
+    walls: list[Id] = Field([], description="ids of the walls touched, the dominant one first")
 
 
 class SceneObject(Contract):
     """One object of the image."""
 
-    id: str = Field(description="label and running number, e.g. cabinet_1; unique within the scene")
-    label: str
-    mask: int = Field(description="value of its pixels in masks.png")
+    id: Id = Field(description="label and running number, e.g. cabinet_1; unique within the scene")
+    label: Text
+    mask: MaskValue = Field(description="value of its pixels in masks.png")
     status: Literal["ok", "failed"] = "ok"
     reason: str = Field("", description="why it failed")
-    pixels: tuple[int, int, int, int] | None = Field(None, description="mask bounds x0, y0, x1, y1 (exclusive)")
+    pixels: tuple[Count, Count, Count, Count] | None = Field(None, description="mask bounds x0, y0, x1, y1 (exclusive)")
     articulated: bool = False
-    doors: int = 0
-    drawers: int = 0
-    points: int = 0
+    doors: Panels = 0
+    drawers: Panels = 0
+    points: Count = 0
     box: Box | None = Field(None, description="z-aligned minimum box of the cleaned cloud (null if failed)")
     mounting: Mounting | None = None
 
 
-class Objects(Contract):
+class Objects(Document):
     """`objects.json`. Beside it: `masks.png` (uint16, cleaned masks in full-image pixels), `depth.npz`
     (`depth` float32 metres, 0: unknown), `clouds.npz` (one (N, 3) float32 array per object id, floor frame).
 
@@ -58,11 +73,44 @@ class Objects(Contract):
     x along the horizontal part of the viewing direction.
     """
 
-    version: Literal[1] = 1
-    scene: str
-    width: int
-    height: int
-    intrinsics: Matrix
-    floor_from_camera: Matrix
+    scene: Id
+    width: Side
+    height: Side
+    intrinsics: CameraMatrix
+    floor_from_camera: RigidTransform
     walls: list[Wall]
     objects: list[SceneObject]
+
+    @model_validator(mode="after")
+    def _resolvable(self) -> "Objects":
+        check_view(self.width, self.intrinsics)
+        check_unique("walls: ids", [wall.id for wall in self.walls])
+        check_unique("objects: ids", [item.id for item in self.objects])
+        check_unique("objects: mask values", [item.mask for item in self.objects])
+        walls = {wall.id for wall in self.walls}
+        for item in self.objects:
+            check_status(item.id, item.status, item.reason)
+            if item.status == "ok" and (item.box is None or item.mounting is None):
+                raise ValueError(f"objects: '{item.id}' is ok, but has no box or no mounting")
+            check_mounting(item.id, item.mounting, walls)
+            if item.pixels is not None:
+                x0, y0, x1, y1 = item.pixels
+                if not (x0 < x1 <= self.width and y0 < y1 <= self.height):
+                    raise ValueError(f"objects: pixels of '{item.id}' are no box inside the picture")
+        return self
+
+
+def check_status(name: str, status: str, reason: str) -> None:
+    """What failed says why."""
+    if status == "failed" and not reason:
+        raise ValueError(f"objects: '{name}' failed, but reason is empty")
+
+
+def check_mounting(name: str, mounting: Mounting | None, walls: set[str]) -> None:
+    """The walls that an object touches exist, each once."""
+    if mounting is None:
+        return
+    check_unique(f"objects: mounting.walls of '{name}'", mounting.walls)
+    for wall in mounting.walls:
+        if wall not in walls:
+            raise ValueError(f"objects: mounting.walls of '{name}' names '{wall}', which is not in walls")

@@ -1,82 +1,101 @@
 """Contracts of the policy part: the experiment's assets, the attempt ledger, the rollout rows."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from stages.contracts.files import Contract
-from stages.contracts.library import Vector
+from stages.contracts.files import Contract, Document
+from stages.contracts.types import Count, Extent, Finite, Id, NonNegative, Rank, Seed, Size, Text, check_unique
 
 
 class TaskAsset(Contract):
     """One asset in the policy experiment."""
 
-    role: str = Field(description="twin, cousin_1, cousin_2, ... or dissimilar")
-    asset: str
-    category: str
-    joint: str = Field(description="the joint that the task opens")
-    size: Vector = Field(description="nominal box at which it is loaded, metres")
-    distance: float = Field(description="DINO distance to the twin between representative snapshots (Table 3)")
+    role: Id = Field(description="twin, cousin_1, cousin_2, ... or dissimilar")
+    asset: Id
+    category: Id
+    joint: Text = Field(description="the joint that the task opens")
+    size: Size = Field(description="nominal box at which it is loaded, metres")
+    distance: NonNegative = Field(description="DINO distance to the twin between representative snapshots (Table 3)")
 
 
-class TaskAssets(Contract):
+class TaskAssets(Document):
     """`assets.json`: the twin is the best match of a named object of a named room, the cousins are the next ones."""
 
-    version: Literal[1] = 1
-    task: str
-    scene: str
-    object: str
-    encoder: str
-    assets: list[TaskAsset]
+    task: Id
+    scene: Id
+    object: Id
+    encoder: Text
+    assets: list[TaskAsset] = Field(min_length=1)
+
+    @model_validator(mode="after")
+    def _roles(self) -> "TaskAssets":
+        roles = [asset.role for asset in self.assets]
+        check_unique("assets: roles", roles)
+        check_unique("assets", [asset.asset for asset in self.assets])
+        cousins = [asset for asset in self.assets if asset.role.startswith("cousin_")]
+        numbers = [asset.role.removeprefix("cousin_") for asset in cousins]
+        named = ["twin", *(cousin.role for cousin in cousins), "dissimilar"]
+        ordered = all(map(str.isdigit, numbers)) and sorted(map(int, numbers)) == list(map(int, numbers))
+        if not ordered or roles not in (named, named[:-1]):
+            raise ValueError(f"assets: roles are {', '.join(roles)}, not twin, cousin_1, cousin_2, ..., dissimilar")
+        distances = [cousin.distance for cousin in cousins]
+        if distances != sorted(distances):
+            raise ValueError("assets: cousins are not in the order of their distance")
+        return self
 
 
 class Attempt(Contract):
     """A line of `attempts.jsonl`: every attempt, also those that failed (paper A.5: only successes become data)."""
 
-    attempt: int
-    seed: int
+    attempt: Count
+    seed: Seed
     success: bool
-    cause: str = Field(
+    cause: Id = Field(
         description="'success' or where it failed: no_handle, no_plan, approach, converge, grasp_slip, ..."
     )
-    steps: int
-    opened: float = Field(description="fraction of the target joint's range at the end")
-    episode: int | None = Field(None, description="index in episodes.h5 if kept")
+    steps: Count
+    opened: Finite = Field(ge=-10, le=10, description="fraction of the target joint's range at the end")
+    episode: Count | None = Field(None, description="index in episodes.h5 if kept")
 
 
 class Rollout(Contract):
     """A row of `rollouts.csv`."""
 
-    task: str
-    training_set: str
-    run: str
-    seed: int
-    checkpoint: str
-    test_asset: str = Field(description="role of the test asset")
-    asset: str
-    dino_distance: float
-    episode: int
-    initial_state: int = Field(description="seed of the initial state; the same for every policy (paired)")
+    task: Id
+    training_set: Id
+    run: Id
+    seed: Seed
+    checkpoint: Text
+    test_asset: Id = Field(description="role of the test asset")
+    asset: Id
+    dino_distance: NonNegative
+    episode: Count
+    initial_state: Seed = Field(description="seed of the initial state; the same for every policy (paired)")
     success: bool
-    steps: int
-    opened: float
+    steps: Count
+    opened: Finite = Field(ge=-10, le=10)
+
+
+Angle = Annotated[Finite, Field(ge=0, le=3.1416)]
+Overlap = Annotated[Finite, Field(ge=0, le=1.000001)]
 
 
 class SceneScore(Contract):
     """A row of `scores.csv`: one object of one generated scene against the truth (paper B.1)."""
 
-    scene: str
-    variant: str
-    rank: int
-    scale_m: float
-    object: str
+    scene: Id
+    variant: Id
+    rank: Rank
+    scale_m: Extent
+    object: Text
     status: Literal["ok", "failed", "missed"]
     true_asset: str
     asset: str | None = Field(description="null if nothing was placed")
     category_correct: bool
     model_correct: bool
-    l2_cm: float | None
-    orientation_rad: float | None = Field(description="null for symmetric objects")
-    iou: float | None
-    oriented_iou: float | None
+    l2_cm: NonNegative | None
+    orientation_rad: Angle | None = Field(description="null for symmetric objects")
+    iou: Overlap | None
+    oriented_iou: Overlap | None
     stable: bool | None

@@ -2,60 +2,95 @@
 
 from typing import Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from stages.contracts.files import Contract
-from stages.contracts.library import Vector
+from stages.contracts.files import Contract, Document
+from stages.contracts.types import (
+    Angle,
+    CameraMatrix,
+    Extent,
+    Id,
+    MaskValue,
+    Matrix,
+    Panels,
+    Position,
+    RigidTransform,
+    Side,
+    Size,
+    Text,
+    check_supports,
+    check_unique,
+    check_view,
+)
 
-Matrix = list[list[float]]
+__all__ = ["Annotation", "Annotations", "Camera", "Matrix", "TrueObject", "Truth"]
 
 
-class Camera(Contract):
+class Camera(Document):
     """`camera.json`: a pinhole camera. Pixel centres are at integer coordinates."""
 
-    version: Literal[1] = 1
-    width: int
-    height: int
-    intrinsics: Matrix = Field(description="3x3 matrix K in pixels")
+    width: Side = Field(description="of the upright picture, as a viewer shows it")
+    height: Side
+    intrinsics: CameraMatrix = Field(description="3x3 matrix K in pixels")
+
+    @model_validator(mode="after")
+    def _plausible(self) -> "Camera":
+        check_view(self.width, self.intrinsics)
+        return self
 
 
 class Annotation(Contract):
     """What a captioner would say of one object of the image (paper A.2, A.7)."""
 
-    mask: int = Field(description="value of the object's pixels in masks.png; 1 or more")
-    label: str = Field(description="free text, e.g. 'cabinet'")
+    mask: MaskValue = Field(description="value of the object's pixels in masks.png; 1 or more")
+    label: Text = Field(description="free text, e.g. 'cabinet'")
     articulated: bool = False
-    doors: int = 0
-    drawers: int = 0
+    doors: Panels = 0
+    drawers: Panels = 0
 
 
-class Annotations(Contract):
+class Annotations(Document):
     """`annotations.json` beside `masks.png` (uint16: 0 nothing, else an object, the floor or a wall)."""
 
-    version: Literal[1] = 1
-    objects: list[Annotation]
-    floor: int | None = Field(None, description="mask value of the floor")
-    walls: list[int] = Field([], description="mask values of the walls")
+    objects: list[Annotation] = Field(min_length=1)
+    floor: MaskValue | None = Field(None, description="mask value of the floor")
+    walls: list[MaskValue] = Field([], description="mask values of the walls")
+
+    @property
+    def values(self) -> list[int]:
+        """All mask values that have a meaning."""
+        floor = [] if self.floor is None else [self.floor]
+        return [item.mask for item in self.objects] + self.walls + floor
+
+    @model_validator(mode="after")
+    def _values_once(self) -> "Annotations":
+        check_unique("mask values", self.values)
+        return self
 
 
 class TrueObject(Contract):
     """One object of a sim-to-sim room as it really stands."""
 
-    mask: int
-    asset: str
-    category: str
-    position: Vector = Field(description="box centre in the room's world frame, metres")
-    yaw: float = Field(description="rotation of the asset about z, radians")
-    size: Vector = Field(description="box extents along the asset's axes, metres")
+    mask: MaskValue
+    asset: Id
+    category: Id
+    position: Position = Field(description="box centre in the room's world frame, metres")
+    yaw: Angle = Field(description="rotation of the asset about z, radians")
+    size: Size = Field(description="box extents along the asset's axes, metres")
     symmetry: Literal["none", "half_turn", "quarter_turn", "full"]
     support: str = Field(description="'floor', 'wall' or the mask value of the object beneath, as text")
 
 
-class Truth(Contract):
+class Truth(Document):
     """`truth.json`: read by `evaluation` alone."""
 
-    version: Literal[1] = 1
-    scene: str
-    scale: float = Field(description="largest distance between two box centres, metres (Table 2, 'Scale')")
-    world_from_camera: Matrix
-    objects: list[TrueObject]
+    scene: Id
+    scale: Extent = Field(description="largest distance between two box centres, metres (Table 2, 'Scale')")
+    world_from_camera: RigidTransform
+    objects: list[TrueObject] = Field(min_length=1)
+
+    @model_validator(mode="after")
+    def _resolvable(self) -> "Truth":
+        check_unique("objects: mask values", [item.mask for item in self.objects])
+        check_supports({str(item.mask): item.support for item in self.objects})
+        return self

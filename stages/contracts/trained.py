@@ -1,39 +1,37 @@
 """Contract of the `training` stage: `config.json` beside the weights of a policy."""
 
-from typing import Literal
-
 from pydantic import Field
 
 from stages.config.task import TaskConfig
 from stages.config.training import TrainingRun
-from stages.contracts.files import Contract
+from stages.contracts.files import Contract, Document
+from stages.contracts.types import Count, Finite, Id, RelativePath, Seed, Text
 
 
 class TrainingStore(Contract):
     """What was used of one episode store."""
 
-    file: str
-    asset: str
-    episodes: int
-    frames: int
+    file: Text
+    asset: Id
+    episodes: Count
+    frames: Count
 
 
-class TrainedPolicy(Contract):
+class TrainedPolicy(Document):
     """`config.json`. Beside it: `policy.safetensors` (best), `last.safetensors`, `metrics.jsonl`.
 
     The weights hold the normaliser too (`proprio_mean`, `proprio_std`, `cloud_mean`, `cloud_std`).
     """
 
-    version: Literal[1] = 1
-    task: str
+    task: Id
     task_options: TaskConfig = Field(description="environment of the demonstrations; evaluation uses the same")
     run: TrainingRun = Field(description="hyper-parameters")
-    seed: int
-    stores: list[TrainingStore]
+    seed: Seed
+    stores: list[TrainingStore] = Field(min_length=1)
     data_digest: str = Field(description="sha256 over the episodes used")
-    training_episodes: int
-    validation_episodes: int
-    parameters: int = Field(description="learned numbers of the network")
-    best_step: int
-    best_loss: float | None = Field(description="validation loss of policy.safetensors; null: no validation")
-    checkpoints: list[str] = Field([], description="further weights kept for selection by rollouts")
+    training_episodes: Count
+    validation_episodes: Count
+    parameters: Count = Field(description="learned numbers of the network")
+    best_step: Count
+    best_loss: Finite | None = Field(description="validation loss of policy.safetensors; null: no validation")
+    checkpoints: list[RelativePath] = Field([], description="further weights kept for selection by rollouts")

@@ -7,9 +7,10 @@ import numpy as np
 from stages.cli import progress
 from stages.config.matching import MatchingConfig
 from stages.contracts import read_options
+from stages.contracts.features import FeatureIndex
 from stages.matching.encoders import make_encoder, settings_digest
 from stages.matching.snapshots import SnapshotFile
-from stages.matching.store import StoreIndex, write_store
+from stages.matching.store import write_store
 
 
 def run(*, snapshots: Path, out: Path, options: str = "{}") -> None:
@@ -28,7 +29,7 @@ def run(*, snapshots: Path, out: Path, options: str = "{}") -> None:
             for patches in encoder.encode(shard.views(asset)):
                 rows.append(patches.rows.astype(np.float16))
                 starts.append(starts[-1] + len(rows[-1]))
-        index = StoreIndex(
+        index = FeatureIndex(
             encoder=settings.encoder,
             settings=settings_digest(settings, encoder),
             upright=shard.sidecar.elevation is not None,

@@ -2,33 +2,13 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, model_validator
 
-from stages.contracts import Contract, InputError, atomic, read_json, write_json
-
-
-class StoreIndex(Contract):
-    """`shard_I.json` beside `shard_I.npy`: which rows belong to which view of which asset."""
-
-    version: Literal[1] = 1
-    encoder: str
-    settings: str = Field(description="digest of the encoder's settings; another one makes another store")
-    upright: bool = Field(description="whether normals are upright (the snapshot camera's elevation was known)")
-    assets: list[str]
-    yaws: list[float] = Field(description="radians; views in this order, then the representative")
-    starts: list[int] = Field(
-        description="first row of view v of asset a at a * (len(yaws) + 1) + v; the last is the count"
-    )
-
-    @model_validator(mode="after")
-    def _complete(self) -> "StoreIndex":
-        if len(self.starts) != len(self.assets) * (len(self.yaws) + 1) + 1:
-            raise ValueError("starts needs one entry per view and one at the end")
-        return self
+from stages.contracts import InputError, atomic, read_json, write_json
+from stages.contracts.features import FeatureIndex
 
 
 class Snapshot(NamedTuple):
@@ -38,7 +18,7 @@ class Snapshot(NamedTuple):
     view: int
 
 
-def write_store(path: Path, index: StoreIndex, rows: Sequence[NDArray[np.float16]]) -> None:
+def write_store(path: Path, index: FeatureIndex, rows: Sequence[NDArray[np.float16]]) -> None:
     """Write the rows of all views, in the order of `index.starts`, and the index beside them."""
     with atomic(path) as temporary:
         columns = rows[0].shape[1] if rows else 0
@@ -64,9 +44,9 @@ class FeatureStore:
         fix = "run `python -m stages.matching features` again with the present options"
         self._where: dict[str, tuple[int, int]] = {}  # asset -> shard, position in it
         self._arrays: list[NDArray[np.float16]] = []
-        self._indices: list[StoreIndex] = []
+        self._indices: list[FeatureIndex] = []
         for shard, path in enumerate(paths):
-            index = read_json(StoreIndex, path.with_suffix(".json"), fix)
+            index = read_json(FeatureIndex, path.with_suffix(".json"), fix)
             if index.settings != settings:
                 raise InputError(path, f"was made by {index.encoder} with other settings.", fix)
             if self._indices and (index.yaws, index.upright) != (self._indices[0].yaws, self._indices[0].upright):

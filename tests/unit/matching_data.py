@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from stages.contracts import Cousins, Library, Objects, SnapshotShard, read_json, write_json
 from stages.contracts.library import LibraryEntry
-from stages.contracts.objects import SceneObject
+from stages.contracts.objects import Box, Mounting, SceneObject
 from stages.geometry.cameras import intrinsics_from_fov, look_at
 from stages.geometry.frames import yaw_matrix
 from stages.matching.features import run as features
@@ -115,6 +115,7 @@ def write_scene(folder: Path, shown: list[tuple[str, float, dict]], models: dict
         rgb, depth = trace_box(tuple(np.array(size) / max(size)), yaw, panels, pose, intrinsics, side, side)
         tiles.append((rgb, depth, np.where(depth > 0, number, 0)))
         base = {"id": f"{category}_{number}", "label": category, "mask": number, "doors": doors, "drawers": drawers}
+        base |= {"box": Box(center=(0, 0, 0), size=size, yaw=0), "mounting": Mounting(type=2)}
         items.append(SceneObject(**(base | {"articulated": doors + drawers > 0} | fields)))
     rgb, depth, masks = (np.concatenate([tile[k] for tile in tiles], axis=1) for k in range(3))
     cv2.imwrite(str(folder / "rgb.png"), rgb[..., ::-1])

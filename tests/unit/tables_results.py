@@ -15,8 +15,8 @@ from stages.contracts.library import Library, LibraryEntry
 from stages.contracts.objects import Box, Mounting, Objects, SceneObject
 from stages.contracts.policies import Attempt, Rollout, SceneScore, TaskAsset, TaskAssets
 
-EYE = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
-POSE = [[*row, 0.0] for row in EYE] + [[0.0, 0.0, 0.0, 1.0]]
+CAMERA = [[200.0, 0.0, 120.0], [0.0, 200.0, 80.0], [0.0, 0.0, 1.0]]
+POSE = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
 LABELS = {"room_1": ["cabinet", "bowl", "lamp"], "room_2": ["table", "chair"]}
 ROLES = {"twin": 0.0, "cousin_1": 3.1, "cousin_2": 4.0, "cousin_6": 7.5, "dissimilar": 12.25}
 
@@ -91,7 +91,7 @@ def _room(results: Path, name: str) -> None:
     seen.append(
         SceneObject(id="vase_1", label="vase", mask=9, status="failed", reason="only 12 points <after cleaning>")
     )
-    frame = {"width": 240, "height": 160, "intrinsics": EYE, "floor_from_camera": POSE, "walls": []}
+    frame = {"width": 240, "height": 160, "intrinsics": CAMERA, "floor_from_camera": POSE, "walls": []}
     write_json(results / "extraction" / name / "objects.json", Objects(scene=name, objects=seen, **frame))
 
     view = Orientation(yaw=0.2, distance=8.0)
@@ -109,8 +109,11 @@ def _room(results: Path, name: str) -> None:
     generation = results / "generation" / "b" / name
     picture(generation / "comparison.png", 700, 240, seed=4)
     for rank in (1, 2):
-        placed = [PlacedObject(id=item.id, label=item.label, asset=item.id, moved=0.04) for item in seen[:-1]]
-        fallen = ["lamp_1"] if rank == 2 else []
+        placed = [
+            PlacedObject(id=item.id, label=item.label, asset=item.id, category=item.label, size=(1, 1, 1), moved=0.04)
+            for item in seen[:-1]
+        ]
+        fallen = ["lamp_1"] if rank == 2 and "lamp" in labels else []
         check = Plausibility(seconds=2, stable=not fallen, fallen=fallen, mean_displacement=0.004,
                              max_penetration=0.001, collisions=0)  # fmt: skip
         scene = GeneratedScene(scene=name, variant="b", rank=rank, objects=placed, plausibility=check, **frame)

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from stages.contracts import Camera, InputError, atomic, read_json, read_options, write_json
-from stages.contracts.__main__ import KINDS, main
+from stages.contracts.__main__ import main
 from stages.contracts.policies import Attempt
 
 CAMERA = Camera(width=4, height=3, intrinsics=[[1, 0, 2], [0, 1, 1.5], [0, 0, 1]])
@@ -22,8 +22,16 @@ def test_round_trip_is_byte_for_byte(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ('{"width": 4, "height": 3}', "intrinsics: Field required"),
-        ('{"width": 4, "height": 3, "intrinsics": [], "fov": 1}', "fov: Extra inputs"),
+        ('{"version": 1, "width": 4, "height": 3}', "intrinsics: Field required"),
+        (
+            '{"version": 1, "width": 4, "height": 3, "intrinsics": [[1, 0, 2], [0, 1, 1], [0, 0, 1]], "fov": 1}',
+            "fov: Extra inputs",
+        ),
+        ('{"version": 1, "width": 4, "height": 3, "intrinsics": []}', "intrinsics: is not a 3x3 matrix"),
+        ('{"version": 1, "width": 4.5, "height": 3, "intrinsics": []}', "width: Input should be a valid integer"),
+        ('{"version": 1, "width": "4", "height": 3, "intrinsics": []}', "width: Input should be a valid integer"),
+        ('{"width": 4, "height": 3}', "names no version; this workflow reads version 1"),
+        ('{"version": 2, "width": 4}', "is version 2; this workflow reads version 1.*Fix: make it again"),
         ("not json", "Invalid JSON"),
     ],
 )
@@ -65,7 +73,23 @@ def test_checker_checks_lines_and_tables(tmp_path: Path) -> None:
     path.write_text(good + "\n{}\n")
     assert main(["attempts", str(path)]) == 1
     assert main(["nonsense", str(path)]) == 2
-    assert set(KINDS) >= {"cousins", "objects", "rollouts", "scores"}
+
+
+def test_refused_files_are_kept_beside_their_place(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    write_json(tmp_path / "camera.json", CAMERA)
+    (tmp_path / "annotations.json").write_text("{}")
+    (tmp_path / "masks.png").write_bytes(b"a companion")
+    files = ["annotations", str(tmp_path / "annotations.json")]
+    assert main(files) == 1
+    assert (tmp_path / "annotations.json").read_text() == "{}"
+    assert main(["--refuse", *files]) == 1
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        "annotations.json.refused", "camera.json", "masks.png.refused"
+    ]  # fmt: skip
+    line = capsys.readouterr().err.splitlines()[-1]
+    assert "annotations.json: names no version" in line and "Kept as" in line and "annotations.json.refused" in line
+    assert main(["--refuse", *files]) == 1  # nothing there: nothing to keep, still one line
+    assert "no such file" in capsys.readouterr().err
 
 
 def test_stage_command_lines_end_with_one_line(tmp_path: Path) -> None:

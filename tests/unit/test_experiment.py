@@ -101,8 +101,8 @@ def experiment(world: World) -> dict[str, Any]:
     world.match(cousins, count_threshold=None)
     scene = world.folder / "scene_1.json"
     placed = [
-        PlacedObject(id="cabinet_1", label="cabinet", asset="cabinet_00", size=(0.5, 0.8, 0.9)),
-        PlacedObject(id="bowl_4", label="bowl", asset="bowl_01", size=(0.2, 0.2, 0.2)),
+        PlacedObject(id="cabinet_1", label="cabinet", asset="cabinet_00", category="cabinet", size=(0.5, 0.8, 0.9)),
+        PlacedObject(id="bowl_4", label="bowl", asset="bowl_01", category="bowl", size=(0.2, 0.2, 0.2)),
     ]
     identity = np.eye(4).tolist()
     generated = GeneratedScene(

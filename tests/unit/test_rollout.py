@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stages.contracts.__main__ import KINDS
 from stages.contracts.errors import InputError
 from stages.contracts.files import write_json
+from stages.contracts.kinds import KINDS
 from stages.contracts.library import Library
 from stages.contracts.policies import TaskAsset, TaskAssets
 from stages.evaluation import rollout
@@ -120,7 +120,7 @@ def evaluate(folder: Path, out: Path, **options: object) -> list[dict[str, str]]
         options=json.dumps(settings),
         out=out,
     )
-    KINDS["rollouts"](out)
+    KINDS["rollouts"].check(out)
     return list(csv.DictReader(out.read_text().splitlines()))
 
 

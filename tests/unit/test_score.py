@@ -10,7 +10,7 @@ from stages.contracts import GeneratedScene, InputError, Library, Objects, Truth
 from stages.contracts.__main__ import main as check_contract
 from stages.contracts.generated import PlacedObject, Plausibility
 from stages.contracts.library import LibraryEntry
-from stages.contracts.objects import SceneObject
+from stages.contracts.objects import Box, Mounting, SceneObject
 from stages.contracts.scenes import TrueObject
 from stages.evaluation.score import run
 from stages.evaluation.scoring import score_scene
@@ -70,11 +70,14 @@ def scene_and_objects() -> tuple[GeneratedScene, Objects]:
         "scene": "room_t",
         "width": 8,
         "height": 6,
-        "intrinsics": np.eye(3).tolist(),
+        "intrinsics": np.diag([8.0, 8.0, 1.0]).tolist(),
         "floor_from_camera": FLOOR_FROM_CAMERA.tolist(),
         "walls": [],
     }
-    seen = Objects(objects=[SceneObject(id=name, label=name, mask=mask) for mask, name in names.items()], **common)
+    about = {"box": Box(center=(0, 0, 0), size=(1, 1, 1), yaw=0), "mounting": Mounting(type=2)}
+    seen = Objects(
+        objects=[SceneObject(id=name, label=name, mask=mask, **about) for mask, name in names.items()], **common
+    )
     a, b, c = TRUTH.objects[:3]
     scene = GeneratedScene(
         variant="v",
@@ -180,6 +183,7 @@ def test_files_of_different_rooms_are_refused(tmp_path: Path) -> None:
 
 def test_a_truth_of_another_library_is_refused(tmp_path: Path) -> None:
     files = _write(tmp_path)
-    write_json(files["library"], Library(assets=[]))
+    other = LibraryEntry(id="sofa_0", category="sofa", folder="models/sofa_0", doors=0, drawers=0, checksum="0")
+    write_json(files["library"], Library(assets=[other]))
     with pytest.raises(InputError, match="cabinet_0"):
         run(**files)
