@@ -10,8 +10,9 @@ from pathlib import Path
 from snakemake.exceptions import WorkflowError
 from snakemake.settings.types import ExecMode
 
-from stages.config.code import code_digest, files_digest
+from stages.config.code import code_digest, cover, files_digest
 from stages.config.model import load
+from stages.config.names import modules
 from stages.contracts.errors import InputError
 from stages.plugins import qualified
 from stages.guard import hold_folder, makes_files
@@ -19,8 +20,12 @@ from stages.guard import hold_folder, makes_files
 # `.venv/bin/snakemake` works without activating the environment: jobs find its python first.
 os.environ.update(PATH=os.pathsep.join([str(Path(sys.executable).parent), *os.get_exec_path()]))
 
+# As for `python -m`, packages of the user may lie in the working directory.
+sys.path.append(os.getcwd())
+
 try:
     CONFIG = load(config)
+    cover(CONFIG.plugins)
     if workflow.exec_mode == ExecMode.DEFAULT and not workflow.output_settings.dryrun and makes_files(sys.argv):
         LOCKED = hold_folder()
 except InputError as error:
@@ -39,7 +44,7 @@ ENCODERS = sorted({CONFIG.matching_of(variant).encoder for variant in VARIANTS})
 wildcard_constraints:
     scene=r"[A-Za-z0-9-]+(_[A-Za-z0-9-]+)*",
     variant=r"[A-Za-z0-9_-]+",
-    encoder=r"[a-z0-9_]+",
+    encoder=r"[A-Za-z0-9_.]+",
     task="|".join(TASKS) or "-",
     object=r"[^/]+",
     role=r"twin|cousin_\d+",
@@ -80,6 +85,16 @@ def check(**outputs):
         return shlex.join(["python", "-m", "stages.contracts", *chain(*named)])
 
     return line
+
+
+def task_code(stage, verb):
+    """The code of a verb that works on a task."""
+    return lambda wildcards: code(stage, verb, qualified("tasks", CONFIG.implementation("tasks", wildcards.task)))
+
+
+def matching_code(verb, *keys):
+    """The code of a verb of matching with the implementations that some keys name."""
+    return lambda wildcards: code("matching", verb, *modules(CONFIG.matching_of(wildcards.variant), *keys))
 
 
 def matching_options(wildcards):

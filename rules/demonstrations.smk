@@ -28,7 +28,7 @@ rule demonstrate:
         mem_mb=3000,
     params:
         command=command("demonstrations", "collect"),
-        code=lambda wildcards: code("demonstrations", "collect", qualified("tasks", wildcards.task)),
+        code=task_code("demonstrations", "collect"),
         check=check(attempts="attempts"),
         options=as_options(CONFIG.demonstrations),
         task_options=as_options(CONFIG.task),

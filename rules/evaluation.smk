@@ -32,7 +32,7 @@ rule rollout:
         gpu=1 if CONFIG.device == "cuda" else 0,
     params:
         command=command("evaluation", "rollout"),
-        code=lambda wildcards: code("evaluation", "rollout", qualified("tasks", wildcards.task)),
+        code=task_code("evaluation", "rollout"),
         check=check(rollouts="rollouts"),
         options=as_options(CONFIG.evaluation),
         seed=CONFIG.seed,

@@ -23,12 +23,13 @@ rule select:
         mem_mb=1000,
     params:
         command=command("experiment", "select"),
-        code=lambda wildcards: code("experiment", "select", qualified("tasks", wildcards.task)),
+        code=task_code("experiment", "select"),
         check=check(task="assets"),
+        task=lambda wildcards: CONFIG.implementation("tasks", wildcards.task),
         object=lambda wildcards: EXPERIMENT.tasks[wildcards.task].object,
         cousins=EXPERIMENT.cousins,
     shell:
         "({params.command} --cousins {input.cousins:q} --scene-file {input.scene:q} --object {params.object:q} "
-        "--task {wildcards.task} --library {input.library:q} --distances {input.distances:q} "
+        "--task {params.task} --library {input.library:q} --distances {input.distances:q} "
         "--count {params.cousins} --out {output.assets:q} && "
         "{params.check}) 2>&1 | tee {log:q}"

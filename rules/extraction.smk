@@ -23,7 +23,7 @@ rule extract:
         mem_mb=2000,
     params:
         command=command("extraction", "extract"),
-        code=code("extraction", "extract"),
+        code=code("extraction", "extract", *modules(CONFIG.extraction, "source")),
         check=check(objects="objects"),
         options=as_options(CONFIG.extraction),
         seed=CONFIG.seed,

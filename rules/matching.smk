@@ -24,7 +24,7 @@ rule features:
         mem_mb=3000,
     params:
         command=command("matching", "features"),
-        code=code("matching", "features"),
+        code=lambda wildcards: code("matching", "features", qualified("encoders", wildcards.encoder)),
         options=encoder_options,
     shell:
         "{params.command} --snapshots {input.images:q} --options {params.options:q} --out {output.features:q} "
@@ -53,7 +53,7 @@ rule match:
         mem_mb=3000,
     params:
         command=command("matching", "match"),
-        code=code("matching", "match"),
+        code=matching_code("match", "encoder", "text_encoder", "search", "model_selection", "orientation_selection"),
         check=check(cousins="cousins"),
         options=matching_options,
     shell:
@@ -81,7 +81,7 @@ rule distances:
         mem_mb=2000,
     params:
         command=command("matching", "distances"),
-        code=code("matching", "distances"),
+        code=matching_code("distances", "encoder", "search"),
         check=check(distances="distances"),
         options=matching_options,
     shell:

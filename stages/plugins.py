@@ -25,6 +25,11 @@ class Kind:
 
 
 KINDS = {
+    "encoders": Kind("stages.matching.encoders", "Encoder"),
+    "text_encoders": Kind("stages.matching.text_encoders", "TextEncoder"),
+    "searches": Kind("stages.matching.searches", "search"),
+    "judges": Kind("stages.matching.judges", "Judge"),
+    "sources": Kind("stages.extraction.sources", "observe"),
     "tasks": Kind("stages.tasks", "TASK"),
     "skills": Kind("stages.skills", "Skill"),
 }
@@ -49,7 +54,7 @@ def available(kind: str, packages: Sequence[str] = ()) -> dict[str, str]:
     for home in [KINDS[kind].home, *(f"{package}.{kind}" for package in packages)]:
         for file in sorted(folder(home).glob("*")):
             module = file / "__init__.py" if file.is_dir() else file
-            if module.suffix == ".py" and module.is_file() and _defines(module, KINDS[kind].symbol):
+            if module.suffix == ".py" and file.stem[0] != "_" and _defines(module, KINDS[kind].symbol):
                 name = file.stem
                 if name in found:
                     raise InputError("plugins", f"{kind} '{name}' is in {found[name]} and in {home}.", "rename yours")
@@ -57,17 +62,19 @@ def available(kind: str, packages: Sequence[str] = ()) -> dict[str, str]:
     return found
 
 
-def find(kind: str, name: str, packages: Sequence[str] = ()) -> str:
+def find(kind: str, name: str, packages: Sequence[str] = (), key: str = "") -> str:
     """The name to load an implementation by: as it is for ours, qualified for a user's.
 
     Raises:
-        InputError: there is none of that name; the message has the nearest one.
+        InputError: there is none of that name; the message has the `key` of the config and the nearest name.
     """
     known = available(kind, packages)
+    if name in known.values():
+        return name
     if name not in known:
         near = get_close_matches(name, known, n=1, cutoff=0.5)
-        hint = f"did you mean '{near[0]}'?" if near else f"known: {', '.join(known)}"
-        raise InputError(kind, f"there is no '{name}'.", hint)
+        hint = f"did you mean '{near[0]}'?" if near else f"there are: {', '.join(known)}"
+        raise InputError(key or kind, f"there is no '{name}'.", hint)
     return name if known[name] == f"{KINDS[kind].home}.{name}" else known[name]
 
 
@@ -90,5 +97,5 @@ def load(kind: str, name: str) -> Any:
 
 def _defines(module: Path, symbol: str) -> bool:
     """Whether a module defines or imports a name at its top level."""
-    text = module.read_text(encoding="utf-8")
+    text = module.read_text(encoding="utf-8") if module.is_file() else ""
     return re.search(rf"^(class |def |from .* import .*\b)?{symbol}\b", text, re.MULTILINE) is not None

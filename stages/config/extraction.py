@@ -1,10 +1,10 @@
 """Config section `extraction`: from image to objects in space (paper 2.1, A.2, A.7)."""
 
-from typing import Literal
+from typing import Any, Literal
 
 from pydantic import Field
 
-from stages.config.base import Section
+from stages.config.base import OWN, Section
 
 
 class DepthNoiseConfig(Section):
@@ -29,8 +29,10 @@ class DepthNoiseConfig(Section):
 class ExtractionConfig(Section):
     """From pixels, depth and masks to objects in the floor frame."""
 
-    implementation: Literal["simulator"] = Field(
-        "simulator", description="Where depth and masks come from. simulator: from the files in the input folder."
+    source: str = Field(
+        "folder",
+        json_schema_extra={"kind": "sources"},
+        description="Where depth, masks and captions come from. folder: from the files in the input folder.",
     )
     depth_noise: Literal["model", "none"] = Field(
         "model",
@@ -89,6 +91,8 @@ class ExtractionConfig(Section):
     free_space_share: float = Field(
         0.35, gt=0, lt=1, description="A gap is real if at least this share of it is seen to be empty."
     )
+
+    own: dict[str, dict[str, Any]] = OWN
 
     def tolerance(self, distance: float) -> float:
         """Gap in metres that counts as touching at a distance from the camera."""

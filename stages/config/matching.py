@@ -1,10 +1,10 @@
 """Config section `matching`: digital cousins of every object (paper A.6, A.7, B.1)."""
 
-from typing import Literal
+from typing import Any
 
 from pydantic import Field, model_validator
 
-from stages.config.base import Section
+from stages.config.base import OWN, Section
 
 
 class HogConfig(Section):
@@ -44,13 +44,19 @@ class Dinov2Config(PretrainedConfig):
 class MatchingConfig(Section):
     """From objects to ranked models of the library, each with its orientation."""
 
-    encoder: Literal["hog", "dinov2"] = Field(
-        "hog", description="Patch features. hog: needs no weights. dinov2: the paper's; give dinov2.path."
+    encoder: str = Field(
+        "hog",
+        json_schema_extra={"kind": "encoders"},
+        description="Patch features. hog: needs no weights. dinov2: the paper's; give dinov2.path.",
     )
-    text_encoder: Literal["lexical", "clip"] = Field(
-        "lexical", description="How labels are compared with categories. clip: the official code's; give clip.path."
+    text_encoder: str = Field(
+        "lexical",
+        json_schema_extra={"kind": "text_encoders"},
+        description="How labels are compared with categories. clip: the official code's; give clip.path.",
     )
-    search: Literal["torch", "faiss"] = Field("torch", description="Nearest patches; both give the same picks.")
+    search: str = Field(
+        "torch", json_schema_extra={"kind": "searches"}, description="Nearest patches; both give the same picks."
+    )
     k_cat: int = Field(3, ge=1, description="Nearest categories to search.")
     k_model: int = Field(10, ge=1, description="Models taken from them by voting (paper: 10).")
     k_ori: int = Field(4, ge=1, description="Orientations taken from a model's views (paper: 4).")
@@ -58,11 +64,15 @@ class MatchingConfig(Section):
     views: int = Field(
         12, ge=0, description="Yaw views by which a model is compared. 0: its representative snapshot alone (paper)."
     )
-    model_selection: Literal["distance", "votes"] = Field(
-        "distance", description="What ranks the models: embedding distance (A.6, B.1) or votes (A.6, official code)."
+    model_selection: str = Field(
+        "distance",
+        json_schema_extra={"kind": "judges"},
+        description="What ranks the models: embedding distance (A.6, B.1) or votes (A.6, official code).",
     )
-    orientation_selection: Literal["distance", "votes"] = Field(
-        "distance", description="What ranks the orientations: embedding distance (B.1) or votes (official code)."
+    orientation_selection: str = Field(
+        "distance",
+        json_schema_extra={"kind": "judges"},
+        description="What ranks the orientations: embedding distance (B.1) or votes (official code).",
     )
     exclude_worst: float = Field(
         0.10, ge=0, lt=1, description="Share of the largest patch distances left out of the mean (paper: 0.10)."
@@ -77,3 +87,4 @@ class MatchingConfig(Section):
     hog: HogConfig = Field(HogConfig(), description="The encoder `hog`.")
     dinov2: Dinov2Config = Field(Dinov2Config(), description="The encoder `dinov2`.")
     clip: PretrainedConfig = Field(PretrainedConfig(), description="The text encoder `clip`.")
+    own: dict[str, dict[str, Any]] = OWN

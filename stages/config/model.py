@@ -14,6 +14,7 @@ from stages.config.experiment import ExperimentConfig
 from stages.config.extraction import ExtractionConfig
 from stages.config.generation import GenerationConfig
 from stages.config.matching import MatchingConfig
+from stages.config.names import resolved
 from stages.config.replaced import Replaced
 from stages.config.scenes import ScenesConfig
 from stages.config.suggest import explain
@@ -29,6 +30,11 @@ class Config(Section):
 
     seed: int = Field(
         0, ge=0, description="Seed of everything random: library, rooms, noise, demonstrations, rollouts."
+    )
+    plugins: list[str] = Field(
+        [],
+        description="Packages of yours with further implementations (docs/extending.md): in this folder, installed, "
+        "or on PYTHONPATH.",
     )
     device: Literal["cpu", "cuda"] = Field("cpu", description="Where networks are trained and run.")
     experiment: ExperimentConfig = Field(ExperimentConfig(), description="Which cells of the paper's tables are run.")
@@ -65,7 +71,6 @@ class Config(Section):
                 f"experiment.policy_variant: '{experiment.policy_variant}' is not one of experiment.variants"
             )
         for task, target in experiment.tasks.items():
-            find("tasks", task)
             if target.scene not in experiment.rooms:
                 raise ValueError(f"experiment.tasks.{task}.scene: '{target.scene}' is not one of experiment.rooms")
         for run in experiment.runs:
@@ -81,7 +86,12 @@ class Config(Section):
 
     def matching_of(self, variant: str) -> MatchingConfig:
         """The matching options of one variant."""
-        return MatchingConfig.model_validate(self.matching.model_dump() | self.experiment.variants[variant])
+        merged = MatchingConfig.model_validate(self.matching.model_dump() | self.experiment.variants[variant])
+        return resolved(merged, self.plugins, f"experiment.variants.{variant}")
+
+    def implementation(self, kind: str, name: str) -> str:
+        """The name by which a stage loads an implementation."""
+        return find(kind, name, self.plugins)
 
 
 def load(config: dict[str, Any]) -> Config:
@@ -94,6 +104,9 @@ def load(config: dict[str, Any]) -> Config:
         valid = Config.model_validate(config)
     except ValidationError as error:
         raise InputError("config", explain(Config, error), "see config/README.md") from None
+    for task in valid.experiment.tasks:
+        find("tasks", task, valid.plugins, f"experiment.tasks.{task}")
+    valid = resolved(valid, valid.plugins, "")
     for stage, commands in valid.stages.items():
         for verb, own in commands.items():
             for name in own.code:

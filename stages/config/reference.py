@@ -10,6 +10,7 @@ from pydantic import BaseModel
 from pydantic_core import PydanticUndefined
 
 from stages.config.model import Config
+from stages.plugins import available
 
 HEADER = """\
 # yaml-language-server: $schema=config/schema.json
@@ -31,6 +32,8 @@ def _allowed(schema: dict[str, Any]) -> str:
     for option in options:
         if "enum" in option:
             parts.append(" | ".join(str(choice) for choice in option["enum"]))
+        if "kind" in option:
+            parts.append(" | ".join([*available(option["kind"]), "yours"]))
     for key, sign in (("minimum", ">="), ("exclusiveMinimum", ">"), ("maximum", "<="), ("exclusiveMaximum", "<")):
         parts.extend(f"{sign} {option[key]}" for option in options if key in option)
     return ", ".join(parts)

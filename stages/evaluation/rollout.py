@@ -17,6 +17,7 @@ from stages.contracts.policies import Rollout, TaskAsset, TaskAssets
 from stages.contracts.trained import TrainedPolicy
 from stages.evaluation.episodes import Episode, roll_out
 from stages.evaluation.film import film
+from stages.plugins import short
 from stages.policy.actor import Actor
 from stages.policy.checkpoint import load_policy, read_config
 from stages.policy.network import Policy
@@ -72,7 +73,7 @@ def run(
         print(f"evaluation: {asset.role} {successes}/{len(episodes)} opened", file=sys.stderr)
         rows += [
             Rollout(
-                task=plan.task,
+                task=short(plan.task),
                 training_set=training_set,
                 run=run_name,
                 seed=trained.seed,

@@ -1,6 +1,5 @@
 """Verb `extract`: one input folder -> objects.json, masks.png, depth.npz, clouds.npz."""
 
-import importlib
 import zlib
 from pathlib import Path
 
@@ -9,8 +8,9 @@ import numpy as np
 
 from stages.config.extraction import ExtractionConfig
 from stages.contracts import atomic, read_options, write_json
-from stages.extraction import IMPLEMENTATIONS
 from stages.extraction.reconstruct import reconstruct
+from stages.extraction.sources import Source
+from stages.plugins import load
 
 
 def run(*, input: Path, scene: str, out: Path, options: str = "{}", seed: int = 0) -> None:
@@ -25,7 +25,7 @@ def run(*, input: Path, scene: str, out: Path, options: str = "{}", seed: int = 
     """
     config = read_options(ExtractionConfig, options)
     noise, steps = np.random.default_rng(np.random.SeedSequence((seed, zlib.crc32(scene.encode())))).spawn(2)
-    observe = importlib.import_module(IMPLEMENTATIONS[config.implementation]).observe
+    observe: Source = load("sources", config.source)
     image = observe(input, config, noise)
     result = reconstruct(scene, image, config, steps)
 

@@ -7,7 +7,7 @@ from stages.contracts import Library
 from stages.contracts.cousins import CategoryMatch
 from stages.contracts.library import LibraryEntry
 from stages.contracts.objects import SceneObject
-from stages.matching.labels import TextDistance, nearest_categories
+from stages.matching.text_encoders import TextEncoder, nearest_categories
 
 
 class Candidates(NamedTuple):
@@ -18,9 +18,7 @@ class Candidates(NamedTuple):
     note: str
 
 
-def find_candidates(
-    item: SceneObject, library: Library, text_distance: TextDistance, options: MatchingConfig
-) -> Candidates:
+def find_candidates(item: SceneObject, library: Library, text: TextEncoder, options: MatchingConfig) -> Candidates:
     """All assets of the k_cat nearest categories that suit the object.
 
     An articulated object is sought among assets with doors or drawers, and among those whose counts
@@ -30,7 +28,7 @@ def find_candidates(
     by_counts = item.articulated and options.count_threshold is not None
     jointed = by_counts or (item.articulated and options.articulated_only)
     pool = [entry for entry in library.assets if not jointed or entry.doors + entry.drawers > 0]
-    nearest = nearest_categories(item.label, [entry.category for entry in pool], options.k_cat, text_distance)
+    nearest = nearest_categories(item.label, [entry.category for entry in pool], options.k_cat, text)
     categories = [CategoryMatch(category=name, distance=distance) for name, distance in nearest]
     names = {category.category for category in categories}
     notes = []

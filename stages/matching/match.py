@@ -10,10 +10,11 @@ from stages.contracts.cousins import ObjectCousins
 from stages.contracts.objects import SceneObject
 from stages.matching.candidates import find_candidates
 from stages.matching.encoders import PatchEncoder, make_encoder, settings_digest
-from stages.matching.labels import TEXT_ENCODERS, TextDistance
+from stages.matching.judges import Judges
 from stages.matching.ranking import make_query, rank_cousins
 from stages.matching.scene import Scene
 from stages.matching.store import FeatureStore
+from stages.matching.text_encoders import TextEncoder, make_text_encoder
 
 
 def run(
@@ -40,9 +41,10 @@ def run(
     store = FeatureStore(features, settings_digest(settings, encoder))
     assets = read_library(library, store)
     scene = Scene(objects, image)
-    text_distance = TEXT_ENCODERS[settings.text_encoder](settings)
+    text = make_text_encoder(settings)
+    judges = Judges(settings, library)
     entries = [
-        match_object(item, scene, assets, store, encoder, text_distance, settings)
+        match_object(item, scene, assets, store, encoder, text, judges, settings)
         for item in progress(scene.objects.objects, "objects matched", len(scene.objects.objects))
     ]
     result = Cousins(scene=scene.objects.scene, encoder=settings.encoder, objects=entries)
@@ -65,7 +67,8 @@ def match_object(
     library: Library,
     store: FeatureStore,
     encoder: PatchEncoder,
-    text_distance: TextDistance,
+    text: TextEncoder,
+    judges: Judges,
     options: MatchingConfig,
 ) -> ObjectCousins:
     """The cousins of one object, or the reason why there are none: one bad object does not stop the scene."""
@@ -75,10 +78,10 @@ def match_object(
     query = make_query(view if store.upright else replace(view, up=None), encoder)
     if query is None:
         return _failed(item, f"no foreground patch: mask {item.mask} has no pixel in masks.png")
-    found = find_candidates(item, library, text_distance, options)
+    found = find_candidates(item, library, text, options)
     if not found.assets:
         return _failed(item, "no candidate: the library has no asset with doors or drawers")
-    return rank_cousins(query, found, item.label, item.id, store, options)
+    return rank_cousins(query, found, item, view, store, judges, options)
 
 
 def _failed(item: SceneObject, reason: str) -> ObjectCousins:

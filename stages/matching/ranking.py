@@ -9,9 +9,11 @@ from numpy.typing import NDArray
 from stages.config.matching import MatchingConfig
 from stages.contracts.cousins import Candidate, Cousin, ObjectCousins, Orientation
 from stages.contracts.library import LibraryEntry
+from stages.contracts.objects import SceneObject
 from stages.matching.candidates import Candidates
 from stages.matching.crop import View
 from stages.matching.encoders import PatchEncoder
+from stages.matching.judges import Judges, Question
 from stages.matching.search import distance_table
 from stages.matching.store import FeatureStore, Snapshot
 from stages.matching.voting import Pick, embedding_distance, vote
@@ -97,36 +99,43 @@ def rank_models(
     return [candidates[group] for group, _ in ranking.picks], [candidates[group] for group in ranking.nearest]
 
 
-def rank_orientations(query: Query, asset: str, store: FeatureStore, options: MatchingConfig) -> list[Orientation]:
-    """The k_ori best views of an asset, best first, in the order that `orientation_selection` asks for."""
+def rank_orientations(
+    query: Query, asset: str, store: FeatureStore, options: MatchingConfig
+) -> tuple[list[Orientation], list[Orientation]]:
+    """Views of an asset by votes (the top k_ori) and by distance (all of them)."""
     views = range(len(store.yaws))
     ranking = rank(query, [Snapshot(asset, view) for view in views], views, store, options, options.k_ori)
     votes = dict(ranking.picks)
-    order = [view for view, _ in ranking.picks] if options.orientation_selection == "votes" else ranking.nearest
-    return [
+    found = [
         Orientation(yaw=store.yaws[view], distance=float(ranking.distances[view]), votes=votes.get(view))
-        for view in order[: options.k_ori]
+        for view in views
     ]
+    return [found[view] for view, _ in ranking.picks], [found[view] for view in ranking.nearest]
 
 
 def rank_cousins(
-    query: Query, found: Candidates, label: str, id: str, store: FeatureStore, options: MatchingConfig
+    query: Query,
+    found: Candidates,
+    item: SceneObject,
+    view: View,
+    store: FeatureStore,
+    judges: Judges,
+    options: MatchingConfig,
 ) -> ObjectCousins:
-    """Ranked cousins of one object, each with its own orientation."""
+    """Ranked cousins of one object, each with its own orientation, as the judges decide."""
+    question = Question(view, item.label, judges.library)
     by_votes, by_distance = rank_models(query, found.assets, store, options)
-    chosen = by_distance
-    if options.model_selection == "votes":
-        voted = {candidate.asset for candidate in by_votes}
-        chosen = by_votes + [candidate for candidate in by_distance if candidate.asset not in voted]
+    chosen = judges.of_models.models(question, by_votes, by_distance)
     cousins = []
     for number, candidate in enumerate(chosen[: options.k_cousins], 1):
-        orientations = rank_orientations(query, candidate.asset, store, options)
+        rankings = rank_orientations(query, candidate.asset, store, options)
+        orientations = judges.of_orientations.orientations(question, candidate.asset, *rankings)[: options.k_ori]
         cousins.append(
             Cousin(rank=number, **candidate.model_dump(), orientation=orientations[0], orientations=orientations)
         )
     return ObjectCousins(
-        id=id,
-        label=label,
+        id=item.id,
+        label=item.label,
         note=found.note,
         categories=found.categories,
         by_votes=by_votes,

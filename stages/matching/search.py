@@ -10,38 +10,14 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from stages.plugins import load
+
 Rows = Callable[[int], NDArray[np.float32]]  # candidate picture -> its patches (P, D)
+# Squared distance (Q, C) of each query patch (Q, D) to the nearest patch of each of C candidate pictures
 Search = Callable[[NDArray[np.float32], Rows, int], NDArray[np.float32]]
 
 TIE = 1e-5  # above the error of a squared distance in float32 (about 1e-6), relative to the squared lengths
 DECIMALS = 9
-
-
-def torch_search(queries: NDArray[np.float32], rows: Rows, count: int) -> NDArray[np.float32]:
-    """Squared distances (Q, count) by matrix products: |q - r|^2 = |q|^2 - 2 q.r + |r|^2."""
-    import torch
-
-    table = np.empty((len(queries), count), np.float32)
-    query = torch.from_numpy(np.ascontiguousarray(queries))
-    length = (query * query).sum(1)
-    for candidate in range(count):
-        patches = torch.from_numpy(rows(candidate))
-        products = torch.addmm((patches * patches).sum(1), query, patches.T, alpha=-2)
-        table[:, candidate] = (products.amin(1) + length).numpy()
-    return table
-
-
-def faiss_search(queries: NDArray[np.float32], rows: Rows, count: int) -> NDArray[np.float32]:
-    """The same by faiss (the paper's search library)."""
-    import faiss
-
-    table = np.empty((len(queries), count), np.float32)
-    for candidate in range(count):
-        table[:, candidate] = faiss.knn(queries, rows(candidate), 1)[0][:, 0]
-    return table
-
-
-SEARCHES: dict[str, Search] = {"torch": torch_search, "faiss": faiss_search}
 
 
 def distance_table(
@@ -53,7 +29,8 @@ def distance_table(
     patch (default: all) that lie so close together are computed again in float64, and so is what is next
     to 0: all backends then make the same picks, equal pictures tie exactly, a picture has distance 0 to itself.
     """
-    table = np.maximum(SEARCHES[search](queries, rows, count).astype(np.float64), 0.0)
+    squared: Search = load("searches", search)
+    table = np.maximum(squared(queries, rows, count).astype(np.float64), 0.0)
     doubtful = _doubtful(table, TIE * float((queries.astype(np.float64) ** 2).sum(1).max()), nearest)
     for candidate in np.flatnonzero(doubtful.any(axis=0)).tolist():
         again = doubtful[:, candidate]

@@ -23,7 +23,7 @@ def copied(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     folder = tmp_path_factory.mktemp("code") / "stages"
     shutil.copytree(ROOT, folder, ignore=shutil.ignore_patterns("__pycache__"))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(code, "ROOT", folder)
+        patch.setitem(code.ROOTS, "stages", folder)
         forget()
         yield folder
     forget()

@@ -13,7 +13,7 @@ from stages.geometry.frames import yaw_matrix
 from stages.geometry.masks import pixel_bounds
 from stages.matching.crop import View, cut, foreground
 from stages.matching.encoders import make_encoder, settings_digest
-from stages.matching.hog import GRADIENT_COLUMNS
+from stages.matching.encoders.hog import GRADIENT_COLUMNS
 from stages.matching.normals import object_frame, patch_normals
 from stages.matching.ranking import make_query
 from tests.unit.matching_data import trace_box

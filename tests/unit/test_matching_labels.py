@@ -11,8 +11,10 @@ from stages.contracts import InputError, Library
 from stages.contracts.library import LibraryEntry
 from stages.contracts.objects import SceneObject
 from stages.matching.candidates import Candidates, find_candidates
-from stages.matching.labels import TEXT_ENCODERS, lexical_distance, nearest_categories, words
+from stages.matching.text_encoders import make_text_encoder, nearest_categories
+from stages.matching.text_encoders.lexical import TextEncoder, words
 
+LEXICAL = TextEncoder(MatchingConfig())
 CATEGORIES = [
     *("bottom_cabinet", "wall_cabinet", "wardrobe", "chest_of_drawers", "fridge", "microwave", "table", "coffee_table"),
     *(
@@ -51,19 +53,22 @@ CATEGORIES = [
     ],
 )
 def test_nearest_category(label: str, expected: str) -> None:
-    assert nearest_categories(label, CATEGORIES, 3, lexical_distance)[0][0] == expected
+    assert nearest_categories(label, CATEGORIES, 3, LEXICAL)[0][0] == expected
 
 
 def test_an_exact_name_has_distance_zero_and_nothing_in_common_is_left_out() -> None:
-    assert nearest_categories("television", CATEGORIES, 3, lexical_distance) == [("television", 0.0), ("picture", 0.75)]
-    assert nearest_categories("xyzzy", CATEGORIES, 3, lexical_distance) == []
-    assert nearest_categories("", CATEGORIES, 3, lexical_distance) == []
-    assert nearest_categories("table", [], 3, lexical_distance) == []
+    assert nearest_categories("television", CATEGORIES, 3, LEXICAL) == [
+        ("television", 0.0),
+        ("picture", 0.75),
+    ]
+    assert nearest_categories("xyzzy", CATEGORIES, 3, LEXICAL) == []
+    assert nearest_categories("", CATEGORIES, 3, LEXICAL) == []
+    assert nearest_categories("table", [], 3, LEXICAL) == []
 
 
 def test_distances_do_not_depend_on_the_order_of_categories() -> None:
-    forward = nearest_categories("wall cabinet", CATEGORIES, 5, lexical_distance)
-    assert forward == nearest_categories("wall cabinet", CATEGORIES[::-1], 5, lexical_distance)
+    forward = nearest_categories("wall cabinet", CATEGORIES, 5, LEXICAL)
+    assert forward == nearest_categories("wall cabinet", CATEGORIES[::-1], 5, LEXICAL)
     assert words("Wall_Cabinets") == ["wall", "cabinet"]
     assert words("glass vases") == ["glass", "vase"]
 
@@ -80,7 +85,7 @@ LIBRARY = Library(
 
 def found(item: dict, **options: object) -> Candidates:
     base = {"id": "x_1", "label": "cabinet", "mask": 1}
-    text_distance = TEXT_ENCODERS["lexical"](MatchingConfig())
+    text_distance = make_text_encoder(MatchingConfig())
     return find_candidates(
         SceneObject.model_validate(base | item), LIBRARY, text_distance, MatchingConfig.model_validate(options)
     )
@@ -138,16 +143,17 @@ def tiny_clip(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_clip_compares_label_and_categories(tiny_clip: Path) -> None:
     options = MatchingConfig(text_encoder="clip", clip=PretrainedConfig(path=str(tiny_clip)))
-    distance = TEXT_ENCODERS["clip"](options)
-    result = nearest_categories("coffee table", CATEGORIES, 3, distance)
+    text = make_text_encoder(options)
+    result = nearest_categories("coffee table", CATEGORIES, 3, text)
     assert result[0] == ("coffee_table", 0.0) and 0 < result[1][1] <= 2
-    np.testing.assert_allclose(distance("mug", CATEGORIES), distance("mug", CATEGORIES[::-1])[::-1], atol=1e-6)
+    forward, backward = text.distance("mug", CATEGORIES), text.distance("mug", CATEGORIES[::-1])
+    np.testing.assert_allclose(forward, backward[::-1], atol=1e-6)
 
 
 def test_clip_without_weights_or_tokenizer_says_what_to_do(tiny_clip: Path, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"matching\.clip\.path: is empty"):
-        TEXT_ENCODERS["clip"](MatchingConfig(text_encoder="clip"))
+        make_text_encoder(MatchingConfig(text_encoder="clip"))
     for name in ("config.json", "model.safetensors"):
         (tmp_path / name).write_bytes((tiny_clip / name).read_bytes())
     with pytest.raises(InputError, match="has no tokenizer"):
-        TEXT_ENCODERS["clip"](MatchingConfig(text_encoder="clip", clip=PretrainedConfig(path=str(tmp_path))))
+        make_text_encoder(MatchingConfig(text_encoder="clip", clip=PretrainedConfig(path=str(tmp_path))))

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from stages.matching.search import SEARCHES, distance_table
+from stages.matching.search import distance_table
 from stages.matching.voting import embedding_distance, vote
+from stages.plugins import available, load
 
 Patches = list[NDArray[np.float32]]
 
@@ -39,7 +40,7 @@ def literal_distance(query: NDArray[np.float32], candidate: NDArray[np.float32])
     return float(np.mean(nearest[: len(nearest) - len(nearest) // 10]))
 
 
-@pytest.mark.parametrize("search", SEARCHES)
+@pytest.mark.parametrize("search", available("searches"))
 def test_one_pass_equals_the_literal_loop(search: str) -> None:
     for seed in range(3):
         query, candidates = patches(seed)
@@ -56,7 +57,7 @@ def test_backends_agree_pick_for_pick_under_near_ties() -> None:
     rng = np.random.default_rng(6)
     shift = np.float32(3.0)
     copies = [c + shift + rng.normal(size=c.shape).astype(np.float32) * np.float32(3e-7) for c in candidates * 5]
-    plain = [SEARCHES[name](query + shift, copies.__getitem__, len(copies)) for name in ("torch", "faiss")]
+    plain = [load("searches", name)(query + shift, copies.__getitem__, len(copies)) for name in ("torch", "faiss")]
     assert (plain[0].argmin(axis=1) != plain[1].argmin(axis=1)).any(), "the case is no test: plain float32 agrees"
     tables = [distance_table(query + shift, copies.__getitem__, len(copies), name) for name in ("torch", "faiss")]
     groups = np.arange(len(copies))
@@ -72,7 +73,7 @@ def test_equal_pictures_tie_and_the_first_wins() -> None:
 
 def test_distance_to_itself_is_exactly_zero() -> None:
     query, candidates = patches(8)
-    for search in SEARCHES:
+    for search in available("searches"):
         table = distance_table(query, [query * 7, query, *candidates].__getitem__, 3, search, nearest=1)
         assert embedding_distance(table, 0.1)[1] == 0.0
 

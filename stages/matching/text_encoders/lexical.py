@@ -1,7 +1,6 @@
-"""Nearest categories of a label (paper 2.1): by words, kinds and letters, or by CLIP's text encoder."""
+"""Text encoder `lexical`: labels and categories compared by words, kinds of things and letters."""
 
-import importlib
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,8 +47,6 @@ LEAST = 0.03  # similarity below this is a few letters by chance
 KNOWN = set(CANONICAL).union(*GROUPS)
 SHARES = {"word": 0.6, "kind": 0.25, "letters": 0.15}  # of the similarity; letters: plurals, compounds, spelling
 
-TextDistance = Callable[[str, Sequence[str]], NDArray[np.float64]]
-
 
 def words(label: str) -> list[str]:
     """A label or category as lower-case words: underscores removed, plural endings cut."""
@@ -91,28 +88,12 @@ def lexical_distance(label: str, categories: Sequence[str]) -> NDArray[np.float6
     return np.where(similarity > LEAST, np.maximum(1 - similarity, 0.0), np.inf)
 
 
-def _lexical(options: MatchingConfig) -> TextDistance:
-    return lexical_distance
+class TextEncoder:
+    """Words, kinds and letters; needs no weights."""
 
+    def __init__(self, options: MatchingConfig) -> None:
+        pass
 
-def _clip(options: MatchingConfig) -> TextDistance:
-    distance: TextDistance = importlib.import_module("stages.matching.clip").ClipText(options.clip).distance
-    return distance
-
-
-TEXT_ENCODERS: dict[str, Callable[[MatchingConfig], TextDistance]] = {"lexical": _lexical, "clip": _clip}
-
-
-def nearest_categories(
-    label: str, categories: Sequence[str], count: int, distance: TextDistance
-) -> list[tuple[str, float]]:
-    """The `count` nearest categories with their distances, nearest first; ties by name.
-
-    Fewer, or none, if the others have nothing in common with the label.
-    """
-    names = sorted(set(categories))
-    if not names:
-        return []
-    distances = np.round(distance(label, names), 6)
-    order = np.argsort(distances, kind="stable")[:count]
-    return [(names[index], float(distances[index])) for index in order if np.isfinite(distances[index])]
+    def distance(self, label: str, categories: Sequence[str]) -> NDArray[np.float64]:
+        """See `lexical_distance`."""
+        return lexical_distance(label, categories)

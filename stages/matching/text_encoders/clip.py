@@ -8,15 +8,16 @@ import torch
 from numpy.typing import NDArray
 from transformers import CLIPTextModelWithProjection, CLIPTokenizer
 
-from stages.config.matching import PretrainedConfig
+from stages.config.matching import MatchingConfig
 from stages.contracts import InputError
 from stages.matching.pretrained import load_pretrained
 
 
-class ClipText:
+class TextEncoder:
     """Distances between texts; each text is encoded once."""
 
-    def __init__(self, options: PretrainedConfig) -> None:
+    def __init__(self, settings: MatchingConfig) -> None:
+        options = settings.clip
         self.model = load_pretrained(CLIPTextModelWithProjection, options, "clip")
         fix = "put vocab.json and merges.txt beside model.safetensors"
         folder = Path(options.path)

@@ -23,7 +23,7 @@ FLOOR = 0.02  # gradients weaker than this share of full contrast per pixel do n
 CLIP = 0.2
 
 
-class HogEncoder:
+class Encoder:
     """Dense HOG + normals + position (the weights were tuned on renderings, see docs/matching.md)."""
 
     def __init__(self, options: MatchingConfig) -> None:

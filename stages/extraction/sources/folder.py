@@ -1,4 +1,4 @@
-"""Provider `simulator`: masks and captions from the renderer, its depth made as bad as estimated depth."""
+"""Source `folder`: all from files of the input folder; exact depth is made as bad as estimated depth."""
 
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,6 @@
-"""What a patch encoder is, and the encoders there are."""
+"""What a patch encoder is; the encoders lie beside this file (paper A.6)."""
 
 import hashlib
-import importlib
 import json
 from typing import Any, NamedTuple, Protocol
 
@@ -10,6 +9,7 @@ from numpy.typing import NDArray
 
 from stages.config.matching import MatchingConfig
 from stages.matching.crop import View
+from stages.plugins import load
 
 
 class Patches(NamedTuple):
@@ -40,17 +40,9 @@ class PatchEncoder(Protocol):
         ...
 
 
-# name in the config -> (module, class); imported only when chosen
-ENCODERS = {
-    "hog": ("stages.matching.hog", "HogEncoder"),
-    "dinov2": ("stages.matching.dinov2", "Dinov2Encoder"),
-}
-
-
 def make_encoder(options: MatchingConfig) -> PatchEncoder:
     """The encoder that the options name."""
-    module, name = ENCODERS[options.encoder]
-    encoder: PatchEncoder = getattr(importlib.import_module(module), name)(options)
+    encoder: PatchEncoder = load("encoders", options.encoder)(options)
     return encoder
 
 

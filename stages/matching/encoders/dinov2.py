@@ -16,7 +16,7 @@ from stages.matching.pretrained import load_pretrained, weights_sha256
 MEAN, STD = np.array([0.485, 0.456, 0.406], np.float32), np.array([0.229, 0.224, 0.225], np.float32)  # of ImageNet
 
 
-class Dinov2Encoder:
+class Encoder:
     """DINOv2 on the masked crop, resized without regard to its aspect ratio as in the official code."""
 
     def __init__(self, options: MatchingConfig) -> None:

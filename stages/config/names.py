@@ -1,0 +1,50 @@
+"""Names of implementations in the config: checked against what there is, and made loadable by the stages."""
+
+from collections.abc import Iterable, Sequence
+from typing import Any, TypeVar
+
+from stages.config.base import Section
+from stages.contracts.errors import InputError
+from stages.plugins import available, find, qualified
+
+S = TypeVar("S", bound=Section)
+
+
+def kind_of(section: type[Section], field: str) -> str | None:
+    """Kind of implementation that a key names; None if it names none."""
+    extra = section.model_fields[field].json_schema_extra
+    return str(extra["kind"]) if isinstance(extra, dict) and "kind" in extra else None
+
+
+def modules(section: Section, *fields: str) -> list[str]:
+    """Modules of the implementations that some keys of a section name, for the digest of a job's code."""
+    return [qualified(kind_of(type(section), field) or "", getattr(section, field)) for field in fields]
+
+
+def resolved(section: S, packages: Sequence[str], path: str) -> S:
+    """The section with the names of a user's implementations qualified, so that a stage can import them.
+
+    Raises:
+        InputError: there is no implementation of a name; key and nearest name are given.
+    """
+    changes: dict[str, Any] = {}
+    for field in type(section).model_fields:
+        kind, value, key = kind_of(type(section), field), getattr(section, field), f"{path}.{field}".lstrip(".")
+        if isinstance(value, Section):
+            changes[field] = resolved(value, packages, key)
+        elif kind and isinstance(value, list):
+            changes[field] = [find(kind, name, packages, key) for name in value]
+        elif kind:
+            changes[field] = find(kind, value, packages, key)
+        elif field == "own":
+            _check_own(type(section), value, packages, key)
+    return section.model_copy(update=changes)
+
+
+def _check_own(section: type[Section], names: Iterable[str], packages: Sequence[str], key: str) -> None:
+    """Options are given for implementations that there are, of a kind that the section names."""
+    kinds = {kind for field in section.model_fields if (kind := kind_of(section, field))}
+    known = {name for kind in kinds for name in available(kind, packages)}
+    for name in names:
+        if name not in known:
+            raise InputError(f"{key}.{name}", f"there is no '{name}'.", f"there are: {', '.join(sorted(known))}")

@@ -1,0 +1,12 @@
+"""Where a scene's depth, masks and captions come from; the sources lie beside this file."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from stages.config.extraction import ExtractionConfig
+from stages.extraction.observation import AnnotatedImage
+
+# The input folder, the options, and random numbers for noise.
+Source = Callable[[Path, ExtractionConfig, np.random.Generator], AnnotatedImage]

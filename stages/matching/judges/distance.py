@@ -1,0 +1,22 @@
+"""Judge `distance`: embedding distance (A.6, B.1)."""
+
+from stages.config.matching import MatchingConfig
+from stages.contracts.cousins import Candidate, Orientation
+from stages.matching.judges import Question
+
+
+class Judge:
+    """Nearest first."""
+
+    def __init__(self, options: MatchingConfig) -> None:
+        pass
+
+    def models(self, question: Question, by_votes: list[Candidate], by_distance: list[Candidate]) -> list[Candidate]:
+        """By distance."""
+        return by_distance
+
+    def orientations(
+        self, question: Question, asset: str, by_votes: list[Orientation], by_distance: list[Orientation]
+    ) -> list[Orientation]:
+        """By distance."""
+        return by_distance

@@ -1,0 +1,37 @@
+"""How labels are compared with categories (paper 2.1); the implementations lie beside this file."""
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stages.config.matching import MatchingConfig
+from stages.plugins import load
+
+
+class TextEncoder(Protocol):
+    """Made from the options of `matching`."""
+
+    def distance(self, label: str, categories: Sequence[str]) -> NDArray[np.float64]:
+        """Distance (C,) of the label to each category; inf: they have nothing in common."""
+        ...
+
+
+def make_text_encoder(options: MatchingConfig) -> TextEncoder:
+    """The text encoder that the options name."""
+    encoder: TextEncoder = load("text_encoders", options.text_encoder)(options)
+    return encoder
+
+
+def nearest_categories(label: str, categories: Sequence[str], count: int, text: TextEncoder) -> list[tuple[str, float]]:
+    """The `count` nearest categories with their distances, nearest first; ties by name.
+
+    Fewer, or none, if the others have nothing in common with the label.
+    """
+    names = sorted(set(categories))
+    if not names:
+        return []
+    distances = np.round(text.distance(label, names), 6)
+    order = np.argsort(distances, kind="stable")[:count]
+    return [(names[index], float(distances[index])) for index in order if np.isfinite(distances[index])]
