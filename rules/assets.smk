@@ -47,7 +47,7 @@ rule snapshots:
     params:
         command=command("assets", "snapshots"),
         code=code("assets", "snapshots"),
-        check=check(snapshots="index"),
+        check=check(snapshots="images"),
         options=as_options(CONFIG.assets),
         shards=len(SHARDS),
     shell:

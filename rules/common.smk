@@ -77,12 +77,12 @@ def code(stage, verb, *used):
 
 
 def check(**outputs):
-    """The command that holds what a verb wrote to its contracts; `outputs`: kind of file = name of the output."""
+    """The command that refuses what breaks its contract, keeping it aside; `outputs`: kind of file = its output."""
 
     def line(wildcards, output):
         files = {kind: getattr(output, name) for kind, name in outputs.items()}
         named = [[kind, *([file] if isinstance(file, str) else file)] for kind, file in files.items()]
-        return shlex.join(["python", "-m", "stages.contracts", *chain(*named)])
+        return shlex.join(["python", "-m", "stages.contracts", "--refuse", *chain(*named)])
 
     return line
 

@@ -29,7 +29,7 @@ rule demonstrate:
     params:
         command=command("demonstrations", "collect"),
         code=task_code("demonstrations", "collect"),
-        check=check(attempts="attempts"),
+        check=check(episodes="episodes", attempts="attempts"),
         options=as_options(CONFIG.demonstrations),
         task_options=as_options(CONFIG.task),
         episodes=lambda wildcards: EXPERIMENT.episodes_of(wildcards.role),

@@ -25,10 +25,11 @@ rule features:
     params:
         command=command("matching", "features"),
         code=lambda wildcards: code("matching", "features", qualified("encoders", wildcards.encoder)),
+        check=check(features="features"),
         options=encoder_options,
     shell:
-        "{params.command} --snapshots {input.images:q} --options {params.options:q} --out {output.features:q} "
-        "2>&1 | tee {log:q}"
+        "({params.command} --snapshots {input.images:q} --options {params.options:q} --out {output.features:q} && "
+        "{params.check}) 2>&1 | tee {log:q}"
 
 
 rule match:

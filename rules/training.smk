@@ -29,14 +29,15 @@ rule train:
     params:
         command=command("training", "train"),
         code=code("training", "train"),
+        check=check(policy="config"),
         options=lambda wildcards: as_options(CONFIG.training.runs[wildcards.run]),
         share=lambda wildcards: EXPERIMENT.share(wildcards.training_set),
         device=CONFIG.device,
         out=subpath(output.policy, parent=True),
     shell:
-        "{params.command} --episodes {input.episodes:q} --per-store {params.share} --options {params.options:q} "
-        "--seed {wildcards.seed} --threads {threads} --device {params.device} --out {params.out:q} "
-        "2>&1 | tee {log:q}"
+        "({params.command} --episodes {input.episodes:q} --per-store {params.share} --options {params.options:q} "
+        "--seed {wildcards.seed} --threads {threads} --device {params.device} --out {params.out:q} && "
+        "{params.check}) 2>&1 | tee {log:q}"
 
 
 rule training:

@@ -2,7 +2,7 @@
 
 from pydantic import Field
 
-from stages.config.base import Section
+from stages.config.base import Count, Section
 
 COUNTS = {
     "bottom_cabinet": 24,
@@ -40,7 +40,7 @@ COUNTS = {
 class AssetsConfig(Section):
     """The asset library: procedural models, the user's own, and their pictures."""
 
-    counts: dict[str, int] = Field(
+    counts: dict[str, Count] = Field(
         COUNTS,
         description="Procedural models per category; 0 leaves one out. The paper's BEHAVIOR-1K has over 10,000 assets.",
     )

@@ -1,8 +1,8 @@
 """Base of every config section."""
 
-from typing import Any
+from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 
 class Section(BaseModel):
@@ -12,3 +12,16 @@ class Section(BaseModel):
 
 
 OWN: Any = Field({}, description="Options of implementations of your own, by their name; handed on as they are.")
+
+
+def _ordered(span: tuple[float, float]) -> tuple[float, float]:
+    if span[0] > span[1]:
+        raise ValueError(f"{span[0]:g} is above {span[1]:g}; write the lower one first")
+    return span
+
+
+Positive = Annotated[float, Field(gt=0)]
+NotNegative = Annotated[float, Field(ge=0)]
+Range = Annotated[tuple[Positive, Positive], AfterValidator(_ordered)]  # the lower bound first
+Count = Annotated[int, Field(ge=0)]
+Rank = Annotated[int, Field(ge=1)]

@@ -12,6 +12,7 @@ class EvaluationConfig(Section):
 
     test_assets: list[str] = Field(
         ["twin", "cousin_2", "cousin_6", "dissimilar"],
+        min_length=1,
         description="roles to roll out on; paper: the twin, the 2nd and 6th cousin (held out), a dissimilar asset",
     )
     rollouts: int = Field(

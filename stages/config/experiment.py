@@ -4,7 +4,7 @@ from typing import Any, Literal
 
 from pydantic import Field
 
-from stages.config.base import Section
+from stages.config.base import Count, Rank, Section
 
 
 class TaskTarget(Section):
@@ -19,6 +19,7 @@ class ExperimentConfig(Section):
 
     rooms: list[str] = Field(
         ["room_1", "room_2", "room_3"],
+        min_length=1,
         description="Scenes to reconstruct: room_1 ... room_8 (Table 2), or names from `inputs`.",
     )
     inputs: dict[str, str] = Field(
@@ -28,6 +29,7 @@ class ExperimentConfig(Section):
     )
     variants: dict[str, dict[str, Any]] = Field(
         {"b": {}},
+        min_length=1,
         description="Variants of matching that exist side by side (the rows of Table 2): name -> keys of `matching` "
         "that differ. The paper's (b) lets the patch encoder choose model and orientation.",
     )
@@ -38,16 +40,16 @@ class ExperimentConfig(Section):
     )
     training_sets: list[Literal["twin", "cousins_2", "cousins_4", "cousins_8", "all"]] = Field(
         ["twin", "cousins_4"],
-        description="Training sets to compare. cousins_n: the n nearest cousins that are not held out; "
-        "all: every ranked cousin that is not held out.",
+        description="Training sets to compare; []: no policies. cousins_n: the n nearest cousins not held out; "
+        "all: every ranked cousin not held out.",
     )
-    held_out: list[int] = Field([2, 6], description="Cousins kept out of every training set (paper: 2nd and 6th).")
+    held_out: list[Rank] = Field([2, 6], description="Cousins kept out of every training set (paper: 2nd and 6th).")
     cousins: int = Field(10, ge=1, description="How many cousins the policy experiment knows.")
     episodes: int = Field(
         160, ge=1, description="Demonstrations in every training set, shared evenly by its assets so that sets compare."
     )
     runs: list[str] = Field(["lite"], description="Hyper-parameter sets to train, from `training.runs`.")
-    seeds: list[int] = Field([0], description="Training seeds. The paper: best two hyper-parameter sets x 3 seeds.")
+    seeds: list[Count] = Field([0], description="Training seeds. The paper: best two hyper-parameter sets x 3 seeds.")
     training_threads: int = Field(
         1, ge=1, description="CPU threads per training job; 1 lets two policies train at once."
     )
@@ -56,14 +58,18 @@ class ExperimentConfig(Section):
         """Roles (twin, cousin_i) whose demonstrations make up a training set, in order of rank."""
         if training_set == "twin":
             return ["twin"]
-        ranks = [rank for rank in range(1, self.cousins + 1) if rank not in self.held_out]
-        count = len(ranks) if training_set == "all" else int(training_set.removeprefix("cousins_"))
-        if count > len(ranks):
-            raise ValueError(
-                f"experiment.training_sets: {training_set} needs {count} cousins, but experiment.cousins = "
-                f"{self.cousins} leaves {len(ranks)} that are not held out"
-            )
-        return [f"cousin_{rank}" for rank in ranks[:count]]
+        return [f"cousin_{rank}" for rank in self.training_ranks[: self.size_of(training_set)]]
+
+    @property
+    def training_ranks(self) -> list[int]:
+        """Cousins that training may use."""
+        return [rank for rank in range(1, self.cousins + 1) if rank not in self.held_out]
+
+    def size_of(self, training_set: str) -> int:
+        """Cousins that a training set asks for; the twin's asks for none."""
+        if training_set == "twin":
+            return 0
+        return len(self.training_ranks) if training_set == "all" else int(training_set.removeprefix("cousins_"))
 
     def share(self, training_set: str) -> int:
         """Demonstrations that each asset gives to a training set (rounded up)."""

@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from stages.config.base import Section
+from stages.config.base import Range, Section
 
 
 class GenerationConfig(Section):
@@ -46,7 +46,7 @@ class GenerationConfig(Section):
         description="native: a depth that cannot be right (the far side is hidden) is taken from the asset's own "
         "proportions, and round assets stay round. off: extents of the cloud, as in the paper.",
     )
-    aspect_range: tuple[float, float] = Field(
+    aspect_range: Range = Field(
         (0.5, 2.0), description="Believable scale of the depth, relative to the median scale of the three axes."
     )
     min_extent: float = Field(0.01, gt=0, description="Smallest extent of a placed asset, metres.")

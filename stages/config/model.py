@@ -1,23 +1,23 @@
 """The whole of config.yaml: one typed section per stage."""
 
-from pathlib import Path
 from typing import Any, Literal
 
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, ValidationError
 
 from stages.config.assets import AssetsConfig
 from stages.config.base import Section
 from stages.config.containers import ContainersConfig
+from stages.config.contradictions import contradictions
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.config.evaluation import EvaluationConfig
 from stages.config.experiment import ExperimentConfig
 from stages.config.extraction import ExtractionConfig
 from stages.config.generation import GenerationConfig
 from stages.config.matching import MatchingConfig
+from stages.config.mistakes import Mistake, mistakes_of, validated, without_removed
 from stages.config.names import resolved
 from stages.config.replaced import Replaced
 from stages.config.scenes import ScenesConfig
-from stages.config.suggest import explain
 from stages.config.tables import TablesConfig
 from stages.config.task import TaskConfig
 from stages.config.training import TrainingConfig
@@ -59,57 +59,54 @@ class Config(Section):
     )
     containers: ContainersConfig = Field(ContainersConfig(), description="Images of the rules, for `--sdm apptainer`.")
 
-    @model_validator(mode="after")
-    def _consistent(self) -> "Config":
-        experiment = self.experiment
-        known = [f"room_{k}" for k in range(1, 9)] + list(experiment.inputs)
-        for room in experiment.rooms:
-            if room not in known:
-                raise ValueError(f"experiment.rooms: unknown scene '{room}'; known: {', '.join(known)}")
-        if experiment.policy_variant not in experiment.variants:
-            raise ValueError(
-                f"experiment.policy_variant: '{experiment.policy_variant}' is not one of experiment.variants"
-            )
-        for task, target in experiment.tasks.items():
-            if target.scene not in experiment.rooms:
-                raise ValueError(f"experiment.tasks.{task}.scene: '{target.scene}' is not one of experiment.rooms")
-        for run in experiment.runs:
-            if run not in self.training.runs:
-                raise ValueError(
-                    f"experiment.runs: '{run}' is not one of training.runs: {', '.join(self.training.runs)}"
-                )
-        for training_set in experiment.training_sets:
-            experiment.roles(training_set)
-        for name in experiment.variants:
-            self.matching_of(name)
-        return self
-
     def matching_of(self, variant: str) -> MatchingConfig:
-        """The matching options of one variant."""
-        merged = MatchingConfig.model_validate(self.matching.model_dump() | self.experiment.variants[variant])
-        return resolved(merged, self.plugins, f"experiment.variants.{variant}")
+        """The matching options of one variant: those of `matching` with what the variant changes, key by key."""
+        changed = merged(self.matching.model_dump(), self.experiment.variants[variant])
+        return resolved(MatchingConfig.model_validate(changed), self.plugins, f"experiment.variants.{variant}")
 
     def implementation(self, kind: str, name: str) -> str:
         """The name by which a stage loads an implementation."""
         return find(kind, name, self.plugins)
 
 
+def merged(base: dict[str, Any], changes: dict[str, Any]) -> dict[str, Any]:
+    """`base` with `changes`; mappings in mappings are merged, everything else is replaced."""
+    both = {key: merged(base[key], value) for key, value in changes.items() if _mappings(base.get(key), value)}
+    return base | changes | both
+
+
+def _mappings(*values: Any) -> bool:
+    return all(isinstance(value, dict) for value in values)
+
+
 def load(config: dict[str, Any]) -> Config:
     """Validate a merged config.
 
     Raises:
-        InputError: names the section and key; an unknown key comes with the nearest known one.
+        InputError: names all mistakes, a line each, with key and mend.
     """
-    try:
-        valid = Config.model_validate(config)
-    except ValidationError as error:
-        raise InputError("config", explain(Config, error), "see config/README.md") from None
-    for task in valid.experiment.tasks:
-        find("tasks", task, valid.plugins, f"experiment.tasks.{task}")
-    valid = resolved(valid, valid.plugins, "")
-    for stage, commands in valid.stages.items():
-        for verb, own in commands.items():
-            for name in own.code:
-                if not Path(name).exists():
-                    raise InputError("config", f"stages.{stage}.{verb}.code: no file or folder {name}.", "correct it")
+    valid, mistakes = validated(Config, without_removed(config, Config))
+    wrong = [mistake.key for mistake in mistakes]
+    valid = resolved(valid, valid.plugins, "", mistakes)
+    for variant in valid.experiment.variants:
+        try:
+            valid.matching_of(variant)
+        except ValidationError as error:
+            mistakes += mistakes_of(MatchingConfig, error, f"experiment.variants.{variant}.")
+        except InputError as error:
+            if not any(mistake.key.startswith("matching.") for mistake in mistakes):
+                mistakes.append(Mistake(error.where, error.what.rstrip("."), error.fix))
+        else:
+            continue
+        valid.experiment.variants[variant] = {}
+    mistakes += [each for each in contradictions(valid) if not any(_overlap(each.key, key) for key in wrong)]
+    if mistakes:
+        lines = [str(mistake) for mistake in mistakes]
+        heading = f"{len(lines)} mistakes:\n  " if len(lines) > 1 else ""
+        raise InputError("config", heading + "\n  ".join(lines))
     return valid
+
+
+def _overlap(one: str, other: str) -> bool:
+    """Whether one key lies in the other."""
+    return f"{one}.".startswith(f"{other}.") or f"{other}.".startswith(f"{one}.")

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any, TypeVar
 
 from stages.config.base import Section
+from stages.config.mistakes import Mistake
 from stages.contracts.errors import InputError
 from stages.plugins import available, find, qualified
 
@@ -21,23 +22,31 @@ def modules(section: Section, *fields: str) -> list[str]:
     return [qualified(kind_of(type(section), field) or "", getattr(section, field)) for field in fields]
 
 
-def resolved(section: S, packages: Sequence[str], path: str) -> S:
+def resolved(section: S, packages: Sequence[str], path: str, mistakes: list[Mistake] | None = None) -> S:
     """The section with the names of a user's implementations qualified, so that a stage can import them.
 
+    Args:
+        mistakes: gets names that there is no implementation of; they stay as they are.
+
     Raises:
-        InputError: there is no implementation of a name; key and nearest name are given.
+        InputError: the same, if `mistakes` is not given; key and nearest name are named.
     """
     changes: dict[str, Any] = {}
     for field in type(section).model_fields:
         kind, value, key = kind_of(type(section), field), getattr(section, field), f"{path}.{field}".lstrip(".")
-        if isinstance(value, Section):
-            changes[field] = resolved(value, packages, key)
-        elif kind and isinstance(value, list):
-            changes[field] = [find(kind, name, packages, key) for name in value]
-        elif kind:
-            changes[field] = find(kind, value, packages, key)
-        elif field == "own":
-            _check_own(type(section), value, packages, key)
+        try:
+            if isinstance(value, Section):
+                changes[field] = resolved(value, packages, key, mistakes)
+            elif kind and isinstance(value, list):
+                changes[field] = [find(kind, name, packages, key) for name in value]
+            elif kind:
+                changes[field] = find(kind, value, packages, key)
+            elif field == "own":
+                _check_own(type(section), value, packages, key)
+        except InputError as error:
+            if mistakes is None:
+                raise
+            mistakes.append(Mistake(error.where, error.what.rstrip("."), error.fix))
     return section.model_copy(update=changes)
 
 

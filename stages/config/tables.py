@@ -1,6 +1,6 @@
 """Config section `tables`: tables, figures and the report page."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
@@ -10,7 +10,7 @@ from stages.config.base import Section
 class TablesConfig(Section):
     """How rows of `evaluation` become the paper's tables."""
 
-    scenes: dict[str, int] = Field(
+    scenes: dict[str, Annotated[int, Field(ge=1, le=8)]] = Field(
         {f"room_{k}": k for k in range(1, 9)},
         description="Scenes of Table 2 and the published scene (1 ... 8, in the paper's order) shown beside each. "
         "Every one gets its rows, 'not run' where nothing was computed.",

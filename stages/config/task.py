@@ -4,9 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from stages.config.base import Section
-
-Range = tuple[float, float]
+from stages.config.base import NotNegative, Range, Section
 
 
 class TaskConfig(Section):
@@ -28,7 +26,7 @@ class TaskConfig(Section):
     delta_from: Literal["measured", "target"] = Field(
         "measured", description="what a delta is added to: the measured pose, or the last target (pd_ee_dls only)"
     )
-    control_frequency: int = Field(10, description="actions per second; divides 100 (official code: 12)")
+    control_frequency: int = Field(10, gt=0, description="actions per second; divides 100 (official code: 12)")
     position_step: float = Field(0.05, gt=0, description="metres per step at action 1 (official code: 0.05)")
     rotation_step: float = Field(0.2, gt=0, description="radians per step at action norm 1 (official code: 0.2)")
 
@@ -39,7 +37,9 @@ class TaskConfig(Section):
     camera_fov: float = Field(1.0, gt=0.1, lt=2.5, description="field of view, radians")
     camera_eye: tuple[float, float, float] = Field((0.05, -0.65, 1.05), description="in the robot base frame, metres")
     camera_target: tuple[float, float, float] = Field((0.65, 0.0, 0.42), description="point it looks at, same frame")
-    camera_jitter: Range = Field((0.01, 0.05), description="uniform +/- metres and radians (official: 0.01, 0.10)")
+    camera_jitter: tuple[NotNegative, NotNegative] = Field(
+        (0.01, 0.05), description="uniform +/- metres and radians (official: 0.01, 0.10)"
+    )
     workspace_min: tuple[float, float, float] = Field((0.15, -0.5, 0.15), description="crop of the cloud, base frame")
     workspace_max: tuple[float, float, float] = Field((1.0, 0.5, 0.9), description="crop of the cloud, base frame")
 

@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from stages.config.base import Section
+from stages.config.base import Rank, Section
 
 
 class NetworkConfig(Section):
@@ -19,7 +19,7 @@ class NetworkConfig(Section):
     pointnet_layers: int = Field(2, ge=2, description="linear layers before the max-pool; paper: 2, official code: 3")
     flag_embedding: int = Field(128, ge=1, description="learned embedding of the finger flag; paper: 128")
     rnn_hidden: int = Field(128, ge=8, description="LSTM state; paper: 512")
-    mlp: list[int] = Field([128], description="hidden layers behind the LSTM; official code: [512, 512]")
+    mlp: list[Rank] = Field([128], description="hidden layers behind the LSTM; official code: [512, 512]")
     gmm_modes: int = Field(5, ge=1, description="official code: 5")
     gmm_min_std: float = Field(
         0.1, gt=0, description="added to every standard deviation (official: 1e-4); docs/training.md says why so large"

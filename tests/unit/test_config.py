@@ -20,8 +20,6 @@ def test_training_sets_leave_out_held_out_cousins() -> None:
     assert experiment.roles("cousins_4") == ["cousin_1", "cousin_3", "cousin_4", "cousin_5"]
     assert len(experiment.roles("all")) == 8
     assert experiment.share("cousins_4") == 20
-    with pytest.raises(ValueError, match="cousins_8"):
-        ExperimentConfig(cousins=5, held_out=[2]).roles("cousins_8")
 
 
 def test_an_asset_gives_as_many_episodes_as_the_neediest_set_asks() -> None:
@@ -49,14 +47,14 @@ def test_code_digest_follows_imports_and_registries_but_not_other_stages() -> No
 @pytest.mark.parametrize(
     ("stages", "message"),
     [
-        ({"maching": {}}, "stages.maching: no such stage; did you mean 'matching'?"),
+        ({"maching": {}}, "stages: no stage is called 'maching'; did you mean 'matching'"),
         (
             {"matching": {"command": "./mine.sh"}},
-            "stages.matching.command: no verb of matching; known: features, match",
+            "stages: no verb of matching is called 'command'; known: features, match",
         ),
         (
             {"matching": {"macth": {"command": "x"}}},
-            "stages.matching.macth: no verb of matching; did you mean 'match'?",
+            "stages: no verb of matching is called 'macth'; did you mean 'match'",
         ),
         ({"matching": {"match": {"code": []}}}, "stages.matching.match.command: Field required"),
     ],

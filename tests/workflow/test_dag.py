@@ -70,7 +70,7 @@ def test_every_working_rule_has_container_log_threads_and_code() -> None:
     for name, body in rules_text().items():
         if "localrule: True" in body:
             continue
-        for directive in ("container:", "log:", "threads:", "resources:", "params:", "shell:", "code=code("):
+        for directive in ("container:", "log:", "threads:", "resources:", "params:", "shell:", " code="):
             assert directive in body, f"rule {name} lacks {directive}"
 
 

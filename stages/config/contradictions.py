@@ -1,0 +1,208 @@
+"""What a config asks for that cannot be: found before anything runs, all at once, each with its mend."""
+
+import re
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from stages.config import places
+from stages.config.assets import COUNTS
+from stages.config.mistakes import Mistake
+from stages.contracts.errors import InputError
+from stages.plugins import find
+
+if TYPE_CHECKING:
+    from stages.config.model import Config
+
+SIMULATION_FREQUENCY = 100  # of stages.simulation; a test compares them
+NAME = re.compile(r"[A-Za-z0-9-]+(_[A-Za-z0-9-]+)*")  # becomes part of paths
+
+
+def contradictions(config: "Config") -> list[Mistake]:
+    """All of them, in the order of config.yaml."""
+    checks = (_names, _scenes, _tasks, _training_sets, _test_assets, _library, _matching, _policies, _stages)
+    return [found for check in checks for found in check(config)]
+
+
+def _names(config: "Config") -> Iterator[Mistake]:
+    """Names that become paths, and lists that name a thing twice."""
+    experiment = config.experiment
+    named: dict[str, Iterable[str]] = {
+        "experiment.inputs": experiment.inputs,
+        "experiment.variants": experiment.variants,
+        "training.runs": config.training.runs,
+    }
+    for key, names in named.items():
+        for name in names:
+            if not NAME.fullmatch(name):
+                yield Mistake(key, f"'{name}' is no name", "letters, digits, - and single _ inside")
+    for key in ("rooms", "training_sets", "held_out", "runs", "seeds"):
+        yield from _twice(f"experiment.{key}", getattr(experiment, key))
+    yield from _twice("evaluation.test_assets", config.evaluation.test_assets)
+
+
+def _twice(key: str, values: Iterable[object]) -> Iterator[Mistake]:
+    for value, count in Counter(values).items():
+        if count > 1:
+            yield Mistake(key, f"'{value}' is named {count} times", "name it once")
+
+
+def _scenes(config: "Config") -> Iterator[Mistake]:
+    """Scenes that exist, folders that hold what they must, models enough to furnish the rooms."""
+    experiment = config.experiment
+    rooms = places.rooms()
+    known = [*rooms, *experiment.inputs]
+    for name in experiment.rooms:
+        if name not in known:
+            mend = f"one of {', '.join(known)}, or a folder of yours in experiment.inputs"
+            yield Mistake("experiment.rooms", f"unknown scene '{name}'", mend)
+    for name, folder in experiment.inputs.items():
+        key = f"experiment.inputs.{name}"
+        if name in rooms:
+            yield Mistake(key, "is the name of a room of ours", "give your scene another name")
+        elif name in experiment.rooms:
+            for what in places.missing(Path(folder)):
+                yield Mistake(key, what, "docs/scenes.md says what an input folder holds")
+    if config.assets.folders:
+        return  # what the user's folders hold is seen when they are read
+    last = max((rooms.index(name) for name in experiment.rooms if name in rooms), default=-1)
+    for category, needed in places.models_for(rooms[: last + 1]).items():
+        if config.assets.counts.get(category, 0) < needed:
+            mend = f"raise it, or leave {rooms[last]} out of experiment.rooms"
+            yield Mistake(f"assets.counts.{category}", f"the rooms up to {rooms[last]} need {needed}", mend)
+
+
+def _tasks(config: "Config") -> Iterator[Mistake]:
+    """Tasks about objects that their scenes have and that can be opened."""
+    experiment = config.experiment
+    if experiment.tasks and experiment.policy_variant not in experiment.variants:
+        mend = f"one of {', '.join(experiment.variants)}"
+        what = f"'{experiment.policy_variant}' is not one of experiment.variants"
+        yield Mistake("experiment.policy_variant", what, mend)
+    for task, target in experiment.tasks.items():
+        key = f"experiment.tasks.{task}"
+        try:
+            find("tasks", task, config.plugins)
+        except InputError as error:
+            yield Mistake(key, error.what.rstrip("."), error.fix)
+        if target.scene not in experiment.rooms:
+            mend = "add it there, or remove the task: `" + task + ": null`"
+            yield Mistake(f"{key}.scene", f"'{target.scene}' is not one of experiment.rooms", mend)
+        objects = places.objects(target.scene, experiment.inputs)
+        if not objects:
+            continue  # not known before the scene is read
+        able = [name for name, panels in objects.items() if panels.get(task, True)]
+        if target.object not in objects:
+            what = f"{target.scene} has no '{target.object}'"
+        elif target.object not in able:
+            what = f"'{target.object}' of {target.scene} has no {task}"
+        else:
+            continue
+        yield Mistake(f"{key}.object", what, f"one of {', '.join(able)}")
+
+
+def _training_sets(config: "Config") -> Iterator[Mistake]:
+    """Training sets that have cousins enough."""
+    experiment = config.experiment
+    for rank in experiment.held_out:
+        if rank > experiment.cousins:
+            what = f"there is no cousin {rank} of experiment.cousins = {experiment.cousins}"
+            yield Mistake("experiment.held_out", what, "leave it out or raise experiment.cousins")
+    left = experiment.training_ranks
+    for name in experiment.training_sets:
+        needed = experiment.size_of(name)
+        if name != "twin" and not 0 < needed <= len(left):
+            what = (
+                f"{name} needs {max(needed, 1)} cousins, experiment.cousins = {experiment.cousins} leaves {len(left)}"
+            )
+            yield Mistake("experiment.training_sets", what, "raise experiment.cousins or hold fewer out")
+
+
+def _test_assets(config: "Config") -> Iterator[Mistake]:
+    """Roles that the experiment gives."""
+    experiment = config.experiment
+    roles = ["twin", *(f"cousin_{rank}" for rank in range(1, experiment.cousins + 1)), "dissimilar"]
+    for role in config.evaluation.test_assets:
+        if role not in roles:
+            what = f"there is no '{role}' among experiment.cousins = {experiment.cousins}"
+            yield Mistake("evaluation.test_assets", what, f"twin, cousin_1 ... {roles[-2]}, dissimilar")
+    if config.evaluation.checkpoint == "rollouts" and experiment.tasks and experiment.training_sets:
+        for run in experiment.runs:
+            if run in config.training.runs and not config.training.runs[run].keep:
+                what = f"is rollouts, but training.runs.{run}.keep = 0 leaves no checkpoints"
+                yield Mistake("evaluation.checkpoint", what, f"set training.runs.{run}.keep, or use best or last")
+
+
+def _library(config: "Config") -> Iterator[Mistake]:
+    """Categories that exist, folders that exist, a library that is not empty."""
+    for category in config.assets.counts:
+        if category not in COUNTS:
+            yield Mistake("assets.counts", f"no category '{category}'", f"one of {', '.join(COUNTS)}")
+    for folder in config.assets.folders:
+        if not Path(folder).is_dir():
+            yield Mistake("assets.folders", f"no folder {folder}", "correct it or leave it out")
+        elif not any(path.is_file() for path in Path(folder).glob("*/*")) and not any(Path(folder).glob("*/*/*")):
+            yield Mistake("assets.folders", f"{folder} has no models", "<folder>/<category>/<model>, docs/assets.md")
+    if not any(config.assets.counts.values()) and not config.assets.folders:
+        yield Mistake("assets", "the library would be empty", "set assets.counts or assets.folders")
+
+
+def _matching(config: "Config") -> Iterator[Mistake]:
+    """Views that were photographed, cousins for every rank, weights that lie where they are said to."""
+    for variant in config.experiment.variants:
+        matching = config.matching_of(variant)
+        where = f"experiment.variants.{variant}" if config.experiment.variants[variant] else "matching"
+        for key in ("views", "k_ori"):
+            if getattr(matching, key) > config.assets.n_snap:
+                what = f"{getattr(matching, key)} views of assets.n_snap = {config.assets.n_snap}"
+                yield Mistake(f"{where}.{key}", what, "lower it or raise assets.n_snap")
+        if config.generation.ranks > matching.k_cousins:
+            what = f"{config.generation.ranks} scenes from {where}.k_cousins = {matching.k_cousins} cousins"
+            yield Mistake("generation.ranks", what, "lower it or raise k_cousins")
+        for name in (matching.encoder, matching.text_encoder):
+            weights = getattr(matching, name, None)
+            if weights is None or not hasattr(weights, "download") or weights.download:
+                continue
+            for file in ("config.json", "model.safetensors"):
+                if not weights.path or not (Path(weights.path) / file).is_file():
+                    what = f"no {file} in '{weights.path}'"
+                    yield Mistake(f"{where}.{name}.path", what, "the folder of the weights, or download: true")
+                    break
+
+
+def _policies(config: "Config") -> Iterator[Mistake]:
+    """Networks that see no more points than there are, and checkpoints that training reaches."""
+    for run in config.experiment.runs:
+        if run not in config.training.runs:
+            what = f"'{run}' is not one of training.runs"
+            yield Mistake("experiment.runs", what, f"one of {', '.join(config.training.runs)}")
+            continue
+        options = config.training.runs[run]
+        key = f"training.runs.{run}"
+        if options.network.points > config.task.points:
+            what = f"{options.network.points} of task.points = {config.task.points}"
+            yield Mistake(f"{key}.network.points", what, "lower it or raise task.points")
+        if options.keep > options.steps:
+            yield Mistake(f"{key}.keep", f"{options.keep} checkpoints of {options.steps} steps", "lower it")
+    if config.task.finger_points >= config.task.points:
+        what = f"{config.task.finger_points} of task.points = {config.task.points} leaves none for the scene"
+        yield Mistake("task.finger_points", what, "lower it or raise task.points")
+    for axis, low, high in zip("xyz", config.task.workspace_min, config.task.workspace_max, strict=True):
+        if low >= high:
+            yield Mistake("task.workspace_min", f"{axis} = {low:g} is not below workspace_max's {high:g}", "swap them")
+    if SIMULATION_FREQUENCY % config.task.control_frequency:
+        what = f"{config.task.control_frequency} does not divide {SIMULATION_FREQUENCY} steps per second"
+        yield Mistake("task.control_frequency", what, "e.g. 10 or 20")
+    if config.task.success_fraction + config.demonstrations.goal_margin / 2 > 1:
+        what = f"{config.demonstrations.goal_margin} past task.success_fraction = {config.task.success_fraction}"
+        yield Mistake("demonstrations.goal_margin", f"{what} cannot be reached", "lower one of them")
+
+
+def _stages(config: "Config") -> Iterator[Mistake]:
+    """Files of replaced verbs that exist."""
+    for stage, commands in config.stages.items():
+        for verb, own in commands.items():
+            for name in own.code:
+                if not Path(name).exists():
+                    yield Mistake(f"stages.{stage}.{verb}.code", f"no file or folder {name}", "correct the path")

@@ -1,0 +1,100 @@
+"""Validate a config: what an overlay removes, and every mistake as one line with its key and how to mend it."""
+
+from collections.abc import Iterator
+from copy import deepcopy
+from difflib import get_close_matches
+from typing import Any, NamedTuple, TypeVar, get_args, get_origin
+
+from pydantic import BaseModel, ValidationError
+
+M = TypeVar("M", bound=BaseModel)
+
+
+class Mistake(NamedTuple):
+    """Key of the config, what is wrong with it, how to mend it (may be empty)."""
+
+    key: str
+    what: str
+    mend: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.key}: {self.what}." + (f" Fix: {self.mend}" if self.mend else "")
+
+
+def without_removed(value: Any, annotation: Any) -> Any:
+    """`value` without the entries of free-key mappings that are null: so an overlay removes what the default has."""
+    annotation = getattr(annotation, "__origin__", annotation) if hasattr(annotation, "__metadata__") else annotation
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel) and isinstance(value, dict):
+        fields = annotation.model_fields
+        return {
+            key: without_removed(item, fields[key].annotation) if key in fields else item for key, item in value.items()
+        }
+    if get_origin(annotation) is dict and get_args(annotation)[1] is not Any:
+        inner = get_args(annotation)[1]
+        items = value.items() if isinstance(value, dict) else ()
+        kept = {key: without_removed(item, inner) for key, item in items if item is not None}
+        return kept if isinstance(value, dict) or value is None else value
+    return value
+
+
+def validated(model: type[M], given: dict[str, Any]) -> tuple[M, list[Mistake]]:
+    """The config and its mistakes; where there is one, the config has its default instead."""
+    mistakes: list[Mistake] = []
+    given = deepcopy(given)
+    while True:
+        try:
+            return model.model_validate(given), mistakes
+        except ValidationError as error:
+            mistakes += mistakes_of(model, error)
+            for detail in error.errors():
+                _drop(given, detail["loc"])
+
+
+def mistakes_of(root: type[BaseModel], error: ValidationError, prefix: str = "") -> list[Mistake]:
+    """All mistakes that a validation found; a typo comes with the nearest key that exists."""
+    return list(_mistakes_of(root, error, prefix))
+
+
+def _mistakes_of(root: type[BaseModel], error: ValidationError, prefix: str) -> Iterator[Mistake]:
+    for detail in error.errors():
+        path = detail["loc"]
+        key = prefix + ".".join(str(part) for part in path)
+        text = detail["msg"].removeprefix("Value error, ")
+        if detail["type"] == "extra_forbidden":
+            keys = _keys_at(root, path[:-1])
+            near = get_close_matches(str(path[-1]), keys, n=1, cutoff=0.5)
+            yield Mistake(key, "unknown key", f"did you mean '{near[0]}'?" if near else f"known: {', '.join(keys)}")
+        elif detail["type"] == "value_error":
+            yield Mistake(key, text)
+        else:
+            yield Mistake(key, f"{text} (got {detail['input']!r})", "docs/config.md says what is allowed")
+
+
+def _models(annotation: Any) -> list[type[BaseModel]]:
+    """Every pydantic model inside a (possibly generic) annotation."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    return [model for argument in get_args(annotation) for model in _models(argument)]
+
+
+def _keys_at(model: type[BaseModel], path: tuple[int | str, ...]) -> list[str]:
+    """Field names that are allowed where `path` leads to."""
+    for part in path:
+        field = model.model_fields.get(str(part))
+        if field is None:
+            continue  # a free key of a dict: stay on the dict's value model
+        models = _models(field.annotation)
+        if not models:
+            return []
+        model = models[0]
+    return list(model.model_fields)
+
+
+def _drop(given: Any, path: tuple[int | str, ...]) -> None:
+    """Take out what a mistake is about: the innermost entry of a mapping that its path leads to."""
+    last, key = given, path[0]
+    for part in path:
+        if not isinstance(given, dict) or part not in given:
+            break
+        last, key, given = given, part, given[part]
+    last.pop(key, None)

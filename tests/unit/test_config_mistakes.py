@@ -1,0 +1,189 @@
+"""Contradictions of the config are found before anything runs: all at once, each with its key and how to mend it."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from stages.config import places
+from stages.config.assets import COUNTS
+from stages.config.contradictions import SIMULATION_FREQUENCY
+from stages.config.model import load, merged
+from stages.contracts import InputError
+from stages.contracts.scenes import Annotation
+from stages.procedural.catalogue import CATEGORIES, sample
+
+ROOT = Path(__file__).resolve().parents[2]
+DEFAULT = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
+
+
+def lines(text: str) -> list[str]:
+    """The mistakes of the default config with an overlay."""
+    try:
+        load(merged(DEFAULT, yaml.safe_load(text)))
+    except InputError as error:
+        return [line.removeprefix("config: ").strip() for line in str(error).splitlines() if "mistakes:" not in line]
+    return []
+
+
+CASES = [
+    ("evaluation: {test_assets: [twin, uncle]}", "evaluation.test_assets: there is no 'uncle'"),
+    ("evaluation: {test_assets: [cousin_0]}", "evaluation.test_assets: there is no 'cousin_0'"),
+    ("evaluation: {test_assets: [cousin_11]}", "evaluation.test_assets: there is no 'cousin_11'"),
+    ("evaluation: {test_assets: []}", "evaluation.test_assets: List should have at least 1 item"),
+    ("evaluation: {checkpoint: rollouts}", "evaluation.checkpoint: is rollouts, but training.runs.lite.keep = 0"),
+    ("evaluation: {rollouts: 0}", "evaluation.rollouts: Input should be greater than or equal to 1"),
+    (
+        "training: {runs: {lite: {network: {points: 600}}}}",
+        "training.runs.lite.network.points: 600 of task.points = 512",
+    ),
+    ("training: {runs: {lite: {network: {mlp: [-5]}}}}", "training.runs.lite.network.mlp.0: Input should be greater"),
+    ("training: {runs: {lite: {keep: 9, steps: 5}}}", "training.runs.lite.keep: 9 checkpoints of 5 steps"),
+    ("training: {runs: {'a/b': {}}}", "training.runs: 'a/b' is no name"),
+    ("task: {control_frequency: 0}", "task.control_frequency: Input should be greater than 0"),
+    ("task: {control_frequency: 12}", "task.control_frequency: 12 does not divide 100"),
+    ("task: {scale_range: [1.1, 0.9]}", "task.scale_range: 1.1 is above 0.9"),
+    ("task: {camera_jitter: [-1, 0]}", "task.camera_jitter.0: Input should be greater than or equal to 0"),
+    ("task: {workspace_min: [2, -0.5, 0]}", "task.workspace_min: x = 2 is not below workspace_max's 1"),
+    ("task: {finger_points: 512}", "task.finger_points: 512 of task.points = 512"),
+    ("generation: {aspect_range: [2, 1]}", "generation.aspect_range: 2 is above 1"),
+    ("generation: {ranks: 11}", "generation.ranks: 11 scenes from matching.k_cousins = 10"),
+    ("demonstrations: {film_episodes: 0}", "demonstrations.film_episodes: Input should be greater"),
+    ("{demonstrations: {goal_margin: 0.5}, task: {success_fraction: 0.9}}", "demonstrations.goal_margin: 0.5 past"),
+    ("assets: {counts: {mug: -1}}", "assets.counts.mug: Input should be greater than or equal to 0"),
+    ("assets: {counts: {mugs: 1}}", "assets.counts: no category 'mugs'"),
+    ("assets: {counts: {fridge: 0}}", "assets.counts.fridge: the rooms up to room_3 need 1"),
+    ("assets: {folders: [nowhere]}", "assets.folders: no folder nowhere"),
+    ("matching: {k_ori: 25}", "matching.k_ori: 25 views of assets.n_snap = 24"),
+    ("experiment: {variants: {far: {views: 25}}}", "experiment.variants.far.views: 25 views of assets.n_snap = 24"),
+    ("experiment: {rooms: [room_3, room_9]}", "experiment.rooms: unknown scene 'room_9'"),
+    ("experiment: {rooms: [room_3, room_3]}", "experiment.rooms: 'room_3' is named 2 times"),
+    ("experiment: {rooms: [room_1]}", "experiment.tasks.door.scene: 'room_3' is not one of experiment.rooms"),
+    ("experiment: {rooms: []}", "experiment.rooms: List should have at least 1 item"),
+    ("experiment: {tasks: {door: {object: cabinet_7}}}", "experiment.tasks.door.object: room_3 has no 'cabinet_7'"),
+    ("experiment: {tasks: {door: {object: stool_1}}}", "experiment.tasks.door.object: 'stool_1' of room_3 has no door"),
+    ("experiment: {tasks: {dor: {}}}", "experiment.tasks.dor: there is no 'dor'. Fix: did you mean 'door'?"),
+    (
+        "experiment: {tasks: {drawer: {scene: room_1, object: cabinet_1}}}",
+        "experiment.tasks.drawer.object: 'cabinet_1' of room_1 has no drawer",
+    ),
+    ("experiment: {inputs: {mine: nowhere}, rooms: [room_3, mine]}", "experiment.inputs.mine: no folder nowhere"),
+    ("experiment: {inputs: {room_2: nowhere}}", "experiment.inputs.room_2: is the name of a room of ours"),
+    ("experiment: {inputs: {'my scene': x}}", "experiment.inputs: 'my scene' is no name"),
+    ("experiment: {variants: {'c/d': {}}}", "experiment.variants: 'c/d' is no name"),
+    ("experiment: {variants: {b: null, c: {}}}", "experiment.policy_variant: 'b' is not one of experiment.variants"),
+    (
+        "experiment: {variants: {c: {k_modl: 3}}}",
+        "experiment.variants.c.k_modl: unknown key. Fix: did you mean 'k_model'?",
+    ),
+    (
+        "experiment: {variants: {c: {hog: {grid: 7}}}}",
+        "experiment.variants.c.hog: grid 7 does not divide image_size 192",
+    ),
+    ("experiment: {held_out: [1, 11]}", "experiment.held_out: there is no cousin 11 of experiment.cousins = 10"),
+    ("experiment: {held_out: [-2]}", "experiment.held_out.0: Input should be greater than or equal to 1"),
+    (
+        "experiment: {training_sets: [all], held_out: [1, 2, 3, 4, 5, 6, 7, 8, 9, 10]}",
+        "experiment.training_sets: all needs 1 cousins, experiment.cousins = 10 leaves 0",
+    ),
+    (
+        "{experiment: {cousins: 6, training_sets: [cousins_8]}}",
+        "experiment.training_sets: cousins_8 needs 8 cousins, experiment.cousins = 6 leaves 4",
+    ),
+    ("experiment: {runs: [huge]}", "experiment.runs: 'huge' is not one of training.runs"),
+    ("experiment: {seeds: [-1]}", "experiment.seeds.0: Input should be greater than or equal to 0"),
+    ("matching: {encoder: dinov2}", "matching.dinov2.path: no config.json in ''"),
+    ("tables: {scenes: {room_1: 9}}", "tables.scenes.room_1: Input should be less than or equal to 8"),
+    (
+        "stages: {matching: {match: {command: x, code: [gone.sh]}}}",
+        "stages.matching.match.code: no file or folder gone.sh",
+    ),
+    ("maching: {encoder: hog}", "maching: unknown key. Fix: did you mean 'matching'?"),
+]
+
+
+@pytest.mark.parametrize(("text", "line"), CASES, ids=[line.partition(": ")[0] for _, line in CASES])
+def test_a_mistake_is_one_line_with_its_key(text: str, line: str) -> None:
+    found = lines(text)
+    assert [each for each in found if each.startswith(line)], found
+    assert len(found) == 1
+
+
+def test_all_mistakes_are_told_at_once() -> None:
+    text = """
+    experiment: {rooms: [room_3, room_9], held_out: [-1], variants: {c: {hog: {postion: 1}}}}
+    evaluation: {test_assets: [uncle]}
+    task: {control_frequency: 0}
+    training: {runs: {lite: {network: {pionts: 3}}}}
+    """
+    keys = {line.partition(":")[0] for line in lines(text)}
+    assert keys == {"experiment.held_out.0", "task.control_frequency", "training.runs.lite.network.pionts",
+                    "experiment.variants.c.hog.postion", "experiment.rooms", "evaluation.test_assets"}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("text", "path", "left"),
+    [
+        ("experiment: {tasks: {door: null}}", "experiment.tasks", set()),
+        ("experiment: {tasks: null}", "experiment.tasks", set()),
+        ("experiment: {variants: {b: null, c: {}}, policy_variant: c}", "experiment.variants", {"c"}),
+        ("training: {runs: {paper: null}}", "training.runs", {"lite"}),
+        ("tables: {variants: {a: null, b: null}}", "tables.variants", {"c", "d"}),
+        ("assets: {counts: {book: null}}", "assets.counts", set(COUNTS) - {"book"}),
+        ("stages: {matching: null}", "stages", set()),
+    ],
+)
+def test_an_overlay_removes_what_the_default_has(text: str, path: str, left: set[str]) -> None:
+    value: Any = load(merged(DEFAULT, yaml.safe_load(text)))
+    for part in path.split("."):
+        value = getattr(value, part)
+    assert set(value) == left
+
+
+def test_null_stays_a_value_where_it_means_something() -> None:
+    text = "{generation: {snap_other: null}, experiment: {variants: {b: {count_threshold: null}}}}"
+    config = load(merged(DEFAULT, yaml.safe_load(text)))
+    assert config.generation.snap_other is None
+    assert config.matching_of("b").count_threshold is None
+
+
+def test_a_variant_changes_only_what_it_names() -> None:
+    text = "{matching: {hog: {grid: 12, normals: 9.0}}, experiment: {variants: {hog: {hog: {position: 1.0}}}}}"
+    hog = load(merged(DEFAULT, yaml.safe_load(text))).matching_of("hog").hog
+    assert (hog.position, hog.grid, hog.normals, hog.image_size) == (1.0, 12, 9.0, 192)
+
+
+def test_objects_of_an_own_scene_are_known_by_its_annotations(tmp_path: Path) -> None:
+    for name in places.INPUT_FILES:
+        (tmp_path / name).touch()
+    objects = [{"mask": 1, "label": "Tall Cabinet", "articulated": True, "doors": 1}, {"mask": 2, "label": "bowl"}]
+    (tmp_path / "annotations.json").write_text(json.dumps({"objects": objects}))
+    text = "experiment: {{rooms: [mine], inputs: {{mine: {}}}, tasks: {{door: {{scene: mine, object: {}}}}}}}"
+    assert lines(text.format(tmp_path, "tall_cabinet_1")) == []
+    assert "has no 'cabinet_1'. Fix: one of tall_cabinet_1" in lines(text.format(tmp_path, "cabinet_1"))[0]
+    assert "'bowl_1' of mine has no door" in lines(text.format(tmp_path, "bowl_1"))[0]
+    (tmp_path / "depth.npz").unlink()
+    assert f"experiment.inputs.mine: {tmp_path} has no depth.npz" in lines(text.format(tmp_path, "tall_cabinet_1"))[0]
+
+
+def test_what_is_known_here_is_what_the_stages_do() -> None:
+    from stages.extraction.reconstruct import object_ids
+    from stages.scenes.rooms import ROOMS
+    from stages.tasks.environment import SIMULATION_FREQUENCY as SIMULATED
+
+    assert SIMULATED == SIMULATION_FREQUENCY
+    assert set(COUNTS) == set(CATEGORIES)
+    for room in ROOMS:
+        labels = [Annotation(mask=k, label=item.label) for k, item in enumerate(room.items, 1)]
+        assert list(places.objects(room.name, {})) == object_ids(labels)
+    for kind, known in (("door", places.DOORS), ("drawer", places.DRAWERS)):
+        panels = {"door": ("door", "flap"), "drawer": ("drawer",)}[kind]
+        able = {
+            category
+            for category in CATEGORIES
+            for index in range(12)
+            if any(panel in str(sample(category, index, 0).parameters.get("layout", "")) for panel in panels)
+        }
+        assert able == known, kind
