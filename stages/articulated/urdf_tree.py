@@ -145,14 +145,11 @@ class UrdfTree:
         moved_by = Counter(joint.child for joint in joints)
         for name, count in moved_by.items():
             if count > 1:
-                raise InputError(
-                    self.path, f"link '{name}' is the child of {count} joints: the links do not form one tree."
-                )
+                what = f"link '{name}' is the child of {count} joints: the links do not form one tree."
+                raise InputError(self.path, what, "one parent joint for each link but the root")
         roots = [name for name in self.links if name not in moved_by]
         if len(roots) != 1:
-            what = (
-                f"{len(roots)} of its links are no joint's child ({', '.join(roots[:3])}): they do not form one tree."
-            )
+            what = f"the links do not form one tree: {len(roots)} have no parent ({', '.join(roots[:3]) or 'a cycle'})."
             raise InputError(self.path, what, "one root, and one parent joint for each other link")
         placed, ordered, waiting = {roots[0]}, [], joints
         while waiting:

@@ -34,7 +34,7 @@ def run(*, library: Path, shard: int, shards: int, out: Path, options: str = "{}
         raise InputError("--shard", f"{shard} is not below --shards {shards}.")
     entries = read_json(Library, library).assets[shard::shards]
     yaws = [2 * math.pi * k / config.n_snap for k in range(config.n_snap)]
-    booth = Booth(config)
+    turntable = Turntable(config)
     views, side = len(yaws) + 1, config.image_size
     with atomic(out) as temporary:
         with h5py.File(temporary, "w") as file:
@@ -44,20 +44,20 @@ def run(*, library: Path, shard: int, shards: int, out: Path, options: str = "{}
             depth = file.create_dataset("depth", shape, "u2", chunks=grid, **PACKED)
             for index, entry in enumerate(progress(entries, "assets")):
                 folder = library.parent / entry.folder
-                rgb[index], depth[index] = booth.photograph(folder, [*yaws, config.representative_yaw])
+                rgb[index], depth[index] = turntable.photograph(folder, [*yaws, config.representative_yaw])
         sidecar = SnapshotShard(
             assets=[entry.id for entry in entries],
             yaws=yaws,
             representative_yaw=config.representative_yaw,
             image_size=side,
-            intrinsics=booth.intrinsics.tolist(),
+            intrinsics=turntable.intrinsics.tolist(),
             elevation=math.atan2(config.camera_height, config.camera_distance),
         )
         write_json(out.with_suffix(".json"), sidecar)
 
 
-class Booth:
-    """A scene with one camera in which assets turn, each scaled so that its largest extent is one unit."""
+class Turntable:
+    """A scene with one camera before which assets turn, each scaled so that its largest extent is one unit."""
 
     def __init__(self, config: AssetsConfig) -> None:
         from stages.simulation.rendering import RenderCamera, make_scene

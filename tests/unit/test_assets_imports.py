@@ -1,6 +1,5 @@
 """Importing other people's models: known answers from small URDFs, and one clear line for each way to break one."""
 
-import os
 from pathlib import Path
 
 import numpy as np
@@ -16,41 +15,14 @@ from stages.contracts.errors import InputError
 from stages.contracts.files import read_json
 from stages.contracts.library import Asset
 from stages.procedural.resize import resized
-
-DATA = Path(os.environ.get("ACDC_TEST_DATA", Path(__file__).parents[3] / "shared" / "data"))
-
-CABINET = """<robot name="cabinet">
-  <material name="oak"><color rgba="0.5 0.3 0.1 1"/></material>
-  <link name="body">
-    <inertial><mass value="12"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
-    <visual><origin xyz="0 0 0.4"/><geometry><box size="0.4 0.6 0.8"/></geometry><material name="oak"/></visual>
-  </link>
-  <link name="door">
-    <visual><origin xyz="0.01 -0.29 0"/><geometry><box size="0.02 0.58 0.7"/></geometry></visual></link>
-  <link name="door_knob"><visual><geometry><sphere radius="0.02"/></geometry></visual></link>
-  <link name="tray"><visual><origin rpy="0 0 1.5707963"/><geometry><box size="0.2 0.1 0.05"/></geometry></visual></link>
-  <joint name="hinge" type="revolute"><parent link="body"/><child link="door"/><origin xyz="0.2 0.3 0.4"/>
-    <axis xyz="0 0 -1"/><limit lower="-1.5" upper="0" effort="1" velocity="1"/></joint>
-  <joint name="knob" type="fixed"><parent link="door"/><child link="door_knob"/><origin xyz="0.03 -0.5 0"/></joint>
-  <joint name="slide" type="prismatic"><parent link="body"/><child link="tray"/>
-    <origin xyz="0 0 0.9" rpy="0 0 1.5707963"/><axis xyz="0 -1 0"/>
-    <limit lower="0" upper="0.2" effort="1" velocity="1"/></joint>
-</robot>"""
+from tests.unit.articulated_models import textured_box, write_cabinet, write_kitchen
 
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     """A user's folder with one cabinet."""
-    path = tmp_path / "mine" / "bottom_cabinet" / "Oak 1" / "cab.urdf"
-    path.parent.mkdir(parents=True)
-    path.write_text(CABINET)
+    write_cabinet(tmp_path / "mine")
     return tmp_path / "mine"
-
-
-def write_urdf(folder: Path, old: str, new: str) -> None:
-    path = folder / "bottom_cabinet" / "Oak 1" / "cab.urdf"
-    assert old in CABINET
-    path.write_text(CABINET.replace(old, new))
 
 
 def test_urdf_is_imported_with_doors_drawers_and_handles(folder: Path, tmp_path: Path) -> None:
@@ -101,34 +73,6 @@ def test_stretched_inertia_is_that_of_the_stretched_box() -> None:
     assert np.allclose(long.inertia, 4 / 12 * np.diag([0.25, 0.32, 0.25]))
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "complaint"),
-    [
-        ("</robot>", "", "is not XML"),
-        ("<robot", "<!DOCTYPE x><robot", "DOCTYPE"),
-        ('<box size="0.4 0.6 0.8"/>', '<box size="0.4 wide"/>', r"link 'body', <visual>: size"),
-        ('<box size="0.4 0.6 0.8"/>', '<mesh filename="gone.obj"/>', "there is no mesh 'gone.obj'"),
-        ('<box size="0.4 0.6 0.8"/>', '<mesh filename="../../../secret.obj"/>', "lies outside mine/"),
-        ('<box size="0.4 0.6 0.8"/>', '<mesh filename="package://../../../../secret.obj"/>', "lies outside mine/"),
-        ('<box size="0.4 0.6 0.8"/>', '<mesh filename="bad.obj"/>', "bad.obj"),
-        ('<axis xyz="0 0 -1"/>', '<axis xyz="0 0 0"/>', "joint 'hinge': its axis is zero"),
-        ('<child link="door"/>', '<child link="gate"/>', r"joint 'hinge': <child> names no link"),
-        ('<child link="tray"/>', '<child link="door"/>', "one tree"),
-        ('type="prismatic"', 'type="floating"', "joint 'slide': type 'floating'"),
-        ('lower="0" upper="0.2"', 'lower="0.3" upper="0.2"', "lower limit 0.3 is above"),
-        ('lower="-1.5"', 'lower="nan"', "joint 'hinge': lower"),
-    ],
-)  # fmt: skip
-def test_broken_urdf_is_one_clear_line(folder: Path, tmp_path: Path, old: str, new: str, complaint: str) -> None:
-    write_urdf(folder, old, new)
-    trimesh.creation.box().export(tmp_path / "secret.obj")
-    (folder / "bottom_cabinet" / "Oak 1" / "bad.obj").write_text("this is not a mesh")
-    with pytest.raises(InputError, match=complaint) as caught:
-        import_folders([folder], tmp_path / "models")
-    assert "\n" not in str(caught.value)
-    assert not (tmp_path / "models" / "bottom_cabinet_cab").exists()
-
-
 def test_meshes_become_one_body_with_notes(tmp_path: Path) -> None:
     mine = tmp_path / "mine" / "Desk Lamp!"
     mine.mkdir(parents=True)
@@ -170,32 +114,39 @@ def test_two_bodies_are_two_hulls() -> None:
     assert sorted(round(piece.volume, 1) for piece in pieces) == [1.0, round(right.volume, 1)]
 
 
-@pytest.mark.skipif(not (DATA / "articulated").exists(), reason=f"no real test data in {DATA} (set ACDC_TEST_DATA)")
-def test_a_real_cabinet(tmp_path: Path) -> None:
+def test_a_kitchen_as_a_package_ships_it(tmp_path: Path) -> None:
+    urdf = write_kitchen(tmp_path / "packages")
     mine = tmp_path / "mine" / "bottom_cabinet"
     mine.mkdir(parents=True)
-    (mine / "sektion").symlink_to(DATA / "articulated" / "sektion_cabinet_urdf" / "sektion_cabinet_model")
+    (mine / "kitchen").symlink_to(urdf.parent)
     with pytest.raises(InputError, match="lies outside"):  # through the link, the meshes are elsewhere
         import_folders([tmp_path / "mine"], tmp_path / "models")
-    root = DATA / "articulated"
-    urdf = root / "sektion_cabinet_urdf" / "sektion_cabinet_model" / "urdf" / "sektion_cabinet.urdf"
-    asset = import_model(urdf, root, tmp_path / "models")
+    asset = import_model(urdf, tmp_path / "packages", tmp_path / "models")
     assert (asset.doors, asset.drawers) == (2, 2)
+    assert [joint.handle_link for joint in asset.joints] == [
+        "door_left_handle", "drawer_left_nob", "door_right_handle", "drawer_right_nob"
+    ]  # fmt: skip
     assert all(joint.lower == 0 and joint.upper > 0.3 for joint in asset.joints)
-    assert asset.size == pytest.approx((0.668, 0.764, 0.786), abs=0.01)
+    assert asset.size == pytest.approx((0.656, 0.76, 0.78), abs=0.001)
     robot = read_urdf(tmp_path / "models" / asset.id / "model.urdf", tmp_path / "models")
     for joint in asset.joints:
         shut, open_ = (link_frames(robot, share)[joint.handle_link or joint.link] for share in (0.0, 0.3))
-        center = robot.links[joint.handle_link or joint.link].visuals[0].mesh.bounds.mean(axis=0)
-        assert (open_ @ [*center, 1])[0] > (shut @ [*center, 1])[0] + 0.05, f"{joint.name} opens inwards"
+        assert open_[0, 3] > shut[0, 3] + 0.05, f"{joint.name} opens inwards"
+    urdf.unlink()
+    assert material_of(tmp_path / "models" / asset.id / "meshes" / "body.glb").baseColorTexture is not None
 
 
-@pytest.mark.skipif(not (DATA / "objects" / "ycb").exists(), reason=f"no real test data in {DATA} (set ACDC_TEST_DATA)")
-def test_real_textured_objects(tmp_path: Path) -> None:
-    assets = {asset.id: asset for asset in import_folders([DATA / "objects"], tmp_path / "models")}
-    mug = assets["ycb_025_mug"]
-    assert mug.size == pytest.approx((0.117, 0.092, 0.081), abs=0.002), "its file is in centimetres"
-    scene = trimesh.load_scene(tmp_path / "models" / mug.id / "meshes" / "link_0.glb")
-    material = next(iter(scene.geometry.values())).visual.material
+def test_textured_objects_in_centimetres(tmp_path: Path) -> None:
+    place = tmp_path / "mine" / "mug" / "blue"
+    textured_box((8.0, 9.0, 10.0), place, "mug")
+    (place / "asset.json").write_text('{"scale": 0.01, "placement": "object"}')
+    (asset,) = import_folders([tmp_path / "mine"], tmp_path / "models")
+    assert asset.size == pytest.approx((0.08, 0.09, 0.10))
+    assert asset.mass == pytest.approx(0.08 * 0.09 * 0.10 * 500, rel=1e-3)
+    material = material_of(tmp_path / "models" / asset.id / "meshes" / "base.glb")
     assert material.baseColorTexture is not None
     assert material.metallicFactor == 0.0
+
+
+def material_of(glb: Path) -> trimesh.visual.material.PBRMaterial:
+    return next(iter(trimesh.load_scene(glb).geometry.values())).visual.material

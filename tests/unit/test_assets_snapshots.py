@@ -19,20 +19,39 @@ from stages.geometry.frames import apply
 from stages.simulation.loading import load_asset, root_pose
 from stages.simulation.rendering import Camera, add_block, instance_id, make_scene, render
 
-OPTIONS = json.dumps({"counts": {"mug": 2, "television": 1}, "n_snap": 4, "image_size": 96})
+OPTIONS = json.dumps({"counts": {"mug": 2}, "n_snap": 4, "image_size": 96})
+
+# a slab with a dark front, a white back, a red side towards -y (on the left if seen from the front) and a blue one
+SLAB = (
+    '<robot name="slab"><link name="slab">'
+    + "".join(
+        f'<visual><origin xyz="{xyz}"/><geometry><box size="{size}"/></geometry>'
+        f'<material name="{name}"><color rgba="{rgba}"/></material></visual>'
+        for name, xyz, size, rgba in (
+            ("front", "0.05 0 0", "0.01 0.5 0.3", "0.02 0.02 0.02 1"),
+            ("back", "-0.05 0 0", "0.01 0.5 0.3", "0.9 0.9 0.9 1"),
+            ("red", "0 -0.26 0", "0.11 0.02 0.3", "0.9 0 0 1"),
+            ("blue", "0 0.26 0", "0.11 0.02 0.3", "0 0 0.9 1"),
+        )
+    )
+    + "</link></robot>"
+)
 
 
 @pytest.fixture(scope="module")
 def shard(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("library")
-    library.run(out=folder / "library.json", options=OPTIONS)
+    (folder / "mine" / "slab").mkdir(parents=True)
+    (folder / "mine" / "slab" / "coloured.urdf").write_text(SLAB)
+    options = json.dumps({**json.loads(OPTIONS), "folders": [str(folder / "mine")]})
+    library.run(out=folder / "library.json", options=options)
     snapshots.run(library=folder / "library.json", shard=0, shards=2, out=folder / "shard_0.h5", options=OPTIONS)
     return folder
 
 
 def test_shard_holds_every_second_asset_from_all_sides(shard: Path) -> None:
     about = read_json(SnapshotShard, shard / "shard_0.json")
-    assert about.assets == ["mug_00", "television_00"]
+    assert about.assets == ["mug_00", "slab_coloured"]
     assert about.yaws == pytest.approx([0, np.pi / 2, np.pi, 3 * np.pi / 2])
     with h5py.File(shard / "shard_0.h5") as file:
         rgb, depth = file["rgb"][:], file["depth"][:]
@@ -51,15 +70,17 @@ def test_shard_holds_every_second_asset_from_all_sides(shard: Path) -> None:
     assert (shard / "shard_0.png").exists()
 
 
-def test_television_shows_its_screen_at_yaw_zero_and_its_back_at_half_a_turn(shard: Path) -> None:
+def test_assets_face_the_camera_and_turn_counter_clockwise(shard: Path) -> None:
+    """At 0 the front is seen; turned by 90 degrees about z, an asset shows its -y side, by 270 its +y side."""
     with h5py.File(shard / "shard_0.h5") as file:
-        rgb, depth = file["rgb"][1], file["depth"][1]
-    row, column = np.argwhere(depth[0] > 0).mean(axis=0).astype(int)
-    front, back = rgb[0, row - 8, column].astype(int), rgb[2, row - 8, column].astype(int)
-    assert front.sum() < 250, "dark screen"
-    assert back.sum() != front.sum()
-    width = [(depth[view] > 0).any(axis=0).sum() for view in (0, 1)]
-    assert width[0] > 2 * width[1], "a television is wider than deep"
+        rgb, depth = file["rgb"][1].astype(int), file["depth"][1]
+    low = [int((depth[view] > 0).any(axis=1).nonzero()[0].mean()) + 5 for view in range(4)]  # below the top face
+    row = [rgb[view, low[view]][depth[view, low[view]] > 0] for view in range(4)]
+    front, left, back, right = (pixels[len(pixels) // 2] for pixels in row)
+    assert front.sum() < 150 < 400 < back.sum(), "dark front, white back"
+    assert left[0] > 4 * left[2], "red at 90 degrees"
+    assert right[2] > 4 * right[0], "blue at 270 degrees"
+    assert len(row[0]) > 2 * len(row[1]), "a slab is wider than deep"
 
 
 def test_snapshots_repeat_byte_for_byte(shard: Path) -> None:

@@ -1,0 +1,201 @@
+"""The articulated model: inertia, panels, roles, and that no room without a simulator imports one."""
+
+import ast
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from scipy.spatial.transform import Rotation
+
+from stages.articulated.asset_folder import Description, read_asset, read_model, stretch_asset, write_asset
+from stages.articulated.forward_kinematics import closed_box, rebased
+from stages.articulated.model import Link, RobotModel, Visual
+from stages.articulated.panels import read_panels
+from stages.articulated.roles import with_roles
+from stages.articulated.stretching import stretched
+from stages.articulated.urdf_reader import read_urdf
+from stages.articulated.urdf_tree import UrdfTree
+from stages.articulated.urdf_writer import write_urdf
+from stages.config.code import closure, source
+from stages.contracts.errors import InputError
+from stages.geometry.frames import rigid
+from tests.unit.articulated_models import CABINET, write_cabinet
+
+ABOUT = Description("cab", "bottom_cabinet", "CC0-1.0", "test")
+NO_SIMULATOR = ["articulated", "config", "contracts", "extraction", "geometry", "matching", "procedural", "experiment"]
+SIMULATORS = {"sapien", "mani_skill", "gymnasium"}
+
+
+def read(tmp_path: Path, text: str) -> RobotModel:
+    (tmp_path / "a.urdf").write_text(text)
+    return read_urdf(tmp_path / "a.urdf", tmp_path)
+
+
+def test_inertia_of_a_turned_tensor_reaches_the_written_file(tmp_path: Path) -> None:
+    rpy = np.array([0.3, -0.5, 0.7])
+    own = np.diag([0.5, 0.4, 0.2])
+    robot = read(
+        tmp_path,
+        '<robot name="r"><link name="body"><inertial><mass value="7"/><origin xyz="0.1 0.2 0.3" rpy="0.3 -0.5 0.7"/>'
+        '<inertia ixx="0.5" ixy="0" ixz="0" iyy="0.4" iyz="0" izz="0.2"/></inertial>'
+        '<visual><geometry><box size="1 1 1"/></geometry></visual></link></robot>',
+    )
+    turn = Rotation.from_euler("xyz", rpy).as_matrix()
+    body = robot.links["body"]
+    assert (body.mass, body.center.tolist()) == (7.0, [0.1, 0.2, 0.3])
+    assert np.allclose(body.inertia, turn @ own @ turn.T)
+    assert not np.allclose(body.inertia, own, atol=0.01), "a tensor that is not turned would show"
+    write_urdf(robot, tmp_path / "written")
+    again = read_urdf(tmp_path / "written" / "model.urdf", tmp_path).links["body"]
+    assert np.allclose(again.inertia, body.inertia, rtol=1e-4)
+    quarter = Rotation.from_euler("z", np.pi / 2).as_matrix()
+    turned = rebased(robot, rigid(quarter, np.zeros(3))).links["body"]
+    assert np.allclose(turned.inertia, quarter @ body.inertia @ quarter.T)
+    assert np.allclose(turned.center, [-0.2, 0.1, 0.3])
+
+
+def test_a_link_without_mass_is_a_solid_box(tmp_path: Path) -> None:
+    robot = read(
+        tmp_path,
+        '<robot name="r"><link name="body"><visual><origin xyz="0 0 1"/><geometry><box size="0.2 0.3 0.4"/></geometry>'
+        "</visual></link></robot>",
+    )
+    body = robot.links["body"]
+    mass = 500 * 0.2 * 0.3 * 0.4
+    assert body.mass == pytest.approx(mass)
+    assert np.allclose(body.center, [0, 0, 1])
+    assert np.allclose(body.inertia, mass / 12 * np.diag([0.25, 0.20, 0.13]), atol=2e-7)
+
+
+def test_rigid_meshes_have_the_inertia_of_their_hull(tmp_path: Path) -> None:
+    from stages.assets.imports import single_body
+
+    trimesh.creation.box([0.2, 0.3, 0.4]).export(tmp_path / "box.obj")
+    base = single_body(tmp_path / "box.obj").links["base"]
+    assert base.mass == pytest.approx(12.0)
+    assert np.allclose(base.inertia, np.diag([0.25, 0.20, 0.13]), atol=2e-7)
+
+
+def test_panels_are_bounded_with_what_is_fixed_to_them(tmp_path: Path) -> None:
+    robot = with_roles(read_urdf(write_cabinet(tmp_path), tmp_path))
+    write_asset(robot, tmp_path / "cab", ABOUT)
+    door, drawer = sorted(read_panels(tmp_path / "cab", {"hinge", "slide"}), key=lambda panel: panel.joint)
+    assert door.area == pytest.approx(0.58 * 0.7, rel=1e-3), "the knob lies before the panel"
+    assert door.height == pytest.approx(0.4, abs=1e-4)
+    assert np.allclose(door.axis, [0, 0, 1]), "turned round to close at 0"
+    assert drawer.area == pytest.approx(0.1 * 0.05, rel=1e-3)
+    assert np.allclose(drawer.axis, [1, 0, 0], atol=1e-6)
+    # the door's own mesh is gone: its knob is what remains; without the knob there is no panel, and no complaint
+    no_door = CABINET.replace('<origin xyz="0.01 -0.29 0"/><geometry><box size="0.02 0.58 0.7"/></geometry>', "")
+    bare = no_door.replace("<visual></visual>", "")
+    (tmp_path / "cab" / "model.urdf").write_text(bare)
+    (knob,) = read_panels(tmp_path / "cab", {"hinge"})
+    assert knob.area == pytest.approx(0.04 * 0.04, rel=0.02)
+    knob_visual = '<visual><geometry><sphere radius="0.02"/></geometry></visual>'
+    (tmp_path / "cab" / "model.urdf").write_text(bare.replace(knob_visual, ""))
+    assert [panel.joint for panel in read_panels(tmp_path / "cab", {"hinge", "slide"})] == ["slide"]
+
+
+def test_an_assets_urdf_lies_in_its_folder(tmp_path: Path) -> None:
+    write_asset(with_roles(read_urdf(write_cabinet(tmp_path / "mine"), tmp_path / "mine")), tmp_path / "cab", ABOUT)
+    about = json.loads((tmp_path / "cab" / "asset.json").read_text()) | {
+        "urdf": "../mine/bottom_cabinet/Oak 1/cab.urdf"
+    }
+    (tmp_path / "cab" / "asset.json").write_text(json.dumps(about))
+    with pytest.raises(InputError, match=r"asset\.json: .*urdf"):
+        read_panels(tmp_path / "cab", {"hinge"})
+
+
+def test_roles_and_handles_survive_stretching(tmp_path: Path) -> None:
+    asset = write_asset(with_roles(read_urdf(write_cabinet(tmp_path), tmp_path)), tmp_path / "cab", ABOUT)
+    told = json.loads((tmp_path / "cab" / "asset.json").read_text())
+    told["joints"][1] |= {"handle_link": None, "handle": "recessed"}
+    (tmp_path / "cab" / "asset.json").write_text(json.dumps(told))
+    wide = stretch_asset(tmp_path / "cab", read_asset(tmp_path / "cab"), (0.45, 1.2, 0.925), tmp_path / "wide")
+    assert [(joint.name, joint.role, joint.handle_link, joint.handle) for joint in wide.joints] == [
+        ("hinge", "door", "door_knob", None),
+        ("slide", "drawer", None, "recessed"),
+    ]
+    assert (wide.doors, wide.drawers) == (asset.doors, asset.drawers) == (1, 1)
+    assert wide.size == pytest.approx((0.45, 1.2, 0.925), abs=1e-5)
+
+
+def test_colours_are_kept_exactly_and_looks_of_their_own_too(tmp_path: Path) -> None:
+    painted = trimesh.creation.box([0.1, 0.1, 0.1])
+    painted.visual.vertex_colors = [10, 200, 30, 255]
+    plain = trimesh.creation.icosphere(1, 0.2)
+    link = Link(
+        "Body 1", [Visual(plain, (0.351, 0.2, 0.1, 1.0)), Visual(painted)], [plain], 1.0, np.zeros(3), np.eye(3)
+    )
+    write_urdf(RobotModel("r", {"Body 1": link}), tmp_path)
+    assert sorted(path.name for path in (tmp_path / "meshes").iterdir()) == [
+        "link_0.glb", "link_0_0.obj", "link_0_hull_0.obj"
+    ]  # fmt: skip
+    coloured, own = read_urdf(tmp_path / "model.urdf", tmp_path).links["Body 1"].visuals
+    assert coloured.colour == (0.351, 0.2, 0.1, 1.0)
+    assert own.colour is None
+    assert own.painted().visual.vertex_colors[0].tolist() == [10, 200, 30, 255]
+
+
+def test_joints_in_any_order(tmp_path: Path) -> None:
+    """Parents may stand after their children in the file."""
+    write_cabinet(tmp_path)
+    lines = CABINET.split("\n")
+    knob = next(line for line in lines if 'name="knob"' in line)
+    text = "\n".join(line for line in lines if line != knob).replace(
+        '  <joint name="hinge"', f'{knob}\n  <joint name="hinge"'
+    )
+    (tmp_path / "b.urdf").write_text(text)
+    assert [joint.name for joint in UrdfTree(tmp_path / "b.urdf").joints] == ["hinge", "slide", "knob"]
+    boxes = [closed_box(read(tmp_path, t)) for t in (text, CABINET)]
+    assert np.allclose(*boxes)
+
+
+def test_a_mirrored_mesh_keeps_its_outside_out(tmp_path: Path) -> None:
+    trimesh.creation.icosphere(1, 0.5).export(tmp_path / "ball.obj")
+    geometry = '<mesh filename="ball.obj" scale="-1 1 2"/>'
+    robot = read(
+        tmp_path, f'<robot name="r"><link name="a"><visual><geometry>{geometry}</geometry></visual></link></robot>'
+    )
+    assert robot.links["a"].visuals[0].mesh.volume > 0
+    assert stretched(robot, (1, 1, 0.5)).links["a"].mass == pytest.approx(robot.mass / 2)
+
+
+@pytest.mark.parametrize("room", NO_SIMULATOR)
+def test_rooms_that_import_no_simulator(room: str) -> None:
+    """DESIGN, rule 5: neither these rooms nor anything they import names one, not even inside a function."""
+    home = source(f"stages.{room}")
+    assert home is not None
+    modules = {name for path in home.parent.rglob("*.py") for name in closure(module_name(path, home))}
+    assert len(modules) > 3
+    for name in sorted(modules):
+        path = source(name)
+        assert path is not None
+        found = imported(path) & SIMULATORS
+        assert not found, f"{name} imports {found}"
+
+
+def module_name(path: Path, home: Path) -> str:
+    inside = path.relative_to(home.parents[1]).with_suffix("").parts
+    return ".".join(["stages", *(part for part in inside if part != "__init__")])
+
+
+def imported(path: Path) -> set[str]:
+    """First words of all modules that a file imports."""
+    names: set[str] = set()
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            names |= {alias.name.split(".")[0] for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            names.add(node.module.split(".")[0])
+    return names
+
+
+def test_the_walk_over_imports_would_find_a_simulator() -> None:
+    found = {
+        name for module in closure("stages.simulation.loading") if (path := source(module)) for name in imported(path)
+    }
+    assert "sapien" in found
+    assert read_model.__module__ in closure("stages.generation.meshes")
