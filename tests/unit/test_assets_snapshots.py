@@ -17,7 +17,7 @@ from stages.contracts.library import SnapshotShard
 from stages.geometry.cameras import back_project, intrinsics_from_fov, look_at
 from stages.geometry.frames import apply
 from stages.simulation.loading import load_asset, root_pose
-from stages.simulation.rendering import Camera, add_block, instance_id, make_scene, render
+from stages.simulation.rendering import RenderCamera, add_block, instance_id, make_scene, render
 
 OPTIONS = json.dumps({"counts": {"mug": 2}, "n_snap": 4, "image_size": 96})
 
@@ -114,6 +114,6 @@ def test_depth_and_ids_of_a_room(tmp_path: Path) -> None:
     bodies["bottom_cabinet_01"].set_qpos(
         np.array([j.limits[0][1] for j in bodies["bottom_cabinet_01"].get_active_joints()])
     )
-    opened = Camera(scene, k, 160, 120).render(pose)
+    opened = RenderCamera(scene, k, 160, 120).render(pose)
     assert set(np.unique(opened.segmentation)) <= ids | {0}, "links of one cabinet share one id"
     assert (opened.rgb != picture.rgb).any()
