@@ -24,7 +24,7 @@ from stages.geometry.frames import rigid
 from tests.unit.articulated_models import CABINET, write_cabinet
 
 ABOUT = Description("cab", "bottom_cabinet", "CC0-1.0", "test")
-NO_SIMULATOR = ["articulated", "config", "contracts", "extraction", "geometry", "matching", "procedural", "experiment"]
+NO_SIMULATOR = ["articulated", "config", "contracts", "extraction", "geometry", "matching", "procedural"]
 SIMULATORS = {"sapien", "mani_skill", "gymnasium"}
 
 
