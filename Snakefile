@@ -31,6 +31,7 @@ rule all:
     default_target: True
     input:
         rules.scenes.input,
+        rules.matching.input,
         rules.generation.input,
         rules.tables.output,
         rules.figures.output,

@@ -1,6 +1,38 @@
 # The paper's tables and figures with ours beside them, and the report page.
 # Reads:  evaluation rows, the published values in report/published, pictures of the other stages.
+#         (the page shows exactly the files that its rule names).
 # Writes: results/tables/table{2,3}.{csv,html,tex}, results/figures/figure{4,6,9}.{svg,png}, results/report/index.html.
+from types import SimpleNamespace
+
+TRAINED_ROLES = sorted({role for name in EXPERIMENT.training_sets for role in EXPERIMENT.roles(name)})
+# Benchmark files cannot be inputs: those of this run are named to the page, so that it counts no others.
+BENCHMARKS = [
+    rules.library.benchmark,
+    *expand(rules.snapshots.benchmark, shard=SHARDS),
+    *expand(rules.room.benchmark, scene=SCORED_ROOMS),
+    *expand(rules.extract.benchmark, scene=ROOMS),
+    *expand(rules.features.benchmark, encoder=ENCODERS, shard=SHARDS),
+    *expand(
+        [rules.match.benchmark, rules.generate.benchmark, rules.draw_scenes.benchmark], variant=VARIANTS, scene=ROOMS
+    ),
+    *expand(rules.score.benchmark, variant=VARIANTS, scene=SCORED_ROOMS),
+    *expand(rules.select.benchmark, variant=EXPERIMENT.policy_variant, task=TASKS),
+    *[
+        file
+        for task in TASKS
+        for file in of_target(SimpleNamespace(task=task, variant=EXPERIMENT.policy_variant), rules.distances.benchmark)
+    ],
+    *expand(rules.demonstrate.benchmark, task=TASKS, role=TRAINED_ROLES),
+    *expand(
+        [rules.train.benchmark, rules.rollout.benchmark],
+        task=TASKS,
+        training_set=EXPERIMENT.training_sets,
+        run=EXPERIMENT.runs,
+        seed=EXPERIMENT.seeds,
+    ),
+    "benchmarks/tables/tables.tsv",
+    "benchmarks/tables/figures.tsv",
+]
 
 
 rule tables:
@@ -78,17 +110,22 @@ rule figures:
 
 
 rule report_page:
-    """One page that shows the whole run."""
+    """One page that shows this run: what these inputs hold, and nothing else that lies in results/."""
     input:
-        rules.draw_snapshots.output,
-        rules.extraction.input,
-        rules.matching.input,
-        rules.generation.input,
-        rules.demonstrations.input,
-        rules.training.input,
-        rules.evaluation.input,
-        rules.tables.output,
-        rules.figures.output,
+        library=rules.library.output.library,
+        snapshots=expand([*rules.snapshots.output], shard=SHARDS),
+        sheets=rules.draw_snapshots.output.sheets,
+        images=[scene_image(SimpleNamespace(scene=room)) for room in ROOMS],
+        objects=expand(rules.extract.output.objects, scene=ROOMS),
+        overviews=expand(rules.draw_objects.output.overview, scene=ROOMS),
+        cousins=expand(rules.match.output.cousins, variant=VARIANTS, scene=ROOMS),
+        scenes=expand(rules.generate.output.scenes, variant=VARIANTS, scene=ROOMS),
+        previews=expand(rules.draw_scenes.output.previews, variant=VARIANTS, scene=ROOMS),
+        assets=[task_assets(task) for task in TASKS],
+        attempts=expand(rules.demonstrate.output.attempts, task=TASKS, role=TRAINED_ROLES),
+        metrics=[f"{folder}/metrics.jsonl" for task in TASKS for folder in policy_folders(task, "results/training")],
+        tables=rules.tables.output,
+        figures=rules.figures.output,
     output:
         page=report(
             "results/report/index.html",
@@ -106,8 +143,11 @@ rule report_page:
         command=command("tables", "report"),
         code=code("tables", "report"),
         options=as_options(CONFIG.tables),
+        images=lambda wildcards, input: [f"{room}={image}" for room, image in zip(ROOMS, input.images)],
+        benchmarks=BENCHMARKS,
         seed=CONFIG.seed,
         digest=config_digest(),
     shell:
-        "{params.command} --results results --benchmarks benchmarks --tables results/tables "
-        "--figures results/figures --seed {params.seed} --config-digest {params.digest} --options {params.options:q} --out {output.page:q} 2>&1 | tee {log:q}"
+        "{params.command} --files {input:q} --images {params.images:q} --benchmarks {params.benchmarks:q} "
+        "--seed {params.seed} --config-digest {params.digest} --options {params.options:q} "
+        "--out {output.page:q} 2>&1 | tee {log:q}"

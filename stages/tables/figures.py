@@ -16,13 +16,13 @@ from stages.tables.table3 import ALL_COLUMNS, pool
 TEXT = ["task", "test_asset", "training_set", "run", "checkpoint", "asset", "status"]
 
 
-def _named(comparisons: tuple[str, ...]) -> dict[tuple[str, str], Path]:
-    """'room_1/b=picture.png' -> {('room_1', 'b'): picture.png}; the variant may be left out."""
+def named(items: tuple[str, ...], flag: str = "--comparisons") -> dict[tuple[str, str], Path]:
+    """'room_1/b=picture.png' -> {('room_1', 'b'): picture.png}; the part after the slash may be left out."""
     pictures = {}
-    for item in comparisons:
+    for item in items:
         name, sign, path = item.partition("=")
         if not (name and sign and path):
-            raise InputError("--comparisons", f"'{item}' is not room=picture.", "write e.g. room_1/b=comparison.png")
+            raise InputError(flag, f"'{item}' is not room=picture.", "write e.g. room_1=picture.png")
         room, _, variant = name.partition("/")
         pictures[room, variant] = Path(path)
     return pictures
@@ -46,7 +46,7 @@ def run(
         options: JSON of the config section `tables`.
     """
     settings = read_options(TablesConfig, options)
-    pictures = _named(comparisons)
+    pictures = named(comparisons)
     paper = published_policies(published)
     rows = read_table(table3_csv, ALL_COLUMNS, TEXT) if table3_csv else pd.DataFrame(columns=ALL_COLUMNS)
     pooled = pool(rows, settings.confidence)

@@ -1,7 +1,7 @@
 """A table as HTML and as LaTeX."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import Any
 
@@ -35,6 +35,25 @@ class Table:
     rows: list[Row]
     headers: int = 1
     notes: list[str] = field(default_factory=list)
+
+    @property
+    def missing(self) -> list[Row]:
+        """The rows that were not run."""
+        return [row for row in self.rows if row.kind == "not-run"]
+
+    def ran(self) -> "Table":
+        """The rows that were run, and of the columns those in which one of them says something else than not run."""
+        rows = [row for row in self.rows if row.kind != "not-run"]
+        kept = [
+            index
+            for index in range(len(self.columns))
+            if index < self.headers or any(row.cells[index].value not in ("", NOT_RUN) for row in rows)
+        ]
+        return replace(
+            self,
+            columns=[self.columns[index] for index in kept],
+            rows=[replace(row, cells=[row.cells[index] for index in kept]) for row in rows],
+        )
 
 
 NOT_RUN = "not run"

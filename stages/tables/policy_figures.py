@@ -8,12 +8,13 @@ from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from stages.tables.drawing import GREY, MARKERS, colour, legend_name, not_run, rate_axis
+from stages.tables.drawing import GREY, MARKERS, RULE, colour, legend_name, not_run, rate_axis, spread_out
 from stages.tables.order import set_key, task_key, title
 
 
 def _tasks(pooled: pd.DataFrame, published: pd.DataFrame) -> list[str]:
-    return sorted({*pooled["task"], *published["task"]}, key=task_key)
+    """The tasks that were run; if none was, the paper's."""
+    return sorted({*pooled["task"]} or {*published["task"]}, key=task_key)
 
 
 def _sets(pooled: pd.DataFrame, published: pd.DataFrame) -> list[str]:
@@ -27,16 +28,17 @@ def _bars(cells: pd.DataFrame, low: Any, high: Any) -> Any:
 
 
 def figure4(pooled: pd.DataFrame, published: pd.DataFrame) -> Figure:
-    """Success against the distance of the test asset from the twin: a panel per task, a line per training set.
+    """Success against the distance of the test asset from the twin: a panel per task that was run, a line per set.
 
     Bars are Wilson intervals over all episodes of a cell.
     """
     tasks = _tasks(pooled, published)
-    figure, axes = plt.subplots(1, len(tasks), figsize=(3.3 * len(tasks), 3.1), squeeze=False, layout="constrained")
+    width = max(4.6, 3.4 * len(tasks))
+    figure, axes = plt.subplots(1, len(tasks), figsize=(width, 3.4), squeeze=False, layout="constrained")
     for column, (task, panel) in enumerate(zip(tasks, axes[0], strict=True)):
         cells = pooled[pooled["task"] == task].sort_values("dino_distance")
         rate_axis(panel, column == 0)
-        panel.set_title(title(task), loc="left")
+        panel.set_title(title(task), loc="left", pad=38 if len(cells) else None)
         panel.set_xlabel("distance of the test asset from the twin")
         panel.grid(False, axis="x")
         if cells.empty:
@@ -44,10 +46,11 @@ def figure4(pooled: pd.DataFrame, published: pd.DataFrame) -> Figure:
             panel.set_xticks([])
             continue
         sets = sorted(cells["training_set"].unique(), key=set_key)
-        span = cells["dino_distance"].max() - cells["dino_distance"].min() or 1.0
+        extent = cells["dino_distance"].max() - cells["dino_distance"].min() or 1.0
+        panel.set_xlim(cells["dino_distance"].min() - 0.06 * extent, cells["dino_distance"].max() + 0.06 * extent)
         for index, name in enumerate(sets):
             line = cells[cells["training_set"] == name]
-            shift = 0.012 * span * (index - (len(sets) - 1) / 2)  # keeps the bars of different sets apart
+            shift = 0.015 * extent * (index - (len(sets) - 1) / 2)  # keeps the bars of different sets apart
             panel.errorbar(
                 line["dino_distance"] + shift, 100 * line["mean"], yerr=_bars(line, line["low"], line["high"]),
                 color=colour(name), marker=MARKERS.get(name, "x"), markersize=5, linewidth=1.8, elinewidth=1,
@@ -56,18 +59,23 @@ def figure4(pooled: pd.DataFrame, published: pd.DataFrame) -> Figure:
         _mark_assets(panel, cells)
     handles, labels = _legend(axes[0])
     if handles:
-        figure.legend(handles, labels, loc="outside lower center", ncols=5)
+        figure.legend(handles, labels, loc="outside lower center", ncols=2 if len(tasks) == 1 else 5)
     return figure
 
 
 def _mark_assets(panel: Axes, cells: pd.DataFrame) -> None:
-    """Names of the test assets along the top, where their distances are."""
+    """Names of the test assets above the panel, clear of all lines and of each other, led to their distances."""
     assets = cells.drop_duplicates("test_asset")
-    for name, distance in zip(assets["test_asset"], assets["dino_distance"], strict=True):
-        panel.axvline(distance, color="#e7e5df", linewidth=0.7, zorder=0)
+    distances = assets["dino_distance"].tolist()
+    low, high = panel.get_xlim()
+    places = spread_out(distances, 0.075 * (high - low), low, high)
+    for name, distance, place in zip(assets["test_asset"], distances, places, strict=True):
+        panel.axvline(distance, color=RULE, linewidth=0.7, zorder=0)
         panel.annotate(
-            title(name), (distance, 0), xytext=(6, 2), xycoords=("data", "axes fraction"), textcoords="offset points",
-            rotation=90, size=6.5, color=GREY, va="bottom",
+            title(name), (distance, 1), xytext=(place, 1.05), xycoords=("data", "axes fraction"),
+            textcoords=("data", "axes fraction"), rotation=40, size=7, color=GREY, va="bottom", ha="left",
+            rotation_mode="anchor", annotation_clip=False,
+            arrowprops={"arrowstyle": "-", "color": GREY, "linewidth": 0.5, "shrinkA": 0, "shrinkB": 0},
         )  # fmt: skip
 
 
@@ -80,7 +88,7 @@ def _legend(panels: Any) -> tuple[list[Any], list[str]]:
 
 
 def figure9(pooled: pd.DataFrame, published: pd.DataFrame) -> Figure:
-    """A panel per task (rows) and training set (columns): ours, and the paper's as a faint dashed line.
+    """A panel per task that was run (rows) and training set (columns): ours, and the paper's as a faint dashed line.
 
     The four test assets stand from left to right, as in the paper: distances under different encoders do not compare.
     Our bars are the standard deviation over runs where there are two or more, else the Wilson interval of the run.

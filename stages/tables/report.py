@@ -1,6 +1,5 @@
 """Verb `report`: the whole run on one page that needs nothing but a browser."""
 
-import base64
 import re
 from pathlib import Path
 from typing import Any
@@ -9,52 +8,46 @@ import pandas as pd
 from markupsafe import Markup
 
 from stages.config.tables import TablesConfig
-from stages.contracts.errors import InputError
 from stages.contracts.files import read_options, read_text, write_text
 from stages.tables import formatting, table2, table3
+from stages.tables.figures import named
 from stages.tables.markup import Table, environment, number, percent
 from stages.tables.order import title as name_title
 from stages.tables.order import variant_title
 from stages.tables.page import library, policies, rooms
 from stages.tables.page.benchmarks import by_stage, duration, read_jobs
+from stages.tables.page.charts import inline
+from stages.tables.page.files import RunFiles
 from stages.tables.page.headline import rate, tiles
-from stages.tables.page.pictures import Album, Picture
+from stages.tables.page.pictures import Album
+from stages.tables.page.result import results
 from stages.tables.rows import published_policies, read_table
 
-MAX_BYTES = 15_000_000
+MAX_BYTES = 12_000_000
 STAGES = ["assets", "scenes", "extraction", "matching", "generation", "experiment"]
 STAGES += ["demonstrations", "training", "evaluation", "tables"]
 TEXT = ["scene", "variant", "task", "test_asset", "training_set", "baseline", "run", "checkpoint", "asset", "status"]
 WHOLE = re.compile(r".*_correct|(published_)?n_.*|(baseline_)?runs|states|episodes|successes|seed")
 FIGURES = {
     "figure4": "Figure 4: success against the distance of the test asset from the twin, with Wilson intervals.",
-    "figure9": "Figure 9: success on the four test assets for every training set; the paper's values are dashed.",
-    "figure6": "Figure 6: every room beside its reconstruction.",
+    "figure9": "Figure 9: success on the test assets for every training set; the paper's values are dashed.",
 }
 
 
-def _figure(path: Path, alt: str, album: Album) -> Picture | None:
-    """A figure as it is if it is small (its lines stay sharp), else as a picture."""
-    if not path.is_file():
-        return None
-    data = path.read_bytes()
-    if len(data) > 400_000:
-        return album.maybe(path.with_suffix(".png"), alt)
-    return Picture("data:image/svg+xml;base64," + base64.b64encode(data).decode("ascii"), 0, 0, alt)
-
-
-def _table(path: Path, columns: list[str]) -> pd.DataFrame | None:
-    if not path.is_file():
+def _table(path: Path | None, columns: list[str]) -> pd.DataFrame | None:
+    if path is None:
         return None
     table = read_table(path, columns, TEXT)
     return table.astype(dict.fromkeys((name for name in columns if WHOLE.fullmatch(name)), "Int64"))
 
 
-def _tables(folder: Path, published: Path, options: TablesConfig) -> tuple[list[Table], dict[str, pd.DataFrame | None]]:
+def _tables(
+    files: RunFiles, published: Path, options: TablesConfig
+) -> tuple[list[Table], dict[str, pd.DataFrame | None]]:
     """Tables to show, and the data behind the headline."""
-    scenes = _table(folder / "table2.csv", table2.ALL_COLUMNS)
-    runs = _table(folder / "table3.csv", table3.ALL_COLUMNS)
-    gains = _table(folder / "table3_differences.csv", table3.DIFFERENCE_COLUMNS)
+    scenes = _table(files.one("tables/table2.csv"), table2.ALL_COLUMNS)
+    runs = _table(files.one("tables/table3.csv"), table3.ALL_COLUMNS)
+    gains = _table(files.one("tables/table3_differences.csv"), table3.DIFFERENCE_COLUMNS)
     shown = [formatting.scenes_table(scenes, options)] if scenes is not None else []
     if runs is not None:
         shown.append(formatting.policies_table(runs, published_policies(published), options))
@@ -64,42 +57,56 @@ def _tables(folder: Path, published: Path, options: TablesConfig) -> tuple[list[
     return shown, {"scenes": scenes, "pooled": pooled, "gains": gains}
 
 
-def _page(results: Path, benchmarks: Path, tables: Path, figures: Path, published: Path, facts: dict[str, Any],
-          options: TablesConfig, width: int) -> str:  # fmt: skip
+def _page(
+    files: RunFiles,
+    jobs: tuple[tuple[Path, ...], Path],
+    published: Path,
+    facts: dict[str, Any],
+    options: TablesConfig,
+    width: int,
+) -> str:
     album = Album(width, options.picture_quality)
-    shown, data = _tables(tables, published, options)
-    jobs = read_jobs(benchmarks)
-    times = by_stage(jobs, STAGES)
-    models, tasks = library.collect(results, album), policies.collect(results, album)
-    drawn = {name: (_figure(figures / f"{name}.svg", alt, album), alt) for name, alt in FIGURES.items()}
-    template = environment().get_template("page/page.html.jinja")
-    return template.render(
-        **facts,
-        tiles=tiles(data["scenes"], data["pooled"], models, tasks, times, options),
-        rooms=rooms.collect(results, album),
-        library=models,
-        tasks=tasks,
-        tables=shown,
-        figures=drawn,
-        times=times,
-        longest=sorted(jobs, key=lambda job: (-job.seconds, job.name))[:8],
-        script=Markup(read_text(Path(__file__).with_name("page") / "page.js")),
-        duration=duration,
-        number=number,
-        percent=percent,
-        rate=lambda successes, episodes: rate(successes, episodes, options.confidence),
-        name=name_title,
-        variant_title=variant_title,
+    shown, data = _tables(files, published, options)
+    done = read_jobs(*jobs)
+    times = by_stage(done, STAGES)
+    models, tasks, made = library.collect(files, album), policies.collect(files, album), rooms.collect(files, album)
+    of_tasks = [room for task in tasks for room in made if room.name == task.scene]
+    drawn = {name: (files.one(f"figures/{name}.svg"), alt) for name, alt in FIGURES.items()}
+    return (
+        environment()
+        .get_template("page/page.html.jinja")
+        .render(
+            **facts,
+            first=next(iter([*of_tasks, *made]), None),
+            results=results(data["pooled"], data["gains"]),
+            tiles=tiles(data["scenes"], models, tasks, times, options),
+            rooms=made,
+            library=models,
+            tasks=tasks,
+            tables=shown,
+            figures={
+                name: (inline(read_text(path), alt) if path else None, alt) for name, (path, alt) in drawn.items()
+            },
+            times=times,
+            longest=sorted(done, key=lambda job: (-job.seconds, job.name))[:8],
+            script=Markup(read_text(Path(__file__).with_name("page") / "page.js")),
+            duration=duration,
+            number=number,
+            percent=percent,
+            rate=lambda successes, episodes: rate(successes, episodes, options.confidence),
+            name=name_title,
+            variant_title=variant_title,
+        )
     )
 
 
 def run(
     *,
     out: Path,
-    results: Path = Path("results"),
-    benchmarks: Path = Path("benchmarks"),
-    tables: Path = Path("results/tables"),
-    figures: Path = Path("results/figures"),
+    files: tuple[Path, ...] = (),
+    images: tuple[str, ...] = (),
+    benchmarks: tuple[Path, ...] = (),
+    benchmarks_root: Path = Path("benchmarks"),
     published: Path = Path("report/published"),
     title: str = "Digital cousins from one picture",
     config_digest: str = "",
@@ -110,10 +117,10 @@ def run(
 
     Args:
         out: the HTML file.
-        results: folder of the run's outputs, in their fixed formatting.
-        benchmarks: folder of Snakemake's benchmark files.
-        tables: folder of table2.csv, table3.csv and table3_differences.csv.
-        figures: folder of figure4.svg, figure6.svg and figure9.svg.
+        files: everything that the page may show, in the fixed layout of results/; nothing else is looked at.
+        images: the pictures that went in, as room=picture.
+        benchmarks: Snakemake's benchmark files of this run; those that are not there are left out.
+        benchmarks_root: the folder whose first level names the stage of a benchmark.
         published: folder with the paper's values.
         title: title of the page.
         config_digest: digest of the config, to be shown.
@@ -121,11 +128,10 @@ def run(
         options: JSON of the config section `tables`.
     """
     settings = read_options(TablesConfig, options)
-    if not results.is_dir():
-        raise InputError(results, "no such folder.", "run the workflow first: snakemake --cores 2 all")
+    declared = RunFiles(files, {room: path for (room, _), path in named(images, "--images").items()})
     facts = {"title": title, "config_digest": config_digest, "seed": seed}
     for width in (settings.picture_width, settings.picture_width * 2 // 3, settings.picture_width // 2):
-        page = _page(results, benchmarks, tables, figures, published, facts, settings, width)
+        page = _page(declared, (benchmarks, benchmarks_root), published, facts, settings, width)
         if len(page.encode()) <= MAX_BYTES:
             break
     write_text(out, page)

@@ -4,14 +4,16 @@ import csv
 import json
 from pathlib import Path
 
+import h5py
 import numpy as np
 from PIL import Image, ImageDraw
 from pydantic import BaseModel
 
 from stages.contracts.cousins import Cousin, Cousins, ObjectCousins, Orientation
 from stages.contracts.files import write_json
+from stages.contracts.films import Film, Films
 from stages.contracts.generated import GeneratedScene, PlacedObject, Plausibility
-from stages.contracts.library import Library, LibraryEntry
+from stages.contracts.library import Library, LibraryEntry, SnapshotShard
 from stages.contracts.objects import Box, Mounting, Objects, SceneObject
 from stages.contracts.policies import Attempt, Rollout, SceneScore, TaskAsset, TaskAssets
 
@@ -33,6 +35,44 @@ def picture(path: Path, width: int = 240, height: int = 160, seed: int = 0) -> N
         draw.rectangle((x, height * 0.75 - h, x + w, height * 0.75), fill=colour, outline=(60, 60, 60))
     path.parent.mkdir(parents=True, exist_ok=True)
     image.save(path)
+
+
+def film(path: Path, frames: int = 6) -> None:
+    """An animated WebP of a box that moves to the right."""
+    pictures = []
+    for frame in range(frames):
+        image = Image.new("RGB", (80, 64), (200, 205, 210))
+        ImageDraw.Draw(image).rectangle((5 + 8 * frame, 20, 25 + 8 * frame, 50), fill=(150, 60, 50))
+        pictures.append(image)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    pictures[0].save(path, "WEBP", save_all=True, append_images=pictures[1:], duration=100, loop=0)
+
+
+def films(folder: Path, roles: list[str]) -> None:
+    """A success and a failure per asset, and their list."""
+    entries = []
+    for role in roles:
+        for number, success in enumerate((True, False)):
+            name = f"{role}_{number}.webp"
+            film(folder / name)
+            entries.append(
+                Film(role=role, asset="cabinet_07", seed=number, success=success, steps=23, opened=0.12, file=name)
+            )
+    write_json(folder / "films.json", Films(films=entries))
+
+
+def snapshots(folder: Path, assets: list[str]) -> None:
+    """A shard: every asset a grey box on nothing, four yaws and the representative view."""
+    yaws = [0.0, 1.57, 3.14, 4.71]
+    shape = (len(assets), len(yaws) + 1, 24, 24)
+    depth = np.zeros(shape, np.uint16)
+    depth[:, :, 6:20, 4:18] = 900
+    folder.mkdir(parents=True, exist_ok=True)
+    with h5py.File(folder / "shard_0.h5", "w") as file:
+        file["rgb"], file["depth"] = np.full((*shape, 3), 120, np.uint8), depth
+    shard = SnapshotShard(assets=assets, yaws=yaws, representative_yaw=-0.5, image_size=24, intrinsics=EYE)
+    write_json(folder / "shard_0.json", shard)
+    picture(folder / "shard_0.png", 600, 400, seed=8)
 
 
 def write_rows(path: Path, rows: list[BaseModel]) -> Path:
@@ -85,7 +125,7 @@ def _room(results: Path, name: str) -> None:
     box = Box(center=(2.0, 0.0, 0.5), size=(0.6, 0.4, 1.0), yaw=0.1)
     seen = [
         SceneObject(id=f"{label}_1", label=label, mask=number, box=box, doors=2 if label == "cabinet" else 0,
-                    mounting=Mounting(type=3 if label == "cabinet" else 2))
+                    pixels=(40 * number, 30, 40 * number + 60, 120), mounting=Mounting(type=3 if number == 1 else 2))
         for number, label in enumerate(labels, start=1)
     ]  # fmt: skip
     seen.append(
@@ -130,7 +170,7 @@ def _policies(results: Path) -> None:
     write_json(results / "experiment" / "b" / "door" / "assets.json", chosen)
     for role in ("twin", "cousin_1"):
         folder = results / "demonstrations" / "door" / role
-        picture(folder / "film.png", 1000, 130, seed=6)
+        films(folder / "films", [role])
         causes = ["success"] * 8 + ["grasp_slip", "approach"]
         attempts = [
             Attempt(attempt=n, seed=n, success=cause == "success", cause=cause, steps=60, opened=0.8)
@@ -144,9 +184,7 @@ def _policies(results: Path) -> None:
             {"step": s, "train_loss": 5 - s / 300, "valid_loss": 5 - s / 400, "lr": 1e-3} for s in range(0, 900, 50)
         ]
         (folder / "metrics.jsonl").write_text("".join(json.dumps(line) + "\n" for line in lines))
-        for role in ("twin", "dissimilar"):
-            film = results / "evaluation" / "policies" / "door" / name / "lite" / "seed_0" / f"film_{role}.png"
-            picture(film, 1000, 130, seed=7)
+        films(results / "evaluation" / "policies" / "door" / name / "lite" / "seed_0" / "films", ["twin", "dissimilar"])
 
 
 def write_run(root: Path) -> Path:
@@ -160,7 +198,8 @@ def write_run(root: Path) -> Path:
         for category, count in (("cabinet", 9), ("bowl", 4)) for number in range(count)
     ]  # fmt: skip
     write_json(results / "assets" / "library" / "library.json", Library(assets=models))
-    picture(results / "assets" / "snapshots" / "shard_0.png", 600, 400, seed=8)
+    names = {label for labels in LABELS.values() for label in labels}
+    snapshots(results / "assets" / "snapshots", sorted(f"{name}_{rank:02d}" for name in names for rank in range(1, 8)))
     _policies(results)
 
     scenes = results / "evaluation" / "scenes" / "b"
@@ -184,3 +223,16 @@ def write_run(root: Path) -> Path:
     short.parent.mkdir()
     short.write_text('{"s": 0.4, "max_rss": "NA", "cpu_time": "NA"}\n')
     return root
+
+
+def declared(root: Path) -> dict[str, object]:
+    """What the rule of the page names: all files of the run, as arguments of the verb."""
+    results = root / "results"
+    folders = [path for path in results.rglob("films") if path.is_dir()]
+    files = [path for path in results.rglob("*") if path.is_file() and path.parent.name not in ("films", "report")]
+    return {
+        "files": (*files, *folders),
+        "images": tuple(f"{room}={results}/scenes/{room}/input/rgb.png" for room in LABELS),
+        "benchmarks": tuple(path for path in (root / "benchmarks").rglob("*") if path.is_file()),
+        "benchmarks_root": root / "benchmarks",
+    }

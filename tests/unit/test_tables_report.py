@@ -1,7 +1,9 @@
 """Figures and the report page, on a small made-up run."""
 
 import re
+import shutil
 from html.parser import HTMLParser
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -9,11 +11,16 @@ from PIL import Image
 
 from stages.contracts.errors import InputError
 from stages.tables import figures, report, tables
+from stages.tables.drawing import spread_out
 from stages.tables.page.benchmarks import by_stage, duration, read_jobs
 from stages.tables.page.charts import line_chart
+from stages.tables.page.files import RunFiles
+from stages.tables.page.films import read_films
 from stages.tables.page.pictures import Album, load
 from stages.tables.page.policies import losses, read_attempts
-from tests.unit.tables_results import picture, write_run
+from stages.tables.page.result import verdict
+from stages.tables.page.snapshots import Snapshots
+from tests.unit.tables_results import declared, films, picture, write_run
 
 PUBLISHED = Path(__file__).parents[2] / "report" / "published"
 
@@ -41,10 +48,11 @@ def draw(root: Path, out: Path) -> None:
 
 
 def page(root: Path, out: Path, **flags: object) -> str:
-    results = root / "results"
-    places = {"results": results, "benchmarks": root / "benchmarks", "tables": results / "tables"}
-    report.run(out=out, figures=results / "figures", published=PUBLISHED, **places, **flags)  # type: ignore[arg-type]
+    report.run(out=out, published=PUBLISHED, **(declared(root) | flags))  # type: ignore[arg-type]
     return out.read_text()
+
+
+VOID = ("meta", "link", "img", "source", "input", "br")
 
 
 class Checker(HTMLParser):
@@ -60,7 +68,7 @@ class Checker(HTMLParser):
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         values = dict(attrs)
-        if tag not in ("meta", "img", "input", "line", "polyline", "br"):
+        if tag not in VOID:
             self.open.append(tag)
         if "id" in values:
             assert values["id"] not in self.ids, values["id"]
@@ -69,11 +77,15 @@ class Checker(HTMLParser):
             self.links.add(str(values["href"]))
         if tag == "img":
             self.sources.append(str(values["src"]))
-            self.unnamed += [] if "alt" in values else [tag]
+            self.unnamed += [] if values.get("alt") or values["src"] == "data:," else [str(values)[:80]]
 
     def handle_endtag(self, tag: str) -> None:
-        if tag not in ("line", "polyline"):
-            assert self.open.pop() == tag
+        if tag not in VOID:
+            assert self.open.pop() == tag, self.getpos()
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.handle_starttag(tag, attrs)
+        self.handle_endtag(tag)
 
 
 def test_page_is_whole_and_stands_alone(made: Path) -> None:
@@ -83,7 +95,8 @@ def test_page_is_whole_and_stands_alone(made: Path) -> None:
     assert checker.open == [] and checker.unnamed == []
     assert all(link.removeprefix("#") in checker.ids for link in checker.links)
     assert len(checker.sources) > 15 and all(source.startswith("data:") for source in checker.sources)
-    assert not re.search(r"(src|href)=\"(https?:)?//", text) and "@import" not in text and "url(" not in text
+    for outside in (r"(src|href)=\"(https?:)?//", "@import", r"url\((?!#)"):
+        assert not re.search(outside, text), outside
     assert len(text.encode()) < report.MAX_BYTES
 
 
@@ -91,8 +104,10 @@ def test_page_tells_what_happened(made: Path) -> None:
     text = (made / "results/report/index.html").read_text()
     for words in (
         "13</b><span>models in 2 categories", "only 12 points &lt;after cleaning&gt;", "fallen: lamp_1",
-        "1. cabinet_01", "grasp slip 1", "8/10, 49–95 %", "16/20", "train_loss", "Table 3:", "paper 5/5",
+        "cabinet 01", "grasp slip 1", "8/10, 49–95 %", "16/20", "train loss", "Table 3:", "paper 5/5",
         "Trained on 4 cousins, lite, seed 0", "matching/b/room_1", "800 MiB", "not run", "+55 points",
+        "Policies trained on 4 cousins succeed more often", "30 of 33 rows not run", "and 2 more by distance",
+        "failure, opened 12% in 23 steps", "Rebuilt from cousins of rank", "Not collected",
     ):  # fmt: skip
         assert words in text, words
     assert text.count("only 12 points") == 2  # once per room: a failure is told where it happened first
@@ -118,13 +133,54 @@ def test_figures_without_results_are_drawn_as_not_run(tmp_path: Path) -> None:
 
 
 def test_page_of_an_empty_run_says_not_run(tmp_path: Path) -> None:
-    (tmp_path / "results").mkdir()
-    text = page(tmp_path, tmp_path / "index.html", title="Nothing <yet>", seed=3)
-    assert (
-        text.count("Not run:") >= 5 and "<title>Nothing &lt;yet&gt;</title>" in text and "seed of this run is 3" in text
-    )
-    with pytest.raises(InputError, match="no such folder"):
-        report.run(out=tmp_path / "x.html", results=tmp_path / "none")
+    report.run(out=tmp_path / "index.html", published=PUBLISHED, title="Nothing <yet>", seed=3)
+    text = (tmp_path / "index.html").read_text()
+    assert text.count("Not run:") >= 5 and "<title>Nothing &lt;yet&gt;</title>" in text
+    assert "seed of this run is 3" in text
+    with pytest.raises(InputError, match="no such file"):
+        report.run(out=tmp_path / "x.html", files=(tmp_path / "none.csv",), published=PUBLISHED)
+    with pytest.raises(InputError, match=r"--images: 'x\.png' is not room=picture"):
+        report.run(out=tmp_path / "x.html", images=("x.png",), published=PUBLISHED)
+
+
+def test_page_shows_what_was_declared_and_nothing_else(made: Path, tmp_path: Path) -> None:
+    flags, text = declared(made), (made / "results/report/index.html").read_text()
+    old = tmp_path / "run"
+    shutil.copytree(made, old)
+    results = old / "results"
+    for kept, planted in (
+        ("training/door/twin/lite/seed_0", "training/door/twin/old_run/seed_7"),
+        ("evaluation/policies/door/twin/lite/seed_0", "evaluation/policies/door/twin/old_run/seed_7"),
+        ("matching/b/room_1", "matching/old_variant/room_1"),
+        ("generation/b/room_1", "generation/old_variant/room_1"),
+        ("extraction/room_1", "extraction/room_77"),
+        ("demonstrations/door/twin", "demonstrations/drawer/twin"),
+    ):
+        shutil.copytree(results / kept, results / planted)
+    shutil.copy(old / "benchmarks/assets/library.tsv", old / "benchmarks/assets/old_library.tsv")
+    moved = {
+        name: tuple(type(item)(str(item).replace(str(made), str(old))) for item in value)  # type: ignore[attr-defined]
+        if isinstance(value, tuple)
+        else old / "benchmarks"
+        for name, value in flags.items()
+    }
+    assert page(old, tmp_path / "index.html", **moved) == text
+
+
+def test_nothing_is_claimed_where_the_interval_holds_zero() -> None:
+    counts = {"cousins_4": "9 of 48", "twin": "3 of 48"}
+    row = {"training_set": "cousins_4", "difference": 0.125, "low": -0.012, "high": 0.27}
+    assert verdict(row, counts).startswith("This run does not tell")
+    assert "succeed more often" in verdict(row | {"low": 0.01}, counts)
+    assert "succeed less often" in verdict(row | {"difference": -0.3, "low": -0.5, "high": -0.1}, counts)
+
+
+def test_a_film_outside_its_folder_is_refused(tmp_path: Path) -> None:
+    films(tmp_path, ["twin"])
+    text = (tmp_path / "films.json").read_text()
+    (tmp_path / "films.json").write_text(text.replace("twin_1.webp", "../twin_1.webp"))
+    with pytest.raises(InputError, match="outside its folder"):
+        read_films(tmp_path, "Rollout", Album(100, 80))
 
 
 @pytest.mark.parametrize(
@@ -133,7 +189,9 @@ def test_page_of_an_empty_run_says_not_run(tmp_path: Path) -> None:
         ("results/extraction/room_1/objects.json", "{", "breaks the Objects contract"),
         ("results/demonstrations/door/twin/attempts.jsonl", '{"attempt": 0}\n', "attempts.jsonl:1: breaks the Attempt"),
         ("results/training/door/twin/lite/seed_0/metrics.jsonl", "{}\nnan,\n", "metrics.jsonl:2: is not JSON"),
-        ("results/generation/b/room_1/comparison.png", "no picture", "is not a readable picture"),
+        ("results/generation/b/room_1/scene_1.png", "no picture", "is not a readable picture"),
+        ("results/assets/snapshots/shard_0.h5", "no snapshots", "is not a readable snapshot shard"),
+        ("results/demonstrations/door/twin/films/twin_0.webp", "no film", "is not a readable picture"),
         ("benchmarks/assets/library.tsv", "a\tb\n1\t2\n", "not a benchmark file"),
         ("results/tables/table2.csv", "scene\n", "lacks the column"),
     ],
@@ -153,7 +211,9 @@ def test_comparisons_must_name_a_room(tmp_path: Path) -> None:
 
 
 def test_benchmarks_by_stage(made: Path) -> None:
-    rows = {row.stage: row for row in by_stage(read_jobs(made / "benchmarks"), ["matching", "assets"])}
+    root = made / "benchmarks"
+    jobs = read_jobs([*root.rglob("*.tsv"), *root.rglob("*.jsonl"), root / "assets" / "never_ran.tsv"], root)
+    rows = {row.stage: row for row in by_stage(jobs, ["matching", "assets"])}
     assert list(rows) == ["matching", "assets", "tables"]
     assert rows["assets"].seconds == 61.5 and rows["assets"].memory == 300.25
     assert sum(row.share for row in rows.values()) == pytest.approx(1)
@@ -164,9 +224,27 @@ def test_benchmarks_by_stage(made: Path) -> None:
 def test_losses_and_charts() -> None:
     step, series = losses([{"step": 10, "loss": 2.0, "lr": 1}, {"step": 20, "loss": 1.0, "valid_loss": 3}])
     assert step == "step" and series == {"loss": [(10.0, 2.0), (20.0, 1.0)], "valid_loss": [(20.0, 3.0)]}
-    chart = line_chart({"<a>": [(0, 1), (1, float("nan")), (2, 0)]}, "step", "x")
-    assert chart.count("polyline") == 1 and "&lt;a&gt;" in chart and "nan" not in chart
+    chart = line_chart({"<a>": [(0, 1), (1, float("nan")), (2, 0)]}, "step", "a & b")
+    assert "&lt;a&gt;" in chart and 'aria-label="a &amp; b"' in chart and "nan" not in chart.lower()
+    assert "var(--ink)" in chart and "var(--rule)" in chart and "#22252a" not in chart  # it follows the page's colours
     assert line_chart({"flat": [(0, 1)]}, "step", "x") != "" and line_chart({}, "step", "x") == ""
+    assert line_chart({"loss": [(0, 9000), (4000, 1)]}, "step", "x") == line_chart(
+        {"loss": [(0, 9000), (4000, 1)]}, "step", "x"
+    )
+
+
+@pytest.mark.parametrize("places", [[0, 0.6357, 0.7017, 1.08], [0, 0.01, 0.02, 0.03], [1.0, 1.05, 1.08, 1.08], [0.5]])
+def test_labels_are_spread_out(places: list[float]) -> None:
+    moved = sorted(spread_out(places, 0.08, 0.0, 1.1))
+    assert all(b - a > 0.079 for a, b in pairwise(moved)) and moved[0] >= 0 and moved[-1] <= 1.1
+    assert spread_out([0.1, 0.9], 0.08, 0, 1) == [0.1, 0.9]
+
+
+def test_snapshots_are_cut_out_at_the_nearest_yaw(made: Path) -> None:
+    library = Snapshots(RunFiles(declared(made)["files"]))  # type: ignore[arg-type]
+    cut = library.picture("bowl_03", yaw=6.2)
+    assert cut is not None and cut.mode == "RGBA" and cut.width == cut.height == 16  # 14 pixels and a margin
+    assert library.picture("no_such_asset") is None
 
 
 def test_pictures_are_made_smaller(tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ import csv
 import io
 import json
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -49,15 +50,17 @@ def _lines(path: Path) -> list[dict[str, Any]]:
     return list(csv.DictReader(io.StringIO(text), delimiter="\t"))
 
 
-def read_jobs(folder: Path) -> list[Job]:
-    """Every job under `folder`, whose first level is the stage; sorted by path.
+def read_jobs(paths: Iterable[Path], root: Path) -> list[Job]:
+    """The jobs of this run whose benchmark files lie below `root`, its first level being the stage; sorted by path.
+
+    A file that is not there is left out: Snakemake writes none for a job that ran before benchmarks were asked for.
 
     Raises:
         InputError: a file is no benchmark file.
     """
     jobs = []
-    for path in sorted(path for path in folder.rglob("*") if path.suffix in (".tsv", ".jsonl")):
-        inner = path.relative_to(folder)
+    for path in sorted(path for path in set(paths) if path.is_file()):
+        inner = path.relative_to(root)
         try:
             for line in _lines(path):
                 numbers = [_number(line[name]) for name in ("s", "cpu_time", "max_rss")]

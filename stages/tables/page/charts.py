@@ -1,19 +1,48 @@
-"""Line charts as inline SVG that take their colours from the page, so that they follow its dark mode."""
+"""Charts by matplotlib as inline SVG that takes its colours from the page, so that it follows its dark mode."""
 
+import io
 import math
+import re
+from hashlib import sha256
 
+import pandas as pd
 from markupsafe import Markup, escape
-from matplotlib.ticker import MaxNLocator
+from matplotlib import pyplot as plt
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator, PercentFormatter
 
-WIDTH, HEIGHT = 340, 190
-LEFT, RIGHT, TOP, BOTTOM = 44, 10, 10, 34
+from stages.tables.drawing import COLOURS, GREY, INK, MARKERS, PAPER, RULE, colour, look
+from stages.tables.order import set_key, title
+
 Points = list[tuple[float, float]]
 
+# Colours of the figures -> properties of the page's style.
+PROPERTIES = {INK: "--ink", GREY: "--soft", RULE: "--rule", PAPER: "--card"}
+PROPERTIES |= {value.lower(): f"--{name.replace('_', '-')}" for name, value in COLOURS.items()}
+SERIES = ("all", "cousins_8", "cousins_4", "twin")  # colours of lines that are not training sets
 
-def _ticks(low: float, high: float, count: int) -> list[float]:
-    if high <= low:
-        low, high = low - 0.5, high + 0.5
-    return [float(tick) for tick in MaxNLocator(count).tick_values(low, high)]
+
+def inline(svg: str, label: str) -> Markup:
+    """An SVG file as an element of the page: its ids its own, its colours the page's, a name for screen readers."""
+    key = sha256(label.encode()).hexdigest()[:6]
+    body = svg[svg.index("<svg") :]
+    body = re.sub(r"<metadata>.*?</metadata>", "", body, flags=re.DOTALL)
+    body = re.sub(r'\bid="', f'id="{key}-', body)
+    body = re.sub(r'(href="|url\()#', rf"\1#{key}-", body)
+    for found, name in PROPERTIES.items():
+        body = re.sub(rf"{found}\b", f"var({name})", body, flags=re.IGNORECASE)
+    body = body.replace("'DejaVu Sans'", "var(--sans)")
+    head, rest = body.split(">", 1)
+    box = re.search(r'viewBox="[^"]*"', head)
+    assert box, "matplotlib writes a viewBox"
+    return Markup(f'<svg class="chart" {box[0]} role="img" aria-label="{escape(label)}">' + rest)
+
+
+def _drawn(figure: Figure, label: str) -> Markup:
+    buffer = io.StringIO()
+    figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
+    plt.close(figure)
+    return inline(buffer.getvalue(), label)
 
 
 def line_chart(series: dict[str, Points], x_label: str, label: str) -> Markup:
@@ -24,33 +53,45 @@ def line_chart(series: dict[str, Points], x_label: str, label: str) -> Markup:
         label: what the chart shows, for screen readers.
     """
     lines = {name: [p for p in points if all(map(math.isfinite, p))] for name, points in series.items()}
-    every = [point for points in lines.values() for point in points]
-    if not every:
+    if not any(lines.values()):
         return Markup("")
-    xs, ys = ([point[axis] for point in every] for axis in (0, 1))
-    x_ticks, y_ticks = _ticks(min(xs), max(xs), 4), _ticks(min(ys), max(ys), 4)
-    x_low, x_high = min(xs), max(max(xs), min(xs) + 1e-9)
-    y_low, y_high = y_ticks[0], y_ticks[-1]
+    with look():
+        figure, axes = plt.subplots(figsize=(3.6, 2.3), layout="constrained")
+        for (name, points), key in zip(lines.items(), SERIES * len(lines), strict=False):
+            style = "o" if len(points) == 1 else "-"
+            axes.plot(*zip(*points, strict=True), style, color=colour(key), linewidth=1.6, label=name.replace("_", " "))
+        axes.xaxis.set_major_locator(MaxNLocator(5, integer=True))
+        axes.yaxis.set_major_locator(MaxNLocator(5))
+        axes.set_xlabel(x_label)
+        figure.legend(loc="outside upper left", ncols=3)
+        return _drawn(figure, label)
 
-    def place(x: float, y: float) -> tuple[float, float]:
-        across = (x - x_low) / (x_high - x_low)
-        up = (y - y_low) / (y_high - y_low)
-        return LEFT + across * (WIDTH - LEFT - RIGHT), HEIGHT - BOTTOM - up * (HEIGHT - TOP - BOTTOM)
 
-    parts = [f'<svg class="chart" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="{escape(label)}">']
-    for tick in y_ticks:
-        y = place(x_low, tick)[1]
-        parts.append(f'<line class="grid" x1="{LEFT}" x2="{WIDTH - RIGHT}" y1="{y:.1f}" y2="{y:.1f}"/>')
-        parts.append(f'<text x="{LEFT - 6}" y="{y + 3:.1f}" text-anchor="end">{tick:g}</text>')
-    for tick in (tick for tick in x_ticks if x_low <= tick <= x_high):
-        x = place(tick, y_low)[0]
-        parts.append(f'<text x="{x:.1f}" y="{HEIGHT - BOTTOM + 13}" text-anchor="middle">{tick:g}</text>')
-    parts.append(f'<text x="{WIDTH - RIGHT}" y="{HEIGHT - 6}" text-anchor="end">{escape(x_label)}</text>')
-    for index, (name, points) in enumerate(lines.items()):
-        path = " ".join(f"{x:.1f},{y:.1f}" for x, y in (place(*point) for point in points))
-        parts.append(f'<polyline class="line line-{index % 4}" points="{path}"/>')
-        x = LEFT + 90 * index
-        y = HEIGHT - 9
-        parts.append(f'<line class="line line-{index % 4}" x1="{x}" x2="{x + 14}" y1="{y}" y2="{y}"/>')
-        parts.append(f'<text x="{x + 18}" y="{y + 3}">{escape(name)}</text>')
-    return Markup("".join(parts) + "</svg>")
+def success_chart(cells: pd.DataFrame, label: str) -> Markup:
+    """Success by test asset (rows) and training set (colours), with Wilson intervals; `cells` as `table3.pool` gives.
+
+    Counts stand at the right, so that the chart can be read without the table.
+    """
+    assets = sorted(cells["test_asset"].unique(), key=set_key)
+    sets = sorted(cells["training_set"].unique(), key=set_key)
+    with look():
+        figure, axes = plt.subplots(figsize=(4.4, 0.75 + 0.2 * len(assets) * (len(sets) + 0.9)), layout="constrained")
+        step = 0.62 / max(len(sets), 1)
+        for index, name in enumerate(sets):
+            mine = cells[cells["training_set"] == name]
+            rows = mine["test_asset"].map(assets.index) + step * (index - (len(sets) - 1) / 2)
+            bars = [100 * (mine["mean"] - mine["low"]).clip(0), 100 * (mine["high"] - mine["mean"]).clip(0)]
+            axes.errorbar(
+                100 * mine["mean"], rows, xerr=bars, fmt=MARKERS.get(name, "x"), color=colour(name), markersize=5.5,
+                elinewidth=2, capsize=0, clip_on=False, label=f"trained on {title(name)}",
+            )  # fmt: skip
+            for row, successes, episodes in zip(rows, mine["successes"], mine["episodes"], strict=True):
+                axes.text(106, row, f"{successes}/{episodes}", va="center", size=7.5, color=colour(name))
+        axes.set_yticks(range(len(assets)), [title(name) for name in assets])
+        axes.set_ylim(len(assets) - 0.5, -0.5)
+        axes.set_xlim(0, 100)
+        axes.xaxis.set_major_formatter(PercentFormatter(decimals=0))
+        axes.grid(False, axis="y")
+        axes.tick_params(axis="y", length=0)
+        figure.legend(loc="outside upper left", ncols=2)
+        return _drawn(figure, label)

@@ -6,7 +6,6 @@ import pandas as pd
 
 from stages.config.tables import TablesConfig
 from stages.tables.markup import number, percent, span
-from stages.tables.order import title
 from stages.tables.page.benchmarks import StageTime, duration
 from stages.tables.page.library import LibraryPart
 from stages.tables.page.policies import TaskPart
@@ -34,30 +33,15 @@ def _scene_tiles(table: pd.DataFrame, confidence: float) -> list[Tile]:
     tiles = []
     for row in records(table[table["scene"] == TOTAL]):
         variant, objects = f"variant ({row['variant']})", int(row["n_objects"])
-        for name, what in (("category_correct", "right category"), ("model_correct", "right model")):
-            right = int(row[name])
-            tiles.append(Tile(percent(right / objects), f"{what}, {variant}", rate(right, objects, confidence)))
+        right = int(row["model_correct"])
+        tiles.append(Tile(percent(right / objects), f"right model, {variant}", rate(right, objects, confidence)))
         detail = f"{number(row['l2_cm_low'], 1)}–{number(row['l2_cm_high'], 1)} cm, {row['n_placed']} objects"
         tiles.append(Tile(f"{number(row['l2_cm_mean'], 1)} cm", f"off the true place, {variant}", detail))
-        detail = f"{number(row['iou_low'], 2)}–{number(row['iou_high'], 2)}"
-        tiles.append(Tile(number(row["iou_mean"], 2), f"box IoU, {variant}", detail))
-    return tiles
-
-
-def _policy_tiles(pooled: pd.DataFrame) -> list[Tile]:
-    """Success on the twin and on the asset that is least like it."""
-    tiles = []
-    for row in records(pooled[pooled["test_asset"].isin(["twin", "dissimilar"])]):
-        runs = "1 policy" if row["runs"] == 1 else f"{row['runs']} policies"
-        interval = f"{row['successes']}/{row['episodes']}, {span(row['low'], row['high'])} %, {runs}"
-        label = f"{title(row['task'])} on {title(row['test_asset'])}, trained on {title(row['training_set'])}"
-        tiles.append(Tile(percent(row["mean"]), label, interval))
     return tiles
 
 
 def tiles(
     scenes: pd.DataFrame | None,
-    pooled: pd.DataFrame | None,
     library: LibraryPart | None,
     tasks: list[TaskPart],
     times: list[StageTime],
@@ -75,8 +59,6 @@ def tiles(
         successes = sum(item.successes for task in tasks for item in task.demonstrations)
         counts = rate(successes, attempts, options.confidence)
         found.append(Tile(percent(successes / attempts), "of demonstrations succeed", counts))
-    if pooled is not None:
-        found += _policy_tiles(pooled)
     if times:
         jobs = sum(stage.jobs for stage in times)
         detail = f"{jobs} jobs, {duration(sum(stage.cpu_seconds for stage in times))} of CPU time"

@@ -2,11 +2,10 @@
 
 from collections import Counter
 from dataclasses import dataclass
-from pathlib import Path
 
 from stages.contracts.files import read_json
 from stages.contracts.library import Library
-from stages.tables.order import natural
+from stages.tables.page.files import RunFiles
 from stages.tables.page.pictures import Album, Picture
 
 
@@ -21,14 +20,14 @@ class LibraryPart:
     sheets: list[Picture]
 
 
-def collect(results: Path, album: Album) -> LibraryPart | None:
+def collect(files: RunFiles, album: Album) -> LibraryPart | None:
     """The library of the run; None if there is none."""
-    path = results / "assets" / "library" / "library.json"
-    if not path.is_file():
+    path = files.one("assets/library/library.json")
+    if path is None:
         return None
     assets = read_json(Library, path).assets
     counts = Counter(asset.category.replace("_", " ") for asset in assets)
-    sheets = sorted((results / "assets" / "snapshots").glob("shard_*.png"), key=lambda sheet: natural(sheet.name))
+    sheets = files.all("assets/snapshots/shard_*.png")
     return LibraryPart(
         models=len(assets),
         with_doors=sum(asset.doors > 0 for asset in assets),

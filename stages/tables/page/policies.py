@@ -14,9 +14,13 @@ from stages.contracts.files import first_error, read_json, read_text
 from stages.contracts.policies import Attempt, TaskAsset, TaskAssets
 from stages.tables.order import natural, set_key, task_key, title
 from stages.tables.page.charts import Points, line_chart
+from stages.tables.page.files import RunFiles
+from stages.tables.page.films import Cell, read_films
 from stages.tables.page.pictures import Album, Picture
+from stages.tables.page.snapshots import Snapshots
 
 STEPS = ("step", "steps", "update", "iteration", "epoch")
+SIZE = 132  # pixels of an asset's picture
 
 
 @dataclass(frozen=True)
@@ -27,15 +31,16 @@ class Demonstrations:
     attempts: int
     successes: int
     causes: list[tuple[str, int]]
-    film: Picture | None
+    films: list[Cell]
 
 
 @dataclass(frozen=True)
 class Line:
-    """An asset of the experiment (None: not in the list of matching) and its demonstrations (None: not collected)."""
+    """An asset of the experiment (None: not in its list) and its demonstrations (None: not collected)."""
 
     role: str
     asset: TaskAsset | None
+    picture: Picture | None
     demonstrations: Demonstrations | None
 
 
@@ -48,28 +53,34 @@ class Curve:
 
 
 @dataclass(frozen=True)
-class Films:
-    """Rollouts of one policy, a strip per test asset."""
+class Rollouts:
+    """Filmed rollouts of one policy, a cell per test asset."""
 
     name: str
-    strips: list[Picture]
+    cells: list[Cell]
 
 
 @dataclass(frozen=True)
 class TaskPart:
-    """The whole experiment on one task."""
+    """The whole experiment on one task; `scene` holds the object that was matched."""
 
     task: str
     title: str
+    scene: str
     source: str
     lines: list[Line]
     curves: list[Curve]
-    films: list[Films]
+    rollouts: list[Rollouts]
 
     @property
     def demonstrations(self) -> list[Demonstrations]:
         """Those that were collected."""
         return [line.demonstrations for line in self.lines if line.demonstrations]
+
+    @property
+    def missing(self) -> list[str]:
+        """Assets on which nothing was collected: test assets and cousins further away."""
+        return [title(line.role) for line in self.lines if not line.demonstrations]
 
 
 def read_lines(path: Path) -> list[dict[str, Any]]:
@@ -101,14 +112,6 @@ def read_attempts(path: Path) -> list[Attempt]:
     return attempts
 
 
-def _demonstrations(folder: Path, album: Album) -> Demonstrations:
-    attempts = read_attempts(folder / "attempts.jsonl")
-    failed = Counter(attempt.cause for attempt in attempts if not attempt.success)
-    causes = sorted(failed.items(), key=lambda item: (-item[1], item[0]))
-    film = album.maybe(folder / "film.png", f"Film strip: a demonstration on {title(folder.name)}")
-    return Demonstrations(folder.name, len(attempts), len(attempts) - sum(failed.values()), causes, film)
-
-
 def losses(rows: list[dict[str, Any]]) -> tuple[str, dict[str, Points]]:
     """The step's name and every loss (a key with 'loss' or 'nll' in it) as points of a metrics file."""
     step = next((name for name in STEPS if any(name in row for row in rows)), "line")
@@ -120,55 +123,75 @@ def losses(rows: list[dict[str, Any]]) -> tuple[str, dict[str, Points]]:
     return step, series
 
 
+def _demonstrations(ledger: Path, films: Path | None, album: Album) -> Demonstrations:
+    attempts = read_attempts(ledger)
+    failed = Counter(attempt.cause for attempt in attempts if not attempt.success)
+    causes = sorted(failed.items(), key=lambda item: (-item[1], item[0]))
+    role = ledger.parent.name
+    return Demonstrations(
+        role, len(attempts), len(attempts) - sum(failed.values()), causes, read_films(films, "Demonstration", album)
+    )
+
+
 def _policy_name(folder: Path) -> str:
     """.../<training set>/<run>/seed_<n> -> 'trained on 4 cousins, lite, seed 0'."""
     return f"trained on {title(folder.parents[1].name)}, {folder.parent.name}, {title(folder.name)}"
 
 
-def _folder_key(folder: Path) -> Any:
+def _folder_key(path: Path) -> Any:
+    folder = path.parent
     return set_key(folder.parents[1].name), folder.parent.name, natural(folder.name)
 
 
-def _curves(results: Path, task: str) -> list[Curve]:
+def _curves(files: RunFiles, task: str) -> list[Curve]:
     curves = []
-    folders = {path.parent for path in results.glob(f"training/{task}/*/*/*/metrics.jsonl")}
-    for folder in sorted(folders, key=_folder_key):
-        step, series = losses(read_lines(folder / "metrics.jsonl"))
-        name = _policy_name(folder)
+    for path in sorted(files.all(f"training/{task}/*/*/*/metrics.jsonl"), key=_folder_key):
+        step, series = losses(read_lines(path))
+        name = _policy_name(path.parent)
         curves.append(Curve(name, line_chart(series, step, f"Loss of the policy {name}")))
     return [curve for curve in curves if curve.chart]
 
 
-def _films(results: Path, task: str, album: Album) -> list[Films]:
-    folders = {path.parent for path in results.glob(f"evaluation/policies/{task}/*/*/*/film_*.png")}
-    films = []
-    for folder in sorted(folders, key=_folder_key):
-        name = _policy_name(folder)
-        paths = sorted(folder.glob("film_*.png"), key=lambda path: set_key(path.stem.removeprefix("film_")))
-        strips = [album.add(p, f"Rollout on {title(p.stem.removeprefix('film_'))}, policy {name}") for p in paths]
-        films.append(Films(name, strips))
-    return films
+def _rollouts(files: RunFiles, task: str, album: Album) -> list[Rollouts]:
+    made = []
+    for folder in sorted(files.all(f"evaluation/policies/{task}/*/*/*/films"), key=_folder_key):
+        name = _policy_name(folder.parent)
+        made.append(Rollouts(name, read_films(folder, f"Rollout of the policy {name},", album)))
+    return [item for item in made if item.cells]
 
 
-def collect(results: Path, album: Album) -> list[TaskPart]:
-    """Every task of which anything was made, in the paper's order."""
-    chosen = {path.parent.name: path for path in sorted(results.glob("experiment/*/*/assets.json"))}
-    folders = [*results.glob("demonstrations/*"), *results.glob("training/*"), *results.glob("evaluation/policies/*")]
-    parts = []
-    for task in sorted({*chosen, *(folder.name for folder in folders if folder.is_dir())}, key=task_key):
-        assets = read_json(TaskAssets, chosen[task]) if task in chosen else None
-        known = {item.role: item for item in assets.assets} if assets else {}
-        ledgers = results.glob(f"demonstrations/{task}/*/attempts.jsonl")
-        done = {path.parent.name: _demonstrations(path.parent, album) for path in ledgers}
-        roles = [*known, *sorted(set(done) - set(known), key=set_key)]
-        parts.append(
-            TaskPart(
-                task=task,
-                title=title(task),
-                source=f"{title(assets.object)} of {title(assets.scene)}" if assets else "",
-                lines=[Line(role, known.get(role), done.get(role)) for role in roles],
-                curves=_curves(results, task),
-                films=_films(results, task, album),
-            )
-        )
-    return parts
+def _task(files: RunFiles, task: str, chosen: Path | None, album: Album, snapshots: Snapshots) -> TaskPart:
+    assets = read_json(TaskAssets, chosen) if chosen else None
+    known = {item.role: item for item in assets.assets} if assets else {}
+    done = {
+        path.parent.name: _demonstrations(path, files.one(f"{task}/{path.parent.name}/films"), album)
+        for path in files.all(f"demonstrations/{task}/*/attempts.jsonl")
+    }
+
+    def picture(role: str) -> Picture | None:
+        view = snapshots.picture(known[role].asset) if role in known else None
+        return album.put(view, f"{known[role].asset}, {title(role)}", SIZE) if view else None
+
+    roles = [*known, *sorted(set(done) - set(known), key=set_key)]
+    return TaskPart(
+        task=task,
+        title=title(task),
+        scene=assets.scene if assets else "",
+        source=f"{title(assets.object)} of {title(assets.scene)}" if assets else "",
+        lines=[Line(role, known.get(role), picture(role), done.get(role)) for role in roles],
+        curves=_curves(files, task),
+        rollouts=_rollouts(files, task, album),
+    )
+
+
+def collect(files: RunFiles, album: Album) -> list[TaskPart]:
+    """Every task of the run, in the paper's order."""
+    snapshots = Snapshots(files)
+    chosen = {path.parent.name: path for path in files.all("experiment/*/*/assets.json")}
+    tasks = {
+        *chosen,
+        *files.names("demonstrations/*/*/attempts.jsonl", 1),
+        *files.names("training/*/*/*/*/metrics.jsonl", 3),
+        *files.names("evaluation/policies/*/*/*/*/films", 3),
+    }
+    return [_task(files, task, chosen.get(task), album, snapshots) for task in sorted(tasks, key=task_key)]

@@ -1,0 +1,43 @@
+"""Films of demonstrations and rollouts."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from stages.contracts.errors import InputError
+from stages.contracts.files import read_json
+from stages.contracts.films import Film, Films
+from stages.tables.order import title
+from stages.tables.page.pictures import Album, Moving
+
+
+@dataclass(frozen=True)
+class Cell:
+    """What was filmed on one asset: the first film is shown, the others on demand."""
+
+    role: str
+    films: list[tuple[str, Moving]]
+
+
+def caption(film: Film) -> str:
+    """'success after 23 steps' or 'failure, opened 12 % in 100 steps'."""
+    if film.success:
+        return f"success after {film.steps} steps"
+    return f"failure, opened {max(0.0, film.opened):.0%} in {film.steps} steps"
+
+
+def read_films(folder: Path | None, whose: str, album: Album) -> list[Cell]:
+    """The films of a folder, by asset, in their order.
+
+    Raises:
+        InputError: the list of films is broken, or a film lies elsewhere.
+    """
+    if folder is None:
+        return []
+    cells: dict[str, Cell] = {}
+    for film in read_json(Films, folder / "films.json").films:
+        if Path(film.file).name != film.file:
+            raise InputError(folder / "films.json", f"names a film outside its folder ({film.file}).")
+        alt = f"{whose} on {title(film.role)}: {caption(film)}"
+        moving = album.film(folder / film.file, alt)
+        cells.setdefault(film.role, Cell(film.role, [])).films.append((caption(film), moving))
+    return list(cells.values())
