@@ -1,7 +1,8 @@
 """Say what this machine has and lacks: `python -m stages.doctor [--mend]`.
 
-Every line is a check; a failed one comes with the command that mends it. `--mend` runs the one
-mend that is safe to run unasked: a Vulkan driver, where we are root on Debian or Ubuntu.
+Every line is a check; a failed one comes with the command that mends it. `--mend` runs the
+mends that are safe to run unasked: a Vulkan driver and the libraries of Open3D, where we are root
+on Debian or Ubuntu.
 Exit code 1 if something that the default run needs is missing.
 """
 
@@ -10,6 +11,7 @@ import re
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable
 from importlib import metadata
 from pathlib import Path
 from typing import NamedTuple
@@ -17,6 +19,7 @@ from typing import NamedTuple
 ROOT = Path(__file__).resolve().parent.parent
 DISK_GB = 5
 VULKAN_PROBE = "import sapien; print(sapien.render.RenderSystem().device.name)"
+OPEN3D_PROBE = "import open3d; print(open3d.__version__)"
 CUDA_PROBE = "import torch; print(torch.cuda.get_device_name() if torch.cuda.is_available() else '')"
 
 
@@ -39,6 +42,10 @@ def _probe(code: str) -> str:
     return done.stdout.strip() if done.returncode == 0 else ""
 
 
+def _as_root(script: str) -> str:
+    return f"bash {script}" if os.geteuid() == 0 else f"run as root: bash {script}"
+
+
 def _pinned(requirements: Path) -> dict[str, str]:
     """Name -> version of the pins that apply to this platform (rough: the last pin of a name wins nothing)."""
     pins: dict[str, str] = {}
@@ -58,7 +65,8 @@ def check_python() -> Check:
 
 def check_packages() -> Check:
     """The packages that pyproject.toml asks for are there."""
-    wanted = ["snakemake", "pydantic", "numpy", "scipy", "torch", "sapien", "mani-skill", "trimesh", "h5py", "pandas"]
+    wanted = ["snakemake", "pydantic", "numpy", "scipy", "torch", "sapien", "mani-skill", "open3d-cpu", "trimesh"]
+    wanted += ["h5py", "pandas"]
     pins = _pinned(ROOT / "envs" / "requirements.txt") if (ROOT / "envs" / "requirements.txt").exists() else {}
     missing, other = [], []
     for name in wanted:
@@ -77,8 +85,14 @@ def check_packages() -> Check:
 def check_vulkan() -> Check:
     """A device that SAPIEN can render with."""
     device = _probe(VULKAN_PROBE)
-    fix = "run as root: bash envs/vulkan.sh" if os.geteuid() != 0 else "bash envs/vulkan.sh"
-    return Check("vulkan", bool(device), device or "SAPIEN finds no rendering device", fix)
+    return Check("vulkan", bool(device), device or "SAPIEN finds no rendering device", _as_root("envs/vulkan.sh"))
+
+
+def check_open3d() -> Check:
+    """Open3D and the system libraries it links to."""
+    version = _probe(OPEN3D_PROBE)
+    what = version or "cannot be imported: a system library is missing (libGL, libEGL, libX11, libusb)"
+    return Check("open3d", bool(version), what, _as_root("envs/open3d.sh"))
 
 
 def check_cuda() -> Check:
@@ -99,21 +113,28 @@ def check_containers() -> Check:
     return Check("containers", bool(found), ", ".join(found) or "none: rules run in this environment", needed=False)
 
 
-def mend_vulkan(check: Check) -> Check:
-    """Install lavapipe if a device is missing and we may; else return the check as it was."""
-    if check.good or os.geteuid() != 0 or not shutil.which("apt-get"):
-        return check
-    print("no Vulkan device: installing Mesa's lavapipe", flush=True)
-    subprocess.run(["bash", str(ROOT / "envs" / "vulkan.sh")], check=False)
-    return check_vulkan()
+# check -> what `--mend` says, and the script that it runs
+MENDS: dict[Callable[[], Check], tuple[str, str]] = {
+    check_vulkan: ("no Vulkan device: installing Mesa's lavapipe", "vulkan.sh"),
+    check_open3d: ("Open3D cannot be imported: installing the libraries it links to", "open3d.sh"),
+}
+
+
+def mended(check: Callable[[], Check]) -> Check:
+    """The check after its mend, if it fails and we may install packages; else as it is."""
+    outcome = check()
+    if outcome.good or os.geteuid() != 0 or not shutil.which("apt-get"):
+        return outcome
+    notice, script = MENDS[check]
+    print(notice, flush=True)
+    subprocess.run(["bash", str(ROOT / "envs" / script)], check=False)
+    return check()
 
 
 def main(arguments: list[str]) -> int:
     """Print all checks; returns the exit code."""
-    vulkan = check_vulkan()
-    if "--mend" in arguments:
-        vulkan = mend_vulkan(vulkan)
-    checks = [check_python(), check_packages(), vulkan, check_cuda(), check_disk(), check_containers()]
+    vulkan, open3d = (mended(check) if "--mend" in arguments else check() for check in (check_vulkan, check_open3d))
+    checks = [check_python(), check_packages(), vulkan, open3d, check_cuda(), check_disk(), check_containers()]
     for check in checks:
         mark = "ok  " if check.good else ("MISS" if check.needed else "-   ")
         print(

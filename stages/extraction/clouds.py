@@ -3,11 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
-from sklearn.cluster import DBSCAN
 
 from stages.config.extraction import ExtractionConfig
 from stages.geometry.boxes import UprightBox
-from stages.geometry.clouds import statistical_inliers
+from stages.geometry.clouds import dbscan, statistical_inliers
 from stages.geometry.minimum_box import minimum_box
 
 MAX_POINTS = 8000
@@ -31,7 +30,7 @@ def cleaned_cloud(
         return points
     distances, _ = KDTree(points).query(points, k=options.dbscan_min_points)
     radius = max(options.dbscan_eps, SPACING * float(np.quantile(distances[:, -1], SPARSE)))
-    labels = DBSCAN(eps=radius, min_samples=options.dbscan_min_points).fit_predict(points)
+    labels = dbscan(points, radius, options.dbscan_min_points)
     clusters, counts = np.unique(labels[labels >= 0], return_counts=True)
     return points[np.isin(labels, clusters[counts >= options.dbscan_keep * len(points)])]
 

@@ -1,16 +1,41 @@
-"""Point clouds as (N, 3) arrays: outlier removal."""
+"""Point clouds as (N, 3) arrays, by Open3D: outliers, clusters, farthest points. Same points, same answer.
+
+What Open3D does not do as well as this project's own code (planes, upright boxes, normals) is in docs/geometry.md.
+"""
 
 import numpy as np
+import open3d as o3d
 from numpy.typing import NDArray
-from scipy.spatial import KDTree
+
+
+def _open3d_cloud(points: NDArray[np.floating]) -> o3d.geometry.PointCloud:
+    return o3d.geometry.PointCloud(o3d.utility.Vector3dVector(np.asarray(points, dtype=np.float64)))
 
 
 def statistical_inliers(points: NDArray[np.floating], neighbours: int, deviations: float) -> NDArray[np.bool_]:
-    """Mask (N,) of the points whose mean distance to their neighbours is at most the cloud's mean of it
+    """Mask (N,) of the points whose mean distance to their neighbours is below the cloud's mean of it
     plus `deviations` standard deviations.
     """
     if len(points) <= neighbours:
         return np.ones(len(points), dtype=bool)
-    distances, _ = KDTree(points).query(points, k=neighbours + 1)
-    mean = distances[:, 1:].mean(axis=1)
-    return mean <= mean.mean() + deviations * mean.std()
+    _, kept = _open3d_cloud(points).remove_statistical_outlier(neighbours + 1, deviations)  # it counts the point itself
+    mask = np.zeros(len(points), dtype=bool)
+    mask[np.asarray(kept, dtype=int)] = True
+    return mask
+
+
+def dbscan(points: NDArray[np.floating], radius: float, min_points: int) -> NDArray[np.int32]:
+    """Cluster (N,) of each point by DBSCAN (Ester et al. 1996), -1 for noise."""
+    return np.asarray(_open3d_cloud(points).cluster_dbscan(radius, min_points), dtype=np.int32)
+
+
+def farthest_points(points: NDArray[np.float32], count: int) -> NDArray[np.float32]:
+    """(N, 3) -> (count, 3) by farthest point sampling from the first point on, in the cloud's order.
+
+    Points are repeated if N is smaller; an empty cloud gives zeros.
+    """
+    if len(points) == 0:
+        return np.zeros((count, 3), np.float32)
+    if len(points) <= count:
+        return points[np.resize(np.arange(len(points)), count)]
+    return np.asarray(_open3d_cloud(points).farthest_point_down_sample(count).points, dtype=np.float32)

@@ -6,6 +6,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from stages.geometry.clouds import farthest_points
 from stages.geometry.frames import quaternion_from_matrix
 from stages.simulation.kinematics import Array
 
@@ -17,23 +18,6 @@ CAMERA_FROM_IMAGE = np.array([[0.0, 0.0, -1.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0
 # (centre, extents) of the finger's collision boxes that lie furthest out, in its own frame; y towards the other finger
 FINGER_BOXES = (((0.0, 0.0076, 0.0453), (0.0175, 0.0152, 0.0185)), ((0.0, 0.0159, 0.0284), (0.0175, 0.007, 0.0235)))
 FINGER_OFFSET = 0.0584 - 0.1034  # finger frame along the approach axis, seen from the tool centre point
-
-
-def farthest_points(points: Float, count: int) -> Float:
-    """(N, 3) -> (count, 3) by farthest point sampling, from the first point on; repeats if N is smaller."""
-    if len(points) == 0:
-        return np.zeros((count, 3), np.float32)
-    if len(points) <= count:
-        return points[np.resize(np.arange(len(points)), count)]
-    x, y, z = np.ascontiguousarray(points.T)
-    nearest = np.full(len(points), np.inf, np.float32)
-    chosen = np.zeros(count, np.intp)
-    for i in range(1, count):
-        last = chosen[i - 1]
-        dx, dy, dz = x - x[last], y - y[last], z - z[last]
-        np.minimum(nearest, dx * dx + dy * dy + dz * dz, out=nearest)
-        chosen[i] = nearest.argmax()
-    return points[chosen]
 
 
 def object_points(

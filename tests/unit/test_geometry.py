@@ -5,7 +5,7 @@ import pytest
 
 from stages.geometry.boxes import UprightBox, axis_aligned_iou, bounds, corners, footprint, oriented_iou
 from stages.geometry.cameras import back_project, intrinsics_from_fov, look_at, project
-from stages.geometry.clouds import statistical_inliers
+from stages.geometry.clouds import dbscan, farthest_points, statistical_inliers
 from stages.geometry.frames import (
     angle_difference,
     apply,
@@ -59,6 +59,7 @@ def test_projection_undoes_back_projection() -> None:
     np.testing.assert_allclose(points[..., 2], 2.0)
     np.testing.assert_allclose(project(points[4, 7], intrinsics), [7, 4], atol=1e-9)
     assert np.isnan(project([0.0, 0.0, -1.0], intrinsics)).all()
+    np.testing.assert_allclose(project([0.0, 0.0, 1.0], intrinsics), [3.5, 2.5])  # the middle of 8 x 6 pixels
 
 
 def test_look_at_is_level_and_looks_forward() -> None:
@@ -87,7 +88,8 @@ def test_iou_of_known_boxes() -> None:
     octagon = 2 * (np.sqrt(2) - 1)  # area common to a unit square and itself turned by 45 degrees
     assert oriented_iou(cube, turned) == pytest.approx(octagon / (2 - octagon))
     assert axis_aligned_iou(cube, turned) == pytest.approx(0.5)
-    assert oriented_iou(cube, UprightBox([0, 0, 1], [1, 1, 1], 0.0)) == 0
+    for height in (1.0, 1.5, -3.0):  # above each other
+        assert oriented_iou(cube, UprightBox([0, 0, height], [1, 1, 1], 0.0)) == 0
 
 
 @pytest.mark.parametrize("yaw", [0.0, 0.3, -0.6, np.pi / 4])
@@ -145,7 +147,36 @@ def test_plane_keeps_to_plausible_normals() -> None:
     assert fit_plane(wall[:2], 0.02, 10, rng) is None
 
 
-def test_statistical_inliers_drop_a_flyer() -> None:
-    points = np.vstack([np.random.default_rng(0).uniform(0, 1, (500, 3)), [[9.0, 9.0, 9.0]]])
-    kept = statistical_inliers(points, 10, 3.0)
-    assert not kept[-1] and kept[:-1].mean() > 0.95
+def test_refinement_does_not_leave_the_plausible_normals() -> None:
+    """Points along a line fit any plane through it; the least squares one is not level here."""
+    rng = np.random.default_rng(5)
+    line = rng.uniform([-1, -0.001, -0.004], [1, 0.001, 0.004], (500, 3))
+    plane = fit_plane(line, 0.02, 300, rng, plausible=lambda normals: np.abs(normals[:, 2]) > 0.9)
+    assert plane is not None and abs(plane.normal[2]) > 0.9
+
+
+@pytest.mark.parametrize("deviations", [1.0, 3.0, 6.0])
+def test_statistical_inliers_are_those_of_the_definition(deviations: float) -> None:
+    points = np.random.default_rng(0).normal(size=(400, 3))
+    distances = np.sort(np.linalg.norm(points[:, None] - points, axis=2), axis=1)[:, 1:11].mean(axis=1)
+    limit = distances.mean() + deviations * distances.std(ddof=1)
+    np.testing.assert_array_equal(statistical_inliers(points, 10, deviations), distances < limit)
+    assert statistical_inliers(points[:9], 10, deviations).all()
+
+
+def test_dbscan_tells_clusters_from_noise() -> None:
+    rng = np.random.default_rng(0)
+    clumps = [rng.uniform([x, 0, 0], [x + 0.1, 0.1, 0.1], (40, 3)) for x in (0.0, 1.0)]
+    labels = dbscan(np.vstack([*clumps, [[0.5, 0, 0]]]), 0.1, 8)
+    assert {*labels[:40]} == {labels[0]} and {*labels[40:80]} == {labels[40]}
+    assert labels[0] != labels[40] and min(labels[0], labels[40]) >= 0 and labels[80] == -1
+
+
+def test_farthest_points_are_those_of_the_definition() -> None:
+    points = np.random.default_rng(0).random((300, 3)).astype(np.float32)
+    chosen = [0]
+    while len(chosen) < 20:
+        chosen.append(int(np.linalg.norm(points[:, None] - points[chosen], axis=2).min(axis=1).argmax()))
+    np.testing.assert_array_equal(farthest_points(points, 20), points[np.sort(chosen)])
+    assert farthest_points(np.ones((2, 3), np.float32), 5).shape == (5, 3)
+    assert not farthest_points(np.zeros((0, 3), np.float32), 5).any()

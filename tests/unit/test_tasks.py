@@ -98,15 +98,6 @@ def test_a_flat_panel_has_no_handle() -> None:
     assert find_handle(panel()) is None
 
 
-def test_farthest_points_spread_out() -> None:
-    cluster = np.random.default_rng(0).normal(0, 0.001, (50, 3))
-    corners = np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1]])
-    chosen = observation.farthest_points(np.concatenate([cluster, corners]).astype(np.float32), 4)
-    assert {tuple(point) for point in chosen.round(2)} >= {(1, 0, 0), (0, 1, 0), (0, 0, 1)}
-    assert observation.farthest_points(np.ones((2, 3), np.float32), 5).shape == (5, 3)
-    assert observation.farthest_points(np.zeros((0, 3), np.float32), 5).shape == (5, 3)
-
-
 def test_only_the_object_is_in_the_cloud() -> None:
     image = np.zeros((4, 4, 4), np.int16)
     image[1, 2] = [100, 200, -1000, 7]  # 10 cm right, 20 cm up, 1 m ahead; the object
