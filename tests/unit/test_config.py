@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from stages.config.code import closure, code_digest, files_digest
+from stages.config.code import ROOTS, closure, code_digest, files_digest
 from stages.config.experiment import ExperimentConfig
 from stages.config.model import load
 from stages.config.replaced import VERBS
@@ -35,13 +35,28 @@ def test_unknown_key_suggests_the_right_one() -> None:
         load({"sed": 1})
 
 
-def test_code_digest_follows_imports_and_registries_but_not_other_stages() -> None:
+def test_code_digest_follows_imports_but_not_other_stages() -> None:
     modules = closure("stages.matching.match")
     assert "stages.matching.match" in modules
     assert "stages.contracts.cousins" in modules
     assert not any(module.startswith("stages.training") for module in modules)
     assert "stages.contracts.policies" not in modules  # re-exports of stages.contracts are followed by name
     assert code_digest("stages.matching.match") != code_digest("stages.tables.tables")
+
+
+def test_code_digest_follows_what_a_registry_names_as_text(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    package = tmp_path / "toy_registry"
+    package.mkdir()
+    (package / "main.py").write_text('WAYS = {"a": "toy_registry.plain", "b": "toy_registry.chosen:Class"}')
+    for name in ("plain", "chosen", "unused"):
+        (package / f"{name}.py").write_text("")
+    monkeypatch.setitem(ROOTS, "toy_registry", package)
+    assert closure("toy_registry.main") == ("toy_registry.chosen", "toy_registry.main", "toy_registry.plain")
+    before = code_digest("toy_registry.main")
+    for name in ("unused", "chosen"):
+        (package / f"{name}.py").write_text("x = 1")
+        code_digest.cache_clear()
+        assert (code_digest("toy_registry.main") != before) == (name == "chosen")
 
 
 @pytest.mark.parametrize(

@@ -10,9 +10,11 @@ import trimesh
 from stages.articulated.affordance import target_joint
 from stages.config.matching import MatchingConfig
 from stages.contracts import Asset, GeneratedScene, InputError, TaskAssets, read_json, write_json
+from stages.contracts.cousins import Candidate, CategoryMatch, ObjectCousins
 from stages.contracts.distances import Distances
 from stages.contracts.generated import PlacedObject
-from stages.contracts.library import Joint
+from stages.contracts.library import Joint, LibraryEntry
+from stages.experiment.select import choose_cousins
 from stages.experiment.select import run as select
 from stages.matching.distances import distances_to
 from stages.matching.distances import run as distances
@@ -183,3 +185,28 @@ def test_distances_of_another_object_are_refused(world: World, experiment: dict[
     with pytest.raises(InputError, match="has no distances from cabinet_00, the twin"):
         select(**experiment | {"distances": tmp_path / "d.json"}, object="cabinet_1", count=3, out=tmp_path / "t.json")
     assert not (tmp_path / "task.json").exists()
+
+
+def test_cousins_are_ordered_by_distance_whichever_list_they_come_from() -> None:
+    """Candidates are taken first, but the nearest is cousin_1 (Table 3)."""
+    names = ("cabinet_twin", "cabinet_near", "cabinet_far", "cabinet_last", "bowl_near")
+    distances = dict(zip(names, (0.0, 0.1, 0.5, 0.9, 0.05), strict=True))
+    entries = {
+        name: LibraryEntry(id=name, category=name.split("_")[0], folder=name, doors=1, drawers=0, checksum="")
+        for name in names
+    }
+    item = ObjectCousins(
+        id="cabinet_1",
+        label="cabinet",
+        status="failed",
+        reason="no matter",
+        categories=[CategoryMatch(category="cabinet", distance=0.0)],
+        by_distance=[Candidate(asset="cabinet_far", category="cabinet", distance=0.5)],
+    )
+    assert choose_cousins(item, "cabinet_twin", distances, entries, 1) == ["cabinet_far"]
+    assert choose_cousins(item, "cabinet_twin", distances, entries, 2) == ["cabinet_near", "cabinet_far"]
+    assert choose_cousins(item, "cabinet_twin", distances, entries, 9) == [
+        "cabinet_near",
+        "cabinet_far",
+        "cabinet_last",
+    ]

@@ -138,6 +138,17 @@ def test_hidden_feet_are_extended_to_the_floor(tmp_path: Path) -> None:
     assert cabinet.mounting.type == 2  # the bench in front does not change that the space behind is seen
 
 
+def test_what_hides_the_space_beneath_does_not_make_a_cabinet_hang(tmp_path: Path) -> None:
+    """A cabinet at the wall whose lower part a bench hides: nobody has seen that the space beneath is empty."""
+    bench, cabinet = UprightBox([2.6, 0, 0.3], [0.4, 1.8, 0.6], 0.0), UprightBox([3.7, 0, 0.7], [0.6, 0.7, 1.4], 0.0)
+    behind = _extract(write_room(tmp_path / "in", [bench, cabinet], ["bench", "cabinet"]), tmp_path / "out").objects[1]
+    hung = cabinet._replace(center=[3.7, 0, 1.1], size=[0.6, 0.7, 0.6])
+    alone = _extract(write_room(tmp_path / "in2", [hung], ["cabinet"]), tmp_path / "out2").objects[0]
+    assert behind.mounting is not None and alone.mounting is not None
+    assert (behind.mounting.type, alone.mounting.type) == (3, 1)
+    assert behind.box is not None and behind.box.center[2] - behind.box.size[2] / 2 == pytest.approx(0, abs=1e-6)
+
+
 def test_objects_that_cannot_be_used_fail_alone(tmp_path: Path) -> None:
     boxes = [
         UprightBox([2.5, 0, 0.3], [0.5, 0.5, 0.6], 0.0),

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from stages.config.extraction import DepthNoiseConfig, ExtractionConfig
+from stages.contracts.objects import Wall
 from stages.contracts.scenes import Annotation
 from stages.extraction.border import continued_depth
 from stages.extraction.clouds import cleaned_cloud
@@ -11,6 +12,9 @@ from stages.extraction.masks import central_crop, eroded, without_specks
 from stages.extraction.noise import noisy_depth, periphery_ramp
 from stages.extraction.reconstruct import object_ids
 from stages.extraction.room import fit_wall, merge_walls
+from stages.extraction.visibility import DepthView
+from stages.extraction.walls import walls_touched
+from stages.geometry.boxes import UprightBox
 
 QUIET = DepthNoiseConfig(range_constant=0, range_quadratic=0, bleeding=0, periphery=0, scale=0)
 
@@ -69,7 +73,8 @@ def test_specks_go() -> None:
     mask = np.zeros((50, 50), bool)
     mask[5:30, 5:30] = True
     mask[45, 45] = True
-    assert without_specks(mask).sum() == 25 * 25
+    mask[40:48, 10:18] = True  # a tenth of it, cut off by something in front
+    assert without_specks(mask).sum() == 25 * 25 + 8 * 8
 
 
 def test_border_depth_of_a_slanted_plane_is_exact() -> None:
@@ -92,6 +97,16 @@ def test_cleaning_drops_flyers_and_keeps_both_halves() -> None:
     assert (cloud[:, 0] < 0.3).any() and (cloud[:, 0] > 0.6).any()
 
 
+@pytest.mark.parametrize(("count", "kept"), [(12, False), (200, True)])
+def test_small_clusters_go(count: int, kept: bool) -> None:
+    """Points of something else, 20 cm beside the object, stay only if they are many."""
+    rng = _rng()
+    points = rng.uniform(0, [0.6, 0.6, 0.02], (4000, 3))
+    clump = rng.uniform([0.8, 0.3, 0.0], [0.83, 0.33, 0.03], (count, 3))
+    cloud = cleaned_cloud(np.vstack([points, clump]), ExtractionConfig(outlier_deviations=50), rng)
+    assert bool((cloud[:, 0] > 0.7).any()) == kept
+
+
 def test_parts_of_a_wall_are_one_wall() -> None:
     rng = _rng()
     options = ExtractionConfig()
@@ -110,3 +125,24 @@ def test_ids_count_per_label() -> None:
     labels = ["Wall Cabinet", "mug", "wall-cabinet", "???"]
     ids = object_ids([Annotation(mask=k + 1, label=label) for k, label in enumerate(labels)])
     assert ids == ["wall_cabinet_1", "mug_1", "wall_cabinet_2", "object_1"]
+
+
+def test_parts_of_a_wall_count_by_their_points() -> None:
+    turn = np.deg2rad(8.0)
+    fits = [
+        (np.array([-1.0, 0.0, 0.0]), -3.0, 3000),
+        (np.array([-np.cos(turn), np.sin(turn), 0.0]), -3.1, 1000),
+    ]
+    (wall,) = merge_walls(fits, ExtractionConfig())
+    assert np.arctan2(wall.normal[1], -wall.normal[0]) == pytest.approx(turn / 4, rel=0.01)
+    assert wall.offset == pytest.approx(-3.025)
+
+
+@pytest.mark.parametrize(("x", "touched"), [(3.7, True), (3.2, False), (4.5, False)])
+def test_what_is_behind_a_free_standing_wall_does_not_touch_it(x: float, touched: bool) -> None:
+    """The wall x = 4 as seen from x = 0; a box 0.6 m deep at it, well before it, and behind it."""
+    wall = Wall(id="wall_1", normal=(-1, 0, 0), offset=-4.0, points=100)
+    empty = DepthView(np.full((9, 9), 9.0, np.float32), np.diag([9.0, 9.0, 1.0]), np.eye(4))
+    box = UprightBox([x, 0, 0.5], [0.6, 0.6, 1.0], 0.0)
+    options = ExtractionConfig(max_hidden_depth=0.0)  # what is not seen is not asked here
+    assert bool(walls_touched(box, [], [wall], empty, np.zeros((9, 9), bool), options)) == touched

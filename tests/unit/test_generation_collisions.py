@@ -41,6 +41,14 @@ def test_the_smaller_one_gives_way_by_the_shortest_path():
     assert items["small"].moved == pytest.approx(0.1, abs=1e-3)
 
 
+def test_what_touches_a_wall_stays_even_if_it_is_the_smaller_one():
+    free, cabinet = thing("free", (3.1, 0, 0.5), (1, 1, 1)), thing("cabinet", (3.7, 0, 0.3), (0.6, 0.5, 0.6), 0.0, 3)
+    items, left = solve([free, cabinet], [BACK])
+    assert not left
+    assert items["cabinet"].moved == 0
+    assert items["free"].center == pytest.approx([2.9, 0, 0.5], abs=1e-3)
+
+
 def test_a_stack_moves_together():
     big, table = thing("big", (2, 0, 1), (2, 2, 2)), thing("table", (3.2, 0, 0.4), (0.6, 0.6, 0.8))
     cup = thing("cup", (3.3, 0.1, 0.85), (0.1, 0.1, 0.1), support="table")

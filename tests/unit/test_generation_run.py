@@ -192,14 +192,26 @@ def test_collision_and_visual_meshes_fill_the_closed_box(scene: dict[str, Path])
 def test_a_floating_mug_has_fallen(scene: dict[str, Path], tmp_path: Path) -> None:
     options = GenerationConfig()
     built = build(read_inputs(scene["cousins"], scene["objects"], scene["library"]), 1, options, tmp_path)
-    items = [item.shifted([0, 0, 0.3]) if item.id == "mug_1" else item for item in built.items]
+    raised = {"cabinet_1": 0.1, "mug_1": 0.3}  # a cabinet is held in place: the mug falls 20 cm
+    items = [item.shifted([0, 0, raised[item.id]]) for item in built.items]
     physics = physics_scene()
     add_ground(physics)
     settled = settle(physics, load_items(physics, items, built.folders), items, 0, options)
     assert settled.plausibility.fallen == ["mug_1"]
     assert not settled.plausibility.stable
-    assert settled.shifts["mug_1"] == pytest.approx(0.3, abs=0.02)
+    assert settled.shifts["mug_1"] == pytest.approx(0.2, abs=0.02)
     assert settled.shifts["cabinet_1"] == 0.0
+
+
+def test_what_has_toppled_has_fallen_however_near_it_lies(scene: dict[str, Path], tmp_path: Path) -> None:
+    options = GenerationConfig(fallen_distance=9.0)  # only the tilt can tell
+    built = build(read_inputs(scene["cousins"], scene["objects"], scene["library"]), 1, options, tmp_path)
+    edge = built.items[0].center[0] - built.items[0].size[0] / 2
+    items = [item.shifted([edge - item.center[0], 0, 0]) if item.id == "mug_1" else item for item in built.items]
+    physics = physics_scene()
+    add_ground(physics)
+    settled = settle(physics, load_items(physics, items, built.folders), items, 0, options)
+    assert settled.plausibility.fallen == ["mug_1"]
 
 
 def test_an_overlap_is_seen_in_the_contacts(scene: dict[str, Path], tmp_path: Path) -> None:

@@ -103,6 +103,14 @@ def test_missing_depth_takes_normals_out_of_the_comparison() -> None:
         assert (with_depth.patches.shape[1], without.patches.shape[1]) == (272, 245)
 
 
+def test_position_counts_by_itself_where_there_are_no_normals() -> None:
+    options = MatchingConfig.model_validate({"hog": {"normals": 0.5, "position": 0.2, "position_alone": 0.7}})
+    for depth, parts in ((True, (1.0, 0.5, 0.2)), (False, (1.0, 0.0, 0.7))):
+        weights = make_encoder(options).weights(depth)
+        for columns, weight in zip(np.split(weights, [GRADIENT_COLUMNS, len(weights) - 2]), parts, strict=True):
+            np.testing.assert_allclose(columns, weight)
+
+
 def test_crops_of_a_few_pixels_are_encoded() -> None:
     view = view_of_box(0.4)
     tiny = np.zeros_like(view.mask)

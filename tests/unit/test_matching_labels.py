@@ -66,6 +66,12 @@ def test_an_exact_name_has_distance_zero_and_nothing_in_common_is_left_out() -> 
     assert nearest_categories("table", [], 3, LEXICAL) == []
 
 
+def test_the_last_word_says_what_a_thing_is() -> None:
+    nearest = nearest_categories("coffee table", ["coffee_mug", "side_table"], 2, LEXICAL)
+    assert [category for category, _ in nearest] == ["side_table", "coffee_mug"]
+    assert nearest[1][1] - nearest[0][1] > 0.1
+
+
 def test_distances_do_not_depend_on_the_order_of_categories() -> None:
     forward = nearest_categories("wall cabinet", CATEGORIES, 5, LEXICAL)
     assert forward == nearest_categories("wall cabinet", CATEGORIES[::-1], 5, LEXICAL)
@@ -105,6 +111,7 @@ def test_articulated_objects_are_sought_among_articulated_assets() -> None:
         "cabinet_2",
     ]
     assert names(found(two_doors)) == ["cabinet_0"]  # |2 - 1| + |0 - 3| = 4 > 2
+    assert names(found(two_doors, count_threshold=3)) == ["cabinet_0"]
     assert names(found(two_doors, count_threshold=4)) == ["cabinet_0", "cabinet_1"]
     assert found(two_doors).note == ""
 

@@ -5,7 +5,6 @@ import copy
 import numpy as np
 import pytest
 import torch
-from torch import nn
 from torch.nn import functional
 
 from stages.config.training import NetworkConfig
@@ -143,12 +142,23 @@ def test_actor_repeats_itself_after_reset() -> None:
 
 
 def test_lstm_is_the_only_memory() -> None:
-    assert [type(module) for module in Policy(NetworkConfig()).children()] == [
-        PointNet,
-        nn.LSTM,
-        nn.Sequential,
-        nn.Linear,
-    ]
+    """What came before matters, and matters no more once the LSTM neither looks back nor keeps its cell."""
+    torch.manual_seed(0)
+    policy = Policy(NetworkConfig(points=40)).eval()
+    cloud, proprio = clouds(4, 40)[None], torch.randn(1, 4, 9)
+
+    def gap() -> float:
+        """Between the last step with and without the three before it."""
+        with torch.no_grad():
+            whole, alone = policy(cloud, proprio), policy(cloud[:, -1:], proprio[:, -1:])
+        return float((whole.means[:, -1] - alone.means[:, -1]).abs().max())
+
+    assert gap() > 1e-3
+    with torch.no_grad():
+        policy.lstm.weight_hh_l0.zero_()
+        hidden = policy.network.rnn_hidden
+        policy.lstm.bias_ih_l0[hidden : 2 * hidden] = -1e9  # the forget gate
+    assert gap() < 1e-6
 
 
 def test_missing_policy_is_an_input_error(tmp_path) -> None:  # type: ignore[no-untyped-def]

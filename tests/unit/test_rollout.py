@@ -167,6 +167,22 @@ def test_checkpoint_chosen_by_rollouts_on_other_states(folder: Path, tmp_path: P
 
 
 @pytest.mark.usefixtures("toy_simulator")
+def test_of_equally_good_checkpoints_the_later_one(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    original = rollout.Arena.episodes
+
+    def alike(arena: rollout.Arena, network: object, asset: TaskAsset, states: list[int], film_every: int) -> object:
+        if len(states) == 3:  # those of the selection
+            return [Episode(state, success=state % 2 == 0) for state in states]
+        return original(arena, network, asset, states, film_every)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(rollout.Arena, "episodes", alike)
+    rows = evaluate(folder, tmp_path / "rollouts.csv", checkpoint="rollouts", selection_rollouts=3)
+    assert {row["checkpoint"] for row in rows} == {"checkpoints/step_20.safetensors"}
+
+
+@pytest.mark.usefixtures("toy_simulator")
 def test_bad_input_is_one_line(folder: Path, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"has no role 'cousin_9' \(it has twin, cousin_2\)"):
         evaluate(folder, tmp_path / "rollouts.csv", test_assets=["cousin_9"])
