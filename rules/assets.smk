@@ -21,7 +21,7 @@ rule library:
         command=command("assets", "library"),
         code=code("assets", "library"),
         check=check(library="library"),
-        options=as_options(CONFIG.assets),
+        options=options("assets", "library"),
         seed=CONFIG.seed,
     shell:
         "({params.command} --options {params.options:q} --seed {params.seed} --out {output.library:q} && "
@@ -48,7 +48,7 @@ rule snapshots:
         command=command("assets", "snapshots"),
         code=code("assets", "snapshots"),
         check=check(snapshots="images"),
-        options=as_options(CONFIG.assets),
+        options=options("assets", "snapshots"),
         shards=len(SHARDS),
     shell:
         "({params.command} --library {input.library:q} --shard {wildcards.shard} --shards {params.shards} "

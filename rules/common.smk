@@ -13,6 +13,7 @@ from snakemake.settings.types import ExecMode
 from stages.config.code import code_digest, cover, files_digest
 from stages.config.model import load
 from stages.config.names import modules
+from stages.config.reads import options_of, stores
 from stages.contracts.errors import InputError
 from stages.plugins import qualified
 from stages.guard import hold_folder, makes_files
@@ -38,13 +39,13 @@ VARIANTS = list(EXPERIMENT.variants)
 TASKS = list(EXPERIMENT.tasks)
 SHARDS = list(range(CONFIG.assets.shards))
 RANKS = list(range(1, CONFIG.generation.ranks + 1))
-ENCODERS = sorted({CONFIG.matching_of(variant).encoder for variant in VARIANTS})
+STORES = stores(CONFIG)
 
 
 wildcard_constraints:
     scene=r"[A-Za-z0-9-]+(_[A-Za-z0-9-]+)*",
     variant=r"[A-Za-z0-9_-]+",
-    encoder=r"[A-Za-z0-9_.]+",
+    store=r"[A-Za-z0-9_]+-[0-9a-f]{8}",
     task="|".join(TASKS) or "-",
     object=r"[^/]+",
     role=r"twin|cousin_\d+",
@@ -54,9 +55,9 @@ wildcard_constraints:
     shard=r"\d+",
 
 
-def as_options(section):
-    """A config section as the JSON text that a stage's --options takes."""
-    return json.dumps(section.model_dump(mode="json"), sort_keys=True)
+def options(stage, verb):
+    """The --options of a verb, as JSON: what it reads of the config and no more, so that no other change runs it."""
+    return lambda wildcards: json.dumps(options_of(CONFIG, stage, verb, dict(wildcards)), sort_keys=True)
 
 
 def config_digest():
@@ -97,21 +98,10 @@ def matching_code(verb, *keys):
     return lambda wildcards: code("matching", verb, *modules(CONFIG.matching_of(wildcards.variant), *keys))
 
 
-def matching_options(wildcards):
-    """Options of one matching variant."""
-    return as_options(CONFIG.matching_of(wildcards.variant))
-
-
-def encoder_options(wildcards):
-    """Options that make a feature store: those of the first variant that uses the encoder."""
-    variants = [CONFIG.matching_of(variant) for variant in VARIANTS]
-    return as_options(next(options for options in variants if options.encoder == wildcards.encoder))
-
-
 def features_of(variant):
-    """Feature stores of the encoder that a variant uses."""
-    encoder = CONFIG.matching_of(variant).encoder
-    return [f"results/matching/features/{encoder}/shard_{shard}.npy" for shard in SHARDS]
+    """The feature store that a variant uses, shard by shard."""
+    store = CONFIG.matching_of(variant).store()
+    return [f"results/matching/features/{store}/shard_{shard}.npy" for shard in SHARDS]
 
 
 def scene_inputs(wildcards):

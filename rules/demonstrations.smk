@@ -30,8 +30,8 @@ rule demonstrate:
         command=command("demonstrations", "collect"),
         code=task_code("demonstrations", "collect"),
         check=check(episodes="episodes", attempts="attempts"),
-        options=as_options(CONFIG.demonstrations),
-        task_options=as_options(CONFIG.task),
+        options=options("demonstrations", "collect"),
+        task_options=CONFIG.task.model_dump_json(),
         episodes=lambda wildcards: EXPERIMENT.episodes_of(wildcards.role),
         seed=CONFIG.seed,
     shell:

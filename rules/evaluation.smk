@@ -34,7 +34,7 @@ rule rollout:
         command=command("evaluation", "rollout"),
         code=task_code("evaluation", "rollout"),
         check=check(rollouts="rollouts"),
-        options=as_options(CONFIG.evaluation),
+        options=options("evaluation", "rollout"),
         seed=CONFIG.seed,
         device=CONFIG.device,
         folder=subpath(input.policy, parent=True),

@@ -25,7 +25,7 @@ rule extract:
         command=command("extraction", "extract"),
         code=code("extraction", "extract", *modules(CONFIG.extraction, "source")),
         check=check(objects="objects"),
-        options=as_options(CONFIG.extraction),
+        options=options("extraction", "extract"),
         seed=CONFIG.seed,
         folder=subpath(input.rgb, parent=True),
     shell:

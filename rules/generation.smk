@@ -25,7 +25,7 @@ rule generate:
         command=command("generation", "generate"),
         code=code("generation", "generate"),
         check=check(generated="scenes"),
-        options=as_options(CONFIG.generation),
+        options=options("generation", "generate"),
         out=lambda wildcards, output: str(Path(output.scenes[0]).parent),
     shell:
         "({params.command} --cousins {input.cousins:q} --objects {input.objects:q} "

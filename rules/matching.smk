@@ -1,6 +1,6 @@
 # Digital cousins: nearest categories, models and orientations by patch voting (paper A.6, A.7, B.1).
 # Reads:  the library's snapshots; a scene's objects and picture.
-# Writes: results/matching/features/<encoder>/shard_<i>.{npy,json} once per library and encoder,
+# Writes: results/matching/features/<store>/shard_<i>.{npy,json} once per library and encoder with its settings,
 #         results/matching/<variant>/<scene>/cousins.json, and for people cousins.png,
 #         results/matching/<variant>/<scene>/distances/<object>.json for the objects of the policy experiment.
 
@@ -11,24 +11,26 @@ rule features:
         images=rules.snapshots.output.images,
         index=rules.snapshots.output.index,
     output:
-        features="results/matching/features/{encoder}/shard_{shard}.npy",
-        index="results/matching/features/{encoder}/shard_{shard}.json",
+        features="results/matching/features/{store}/shard_{shard}.npy",
+        index="results/matching/features/{store}/shard_{shard}.json",
     log:
-        "logs/matching/features_{encoder}_{shard}.log",
+        "logs/matching/features_{store}_{shard}.log",
     benchmark:
-        "benchmarks/matching/features_{encoder}_{shard}.tsv"
+        "benchmarks/matching/features_{store}_{shard}.tsv"
     container:
         CONFIG.containers.learning
     threads: 1
     resources:
         mem_mb=3000,
+        batch=CONFIG.matching.dinov2.batch,
     params:
         command=command("matching", "features"),
-        code=lambda wildcards: code("matching", "features", qualified("encoders", wildcards.encoder)),
+        code=lambda wildcards: code("matching", "features", *modules(STORES[wildcards.store], "encoder")),
         check=check(features="features"),
-        options=encoder_options,
+        options=options("matching", "features"),
     shell:
-        "({params.command} --snapshots {input.images:q} --options {params.options:q} --out {output.features:q} && "
+        "({params.command} --snapshots {input.images:q} --options {params.options:q} "
+        "--batch {resources.batch} --out {output.features:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
 
 
@@ -56,7 +58,7 @@ rule match:
         command=command("matching", "match"),
         code=matching_code("match", "encoder", "text_encoder", "search", "model_selection", "orientation_selection"),
         check=check(cousins="cousins"),
-        options=matching_options,
+        options=options("matching", "match"),
     shell:
         "({params.command} --objects {input.objects:q} --image {input.image:q} --library {input.library:q} "
         "--features {input.features:q} --options {params.options:q} --out {output.cousins:q} && "
@@ -84,7 +86,7 @@ rule distances:
         command=command("matching", "distances"),
         code=matching_code("distances", "encoder", "search"),
         check=check(distances="distances"),
-        options=matching_options,
+        options=options("matching", "distances"),
     shell:
         "({params.command} --cousins {input.cousins:q} --object {wildcards.object:q} --library {input.library:q} "
         "--features {input.features:q} --options {params.options:q} --out {output.distances:q} && "

@@ -28,7 +28,7 @@ rule room:
         command=command("scenes", "render"),
         code=code("scenes", "render"),
         check=check(camera="camera", annotations="annotations", truth="truth"),
-        options=as_options(CONFIG.scenes),
+        options=options("scenes", "render"),
         seed=CONFIG.seed,
         out=subpath(output.truth, parent=True),
     shell:

@@ -11,7 +11,7 @@ BENCHMARKS = [
     *expand(rules.snapshots.benchmark, shard=SHARDS),
     *expand(rules.room.benchmark, scene=SCORED_ROOMS),
     *expand(rules.extract.benchmark, scene=ROOMS),
-    *expand(rules.features.benchmark, encoder=ENCODERS, shard=SHARDS),
+    *expand(rules.features.benchmark, store=STORES, shard=SHARDS),
     *expand(
         [rules.match.benchmark, rules.generate.benchmark, rules.draw_scenes.benchmark], variant=VARIANTS, scene=ROOMS
     ),
@@ -65,7 +65,7 @@ rule tables:
     params:
         command=command("tables", "tables"),
         code=code("tables", "tables"),
-        options=as_options(CONFIG.tables),
+        options=options("tables", "tables"),
         published=subpath(input.published_scenes, parent=True),
         out=subpath(output.table2, parent=True),
     shell:
@@ -96,7 +96,7 @@ rule figures:
     params:
         command=command("tables", "figures"),
         code=code("tables", "figures"),
-        options=as_options(CONFIG.tables),
+        options=options("tables", "figures"),
         published=subpath(input.published, parent=True),
         comparisons=[
             f"{room}/{variant}=results/generation/{variant}/{room}/comparison.png"
@@ -142,7 +142,7 @@ rule report_page:
     params:
         command=command("tables", "report"),
         code=code("tables", "report"),
-        options=as_options(CONFIG.tables),
+        options=options("tables", "report"),
         images=lambda wildcards, input: [f"{room}={image}" for room, image in zip(ROOMS, input.images)],
         benchmarks=BENCHMARKS,
         seed=CONFIG.seed,

@@ -30,7 +30,7 @@ rule train:
         command=command("training", "train"),
         code=code("training", "train"),
         check=check(policy="config"),
-        options=lambda wildcards: as_options(CONFIG.training.runs[wildcards.run]),
+        options=options("training", "train"),
         share=lambda wildcards: EXPERIMENT.share(wildcards.training_set),
         device=CONFIG.device,
         out=subpath(output.policy, parent=True),

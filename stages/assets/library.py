@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from stages.cli import progress
-from stages.config.assets import AssetsConfig
+from stages.config.assets import LibraryOptions
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_options, write_json
 from stages.contracts.library import Asset, Library, LibraryEntry
@@ -19,7 +19,7 @@ def run(*, out: Path, options: str = "{}", seed: int = 0) -> None:
         options: JSON of the config section `assets`.
         seed: of the procedural models.
     """
-    config = read_options(AssetsConfig, options)
+    config = read_options(LibraryOptions, options)
     unknown = sorted(set(config.counts) - set(CATEGORIES))
     if unknown:
         raise InputError("assets.counts", f"no category '{unknown[0]}'.", f"one of {', '.join(CATEGORIES)}")

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.cli import progress
-from stages.config.assets import AssetsConfig
+from stages.config.assets import SnapshotOptions
 from stages.contracts.errors import InputError
 from stages.contracts.files import atomic, read_json, read_options, write_json
 from stages.contracts.library import Asset, Library, SnapshotShard
@@ -29,7 +29,7 @@ def run(*, library: Path, shard: int, shards: int, out: Path, options: str = "{}
         out: the HDF5 file; the sidecar (.json) gets the same name.
         options: JSON of the config section `assets`.
     """
-    config = read_options(AssetsConfig, options)
+    config = read_options(SnapshotOptions, options)
     if not 0 <= shard < shards:
         raise InputError("--shard", f"{shard} is not below --shards {shards}.")
     entries = read_json(Library, library).assets[shard::shards]
@@ -59,7 +59,7 @@ def run(*, library: Path, shard: int, shards: int, out: Path, options: str = "{}
 class Turntable:
     """A scene with one camera before which assets turn, each scaled so that its largest extent is one unit."""
 
-    def __init__(self, config: AssetsConfig) -> None:
+    def __init__(self, config: SnapshotOptions) -> None:
         from stages.simulation.rendering import RenderCamera, make_scene
 
         self.config = config

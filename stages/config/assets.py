@@ -37,8 +37,8 @@ COUNTS = {
 }
 
 
-class AssetsConfig(Section):
-    """The asset library: procedural models, the user's own, and their pictures."""
+class LibraryOptions(Section):
+    """The models of the library: procedural ones, and the user's own."""
 
     counts: dict[str, Count] = Field(
         COUNTS,
@@ -49,6 +49,11 @@ class AssetsConfig(Section):
         description="Folders with your own models, <folder>/<category>/<model>, each a URDF, GLB or OBJ file or a "
         "folder that holds one (docs/assets.md).",
     )
+
+
+class SnapshotOptions(Section):
+    """The pictures of the models."""
+
     n_snap: int = Field(24, ge=1, le=360, description="Yaw views per asset, N_snap; the paper: 100.")
     image_size: int = Field(192, ge=32, le=2048, description="Side of a snapshot in pixels.")
     representative_yaw: float = Field(
@@ -61,6 +66,11 @@ class AssetsConfig(Section):
         0.65, description="Height of the snapshot camera above the asset's centre, in units of its largest extent."
     )
     field_of_view: float = Field(0.68, gt=0.05, lt=2.5, description="Field of view of the snapshot camera, radians.")
+
+
+class AssetsConfig(SnapshotOptions, LibraryOptions):
+    """The asset library: procedural models, the user's own, and their pictures."""
+
     shards: int = Field(
         2, ge=1, description="Jobs that the snapshots are cut into; as many as there are cores is best."
     )

@@ -10,6 +10,10 @@ class Section(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
+    def unread(self) -> set[str]:
+        """Keys that nothing reads as the others stand: a change of them runs nothing again."""
+        return set()
+
 
 OWN: Any = Field({}, description="Options of implementations of your own, by their name; handed on as they are.")
 

@@ -32,3 +32,7 @@ class EvaluationConfig(Section):
     )
     envs: int = Field(4, ge=1, description="environments that share a forward pass of the policy")
     film_every: int = Field(4, ge=1, description="steps between the pictures of a film strip")
+
+    def unread(self) -> set[str]:
+        """What only the choice of a checkpoint by rollouts reads."""
+        return set() if self.checkpoint == "rollouts" else {"selection_rollouts"}

@@ -94,6 +94,10 @@ class ExtractionConfig(Section):
 
     own: dict[str, dict[str, Any]] = OWN
 
+    def unread(self) -> set[str]:
+        """The noise model, if there is no noise."""
+        return {"noise"} if self.depth_noise == "none" else set()
+
     def tolerance(self, distance: float) -> float:
         """Gap in metres that counts as touching at a distance from the camera."""
         return self.contact * max(1.0, distance / 3.0)

@@ -75,4 +75,8 @@ class GenerationConfig(Section):
     fallen_distance: float = Field(0.05, gt=0, description="An object that moves farther in it has fallen, metres ...")
     fallen_tilt: float = Field(10.0, gt=0, description="... and so has one that tilts more than so many degrees.")
 
+
+class GenerationSection(GenerationConfig):
+    """The section of config.yaml: how cousins are placed, and how the scenes are drawn."""
+
     preview_width: int = Field(640, ge=64, description="Width of the preview pictures, pixels.")

@@ -1,10 +1,13 @@
 """Config section `matching`: digital cousins of every object (paper A.6, A.7, B.1)."""
 
+import json
+from hashlib import sha256
 from typing import Any
 
 from pydantic import Field, model_validator
 
 from stages.config.base import OWN, Section
+from stages.plugins import short
 
 
 class HogConfig(Section):
@@ -21,6 +24,10 @@ class HogConfig(Section):
         if self.image_size % self.grid:
             raise ValueError(f"grid {self.grid} does not divide image_size {self.image_size}")
         return self
+
+    def unread(self) -> set[str]:
+        """Weights, which a feature store does not depend on."""
+        return {"normals", "position", "position_alone"}
 
 
 class PretrainedConfig(Section):
@@ -40,22 +47,59 @@ class Dinov2Config(PretrainedConfig):
     position: float = Field(0.0, ge=0, description="Weight of a patch's place in the crop (paper: not used).")
     batch: int = Field(8, ge=1, description="Pictures per forward pass.")
 
+    def unread(self) -> set[str]:
+        """What a feature store does not depend on: the weight of places, and how many pictures are taken at once."""
+        return {"position", "batch"}
 
-class MatchingConfig(Section):
-    """From objects to ranked models of the library, each with its orientation."""
+
+class EncoderOptions(Section):
+    """The patch encoder, with its options."""
 
     encoder: str = Field(
         "hog",
         json_schema_extra={"kind": "encoders"},
         description="Patch features. hog: needs no weights. dinov2: the paper's; give dinov2.path.",
     )
+    hog: HogConfig = Field(HogConfig(), description="The encoder `hog`.")
+    dinov2: Dinov2Config = Field(Dinov2Config(), description="The encoder `dinov2`.")
+    own: dict[str, dict[str, Any]] = OWN
+
+    def unread(self) -> set[str]:
+        """The options of encoders that are not used."""
+        return {"hog", "dinov2"} - {self.encoder}
+
+    def stored(self) -> dict[str, Any]:
+        """The options that the rows of a feature store depend on: weights are laid on them later."""
+        given = getattr(self, self.encoder, None)
+        if not isinstance(given, Section):
+            name = short(self.encoder)
+            return {"encoder": self.encoder, "own": {name: self.own[name]} if name in self.own else {}}
+        return {"encoder": self.encoder, self.encoder: given.model_dump(mode="json", exclude=given.unread())}
+
+    def store(self) -> str:
+        """Name of the feature store: two variants share one if it holds the same for both."""
+        digest = sha256(json.dumps(self.stored(), sort_keys=True).encode()).hexdigest()
+        return f"{short(self.encoder)}-{digest[:8]}"
+
+
+class ComparisonOptions(EncoderOptions):
+    """How patches are compared."""
+
+    search: str = Field(
+        "torch", json_schema_extra={"kind": "searches"}, description="Nearest patches; both give the same picks."
+    )
+    exclude_worst: float = Field(
+        0.10, ge=0, lt=1, description="Share of the largest patch distances left out of the mean (paper: 0.10)."
+    )
+
+
+class MatchingConfig(ComparisonOptions):
+    """From objects to ranked models of the library, each with its orientation."""
+
     text_encoder: str = Field(
         "lexical",
         json_schema_extra={"kind": "text_encoders"},
         description="How labels are compared with categories. clip: the official code's; give clip.path.",
-    )
-    search: str = Field(
-        "torch", json_schema_extra={"kind": "searches"}, description="Nearest patches; both give the same picks."
     )
     k_cat: int = Field(3, ge=1, description="Nearest categories to search.")
     k_model: int = Field(10, ge=1, description="Models taken from them by voting (paper: 10).")
@@ -74,9 +118,6 @@ class MatchingConfig(Section):
         json_schema_extra={"kind": "judges"},
         description="What ranks the orientations: embedding distance (B.1) or votes (official code).",
     )
-    exclude_worst: float = Field(
-        0.10, ge=0, lt=1, description="Share of the largest patch distances left out of the mean (paper: 0.10)."
-    )
     articulated_only: bool = Field(True, description="Seek articulated objects among articulated assets only (A.7).")
     count_threshold: int | None = Field(
         2,
@@ -84,7 +125,8 @@ class MatchingConfig(Section):
         description="Largest |d doors| + |d drawers| between an articulated object and its cousin (A.7; paper: 2). "
         "Widened, and noted, if no asset is left. null: off.",
     )
-    hog: HogConfig = Field(HogConfig(), description="The encoder `hog`.")
-    dinov2: Dinov2Config = Field(Dinov2Config(), description="The encoder `dinov2`.")
     clip: PretrainedConfig = Field(PretrainedConfig(), description="The text encoder `clip`.")
-    own: dict[str, dict[str, Any]] = OWN
+
+    def unread(self) -> set[str]:
+        """The options of encoders that are not used."""
+        return super().unread() | {"clip"} - {self.text_encoder}

@@ -12,7 +12,7 @@ from stages.config.demonstrations import DemonstrationsConfig
 from stages.config.evaluation import EvaluationConfig
 from stages.config.experiment import ExperimentConfig
 from stages.config.extraction import ExtractionConfig
-from stages.config.generation import GenerationConfig
+from stages.config.generation import GenerationSection
 from stages.config.matching import MatchingConfig
 from stages.config.mistakes import Mistake, mistakes_of, validated, without_removed
 from stages.config.names import resolved
@@ -42,7 +42,7 @@ class Config(Section):
     scenes: ScenesConfig = Field(ScenesConfig(), description="The sim-to-sim rooms (B.1, Table 2).")
     extraction: ExtractionConfig = Field(ExtractionConfig(), description="From image to objects in space (A.2, A.7).")
     matching: MatchingConfig = Field(MatchingConfig(), description="Digital cousins of every object (A.6, A.7, B.1).")
-    generation: GenerationConfig = Field(GenerationConfig(), description="Placing the cousins (A.3, A.7).")
+    generation: GenerationSection = Field(GenerationSection(), description="Placing the cousins (A.3, A.7).")
     task: TaskConfig = Field(
         TaskConfig(), description="The tasks' environment, the same in demos and evaluation (B.3)."
     )

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from stages.config.matching import MatchingConfig
+from stages.config.matching import ComparisonOptions
 from stages.contracts import Cousins, read_json, read_options, write_json
 from stages.contracts.distances import Distances
 from stages.matching.encoders import make_encoder, settings_digest
@@ -27,7 +27,7 @@ def run(*, cousins: Path, object: str, library: Path, features: list[Path], out:
         out: file to write.
         options: JSON of the config section `matching`.
     """
-    settings = read_options(MatchingConfig, options)
+    settings = read_options(ComparisonOptions, options)
     encoder = make_encoder(settings)
     store = FeatureStore(features, settings_digest(settings, encoder))
     assets = [entry.id for entry in read_library(library, store).assets if entry.doors + entry.drawers]
@@ -46,7 +46,7 @@ def run(*, cousins: Path, object: str, library: Path, features: list[Path], out:
 
 
 def distances_to(
-    asset: str, assets: list[str], store: FeatureStore, weights: np.ndarray, options: MatchingConfig
+    asset: str, assets: list[str], store: FeatureStore, weights: np.ndarray, options: ComparisonOptions
 ) -> list[float]:
     """Embedding distance of one asset's representative snapshot to that of each of `assets`; 0 to itself."""
     view = store.representative

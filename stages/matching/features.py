@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from stages.cli import progress
-from stages.config.matching import MatchingConfig
+from stages.config.matching import EncoderOptions
 from stages.contracts import read_options
 from stages.contracts.features import FeatureIndex
 from stages.matching.encoders import make_encoder, settings_digest
@@ -13,15 +13,18 @@ from stages.matching.snapshots import SnapshotFile
 from stages.matching.store import write_store
 
 
-def run(*, snapshots: Path, out: Path, options: str = "{}") -> None:
+def run(*, snapshots: Path, out: Path, options: str = "{}", batch: int = 0) -> None:
     """Write the feature store of one shard.
 
     Args:
         snapshots: shard_I.h5 of the assets stage, with shard_I.json beside it.
         out: .npy file to write; its .json index comes beside it.
-        options: JSON of the config section `matching`; of it only the encoder's part counts.
+        options: JSON of the encoder's keys of the config section `matching`.
+        batch: pictures per forward pass of dinov2; 0: as the options say.
     """
-    settings = read_options(MatchingConfig, options)
+    settings = read_options(EncoderOptions, options)
+    if batch:
+        settings = settings.model_copy(update={"dinov2": settings.dinov2.model_copy(update={"batch": batch})})
     encoder = make_encoder(settings)
     rows, starts = [], [0]
     with SnapshotFile(snapshots) as shard:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.config.matching import MatchingConfig
+from stages.config.matching import ComparisonOptions, MatchingConfig
 from stages.contracts.cousins import Candidate, Cousin, ObjectCousins, Orientation
 from stages.contracts.library import LibraryEntry
 from stages.contracts.objects import SceneObject
@@ -59,7 +59,7 @@ def rank(
     snapshots: Sequence[Snapshot],
     groups: Sequence[int],
     store: FeatureStore,
-    options: MatchingConfig,
+    options: ComparisonOptions,
     rounds: int,
 ) -> Ranking:
     """Compare the query with snapshots that are grouped, e.g. by model: a group is as near as its nearest snapshot."""

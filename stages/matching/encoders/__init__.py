@@ -7,7 +7,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.config.matching import MatchingConfig
+from stages.config.matching import EncoderOptions
 from stages.matching.crop import View
 from stages.plugins import load
 
@@ -40,13 +40,13 @@ class PatchEncoder(Protocol):
         ...
 
 
-def make_encoder(options: MatchingConfig) -> PatchEncoder:
+def make_encoder(options: EncoderOptions) -> PatchEncoder:
     """The encoder that the options name."""
     encoder: PatchEncoder = load("encoders", options.encoder)(options)
     return encoder
 
 
-def settings_digest(options: MatchingConfig, encoder: PatchEncoder) -> str:
+def settings_digest(options: EncoderOptions, encoder: PatchEncoder) -> str:
     """16 hex digits that name the encoder with all that its stored rows depend on."""
     text = json.dumps([options.encoder, encoder.settings()], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:16]

@@ -7,7 +7,7 @@ import torch
 from numpy.typing import NDArray
 from transformers import Dinov2Model
 
-from stages.config.matching import MatchingConfig
+from stages.config.matching import EncoderOptions
 from stages.contracts import InputError
 from stages.matching.crop import View, cut, foreground, masked_square, patch_positions
 from stages.matching.encoders import Patches
@@ -19,7 +19,7 @@ MEAN, STD = np.array([0.485, 0.456, 0.406], np.float32), np.array([0.229, 0.224,
 class Encoder:
     """DINOv2 on the masked crop, resized without regard to its aspect ratio as in the official code."""
 
-    def __init__(self, options: MatchingConfig) -> None:
+    def __init__(self, options: EncoderOptions) -> None:
         self.options = options.dinov2
         self.model = load_pretrained(Dinov2Model, self.options, "dinov2")
         patch = self.model.config.patch_size

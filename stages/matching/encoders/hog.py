@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.config.matching import MatchingConfig
+from stages.config.matching import EncoderOptions
 from stages.matching.crop import View, cut, foreground, masked_square, patch_positions
 from stages.matching.encoders import Patches
 from stages.matching.normals import NORMAL_COLUMNS, neighbourhood, patch_normals
@@ -26,7 +26,7 @@ CLIP = 0.2
 class Encoder:
     """Dense HOG + normals + position (the weights were tuned on renderings, see docs/matching.md)."""
 
-    def __init__(self, options: MatchingConfig) -> None:
+    def __init__(self, options: EncoderOptions) -> None:
         self.options = options.hog
 
     def settings(self) -> dict[str, Any]:

@@ -1,0 +1,67 @@
+"""What each verb reads of the config: its --options hold that and no more, so that no other change runs it again."""
+
+from typing import Any
+
+from stages.config.assets import LibraryOptions, SnapshotOptions
+from stages.config.base import Section
+from stages.config.demonstrations import DemonstrationsConfig
+from stages.config.evaluation import EvaluationConfig
+from stages.config.extraction import ExtractionConfig
+from stages.config.generation import GenerationConfig
+from stages.config.matching import ComparisonOptions, EncoderOptions, MatchingConfig
+from stages.config.model import Config
+from stages.config.names import kind_of
+from stages.config.scenes import ScenesConfig
+from stages.config.tables import TablesConfig
+from stages.config.training import TrainingRun
+from stages.plugins import short
+
+READS: dict[tuple[str, str], type[Section]] = {
+    ("assets", "library"): LibraryOptions,
+    ("assets", "snapshots"): SnapshotOptions,
+    ("scenes", "render"): ScenesConfig,
+    ("extraction", "extract"): ExtractionConfig,
+    ("matching", "features"): EncoderOptions,
+    ("matching", "match"): MatchingConfig,
+    ("matching", "distances"): ComparisonOptions,
+    ("generation", "generate"): GenerationConfig,
+    ("demonstrations", "collect"): DemonstrationsConfig,
+    ("training", "train"): TrainingRun,
+    ("evaluation", "rollout"): EvaluationConfig,
+    ("tables", "tables"): TablesConfig,
+    ("tables", "figures"): TablesConfig,
+    ("tables", "report"): TablesConfig,
+}
+
+
+def section_of(config: Config, stage: str, wildcards: dict[str, str]) -> Section:
+    """The section that a stage's verbs read: that of a variant or a run where there are several."""
+    if "variant" in wildcards and stage == "matching":
+        return config.matching_of(wildcards["variant"])
+    if stage == "training":
+        return config.training.runs[wildcards["run"]]
+    section: Section = getattr(config, stage)
+    return section
+
+
+def options_of(config: Config, stage: str, verb: str, wildcards: dict[str, str]) -> dict[str, Any]:
+    """The --options of a verb."""
+    if (stage, verb) == ("matching", "features"):
+        return stores(config)[wildcards["store"]].stored()
+    section, reads = section_of(config, stage, wildcards), READS[stage, verb]
+    kept = section.model_dump(mode="json", include=set(reads.model_fields) - section.unread())
+    if "own" in kept:
+        kinds = [field for field in reads.model_fields if kind_of(reads, field)]
+        used = {short(name) for field in kinds for name in _names(getattr(section, field))}
+        kept["own"] = {name: options for name, options in kept["own"].items() if name in used}
+    kept.get("dinov2", {}).pop("batch", None)  # how many pictures are taken at once changes no result
+    return kept
+
+
+def stores(config: Config) -> dict[str, EncoderOptions]:
+    """The feature stores of a run by name."""
+    return {options.store(): options for options in map(config.matching_of, config.experiment.variants)}
+
+
+def _names(value: str | list[str]) -> list[str]:
+    return [value] if isinstance(value, str) else value

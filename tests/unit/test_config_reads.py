@@ -1,0 +1,125 @@
+"""What runs again when a key of the config changes: the options of every verb hold what it reads and no more."""
+
+import ast
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from pydantic import BaseModel
+
+from stages.config.model import Config, load, merged
+from stages.config.reads import READS, options_of, stores
+
+ROOT = Path(__file__).resolve().parents[2]
+LISTED = {  # keys that do not simply run the one verb of their section again
+    "assets.counts": {"library"},
+    "assets.folders": {"library"},
+    "assets.shards": set(),  # the number of jobs is a parameter of its own
+    "matching.encoder": {"features", "match", "distances"},
+    "matching.search": {"match", "distances"},
+    "matching.exclude_worst": {"match", "distances"},
+    "matching.hog.image_size": {"features", "match", "distances"},
+    "matching.hog.grid": {"features", "match", "distances"},
+    "matching.hog": {"match", "distances"},  # weights: nothing is encoded anew
+    "matching.dinov2": set(),  # not used
+    "matching.clip": set(),
+    "matching.own": set(),
+    "generation.preview_width": set(),  # a parameter of `draw`
+    "extraction.own": set(),
+    "evaluation.own": set(),
+    "evaluation.selection_rollouts": set(),
+    "tables": {"tables", "figures", "report"},
+}
+ONE = {"assets": {"snapshots"}, "matching": {"match"}}  # the verb of the other keys of a section
+CONFIG = Config()
+
+
+def leaves(section: BaseModel, path: str) -> list[str]:
+    """Keys of a section that hold values."""
+    found = []
+    for name in type(section).model_fields:
+        child, key = getattr(section, name), f"{path}.{name}"
+        found += leaves(child, key) if isinstance(child, BaseModel) else [key]
+    return found
+
+
+def changed(section: Any, path: list[str]) -> Any:
+    """A copy with another value, whatever it may be, under a key."""
+    if not path:
+        return section | {"unused": {"a": 1}} if isinstance(section, dict) else "another value"
+    if isinstance(section, dict):
+        return section | {path[0]: changed(section[path[0]], path[1:])}
+    return section.model_copy(update={path[0]: changed(getattr(section, path[0]), path[1:])})
+
+
+def digests(config: Config) -> dict[str, str]:
+    """What each verb is told of a config, as text."""
+    made = {}
+    for stage, verb in READS:
+        wildcards = {"variant": "b", "run": "lite"}
+        if verb == "features":
+            made[verb] = repr(sorted(stores(config)))
+            continue
+        made[verb] = repr(options_of(config, stage, verb, wildcards))
+    return made
+
+
+KEYS = [key for stage in dict(READS) if stage[0] != "training" for key in leaves(getattr(CONFIG, stage[0]), stage[0])]
+
+
+@pytest.mark.parametrize("key", [*dict.fromkeys(KEYS), *leaves(CONFIG.training.runs["lite"], "training.runs.lite")])
+def test_a_key_runs_again_what_reads_it(key: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    other = changed(CONFIG, key.split("."))
+    monkeypatch.setattr(Config, "matching_of", lambda self, variant: self.matching)  # any value will do
+    before, after = digests(CONFIG), digests(other)
+    listed = [LISTED[prefix] for prefix in (key, key.rpartition(".")[0], key.partition(".")[0]) if prefix in LISTED]
+    stage = key.partition(".")[0]
+    only = ONE.get(stage) or {verb for name, verb in READS if name == stage}
+    assert {verb for verb in before if before[verb] != after[verb]} == (listed[0] if listed else only)
+
+
+@pytest.mark.parametrize(("stage", "verb"), READS)
+def test_a_verb_can_read_nothing_else(stage: str, verb: str) -> None:
+    """Its options are parsed by the model that they were made from, which refuses other keys."""
+    tree = ast.parse((ROOT / "stages" / stage / f"{verb}.py").read_text())
+    models = {
+        node.args[0].id
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "read_options"
+        if isinstance(node.args[0], ast.Name)
+    }
+    assert READS[stage, verb].__name__ in models
+
+
+def test_rules_ask_for_the_options_of_their_own_verb() -> None:
+    for path in sorted((ROOT / "rules").glob("*.smk")):
+        for body in re.split(r"^rule ", path.read_text(), flags=re.MULTILINE)[1:]:
+            asked = re.findall(r'\boptions=options\(("\w+", "\w+")\)', body)
+            assert asked in ([], re.findall(r'command=command\(("\w+", "\w+")\)', body)), body[:40]
+            assert bool(asked) == ("{params.options:q}" in body), body[:40]
+
+
+def test_variants_with_different_encoder_settings_have_stores_side_by_side() -> None:
+    text = """
+    experiment:
+      variants:
+        b: {}
+        weights: {hog: {normals: 3.0, position: 1.0}, count_threshold: null, views: 8}
+        fine: {hog: {grid: 24}}
+    """
+    default = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
+    config = load(merged(default, yaml.safe_load(text)))
+    b, weights, fine = (config.matching_of(name).store() for name in ("b", "weights", "fine"))
+    assert b == weights != fine
+    assert {name: options.hog.grid for name, options in stores(config).items()} == {b: 16, fine: 24}
+    told = options_of(config, "matching", "features", {"store": fine})
+    assert told == {"encoder": "hog", "hog": {"image_size": 192, "grid": 24}}
+
+
+def test_dinov2_takes_as_many_pictures_at_once_as_one_likes() -> None:
+    matching = CONFIG.matching.model_copy(update={"encoder": "dinov2"})
+    more = matching.model_copy(update={"dinov2": matching.dinov2.model_copy(update={"batch": 64})})
+    other = matching.model_copy(update={"dinov2": matching.dinov2.model_copy(update={"height": 448})})
+    assert matching.store() == more.store() != other.store()
