@@ -2,12 +2,10 @@
 
 from pathlib import Path
 
-import h5py
-
 from stages.assets.contact_sheet import contact_sheet
-from stages.contracts.errors import InputError
-from stages.contracts.files import atomic, read_json
-from stages.contracts.library import SnapshotShard
+from stages.contracts.arrays import readable
+from stages.contracts.files import atomic
+from stages.contracts.snapshot_file import AGAIN, open_snapshots
 
 
 def run(*, snapshots: tuple[Path, ...]) -> None:
@@ -17,11 +15,8 @@ def run(*, snapshots: tuple[Path, ...]) -> None:
         snapshots: shards (.h5), each with its .json beside it.
     """
     for shard in snapshots:
-        sidecar = read_json(SnapshotShard, shard.with_suffix(".json"))
-        try:
-            with h5py.File(shard, "r") as file:
-                sheet = contact_sheet(file["rgb"], sidecar.assets)
-        except (OSError, KeyError) as error:
-            raise InputError(shard, f"is no readable snapshot file ({error.__class__.__name__}).") from None
+        sidecar, file = open_snapshots(shard)
+        with file, readable(shard, "snapshot file", AGAIN):  # a chunk may be damaged
+            sheet = contact_sheet(file["rgb"], sidecar.assets)
         with atomic(shard.with_suffix(".png")) as path:
             sheet.save(path)

@@ -85,7 +85,7 @@ def check_version(path: Path, text: str, fix: str) -> None:
         content = json.loads(text)
     except (ValueError, RecursionError):
         return  # the model says what is wrong with it
-    if isinstance(content, dict) and content.get("version") != VERSION:
+    if isinstance(content, dict) and (content.get("version") != VERSION or content["version"] is True):
         found = json.dumps(content["version"])[:40] if "version" in content else "missing"
         what = f"is version {found}" if found != "missing" else "names no version"
         fix = fix or "make it again with this workflow"

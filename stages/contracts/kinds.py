@@ -2,19 +2,17 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 
 from pydantic import BaseModel
 
 from stages.contracts.cousins import Cousins
 from stages.contracts.distances import Distances
-from stages.contracts.features import FeatureIndex
-from stages.contracts.files import read_json, read_lines, read_rows
+from stages.contracts.files import read_json, read_rows
 from stages.contracts.generated import GeneratedScene
-from stages.contracts.library import Asset, Library, SnapshotShard
-from stages.contracts.objects import Objects
-from stages.contracts.policies import Attempt, Rollout, SceneScore, TaskAssets
-from stages.contracts.scenes import Annotations, Camera, Truth
+from stages.contracts.policies import Rollout, SceneScore, TaskAssets
+from stages.contracts.scenes import Truth
 
 
 @dataclass(frozen=True)
@@ -30,32 +28,33 @@ class Kind:
         yield from (path.with_name(name) for name in dict.fromkeys(names) if path.with_name(name).is_file())
 
 
-def _json(model: type[BaseModel], suffix: str = "") -> Callable[[Path], object]:
-    return lambda path: read_json(model, path.with_suffix(suffix or path.suffix))
+def _json(model: type[BaseModel]) -> Callable[[Path], object]:
+    return lambda path: read_json(model, path)
 
 
-def _policy(path: Path) -> object:
-    from stages.contracts.trained import TrainedPolicy
-
-    return read_json(TrainedPolicy, path)
+def _with_companions(function: str) -> Callable[[Path], object]:
+    """A check that needs numpy and more: 'module:function' of this package, imported when it is used."""
+    module, name = function.split(":")
+    return lambda path: getattr(import_module(f"stages.contracts.{module}"), name)(path)
 
 
 KINDS: dict[str, Kind] = {
-    "library": Kind(_json(Library)),
-    "asset": Kind(_json(Asset)),
-    "snapshots": Kind(_json(SnapshotShard, ".json"), ("{stem}.json", "{stem}.h5")),
-    "features": Kind(_json(FeatureIndex, ".json"), ("{stem}.json", "{stem}.npy")),
-    "camera": Kind(_json(Camera), ("rgb.png", "depth.npz", "masks.png")),
-    "annotations": Kind(_json(Annotations), ("masks.png",)),
+    "library": Kind(_with_companions("library_folder:check_library")),
+    "asset": Kind(_with_companions("library_folder:check_asset")),
+    "snapshots": Kind(_with_companions("snapshot_file:check_snapshots"), ("{stem}.json", "{stem}.h5")),
+    "features": Kind(_with_companions("feature_rows:check_features"), ("{stem}.json", "{stem}.npy")),
+    "camera": Kind(_with_companions("scene_input:check_camera"), ("rgb.png", "depth.npz")),
+    "annotations": Kind(_with_companions("scene_input:read_annotations"), ("masks.png",)),
     "truth": Kind(_json(Truth)),
-    "objects": Kind(_json(Objects), ("masks.png", "depth.npz", "clouds.npz")),
+    "objects": Kind(_with_companions("extracted:check_extracted"), ("masks.png", "depth.npz", "clouds.npz")),
     "cousins": Kind(_json(Cousins)),
     "distances": Kind(_json(Distances)),
     "generated": Kind(_json(GeneratedScene)),
     "task": Kind(_json(TaskAssets)),
-    "attempts": Kind(lambda path: read_lines(Attempt, path)),
-    "episodes": Kind(lambda path: path),
-    "policy": Kind(_policy, ("policy.safetensors", "last.safetensors")),
+    "attempts": Kind(_with_companions("ledgers:read_attempts")),
+    "episodes": Kind(_with_companions("episode_store:check_episodes")),
+    "policy": Kind(_with_companions("policy_folder:check_policy"), ("policy.safetensors", "last.safetensors")),
+    "metrics": Kind(_with_companions("ledgers:read_metrics")),
     "rollouts": Kind(lambda path: read_rows(Rollout, path)),
     "scores": Kind(lambda path: read_rows(SceneScore, path)),
 }

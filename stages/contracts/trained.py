@@ -1,6 +1,6 @@
 """Contract of the `training` stage: `config.json` beside the weights of a policy."""
 
-from pydantic import Field
+from pydantic import Field, RootModel, model_validator
 
 from stages.config.task import TaskConfig
 from stages.config.training import TrainingRun
@@ -35,3 +35,13 @@ class TrainedPolicy(Document):
     best_step: Count
     best_loss: Finite | None = Field(description="validation loss of policy.safetensors; null: no validation")
     checkpoints: list[RelativePath] = Field([], description="further weights kept for selection by rollouts")
+
+
+class MetricsLine(RootModel[dict[Text, Finite | None]]):
+    """A line of `metrics.jsonl`: the step and what was measured there."""
+
+    @model_validator(mode="after")
+    def _has_step(self) -> "MetricsLine":
+        if self.root.get("step") is None:
+            raise ValueError("step: Field required")
+        return self

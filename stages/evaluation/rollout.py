@@ -14,12 +14,13 @@ from stages.contracts.errors import InputError
 from stages.contracts.files import atomic, read_json, read_options
 from stages.contracts.library import Library
 from stages.contracts.policies import Rollout, TaskAsset, TaskAssets
+from stages.contracts.policy_folder import read_config
 from stages.contracts.trained import TrainedPolicy
 from stages.evaluation.episodes import Episode, roll_out
 from stages.evaluation.film import film
 from stages.plugins import short
 from stages.policy.actor import Actor
-from stages.policy.checkpoint import load_policy, read_config
+from stages.policy.checkpoint import load_policy
 from stages.policy.network import Policy
 from stages.tasks.api import TaskEnv, make_task
 

@@ -3,7 +3,8 @@
 from pathlib import Path
 
 from stages.contracts import Objects, atomic, read_json
-from stages.extraction.observation import read_masks, read_rgb
+from stages.contracts.extracted import read_object_masks
+from stages.contracts.images import check_size, read_rgb
 from stages.extraction.overview import draw_overview
 
 
@@ -15,6 +16,7 @@ def run(*, objects: Path, image: Path, out: Path) -> None:
         image: the scene's picture.
         out: the picture to write.
     """
-    found, masks = read_json(Objects, objects), read_masks(objects.parent / "masks.png")
+    found, picture = read_json(Objects, objects), read_rgb(image)
+    check_size(image, picture, found.width, found.height, objects.name)
     with atomic(out) as path:
-        draw_overview(read_rgb(image), masks, found).save(path)
+        draw_overview(picture, read_object_masks(objects, found), found).save(path)

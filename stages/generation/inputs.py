@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from stages.contracts import Cousins, InputError, Library, Objects, read_json
 from stages.contracts.cousins import Cousin, ObjectCousins
+from stages.contracts.extracted import read_clouds
 from stages.contracts.objects import SceneObject
 
 
@@ -33,16 +34,6 @@ class Inputs:
         return best_first[min(rank, len(best_first)) - 1]
 
 
-def read_clouds(path: Path) -> dict[str, NDArray[np.float32]]:
-    """The clouds (N, 3) of `clouds.npz` by object id."""
-    try:
-        with np.load(path, allow_pickle=False) as arrays:
-            return {name: arrays[name] for name in arrays.files}
-    except (OSError, ValueError) as error:
-        fix = "extraction writes it beside objects.json"
-        raise InputError(path, f"cannot be read ({error.__class__.__name__}).", fix) from None
-
-
 def read_inputs(cousins: Path, objects: Path, library: Path) -> Inputs:
     """Read and check all of it.
 
@@ -58,6 +49,6 @@ def read_inputs(cousins: Path, objects: Path, library: Path) -> Inputs:
     return Inputs(
         objects=extracted,
         cousins={entry.id: entry for entry in matched.objects},
-        clouds=read_clouds(objects.parent / "clouds.npz"),
+        clouds=read_clouds(objects, extracted),
         folders={entry.id: library.parent / entry.folder for entry in index.assets},
     )

@@ -7,7 +7,8 @@ import sapien
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-from stages.contracts import GeneratedScene, InputError
+from stages.contracts import GeneratedScene
+from stages.contracts.images import read_rgb
 from stages.simulation.rendering import RenderCamera
 
 TITLE, COLUMNS, GAP = 34, 3, 6
@@ -27,10 +28,7 @@ def preview(scene: sapien.Scene, made: GeneratedScene, width: int) -> NDArray[np
 
 def read_picture(path: Path, width: int) -> NDArray[np.uint8]:
     """An RGB image, resized to a width."""
-    try:
-        image = Image.open(path).convert("RGB")
-    except OSError as error:
-        raise InputError(path, f"is no picture that can be read ({error}).") from None
+    image = Image.fromarray(read_rgb(path))
     return np.asarray(image.resize((width, round(image.height * width / image.width)), Image.Resampling.LANCZOS))
 
 

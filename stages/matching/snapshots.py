@@ -3,11 +3,11 @@
 from pathlib import Path
 from types import TracebackType
 
-import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts import InputError, SnapshotShard, read_json
+from stages.contracts.arrays import readable
+from stages.contracts.snapshot_file import AGAIN, open_snapshots
 from stages.matching.crop import View
 
 
@@ -15,19 +15,9 @@ class SnapshotFile:
     """One shard, opened for reading: `with SnapshotFile(path) as shard: shard.views(asset)`."""
 
     def __init__(self, path: Path) -> None:
-        fix = "run `python -m stages.assets snapshots` again"
         self.path = path
-        self.sidecar = read_json(SnapshotShard, path.with_suffix(".json"), fix)
-        try:
-            self._file = h5py.File(path, "r")
-            self._rgb, self._depth = self._file["rgb"], self._file["depth"]
-        except (OSError, KeyError) as error:
-            raise InputError(path, f"is no readable snapshot file ({error.__class__.__name__}).", fix) from None
-        size = self.sidecar.image_size
-        shape = (len(self.sidecar.assets), len(self.sidecar.yaws) + 1, size, size)
-        if self._depth.shape != shape or self._rgb.shape != (*shape, 3):
-            what = f"has shapes {self._rgb.shape} and {self._depth.shape}, its sidecar says {shape}."
-            raise InputError(path, what, fix)
+        self.sidecar, self._file = open_snapshots(path)
+        self._rgb, self._depth = self._file["rgb"], self._file["depth"]
         self._position = {asset: number for number, asset in enumerate(self.sidecar.assets)}
 
     def __enter__(self) -> "SnapshotFile":
@@ -44,17 +34,17 @@ class SnapshotFile:
     def views(self, asset: str) -> list[View]:
         """All views of an asset: the yaws, then the representative. The object is where there is depth."""
         number = self._position[asset]
-        depths = self._depth[number].astype(np.float32) / 1000
+        with readable(self.path, "snapshot file", AGAIN):  # a chunk may be damaged
+            rgbs, depths = self._rgb[number], self._depth[number].astype(np.float32) / 1000
         intrinsics = np.array(self.sidecar.intrinsics, dtype=float)
         up = up_of_camera(self.sidecar.elevation)
-        return [
-            View(rgb, depth > 0, depth, intrinsics, up) for rgb, depth in zip(self._rgb[number], depths, strict=True)
-        ]
+        return [View(rgb, depth > 0, depth, intrinsics, up) for rgb, depth in zip(rgbs, depths, strict=True)]
 
     def picture(self, asset: str, yaw: float) -> NDArray[np.uint8]:
         """The snapshot (H, W, 3) nearest to a yaw in radians."""
         gap = np.angle(np.exp(1j * (np.array(self.sidecar.yaws) - yaw)))
-        picture: NDArray[np.uint8] = self._rgb[self._position[asset], int(np.abs(gap).argmin())]
+        with readable(self.path, "snapshot file", AGAIN):
+            picture: NDArray[np.uint8] = self._rgb[self._position[asset], int(np.abs(gap).argmin())]
         return picture
 
 

@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts import InputError, atomic, read_json, write_json
+from stages.contracts import InputError, atomic, write_json
+from stages.contracts.feature_rows import AGAIN, open_features
 from stages.contracts.features import FeatureIndex
 
 
@@ -41,27 +42,22 @@ class FeatureStore:
         Raises:
             InputError: a shard is missing, broken, made with other settings, or disagrees with the first one.
         """
-        fix = "run `python -m stages.matching features` again with the present options"
         self._where: dict[str, tuple[int, int]] = {}  # asset -> shard, position in it
         self._arrays: list[NDArray[np.float16]] = []
         self._indices: list[FeatureIndex] = []
         for shard, path in enumerate(paths):
-            index = read_json(FeatureIndex, path.with_suffix(".json"), fix)
+            index, array = open_features(path)
             if index.settings != settings:
-                raise InputError(path, f"was made by {index.encoder} with other settings.", fix)
+                raise InputError(path, f"was made by {index.encoder} with other settings.", AGAIN)
             if self._indices and (index.yaws, index.upright) != (self._indices[0].yaws, self._indices[0].upright):
-                raise InputError(path, f"has other views than {paths[0]}.", fix)
-            try:
-                array = np.load(path, mmap_mode="r", allow_pickle=False)
-            except (OSError, ValueError) as error:
-                raise InputError(path, f"cannot be read ({error.__class__.__name__}).", fix) from None
-            if array.ndim != 2 or len(array) != index.starts[-1]:
-                raise InputError(path, f"has shape {array.shape}, its index says {index.starts[-1]} rows.", fix)
+                raise InputError(path, f"has other views than {paths[0]}.", AGAIN)
+            if self._arrays and array.shape[1] != self._arrays[0].shape[1]:
+                raise InputError(path, f"rows: {array.shape[1]} numbers each, {paths[0]} has others.", AGAIN)
             self._arrays.append(array)
             self._indices.append(index)
             self._where |= {asset: (shard, position) for position, asset in enumerate(index.assets)}
         if not self._indices:
-            raise InputError("--features", "names no feature store.", fix)
+            raise InputError("--features", "names no feature store.", AGAIN)
         self.yaws = self._indices[0].yaws
         self.upright = self._indices[0].upright
 

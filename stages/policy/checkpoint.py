@@ -2,13 +2,12 @@
 
 from pathlib import Path
 
-from safetensors import SafetensorError
-from safetensors.torch import load_file, save_file
+from safetensors.torch import load_file, save
 from torch import Tensor
 
 from stages.contracts.errors import InputError
-from stages.contracts.files import atomic, read_json
-from stages.contracts.trained import TrainedPolicy
+from stages.contracts.files import atomic
+from stages.contracts.policy_folder import check_weights, read_config
 from stages.policy.network import Policy
 
 FILES = {"best": "policy.safetensors", "last": "last.safetensors"}
@@ -17,12 +16,7 @@ FILES = {"best": "policy.safetensors", "last": "last.safetensors"}
 def save_weights(path: Path, weights: dict[str, Tensor]) -> None:
     """Write a state dict atomically; the same tensors give the same bytes."""
     with atomic(path) as temporary:
-        save_file({name: tensor.detach().cpu().contiguous() for name, tensor in weights.items()}, temporary)
-
-
-def read_config(folder: Path) -> TrainedPolicy:
-    """The `config.json` of a training folder."""
-    return read_json(TrainedPolicy, folder / "config.json", "train the policy first")
+        temporary.write_bytes(save({name: tensor.detach().cpu().contiguous() for name, tensor in weights.items()}))
 
 
 def load_policy(folder: Path, checkpoint: str, device: str = "cpu") -> Policy:
@@ -38,11 +32,10 @@ def load_policy(folder: Path, checkpoint: str, device: str = "cpu") -> Policy:
     config = read_config(folder)
     policy = Policy(config.run.network, bf16=config.run.precision == "bf16")
     path = folder / FILES.get(checkpoint, checkpoint)
-    if not path.is_file():
-        raise InputError(path, "no such file.", "train the policy first")
+    check_weights(path, config)
     try:
         policy.load_state_dict(load_file(path))
-    except (SafetensorError, RuntimeError) as error:
+    except RuntimeError as error:
         reason = str(error).splitlines()[-1].strip()
         raise InputError(path, f"does not hold the weights that config.json describes ({reason}).") from None
     return policy.to(device).eval()

@@ -1,16 +1,16 @@
 """Read the rows that `evaluation` wrote and the values that the paper published."""
 
-import csv
 import io
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 import pandas as pd
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel
 
+from stages.contracts import files
 from stages.contracts.errors import InputError
-from stages.contracts.files import first_error, read_text
+from stages.contracts.files import read_text
 
 PUBLISHED_2 = [
     "scene", "n_objects", "scale_m", "variant", "category_correct", "model_correct", "l2_cm_mean", "l2_cm_std",
@@ -29,23 +29,11 @@ def read_rows(model: type[BaseModel], paths: Sequence[Path], one_file: list[str]
         InputError: a file is missing, a row breaks the contract (file, line and field named), or two files
             hold the same rows.
     """
-    optional = {name for name, field in model.model_fields.items() if type(None) in get_args(field.annotation)}
     rows = []
     source: dict[tuple[object, ...], int] = {}
     for number, path in enumerate(paths):
-        reader = csv.DictReader(io.StringIO(read_text(path), newline=""))
-        missing = [name for name in model.model_fields if name not in (reader.fieldnames or [])]
-        if missing:
-            raise InputError(path, f"lacks the column {missing[0]}.", "write it with `python -m stages.evaluation`")
-        for values in reader:
-            where = f"{path}:{reader.line_num}"
-            if None in values:
-                raise InputError(where, "has more cells than the header has columns.")
-            cells = {name: None if name in optional and value == "" else value for name, value in values.items()}
-            try:
-                row = model.model_validate(cells).model_dump()
-            except ValidationError as error:
-                raise InputError(where, f"breaks the {model.__name__} contract at {first_error(error)}.") from None
+        for line in files.read_rows(model, path, "write it with `python -m stages.evaluation`"):
+            row = line.model_dump()
             key = tuple(row[name] for name in one_file)
             if source.setdefault(key, number) != number:
                 same = ", ".join(f"{name} {value}" for name, value in zip(one_file, key, strict=True))

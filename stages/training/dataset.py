@@ -5,14 +5,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import h5py
 import numpy as np
 import torch
 from numpy.typing import NDArray
-from pydantic import ValidationError
 from torch import Tensor
 
 from stages.config.task import TaskConfig
+from stages.contracts.episode_store import read_episodes
 from stages.contracts.errors import InputError
 from stages.contracts.trained import TrainingStore
 
@@ -46,56 +45,21 @@ class Batch:
     weights: Tensor
 
 
-@dataclass(frozen=True)
-class Store:
-    """What one file gives: per episode (T, P, 4) float16 clouds, (T, 9) proprio, (T, 7) actions."""
-
-    entry: TrainingStore
-    task: str
-    task_options: str
-    episodes: list[tuple[NDArray[np.float16], Float, Float]]
-
-
-def read_store(path: Path, count: int) -> Store:
-    """The first `count` episodes of a store in robomimic's layout."""
-    try:
-        with h5py.File(path, "r") as file:
-            data = file["data"]
-            demos = [data[f"demo_{i}"] for i in range(min(count, len(data)))]
-            episodes = [
-                (
-                    demo["obs/point_cloud"][()].astype(np.float16),
-                    demo["obs/proprio"][()].astype(np.float32),
-                    demo["actions"][()].astype(np.float32),
-                )
-                for demo in demos
-            ]
-            frames = sum(len(actions) for _, _, actions in episodes)
-            entry = TrainingStore(file=str(path), asset=data.attrs["asset"], episodes=len(demos), frames=frames)
-            store = Store(entry, data.attrs["task"], data.attrs["task_options"], episodes)
-    except (OSError, KeyError) as error:
-        raise InputError(path, f"is no episode store ({error}).", "collect the demonstrations again") from None
-    if len(demos) < count:
-        raise InputError(path, f"has {len(demos)} episodes, {count} are asked for.", "collect more demonstrations")
-    return store
-
-
 def read_demonstrations(paths: Sequence[Path], per_store: int) -> Demonstrations:
     """The first `per_store` episodes of every store.
 
     Raises:
         InputError: a file is no episode store, has too few episodes, or differs in task or task options.
     """
-    stores = [read_store(path, per_store) for path in paths]
+    if not paths or per_store < 1:
+        raise InputError(
+            "--episodes, --per-store", "name no episodes to train on.", "at least one store and one episode"
+        )
+    stores = [read_episodes(path, per_store) for path in paths]
     first = stores[0]
     for path, store in zip(paths, stores, strict=True):
         if (store.task, store.task_options) != (first.task, first.task_options):
             raise InputError(path, f"was collected for another task or with other task options than {paths[0]}.")
-    try:
-        options = TaskConfig.model_validate_json(first.task_options)
-    except ValidationError as error:
-        what = f"task_options: {error.errors()[0]['msg']}."
-        raise InputError(paths[0], what, "collect the demonstrations again") from None
     episodes = [episode for store in stores for episode in store.episodes]
     clouds, proprio, actions = (np.concatenate(arrays) for arrays in zip(*episodes, strict=True))
     digest = hashlib.sha256()
@@ -107,9 +71,17 @@ def read_demonstrations(paths: Sequence[Path], per_store: int) -> Demonstrations
         actions=torch.from_numpy(actions),
         lengths=[len(episode[2]) for episode in episodes],
         store_of=[number for number, store in enumerate(stores) for _ in store.episodes],
-        stores=[store.entry for store in stores],
+        stores=[
+            TrainingStore(
+                file=str(path),
+                asset=store.asset,
+                episodes=len(store.episodes),
+                frames=sum(len(actions) for _, _, actions in store.episodes),
+            )
+            for path, store in zip(paths, stores, strict=True)
+        ],
         task=first.task,
-        task_options=options,
+        task_options=first.task_options,
         digest=digest.hexdigest(),
     )
 

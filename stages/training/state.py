@@ -1,8 +1,10 @@
 """Everything an interrupted run needs to go on: weights, optimiser, best weights, the lines logged so far."""
 
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import torch
 from torch import Tensor
@@ -12,6 +14,7 @@ from stages.policy.network import Policy
 from stages.training.logbook import Line
 
 STATE = "state.pt"
+KEYS = {"policy", "optimiser", "fingerprint", "step", "best_step", "best_loss", "best", "lines"}
 
 
 @dataclass
@@ -56,11 +59,19 @@ class TrainingState:
             torch.save(content, temporary)
 
     def resume(self, policy: Policy, folder: Path) -> bool:
-        """Go on from the state in `folder` if there is one of this very run."""
+        """Go on from the state in `folder` if there is one of this very run; one that cannot be read is set aside."""
         path = folder / STATE
         if not path.is_file():
             return False
-        content = torch.load(path, weights_only=True, map_location=policy.proprio_mean.device)
+        try:
+            content = torch.load(path, weights_only=True, map_location=policy.proprio_mean.device)
+            reason = self._fault(content, policy)
+        except Exception as error:  # torch, zipfile and pickle raise many kinds for a broken file
+            reason = f"cannot be read ({error.__class__.__name__})"
+        if reason:
+            refused = path.replace(path.with_name(f"{STATE}.refused"))
+            print(f"training: {path} {reason}; kept as {refused.name}, training starts over", file=sys.stderr)
+            return False
         if content["fingerprint"] != self.fingerprint:
             return False
         policy.load_state_dict(content["policy"])
@@ -69,6 +80,22 @@ class TrainingState:
             setattr(self, name, content[name])
         self.saved = self.step
         return True
+
+    def _fault(self, content: Any, policy: Policy) -> str:
+        """Why the content of a state file is of no use; '' if nothing is wrong with it."""
+        if not isinstance(content, dict) or not set(content) >= KEYS:
+            return "is no training state"
+        if content["fingerprint"] != self.fingerprint:
+            return ""  # another run's: not looked into
+        weights = policy.state_dict()
+        for name in ("policy", "best"):
+            shapes = {key: tensor.shape for key, tensor in content[name].items()}
+            if shapes != {key: tensor.shape for key, tensor in weights.items()} and (name == "policy" or shapes):
+                return f"holds other weights ({name})"
+        groups = [group["params"] for group in content["optimiser"]["param_groups"]]
+        if [len(group) for group in groups] != [len(group["params"]) for group in self.optimiser.param_groups]:
+            return "holds another optimiser"
+        return ""
 
 
 def copy_weights(weights: Mapping[str, Tensor]) -> dict[str, Tensor]:

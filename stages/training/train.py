@@ -97,7 +97,12 @@ def run(
             checkpoints=[f"checkpoints/{path.name}" for path in kept],
         ),
     )
-    shutil.rmtree(setting.work)
+    shutil.rmtree(setting.work / "checkpoints", ignore_errors=True)
+    for path in setting.work.iterdir():
+        if path.suffix != ".refused":  # a state that was set aside is the user's to look at
+            path.unlink()
+    if not any(setting.work.iterdir()):
+        setting.work.rmdir()
 
 
 def fit_normaliser(policy: Policy, data: Demonstrations, episodes: list[int]) -> None:

@@ -1,17 +1,15 @@
 """What the page says of the policy experiment: assets, demonstrations, training, rollouts."""
 
-import json
 from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from markupsafe import Markup
-from pydantic import ValidationError
 
-from stages.contracts.errors import InputError
-from stages.contracts.files import first_error, read_json, read_text
-from stages.contracts.policies import Attempt, TaskAsset, TaskAssets
+from stages.contracts.files import read_json
+from stages.contracts.ledgers import read_attempts, read_metrics
+from stages.contracts.policies import TaskAsset, TaskAssets
 from stages.tables.order import natural, set_key, task_key, title
 from stages.tables.page.charts import Points, line_chart
 from stages.tables.page.files import RunFiles
@@ -83,35 +81,6 @@ class TaskPart:
         return [title(line.role) for line in self.lines if not line.demonstrations]
 
 
-def read_lines(path: Path) -> list[dict[str, Any]]:
-    """The objects of a JSON-lines file.
-
-    Raises:
-        InputError: a line is no JSON object (file and line named).
-    """
-    rows = []
-    for number, line in enumerate(read_text(path).splitlines(), start=1):
-        try:
-            row = json.loads(line)
-        except json.JSONDecodeError as error:
-            raise InputError(f"{path}:{number}", f"is not JSON ({error.msg}).") from None
-        if not isinstance(row, dict):
-            raise InputError(f"{path}:{number}", "is not a JSON object.")
-        rows.append(row)
-    return rows
-
-
-def read_attempts(path: Path) -> list[Attempt]:
-    """The ledger of one asset."""
-    attempts = []
-    for number, row in enumerate(read_lines(path), start=1):
-        try:
-            attempts.append(Attempt.model_validate(row))
-        except ValidationError as error:
-            raise InputError(f"{path}:{number}", f"breaks the Attempt contract at {first_error(error)}.") from None
-    return attempts
-
-
 def losses(rows: list[dict[str, Any]]) -> tuple[str, dict[str, Points]]:
     """The step's name and every loss (a key with 'loss' or 'nll' in it) as points of a metrics file."""
     step = next((name for name in STEPS if any(name in row for row in rows)), "line")
@@ -146,7 +115,7 @@ def _folder_key(path: Path) -> Any:
 def _curves(files: RunFiles, task: str) -> list[Curve]:
     curves = []
     for path in sorted(files.all(f"training/{task}/*/*/*/metrics.jsonl"), key=_folder_key):
-        step, series = losses(read_lines(path))
+        step, series = losses(read_metrics(path))
         name = _policy_name(path.parent)
         curves.append(Curve(name, line_chart(series, step, f"Loss of the policy {name}")))
     return [curve for curve in curves if curve.chart]

@@ -1,0 +1,82 @@
+"""Read numpy and HDF5 files that pass between stages: whatever is wrong with one becomes an `InputError`."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stages.contracts.errors import InputError
+
+if TYPE_CHECKING:
+    import h5py
+
+MAX_BYTES = 2_000_000_000  # of the arrays of one npz file, unpacked
+BLOCK = 4_000_000  # numbers looked at in one go
+
+
+@contextmanager
+def readable(path: Path, what: str, fix: str = "") -> Iterator[None]:
+    """Around the opening and decoding of a file, for which the libraries raise many kinds of exception."""
+    try:
+        yield
+    except InputError:
+        raise
+    except FileNotFoundError:
+        raise InputError(path, "no such file.", fix) from None
+    except Exception as error:
+        raise InputError(path, f"is no readable {what} ({error.__class__.__name__}).", fix) from None
+
+
+def read_npz(path: Path, fix: str = "") -> dict[str, NDArray[Any]]:
+    """All arrays of an npz file.
+
+    Raises:
+        InputError: it is missing, broken, holds pickled objects, or would fill the memory.
+    """
+    with readable(path, "npz file", fix), np.load(path, allow_pickle=False) as arrays:
+        size = sum(entry.file_size for entry in arrays.zip.infolist())
+        if size > MAX_BYTES:
+            raise InputError(path, f"unpacks to {size / 1e9:.1f} GB.", fix)
+        return {name: arrays[name] for name in arrays.files}
+
+
+def dataset(path: Path, group: "h5py.Group", name: str, fix: str = "") -> "h5py.Dataset":
+    """A dataset of an HDF5 file, not read yet."""
+    import h5py
+
+    found = group.get(name)
+    if not isinstance(found, h5py.Dataset):
+        raise InputError(path, f"has no array '{group.name.strip('/')}/{name}'.", fix)
+    return found
+
+
+def check_array(
+    where: object, name: str, array: Any, shape: tuple[int | str, ...], kinds: str = "f", fix: str = ""
+) -> None:
+    """Refuse an array (or dataset) of another type or shape; a letter in `shape` stands for any length.
+
+    `kinds` are numpy's: f float, u and i whole numbers, b bool.
+    """
+    if array.dtype.kind not in kinds:
+        raise InputError(where, f"{name}: has type {array.dtype}.", fix)
+    fits = len(array.shape) == len(shape) and all(
+        isinstance(wanted, str) or length == wanted for length, wanted in zip(array.shape, shape, strict=True)
+    )
+    if not fits:
+        wanted = ", ".join(map(str, shape))
+        raise InputError(where, f"{name}: has shape {tuple(array.shape)}, not ({wanted}).", fix)
+
+
+def check_within(where: object, name: str, array: Any, low: float, high: float, fix: str = "") -> None:
+    """Refuse values that are not finite or not between two bounds. Large arrays are looked at part by part."""
+    rows = max(1, BLOCK // max(1, int(np.prod(array.shape[1:]))))
+    for start in range(0, len(array), rows):
+        part = np.asarray(array[start : start + rows])
+        if not np.isfinite(part).all():
+            raise InputError(where, f"{name}: holds NaN or infinity.", fix)
+        if part.size and (part.min() < low or part.max() > high):
+            worst = float(part.min() if part.min() < low else part.max())
+            raise InputError(where, f"{name}: holds {worst:g}, which is not within {low:g} and {high:g}.", fix)

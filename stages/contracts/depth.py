@@ -1,0 +1,58 @@
+"""Read depth images: metres along the optical axis; millimetres are recognised, what is neither is refused."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stages.contracts.arrays import read_npz
+from stages.contracts.errors import InputError
+from stages.contracts.images import FOLDER
+
+NEAREST, FARTHEST = 0.1, 30.0  # metres: the median depth of a picture of a room is between them
+WRITE = "np.savez(path, depth=...) with an array (height, width) in metres"
+
+
+def read_depth(path: Path) -> tuple[NDArray[np.float32], bool]:
+    """The array `depth` (H, W) in metres, 0: unknown, and the flag `exact`.
+
+    Negative and non-finite values count as unknown. Whole numbers, and floats with a median beyond a metre when
+    read as millimetres, are millimetres and are converted, which is printed.
+
+    Raises:
+        InputError: no such array, no depth at all, or neither metres nor millimetres.
+    """
+    if not path.is_file() and path.with_suffix(".png").is_file():
+        raise InputError(path, "no such file, but there is a depth.png.", f"store its array: {WRITE}")
+    arrays = read_npz(path, FOLDER)
+    if "depth" not in arrays:
+        raise InputError(path, "has no array named 'depth'.", WRITE)
+    depth, exact = arrays["depth"], arrays.get("exact", np.array(False))
+    if depth.dtype.kind not in "fiu":
+        raise InputError(path, f"depth: has type {depth.dtype}.", WRITE)
+    if depth.ndim != 2 or 0 in depth.shape:
+        raise InputError(path, f"depth: has shape {depth.shape}.", WRITE)
+    if exact.shape != () or exact.dtype.kind not in "biu":
+        raise InputError(path, f"exact: has type {exact.dtype} and shape {exact.shape}.", "one bool, or leave it out")
+    known = np.where(np.isfinite(depth) & (depth > 0), depth, 0)
+    if not known.any():
+        raise InputError(path, "depth: no value is known (finite and above 0).", WRITE)
+    factor = _metres_per_unit(path, known)
+    if factor != 1:
+        print(f"{path}: depth is in millimetres (median {np.median(known[known > 0]):g}), converted to metres")
+    return (known * factor).astype(np.float32), bool(exact)
+
+
+def _metres_per_unit(path: Path, depth: NDArray[Any]) -> float:
+    median = float(np.median(depth[depth > 0]))
+    whole = depth.dtype.kind in "iu"
+    if not whole and NEAREST <= median <= FARTHEST:
+        return 1.0
+    if (100 if whole else 1000) <= median <= 1000 * FARTHEST:
+        return 0.001
+    raise InputError(
+        path,
+        f"depth: has the median {median:.3g}, which is neither metres nor millimetres of a room.",
+        "write metres as float32, or millimetres as uint16",
+    )

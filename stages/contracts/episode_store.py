@@ -1,0 +1,95 @@
+"""episodes.h5: demonstrations in robomimic's layout."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import ValidationError
+
+from stages.config.task import TaskConfig
+from stages.contracts.arrays import check_array, check_within, dataset, readable
+from stages.contracts.errors import InputError
+from stages.contracts.files import first_error
+from stages.contracts.ledgers import read_attempts
+
+AGAIN = "collect the demonstrations again"
+ACTION, PROPRIO = 7, 9
+LIMIT = 1.001  # actions are within [-1, 1], but for rounding
+REACH = 100.0  # metres: of clouds and proprioception
+Float = NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class EpisodeStore:
+    """Per episode (T, P, 4) float16 clouds, (T, 9) proprioception and (T, 7) actions, float32; robot frame, metres."""
+
+    task: str
+    asset: str
+    task_options: TaskConfig
+    episodes: list[tuple[NDArray[np.float16], Float, Float]]
+
+
+def read_episodes(path: Path, count: int | None = None) -> EpisodeStore:
+    """The first `count` episodes of a store (None: all).
+
+    Raises:
+        InputError: it is missing or broken, has too few episodes, arrays of another shape or of unequal lengths, or
+            values that are not finite or out of bounds.
+    """
+    with readable(path, "episode store", AGAIN), h5py.File(path, "r") as file:
+        data = file.get("data")
+        if not isinstance(data, h5py.Group):
+            raise InputError(path, "has no group 'data'.", AGAIN)
+        about = {name: _attribute(path, data, name) for name in ("task", "asset", "task_options")}
+        try:
+            options = TaskConfig.model_validate_json(about["task_options"])
+        except ValidationError as error:
+            raise InputError(path, f"task_options: {first_error(error)}.", AGAIN) from None
+        if count is not None and len(data) < count:
+            raise InputError(path, f"has {len(data)} episodes, {count} are asked for.", "collect more demonstrations")
+        if not len(data):
+            raise InputError(path, "has no episodes.", AGAIN)
+        episodes = [_episode(path, data, f"demo_{i}", options.points) for i in range(count or len(data))]
+    return EpisodeStore(about["task"], about["asset"], options, episodes)
+
+
+def _attribute(path: Path, data: h5py.Group, name: str) -> str:
+    value = data.attrs.get(name)
+    if not isinstance(value, str) or not value:
+        raise InputError(path, f"data: has no text attribute '{name}'.", AGAIN)
+    return value
+
+
+def _episode(path: Path, data: h5py.Group, name: str, points: int) -> tuple[NDArray[np.float16], Float, Float]:
+    demo = data.get(name)
+    if not isinstance(demo, h5py.Group):
+        raise InputError(path, f"has no episode '{name}'.", AGAIN)
+    actions = dataset(path, demo, "actions", AGAIN)
+    steps = actions.shape[0] if actions.shape else 0
+    if not steps:
+        raise InputError(path, f"{name}/actions: is empty.", AGAIN)
+    arrays: list[Any] = []
+    for key, shape, bound in (
+        ("obs/point_cloud", (steps, points, 4), REACH),
+        ("obs/proprio", (steps, PROPRIO), REACH),
+        ("actions", (steps, ACTION), LIMIT),
+    ):
+        found = dataset(path, demo, key, AGAIN)
+        check_array(path, f"{name}/{key}", found, shape, "f", AGAIN)
+        arrays.append(found[()])
+        check_within(path, f"{name}/{key}", arrays[-1], -bound, bound, AGAIN)
+    clouds, proprio, actions = arrays
+    return clouds.astype(np.float16), proprio.astype(np.float32), actions.astype(np.float32)
+
+
+def check_episodes(path: Path) -> None:
+    """All episodes, and that attempts.jsonl beside them, if it is there, counts as many."""
+    store = read_episodes(path)
+    ledger = path.with_name("attempts.jsonl")
+    if ledger.is_file():
+        kept = sum(attempt.episode is not None for attempt in read_attempts(ledger))
+        if kept != len(store.episodes):
+            raise InputError(path, f"has {len(store.episodes)} episodes, {ledger.name} counts {kept}.", AGAIN)

@@ -1,0 +1,72 @@
+"""What extraction hands on: objects.json with masks.png, depth.npz and clouds.npz beside it."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stages.contracts.arrays import check_array, check_within, read_npz
+from stages.contracts.errors import InputError
+from stages.contracts.files import read_json
+from stages.contracts.images import check_size, read_masks
+from stages.contracts.objects import Objects
+from stages.contracts.types import FARTHEST
+
+AGAIN = "extraction writes it beside objects.json"
+
+
+def read_object_masks(path: Path, objects: Objects) -> NDArray[np.uint16]:
+    """The masks (H, W) beside `path`, objects.json: the picture's size, and no value that no object has."""
+    file = path.with_name("masks.png")
+    masks = read_masks(file)
+    check_size(file, masks, objects.width, objects.height, path.name)
+    strangers = sorted(set(np.unique(masks).tolist()) - {0} - {item.mask for item in objects.objects})
+    if strangers:
+        raise InputError(file, f"holds the value {strangers[0]}, which no object of {path.name} has.", AGAIN)
+    return masks
+
+
+def read_metres(path: Path, objects: Objects) -> NDArray[np.float32] | None:
+    """The depth (H, W) in metres beside `path`, objects.json; None without the file."""
+    file = path.with_name("depth.npz")
+    if not file.is_file():
+        return None
+    arrays = read_npz(file, AGAIN)
+    if "depth" not in arrays:
+        raise InputError(file, "has no array named 'depth'.", AGAIN)
+    depth: NDArray[Any] = arrays["depth"]
+    check_array(file, "depth", depth, ("H", "W"))
+    check_size(file, depth, objects.width, objects.height, path.name)
+    check_within(file, "depth", depth, 0, FARTHEST)
+    return depth.astype(np.float32)
+
+
+def read_clouds(path: Path, objects: Objects) -> dict[str, NDArray[np.float32]]:
+    """The clouds (N, 3) beside `path`, objects.json: one for each object that did not fail, in metres."""
+    file = path.with_name("clouds.npz")
+    clouds = read_npz(file, AGAIN)
+    wanted = [item for item in objects.objects if item.status == "ok"]
+    strangers = sorted(set(clouds) - {item.id for item in objects.objects})
+    if strangers:
+        raise InputError(file, f"holds a cloud of '{strangers[0]}', which is no object of {path.name}.", AGAIN)
+    for item in wanted:
+        if item.id not in clouds:
+            raise InputError(file, f"has no cloud of '{item.id}'.", AGAIN)
+        cloud = clouds[item.id]
+        check_array(file, item.id, cloud, ("N", 3))
+        if len(cloud) < 3:
+            raise InputError(file, f"{item.id}: has {len(cloud)} points.", "an object with fewer than 3 has failed")
+        if item.points and item.points != len(cloud):
+            what = f"{item.id}: has {len(cloud)} points, {path.name} says {item.points}."
+            raise InputError(file, what, AGAIN)
+        check_within(file, item.id, cloud, -FARTHEST, FARTHEST)
+    return {item.id: clouds[item.id].astype(np.float32) for item in wanted}
+
+
+def check_extracted(path: Path) -> None:
+    """objects.json and all that lies beside it."""
+    objects = read_json(Objects, path)
+    read_object_masks(path, objects)
+    read_metres(path, objects)
+    read_clouds(path, objects)

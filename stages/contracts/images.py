@@ -1,0 +1,91 @@
+"""Read the pictures that a stage is given, in one way everywhere: upright as a viewer shows them, 8-bit RGB."""
+
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageOps
+
+from stages.contracts.errors import InputError
+
+FORMATS = ("PNG", "JPEG", "WEBP", "TIFF", "BMP", "GIF")  # by content: a JPEG may be called rgb.png
+LEAST, MOST, MAX_PIXELS = 16, 20_000, 60_000_000  # pixels of a side, and in all
+SAVE = "save it again as PNG"
+FOLDER = "see docs/scenes.md for what an input folder holds"
+DEEP = ("I;16", "I;16B", "I;16L", "I;16N", "I")  # modes of one channel with more than 8 bits
+
+
+def _upright(path: Path) -> Image.Image:
+    """The picture, decoded and turned as its EXIF data say."""
+    if not path.is_file():
+        raise InputError(path, "no such file.", FOLDER)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # a large picture is refused below, with words
+            with Image.open(path, formats=FORMATS) as image:
+                width, height = image.size
+                if max(width, height) > MOST or width * height > MAX_PIXELS:
+                    raise InputError(path, f"is {width}x{height} pixels: too large.", f"at most {MAX_PIXELS:,} pixels")
+                if min(width, height) < LEAST:
+                    raise InputError(path, f"is {width}x{height} pixels: too small.", f"at least {LEAST} each way")
+                image.load()
+                turned = ImageOps.exif_transpose(image)
+                turned.format = image.format
+                return turned
+    except Image.DecompressionBombError:
+        raise InputError(path, "has too many pixels.", f"at most {MAX_PIXELS:,} pixels") from None
+    except InputError:
+        raise
+    except Exception as error:  # each decoder raises its own kinds for broken data
+        raise InputError(path, f"is not a readable image ({error.__class__.__name__}).", SAVE) from None
+
+
+def read_rgb(path: Path) -> NDArray[np.uint8]:
+    """A picture (H, W, 3): turned by its EXIF data, alpha laid on white, everything else converted to 8-bit RGB.
+
+    Raises:
+        InputError: no picture, of absurd size, or with float pixels.
+    """
+    image = _upright(path)
+    if image.mode in DEEP:
+        grey = np.asarray(image).astype(np.int64)
+        if grey.min() < 0 or grey.max() > 65535:
+            raise InputError(path, "has 32-bit pixels.", "save it with 8 bits per channel")
+        return np.repeat(np.rint(grey / 257).astype(np.uint8)[..., None], 3, axis=2)
+    if image.mode == "F":
+        raise InputError(path, "has float pixels.", "save it with 8 bits per channel")
+    if image.mode in ("LA", "PA", "RGBA", "La", "RGBa") or "transparency" in image.info:
+        rgba = np.asarray(image.convert("RGBA"))
+        alpha = rgba[..., 3:] / 255.0
+        return np.rint(rgba[..., :3] * alpha + 255.0 * (1 - alpha)).astype(np.uint8)
+    return np.array(image.convert("RGB"))
+
+
+def read_masks(path: Path) -> NDArray[np.uint16]:
+    """A label image (H, W) of one channel: 8 or 16 bits, or a palette, whose indices are the values.
+
+    Raises:
+        InputError: no picture, several channels, float pixels, or a format that changes values (JPEG).
+    """
+    image = _upright(path)
+    mend = "write one channel of 16 bits with a value per object, as PNG"
+    if image.format in ("JPEG", "MPO"):
+        raise InputError(path, "is a JPEG, which changes mask values.", mend)
+    if image.mode not in (*DEEP, "L", "P", "1"):
+        kind = "float pixels" if image.mode == "F" else f"{len(image.getbands())} channels ({image.mode})"
+        raise InputError(path, f"has {kind}.", mend)
+    values: NDArray[Any] = np.asarray(image)
+    if values.dtype.kind != "b" and (values.min() < 0 or values.max() > 65535):
+        raise InputError(path, f"holds the value {values.max()}.", mend)
+    return values.astype(np.uint16)
+
+
+def check_size(path: Path, array: NDArray[Any], width: int, height: int, source: str) -> None:
+    """Refuse a picture (H, W, ...) of another size than `source` says."""
+    found = array.shape[1], array.shape[0]
+    if found != (width, height):
+        turned = " It is turned by a quarter: all files are of the upright picture." if found == (height, width) else ""
+        what = f"is {found[0]}x{found[1]} pixels, but {source} says {width}x{height}.{turned}"
+        raise InputError(path, what, "all files of an input folder have one size, that of the upright picture")

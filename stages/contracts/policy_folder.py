@@ -1,0 +1,55 @@
+"""The folder of a policy: config.json with the weights beside it. Needs no torch."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+from safetensors import safe_open
+
+from stages.contracts.arrays import readable
+from stages.contracts.errors import InputError
+from stages.contracts.files import read_json
+from stages.contracts.trained import TrainedPolicy
+
+AGAIN = "train the policy first"
+NORMALISER = {"proprio_mean": (9,), "proprio_std": (9,), "cloud_mean": (3,), "cloud_std": ()}
+Shapes = dict[str, tuple[int, ...]]
+
+
+def read_config(folder: Path) -> TrainedPolicy:
+    """The `config.json` of a training folder."""
+    return read_json(TrainedPolicy, folder / "config.json", AGAIN)
+
+
+def check_weights(path: Path, config: TrainedPolicy) -> Shapes:
+    """Shapes by name of one file of weights; all finite, with the normaliser, and as many as config.json says.
+
+    Raises:
+        InputError: it is missing, broken, or another network's.
+    """
+    shapes: Shapes = {}
+    with readable(path, "safetensors file", AGAIN), safe_open(path, framework="np") as file:
+        for name in file.keys():  # noqa: SIM118 - no mapping
+            array = file.get_tensor(name)
+            shapes[name] = array.shape
+            if not np.isfinite(array).all():
+                raise InputError(path, f"{name}: holds NaN or infinity.", AGAIN)
+            if name.endswith("_std") and array.min() <= 0:
+                raise InputError(path, f"{name}: is not positive.", AGAIN)
+    for name, shape in NORMALISER.items():
+        if shapes.get(name) != shape:
+            raise InputError(path, f"{name}: has shape {shapes.get(name)}, not {shape}.", AGAIN)
+    count = sum(math.prod(shape) for name, shape in shapes.items() if name not in NORMALISER)
+    if count != config.parameters:
+        raise InputError(path, f"holds {count} numbers, config.json says parameters: {config.parameters}.", AGAIN)
+    return shapes
+
+
+def check_policy(path: Path) -> None:
+    """config.json (or its folder) and all weights that it names."""
+    folder = path if path.is_dir() else path.parent
+    config = read_config(folder)
+    shapes = check_weights(folder / "policy.safetensors", config)
+    for name in ("last.safetensors", *config.checkpoints):
+        if check_weights(folder / name, config) != shapes:
+            raise InputError(folder / name, "has other weights than policy.safetensors.", AGAIN)

@@ -1,0 +1,71 @@
+"""The input folder of a scene: rgb.png, camera.json, depth.npz, masks.png, annotations.json, checked together."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stages.contracts.depth import read_depth
+from stages.contracts.errors import InputError
+from stages.contracts.files import read_json
+from stages.contracts.images import check_size, read_masks, read_rgb
+from stages.contracts.scenes import Annotations, Camera
+
+
+@dataclass(frozen=True)
+class SceneInput:
+    """One picture with all that is known of its pixels.
+
+    rgb (H, W, 3) uint8; depth (H, W) float32 metres along the optical axis, 0: unknown;
+    masks (H, W) uint16, values as named by `annotations`; exact: the depth has no error at all, as a renderer's.
+    """
+
+    rgb: NDArray[np.uint8]
+    depth: NDArray[np.float32]
+    masks: NDArray[np.uint16]
+    camera: Camera
+    annotations: Annotations
+    exact: bool
+
+
+def read_scene_input(folder: Path) -> SceneInput:
+    """Read and cross-check the five files. Mask values that have no name in `annotations.json` are printed.
+
+    Raises:
+        InputError: a file is missing, broken, or disagrees with the others; the file is named.
+    """
+    camera = read_json(Camera, folder / "camera.json")
+    rgb, depth, exact = _pictures(folder, camera)
+    annotations, masks = read_annotations(folder / "annotations.json")
+    check_size(folder / "masks.png", masks, camera.width, camera.height, "camera.json")
+    nameless = sorted(set(np.unique(masks).tolist()) - {0, *annotations.values})
+    if nameless:
+        values = ", ".join(map(str, nameless[:8])) + (", ..." if nameless[8:] else "")
+        print(f"{folder / 'masks.png'}: annotations.json does not name the mask values {values}: they are not used")
+    return SceneInput(rgb, depth, masks, camera, annotations, exact)
+
+
+def _pictures(folder: Path, camera: Camera) -> tuple[NDArray[np.uint8], NDArray[np.float32], bool]:
+    rgb = read_rgb(folder / "rgb.png")
+    check_size(folder / "rgb.png", rgb, camera.width, camera.height, "camera.json")
+    depth, exact = read_depth(folder / "depth.npz")
+    check_size(folder / "depth.npz", depth, camera.width, camera.height, "camera.json")
+    return rgb, depth, exact
+
+
+def read_annotations(path: Path) -> tuple[Annotations, NDArray[np.uint16]]:
+    """annotations.json and the masks.png beside it, which shows at least one of its objects."""
+    annotations = read_json(Annotations, path)
+    masks = read_masks(path.with_name("masks.png"))
+    found = set(np.unique(masks).tolist())
+    if not found & {item.mask for item in annotations.objects}:
+        values = ", ".join(map(str, sorted(found)[:8]))
+        what = f"shows no object of annotations.json: its values are {values}."
+        raise InputError(path.with_name("masks.png"), what, "objects.mask is the value of the object's pixels")
+    return annotations, masks
+
+
+def check_camera(path: Path) -> None:
+    """camera.json, and the picture and depth beside it."""
+    _pictures(path.parent, read_json(Camera, path))

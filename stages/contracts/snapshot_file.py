@@ -1,0 +1,38 @@
+"""A shard of snapshots: pictures in HDF5 with a JSON sidecar."""
+
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from stages.contracts.arrays import check_array, dataset, readable
+from stages.contracts.errors import InputError
+from stages.contracts.files import read_json
+from stages.contracts.library import SnapshotShard
+
+AGAIN = "run `python -m stages.assets snapshots` again"
+
+
+def open_snapshots(path: Path) -> tuple[SnapshotShard, h5py.File]:
+    """The sidecar of a shard (`path` with .h5 or .json) and its file, open for reading; the pictures are not read yet.
+
+    Raises:
+        InputError: one is missing or broken, or arrays are not as the sidecar says.
+    """
+    sidecar = read_json(SnapshotShard, path.with_suffix(".json"), AGAIN)
+    path = path.with_suffix(".h5")
+    with readable(path, "snapshot file", AGAIN):
+        file = h5py.File(path, "r")
+    shape = (len(sidecar.assets), len(sidecar.yaws) + 1, sidecar.image_size, sidecar.image_size)
+    check_array(path, "rgb", dataset(path, file, "rgb", AGAIN), (*shape, 3), "u", AGAIN)
+    check_array(path, "depth", dataset(path, file, "depth", AGAIN), shape, "u", AGAIN)
+    return sidecar, file
+
+
+def check_snapshots(path: Path) -> None:
+    """Sidecar and arrays; every asset is seen in its representative view."""
+    sidecar, file = open_snapshots(path)
+    with file, readable(path.with_suffix(".h5"), "snapshot file", AGAIN):
+        for number, asset in enumerate(sidecar.assets):
+            if not np.any(file["depth"][number, -1]):
+                raise InputError(path.with_suffix(".h5"), f"depth: '{asset}' is not in its picture.", AGAIN)
