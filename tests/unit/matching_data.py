@@ -113,7 +113,7 @@ def write_scene(folder: Path, shown: list[tuple[str, float, dict]], models: dict
     for number, (name, yaw, fields) in enumerate(shown, 1):
         category, size, panels, doors, drawers = models[name]
         rgb, depth = trace_box(tuple(np.array(size) / max(size)), yaw, panels, pose, intrinsics, side, side)
-        tiles.append((rgb, depth, np.where(depth > 0, number, 0)))
+        tiles.append((rgb, depth, np.where(depth > 0, number if fields.get("mask", number) == number else 0, 0)))
         base = {"id": f"{category}_{number}", "label": category, "mask": number, "doors": doors, "drawers": drawers}
         base |= {"box": Box(center=(0, 0, 0), size=size, yaw=0), "mounting": Mounting(type=2)}
         items.append(SceneObject(**(base | {"articulated": doors + drawers > 0} | fields)))

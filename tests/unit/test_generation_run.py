@@ -52,7 +52,7 @@ def _library(folder: Path) -> Path:
 
 def _object(name: str, mask: int, place: tuple, mounting: Mounting) -> SceneObject:
     box = Box(center=place[0], size=place[1], yaw=0.0)
-    return SceneObject(id=name, label=name, mask=mask, box=box, mounting=mounting, points=2000, pixels=(1, 1, 9, 9))
+    return SceneObject(id=name, label=name, mask=mask, box=box, mounting=mounting, points=3000, pixels=(1, 1, 9, 9))
 
 
 def _cloud(place: tuple) -> np.ndarray:

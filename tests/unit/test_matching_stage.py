@@ -93,9 +93,9 @@ def test_unusable_input_is_refused_in_one_line_and_leaves_nothing(world: World, 
     broken = tmp_path / "shard.npy"
     broken.write_bytes(b"no array")
     broken.with_suffix(".json").write_text(world.features[0].with_suffix(".json").read_text())
-    with pytest.raises(InputError, match="cannot be read"):
+    with pytest.raises(InputError, match="is no readable npy file"):
         match(objects=world.objects, image=world.library, library=world.library, features=[broken], out=out)
-    with pytest.raises(InputError, match="is no readable image"):
+    with pytest.raises(InputError, match="is not a readable image"):
         match(objects=world.objects, image=world.library, library=world.library, features=world.features, out=out)
     (tmp_path / "shard.h5").write_bytes(b"no hdf5")
     (tmp_path / "shard.json").write_text(world.snapshots[0].with_suffix(".json").read_text())

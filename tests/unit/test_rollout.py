@@ -191,6 +191,6 @@ def test_bad_input_is_one_line(folder: Path, tmp_path: Path) -> None:
     save_weights(tmp_path / "policy" / "policy.safetensors", {"x": __import__("torch").zeros(1)})
     for name in ("task.json", "library.json"):
         (tmp_path / name).write_text((folder / name).read_text())
-    with pytest.raises(InputError, match=r"policy\.safetensors: does not hold the weights"):
+    with pytest.raises(InputError, match=r"policy\.safetensors: proprio_mean: has shape None"):
         evaluate(tmp_path, tmp_path / "rollouts.csv")
     assert not (tmp_path / "rollouts.csv").exists()

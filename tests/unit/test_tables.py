@@ -231,7 +231,7 @@ def test_verb_without_any_rows_says_not_run(tmp_path: Path) -> None:
         ("", "lacks the column"),
         ("HEADER\nroom_1,b,one,3.68,o,ok,a,a,True,True,1,1,1,1,True\n", "breaks the SceneScore contract at rank"),
         ("HEADER\nroom_1,b,1,3.68,o,lost,a,a,True,True,1,1,1,1,True\n", ":2: breaks the SceneScore contract at status"),
-        ("HEADER\nroom_1,b,1,3.68,o,ok,a,a,True,True,1,1,1,1,True,9,9\n", "more cells than the header"),
+        ("HEADER\nroom_1,b,1,3.68,o,ok,a,a,True,True,1,1,1,1,True,9,9\n", "more or fewer cells than the header"),
     ],
 )
 def test_bad_rows_are_named_by_file_line_and_field(tmp_path: Path, text: str, complaint: str) -> None:

@@ -10,6 +10,7 @@ import pytest
 from PIL import Image
 
 from stages.contracts.errors import InputError
+from stages.contracts.ledgers import read_attempts
 from stages.tables import figures, report, tables
 from stages.tables.drawing import spread_out
 from stages.tables.page.benchmarks import by_stage, duration, read_jobs
@@ -17,7 +18,7 @@ from stages.tables.page.charts import line_chart
 from stages.tables.page.files import RunFiles
 from stages.tables.page.films import read_films
 from stages.tables.page.pictures import Album, load
-from stages.tables.page.policies import losses, read_attempts
+from stages.tables.page.policies import losses
 from stages.tables.page.result import verdict
 from stages.tables.page.snapshots import Snapshots
 from tests.unit.tables_results import declared, films, picture, write_run
@@ -188,7 +189,7 @@ def test_a_film_outside_its_folder_is_refused(tmp_path: Path) -> None:
     [
         ("results/extraction/room_1/objects.json", "{", "breaks the Objects contract"),
         ("results/demonstrations/door/twin/attempts.jsonl", '{"attempt": 0}\n', "attempts.jsonl:1: breaks the Attempt"),
-        ("results/training/door/twin/lite/seed_0/metrics.jsonl", "{}\nnan,\n", "metrics.jsonl:2: is not JSON"),
+        ("results/training/door/twin/lite/seed_0/metrics.jsonl", '{"step": 1}\nnan,\n', "metrics.jsonl:2: breaks"),
         ("results/generation/b/room_1/scene_1.png", "no picture", "is not a readable picture"),
         ("results/assets/snapshots/shard_0.h5", "no snapshots", "is not a readable snapshot shard"),
         ("results/demonstrations/door/twin/films/twin_0.webp", "no film", "is not a readable picture"),
@@ -259,4 +260,5 @@ def test_pictures_are_made_smaller(tmp_path: Path) -> None:
 
 def test_attempts_of_an_empty_ledger(tmp_path: Path) -> None:
     (tmp_path / "attempts.jsonl").write_text("")
-    assert read_attempts(tmp_path / "attempts.jsonl") == []
+    with pytest.raises(InputError, match=r"attempts\.jsonl: is empty"):
+        read_attempts(tmp_path / "attempts.jsonl")

@@ -11,8 +11,9 @@ from safetensors.torch import load_file
 
 from stages.config.training import TrainingRun
 from stages.contracts.errors import InputError
+from stages.contracts.policy_folder import read_config
 from stages.policy.actor import Actor
-from stages.policy.checkpoint import load_policy, read_config
+from stages.policy.checkpoint import load_policy
 from stages.policy.network import Policy
 from stages.training import loop
 from stages.training.augment import augment
@@ -191,7 +192,7 @@ def test_too_few_episodes_and_broken_stores_are_input_errors(store: Path, tmp_pa
         read_demonstrations([store], 61)
     broken = tmp_path / "broken.h5"
     broken.write_bytes(b"no HDF5")
-    with pytest.raises(InputError, match=r"broken\.h5: is no episode store"):
+    with pytest.raises(InputError, match=r"broken\.h5: is no readable episode store"):
         read_demonstrations([broken], 1)
     other = write_store(tmp_path / "other.h5", 2)
     with h5py.File(other, "a") as file:
