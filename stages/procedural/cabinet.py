@@ -4,8 +4,9 @@ from typing import Any
 
 import numpy as np
 
-from stages.procedural.layout import Cell, cells
-from stages.procedural.model import Model, Moving, Part, Size, part
+from stages.procedural.cabinet_recipe import CabinetRecipe
+from stages.procedural.layout import Cell, CellKind, cells
+from stages.procedural.model import Model, Moving, Parameters, Part, Size, part
 from stages.procedural.panels import Front, control_panel, pulled_panel
 from stages.procedural.shapes import box, rod
 
@@ -13,25 +14,19 @@ GAP = 0.004  # between neighbouring fronts: siblings collide in PhysX
 FRONTS = {"door", "drawer", "flap"}
 
 
-def cabinet(size: Size, p: dict[str, Any]) -> Model:
-    """A carcass on a base, with a front cut into cells (see `layout.cells`).
-
-    Parameters: layout, major, drawer_weight, open_weight, panel_weight, column_weights, hinge; panel, window, handle,
-    handle_length (share of the panel), handle_at (-1 bottom .. 1 top of a door), handle_inset, protrusion; board,
-    front_thickness, inset_front, base (none, plinth, legs, feet, skids), base_height, top (overhang in metres, 0: no
-    top), top_thickness, reach (share of the depth that drawers come out), shelves (behind doors), buttons, density (of
-    fronts), placement; colours.
-    """
+def cabinet(size: Size, parameters: Parameters) -> Model:
+    """A carcass on a base, with a front cut into cells (see `layout.cells`); the parameters are a `CabinetRecipe`."""
+    p = CabinetRecipe.model_validate(parameters)
     depth, width, height = size
-    board = min(float(p["board"]), 0.1 * min(size))
-    thick = min(float(p["front_thickness"]), 0.15 * depth)
-    out = min(float(p["protrusion"]), 0.3 * depth) if p["handle"] not in ("recessed", "none") else 0.0
-    p = {**p, "protrusion": out}
-    has_panel = any("panel" in line for line in p["layout"])
+    board = min(p.board, 0.1 * min(size))
+    thick = min(p.front_thickness, 0.15 * depth)
+    out = min(p.protrusion, 0.3 * depth) if p.handle not in ("recessed", "none") else 0.0
+    p = p.model_copy(update={"protrusion": out})
+    has_panel = any("panel" in line for line in p.layout)
     out = max(out, 0.02 if has_panel else 0.0)
-    overhang = min(float(p["top"]), 0.1 * width, out + thick)
-    base = min(float(p["base_height"]), 0.3 * height) if p["base"] != "none" else 0.0
-    top = 0.6 * float(p["top_thickness"]) if overhang else 0.0
+    overhang = min(p.top, 0.1 * width, out + thick)
+    base = min(p.base_height, 0.3 * height) if p.base != "none" else 0.0
+    top = 0.6 * p.top_thickness if overhang else 0.0
     x_front = depth / 2 - out  # front face of the panels
     x_body = x_front - thick - 0.001
     half = width / 2 - overhang
@@ -41,19 +36,19 @@ def cabinet(size: Size, p: dict[str, Any]) -> Model:
     parts = _base(p, (x_back, x_body), y, base)
     if overhang:
         slab = box((x_back, min(x_front + overhang, depth / 2)), (-width / 2, width / 2), (height - top, height))
-        parts.append(part(slab, p["top_colour"]))
-    parts += [part(mesh, p["body_colour"]) for mesh in _shell((x_back, x_body), y, z, board)]
+        parts.append(part(slab, p.top_colour))
+    parts += [part(mesh, p.body_colour) for mesh in _shell((x_back, x_body), y, z, board)]
     inner_y, inner_z = (-half + GAP, half - GAP), (z[0] + GAP, z[1] - GAP)
-    if p.get("inset_front"):  # the carcass shows around the fronts
+    if p.inset_front:  # the carcass shows around the fronts
         inner_y, inner_z = (-half + board, half - board), (z[0] + board, z[1] - board)
-    weights = {
+    weights: dict[CellKind, float] = {
         "door": 1.0,
         "flap": 1.0,
-        "drawer": p["drawer_weight"],
-        "open": p["open_weight"],
-        "panel": p["panel_weight"],
+        "drawer": p.drawer_weight,
+        "open": p.open_weight,
+        "panel": p.panel_weight,
     }
-    grid = cells(p["layout"], p["major"], inner_y, inner_z, weights, int(p["hinge"]), p.get("column_weights") or None)
+    grid = cells(p.layout, p.major, inner_y, inner_z, weights, p.hinge, p.column_weights)
     moving: list[Moving] = []
     for cell in grid:
         parts += _dividers(cell, (x_back, x_body), inner_y, inner_z, board, p)
@@ -61,32 +56,32 @@ def cabinet(size: Size, p: dict[str, Any]) -> Model:
             moving.append(_moving(cell, p, x_front, thick, x_back + board, len(moving)))
         elif cell.kind == "panel":
             parts += control_panel(_front(cell, x_front, thick), p)
-    return Model(parts, moving, placement=p.get("placement", "floor"))
+    return Model(parts, moving, placement=p.placement)
 
 
 def _front(cell: Cell, x: float, thick: float) -> Front:
     return Front(x, (cell.y[0] + GAP / 2, cell.y[1] - GAP / 2), (cell.z[0] + GAP / 2, cell.z[1] - GAP / 2), thick)
 
 
-def _moving(cell: Cell, p: dict[str, Any], x: float, thick: float, x_back: float, number: int) -> Moving:
+def _moving(cell: Cell, p: CabinetRecipe, x: float, thick: float, x_back: float, number: int) -> Moving:
     front = _front(cell, x, thick)
-    handle = None if p["handle"] == "none" else p["handle"]
+    handle = None if p.handle == "none" else p.handle
     if cell.kind == "drawer":
         parts = pulled_panel(front, p, "drawer", 0.0) + _tray(front, x_back, p)
-        travel = float(p["reach"]) * (x - thick - x_back)
+        travel = p.reach * (x - thick - x_back)
         origin = (x - thick, sum(front.y) / 2, sum(front.z) / 2)
         return Moving(f"drawer_{number}", "drawer", parts, origin, (1.0, 0.0, 0.0), travel, handle)
     if cell.kind == "flap":  # the hinge line is the front lower edge, so that the panel clears the carcass
-        parts = pulled_panel(front, p, "flap", 0.0, glass=p.get("window", False))
+        parts = pulled_panel(front, p, "flap", 0.0, glass=p.window)
         origin = (x, sum(front.y) / 2, front.z[0])
         return Moving(f"door_{number}", "door", parts, origin, (0.0, 1.0, 0.0), np.pi / 2, handle)
-    parts = pulled_panel(front, p, "door", -cell.hinge, glass=p.get("window", False))
+    parts = pulled_panel(front, p, "door", -cell.hinge, glass=p.window)
     edge = front.y[1] if cell.hinge > 0 else front.y[0]
     origin = (x, edge, sum(front.z) / 2)  # front outer edge: the panel never turns into its neighbour
     return Moving(f"door_{number}", "door", parts, origin, (0.0, 0.0, float(cell.hinge)), np.pi / 2, handle)
 
 
-def _tray(front: Front, x_back: float, p: dict[str, Any]) -> list[Part]:
+def _tray(front: Front, x_back: float, p: CabinetRecipe) -> list[Part]:
     """Bottom, sides and back of a drawer box behind its front."""
     wall, clear = 0.010, 0.024
     x1 = front.x - front.thickness
@@ -100,7 +95,7 @@ def _tray(front: Front, x_back: float, p: dict[str, Any]) -> list[Part]:
         box((x0, x1), (y1 - wall, y1), (z0 + wall, z1)),
         box((x0, x0 + wall), (y0 + wall, y1 - wall), (z0 + wall, z1)),
     ]
-    return [part(mesh, p["inside_colour"]) for mesh in meshes]
+    return [part(mesh, p.inside_colour) for mesh in meshes]
 
 
 def _shell(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float], board: float) -> list[Any]:
@@ -115,7 +110,7 @@ def _shell(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float
 
 
 def _dividers(
-    cell: Cell, x: tuple[float, float], y: tuple[float, float], z: tuple[float, float], board: float, p: dict[str, Any]
+    cell: Cell, x: tuple[float, float], y: tuple[float, float], z: tuple[float, float], board: float, p: CabinetRecipe
 ) -> list[Part]:
     """Boards on a cell's low-y side and floor where they are not the carcass's own, and shelves inside."""
     thin = min(board, 0.016)
@@ -133,16 +128,16 @@ def _dividers(
         low_y = cell.y[0] + thin / 2
     if cell.z[0] > z[0] + 1e-6:
         meshes.append(box(inside, (low_y, high_y), (cell.z[0] - thin / 2, cell.z[0] + thin / 2)))
-    count = int(p["shelves"]) if cell.kind in ("door", "open") else 0
+    count = p.shelves if cell.kind in ("door", "open") else 0
     for k in range(count):
         middle = cell.z[0] + (k + 1) / (count + 1) * (cell.z[1] - cell.z[0])
         meshes.append(box((inside[0], inside[1] - 0.02), (low_y, high_y), (middle - thin / 2, middle + thin / 2)))
-    return [part(mesh, p["body_colour"]) for mesh in meshes]
+    return [part(mesh, p.body_colour) for mesh in meshes]
 
 
-def _base(p: dict[str, Any], x: tuple[float, float], y: tuple[float, float], height: float) -> list[Part]:
+def _base(p: CabinetRecipe, x: tuple[float, float], y: tuple[float, float], height: float) -> list[Part]:
     """What the carcass stands on."""
-    style, colour = p["base"], p["base_colour"]
+    style, colour = p.base, p.base_colour
     if style == "none":
         return []
     if style == "plinth":

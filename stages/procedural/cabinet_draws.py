@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from stages.procedural.cabinet_recipe import CabinetRecipe
 from stages.procedural.colours import METALS, PAINTS, WOODS, pick, shade
 from stages.procedural.handles import PROTRUSION
 from stages.procedural.model import Draw, Size
@@ -19,6 +20,7 @@ APPLIANCE: list[tuple[float, float, float]] = [
 ]
 
 Rng = np.random.Generator
+Layout = list[list[str]]  # of kinds of cells; the recipe checks them
 
 
 def _size(rng: Rng, x: tuple[float, float], y: tuple[float, float], z: tuple[float, float]) -> Size:
@@ -26,8 +28,8 @@ def _size(rng: Rng, x: tuple[float, float], y: tuple[float, float], z: tuple[flo
     return (a, b, c)
 
 
-def _parameters(rng: Rng, layout: list[list[str]], **changes: Any) -> dict[str, Any]:
-    """Parameters of the cabinet generator; `changes` overrule the draw."""
+def _recipe(rng: Rng, layout: Layout, **changes: Any) -> CabinetRecipe:
+    """A recipe for the layout; `changes` overrule the draw."""
     front = pick(rng, PAINTS, WOODS)
     body = shade(front, 0.82) if rng.random() < 0.6 else pick(rng, PAINTS, WOODS)
     handle = str(rng.choice(HANDLES, p=HANDLE_SHARES))
@@ -64,11 +66,11 @@ def _parameters(rng: Rng, layout: list[list[str]], **changes: Any) -> dict[str, 
         "panel_colour": [0.20, 0.20, 0.22],
         "placement": "floor",
     } | changes
-    return p | {"protrusion": PROTRUSION[p["handle"]]}
+    return CabinetRecipe.model_validate(p | {"protrusion": PROTRUSION[p["handle"]]})
 
 
-def _draw(size: Size, p: dict[str, Any]) -> Draw:
-    return Draw("cabinet", size, p)
+def _draw(size: Size, recipe: CabinetRecipe) -> Draw:
+    return Draw("cabinet", size, recipe.parameters())
 
 
 def bottom_cabinet(rng: Rng, index: int) -> Draw:
@@ -91,7 +93,7 @@ def bottom_cabinet(rng: Rng, index: int) -> Draw:
                 layout[0] = [*stack, "door"]
     width = rng.uniform(0.38, 0.52) * max(len(line) if major == "rows" else len(layout) for line in layout)
     size = _size(rng, (0.42, 0.66), (float(width), float(width) + 0.08), (0.62, 1.0))
-    return _draw(size, _parameters(rng, layout, major=major))
+    return _draw(size, _recipe(rng, layout, major=major))
 
 
 def wall_cabinet(rng: Rng, index: int) -> Draw:
@@ -103,7 +105,7 @@ def wall_cabinet(rng: Rng, index: int) -> Draw:
     width = float(rng.uniform(0.32, 0.45) * columns)
     size = _size(rng, (0.30, 0.42), (width, width + 0.06), (0.5, 0.85))
     changes = {"base": "none", "top": 0.0, "placement": "wall", "handle_at": -0.8, "window": bool(rng.random() < 0.3)}
-    return _draw(size, _parameters(rng, layout, **changes))
+    return _draw(size, _recipe(rng, layout, **changes))
 
 
 def sideboard(rng: Rng, index: int) -> Draw:
@@ -113,7 +115,7 @@ def sideboard(rng: Rng, index: int) -> Draw:
     layout = [["door"], middle, ["door"]] if index % 2 == 0 else [["door"], middle, middle[:], ["door"]]
     size = _size(rng, (0.38, 0.50), (1.1, 1.8), (0.55, 0.85))
     base = str(rng.choice(["legs", "feet", "plinth"]))
-    return _draw(size, _parameters(rng, layout, base=base, base_height=round(float(rng.uniform(0.1, 0.22)), 3)))
+    return _draw(size, _recipe(rng, layout, base=base, base_height=round(float(rng.uniform(0.1, 0.22)), 3)))
 
 
 def wardrobe(rng: Rng, index: int) -> Draw:
@@ -126,7 +128,7 @@ def wardrobe(rng: Rng, index: int) -> Draw:
     elif index % 3 == 2:
         layout, changes["major"] = [["door"] * columns, ["drawer"]], "rows"
     size = _size(rng, (0.5, 0.65), (0.45 * columns, 0.56 * columns), (1.75, 2.1))
-    return _draw(size, _parameters(rng, layout, **changes))
+    return _draw(size, _recipe(rng, layout, **changes))
 
 
 def chest_of_drawers(rng: Rng, index: int) -> Draw:
@@ -139,12 +141,13 @@ def chest_of_drawers(rng: Rng, index: int) -> Draw:
     width = 0.45 + 0.3 * (index % 3) + float(rng.uniform(0, 0.25))
     height = 0.2 + 0.17 * len(layout if major == "rows" else layout[0]) + float(rng.uniform(0, 0.12))
     size = _size(rng, (0.40, 0.55), (width, width + 0.05), (height, height + 0.05))
-    return _draw(size, _parameters(rng, layout, major=major))
+    return _draw(size, _recipe(rng, layout, major=major))
 
 
-def _appliance(rng: Rng, layout: list[list[str]], **changes: Any) -> dict[str, Any]:
+def _appliance(rng: Rng, layout: Layout, **changes: Any) -> CabinetRecipe:
+    """A recipe in metal or glass, with a handle that is seen before the front."""
     front = pick(rng, APPLIANCE)
-    handle = METALS[2] if sum(front) > 1.2 else METALS[0]  # to be seen before the front
+    handle = METALS[2] if sum(front) > 1.2 else METALS[0]
     plain = {
         "panel": "flat",
         "handle": str(rng.choice(["bar", "square_bar"])),
@@ -157,7 +160,7 @@ def _appliance(rng: Rng, layout: list[list[str]], **changes: Any) -> dict[str, A
         "base_colour": [0.08, 0.08, 0.09],
         "handle_colour": pick(rng, [handle]),
     }
-    return _parameters(rng, layout, **(plain | changes))
+    return _recipe(rng, layout, **(plain | changes))
 
 
 def fridge(rng: Rng, index: int) -> Draw:
@@ -171,7 +174,7 @@ def fridge(rng: Rng, index: int) -> Draw:
         drawer_weight=0.5, board=0.04, density=130.0,
     )  # fmt: skip
     if index % 4 == 1:  # the freezer's door is the smaller one
-        p |= {"layout": [["door"], ["door"]], "major": "rows", "handle_at": 0.0, "handle_length": 0.35}
+        p = p.changed(layout=[["door"], ["door"]], major="rows", handle_at=0.0, handle_length=0.35)
     return _draw(size, p)
 
 

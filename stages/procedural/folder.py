@@ -3,14 +3,18 @@
 from pathlib import Path
 
 import numpy as np
+from pydantic import ValidationError
+from scipy.spatial import QhullError
 
 from stages.articulated.asset_folder import Description, write_asset
 from stages.contracts.errors import InputError
+from stages.contracts.files import first_error
 from stages.contracts.library import Asset, Recipe
-from stages.procedural.model import Model, Size, bounds, fitted
+from stages.procedural.model import Generator, Model, Parameters, Size, bounds, fitted
 from stages.procedural.robot import robot_of
 
 LICENCE = "CC0-1.0"
+LARGEST = 100.0  # metres, of any extent
 SETTLING_PASSES = 3  # generators miss the asked size by little (leaning legs...): aim again before scaling
 
 
@@ -32,20 +36,47 @@ def build(
 
 
 def generate(recipe: Recipe, size: Size | None = None) -> Model:
-    """The model of a recipe at a size, fitted to it exactly."""
+    """The model of a recipe at a size, fitted to it exactly.
+
+    Raises:
+        InputError: no such generator, a bad size, or a parameter that is missing, unknown or out of bounds.
+    """
     from stages.procedural.catalogue import GENERATORS
 
     if recipe.generator not in GENERATORS:
         raise InputError(
             "recipe", f"unknown generator '{recipe.generator}'.", f"one of {', '.join(sorted(GENERATORS))}"
         )
-    x, y, z = np.asarray(recipe.parameters["size"] if size is None else size, dtype=float).tolist()
-    wanted = (x, y, z)
-    if min(wanted) <= 0:
-        raise InputError("recipe", f"size {wanted} is not positive.")
+    wanted = _size(recipe, size)
+    parameters = {key: value for key, value in recipe.parameters.items() if key != "size"}
+    where = f"recipe of a {recipe.generator}"
+    try:
+        return _fitted(GENERATORS[recipe.generator], wanted, parameters)
+    except ValidationError as error:
+        raise InputError(where, f"parameter {first_error(error)}.") from None
+    except KeyError as error:
+        raise InputError(where, f"parameter {error} is missing, or its value is not known.") from None
+    except (TypeError, ValueError, IndexError, ArithmeticError, QhullError) as error:
+        reason = (str(error).splitlines() or [type(error).__name__])[0][:200]
+        raise InputError(where, f"its parameters make no model: {reason}.") from None
+
+
+def _size(recipe: Recipe, size: Size | None) -> Size:
+    """The size to make, checked."""
+    asked = recipe.parameters.get("size") if size is None else size
+    try:
+        x, y, z = np.asarray(asked, dtype=float).tolist()
+    except (TypeError, ValueError):
+        raise InputError("recipe", f"size {asked!r} is not three numbers.") from None
+    if not all(0 < extent <= LARGEST for extent in (x, y, z)):
+        raise InputError("recipe", f"size {(x, y, z)} is not positive, or larger than {LARGEST:g} m.")
+    return (x, y, z)
+
+
+def _fitted(generator: Generator, wanted: Size, parameters: Parameters) -> Model:
     aim = wanted
     for _ in range(SETTLING_PASSES):
-        model = GENERATORS[recipe.generator](aim, recipe.parameters)
+        model = generator(aim, parameters)
         low, high = bounds(model)
         if max(abs(high - low - wanted)) < 1e-4:
             break

@@ -3,24 +3,24 @@
 from typing import Literal, NamedTuple
 
 Span = tuple[float, float]
-KINDS = ("door", "drawer", "open", "flap", "panel")
+CellKind = Literal["door", "drawer", "open", "flap", "panel"]
 
 
 class Cell(NamedTuple):
     """One cell of the front. `hinge` is -1 or +1: the side (low or high y) on which a door hangs."""
 
-    kind: str
+    kind: CellKind
     y: Span
     z: Span
     hinge: int
 
 
 def cells(
-    layout: list[list[str]],
+    layout: list[list[CellKind]],
     major: Literal["columns", "rows"],
     y: Span,
     z: Span,
-    weights: dict[str, float],
+    weights: dict[CellKind, float],
     hinge: int,
     column_weights: list[float] | None = None,
 ) -> list[Cell]:

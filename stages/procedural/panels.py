@@ -1,7 +1,8 @@
 """Front panels of doors, flaps and drawers in several styles, with their handles."""
 
-from typing import Any, NamedTuple
+from typing import Literal, NamedTuple
 
+from stages.procedural.cabinet_recipe import CabinetRecipe
 from stages.procedural.handles import handle_parts
 from stages.procedural.model import GLASS, METAL, PLASTIC, WOOD, Colour, Part, part
 from stages.procedural.shapes import box, rod
@@ -57,39 +58,40 @@ def panel_parts(front: Front, style: str, colour: Colour, second: Colour, densit
     return [core, *[part(mesh, colour, density) for mesh in planks]]
 
 
-def pulled_panel(front: Front, p: dict[str, Any], kind: str, free_side: float, glass: bool = False) -> list[Part]:
-    """A panel with its handle: `p` holds panel, handle, handle_length, handle_at and the colours.
+def pulled_panel(front: Front, p: CabinetRecipe, kind: str, free_side: float, glass: bool = False) -> list[Part]:
+    """A panel with its handle.
 
     Args:
         kind: door, drawer or flap; says where the handle sits.
         free_side: for a door, +1 if its free edge is at high y, -1 if at low y.
     """
-    style = "glass" if glass else p["panel"]
-    handle = p["handle"]
+    style = "glass" if glass else p.panel
+    handle = p.handle
     if handle == "recessed":
-        return recessed_panel(front, kind, free_side, p["front_colour"], p.get("density", WOOD))
-    parts = panel_parts(front, style, p["front_colour"], p["field_colour"], p.get("density", WOOD))
+        return recessed_panel(front, kind, free_side, p.front_colour, p.density)
+    parts = panel_parts(front, style, p.front_colour, p.field_colour, p.density)
     if handle == "none":
         return parts
     y_mid, z_mid = (front.y[0] + front.y[1]) / 2, (front.z[0] + front.z[1]) / 2
-    inset = min(p["handle_inset"], 0.25 * front.width)
+    along: Literal["y", "z"] = "z" if kind == "door" else "y"
+    inset = min(p.handle_inset, 0.25 * front.width)
     if kind == "door":
-        length = min(p["handle_length"] * front.height, 0.6 * front.height)
+        length = min(p.handle_length * front.height, 0.6 * front.height)
         y = front.y[1] - inset if free_side > 0 else front.y[0] + inset
         reach = (front.height - (0.04 if handle == "knob" else length)) / 2 - min(0.03, 0.1 * front.height)
-        at, along = (front.x, y, z_mid + p["handle_at"] * max(reach, 0.0)), "z"
+        at = (front.x, y, z_mid + p.handle_at * max(reach, 0.0))
     else:
-        length = min(p["handle_length"] * front.width, 0.7 * front.width)
+        length = min(p.handle_length * front.width, 0.7 * front.width)
         z = z_mid if kind == "drawer" else front.z[1] - min(0.04, 0.2 * front.height)
-        at, along = (front.x, y_mid, z), "y"
+        at = (front.x, y_mid, z)
     if kind == "drawer" and style in ("frame", "glass", "planks"):
         parts.append(
             part(
                 box((front.x - RELIEF, front.x), (at[1] - 0.012, at[1] + 0.012), (at[2] - 0.012, at[2] + 0.012)),
-                p["front_colour"],
+                p.front_colour,
             )
         )
-    pulls = handle_parts(handle, at, along, length, p["protrusion"], p["handle_colour"])  # type: ignore[arg-type]
+    pulls = handle_parts(handle, at, along, length, p.protrusion, p.handle_colour)
     return parts + pulls
 
 
@@ -117,13 +119,13 @@ def recessed_panel(front: Front, kind: str, free_side: float, colour: Colour, de
     return [*[part(mesh, colour, density) for mesh in around], inset]
 
 
-def control_panel(front: Front, p: dict[str, Any]) -> list[Part]:
+def control_panel(front: Front, p: CabinetRecipe) -> list[Part]:
     """A fixed strip with a display and round buttons: ovens, microwaves, dishwashers."""
     x0, x1 = front.x - front.thickness, front.x
-    parts = [part(box((x0, x1), front.y, front.z), p["panel_colour"], PLASTIC)]
+    parts = [part(box((x0, x1), front.y, front.z), p.panel_colour, PLASTIC)]
     upright = front.height > front.width
     y_mid, z_mid = (front.y[0] + front.y[1]) / 2, (front.z[0] + front.z[1]) / 2
-    count = int(p.get("buttons", 3))
+    count = p.buttons
     short = min(front.width, front.height)
     radius, out = 0.24 * short, min(0.02, 0.3 * short)
     if upright:
@@ -143,7 +145,7 @@ def control_panel(front: Front, p: dict[str, Any]) -> list[Part]:
         spots = [(y_mid + s * front.width, z_mid) for s in side]
     parts.append(part(display, DARK, PLASTIC, solid=False))
     parts += [
-        part(rod((x1, y, z), (x1 + out, y, z), min(radius, 0.022)), p["handle_colour"], METAL, smooth=True, solid=False)
+        part(rod((x1, y, z), (x1 + out, y, z), min(radius, 0.022)), p.handle_colour, METAL, smooth=True, solid=False)
         for y, z in spots
     ]
     return parts

@@ -1,6 +1,7 @@
 """Procedural models: exact sizes, right joints, graspable handles, same bytes for the same seed."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from stages.config.assets import COUNTS
 from stages.contracts.errors import InputError
 from stages.contracts.library import Recipe
 from stages.procedural import build, generate
+from stages.procedural.cabinet_recipe import CabinetRecipe
 from stages.procedural.catalogue import CATEGORIES, sample
 from stages.procedural.layout import cells
 from stages.procedural.model import bounds
@@ -154,6 +156,51 @@ def test_bad_recipes_are_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="not positive"):
         build(sample("mug", 0, 0), (0.1, 0.0, 0.1), tmp_path / "mug", "mug", "mug")
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("category", "changes", "complaint"),
+    [
+        ("bottom_cabinet", {"handel": "bar"}, "recipe of a cabinet: parameter handel: Extra inputs"),
+        ("bottom_cabinet", {"handle": "lever"}, "parameter handle: Input should be 'bar'"),
+        ("bottom_cabinet", {"layout": [["door", "window"]]}, "parameter layout.0.1: "),
+        ("bottom_cabinet", {"layout": []}, "parameter layout: "),
+        ("bottom_cabinet", {"board": -0.02}, "parameter board: "),
+        ("bottom_cabinet", {"board": float("inf")}, "parameter board: "),
+        ("bottom_cabinet", {"reach": float("nan")}, "parameter reach: "),
+        ("bottom_cabinet", {"hinge": 0}, "parameter hinge: "),
+        ("bottom_cabinet", {"shelves": 10**9}, "parameter shelves: "),
+        ("bottom_cabinet", {"buttons": 0}, "parameter buttons: "),
+        ("bottom_cabinet", {"front_colour": [0.1, 0.2]}, "parameter front_colour: "),
+        ("bottom_cabinet", {"front_colour": [128.0, 0.2, 0.1]}, "parameter front_colour.0: "),
+        ("bottom_cabinet", {"column_weights": [1.0, 1.0, 1.0, 1.0, 1.0, 1.0]}, "its parameters make no model"),
+        ("bottom_cabinet", {"protrusion": None}, "parameter protrusion: Field required"),
+        ("bottom_cabinet", {"size": None}, "size None is not three numbers"),
+        ("bottom_cabinet", {"size": [0.5, 0.5]}, "is not three numbers"),
+        ("bottom_cabinet", {"size": [0.5, 0.5, float("nan")]}, "is not positive"),
+        ("bottom_cabinet", {"size": [0.5, 0.5, 1e30]}, "larger than 100 m"),
+        ("mug", {"colour": None}, "recipe of a mug: parameter 'colour' is missing"),
+        ("chair", {"seat": "high"}, "recipe of a chair: its parameters make no model"),
+    ],
+)
+def test_a_wrong_parameter_is_one_clear_line(
+    category: str, changes: dict[str, Any], complaint: str, tmp_path: Path
+) -> None:
+    recipe = sample(category, 0, 0)
+    parameters = {key: value for key, value in (recipe.parameters | changes).items() if value is not None}
+    broken = recipe.model_copy(update={"parameters": parameters})
+    with pytest.raises(InputError, match=complaint) as caught:
+        build(broken, None, tmp_path / "made", "made", category)
+    assert "\n" not in str(caught.value)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_cabinets_record_what_they_were_given() -> None:
+    recipe = sample("microwave", 0, 0)
+    given = {key: value for key, value in recipe.parameters.items() if key != "size"}
+    assert CabinetRecipe.model_validate(given).parameters() == given
+    assert "density" not in given and "column_weights" in given
+    assert CabinetRecipe.model_validate(given).changed(shelves=2).shelves == 2
 
 
 def test_opened_frames_follow_the_contract(tmp_path: Path) -> None:
