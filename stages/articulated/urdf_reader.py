@@ -52,10 +52,17 @@ class UrdfReader:
     def link(self, name: str) -> Link:
         """A link with what collides and its mass."""
         element, where = self.tree.links[name], f"link '{name}'"
-        solids = [visual.mesh for visual in self._shapes(element.findall("collision"), where, looks=False)]
-        visuals = self._visuals(element, where) or [Visual(mesh.copy()) for mesh in solids]
-        meshes = solids or [visual.mesh for visual in visuals]
-        pieces = [hull for mesh in meshes for hull in convex_pieces(mesh)]
+        visuals, collisions = self._visuals(element, where), element.findall("collision")
+        shapes = [self._shape(collision, where, looks=False) for collision in collisions]
+        visuals = visuals or [visual.moved(np.eye(4)) for shape in shapes for visual in shape]
+        pieces = [
+            piece
+            for collision, shape in zip(collisions, shapes, strict=True)
+            for visual in shape
+            for piece in ([visual.mesh] if _is_primitive(collision) else convex_pieces(visual.mesh))
+        ]
+        if not collisions:
+            pieces = [piece for visual in visuals for piece in convex_pieces(visual.mesh)]
         mass, center, inertia = self._inertial(element.find("inertial"), pieces, where)
         return Link(name, visuals, pieces, mass, center, inertia)
 
@@ -77,7 +84,9 @@ class UrdfReader:
         if kind is None:
             raise InputError(self.path, f"{where}: has no <geometry>.")
         pose = self.tree.origin(element, where)
-        meshes = [moved(mesh, pose) for mesh in self._geometry(kind, where)]
+        meshes = self._geometry(kind, where)
+        if (pose != np.eye(4)).any():
+            meshes = [moved(mesh, pose) for mesh in meshes]
         colour = self._colour(element, where) if looks else None
         return [Visual(mesh, None if kind.tag == "mesh" and has_texture(mesh) else colour) for mesh in meshes]
 
@@ -87,6 +96,8 @@ class UrdfReader:
             if (scale == 0).any():
                 raise InputError(self.path, f'{where}: scale="{kind.get("scale")}" flattens the mesh.')
             meshes = load_meshes(self._mesh_file(kind.get("filename", ""), where))
+            if (scale == 1).all():
+                return meshes
             return [moved(mesh, np.diag([*scale, 1.0])) for mesh in meshes]
         if kind.tag == "box":
             return [trimesh.creation.box(self.tree.positive(kind, "size", 3, where))]
@@ -157,6 +168,11 @@ class UrdfReader:
         except (OSError, RuntimeError, ValueError):  # names that are too long, links in a circle
             pass
         raise InputError(self.path, f"{where}: there is no mesh '{name[:200]}' in {self.folder.name}/.")
+
+
+def _is_primitive(shape: ET.Element) -> bool:
+    """Whether a <visual> or <collision> is a box, sphere, cylinder or capsule: convex as it is."""
+    return shape.find("geometry/mesh") is None
 
 
 def _box_around(pieces: list[Trimesh]) -> tuple[Matrix, Matrix]:
