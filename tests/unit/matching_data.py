@@ -14,6 +14,7 @@ from stages.contracts.library import LibraryEntry
 from stages.contracts.objects import Box, Mounting, SceneObject
 from stages.geometry.cameras import intrinsics_from_fov, look_at
 from stages.geometry.frames import yaw_matrix
+from stages.matching.crop import View
 from stages.matching.features import run as features
 from stages.matching.match import run as match
 
@@ -167,3 +168,13 @@ class World:
             options=json.dumps(options),
         )
         return read_json(Cousins, out)
+
+
+def view_of_box(
+    yaw: float, elevation: float = 0.3, distance: float = 3.0, offset: float = 0.0, side: int = 128
+) -> View:
+    intrinsics = intrinsics_from_fov(side, side, 0.8)
+    eye = distance * np.array([np.cos(elevation), 0, np.sin(elevation)])
+    pose = look_at(eye, [0, offset * distance, 0])
+    rgb, depth = trace_box((0.6, 1.0, 0.8), yaw, (2, 1), pose, intrinsics, side, side)
+    return View(rgb, depth > 0, depth, intrinsics, pose[:3, :3].T @ np.array([0.0, 0.0, 1.0]))

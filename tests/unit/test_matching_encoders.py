@@ -1,34 +1,21 @@
-"""Matching: patch encoders (hog, dinov2 through a tiny random model) and what they make of masks and depth."""
+"""Matching: the patch encoder hog, and what it makes of masks and depth."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
-import pytest
 
 from stages.config.matching import MatchingConfig
-from stages.contracts import InputError
-from stages.geometry.cameras import back_project, intrinsics_from_fov, look_at
+from stages.geometry.cameras import back_project, look_at
 from stages.geometry.frames import yaw_matrix
 from stages.geometry.masks import pixel_bounds
-from stages.matching.crop import View, cut, foreground
+from stages.matching.crop import cut, foreground
 from stages.matching.encoders import make_encoder, settings_digest
 from stages.matching.encoders.hog import GRADIENT_COLUMNS
 from stages.matching.normals import object_frame, patch_normals
 from stages.matching.ranking import make_query
-from tests.unit.matching_data import trace_box
+from tests.unit.matching_data import view_of_box
 
 HOG = MatchingConfig()
-
-
-def view_of_box(
-    yaw: float, elevation: float = 0.3, distance: float = 3.0, offset: float = 0.0, side: int = 128
-) -> View:
-    intrinsics = intrinsics_from_fov(side, side, 0.8)
-    eye = distance * np.array([np.cos(elevation), 0, np.sin(elevation)])
-    pose = look_at(eye, [0, offset * distance, 0])
-    rgb, depth = trace_box((0.6, 1.0, 0.8), yaw, (2, 1), pose, intrinsics, side, side)
-    return View(rgb, depth > 0, depth, intrinsics, pose[:3, :3].T @ np.array([0.0, 0.0, 1.0]))
 
 
 def test_only_foreground_patches_are_encoded() -> None:
@@ -136,59 +123,3 @@ def test_back_projection_agrees_with_the_ray_tracer() -> None:
     pose = look_at(3 * np.array([np.cos(0.3), 0, np.sin(0.3)]), [0, 0, 0])
     world = (points @ pose[:3, :3].T + pose[:3, 3]) @ yaw_matrix(0.3)
     assert np.abs(np.abs(world) / [0.3, 0.5, 0.4]).max() < 1.001
-
-
-@pytest.fixture(scope="module")
-def tiny_dinov2(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    import torch
-    from transformers import Dinov2Config, Dinov2Model
-
-    torch.manual_seed(0)
-    config = Dinov2Config(hidden_size=16, num_hidden_layers=2, num_attention_heads=2, patch_size=14, image_size=56)
-    folder = tmp_path_factory.mktemp("dinov2")
-    Dinov2Model(config).save_pretrained(folder)
-    return folder
-
-
-def dinov2(**keys: object) -> MatchingConfig:
-    return MatchingConfig.model_validate({"encoder": "dinov2", "dinov2": {"height": 56, "width": 84} | keys})
-
-
-def test_dinov2_encodes_patches_of_saved_weights(tiny_dinov2: Path) -> None:
-    encoder = make_encoder(dinov2(path=str(tiny_dinov2), batch=2))
-    views = [view_of_box(0.1), view_of_box(0.9), view_of_box(2.0)]
-    patches = encoder.encode(views)
-    assert all(item.features.shape == (len(item.positions), 16) for item in patches)
-    assert 0 < len(patches[0].features) <= 4 * 6
-    again = make_encoder(dinov2(path=str(tiny_dinov2), batch=3)).encode(views)
-    for one, other in zip(patches, again, strict=True):
-        np.testing.assert_allclose(one.features, other.features, atol=1e-5)
-    query = make_query(views[0], encoder)
-    assert query is not None and query.patches.shape[1] == 16  # position has weight 0: left out
-    empty = encoder.encode([replace(views[0], mask=np.zeros_like(views[0].mask))])[0]
-    assert empty.rows.shape == (0, 18)
-
-
-def test_dinov2_checks_its_weights(tiny_dinov2: Path, tmp_path: Path) -> None:
-    import hashlib
-
-    from safetensors.torch import load_file, save_file
-
-    digest = hashlib.sha256((tiny_dinov2 / "model.safetensors").read_bytes()).hexdigest()
-    make_encoder(dinov2(path=str(tiny_dinov2), sha256=digest))
-    for keys, message in (
-        ({"path": str(tiny_dinov2), "sha256": "0" * 64}, digest),
-        ({"path": ""}, "config.json and model.safetensors"),
-        ({"path": str(tmp_path / "nowhere")}, "no such file"),
-        ({"path": str(tiny_dinov2), "height": 60}, "no multiple of 14"),
-    ):
-        with pytest.raises(InputError, match=message):
-            make_encoder(dinov2(**keys))
-    (tmp_path / "config.json").write_text((tiny_dinov2 / "config.json").read_text())
-    (tmp_path / "model.safetensors").write_bytes(b"broken")
-    with pytest.raises(InputError, match="does not load"):
-        make_encoder(dinov2(path=str(tmp_path)))
-    weights = load_file(tiny_dinov2 / "model.safetensors")
-    save_file({name: weights[name] for name in sorted(weights)[3:]}, tmp_path / "model.safetensors", {"format": "pt"})
-    with pytest.raises(InputError, match="lacks 3 weights"):
-        make_encoder(dinov2(path=str(tmp_path)))

@@ -1,13 +1,9 @@
-"""Matching: nearest categories by words and by CLIP, and which assets an object is compared with."""
+"""Matching: nearest categories by words, and which assets an object is compared with."""
 
-import json
-from pathlib import Path
-
-import numpy as np
 import pytest
 
-from stages.config.matching import MatchingConfig, PretrainedConfig
-from stages.contracts import InputError, Library
+from stages.config.matching import MatchingConfig
+from stages.contracts import Library
 from stages.contracts.library import LibraryEntry
 from stages.contracts.objects import SceneObject
 from stages.matching.candidates import Candidates, find_candidates
@@ -127,40 +123,3 @@ def test_unknown_label_searches_everything_and_says_so() -> None:
     result = found({"label": "xyzzy"})
     assert len(result.assets) == len(LIBRARY.assets) and result.categories == []
     assert result.note == "label 'xyzzy' resembles no category, so all were searched"
-
-
-@pytest.fixture(scope="module")
-def tiny_clip(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    import torch
-    from transformers import CLIPTextConfig, CLIPTextModelWithProjection
-
-    folder = tmp_path_factory.mktemp("clip")
-    letters = "abcdefghijklmnopqrstuvwxyz"
-    tokens = [*letters, *(letter + "</w>" for letter in letters), "<|startoftext|>", "<|endoftext|>"]
-    (folder / "vocab.json").write_text(json.dumps({token: number for number, token in enumerate(tokens)}))
-    (folder / "merges.txt").write_text("#version: 0.2\n")
-    torch.manual_seed(0)
-    sizes = {"hidden_size": 16, "intermediate_size": 32, "projection_dim": 8, "num_hidden_layers": 2}
-    config = CLIPTextConfig(
-        vocab_size=len(tokens), num_attention_heads=2, bos_token_id=52, eos_token_id=53, pad_token_id=53, **sizes
-    )
-    CLIPTextModelWithProjection(config).save_pretrained(folder)
-    return folder
-
-
-def test_clip_compares_label_and_categories(tiny_clip: Path) -> None:
-    options = MatchingConfig(text_encoder="clip", clip=PretrainedConfig(path=str(tiny_clip)))
-    text = make_text_encoder(options)
-    result = nearest_categories("coffee table", CATEGORIES, 3, text)
-    assert result[0] == ("coffee_table", 0.0) and 0 < result[1][1] <= 2
-    forward, backward = text.distance("mug", CATEGORIES), text.distance("mug", CATEGORIES[::-1])
-    np.testing.assert_allclose(forward, backward[::-1], atol=1e-6)
-
-
-def test_clip_without_weights_or_tokenizer_says_what_to_do(tiny_clip: Path, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"matching\.clip\.path: is empty"):
-        make_text_encoder(MatchingConfig(text_encoder="clip"))
-    for name in ("config.json", "model.safetensors"):
-        (tmp_path / name).write_bytes((tiny_clip / name).read_bytes())
-    with pytest.raises(InputError, match="has no tokenizer"):
-        make_text_encoder(MatchingConfig(text_encoder="clip", clip=PretrainedConfig(path=str(tmp_path))))

@@ -1,0 +1,109 @@
+"""Matching by pretrained networks, here tiny random ones: patch encoder dinov2, text encoder clip."""
+
+import hashlib
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stages.config.matching import MatchingConfig, PretrainedConfig
+from stages.contracts import InputError
+from stages.matching.encoders import make_encoder
+from stages.matching.ranking import make_query
+from stages.matching.text_encoders import make_text_encoder, nearest_categories
+from tests.unit.matching_data import view_of_box
+
+CATEGORIES = ["bottom_cabinet", "coffee_table", "mug", "table", "table_lamp", "television"]
+
+
+@pytest.fixture(scope="module")
+def tiny_dinov2(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    import torch
+    from transformers import Dinov2Config, Dinov2Model
+
+    torch.manual_seed(0)
+    config = Dinov2Config(hidden_size=16, num_hidden_layers=2, num_attention_heads=2, patch_size=14, image_size=56)
+    folder = tmp_path_factory.mktemp("dinov2")
+    Dinov2Model(config).save_pretrained(folder)
+    return folder
+
+
+def dinov2(**keys: object) -> MatchingConfig:
+    return MatchingConfig.model_validate({"encoder": "dinov2", "dinov2": {"height": 56, "width": 84} | keys})
+
+
+def test_dinov2_encodes_patches_of_saved_weights(tiny_dinov2: Path) -> None:
+    encoder = make_encoder(dinov2(path=str(tiny_dinov2), batch=2))
+    views = [view_of_box(0.1), view_of_box(0.9), view_of_box(2.0)]
+    patches = encoder.encode(views)
+    assert all(item.features.shape == (len(item.positions), 16) for item in patches)
+    assert 0 < len(patches[0].features) <= 4 * 6
+    again = make_encoder(dinov2(path=str(tiny_dinov2), batch=3)).encode(views)
+    for one, other in zip(patches, again, strict=True):
+        np.testing.assert_allclose(one.features, other.features, atol=1e-5)
+    query = make_query(views[0], encoder)
+    assert query is not None and query.patches.shape[1] == 16  # position has weight 0: left out
+    empty = encoder.encode([replace(views[0], mask=np.zeros_like(views[0].mask))])[0]
+    assert empty.rows.shape == (0, 18)
+
+
+def test_dinov2_checks_its_weights(tiny_dinov2: Path, tmp_path: Path) -> None:
+    from safetensors.torch import load_file, save_file
+
+    digest = hashlib.sha256((tiny_dinov2 / "model.safetensors").read_bytes()).hexdigest()
+    make_encoder(dinov2(path=str(tiny_dinov2), sha256=digest))
+    for keys, message in (
+        ({"path": str(tiny_dinov2), "sha256": "0" * 64}, digest),
+        ({"path": ""}, "config.json and model.safetensors"),
+        ({"path": str(tmp_path / "nowhere")}, "no such file"),
+        ({"path": str(tiny_dinov2), "height": 60}, "no multiple of 14"),
+    ):
+        with pytest.raises(InputError, match=message):
+            make_encoder(dinov2(**keys))
+    (tmp_path / "config.json").write_text((tiny_dinov2 / "config.json").read_text())
+    (tmp_path / "model.safetensors").write_bytes(b"broken")
+    with pytest.raises(InputError, match="does not load"):
+        make_encoder(dinov2(path=str(tmp_path)))
+    weights = load_file(tiny_dinov2 / "model.safetensors")
+    save_file({name: weights[name] for name in sorted(weights)[3:]}, tmp_path / "model.safetensors", {"format": "pt"})
+    with pytest.raises(InputError, match="lacks 3 weights"):
+        make_encoder(dinov2(path=str(tmp_path)))
+
+
+@pytest.fixture(scope="module")
+def tiny_clip(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    import torch
+    from transformers import CLIPTextConfig, CLIPTextModelWithProjection
+
+    folder = tmp_path_factory.mktemp("clip")
+    letters = "abcdefghijklmnopqrstuvwxyz"
+    tokens = [*letters, *(letter + "</w>" for letter in letters), "<|startoftext|>", "<|endoftext|>"]
+    (folder / "vocab.json").write_text(json.dumps({token: number for number, token in enumerate(tokens)}))
+    (folder / "merges.txt").write_text("#version: 0.2\n")
+    torch.manual_seed(0)
+    sizes = {"hidden_size": 16, "intermediate_size": 32, "projection_dim": 8, "num_hidden_layers": 2}
+    config = CLIPTextConfig(
+        vocab_size=len(tokens), num_attention_heads=2, bos_token_id=52, eos_token_id=53, pad_token_id=53, **sizes
+    )
+    CLIPTextModelWithProjection(config).save_pretrained(folder)
+    return folder
+
+
+def test_clip_compares_label_and_categories(tiny_clip: Path) -> None:
+    options = MatchingConfig(text_encoder="clip", clip=PretrainedConfig(path=str(tiny_clip)))
+    text = make_text_encoder(options)
+    result = nearest_categories("coffee table", CATEGORIES, 3, text)
+    assert result[0] == ("coffee_table", 0.0) and 0 < result[1][1] <= 2
+    forward, backward = text.distance("mug", CATEGORIES), text.distance("mug", CATEGORIES[::-1])
+    np.testing.assert_allclose(forward, backward[::-1], atol=1e-6)
+
+
+def test_clip_without_weights_or_tokenizer_says_what_to_do(tiny_clip: Path, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"matching\.clip\.path: is empty"):
+        make_text_encoder(MatchingConfig(text_encoder="clip"))
+    for name in ("config.json", "model.safetensors"):
+        (tmp_path / name).write_bytes((tiny_clip / name).read_bytes())
+    with pytest.raises(InputError, match="has no tokenizer"):
+        make_text_encoder(MatchingConfig(text_encoder="clip", clip=PretrainedConfig(path=str(tmp_path))))
