@@ -1,9 +1,11 @@
 """Contracts of the policy part: the experiment's assets, the attempt ledger, the rollout rows."""
 
+from pathlib import Path
 from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
+from stages.contracts.errors import InputError
 from stages.contracts.files import Contract, Document
 from stages.contracts.types import Count, Extent, Finite, Id, NonNegative, Rank, Seed, Size, Text, check_unique
 
@@ -43,6 +45,17 @@ class TaskAssets(Document):
         if distances != sorted(distances):
             raise ValueError("assets: cousins are not in the order of their distance")
         return self
+
+    def playing(self, role: str, where: Path) -> TaskAsset:
+        """The asset of a role.
+
+        Raises:
+            InputError: there is none in the file `where`; the message names the roles there are.
+        """
+        for asset in self.assets:
+            if asset.role == role:
+                return asset
+        raise InputError(where, f"has no role '{role}' (it has {', '.join(asset.role for asset in self.assets)}).")
 
 
 class Attempt(Contract):

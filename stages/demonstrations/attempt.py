@@ -7,7 +7,7 @@ import numpy as np
 
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.demonstrations.film import Image, strip
-from stages.demonstrations.store import Episode
+from stages.demonstrations.store import RecordedEpisode
 from stages.plugins import load
 from stages.skills import Float, Outcome, SkillProtocol
 from stages.tasks.api import TaskEnv
@@ -24,9 +24,9 @@ class Recorder:
         self.skills: list[SkillProtocol] = [load("skills", name)(task, options) for name in task.task.skills]
         self._started = self._reported = time.monotonic()
 
-    def attempt(self, seed: int) -> tuple[Episode, Outcome]:
+    def attempt(self, seed: int) -> tuple[RecordedEpisode, Outcome]:
         """Run the skills from the initial state of `seed`."""
-        task, episode, pictures = self.task, Episode(seed), []
+        task, episode, pictures = self.task, RecordedEpisode(seed), []
         task.place(seed)
         filming = len(self.strips) < self.film
         rng = np.random.default_rng((seed, 1))

@@ -9,10 +9,10 @@ import numpy as np
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.config.task import TaskConfig
 from stages.contracts import InputError, Library, TaskAssets, read_json, read_options, write_text
-from stages.contracts.policies import Attempt, TaskAsset
+from stages.contracts.policies import Attempt
 from stages.demonstrations.attempt import Recorder
 from stages.demonstrations.film import write_film
-from stages.demonstrations.store import Episode, StoreHeader, write_episodes
+from stages.demonstrations.store import RecordedEpisode, StoreHeader, write_episodes
 from stages.tasks.api import make_task
 
 FAILED_LEDGER = "attempts.failed.jsonl"  # not an output of the rule: Snakemake deletes those of a failed job
@@ -46,11 +46,11 @@ def run(
     settings = read_options(DemonstrationsConfig, options)
     world = read_options(TaskConfig, task_options)
     plan = read_json(TaskAssets, assets)
-    chosen = find_role(plan, role, assets)
+    chosen = plan.playing(role, assets)
     folder = asset_folder(read_json(Library, library), chosen.asset, library)
     task = make_task(plan.task, folder, chosen.joint, chosen.size, world)
     recorder = Recorder(task, settings, film=settings.film_episodes)
-    kept: list[Episode] = []
+    kept: list[RecordedEpisode] = []
     ledger: list[Attempt] = []
     allowed = int(np.ceil(episodes * settings.max_attempts_factor))
     for attempt_seed in attempt_seeds(seed, role, allowed):
@@ -87,14 +87,6 @@ def run(
     write_text(out.parent / "attempts.jsonl", lines)
     write_film(out.parent / "film.png", recorder.strips)
     write_episodes(out, StoreHeader(plan.task, task.task.gym_id, chosen.asset, chosen.joint, chosen.size, world), kept)
-
-
-def find_role(plan: TaskAssets, role: str, where: Path) -> TaskAsset:
-    """The asset that plays `role`, or an `InputError` that names the roles there are."""
-    for asset in plan.assets:
-        if asset.role == role:
-            return asset
-    raise InputError(where, f"has no role {role!r}.", f"it has {', '.join(asset.role for asset in plan.assets)}")
 
 
 def asset_folder(library: Library, asset: str, where: Path) -> Path:

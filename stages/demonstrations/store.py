@@ -17,7 +17,7 @@ Float = NDArray[np.float32]
 
 
 @dataclass
-class Episode:
+class RecordedEpisode:
     """What is recorded of one attempt: observations before each action, clean actions, how far the joint was open."""
 
     seed: int
@@ -46,7 +46,7 @@ class StoreHeader:
     options: TaskConfig
 
 
-def write_episodes(path: Path, header: StoreHeader, episodes: Sequence[Episode]) -> None:
+def write_episodes(path: Path, header: StoreHeader, episodes: Sequence[RecordedEpisode]) -> None:
     """Write a store atomically; the same episodes give the same bytes.
 
     Layout: `data/demo_i/{obs/point_cloud (T, P, 4) float16, obs/proprio (T, 9) float32, actions (T, 7) float32,

@@ -15,7 +15,7 @@ FILMED = 6  # episodes per asset that are filmed: mostly enough for a success an
 
 
 @dataclass
-class Episode:
+class RolloutEpisode:
     """One rollout. `opened`: fraction of the joint's range at the end; `pictures`: empty if it was not filmed."""
 
     seed: int
@@ -25,14 +25,14 @@ class Episode:
     pictures: list[Image] = field(default_factory=list)
 
 
-def roll_out(tasks: Sequence[TaskEnv], actor: Actor, seeds: Sequence[int], film_every: int) -> list[Episode]:
+def roll_out(tasks: Sequence[TaskEnv], actor: Actor, seeds: Sequence[int], film_every: int) -> list[RolloutEpisode]:
     """One episode per seed, in their order; an episode ends at success or after `max_steps`.
 
     `film_every`: steps between pictures of the first `FILMED` episodes, 0 for none.
     """
-    episodes = [Episode(seed) for seed in seeds]
+    episodes = [RolloutEpisode(seed) for seed in seeds]
     waiting = list(enumerate(episodes))
-    running: dict[int, tuple[Episode, bool]] = {}  # slot -> its episode, and whether it is filmed
+    running: dict[int, tuple[RolloutEpisode, bool]] = {}  # slot -> its episode, and whether it is filmed
     observations: dict[int, Observation] = {}
 
     def start(slot: int) -> None:

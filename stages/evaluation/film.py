@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.evaluation.episodes import Episode
+from stages.evaluation.episodes import RolloutEpisode
 
 Image = NDArray[np.uint8]
 
@@ -14,7 +14,7 @@ FRAMES, SIZE = 8, 160
 GOOD, BAD = (30, 140, 60), (190, 40, 40)
 
 
-def pick(episodes: Sequence[Episode]) -> list[Episode]:
+def pick(episodes: Sequence[RolloutEpisode]) -> list[RolloutEpisode]:
     """The first filmed success and the first filmed failure, as far as there are any."""
     filmed = [episode for episode in episodes if episode.pictures]
     return [
@@ -24,7 +24,7 @@ def pick(episodes: Sequence[Episode]) -> list[Episode]:
     ]
 
 
-def strip(episode: Episode, title: str) -> Image:
+def strip(episode: RolloutEpisode, title: str) -> Image:
     """(SIZE + 24, FRAMES * SIZE, 3): pictures evenly over the episode below a line of text, green for success."""
     index = np.linspace(0, len(episode.pictures) - 1, FRAMES).round().astype(int)
     row = np.concatenate([cv2.resize(episode.pictures[i], (SIZE, SIZE)) for i in index], axis=1)
@@ -35,6 +35,6 @@ def strip(episode: Episode, title: str) -> Image:
     return np.concatenate([line, row])
 
 
-def film(episodes: Sequence[Episode], title: str) -> Image:
+def film(episodes: Sequence[RolloutEpisode], title: str) -> Image:
     """Strips below each other."""
     return np.concatenate([strip(episode, title) for episode in pick(episodes)])

@@ -16,7 +16,7 @@ from stages.contracts.library import Library
 from stages.contracts.policies import Rollout, TaskAsset, TaskAssets
 from stages.contracts.policy_folder import read_config
 from stages.contracts.trained import TrainedPolicy
-from stages.evaluation.episodes import Episode, roll_out
+from stages.evaluation.episodes import RolloutEpisode, roll_out
 from stages.evaluation.film import film
 from stages.plugins import short
 from stages.policy.actor import Actor
@@ -60,10 +60,10 @@ def run(
         raise InputError(policy, f"was trained on the task '{trained.task}', {assets} is for '{plan.task}'.")
     torch.set_num_threads(1)
     arena = Arena(trained, settings, library, device)
-    tested = [find(plan, role, assets) for role in settings.test_assets]
+    tested = [plan.playing(role, assets) for role in settings.test_assets]
     checkpoint: str = settings.checkpoint
     if checkpoint == "rollouts":
-        checkpoint = arena.most_successful(policy, find(plan, "twin", assets), seed)
+        checkpoint = arena.most_successful(policy, plan.playing("twin", assets), seed)
     network = load_policy(policy, checkpoint, device)
     rows: list[Rollout] = []
     films = []
@@ -106,7 +106,7 @@ class Arena:
         entries = read_json(Library, library).assets
         self.folders = {entry.id: library.parent / entry.folder for entry in entries}
 
-    def episodes(self, network: Policy, asset: TaskAsset, states: list[int], film_every: int) -> list[Episode]:
+    def episodes(self, network: Policy, asset: TaskAsset, states: list[int], film_every: int) -> list[RolloutEpisode]:
         """One episode per initial state."""
         tasks = [self.task(asset) for _ in range(min(self.settings.envs, len(states)))]
         actor = Actor(network, self.trained.run.rnn_horizon, len(tasks), self.settings.action)
@@ -143,15 +143,6 @@ class Arena:
             scores[name] = sum(episode.success for episode in episodes)
             print(f"evaluation: {name} opens the twin {scores[name]}/{len(states)} times", file=sys.stderr)
         return max(reversed(names), key=scores.__getitem__)
-
-
-def find(plan: TaskAssets, role: str, where: Path) -> TaskAsset:
-    """The asset that plays `role`."""
-    for asset in plan.assets:
-        if asset.role == role:
-            return asset
-    roles = ", ".join(asset.role for asset in plan.assets)
-    raise InputError(where, f"has no role '{role}' (it has {roles}).", "change evaluation.test_assets")
 
 
 def write_png(path: Path, picture: np.ndarray) -> None:

@@ -21,7 +21,7 @@ Float = NDArray[np.float32]
 
 
 @dataclass(frozen=True)
-class Demonstrations:
+class DemonstrationSet:
     """Episodes end to end: clouds (F, P, 4) float16, proprio (F, 9), actions (F, 7) float32; robot frame, metres."""
 
     clouds: Tensor
@@ -45,7 +45,7 @@ class Batch:
     weights: Tensor
 
 
-def read_demonstrations(paths: Sequence[Path], per_store: int) -> Demonstrations:
+def read_demonstrations(paths: Sequence[Path], per_store: int) -> DemonstrationSet:
     """The first `per_store` episodes of every store.
 
     Raises:
@@ -65,7 +65,7 @@ def read_demonstrations(paths: Sequence[Path], per_store: int) -> Demonstrations
     digest = hashlib.sha256()
     for array in (clouds, proprio, actions):
         digest.update(np.ascontiguousarray(array).data)
-    return Demonstrations(
+    return DemonstrationSet(
         clouds=torch.from_numpy(clouds),
         proprio=torch.from_numpy(proprio),
         actions=torch.from_numpy(actions),
@@ -86,7 +86,7 @@ def read_demonstrations(paths: Sequence[Path], per_store: int) -> Demonstrations
     )
 
 
-def split_episodes(data: Demonstrations, fraction: float, seed: int) -> tuple[list[int], list[int]]:
+def split_episodes(data: DemonstrationSet, fraction: float, seed: int) -> tuple[list[int], list[int]]:
     """Episodes for training and for validation; of every store the same fraction, at least one to train on."""
     random = np.random.default_rng((seed, 11))
     validation: list[int] = []
@@ -97,7 +97,7 @@ def split_episodes(data: Demonstrations, fraction: float, seed: int) -> tuple[li
     return [i for i in range(len(data.lengths)) if i not in set(validation)], sorted(validation)
 
 
-def windows(data: Demonstrations, episodes: Sequence[int], horizon: int, stride: int) -> tuple[Indices, Mask]:
+def windows(data: DemonstrationSet, episodes: Sequence[int], horizon: int, stride: int) -> tuple[Indices, Mask]:
     """Frame indices (W, T) of the sequences that start at every `stride`-th step, and (W, T) which steps are real.
 
     Behind its end an episode is padded by its last frame, as robomimic does, but with no weight in the loss.
@@ -112,7 +112,7 @@ def windows(data: Demonstrations, episodes: Sequence[int], horizon: int, stride:
     return np.concatenate(frames), np.concatenate(real)
 
 
-def gather(data: Demonstrations, frames: Indices, real: Mask, points: int, random: torch.Generator) -> Batch:
+def gather(data: DemonstrationSet, frames: Indices, real: Mask, points: int, random: torch.Generator) -> Batch:
     """Sequences of `frames` (B, T), each seeing its own random `points` of the P points of every cloud."""
     index = torch.from_numpy(frames)
     available = data.clouds.shape[1]

@@ -14,7 +14,7 @@ from stages.config.training import TrainingRun
 from stages.policy.checkpoint import save_weights
 from stages.policy.network import Policy
 from stages.training.augment import augment
-from stages.training.dataset import Batch, Demonstrations, gather, split_episodes, windows
+from stages.training.dataset import Batch, DemonstrationSet, gather, split_episodes, windows
 from stages.training.logbook import Line
 from stages.training.state import TrainingState
 
@@ -27,7 +27,7 @@ class Setting:
     """What a training run works on."""
 
     run: TrainingRun
-    data: Demonstrations
+    data: DemonstrationSet
     seed: int
     device: str
     work: Path

@@ -16,7 +16,7 @@ from stages.contracts.files import read_options, write_json, write_text
 from stages.contracts.trained import TrainedPolicy
 from stages.policy.checkpoint import FILES, save_weights
 from stages.policy.network import Policy
-from stages.training.dataset import Demonstrations, read_demonstrations, split_episodes
+from stages.training.dataset import DemonstrationSet, read_demonstrations, split_episodes
 from stages.training.logbook import Logbook
 from stages.training.loop import Setting, optimise
 from stages.training.state import TrainingState
@@ -105,7 +105,7 @@ def run(
         setting.work.rmdir()
 
 
-def fit_normaliser(policy: Policy, data: Demonstrations, episodes: list[int]) -> None:
+def fit_normaliser(policy: Policy, data: DemonstrationSet, episodes: list[int]) -> None:
     """Mean and spread of proprioception, and of the clouds where `standardise` asks for it, over training episodes."""
     ends = torch.tensor(data.lengths).cumsum(0)
     used = torch.cat([torch.arange(int(ends[i]) - data.lengths[i], int(ends[i])) for i in episodes])
@@ -120,7 +120,7 @@ def fit_normaliser(policy: Policy, data: Demonstrations, episodes: list[int]) ->
         policy.pointnet.standardise(policy.normalised(data.clouds[some].float(), data.proprio[some]))
 
 
-def fingerprint(data: Demonstrations, run: TrainingRun, seed: int) -> str:
+def fingerprint(data: DemonstrationSet, run: TrainingRun, seed: int) -> str:
     """What must be equal for an interrupted run to go on: data, options, seed and code."""
     text = json.dumps([data.digest, run.model_dump(mode="json"), seed, code_digest(__name__)], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()

@@ -13,7 +13,7 @@ from stages.contracts.kinds import KINDS
 from stages.contracts.library import Library
 from stages.contracts.policies import TaskAsset, TaskAssets
 from stages.evaluation import rollout
-from stages.evaluation.episodes import FILMED, Episode, roll_out
+from stages.evaluation.episodes import FILMED, RolloutEpisode, roll_out
 from stages.evaluation.film import film, pick
 from stages.policy.checkpoint import save_weights
 from stages.tasks.api import Observation, StepResult
@@ -83,7 +83,7 @@ def test_every_state_once_in_order_and_stopped_at_success() -> None:
 
 def test_film_shows_a_success_and_a_failure() -> None:
     pictures = [np.zeros((32, 32, 3), np.uint8)] * 3
-    episodes = [Episode(i, success=i in (2, 3), pictures=pictures if i < 5 else []) for i in range(6)]
+    episodes = [RolloutEpisode(i, success=i in (2, 3), pictures=pictures if i < 5 else []) for i in range(6)]
     assert [episode.seed for episode in pick(episodes)] == [2, 0]
     assert film(episodes, "twin").shape[0] == 2 * film(episodes[:1], "twin").shape[0]
 
@@ -156,7 +156,7 @@ def test_checkpoint_chosen_by_rollouts_on_other_states(folder: Path, tmp_path: P
         tried.append((asset.role, states[0]))
         good = len(tried) == 1  # the first checkpoint wins
         if len(tried) <= 2:
-            return [Episode(state, success=good) for state in states]
+            return [RolloutEpisode(state, success=good) for state in states]
         return original(arena, network, asset, states, film_every)  # type: ignore[arg-type]
 
     monkeypatch.setattr(rollout.Arena, "episodes", count)
@@ -174,7 +174,7 @@ def test_of_equally_good_checkpoints_the_later_one(
 
     def alike(arena: rollout.Arena, network: object, asset: TaskAsset, states: list[int], film_every: int) -> object:
         if len(states) == 3:  # those of the selection
-            return [Episode(state, success=state % 2 == 0) for state in states]
+            return [RolloutEpisode(state, success=state % 2 == 0) for state in states]
         return original(arena, network, asset, states, film_every)  # type: ignore[arg-type]
 
     monkeypatch.setattr(rollout.Arena, "episodes", alike)
