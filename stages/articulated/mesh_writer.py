@@ -27,9 +27,10 @@ def shaded(visual: Visual) -> Trimesh:
     """The mesh with vertices split where edges are to look sharp."""
     if not visual.flat:
         return trimesh.graph.smooth_shade(visual.mesh, angle=SHARP)
-    mesh = visual.mesh.copy()
-    mesh.unmerge_vertices()
-    return mesh
+    mesh = visual.mesh
+    corners = np.arange(3 * len(mesh.faces)).reshape(-1, 3)
+    normals = np.repeat(mesh.face_normals, 3, axis=0)
+    return Trimesh(mesh.triangles.reshape(-1, 3), corners, vertex_normals=normals, process=False)
 
 
 def write_obj(path: Path, meshes: list[Trimesh], normals: bool = True) -> None:

@@ -104,9 +104,7 @@ def fitted(model: Model, size: Size) -> Model:
     shift = np.array([-size[0] / 2, -size[1] / 2, 0.0]) - scale * low
 
     def fit_mesh(mesh: Trimesh) -> Trimesh:
-        copy = mesh.copy()
-        copy.vertices = copy.vertices * scale + shift
-        return copy
+        return Trimesh(mesh.vertices * scale + shift, mesh.faces, process=False)
 
     def fit_part(piece: Part) -> Part:
         pieces = None if piece.collisions is None else tuple(fit_mesh(mesh) for mesh in piece.collisions)
