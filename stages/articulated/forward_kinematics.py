@@ -22,7 +22,7 @@ def frames_of(root: str, joints: list[JointModel], opened: float = 0.0) -> dict[
     return frames
 
 
-def bounds_of(visuals: list[Visual], frame: Matrix) -> Matrix | None:
+def visual_bounds(visuals: list[Visual], frame: Matrix) -> Matrix | None:
     """Lowest and highest corner (2, 3) of what is seen of a link that stands at `frame`; None if that is nothing."""
     if not visuals:
         return None
@@ -33,7 +33,7 @@ def bounds_of(visuals: list[Visual], frame: Matrix) -> Matrix | None:
 def closed_box(robot: RobotModel) -> Matrix:
     """Lowest and highest corner (2, 3), in the root frame, of all that is visible, every joint closed."""
     frames = link_frames(robot)
-    boxes = (bounds_of(link.visuals, frames[link.name]) for link in robot.links.values())
+    boxes = (visual_bounds(link.visuals, frames[link.name]) for link in robot.links.values())
     corners = np.concatenate([box for box in boxes if box is not None])
     return np.array([corners.min(axis=0), corners.max(axis=0)])
 

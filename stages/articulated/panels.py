@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stages.articulated.asset_folder import read_asset, urdf_of
-from stages.articulated.forward_kinematics import bounds_of, frames_of
+from stages.articulated.forward_kinematics import frames_of, visual_bounds
 from stages.articulated.model import JointModel, Matrix
 from stages.articulated.urdf_reader import UrdfReader
 
@@ -33,7 +33,7 @@ def read_panels(folder: Path, joints: Container[str]) -> list[Panel]:
     for joint in reader.joints:
         if joint.type == "fixed" or joint.name not in joints:
             continue
-        boxes = (bounds_of(reader.visuals(link), frames[link]) for link in moved_by(joint, reader.joints))
+        boxes = (visual_bounds(reader.visuals(link), frames[link]) for link in moved_by(joint, reader.joints))
         corners = [box for box in boxes if box is not None]
         if corners:
             low, high = np.min(corners, axis=(0, 1)), np.max(corners, axis=(0, 1))

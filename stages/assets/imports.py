@@ -100,8 +100,8 @@ def with_notes(path: Path, folder: Path) -> ModelFile:
     """A model file with the notes beside it."""
     beside = path.parent / "asset.json"
     notes = read_json(Notes, beside) if beside.exists() else Notes()
-    category = word(notes.category or path.relative_to(folder).parts[0])
-    return ModelFile(path, folder, notes, category, word(f"{category}_{path.stem}"))
+    category = snake_case(notes.category or path.relative_to(folder).parts[0])
+    return ModelFile(path, folder, notes, category, snake_case(f"{category}_{path.stem}"))
 
 
 def import_model(path: Path, folder: Path, models: Path) -> Asset:
@@ -154,7 +154,7 @@ def check_believable(robot: RobotModel, path: Path) -> None:
             raise InputError(path, f"link '{link.name}': weighs {link.mass:.4g} kg.", f"at most {HEAVIEST:g} kg")
 
 
-def word(text: str) -> str:
+def snake_case(text: str) -> str:
     """Lower-case letters, digits and underscores."""
     return re.sub(r"[^a-z0-9]+", "_", text.lower()).strip("_") or "model"
 
@@ -175,7 +175,7 @@ def upright(robot: RobotModel, file: ModelFile) -> RobotModel:
     notes = file.notes
     up = notes.up or ("+y" if file.path.suffix.lower() == ".glb" else "+z")
     front = notes.front or ("+z" if up == "+y" else "+x")
-    x, z = vector(front), vector(up)
+    x, z = axis_vector(front), axis_vector(up)
     if abs(x @ z) > 0.5:
         what = f"front {front} and up {up} lie along one line."
         raise InputError(file.notes_path, what, "give two different axes")
@@ -184,7 +184,7 @@ def upright(robot: RobotModel, file: ModelFile) -> RobotModel:
     return stretched(robot, (notes.scale,) * 3) if notes.scale != 1.0 else robot
 
 
-def vector(axis: Axis) -> Matrix:
+def axis_vector(axis: Axis) -> Matrix:
     """Unit vector of '+x', '-x', ..."""
     return (1.0 if axis[0] == "+" else -1.0) * np.eye(3)["xyz".index(axis[1])]
 

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from stages.procedural.cabinet_recipe import CabinetRecipe
-from stages.procedural.layout import Cell, CellKind, cells
+from stages.procedural.front_cells import Cell, CellKind, cells
 from stages.procedural.model import Model, Moving, Parameters, Part, Size, part
 from stages.procedural.panels import Front, control_panel, pulled_panel
 from stages.procedural.shapes import box, rod
@@ -15,7 +15,7 @@ FRONTS = {"door", "drawer", "flap"}
 
 
 def cabinet(size: Size, parameters: Parameters) -> Model:
-    """A carcass on a base, with a front cut into cells (see `layout.cells`); the parameters are a `CabinetRecipe`."""
+    """A carcass on a base, its front cut into cells (see `front_cells.cells`); the parameters are a `CabinetRecipe`."""
     p = CabinetRecipe.model_validate(parameters)
     depth, width, height = size
     board = min(p.board, 0.1 * min(size))

@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from stages.contracts.library import Placement
-from stages.procedural.layout import CellKind
+from stages.procedural.front_cells import CellKind
 from stages.procedural.model import WOOD
 
 Handle = Literal["bar", "square_bar", "knob", "arch", "recessed", "none"]
@@ -20,7 +20,7 @@ class CabinetRecipe(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
-    layout: list[list[CellKind]] = Field(min_length=1, description="cells of the front: see `layout.cells`")
+    layout: list[list[CellKind]] = Field(min_length=1, description="cells of the front: see `front_cells.cells`")
     major: Literal["columns", "rows"] = "columns"
     drawer_weight: Weight = Field(description="share of the height that a drawer asks for; a door asks for 1")
     open_weight: Weight

@@ -6,12 +6,23 @@ from collections.abc import Callable
 import numpy as np
 
 from stages.contracts.library import Recipe
-from stages.procedural import cabinet_draws, decor, lamps, plants, seats, sofas, storage, tables, turned, vessels
+from stages.procedural import (
+    cabinet_draws,
+    decor,
+    lamps,
+    plants,
+    seats,
+    sofas,
+    storage,
+    tables_and_beds,
+    turned,
+    vessels,
+)
 from stages.procedural.cabinet import cabinet
 from stages.procedural.model import Draw, Generator
 
 GENERATORS: dict[str, Generator] = {
-    "bed": tables.bed,
+    "bed": tables_and_beds.bed,
     "book": storage.book,
     "bookshelf": storage.bookshelf,
     "bowl": vessels.bowl,
@@ -26,13 +37,13 @@ GENERATORS: dict[str, Generator] = {
     "plate": vessels.plate,
     "sofa": sofas.sofa,
     "stool": seats.stool,
-    "table": tables.table,
+    "table": tables_and_beds.table,
     "television": decor.television,
     "turned_vessel": turned.turned_vessel,
 }
 
 CATEGORIES: dict[str, Callable[[np.random.Generator, int], Draw]] = {
-    "bed": tables.draw_bed,
+    "bed": tables_and_beds.draw_bed,
     "book": storage.draw_book,
     "bookshelf": storage.draw_bookshelf,
     "bottle": turned.draw_bottle,
@@ -41,7 +52,7 @@ CATEGORIES: dict[str, Callable[[np.random.Generator, int], Draw]] = {
     "box": storage.draw_box,
     "chair": seats.draw_chair,
     "chest_of_drawers": cabinet_draws.chest_of_drawers,
-    "coffee_table": tables.draw_coffee_table,
+    "coffee_table": tables_and_beds.draw_coffee_table,
     "cooking_pot": vessels.draw_cooking_pot,
     "dishwasher": cabinet_draws.dishwasher,
     "floor_lamp": lamps.draw_floor_lamp,
@@ -55,7 +66,7 @@ CATEGORIES: dict[str, Callable[[np.random.Generator, int], Draw]] = {
     "sideboard": cabinet_draws.sideboard,
     "sofa": sofas.draw_sofa,
     "stool": seats.draw_stool,
-    "table": tables.draw_table,
+    "table": tables_and_beds.draw_table,
     "table_lamp": lamps.draw_table_lamp,
     "television": decor.draw_television,
     "vase": turned.draw_vase,

@@ -5,7 +5,7 @@ from typing import Literal
 import numpy as np
 
 from stages.procedural.model import METAL, Colour, Part, part
-from stages.procedural.shapes import hull, lathe, moved, rod, slab, turned
+from stages.procedural.shapes import hull, lathe, rod, rotated, slab, translated
 
 Style = Literal["bar", "square_bar", "knob", "arch", "recessed"]
 PROTRUSION = {"bar": 0.038, "square_bar": 0.036, "knob": 0.034, "arch": 0.040, "recessed": 0.0}
@@ -32,8 +32,8 @@ def handle_parts(
     make = {"bar": _bar, "square_bar": _square_bar, "knob": _knob, "arch": _arch}[style]
     parts = make(max(length, 0.06), protrusion, colour)
     if along == "y":
-        parts = [part(turned(p.mesh, np.pi / 2, [1, 0, 0]), colour, p.density, p.smooth) for p in parts]
-    return [part(moved(p.mesh, at), colour, p.density, p.smooth) for p in parts]
+        parts = [part(rotated(p.mesh, np.pi / 2, [1, 0, 0]), colour, p.density, p.smooth) for p in parts]
+    return [part(translated(p.mesh, at), colour, p.density, p.smooth) for p in parts]
 
 
 def _bar(length: float, out: float, colour: Colour) -> list[Part]:
@@ -56,7 +56,7 @@ def _knob(length: float, out: float, colour: Colour) -> list[Part]:
     head = lathe(
         [(0, out * 0.45), (0.009, out * 0.45), (0.015, out * 0.68), (0.015, out * 0.82), (0.010, out), (0, out)], 16
     )
-    meshes = [rod((-0.004, 0, 0), (out * 0.5, 0, 0), 0.0065), turned(head, np.pi / 2, [0, 1, 0])]
+    meshes = [rod((-0.004, 0, 0), (out * 0.5, 0, 0), 0.0065), rotated(head, np.pi / 2, [0, 1, 0])]
     return [part(mesh, colour, METAL, smooth=True) for mesh in meshes]
 
 

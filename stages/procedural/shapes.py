@@ -79,14 +79,14 @@ def shell_pieces(
     return solids
 
 
-def moved(mesh: Trimesh, by: ArrayLike) -> Trimesh:
+def translated(mesh: Trimesh, by: ArrayLike) -> Trimesh:
     """A copy moved by a vector."""
     copy = mesh.copy()
     copy.apply_translation(np.asarray(by, dtype=float))
     return copy
 
 
-def turned(mesh: Trimesh, angle: float, axis: ArrayLike, about: ArrayLike = (0.0, 0.0, 0.0)) -> Trimesh:
+def rotated(mesh: Trimesh, angle: float, axis: ArrayLike, about: ArrayLike = (0.0, 0.0, 0.0)) -> Trimesh:
     """A copy turned by `angle` about an axis through `about`."""
     copy = mesh.copy()
     copy.apply_transform(trimesh.transformations.rotation_matrix(angle, axis, about))

@@ -7,7 +7,7 @@ import numpy as np
 
 from stages.procedural.colours import GLAZES, METALS, pick
 from stages.procedural.model import CERAMIC, METAL, PLASTIC, Draw, Model, Part, Size, part, rgb
-from stages.procedural.shapes import cushion, hull, lathe, moved, rod, shell_pieces
+from stages.procedural.shapes import cushion, hull, lathe, rod, shell_pieces, translated
 
 Rng = np.random.Generator
 Profile = list[tuple[float, float]]  # (radius, z), bottom first
@@ -72,10 +72,10 @@ def mug(size: Size, p: dict[str, Any]) -> Model:
     shift = [0.0, -reach / 2, 0.0]
     parts = [
         Part(
-            moved(a.mesh, shift),
+            translated(a.mesh, shift),
             a.colour,
             a.density,
-            None if a.collisions is None else tuple(moved(c, shift) for c in a.collisions),
+            None if a.collisions is None else tuple(translated(c, shift) for c in a.collisions),
             a.smooth,
         )
         for a in parts

@@ -10,7 +10,7 @@ from stages.articulated.forward_kinematics import closed_box, link_frames
 from stages.articulated.mesh_reader import convex_pieces
 from stages.articulated.stretching import stretched
 from stages.articulated.urdf_reader import read_urdf
-from stages.assets.imports import import_folders, import_model, model_files, word
+from stages.assets.imports import import_folders, import_model, model_files, snake_case
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json
 from stages.contracts.library import Asset
@@ -96,7 +96,7 @@ def test_model_files_prefers_urdf_over_meshes(folder: Path) -> None:
     trimesh.creation.box().export(folder / "bottom_cabinet" / "Oak 1" / "part.obj")
     trimesh.creation.box().export(folder / "bottom_cabinet" / "single.obj")
     assert [path.name for path in model_files(folder)] == ["cab.urdf", "single.obj"]
-    assert word(" Bottom-Cabinet 3") == "bottom_cabinet_3"
+    assert snake_case(" Bottom-Cabinet 3") == "bottom_cabinet_3"
 
 
 def test_empty_and_missing_folders(tmp_path: Path) -> None:

@@ -16,7 +16,7 @@ from stages.contracts.library import Recipe
 from stages.procedural import build, generate
 from stages.procedural.cabinet_recipe import CabinetRecipe
 from stages.procedural.catalogue import CATEGORIES, sample
-from stages.procedural.layout import cells
+from stages.procedural.front_cells import cells
 from stages.procedural.model import bounds
 from stages.procedural.robot import mass_properties
 from stages.procedural.shapes import bounds_of, cushion, rod, shell_pieces, slab
