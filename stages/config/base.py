@@ -6,9 +6,9 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 
 class Section(BaseModel):
-    """A section of config.yaml. An unknown key is an error; values are frozen after validation."""
+    """A section of config.yaml. Unknown keys, NaN and infinity are errors; values are frozen after validation."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     def unread(self) -> set[str]:
         """Keys that nothing reads as the others stand: a change of them runs nothing again."""

@@ -11,14 +11,15 @@ from stages.contracts.errors import InputError
 from stages.contracts.images import FOLDER
 
 NEAREST, FARTHEST = 0.1, 30.0  # metres: the median depth of a picture of a room is between them
+SKY = 100.0  # metres: farther away is no room
 WRITE = "np.savez(path, depth=...) with an array (height, width) in metres"
 
 
 def read_depth(path: Path) -> tuple[NDArray[np.float32], bool]:
     """The array `depth` (H, W) in metres, 0: unknown, and the flag `exact`.
 
-    Negative and non-finite values count as unknown. Whole numbers, and floats with a median beyond a metre when
-    read as millimetres, are millimetres and are converted, which is printed.
+    Values that are negative, not finite, or beyond 100 m count as unknown. Whole numbers, and floats with a median
+    beyond a metre when read as millimetres, are millimetres and are converted, which is printed.
 
     Raises:
         InputError: no such array, no depth at all, or neither metres nor millimetres.
@@ -41,7 +42,8 @@ def read_depth(path: Path) -> tuple[NDArray[np.float32], bool]:
     factor = _metres_per_unit(path, known)
     if factor != 1:
         print(f"{path}: depth is in millimetres (median {np.median(known[known > 0]):g}), converted to metres")
-    return (known * factor).astype(np.float32), bool(exact)
+    metres = (known * factor).astype(np.float32)
+    return np.where(metres > SKY, np.float32(0), metres), bool(exact)
 
 
 def _metres_per_unit(path: Path, depth: NDArray[Any]) -> float:

@@ -11,6 +11,7 @@ from stages.config.extraction import ExtractionConfig
 from stages.contracts import InputError, Objects
 from stages.contracts.objects import Box, SceneObject, Wall
 from stages.contracts.scenes import Annotation
+from stages.contracts.types import LARGEST
 from stages.extraction import masks, room
 from stages.extraction.border import continued_depth
 from stages.extraction.clouds import cleaned_cloud, fit_box
@@ -21,6 +22,8 @@ from stages.geometry.boxes import UprightBox
 from stages.geometry.cameras import back_project
 from stages.geometry.frames import apply, rounded
 from stages.geometry.masks import pixel_bounds
+
+THINNEST = 0.001  # metres: a box has some depth, also where a cloud has none
 
 
 @dataclass(frozen=True)
@@ -144,12 +147,16 @@ def reconstruct(
         try:
             mask = _object_mask(item, image, crop, options)
             cloud = _object_cloud(mask, image, floor_from_camera, options, rng)
+            box = fit_box(cloud, options)
+            extent = float(np.max(box.size))
+            if extent > LARGEST:
+                raise ObjectError(f"{extent:.0f} m large: its depth cannot be right")
         except ObjectError as failure:
             extracted[name] = known.model_copy(update={"status": "failed", "reason": str(failure)})
             continue
         clean[mask] = item.mask
         clouds[name] = cloud.astype(np.float32)
-        boxes[name] = fit_box(cloud, options)
+        boxes[name] = box
         extracted[name] = known.model_copy(update={"pixels": pixel_bounds(mask), "points": len(cloud)})
 
     view = DepthView(np.where(usable, image.depth, 0), image.intrinsics, floor_from_camera)
@@ -160,7 +167,7 @@ def reconstruct(
         placed = placement(boxes[name], carriers, others, walls, view, own, options)
         carriers.append(placed.filled)
         center, size, yaw = placed.box
-        fitted = Box(center=rounded(center), size=rounded(size), yaw=round(yaw, 6))
+        fitted = Box(center=rounded(center), size=rounded(np.maximum(size, THINNEST)), yaw=round(yaw, 6))
         extracted[name] = extracted[name].model_copy(update={"box": fitted, "mounting": placed.mounting})
     objects = Objects(
         scene=scene,

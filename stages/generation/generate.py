@@ -1,5 +1,8 @@
 """Verb `generate`: cousins + objects -> one scene per rank, with its physics check."""
 
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -101,12 +104,30 @@ def run(
     """
     config = read_options(GenerationConfig, options)
     inputs = read_inputs(cousins, objects, library)
-    for rank in progress(range(1, config.ranks + 1), "scenes", config.ranks):
-        built = build(inputs, rank, config, out / "assets")
-        if not built.items:
-            raise InputError(
-                objects, "has no object that could be placed.", "see the reasons in it and in cousins.json"
-            )
-        scene = scene_of(built, physics_check(built, inputs, config), inputs, variant, rank)
-        write_json(out / f"scene_{rank}.json", scene)
-        print(summary(scene, built.left))
+    scenes = []
+    with swept(out / "assets") as cache:
+        for rank in progress(range(1, config.ranks + 1), "scenes", config.ranks):
+            built = build(inputs, rank, config, cache)
+            if not built.items:
+                raise InputError(
+                    objects, "has no object that could be placed.", "see the reasons in it and in cousins.json"
+                )
+            scenes.append(scene_of(built, physics_check(built, inputs, config), inputs, variant, rank))
+            print(summary(scenes[-1], built.left))
+    for scene in scenes:
+        write_json(out / f"scene_{scene.rank}.json", scene)
+
+
+@contextmanager
+def swept(folder: Path) -> Iterator[Path]:
+    """A folder from which an `InputError` takes everything that was not there before."""
+    there = folder.is_dir()
+    before = set(folder.iterdir()) if there else set()
+    try:
+        yield folder
+    except InputError:
+        for path in set(folder.iterdir()) - before if folder.is_dir() else ():
+            shutil.rmtree(path)
+        if not there and folder.is_dir():
+            folder.rmdir()
+        raise

@@ -3,6 +3,7 @@
 import hashlib
 import json
 import shutil
+from collections.abc import Callable
 from pathlib import Path
 
 import cv2
@@ -10,12 +11,13 @@ import numpy as np
 import pytest
 
 from stages.contracts import InputError, Objects, read_json
+from stages.contracts.__main__ import main as check_contract
 from stages.extraction.draw import run as draw
 from stages.extraction.extract import run
 from stages.extraction.observation import read_folder
 from stages.geometry.boxes import UprightBox, oriented_iou
 from stages.geometry.frames import apply, inverse, wrap_angle, yaw_of_matrix
-from tests.unit.synthetic_room import BACK_WALL, FLOOR, OBJECT, WORLD_FROM_CAMERA, write_room
+from tests.unit.synthetic_room import BACK_WALL, FLOOR, INTRINSICS, OBJECT, WORLD_FROM_CAMERA, write_room
 
 EXACT = json.dumps({"depth_noise": "none"})
 BOXES = {  # label -> box, mounting type
@@ -219,3 +221,33 @@ def test_bad_input_is_named_and_leaves_nothing(tmp_path: Path, how: str, file: s
 def test_masks_keep_their_values(tmp_path: Path) -> None:
     objects = _extract(_write(tmp_path / "in", ["box", "mug"]), tmp_path / "out")
     assert [item.mask for item in objects.objects] == [OBJECT, OBJECT + 1]
+
+
+def _with_depth(folder: Path, name: str, depth: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> Path:
+    """A room with one object, on whose pixels the depth is a function of row and column."""
+    _write(folder, [name])
+    image = read_folder(folder)
+    rows, columns = np.mgrid[: image.depth.shape[0], : image.depth.shape[1]]
+    changed = np.where(image.masks == OBJECT, depth(rows, columns), image.depth).astype(np.float32)
+    np.savez(folder / "depth.npz", depth=changed, exact=True)
+    return folder
+
+
+def test_an_object_of_impossible_size_fails_alone(tmp_path: Path) -> None:
+    folder = _with_depth(tmp_path / "in", "box", lambda rows, columns: 2 + (rows % 40) * 2.0)
+    (item,) = _extract(folder, tmp_path / "out").objects
+    assert item.status == "failed" and "m large: its depth cannot be right" in item.reason
+    assert check_contract(["objects", str(tmp_path / "out/objects.json")]) == 0
+
+
+def test_a_box_has_some_depth_where_its_cloud_has_none(tmp_path: Path) -> None:
+    """A sheet that the camera sees edge-on in space: its cloud is a plane, which is no box to place a model in."""
+    normal = WORLD_FROM_CAMERA[0, :3]  # the sheet is the plane x = 2.5 of the world
+    inverse_k = np.linalg.inv(INTRINSICS)
+
+    def sheet(rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
+        rays = np.stack([columns, rows, np.ones_like(rows)], axis=-1) @ inverse_k.T
+        return 2.5 / (rays @ normal)
+
+    (item,) = _extract(_with_depth(tmp_path / "in", "box", sheet), tmp_path / "out").objects
+    assert item.box is not None and 0.001 <= min(item.box.size) < 0.003

@@ -251,3 +251,17 @@ def test_frames_agree_with_the_box(scene: dict[str, Path], tmp_path: Path) -> No
     built = build(read_inputs(scene["cousins"], scene["objects"], scene["library"]), 1, GenerationConfig(), tmp_path)
     front = yaw_matrix(built.items[0].box.yaw)[:, 0]
     assert front == pytest.approx([-1, 0, 0], abs=1e-3)
+
+
+def test_a_scene_that_fails_leaves_nothing(
+    scene: dict[str, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def unreadable(*args: object) -> None:
+        assert any((tmp_path / "out/assets").iterdir())  # resized models are there by now
+        raise InputError("mesh.obj", "is broken.")
+
+    monkeypatch.setattr("stages.generation.generate.physics_check", unreadable)
+    with pytest.raises(InputError, match="is broken"):
+        run(cousins=scene["cousins"], objects=scene["objects"], library=scene["library"], variant="b",
+            out=tmp_path / "out")  # fmt: skip
+    assert not (tmp_path / "out").exists() or not any((tmp_path / "out").iterdir())

@@ -151,9 +151,9 @@ def test_depth_is_metres_or_millimetres(
 
 def test_unknown_depth_is_zero(bench: Bench) -> None:
     depth = np.full((HEIGHT, WIDTH), 2.5, np.float32)
-    depth[0, :3] = np.nan, np.inf, -1
+    depth[0, :4] = np.nan, np.inf, -1, 5000
     np.savez(bench.root / "input/depth.npz", depth=depth)
-    assert read_scene_input(bench.root / "input").depth[0, :4].tolist() == [0, 0, 0, 2.5]
+    assert read_scene_input(bench.root / "input").depth[0, :5].tolist() == [0, 0, 0, 0, 2.5]
 
 
 def test_values_without_a_name_are_said(bench: Bench, capsys: pytest.CaptureFixture[str]) -> None:
