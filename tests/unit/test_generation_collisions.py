@@ -42,8 +42,9 @@ def test_the_smaller_one_gives_way_by_the_shortest_path():
 
 
 def test_what_touches_a_wall_stays_even_if_it_is_the_smaller_one():
-    free, cabinet = thing("free", (3.1, 0, 0.5), (1, 1, 1)), thing("cabinet", (3.7, 0, 0.3), (0.6, 0.5, 0.6), 0.0, 3)
-    items, left = solve([free, cabinet], [BACK])
+    free = thing("free", (3.1, 0, 0.5), (1, 1, 1))
+    cabinet = thing("cabinet", (3.7, 0, 0.3), (0.6, 0.5, 0.6), mounting=3, walls=["wall_1"])
+    items, left = solve([free, cabinet], [BACK], push_limit=3.0)  # the cabinet could slide along its wall
     assert not left
     assert items["cabinet"].moved == 0
     assert items["free"].center == pytest.approx([2.9, 0, 0.5], abs=1e-3)
