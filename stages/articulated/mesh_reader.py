@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import trimesh
+from PIL import Image
 from trimesh import Trimesh
 
 from stages.contracts.errors import InputError
@@ -41,7 +42,13 @@ def has_texture(mesh: Trimesh) -> bool:
     """Whether the mesh comes with an image."""
     material = getattr(mesh.visual, "material", None)
     images = (getattr(material, key, None) for key in ("image", "baseColorTexture"))
-    return any(image is not None for image in images)
+    return any(image is not None and not _is_placeholder(image) for image in images)
+
+
+def _is_placeholder(image: Image.Image) -> bool:
+    """Whether trimesh made up the image, for a material whose file is missing."""
+    made_up = trimesh.visual.material.empty_material().image
+    return bool(image.size == made_up.size and image.tobytes() == made_up.tobytes())
 
 
 def convex_pieces(mesh: Trimesh) -> list[Trimesh]:

@@ -21,7 +21,7 @@ from stages.articulated.urdf_writer import write_urdf
 from stages.config.code import closure, source
 from stages.contracts.errors import InputError
 from stages.geometry.frames import rigid
-from tests.unit.articulated_models import CABINET, write_cabinet
+from tests.unit.articulated_models import CABINET, textured_box, write_cabinet
 
 ABOUT = Description("cab", "bottom_cabinet", "CC0-1.0", "test")
 NO_SIMULATOR = ["articulated", "config", "contracts", "extraction", "geometry", "matching", "procedural"]
@@ -137,6 +137,19 @@ def test_colours_are_kept_exactly_and_looks_of_their_own_too(tmp_path: Path) -> 
     assert coloured.colour == (0.351, 0.2, 0.1, 1.0)
     assert own.colour is None
     assert own.painted().visual.vertex_colors[0].tolist() == [10, 200, 30, 255]
+
+
+def test_a_material_file_that_is_missing_is_no_texture(tmp_path: Path) -> None:
+    textured_box((1.0, 1.0, 1.0), tmp_path, "box")
+    text = (
+        '<robot name="r"><link name="a"><visual><geometry><mesh filename="box.obj"/></geometry>'
+        '<material name="red"><color rgba="1 0 0 1"/></material></visual></link></robot>'
+    )
+    (textured,) = read(tmp_path, text).links["a"].visuals
+    assert textured.colour is None, "the texture wins over the colour"
+    (tmp_path / "box.mtl").unlink()
+    (plain,) = read(tmp_path, text).links["a"].visuals
+    assert plain.colour == (1.0, 0.0, 0.0, 1.0)
 
 
 def test_joints_in_any_order(tmp_path: Path) -> None:

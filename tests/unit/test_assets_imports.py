@@ -51,8 +51,10 @@ def test_resized_import_has_exactly_the_size(folder: Path, tmp_path: Path) -> No
     assert larger.mass == pytest.approx(asset.mass * 2 * 0.5 * 2, rel=0.01)
     assert resized(tmp_path / "models" / asset.id, (0.9, 0.3, 1.85), tmp_path / "sized") == out
     assert resized(tmp_path / "models" / asset.id, asset.size, tmp_path / "sized") == tmp_path / "models" / asset.id
-    with pytest.raises(InputError, match="must be positive"):
-        resized(tmp_path / "models" / asset.id, (0.9, -1, 1), tmp_path / "sized")
+    for extent in (-1, 0, float("nan"), float("inf"), 1e30):
+        with pytest.raises(InputError, match="must be positive"):
+            resized(tmp_path / "models" / asset.id, (0.9, extent, 1), tmp_path / "sized")
+    assert [path.name for path in (tmp_path / "sized").iterdir()] == [out.name]
 
 
 def test_stretching_a_turned_link_scales_along_the_assets_axes(folder: Path) -> None:
