@@ -16,6 +16,7 @@ from stages.config.names import modules
 from stages.config.reads import options_of, stores
 from stages.contracts.errors import InputError
 from stages.plugins import qualified
+from stages.scenes.rooms import series
 from stages.guard import hold_folder, makes_files
 
 # `.venv/bin/snakemake` works without activating the environment: jobs find its python first.
@@ -102,6 +103,19 @@ def features_of(variant):
     """The feature store that a variant uses, shard by shard."""
     store = CONFIG.matching_of(variant).store()
     return [f"results/matching/features/{store}/shard_{shard}.npy" for shard in SHARDS]
+
+
+def own_room(wildcards):
+    """The flag that names the file of a room of the user's."""
+    path = CONFIG.room_files().get(wildcards.scene)
+    return "" if path is None or path in series() else f"--room {shlex.quote(str(path))}"
+
+
+def recipes_digest(wildcards):
+    """Digest of what a room is made by: its own recipe and, for ours, those before it."""
+    path, ours = CONFIG.room_files().get(wildcards.scene), series()
+    used = ours[: ours.index(path) + 1] if path in ours else [path] if path else []
+    return sha256(b"\0".join(file.read_bytes() for file in used)).hexdigest()[:12]
 
 
 def scene_inputs(wildcards):

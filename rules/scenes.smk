@@ -29,11 +29,13 @@ rule room:
         code=code("scenes", "render"),
         check=check(camera="camera", annotations="annotations", truth="truth"),
         options=options("scenes", "render"),
+        room=own_room,
+        recipes=recipes_digest,
         seed=CONFIG.seed,
         out=subpath(output.truth, parent=True),
     shell:
         "({params.command} --library {input.library:q} --scene {wildcards.scene} --options {params.options:q} "
-        "--seed {params.seed} --out {params.out:q} && "
+        "--seed {params.seed} {params.room} --out {params.out:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
 
 

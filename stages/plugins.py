@@ -18,7 +18,7 @@ from stages.contracts.errors import InputError
 
 @dataclass(frozen=True)
 class Kind:
-    """Where our implementations are in this package, and the name that every implementation defines."""
+    """Where our implementations are, and the name that every implementation defines (or the suffix of its file)."""
 
     place: str  # no whole module name: as text that would count as needed by all who look for a name (config/code.py)
     symbol: str
@@ -35,6 +35,7 @@ KINDS = {
     "searches": Kind("matching.searches", "search"),
     "judges": Kind("matching.judges", "Judge"),
     "sources": Kind("extraction.sources", "observe"),
+    "rooms": Kind("scenes.rooms", ".yaml"),
     "tasks": Kind("tasks", "TASK"),
     "skills": Kind("skills", "Skill"),
 }
@@ -58,12 +59,12 @@ def available(kind: str, packages: Sequence[str] = ()) -> dict[str, str]:
     found: dict[str, str] = {}
     for home in [KINDS[kind].home, *(f"{package}.{kind}" for package in packages)]:
         for file in sorted(folder(home).glob("*")):
-            module = file / "__init__.py" if file.is_dir() else file
-            if module.suffix == ".py" and file.stem[0] != "_" and _defines(module, KINDS[kind].symbol):
-                name = file.stem
-                if name in found:
-                    raise InputError("plugins", f"{kind} '{name}' is in {found[name]} and in {home}.", "rename yours")
-                found[name] = f"{home}.{name}"
+            name = file.stem
+            if name.startswith("_") or not _is_one(file, KINDS[kind].symbol):
+                continue
+            if name in found:
+                raise InputError("plugins", f"{kind} '{name}' is in {found[name]} and in {home}.", "rename yours")
+            found[name] = f"{home}.{name}"
     return found
 
 
@@ -100,7 +101,16 @@ def load(kind: str, name: str) -> Any:
     return getattr(importlib.import_module(qualified(kind, name)), KINDS[kind].symbol)
 
 
-def _defines(module: Path, symbol: str) -> bool:
-    """Whether a module defines or imports a name at its top level."""
-    text = module.read_text(encoding="utf-8") if module.is_file() else ""
+def data_file(kind: str, name: str) -> Path:
+    """File of an implementation that is data."""
+    home, _, stem = qualified(kind, name).rpartition(".")
+    return folder(home) / f"{stem}{KINDS[kind].symbol}"
+
+
+def _is_one(file: Path, symbol: str) -> bool:
+    """Whether a file has the suffix, or a module or folder defines or imports the name at its top level."""
+    if symbol.startswith("."):
+        return file.suffix == symbol
+    module = file / "__init__.py" if file.is_dir() else file
+    text = module.read_text(encoding="utf-8") if module.suffix == ".py" and module.is_file() else ""
     return re.search(rf"^(class |def |from .* import .*\b)?{symbol}\b", text, re.MULTILINE) is not None

@@ -52,30 +52,48 @@ def _scenes(config: "Config") -> Iterator[Mistake]:
     """Scenes that exist, folders that hold what they must, models enough to furnish the rooms."""
     experiment = config.experiment
     rooms = places.rooms()
-    known = [*rooms, *experiment.inputs]
+    try:
+        files = config.room_files()
+    except InputError as error:
+        yield Mistake("experiment.room_files", error.what.rstrip("."), error.fix)
+        return
+    known = [*files, *experiment.inputs]
     for name in experiment.rooms:
         if name not in known:
             mend = f"one of {', '.join(known)}, or a folder of yours in experiment.inputs"
             yield Mistake("experiment.rooms", f"unknown scene '{name}'", mend)
     for name, folder in experiment.inputs.items():
         key = f"experiment.inputs.{name}"
-        if name in rooms:
-            yield Mistake(key, "is the name of a room of ours", "give your scene another name")
+        if name in files:
+            yield Mistake(key, "is the name of a room", "give your scene another name")
         elif name in experiment.rooms:
             for what in places.missing(Path(folder)):
                 yield Mistake(key, what, "docs/scenes.md says what an input folder holds")
     if config.assets.folders:
         return  # what the user's folders hold is seen when they are read
     last = max((rooms.index(name) for name in experiment.rooms if name in rooms), default=-1)
-    for category, needed in places.models_for(rooms[: last + 1]).items():
-        if config.assets.counts.get(category, 0) < needed:
-            mend = f"raise it, or leave {rooms[last]} out of experiment.rooms"
-            yield Mistake(f"assets.counts.{category}", f"the rooms up to {rooms[last]} need {needed}", mend)
+    furnished = {rooms[last]: [files[name] for name in rooms[: last + 1]]} if last >= 0 else {}
+    furnished |= {name: [files[name]] for name in experiment.rooms if name in files and name not in rooms}
+    for room, used in furnished.items():
+        try:
+            models = places.models_for(used)
+        except InputError as error:
+            yield Mistake("experiment.rooms", str(error))
+            continue
+        for category, needed in models.items():
+            if config.assets.counts.get(category, 0) < needed:
+                what = f"the rooms up to {room} need {needed}" if len(used) > 1 else f"{room} needs {needed}"
+                mend = f"raise it, or leave {room} out of experiment.rooms"
+                yield Mistake(f"assets.counts.{category}", what, mend)
 
 
 def _tasks(config: "Config") -> Iterator[Mistake]:
     """Tasks about objects that their scenes have and that can be opened."""
     experiment = config.experiment
+    try:
+        files = config.room_files()
+    except InputError:
+        files = {}  # said above
     if experiment.tasks and experiment.policy_variant not in experiment.variants:
         mend = f"one of {', '.join(experiment.variants)}"
         what = f"'{experiment.policy_variant}' is not one of experiment.variants"
@@ -89,7 +107,7 @@ def _tasks(config: "Config") -> Iterator[Mistake]:
         if target.scene not in experiment.rooms:
             mend = "add it there, or remove the task: `" + task + ": null`"
             yield Mistake(f"{key}.scene", f"'{target.scene}' is not one of experiment.rooms", mend)
-        objects = places.objects(target.scene, experiment.inputs)
+        objects = places.objects(target.scene, experiment.inputs, files)
         if not objects:
             continue  # not known before the scene is read
         able = [name for name, panels in objects.items() if panels.get(task, True)]

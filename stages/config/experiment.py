@@ -20,7 +20,10 @@ class ExperimentConfig(Section):
     rooms: list[str] = Field(
         ["room_1", "room_2", "room_3"],
         min_length=1,
-        description="Scenes to reconstruct: room_1 ... room_8 (Table 2), or names from `inputs`.",
+        description="Scenes to reconstruct: room_1 ... room_8 (Table 2), rooms of your own, or names from `inputs`.",
+    )
+    room_files: list[str] = Field(
+        [], description="Rooms of your own: YAML files as in stages/scenes/rooms (docs/scenes.md), named by their stem."
     )
     inputs: dict[str, str] = Field(
         {},

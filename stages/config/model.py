@@ -1,5 +1,6 @@
 """The whole of config.yaml: one typed section per stage."""
 
+from pathlib import Path
 from typing import Any, Literal
 
 from pydantic import Field, ValidationError
@@ -23,6 +24,7 @@ from stages.config.task import TaskConfig
 from stages.config.training import TrainingConfig
 from stages.contracts.errors import InputError
 from stages.plugins import find
+from stages.scenes.rooms import room_files
 
 
 class Config(Section):
@@ -63,6 +65,10 @@ class Config(Section):
         """The matching options of one variant: those of `matching` with what the variant changes, key by key."""
         changed = merged(self.matching.model_dump(), self.experiment.variants[variant])
         return resolved(MatchingConfig.model_validate(changed), self.plugins, f"experiment.variants.{variant}")
+
+    def room_files(self) -> dict[str, Path]:
+        """Files of all rooms that could be asked for, by their names."""
+        return room_files(self.experiment.room_files, self.plugins)
 
     def implementation(self, kind: str, name: str) -> str:
         """The name by which a stage loads an implementation."""

@@ -1,5 +1,8 @@
 """Contract of the `extraction` stage: `objects.json` and the arrays beside it."""
 
+import re
+from collections import Counter
+from collections.abc import Iterable
 from typing import Literal
 
 from pydantic import Field, model_validator
@@ -114,3 +117,14 @@ def check_mounting(name: str, mounting: Mounting | None, walls: set[str]) -> Non
     for wall in mounting.walls:
         if wall not in walls:
             raise ValueError(f"objects: mounting.walls of '{name}' names '{wall}', which is not in walls")
+
+
+def object_ids(labels: Iterable[str]) -> list[str]:
+    """Ids of objects with these labels: `label_1`, `label_2`, ... in the order given."""
+    counts: Counter[str] = Counter()
+    ids = []
+    for label in labels:
+        name = re.sub(r"[^a-z0-9]+", "_", label.lower()).strip("_") or "object"
+        counts[name] += 1
+        ids.append(f"{name}_{counts[name]}")
+    return ids

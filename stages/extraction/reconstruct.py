@@ -1,7 +1,5 @@
 """From an observation to `objects.json`: the steps that do not depend on where depth and masks came from."""
 
-import re
-from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,7 +7,7 @@ from numpy.typing import NDArray
 
 from stages.config.extraction import ExtractionConfig
 from stages.contracts import InputError, Objects
-from stages.contracts.objects import Box, SceneObject, Wall
+from stages.contracts.objects import Box, SceneObject, Wall, object_ids
 from stages.contracts.scenes import Annotation
 from stages.contracts.types import LARGEST
 from stages.extraction import masks, room
@@ -37,17 +35,6 @@ class ExtractedScene:
 
 class ObjectError(Exception):
     """One object cannot be used; the scene goes on without it."""
-
-
-def object_ids(annotations: list[Annotation]) -> list[str]:
-    """`label_1`, `label_2`, ... in the order given."""
-    counts: Counter[str] = Counter()
-    ids = []
-    for item in annotations:
-        name = re.sub(r"[^a-z0-9]+", "_", item.label.lower()).strip("_") or "object"
-        counts[name] += 1
-        ids.append(f"{name}_{counts[name]}")
-    return ids
 
 
 def _object_mask(
@@ -142,7 +129,7 @@ def reconstruct(
     boxes: dict[str, UprightBox] = {}
     clouds: dict[str, NDArray[np.float32]] = {}
     clean = np.zeros(shape, dtype=np.uint16)
-    for name, item in zip(object_ids(annotations), annotations, strict=True):
+    for name, item in zip(object_ids([item.label for item in annotations]), annotations, strict=True):
         known = SceneObject(id=name, **item.model_dump())
         try:
             mask = _object_mask(item, image, crop, options)

@@ -41,12 +41,12 @@ def _draw(room: Room, models: dict[str, Asset], free: set[str], rng: np.random.G
         able = [
             name
             for name, asset in models.items()
-            if name in free and name not in taken and asset.category == item.category and item.want.fits(asset)
+            if name in free and name not in taken and asset.category == item.category and item.model.fits(asset)
         ]
         if not able:
             raise InputError(
                 library,
-                f"has no model left for '{item.name}' of {room.name}: category {item.category}, {item.want.text()}.",
+                f"has no model left for '{item.name}' of {room.name}: category {item.category}, {item.model.text()}.",
                 f"raise assets.counts.{item.category} (no model stands in two rooms)",
             )
         name = able[int(rng.integers(len(able)))]

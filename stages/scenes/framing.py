@@ -6,7 +6,7 @@ from scipy.optimize import brentq
 
 from stages.geometry.cameras import intrinsics_from_fov, look_at, project
 from stages.geometry.frames import apply, inverse
-from stages.scenes.recipe import Shot
+from stages.scenes.recipe import CameraStand
 
 Matrix = NDArray[np.float64]
 DISTANCES = (1.0, 30.0)  # metres
@@ -30,23 +30,23 @@ def _aimed(eye: Matrix, points: Matrix, intrinsics: Matrix) -> Matrix:
     return world_from_camera
 
 
-def frame(points: Matrix, shot: Shot, width: int, height: int, margin: float) -> tuple[Matrix, Matrix]:
-    """Intrinsics (3, 3) and `world_from_camera` (4, 4) of the nearest place on the shot's line that shows all points.
+def frame(points: Matrix, stand: CameraStand, width: int, height: int, margin: float) -> tuple[Matrix, Matrix]:
+    """Intrinsics (3, 3) and `world_from_camera` (4, 4) of the nearest place on the stand's line that shows all points.
 
     Args:
         points: (N, 3) in the room frame, all of which are to be in the picture.
-        shot: direction, eye height and vertical field of view.
+        stand: direction, eye height and vertical field of view.
         width: of the picture in pixels.
         height: of the picture in pixels.
         margin: share of the picture left free at each border.
     """
-    intrinsics = intrinsics_from_fov(width, height, np.deg2rad(shot.fov))
+    intrinsics = intrinsics_from_fov(width, height, np.deg2rad(stand.fov))
     middle = (points.min(axis=0) + points.max(axis=0)) / 2
-    azimuth = np.deg2rad(shot.azimuth)
+    azimuth = np.deg2rad(stand.azimuth)
     line = np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
 
     def pose(distance: float) -> Matrix:
-        return _aimed(np.array([middle[0], middle[1], shot.height]) + distance * line, points, intrinsics)
+        return _aimed(np.array([middle[0], middle[1], stand.height]) + distance * line, points, intrinsics)
 
     def excess(distance: float) -> float:
         """By how much of the picture's size the points stick out of the margins."""

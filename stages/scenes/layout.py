@@ -55,20 +55,20 @@ def _place(item: Item, size: Size, room: Room, done: Mapping[str, Standing], str
     if isinstance(place, Beside):
         place = _beside(place, size, room, done, stretch)
     if isinstance(place, Against):
-        center = _at_wall(place.wall, place.along * stretch, place.gap + depth / 2, height / 2, half_width)
-        yaw = WALL_YAW[place.wall]
+        center = _at_wall(place.against, place.along * stretch, place.gap + depth / 2, height / 2, half_width)
+        yaw = WALL_YAW[place.against]
     elif isinstance(place, Hung):
-        center = _at_wall(place.wall, place.along * stretch, depth / 2, place.z, half_width)
-        yaw, support = WALL_YAW[place.wall], "wall"
+        center = _at_wall(place.hung, place.along * stretch, depth / 2, place.z, half_width)
+        yaw, support = WALL_YAW[place.hung], "wall"
     elif isinstance(place, Floor):
-        center = np.array([place.x * stretch, place.y * stretch, height / 2])
+        center = np.array([place.floor[0] * stretch, place.floor[1] * stretch, height / 2])
         yaw = np.deg2rad(place.yaw)
     else:
-        below = done[place.item].box
+        below = done[place.on_top].box
         free = (np.asarray(below.size)[:2] - _turned_extent(size, np.deg2rad(place.yaw))) / 2
         offset = yaw_matrix(below.yaw) @ [place.forward * free[0], place.right * free[1], 0]
         center = np.array([*(np.asarray(below.center) + offset)[:2], below.top + height / 2])
-        yaw, support = below.yaw + np.deg2rad(place.yaw), place.item
+        yaw, support = below.yaw + np.deg2rad(place.yaw), place.on_top
     return Standing(item, UprightBox(center, np.array(size), float(yaw)), support)
 
 
@@ -79,11 +79,13 @@ def _turned_extent(size: Size, yaw: float) -> NDArray[np.float64]:
 
 def _beside(place: Beside, size: Size, room: Room, done: Mapping[str, Standing], stretch: float) -> Against:
     """The same wall, next to the other item. Facing a side wall, `right` runs along -x (left wall) or +x."""
-    other = done[place.item]
+    other = done[place.beside]
     wall = next(name for name, yaw in WALL_YAW.items() if np.isclose(yaw, other.box.yaw))
     step = (np.asarray(other.box.size)[1] + size[1]) / 2 + place.gap
-    axis, sign = (1, place.side) if wall == "back" else (0, place.side * (-1 if wall == "left" else 1))
-    return Against(wall, (np.asarray(other.box.center)[axis] + sign * step) / stretch)
+    side = 1 if place.side == "right" else -1
+    axis, sign = (1, side) if wall == "back" else (0, side * (-1 if wall == "left" else 1))
+    along = float(np.asarray(other.box.center)[axis] + sign * step) / stretch
+    return Against(against=wall, along=along)
 
 
 def place_all(room: Room, sizes: Mapping[str, Size], stretch: float) -> Layout:

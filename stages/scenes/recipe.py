@@ -1,70 +1,89 @@
-"""The words in which a room is described: items, where they stand, and which models may play them.
+"""What a room is described by: items, where they stand, and which models may play them. One YAML file per room.
 
 Room frame: the back wall is the plane x = 0 and x grows towards the viewer; y grows to the viewer's
 right; z is up. `along`, `x` and `y` are in metres before the room is stretched to its scale.
 """
 
-from dataclasses import dataclass, field, fields
-from typing import Literal
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, FiniteFloat, Tag, model_validator
 
 from stages.contracts.library import Asset
 
 WallName = Literal["back", "left", "right"]
-Range = tuple[float, float]
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+Range = tuple[FiniteFloat, FiniteFloat]
+Channel = Annotated[float, Field(ge=0, le=1)]
+Colour = tuple[Channel, Channel, Channel]
 ANY: Range = (0.0, 99.0)
 
 
-@dataclass(frozen=True)
-class Against:
+class Part(BaseModel):
+    """A part of a recipe; an unknown key is an error."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Against(Part):
     """On the floor, its back to a wall, at y (back wall) or x (side walls) = `along`."""
 
-    wall: WallName
-    along: float
-    gap: float = 0.015
+    against: WallName
+    along: FiniteFloat
+    gap: FiniteFloat = 0.015
 
 
-@dataclass(frozen=True)
-class Beside:
-    """Against the same wall as another item, to its right (+1) or left (-1) as one faces that wall."""
+class Beside(Part):
+    """Against the same wall as another item, to its right or left as one faces that wall."""
 
-    item: str
-    side: Literal[-1, 1]
-    gap: float = 0.02
-
-
-@dataclass(frozen=True)
-class Floor:
-    """Free on the floor; yaw 0 looks at the viewer, degrees, counter-clockwise from above."""
-
-    x: float
-    y: float
-    yaw: float = 0.0
+    beside: str
+    side: Literal["right", "left"]
+    gap: FiniteFloat = 0.02
 
 
-@dataclass(frozen=True)
-class On:
+class Floor(Part):
+    """Free on the floor at (x, y); yaw 0 looks at the viewer, degrees, counter-clockwise from above."""
+
+    floor: tuple[FiniteFloat, FiniteFloat]
+    yaw: FiniteFloat = 0.0
+
+
+class On(Part):
     """On top of another item. `forward` and `right` run from -1 to 1 over the free top; yaw relative to it, degrees."""
 
-    item: str
-    forward: float = 0.0
-    right: float = 0.0
-    yaw: float = 0.0
+    on_top: str
+    forward: Annotated[float, Field(ge=-1, le=1)] = 0.0
+    right: Annotated[float, Field(ge=-1, le=1)] = 0.0
+    yaw: FiniteFloat = 0.0
 
 
-@dataclass(frozen=True)
-class Hung:
+class Hung(Part):
     """Fixed to a wall, the centre of its box at height `z`."""
 
-    wall: WallName
-    along: float
-    z: float
+    hung: WallName
+    along: FiniteFloat
+    z: Positive
 
 
-Place = Against | Beside | Floor | On | Hung
+PLACES = ("against", "beside", "floor", "on_top", "hung")
 
 
-@dataclass(frozen=True)
-class Want:
+def _place_key(value: Any) -> str | None:
+    """The key that says what kind of place it is."""
+    keys = value if isinstance(value, dict) else dir(value)
+    return next((key for key in PLACES if key in keys), None)
+
+
+Place = Annotated[
+    Annotated[Against, Tag("against")]
+    | Annotated[Beside, Tag("beside")]
+    | Annotated[Floor, Tag("floor")]
+    | Annotated[On, Tag("on_top")]
+    | Annotated[Hung, Tag("hung")],
+    Discriminator(_place_key, custom_error_type="place", custom_error_message=f"needs one of {', '.join(PLACES)}"),
+]
+
+
+class ModelConstraints(Part):
     """What a model must be like to play an item: counts, and extents of its closed box in metres."""
 
     doors: tuple[int, int] = (0, 99)
@@ -72,12 +91,20 @@ class Want:
     depth: Range = ANY
     width: Range = ANY
     height: Range = ANY
-    handles: tuple[str, ...] = ()  # every door and drawer has one of these; (): any
-    door_width: Range = ANY  # width / doors
+    handles: tuple[str, ...] = Field((), description="every door and drawer has one of these; (): any")
+    door_width: Range = Field(ANY, description="width / doors")
+
+    @model_validator(mode="after")
+    def _ordered(self) -> "ModelConstraints":
+        for name in ("doors", "drawers", "depth", "width", "height", "door_width"):
+            low, high = getattr(self, name)
+            if low > high:
+                raise ValueError(f"{name} runs from {low} down to {high}")
+        return self
 
     def text(self) -> str:
-        """The wishes that are set, for messages."""
-        wishes = [f"{f.name} {getattr(self, f.name)}" for f in fields(self) if getattr(self, f.name) != f.default]
+        """The constraints that are set, for messages."""
+        wishes = [f"{name} {getattr(self, name)}" for name in type(self).model_fields if name in self.model_fields_set]
         return ", ".join(wishes) or "any size"
 
     def fits(self, asset: Asset) -> bool:
@@ -92,35 +119,50 @@ class Want:
         return handles_fit and all(low <= value <= high for value, (low, high) in numbers)
 
 
-@dataclass(frozen=True)
-class Item:
+class Item(Part):
     """One object: its name in the recipe, the library's category, what a person would call it, and where it is."""
 
     name: str
     category: str
     label: str
     place: Place
-    want: Want = field(default_factory=Want)
+    model: ModelConstraints = ModelConstraints()
 
 
-@dataclass(frozen=True)
-class Shot:
+class CameraStand(Part):
     """Where the photographer stands: degrees to the right of straight ahead, eye height, vertical field of view."""
 
-    azimuth: float = 0.0
-    height: float = 1.6
-    fov: float = 50.0
+    azimuth: Annotated[float, Field(gt=-90, lt=90)] = 0.0
+    height: Positive = 1.6
+    fov: Annotated[float, Field(gt=10, lt=120)] = 50.0
 
 
-@dataclass(frozen=True)
-class Room:
-    """A room of Table 2. `scale`: largest distance between two box centres; `half_width`: of the floor."""
+class Room(Part):
+    """A room of Table 2, or one of a user's."""
 
-    name: str
-    scale: float
-    items: tuple[Item, ...]
+    name: str = Field(description="that of the file")
+    scale: Positive = Field(description="largest distance between two box centres, metres")
+    items: Annotated[tuple[Item, ...], Field(min_length=2)]
     walls: tuple[WallName, ...] = ("back",)
-    half_width: float = 1.8
-    shot: Shot = field(default_factory=Shot)
-    wall_colour: tuple[float, float, float] = (0.86, 0.84, 0.79)
-    floor_colour: tuple[float, float, float] = (0.62, 0.45, 0.30)
+    half_width: Positive = Field(1.8, description="of the floor, before it is stretched")
+    camera: CameraStand = CameraStand()
+    wall_colour: Colour = (0.86, 0.84, 0.79)
+    floor_colour: Colour = (0.62, 0.45, 0.30)
+
+    @model_validator(mode="after")
+    def _consistent(self) -> "Room":
+        before: dict[str, Item] = {}
+        for item in self.items:
+            place = item.place
+            if item.name in before:
+                raise ValueError(f"two items are called '{item.name}'")
+            wall = getattr(place, "against", None) or getattr(place, "hung", None)
+            if wall and wall not in self.walls:
+                raise ValueError(f"'{item.name}' is at the {wall} wall, which is not one of walls")
+            other = getattr(place, "beside", None) or getattr(place, "on_top", None)
+            if other and other not in before:
+                raise ValueError(f"'{item.name}' refers to '{other}', which is no item before it")
+            if isinstance(place, Beside) and not isinstance(before[place.beside].place, Against | Beside):
+                raise ValueError(f"'{item.name}' is beside '{place.beside}', which does not stand at a wall")
+            before[item.name] = item
+        return self

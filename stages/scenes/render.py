@@ -13,7 +13,7 @@ from stages.scenes.casting import CastRoom, cast, read_models
 from stages.scenes.framing import frame
 from stages.scenes.layout import scale_of
 from stages.scenes.photograph import photograph
-from stages.scenes.rooms import BY_NAME, ROOMS
+from stages.scenes.rooms import read_room, room_files, series
 
 
 def mask_values(cast_room: CastRoom) -> dict[str, int]:
@@ -67,23 +67,25 @@ def annotations_of(cast_room: CastRoom) -> Annotations:
     )
 
 
-def run(*, library: Path, scene: str, out: Path, options: str = "{}", seed: int = 0) -> None:
+def run(*, library: Path, scene: str, out: Path, options: str = "{}", seed: int = 0, room: Path | None = None) -> None:
     """Furnish and photograph one room.
 
     Args:
         library: library.json, whose models play the objects.
-        scene: room_1 ... room_8.
+        scene: name of the room, e.g. room_1.
         out: folder; gets input/ and truth.json.
         options: JSON of the config section `scenes`.
         seed: decides which models are used.
+        room: YAML file of a room of your own, which draws its models from the whole library; default: ours.
     """
     config = read_options(ScenesConfig, options)
-    if scene not in BY_NAME:
-        raise InputError("--scene", f"no room is called '{scene}'.", f"one of {', '.join(BY_NAME)}")
-    rooms = ROOMS[: ROOMS.index(BY_NAME[scene]) + 1]
+    if room is None and scene not in room_files():
+        raise InputError("--scene", f"no room is called '{scene}'.", f"one of {', '.join(room_files())}")
+    names = [path.stem for path in series()]
+    rooms = [read_room(room)] if room else [read_room(path) for path in series()[: names.index(scene) + 1]]
     cast_room = cast(rooms, read_models(library), seed, library)[scene]
     points = np.concatenate([corners(standing.box) for standing in cast_room.layout.standing.values()])
-    intrinsics, world_from_camera = frame(points, cast_room.room.shot, config.width, config.height, config.margin)
+    intrinsics, world_from_camera = frame(points, cast_room.room.camera, config.width, config.height, config.margin)
     picture = photograph(cast_room, library, intrinsics, world_from_camera, config, seed)
 
     folder = out / "input"

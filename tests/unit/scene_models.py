@@ -2,10 +2,12 @@
 
 from functools import cache
 
+from stages.articulated.roles import contract_joints
 from stages.config.assets import AssetsConfig
 from stages.contracts import Asset
 from stages.procedural.catalogue import sample
-from stages.procedural.folder import generate, joints_of
+from stages.procedural.folder import generate
+from stages.procedural.robot import robot_of
 
 
 @cache
@@ -15,7 +17,8 @@ def default_models(seed: int) -> dict[str, Asset]:
     for category, count in sorted(AssetsConfig().counts.items()):
         for index in range(count):
             recipe = sample(category, index, seed)
-            joints = joints_of(generate(recipe)) if recipe.generator == "cabinet" else []  # nothing else has joints
+            jointed = recipe.generator == "cabinet"
+            joints = contract_joints(robot_of(generate(recipe), category)) if jointed else []
             name = f"{category}_{index:02d}"
             x, y, z = recipe.parameters["size"]  # type: ignore[misc]
             models[name] = Asset(

@@ -1,9 +1,12 @@
 """Rooms without a simulator: counts and scales of Table 2, casting, layout, framing."""
 
+import copy
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
 from stages.contracts import InputError
 from stages.geometry.boxes import corners, footprint
@@ -13,12 +16,14 @@ from stages.scenes.casting import CastRoom, cast
 from stages.scenes.framing import frame
 from stages.scenes.layout import arrange, scale_of
 from stages.scenes.recipe import Against, Beside, Floor, Hung, Item, On, Room
-from stages.scenes.rooms import ROOMS
+from stages.scenes.rooms import read_room, room_files, series
 from tests.unit.scene_models import default_models
 from tests.unit.synthetic_room import hit_box
 
 TABLE_2 = [(5, 3.68), (6, 3.42), (6, 2.91), (5, 3.54), (6, 3.24), (8, 4.17), (12, 6.89), (15, 10.23)]
 MIN_PIXELS = 100  # per object at 800 x 600
+ROOT = Path(__file__).parents[2]
+ROOMS = [read_room(path) for path in series()]
 NOWHERE = Path("library.json")
 
 
@@ -80,7 +85,7 @@ def test_targets_of_the_policy_experiment(cast_rooms: dict[str, CastRoom]) -> No
 
 def _camera(room: CastRoom) -> tuple[np.ndarray, np.ndarray]:
     points = np.concatenate([corners(standing.box) for standing in room.layout.standing.values()])
-    return frame(points, room.room.shot, 800, 600, 0.06)
+    return frame(points, room.room.camera, 800, 600, 0.06)
 
 
 def test_everything_is_in_the_picture(cast_rooms: dict[str, CastRoom]) -> None:
@@ -124,14 +129,18 @@ def test_a_short_category_is_named() -> None:
         cast(ROOMS, models, 0, NOWHERE)
 
 
+def item(name: str, **place: object) -> Item:
+    return Item.model_validate({"name": name, "category": name, "label": name, "place": place})
+
+
 def test_places_of_a_small_room() -> None:
     items = (
-        Item("a", "a", "a", Against("left", 1.0, gap=0.0)),
-        Item("b", "b", "b", Beside("a", -1, gap=0.1)),
-        Item("c", "c", "c", On("a", forward=1.0)),
-        Item("d", "d", "d", Floor(4.0, 1.5, 90)),
+        item("a", against="left", along=1.0, gap=0.0),
+        item("b", beside="a", side="left", gap=0.1),
+        item("c", on_top="a", forward=1.0),
+        item("d", floor=(4.0, 1.5), yaw=90),
     )
-    room = Room("test", 4.0, items, walls=("back", "left"), half_width=2.0)
+    room = Room(name="test", scale=4.0, items=items, walls=("back", "left"), half_width=2.0)
     sizes = {"a": (0.6, 1.0, 0.8), "b": (0.4, 0.5, 0.5), "c": (0.2, 0.2, 0.2), "d": (0.5, 0.5, 0.5)}
     layout = arrange(room, sizes)
     assert layout is not None
@@ -141,3 +150,69 @@ def test_places_of_a_small_room() -> None:
     np.testing.assert_allclose(np.asarray(b.center)[0] - np.asarray(a.center)[0], 0.85)  # left of it, facing the wall
     np.testing.assert_allclose(np.asarray(c.center) - a.center, [0, 0.2, 0.5], atol=1e-9)  # at the front edge, on top
     assert arrange(room, sizes | {"c": (0.9, 0.9, 0.9)}) is None  # sticks out over the edge
+
+
+ATTIC = yaml.safe_load(re.findall(r"```yaml\n(# attic.*?)```", (ROOT / "docs/scenes.md").read_text(), re.DOTALL)[0])
+
+
+def attic(tmp_path: Path, *changes: tuple[list[str | int], object]) -> Path:
+    """The room of the documentation, with some entries changed (None: taken out)."""
+    content = copy.deepcopy(ATTIC)
+    for (*parents, key), value in changes:
+        entry = content
+        for part in parents:
+            entry = entry[part]
+        entry[key] = value
+        if value is None:
+            del entry[key]
+    path = tmp_path / "attic.yaml"
+    path.write_text(yaml.safe_dump(content))
+    return path
+
+
+def test_a_room_is_read_from_yaml(tmp_path: Path) -> None:
+    room = read_room(attic(tmp_path))
+    assert room.name == "attic" and [type(item.place) for item in room.items] == [Against, On, Floor]
+    assert room.items[0].model.drawers == (2, 6)
+    assert list(room_files([str(tmp_path / "attic.yaml")])) == [*(f"room_{k}" for k in range(1, 9)), "attic"]
+    (layout,) = cast([room], default_models(0), 3, NOWHERE).values()
+    assert set(layout.assets) == {"chest", "lamp", "stool"}
+
+
+@pytest.mark.parametrize(
+    ("where", "value", "message"),
+    [
+        (["scale"], None, "scale: Field required"),
+        (["scale"], -1, "scale: Input should be greater than 0"),
+        (["scale"], float("nan"), "scale"),
+        (["walls"], ["front"], "walls.0"),
+        (["colour"], "red", "colour: Extra inputs"),
+        (["wall_colour"], [2, 0, 0], "wall_colour.0"),
+        (["items"], [], "items: Tuple should have at least 2"),
+        (["items", 0, "place"], {"at": "back"}, "items.0.place: needs one of against, beside, floor, on_top, hung"),
+        (["items", 0, "place", "along"], "left", "items.0.place.against.along"),
+        (["items", 0, "place", "against"], "right", "'chest' is at the right wall, which is not one of walls"),
+        (["items", 1, "place", "on_top"], "table", "'lamp' refers to 'table', which is no item before it"),
+        (["items", 1, "name"], "chest", "two items are called 'chest'"),
+        (["items", 0, "model", "width"], [2, 1], "width runs from 2.0 down to 1.0"),
+        (["items", 2, "place"], {"beside": "lamp", "side": "left"}, "'lamp', which does not stand at a wall"),
+        (["name"], "cellar", "its name is that of the file"),
+    ],
+)
+def test_a_broken_room_is_one_clear_line(tmp_path: Path, where: list[str | int], value: object, message: str) -> None:
+    path = attic(tmp_path, (where, value))
+    with pytest.raises(InputError, match=re.escape(message)) as caught:
+        read_room(path)
+    assert str(caught.value).startswith(str(path)) and "\n" not in str(caught.value)
+
+
+def test_unreadable_rooms_and_names_that_are_taken(tmp_path: Path) -> None:
+    (tmp_path / "attic.yaml").write_text("items: [")
+    with pytest.raises(InputError, match="is no YAML") as caught:
+        read_room(tmp_path / "attic.yaml")
+    assert "\n" not in str(caught.value)
+    (tmp_path / "room_1.yaml").write_text("scale: 1")
+    with pytest.raises(InputError, match="room 'room_1' is in"):
+        room_files([str(tmp_path / "room_1.yaml")])
+    with pytest.raises(InputError, match="there is no file nowhere"):
+        room_files(["nowhere.yaml"])

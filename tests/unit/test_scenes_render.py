@@ -14,9 +14,10 @@ from stages.geometry.frames import apply, yaw_matrix
 from stages.scenes.casting import cast, read_models
 from stages.scenes.photograph import furnish
 from stages.scenes.render import run
-from stages.scenes.rooms import BY_NAME, ROOMS
+from stages.scenes.rooms import read_room, series
 from stages.simulation.loading import add_ground, physics_scene, position_of
 
+ROOMS = [read_room(path) for path in series()]
 OPTIONS = json.dumps({"width": 400, "height": 300, "supersampling": 1})
 MIN_PIXELS = 40  # per object at 400 x 300
 SECONDS, DRIFT = 1.0, 0.01
@@ -58,7 +59,7 @@ def test_photograph_agrees_with_the_truth(photographed: Path) -> None:
     depth = np.load(photographed / "input" / "depth.npz")["depth"]
     assert masks.dtype == np.uint16 and depth.dtype == np.float32
     assert rgb.shape == (camera.height, camera.width, 3) == (300, 400, 3) and rgb.std() > 20
-    assert truth.scale == pytest.approx(BY_NAME["room_1"].scale, abs=0.01)
+    assert truth.scale == pytest.approx(ROOMS[0].scale, abs=0.01)
     assert [item.mask for item in annotations.objects] == [item.mask for item in truth.objects]
 
     points = apply(np.array(truth.world_from_camera), back_project(depth, camera.intrinsics))
