@@ -19,7 +19,7 @@ rule library:
         mem_mb=2000,
     params:
         command=command("assets", "library"),
-        code=code("assets", "library"),
+        code=code("assets", "library", *modules(CONFIG.assets, "importers")),
         check=check(library="library"),
         options=options("assets", "library"),
         seed=CONFIG.seed,

@@ -94,6 +94,12 @@ def task_code(stage, verb):
     return lambda wildcards: code(stage, verb, qualified("tasks", CONFIG.implementation("tasks", wildcards.task)))
 
 
+def rollout_code(wildcards):
+    """The code of rollouts: of the task and of the policy."""
+    task = qualified("tasks", CONFIG.implementation("tasks", wildcards.task))
+    return code("evaluation", "rollout", task, *modules(CONFIG.training.runs[wildcards.run], "policy"))
+
+
 def matching_code(verb, *keys):
     """The code of a verb of matching with the implementations that some keys name."""
     return lambda wildcards: code("matching", verb, *modules(CONFIG.matching_of(wildcards.variant), *keys))

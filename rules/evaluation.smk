@@ -32,7 +32,7 @@ rule rollout:
         gpu=1 if CONFIG.device == "cuda" else 0,
     params:
         command=command("evaluation", "rollout"),
-        code=task_code("evaluation", "rollout"),
+        code=rollout_code,
         check=check(rollouts="rollouts"),
         options=options("evaluation", "rollout"),
         seed=CONFIG.seed,

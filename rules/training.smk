@@ -28,7 +28,7 @@ rule train:
         gpu=1 if CONFIG.device == "cuda" else 0,
     params:
         command=command("training", "train"),
-        code=code("training", "train"),
+        code=lambda wildcards: code("training", "train", *modules(CONFIG.training.runs[wildcards.run], "policy")),
         check=check(policy="config"),
         options=options("training", "train"),
         share=lambda wildcards: EXPERIMENT.share(wildcards.training_set),

@@ -37,6 +37,8 @@ KINDS = {
     "sources": Kind("extraction.sources", "observe"),
     "rooms": Kind("scenes.rooms", ".yaml"),
     "tasks": Kind("tasks", "TASK"),
+    "policies": Kind("policies", "Policy"),
+    "importers": Kind("assets.importers", "IMPORTER"),
     "skills": Kind("skills", "Skill"),
 }
 

@@ -1,31 +1,31 @@
-"""Import the user's own models: URDF, GLB or OBJ files, sorted in folders by category."""
+"""Import the user's own models: files of the kinds in `importers`, sorted in folders by category."""
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import trimesh
 from pydantic import Field, ValidationError
 
 from stages.articulated.asset_folder import Description, write_asset
 from stages.articulated.forward_kinematics import closed_box, rebased
-from stages.articulated.mesh_reader import convex_pieces, load_meshes
-from stages.articulated.model import Link, Matrix, RobotModel, Visual
+from stages.articulated.model import Matrix, RobotModel
 from stages.articulated.roles import with_roles
 from stages.articulated.stretching import stretched
-from stages.articulated.urdf_reader import DENSITY, HEAVIEST, MINIMUM_INERTIA, MINIMUM_MASS, read_urdf
+from stages.articulated.urdf_reader import HEAVIEST
+from stages.assets.importers import Axis, Importer
 from stages.cli import progress
+from stages.config.assets import LibraryOptions
 from stages.contracts.errors import InputError
 from stages.contracts.files import Contract, read_json
 from stages.contracts.library import Asset, Placement, Symmetry
 from stages.geometry.frames import rigid
+from stages.plugins import load, short
 
-KINDS = (".urdf", ".glb", ".obj")  # of the files in a folder, the first kind that occurs
+IMPORTERS = tuple(LibraryOptions().importers)
 THINNEST, LARGEST = 1e-4, 20.0  # metres, of a model's extents: no furniture is larger than a room
-Axis = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
 
 
 class Notes(Contract):
@@ -50,6 +50,7 @@ class ModelFile(NamedTuple):
     notes: Notes
     category: str
     id: str
+    importer: Importer
 
     @property
     def notes_path(self) -> Path:
@@ -57,22 +58,30 @@ class ModelFile(NamedTuple):
         return self.path.parent / "asset.json"
 
 
-def import_folders(folders: list[Path], models: Path, taken: Iterable[str] = ()) -> list[Asset]:
+def import_folders(
+    folders: list[Path], models: Path, taken: Iterable[str] = (), importers: Sequence[str] = IMPORTERS
+) -> list[Asset]:
     """Write an asset folder below `models` for every model of <folder>/<category>/...
 
     Args:
         taken: names of other models of the library.
+        importers: their names; of the files in a sub-folder only the first kind that occurs is imported.
 
     Raises:
         InputError: a folder is missing or empty, two models have one name, or a model is broken (file and element).
     """
+    kinds = by_suffix(importers)
     found: list[ModelFile] = []
     for folder in folders:
         if not folder.is_dir():
             raise InputError("assets.folders", f"{folder} is not a folder.")
-        files = [with_notes(path, folder) for path in model_files(folder)]
+        files = [with_notes(path, folder, kinds[suffix(path)]) for path in model_files(folder, kinds)]
         if not files:
-            raise InputError(folder, "holds no URDF, GLB or OBJ.", "expected <folder>/<category>/<model>")
+            raise InputError(
+                folder,
+                f"holds no {' or '.join(kind[1:].upper() for kind in kinds)}.",
+                "expected <folder>/<category>/<model>",
+            )
         found += files
     names = set(taken)
     for file in found:  # before anything is written
@@ -82,38 +91,47 @@ def import_folders(folders: list[Path], models: Path, taken: Iterable[str] = ())
     return [import_file(file, models) for file in progress(found, "imports", len(found))]
 
 
-def model_files(folder: Path) -> list[Path]:
-    """Model files of <folder>/<category>: those lying there, and of each sub-folder its URDFs, else GLBs, else OBJs."""
-    files = []
+def by_suffix(importers: Sequence[str]) -> dict[str, Importer]:
+    """Importers by the suffix that they are named after."""
+    return {f".{short(name)}": load("importers", name) for name in importers}
+
+
+def suffix(path: Path) -> str:
+    """Suffix of a file, lower case."""
+    return path.suffix.lower()
+
+
+def model_files(folder: Path, kinds: Iterable[str]) -> list[Path]:
+    """Model files of <folder>/<category>: those lying there, and of each sub-folder those of the first kind it has."""
+    files, kinds = [], list(kinds)
     for category in sorted(path for path in folder.iterdir() if path.is_dir()):
         for child in sorted(category.iterdir()):
-            if child.is_file() and child.suffix.lower() in KINDS:
+            if child.is_file() and suffix(child) in kinds:
                 files.append(child)
             elif child.is_dir():
                 inside = [path for path in sorted(child.rglob("*")) if path.is_file()]
-                by_kind = [[path for path in inside if path.suffix.lower() == kind] for kind in KINDS]
+                by_kind = [[path for path in inside if suffix(path) == kind] for kind in kinds]
                 files += next((group for group in by_kind if group), [])
     return files
 
 
-def with_notes(path: Path, folder: Path) -> ModelFile:
+def with_notes(path: Path, folder: Path, importer: Importer) -> ModelFile:
     """A model file with the notes beside it."""
     beside = path.parent / "asset.json"
     notes = read_json(Notes, beside) if beside.exists() else Notes()
     category = snake_case(notes.category or path.relative_to(folder).parts[0])
-    return ModelFile(path, folder, notes, category, snake_case(f"{category}_{path.stem}"))
+    return ModelFile(path, folder, notes, category, snake_case(f"{category}_{path.stem}"), importer)
 
 
 def import_model(path: Path, folder: Path, models: Path) -> Asset:
     """Write the asset folder of one model file of a user's folder."""
-    return import_file(with_notes(path, folder), models)
+    return import_file(with_notes(path, folder, by_suffix(IMPORTERS)[suffix(path)]), models)
 
 
 def import_file(file: ModelFile, models: Path) -> Asset:
     """Write the asset folder of one model."""
     path, notes = file.path, file.notes
-    robot = read_urdf(path, file.folder) if path.suffix.lower() == ".urdf" else single_body(path)
-    robot = with_roles(upright(robot, file))
+    robot = with_roles(upright(file.importer.read(path, file.folder), file))
     if notes.mass is not None:
         robot = with_mass(robot, notes.mass)
     check_believable(robot, path)
@@ -159,21 +177,10 @@ def snake_case(text: str) -> str:
     return re.sub(r"[^a-z0-9]+", "_", text.lower()).strip("_") or "model"
 
 
-def single_body(path: Path) -> RobotModel:
-    """A mesh file as a thing of one link, with the convex hulls of its bodies to collide."""
-    meshes = load_meshes(path)
-    pieces = [piece for mesh in meshes for piece in convex_pieces(mesh)]
-    hull = trimesh.convex.convex_hull(np.concatenate([piece.vertices for piece in pieces]))
-    mass = max(float(hull.volume) * DENSITY, MINIMUM_MASS)
-    inertia = hull.moment_inertia * (mass / hull.volume) + MINIMUM_INERTIA * np.eye(3)
-    visuals = [Visual(mesh) for mesh in meshes]
-    return RobotModel(path.stem, {"base": Link("base", visuals, pieces, mass, hull.center_mass, inertia)})
-
-
 def upright(robot: RobotModel, file: ModelFile) -> RobotModel:
     """The model with z up, its front towards +x, in metres."""
     notes = file.notes
-    up = notes.up or ("+y" if file.path.suffix.lower() == ".glb" else "+z")
+    up = notes.up or file.importer.up
     front = notes.front or ("+z" if up == "+y" else "+x")
     x, z = axis_vector(front), axis_vector(up)
     if abs(x @ z) > 0.5:

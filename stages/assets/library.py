@@ -29,7 +29,9 @@ def run(*, out: Path, options: str = "{}", seed: int = 0) -> None:
     if config.folders:
         from stages.assets.imports import import_folders
 
-        assets += import_folders([Path(path) for path in config.folders], folder, [asset.id for asset in assets])
+        assets += import_folders(
+            [Path(path) for path in config.folders], folder, [asset.id for asset in assets], config.importers
+        )
     if not assets:
         raise InputError("assets", "the library would be empty.", "set assets.counts or assets.folders")
     write_json(out, index_of(assets))

@@ -49,6 +49,11 @@ class LibraryOptions(Section):
         description="Folders with your own models, <folder>/<category>/<model>, each a URDF, GLB or OBJ file or a "
         "folder that holds one (docs/assets.md).",
     )
+    importers: list[str] = Field(
+        ["urdf", "glb", "obj"],
+        json_schema_extra={"kind": "importers"},
+        description="Kinds of files that are imported, by their suffix; of several in one folder the first.",
+    )
 
 
 class SnapshotOptions(Section):

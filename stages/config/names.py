@@ -19,7 +19,8 @@ def kind_of(section: type[Section], field: str) -> str | None:
 
 def modules(section: Section, *fields: str) -> list[str]:
     """Modules of the implementations that some keys of a section name, for the digest of a job's code."""
-    return [qualified(kind_of(type(section), field) or "", getattr(section, field)) for field in fields]
+    named = [(kind_of(type(section), field) or "", getattr(section, field)) for field in fields]
+    return [qualified(kind, name) for kind, value in named for name in ([value] if isinstance(value, str) else value)]
 
 
 def resolved(section: S, packages: Sequence[str], path: str, mistakes: list[Mistake] | None = None) -> S:
@@ -37,6 +38,10 @@ def resolved(section: S, packages: Sequence[str], path: str, mistakes: list[Mist
         try:
             if isinstance(value, Section):
                 changes[field] = resolved(value, packages, key, mistakes)
+            elif isinstance(value, dict) and all(isinstance(item, Section) for item in value.values()):
+                changes[field] = {
+                    name: resolved(item, packages, f"{key}.{name}", mistakes) for name, item in value.items()
+                }
             elif kind and isinstance(value, list):
                 changes[field] = [find(kind, name, packages, key) for name in value]
             elif kind:

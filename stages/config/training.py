@@ -1,10 +1,10 @@
 """Config section `training`: hyper-parameter sets ("runs") of the BC-RNN-GMM policy (paper B.3)."""
 
-from typing import Literal
+from typing import Any, Literal
 
 from pydantic import Field
 
-from stages.config.base import Rank, Section
+from stages.config.base import OWN, Rank, Section
 
 
 class NetworkConfig(Section):
@@ -29,6 +29,7 @@ class NetworkConfig(Section):
 class TrainingRun(Section):
     """One hyper-parameter set. The defaults are `lite`: minutes on one core."""
 
+    policy: str = Field("bc_rnn_gmm", json_schema_extra={"kind": "policies"}, description="the paper's")
     network: NetworkConfig = Field(NetworkConfig(), description="Sizes of the policy network.")
     rnn_horizon: int = Field(10, ge=1, description="steps per training sequence; paper: 10")
 
@@ -69,6 +70,7 @@ class TrainingRun(Section):
     wandb: Literal["disabled", "offline", "online"] = Field(
         "disabled", description="Weights & Biases run beside metrics.jsonl, below logs/training/wandb"
     )
+    own: dict[str, dict[str, Any]] = OWN
 
 
 PAPER_NETWORK = NetworkConfig(

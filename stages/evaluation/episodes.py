@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.policy.actor import Actor
+from stages.policies import ActorProtocol
 from stages.tasks.api import Observation, TaskEnv
 
 Image = NDArray[np.uint8]
@@ -25,7 +25,9 @@ class RolloutEpisode:
     pictures: list[Image] = field(default_factory=list)
 
 
-def roll_out(tasks: Sequence[TaskEnv], actor: Actor, seeds: Sequence[int], film_every: int) -> list[RolloutEpisode]:
+def roll_out(
+    tasks: Sequence[TaskEnv], actor: ActorProtocol, seeds: Sequence[int], film_every: int
+) -> list[RolloutEpisode]:
     """One episode per seed, in their order; an episode ends at success or after `max_steps`.
 
     `film_every`: steps between pictures of the first `FILMED` episodes, 0 for none.

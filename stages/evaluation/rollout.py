@@ -19,9 +19,8 @@ from stages.contracts.trained import TrainedPolicy
 from stages.evaluation.episodes import RolloutEpisode, roll_out
 from stages.evaluation.film import film
 from stages.plugins import short
-from stages.policy.actor import Actor
-from stages.policy.checkpoint import load_policy
-from stages.policy.network import Policy
+from stages.policies import TrainablePolicy
+from stages.policies.checkpoint import load_policy
 from stages.tasks.api import TaskEnv, make_task
 
 FIRST_STATE = 2**31  # demonstrations use seeds below: no policy is tested on a state that it was shown
@@ -106,10 +105,12 @@ class Arena:
         entries = read_json(Library, library).assets
         self.folders = {entry.id: library.parent / entry.folder for entry in entries}
 
-    def episodes(self, network: Policy, asset: TaskAsset, states: list[int], film_every: int) -> list[RolloutEpisode]:
+    def episodes(
+        self, network: TrainablePolicy, asset: TaskAsset, states: list[int], film_every: int
+    ) -> list[RolloutEpisode]:
         """One episode per initial state."""
         tasks = [self.task(asset) for _ in range(min(self.settings.envs, len(states)))]
-        actor = Actor(network, self.trained.run.rnn_horizon, len(tasks), self.settings.action)
+        actor = network.actor(len(tasks), self.settings.action)
         try:
             return roll_out(tasks, actor, states, film_every)
         finally:

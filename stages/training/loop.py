@@ -11,8 +11,8 @@ from torch import Tensor
 
 from stages.cli import progress
 from stages.config.training import TrainingRun
-from stages.policy.checkpoint import save_weights
-from stages.policy.network import Policy
+from stages.policies import TrainablePolicy
+from stages.policies.checkpoint import save_weights
 from stages.training.augment import augment
 from stages.training.dataset import Batch, DemonstrationSet, gather, split_episodes, windows
 from stages.training.logbook import Line
@@ -47,16 +47,7 @@ def generator(*key: int) -> torch.Generator:
     return torch.Generator().manual_seed(int(np.random.SeedSequence(key).generate_state(1)[0]))
 
 
-def negative_log_likelihood(policy: Policy, batch: Batch) -> tuple[Tensor, Tensor]:
-    """Mean negative log-density of the demonstrated actions, and the RMS error of the most likely ones."""
-    mixture = policy(batch.clouds, batch.proprio)
-    total = batch.weights.sum()
-    loss = -(mixture.log_prob(batch.actions) * batch.weights).sum() / total
-    squared = (mixture.most_likely().detach() - batch.actions).square().mean(-1)
-    return loss, ((squared * batch.weights).sum() / total).sqrt()
-
-
-def optimise(policy: Policy, state: TrainingState, setting: Setting, log: Callable[[Line], None]) -> None:
+def optimise(policy: TrainablePolicy, state: TrainingState, setting: Setting, log: Callable[[Line], None]) -> None:
     """Train `policy` from `state.step` to the last step; `state` collects the best weights."""
     run, data = setting.run, setting.data
     training, validation = split_episodes(data, run.validation_fraction, setting.seed)
@@ -71,7 +62,7 @@ def optimise(policy: Policy, state: TrainingState, setting: Setting, log: Callab
         chosen = torch.randint(len(frames), (run.batch_size,), generator=random).numpy()
         batch = to_device(gather(data, frames[chosen], real[chosen], run.network.points, random), setting.device)
         clouds, proprio = augment(batch.clouds, batch.proprio, run, random)
-        loss, _ = negative_log_likelihood(policy, Batch(clouds, proprio, batch.actions, batch.weights))
+        loss, _ = policy.loss(clouds, proprio, batch.actions, batch.weights)
         state.optimiser.zero_grad()
         loss.backward()
         torch.nn.utils.clip_grad_norm_(policy.parameters(), run.gradient_clip)
@@ -108,11 +99,11 @@ def validation_batches(setting: Setting, episodes: list[int]) -> Iterator[Batch]
 
 
 @torch.no_grad()
-def validate(policy: Policy, batches: list[Batch]) -> dict[str, float]:
+def validate(policy: TrainablePolicy, batches: list[Batch]) -> dict[str, float]:
     """Loss and action error on the validation episodes; empty without any."""
     if not batches:
         return {}
-    results = [torch.stack(negative_log_likelihood(policy, batch)) for batch in batches]
+    results = [torch.stack(policy.loss(batch.clouds, batch.proprio, batch.actions, batch.weights)) for batch in batches]
     weights = torch.stack([batch.weights.sum() for batch in batches])
     loss, error = (torch.stack(results) * weights[:, None]).sum(0) / weights.sum()
     return {"validation_loss": round(loss.item(), 5), "validation_error": round(error.item(), 5)}

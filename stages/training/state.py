@@ -10,7 +10,7 @@ import torch
 from torch import Tensor
 
 from stages.contracts.files import atomic
-from stages.policy.network import Policy
+from stages.policies import TrainablePolicy
 from stages.training.logbook import Line
 
 STATE = "state.pt"
@@ -30,7 +30,7 @@ class TrainingState:
     best: dict[str, Tensor] = field(default_factory=dict)
     lines: list[Line] = field(default_factory=list)
 
-    def note(self, policy: Policy, validation_loss: float | None, line: Line, select: str) -> None:
+    def note(self, policy: TrainablePolicy, validation_loss: float | None, line: Line, select: str) -> None:
         """Remember the line, and the weights if they are the best so far (without validation: the last ones)."""
         self.lines.append(line)
         latest = select == "last" or validation_loss is None
@@ -42,7 +42,7 @@ class TrainingState:
         """Whether `every` steps have passed since the last save."""
         return self.step - self.saved >= every
 
-    def save(self, policy: Policy, folder: Path) -> None:
+    def save(self, policy: TrainablePolicy, folder: Path) -> None:
         """Write the state; a crash while writing leaves the last one."""
         self.saved = self.step
         content = {
@@ -58,13 +58,13 @@ class TrainingState:
         with atomic(folder / STATE) as temporary:
             torch.save(content, temporary)
 
-    def resume(self, policy: Policy, folder: Path) -> bool:
+    def resume(self, policy: TrainablePolicy, folder: Path) -> bool:
         """Go on from the state in `folder` if there is one of this very run; one that cannot be read is set aside."""
         path = folder / STATE
         if not path.is_file():
             return False
         try:
-            content = torch.load(path, weights_only=True, map_location=policy.proprio_mean.device)
+            content = torch.load(path, weights_only=True, map_location=next(policy.parameters()).device)
             reason = self._fault(content, policy)
         except Exception as error:  # torch, zipfile and pickle raise many kinds for a broken file
             reason = f"cannot be read ({error.__class__.__name__})"
@@ -81,7 +81,7 @@ class TrainingState:
         self.saved = self.step
         return True
 
-    def _fault(self, content: Any, policy: Policy) -> str:
+    def _fault(self, content: Any, policy: TrainablePolicy) -> str:
         """Why the content of a state file is of no use; '' if nothing is wrong with it."""
         if not isinstance(content, dict) or not set(content) >= KEYS:
             return "is no training state"

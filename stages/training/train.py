@@ -9,13 +9,14 @@ from typing import Literal
 
 import torch
 
-from stages.config.code import code_digest
+from stages.config.code import code_digest, cover
 from stages.config.training import TrainingRun
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_options, write_json, write_text
 from stages.contracts.trained import TrainedPolicy
-from stages.policy.checkpoint import FILES, save_weights
-from stages.policy.network import Policy
+from stages.plugins import qualified
+from stages.policies import make_policy
+from stages.policies.checkpoint import FILES, save_weights
 from stages.training.dataset import DemonstrationSet, read_demonstrations, split_episodes
 from stages.training.logbook import Logbook
 from stages.training.loop import Setting, optimise
@@ -34,7 +35,7 @@ def run(
     threads: int = 1,
     device: Literal["cpu", "cuda"] = "cpu",
 ) -> None:
-    """Train a BC-RNN-GMM policy.
+    """Train a policy.
 
     An interrupted run leaves its state in the folder `<out>.work`, and the same command and code go on from there.
 
@@ -59,8 +60,8 @@ def run(
         )
     setting = Setting(hyper, data, seed, device, work=out.parent / f"{out.name}.work")
     training, validation = split_episodes(data, hyper.validation_fraction, seed)
-    policy = Policy(hyper.network, bf16=hyper.precision == "bf16")
-    fit_normaliser(policy, data, training)
+    policy = make_policy(hyper)
+    policy.fit(data.clouds, data.proprio, frames_of(data, training))
     policy.to(device)
     optimiser = torch.optim.AdamW(policy.parameters(), weight_decay=hyper.weight_decay, fused=True)
     state = TrainingState(optimiser, fingerprint(data, hyper, seed))
@@ -105,22 +106,15 @@ def run(
         setting.work.rmdir()
 
 
-def fit_normaliser(policy: Policy, data: DemonstrationSet, episodes: list[int]) -> None:
-    """Mean and spread of proprioception, and of the clouds where `standardise` asks for it, over training episodes."""
+def frames_of(data: DemonstrationSet, episodes: list[int]) -> torch.Tensor:
+    """Rows of the frames of some episodes."""
     ends = torch.tensor(data.lengths).cumsum(0)
-    used = torch.cat([torch.arange(int(ends[i]) - data.lengths[i], int(ends[i])) for i in episodes])
-    proprio = data.proprio[used]
-    policy.proprio_mean.copy_(proprio.mean(0))
-    policy.proprio_std.copy_(proprio.std(0).clamp_min(1e-3))
-    if policy.network.standardise:
-        some = used[:: max(1, len(used) // 1000)]  # a thousand clouds say enough
-        xyz = policy.in_frame(data.clouds[some].float(), data.proprio[some]).flatten(0, -2)
-        policy.cloud_mean.copy_(xyz.mean(0))
-        policy.cloud_std.copy_((xyz - xyz.mean(0)).square().mean().sqrt())
-        policy.pointnet.standardise(policy.normalised(data.clouds[some].float(), data.proprio[some]))
+    return torch.cat([torch.arange(int(ends[i]) - data.lengths[i], int(ends[i])) for i in episodes])
 
 
 def fingerprint(data: DemonstrationSet, run: TrainingRun, seed: int) -> str:
     """What must be equal for an interrupted run to go on: data, options, seed and code."""
-    text = json.dumps([data.digest, run.model_dump(mode="json"), seed, code_digest(__name__)], sort_keys=True)
+    policy = qualified("policies", run.policy)
+    cover([policy])
+    text = json.dumps([data.digest, run.model_dump(mode="json"), seed, code_digest(__name__, policy)], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()

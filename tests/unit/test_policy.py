@@ -7,12 +7,12 @@ import pytest
 import torch
 from torch.nn import functional
 
-from stages.config.training import NetworkConfig
+from stages.config.training import NetworkConfig, TrainingRun
 from stages.contracts.errors import InputError
-from stages.policy.actor import Actor
-from stages.policy.mixture import Mixture
-from stages.policy.network import Policy
-from stages.policy.pointnet import PointNet
+from stages.policies.bc_rnn_gmm import Policy
+from stages.policies.bc_rnn_gmm.actor import Actor
+from stages.policies.bc_rnn_gmm.mixture import Mixture
+from stages.policies.bc_rnn_gmm.pointnet import PointNet
 
 
 def dense(net: PointNet, clouds: torch.Tensor) -> torch.Tensor:
@@ -93,26 +93,26 @@ def test_mixture_density_and_choices() -> None:
 def test_paper_sizes() -> None:
     """B.3: 2-layer 512 PointNet, 128-d flag embedding, LSTM 512; 3.01 M parameters with MLP 512, 512 and 5 modes."""
     sizes = {"pointnet_width": 512, "pointnet_layers": 2, "rnn_hidden": 512, "mlp": [512, 512], "gmm_modes": 5}
-    policy = Policy(NetworkConfig.model_validate(sizes))
+    policy = Policy(TrainingRun(network=NetworkConfig.model_validate(sizes)))
     assert policy.pointnet.first.in_features == 3 + 128
     assert sum(parameter.numel() for parameter in policy.parameters()) == pytest.approx(3.01e6, rel=0.01)
 
 
 def test_gripper_frame_sees_no_common_shift() -> None:
-    policy = Policy(NetworkConfig(cloud_frame="gripper"))
+    policy = Policy(TrainingRun(network=NetworkConfig(cloud_frame="gripper")))
     cloud, proprio, shift = clouds(1, 40)[None], torch.randn(1, 1, 9), torch.tensor([0.3, -0.2, 0.1])
     moved, moved_proprio = cloud.clone(), proprio.clone()
     moved[..., :3] += shift
     moved_proprio[..., :3] += shift
     assert torch.allclose(policy.in_frame(cloud, proprio), policy.in_frame(moved, moved_proprio), atol=1e-6)
-    robot = Policy(NetworkConfig(cloud_frame="robot"))
+    robot = Policy(TrainingRun(network=NetworkConfig(cloud_frame="robot")))
     assert torch.equal(robot.in_frame(cloud, proprio), cloud[..., :3])
 
 
 def test_actor_acts_as_the_network_on_the_last_steps() -> None:
     """Stepwise in a batch of episodes of unequal age = the whole sequence at once."""
     torch.manual_seed(0)
-    policy = Policy(NetworkConfig(points=40)).eval()
+    policy = Policy(TrainingRun(network=NetworkConfig(points=40))).eval()
     observations = clouds(6, 40).numpy(), np.random.default_rng(0).normal(size=(6, 9)).astype(np.float32)
     actor = Actor(policy, horizon=4, slots=2, choose="most_likely")
     actor.reset(0, 1)
@@ -128,7 +128,7 @@ def test_actor_acts_as_the_network_on_the_last_steps() -> None:
 
 def test_actor_repeats_itself_after_reset() -> None:
     torch.manual_seed(0)
-    actor = Actor(Policy(NetworkConfig(points=16)).eval(), horizon=10, slots=1, choose="sample")
+    actor = Actor(Policy(TrainingRun(network=NetworkConfig(points=16))).eval(), horizon=10, slots=1, choose="sample")
     cloud, proprio = clouds(1, 64)[0].numpy(), np.zeros(9, np.float32)
 
     def episode(seed: int) -> np.ndarray:
@@ -144,7 +144,7 @@ def test_actor_repeats_itself_after_reset() -> None:
 def test_lstm_is_the_only_memory() -> None:
     """What came before matters, and matters no more once the LSTM neither looks back nor keeps its cell."""
     torch.manual_seed(0)
-    policy = Policy(NetworkConfig(points=40)).eval()
+    policy = Policy(TrainingRun(network=NetworkConfig(points=40))).eval()
     cloud, proprio = clouds(4, 40)[None], torch.randn(1, 4, 9)
 
     def gap() -> float:
@@ -162,7 +162,7 @@ def test_lstm_is_the_only_memory() -> None:
 
 
 def test_missing_policy_is_an_input_error(tmp_path) -> None:  # type: ignore[no-untyped-def]
-    from stages.policy.checkpoint import load_policy
+    from stages.policies.checkpoint import load_policy
 
     with pytest.raises(InputError, match=r"config\.json"):
         load_policy(tmp_path, "best")

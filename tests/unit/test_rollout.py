@@ -15,7 +15,7 @@ from stages.contracts.policies import TaskAsset, TaskAssets
 from stages.evaluation import rollout
 from stages.evaluation.episodes import FILMED, RolloutEpisode, roll_out
 from stages.evaluation.film import film, pick
-from stages.policy.checkpoint import save_weights
+from stages.policies.checkpoint import save_weights
 from stages.tasks.api import Observation, StepResult
 from stages.training.train import run as train
 from tests.toy_reach import Float, ToyReach, write_store

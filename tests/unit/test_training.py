@@ -12,14 +12,13 @@ from safetensors.torch import load_file
 from stages.config.training import TrainingRun
 from stages.contracts.errors import InputError
 from stages.contracts.policy_folder import read_config
-from stages.policy.actor import Actor
-from stages.policy.checkpoint import load_policy
-from stages.policy.network import Policy
+from stages.policies import make_policy
+from stages.policies.checkpoint import load_policy
 from stages.training import loop
 from stages.training.augment import augment
 from stages.training.dataset import gather, read_demonstrations, split_episodes, windows
 from stages.training.state import TrainingState, copy_weights
-from stages.training.train import fit_normaliser
+from stages.training.train import frames_of
 from stages.training.train import run as train
 from tests.toy_reach import ToyReach, write_store
 
@@ -48,7 +47,7 @@ def test_learns_to_reach_what_the_cloud_shows(store: Path, tmp_path: Path) -> No
     policy = load_policy(tmp_path / "policy", "last")
     reached = []
     for seed in range(1000, 1020):
-        toy, actor = ToyReach(seed), Actor(policy, horizon=10, slots=1, choose="most_likely")
+        toy, actor = ToyReach(seed), policy.actor(slots=1, choose="most_likely")
         actor.reset(0, seed)
         for _ in range(16):
             cloud, proprio = toy.observe()
@@ -206,7 +205,7 @@ def test_too_few_episodes_and_broken_stores_are_input_errors(store: Path, tmp_pa
 
 @pytest.mark.parametrize(("select", "kept"), [("validation", 2), ("last", 3)])
 def test_the_best_weights_are_those_of_the_lowest_validation_loss(select: str, kept: int) -> None:
-    policy = Policy(TrainingRun.model_validate(json.loads(options())).network)
+    policy = make_policy(TrainingRun.model_validate(json.loads(options())))
     state = TrainingState(torch.optim.AdamW(policy.parameters()), fingerprint="")
     for step, loss in enumerate((3.0, 1.0, 2.0), start=1):
         state.step = step
@@ -223,7 +222,7 @@ def test_gradients_are_clipped(store: Path, tmp_path: Path) -> None:
     def largest_change(clip: float) -> float:
         run = TrainingRun.model_validate(json.loads(options(steps=1, weight_decay=0.0, gradient_clip=clip)))
         torch.manual_seed(0)
-        policy = Policy(run.network)
+        policy = make_policy(run)
         before = copy_weights(policy.state_dict())
         optimiser = torch.optim.AdamW(policy.parameters(), weight_decay=0.0)
         state = TrainingState(optimiser, fingerprint="")
@@ -235,8 +234,8 @@ def test_gradients_are_clipped(store: Path, tmp_path: Path) -> None:
 
 def test_the_normaliser_knows_training_episodes_alone(store: Path) -> None:
     data = read_demonstrations([store], 4)
-    policy = Policy(TrainingRun.model_validate(json.loads(options())).network)
-    fit_normaliser(policy, data, [0, 2])
+    policy = make_policy(TrainingRun.model_validate(json.loads(options())))
+    policy.fit(data.clouds, data.proprio, frames_of(data, [0, 2]))
     frames = torch.arange(len(data.proprio)).split(data.lengths)
     used = data.proprio[torch.cat([frames[0], frames[2]])]
     torch.testing.assert_close(policy.proprio_mean, used.mean(0))

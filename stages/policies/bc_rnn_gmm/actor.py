@@ -1,14 +1,15 @@
 """A policy in closed loop on several environments: one forward pass per control step for all of them."""
 
 from collections.abc import Sequence
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from stages.policy.network import Policy
+if TYPE_CHECKING:
+    from stages.policies.bc_rnn_gmm.network import BcRnnGmm
 
 Float = NDArray[np.float32]
 
@@ -23,7 +24,7 @@ class Actor:
         choose: 'sample' a mode of the mixture by its weight (robomimic), or take the 'most_likely'.
     """
 
-    def __init__(self, policy: Policy, horizon: int, slots: int, choose: Literal["sample", "most_likely"]) -> None:
+    def __init__(self, policy: "BcRnnGmm", horizon: int, slots: int, choose: Literal["sample", "most_likely"]) -> None:
         self.policy, self.horizon, self.choose = policy, horizon, choose
         self.device = policy.proprio_mean.device
         self.past: list[list[Tensor]] = [[] for _ in range(slots)]

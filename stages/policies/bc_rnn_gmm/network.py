@@ -6,9 +6,11 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from stages.config.training import NetworkConfig
-from stages.policy.mixture import Mixture
-from stages.policy.pointnet import PointNet
+from stages.config.training import TrainingRun
+from stages.policies import Choice, TrainablePolicy
+from stages.policies.bc_rnn_gmm.actor import Actor
+from stages.policies.bc_rnn_gmm.mixture import Mixture
+from stages.policies.bc_rnn_gmm.pointnet import PointNet
 
 ACTION = 7  # delta position 3, delta axis-angle 3, gripper
 PROPRIO = 9  # end-effector position 3, quaternion 4, finger joints 2
@@ -16,7 +18,7 @@ PROPRIO = 9  # end-effector position 3, quaternion 4, finger joints 2
 State = tuple[Tensor, Tensor]
 
 
-class Policy(nn.Module):
+class BcRnnGmm(TrainablePolicy):
     """Policy network with its normaliser. Clouds and proprioception come in the robot base frame, metres."""
 
     proprio_mean: Tensor
@@ -24,11 +26,11 @@ class Policy(nn.Module):
     cloud_mean: Tensor
     cloud_std: Tensor
 
-    def __init__(self, network: NetworkConfig, bf16: bool = False) -> None:
-        super().__init__()
-        self.network = network
+    def __init__(self, run: TrainingRun) -> None:
+        super().__init__(run)
+        self.network = network = run.network
         width, hidden, modes = network.pointnet_width, network.rnn_hidden, network.gmm_modes
-        self.pointnet = PointNet(width, network.pointnet_layers, network.flag_embedding, bf16)
+        self.pointnet = PointNet(width, network.pointnet_layers, network.flag_embedding, run.precision == "bf16")
         self.lstm = nn.LSTM(width + PROPRIO, hidden, batch_first=True)
         sizes = [hidden, *network.mlp]
         self.mlp = nn.Sequential(*(nn.Sequential(nn.Linear(a, b), nn.ReLU()) for a, b in pairwise(sizes)))
@@ -74,3 +76,27 @@ class Policy(nn.Module):
     def forward(self, clouds: Tensor, proprio: Tensor) -> Mixture:
         """Mixtures (B, T, ...) of sequences of clouds (B, T, P, 4) and proprioception (B, T, 9)."""
         return self.decode(self.encode(clouds, proprio))[0]
+
+    def loss(self, clouds: Tensor, proprio: Tensor, actions: Tensor, weights: Tensor) -> tuple[Tensor, Tensor]:
+        """Mean negative log-density of the actions, and the RMS error of the most likely ones."""
+        mixture = self(clouds, proprio)
+        total = weights.sum()
+        loss = -(mixture.log_prob(actions) * weights).sum() / total
+        squared = (mixture.most_likely().detach() - actions).square().mean(-1)
+        return loss, ((squared * weights).sum() / total).sqrt()
+
+    def fit(self, clouds: Tensor, proprio: Tensor, frames: Tensor) -> None:
+        """Mean and spread of proprioception, and of the clouds where `standardise` asks for it."""
+        used = proprio[frames]
+        self.proprio_mean.copy_(used.mean(0))
+        self.proprio_std.copy_(used.std(0).clamp_min(1e-3))
+        if self.network.standardise:
+            some = frames[:: max(1, len(frames) // 1000)]  # a thousand clouds say enough
+            xyz = self.in_frame(clouds[some].float(), proprio[some]).flatten(0, -2)
+            self.cloud_mean.copy_(xyz.mean(0))
+            self.cloud_std.copy_((xyz - xyz.mean(0)).square().mean().sqrt())
+            self.pointnet.standardise(self.normalised(clouds[some].float(), proprio[some]))
+
+    def actor(self, slots: int, choose: Choice) -> Actor:
+        """One that runs the LSTM over the last `rnn_horizon` observations."""
+        return Actor(self, self.run.rnn_horizon, slots, choose)

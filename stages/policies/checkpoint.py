@@ -8,7 +8,7 @@ from torch import Tensor
 from stages.contracts.errors import InputError
 from stages.contracts.files import atomic
 from stages.contracts.policy_folder import check_weights, read_config
-from stages.policy.network import Policy
+from stages.policies import TrainablePolicy, make_policy
 
 FILES = {"best": "policy.safetensors", "last": "last.safetensors"}
 
@@ -19,7 +19,7 @@ def save_weights(path: Path, weights: dict[str, Tensor]) -> None:
         temporary.write_bytes(save({name: tensor.detach().cpu().contiguous() for name, tensor in weights.items()}))
 
 
-def load_policy(folder: Path, checkpoint: str, device: str = "cpu") -> Policy:
+def load_policy(folder: Path, checkpoint: str, device: str = "cpu") -> TrainablePolicy:
     """The policy of a training folder, ready for inference.
 
     Args:
@@ -30,7 +30,7 @@ def load_policy(folder: Path, checkpoint: str, device: str = "cpu") -> Policy:
         InputError: a file is missing, or the weights do not fit the sizes in config.json.
     """
     config = read_config(folder)
-    policy = Policy(config.run.network, bf16=config.run.precision == "bf16")
+    policy = make_policy(config.run)
     path = folder / FILES.get(checkpoint, checkpoint)
     check_weights(path, config)
     try:

@@ -1,0 +1,22 @@
+"""Readers of model files, one per suffix: the importer `glb` reads `.glb`."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from stages.articulated.model import RobotModel
+
+Axis = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
+
+
+@dataclass(frozen=True)
+class Importer:
+    """How a kind of file is read.
+
+    read: from the file and the user's folder that it lies in (no path may lead out of it) to a model in the file's own
+    frame and unit. up: direction up in such a file, unless the notes beside it say otherwise.
+    """
+
+    read: Callable[[Path, Path], RobotModel]
+    up: Axis = "+z"

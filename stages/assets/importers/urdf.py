@@ -1,0 +1,6 @@
+"""URDF, articulated or not."""
+
+from stages.articulated.urdf_reader import read_urdf
+from stages.assets.importers import Importer
+
+IMPORTER = Importer(read_urdf)

@@ -1,0 +1,55 @@
+"""Policies: what `training` trains and `evaluation` rolls out; one folder each, and their files. No simulator (B.3)."""
+
+from collections.abc import Sequence
+from typing import Literal, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from torch import Tensor, nn
+
+from stages.config.training import TrainingRun
+from stages.plugins import load
+
+Float = NDArray[np.float32]
+Choice = Literal["sample", "most_likely"]
+
+
+class ActorProtocol(Protocol):
+    """A policy in closed loop on several environments, each in a slot with its own memory."""
+
+    def reset(self, slot: int, seed: int) -> None:
+        """Start an episode; `seed` decides every random choice of it."""
+        ...
+
+    def act(self, slots: Sequence[int], clouds: Sequence[Float], proprio: Sequence[Float]) -> Float:
+        """Actions (n, 7) in [-1, 1] of the environments in `slots`, from clouds (P, 4) and proprioception (9,)."""
+        ...
+
+
+class TrainablePolicy(nn.Module):
+    """What an implementation's `Policy` is: made from a hyper-parameter set, with its normaliser as buffers.
+
+    Clouds (..., P, 4) are x, y, z and a finger flag, proprioception (..., 9) is end-effector position, quaternion wxyz
+    and fingers, actions (..., 7) are in [-1, 1]; metres, robot base frame.
+    """
+
+    def __init__(self, run: TrainingRun) -> None:
+        super().__init__()
+        self.run = run
+
+    def fit(self, clouds: Tensor, proprio: Tensor, frames: Tensor) -> None:
+        """Fit the normaliser before training; `frames` are the rows of clouds and proprioception to be trained on."""
+
+    def loss(self, clouds: Tensor, proprio: Tensor, actions: Tensor, weights: Tensor) -> tuple[Tensor, Tensor]:
+        """Loss of sequences (B, T, ...), and the RMS error of the actions; steps with weight 0 do not count."""
+        raise NotImplementedError
+
+    def actor(self, slots: int, choose: Choice) -> ActorProtocol:
+        """The policy in closed loop, with as many memories as there are environments."""
+        raise NotImplementedError
+
+
+def make_policy(run: TrainingRun) -> TrainablePolicy:
+    """The policy that a hyper-parameter set names, not yet trained."""
+    policy: TrainablePolicy = load("policies", run.policy)(run)
+    return policy
