@@ -97,7 +97,7 @@ def test_meshes_become_one_body_with_notes(tmp_path: Path) -> None:
 def test_model_files_prefers_urdf_over_meshes(folder: Path) -> None:
     trimesh.creation.box().export(folder / "bottom_cabinet" / "Oak 1" / "part.obj")
     trimesh.creation.box().export(folder / "bottom_cabinet" / "single.obj")
-    assert [path.name for path in model_files(folder)] == ["cab.urdf", "single.obj"]
+    assert [path.name for path in model_files(folder, [".urdf", ".glb", ".obj"])] == ["cab.urdf", "single.obj"]
     assert snake_case(" Bottom-Cabinet 3") == "bottom_cabinet_3"
 
 
