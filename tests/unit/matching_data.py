@@ -146,16 +146,17 @@ SHOWN: list[tuple[str, float, dict]] = [
 
 
 class World:
-    """Files of one library and one scene."""
+    """Files of one library and one scene; `options`: keys of `matching` that hold for all that is made."""
 
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
+    def __init__(self, folder: Path, **options: Any) -> None:
+        self.folder, self.options = folder, options
+        encoding = json.dumps({key: options[key] for key in ("encoder", "own") if key in options})
         self.library = write_library(folder)
         names = sorted(MODELS)
         self.snapshots = [write_snapshots(folder / f"shard_{k}.h5", names[k::2]) for k in range(2)]
         self.features = [folder / "features" / f"shard_{k}.npy" for k in range(2)]
         for snapshots, out in zip(self.snapshots, self.features, strict=True):
-            features(snapshots=snapshots, out=out)
+            features(snapshots=snapshots, out=out, options=encoding)
         self.objects = write_scene(folder / "scene", SHOWN)
 
     def match(self, out: Path, **options: Any) -> Cousins:
@@ -165,7 +166,7 @@ class World:
             library=self.library,
             features=self.features,
             out=out,
-            options=json.dumps(options),
+            options=json.dumps(self.options | options),
         )
         return read_json(Cousins, out)
 

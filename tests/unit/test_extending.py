@@ -1,0 +1,212 @@
+"""Every kind of implementation from a package outside the checkout: the one of docs/extending.md, through the verbs."""
+
+import json
+import re
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+import trimesh
+
+from stages.assets.library import run as make_library
+from stages.config import code
+from stages.config.demonstrations import DemonstrationsConfig
+from stages.config.model import load
+from stages.config.task import TaskConfig
+from stages.contracts import InputError, Library, Objects, read_json
+from stages.demonstrations.attempt import Recorder
+from stages.extraction.extract import run as extract
+from stages.geometry.boxes import UprightBox
+from stages.plugins import KINDS, available, find
+from stages.policies.checkpoint import load_policy
+from stages.scenes.layout import arrange
+from stages.scenes.rooms import read_room, room_files
+from stages.tasks.api import make_task
+from stages.training.train import run as train
+from tests.toy_reach import write_store
+from tests.unit.demo_assets import cabinet
+from tests.unit.matching_data import World
+from tests.unit.synthetic_room import write_room
+from tests.workflow.workspace import ROOT, make, snakemake
+
+BLOCK = re.compile(r"```(?:python|yaml)\n# (my_package/\S+)\n(.*?)```", re.DOTALL)
+
+
+def write_package(folder: Path) -> Path:
+    """The package that the page shows, below `folder`."""
+    for name, text in BLOCK.findall((ROOT / "docs/extending.md").read_text()):
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text)
+    return folder / "my_package"
+
+
+@pytest.fixture(scope="module")
+def package(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    folder = tmp_path_factory.mktemp("outside")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(folder)
+        yield write_package(folder)
+    for name in [name for name in sys.modules if name.split(".")[0] == "my_package"]:
+        del sys.modules[name]
+
+
+def test_the_page_has_one_of_every_kind(package: Path) -> None:
+    yours = {kind: set(available(kind, ["my_package"])) - set(available(kind)) for kind in KINDS}
+    assert all(len(names) == 1 for names in yours.values()), yours
+    assert "my_package" not in sys.modules  # found without being imported
+    table = (ROOT / "docs/extending.md").read_text()
+    assert all(f"`{kind}/{name}" in table for kind, names in yours.items() for name in names)
+
+
+def test_names_are_made_loadable_and_wrong_ones_are_explained(package: Path) -> None:
+    training = {"runs": {"mine": {"policy": "mean_action"}}}
+    experiment = {"variants": {"b": {"model_selection": "by_name"}}, "rooms": ["attic"], "tasks": {}, "runs": ["mine"]}
+    config = load(
+        {
+            "plugins": ["my_package"],
+            "matching": {"encoder": "colours", "own": {"colours": {"grid": 8}}},
+            "assets": {"importers": ["urdf", "stl"]},
+            "experiment": {
+                "variants": {"b": {"model_selection": "by_name"}},
+                "rooms": ["attic", "room_1"],
+                "tasks": {},
+            },
+            "training": {"runs": runs},
+        }
+    )
+    assert config.matching.encoder == "my_package.encoders.colours" and config.matching.search == "torch"
+    assert config.assets.importers == ["urdf", "my_package.importers.stl"]
+    assert config.matching_of("b").model_selection == "my_package.judges.by_name"
+    assert config.training.runs["mine"].policy == "my_package.policies.mean_action"
+    for wrong, message in (
+        ({"matching": {"encoder": "colour"}}, "matching.encoder: there is no 'colour'. Fix: did you mean 'colours'?"),
+        ({"matching": {"own": {"colors": {}}}}, "matching.own.colors: there is no 'colors'"),
+        ({"plugins": ["your_package"]}, "there is no package 'your_package'"),
+    ):
+        with pytest.raises(InputError, match=re.escape(message)):
+            load({"plugins": ["my_package"], "experiment": {"tasks": {}}} | wrong)
+
+
+def test_a_name_that_is_taken_is_refused(package: Path) -> None:
+    (package / "searches" / "torch.py").write_text("def search(): ...")
+    try:
+        with pytest.raises(InputError, match=r"'torch' is in stages\.matching\.searches.*and in my_package\.searches"):
+            find("searches", "torch", ["my_package"])
+    finally:
+        (package / "searches" / "torch.py").unlink()
+
+
+def test_an_edit_of_a_plugin_or_of_what_it_imports_changes_the_digest(
+    package: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(code, "ROOTS", dict(code.ROOTS))
+    code.cover(["my_package"])
+
+    def digest() -> str:
+        for cached in (code.source, code._tree, code._needs, code.code_digest):
+            cached.cache_clear()
+        return code.code_digest("stages.matching.match", "my_package.encoders.colours")
+
+    seen = {digest()}
+    encoder, helper = package / "encoders" / "colours.py", package / "helper.py"
+    text = encoder.read_text()
+    for path, content in ((encoder, "from ..helper import x\n" + text), (helper, "x = 1"), (helper, "x = 2")):
+        path.write_text(content)
+        seen.add(digest())
+    assert len(seen) == 4
+    (package / "judges" / "by_name.py").touch()
+    encoder.write_text(text)
+    helper.unlink()
+    assert digest() in seen
+
+
+def test_encoder_text_encoder_search_and_judge(package: Path, tmp_path: Path) -> None:
+    world = World(
+        tmp_path,
+        encoder="my_package.encoders.colours",
+        text_encoder="my_package.text_encoders.last_word",
+        search="my_package.searches.brute",
+        model_selection="my_package.judges.by_name",
+        own={"colours": {"grid": 8}},
+    )
+    first = world.match(tmp_path / "cousins.json", count_threshold=None).objects[0]
+    assert first.decided_by == "my_package.judges.by_name" and first.orientation_decided_by == "distance"
+    assert [cousin.asset for cousin in first.cousins] == sorted(cousin.asset for cousin in first.cousins)
+    assert {category.category for category in first.categories} == {"cabinet"}
+    nearest = first.by_distance[0]
+    assert nearest.asset == "cabinet_00" and np.load(world.features[0]).shape[1] == 5
+
+
+def test_source(package: Path, tmp_path: Path) -> None:
+    boxes = [UprightBox([3.7, -0.8, 0.4], [0.6, 0.8, 0.8], 0.0), UprightBox([2.4, 0.5, 0.25], [0.5, 0.5, 0.5], 0.5)]
+    folder = write_room(tmp_path / "input", boxes, ["cabinet", "box"])
+    out = tmp_path / "out" / "objects.json"
+    extract(input=folder, scene="s", out=out, options='{"source": "my_package.sources.smoothed"}')
+    assert {item.status for item in read_json(Objects, out).objects} == {"ok"}
+    with np.load(folder / "depth.npz") as given, np.load(tmp_path / "out" / "depth.npz") as used:
+        assert np.array_equal(used["depth"], cv2.medianBlur(given["depth"].astype(np.float32), 5))
+
+
+def test_importer(package: Path, tmp_path: Path) -> None:
+    (tmp_path / "mine" / "box").mkdir(parents=True)
+    trimesh.creation.box((0.3, 0.4, 0.5)).export(tmp_path / "mine" / "box" / "crate.stl")
+    options = {"counts": {}, "folders": [str(tmp_path / "mine")]}
+    with pytest.raises(InputError, match="holds no URDF or GLB or OBJ"):
+        make_library(out=tmp_path / "library.json", options=json.dumps(options))
+    options["importers"] = ["urdf", "my_package.importers.stl"]
+    make_library(out=tmp_path / "library.json", options=json.dumps(options))
+    assert [entry.id for entry in read_json(Library, tmp_path / "library.json").assets] == ["box_crate"]
+
+
+def test_task_and_skill(package: Path, tmp_path: Path) -> None:
+    cabinet(tmp_path / "door")
+    options = TaskConfig(scale_variants=1)
+    name = find("tasks", "touch", ["my_package"])
+    task = make_task(name, tmp_path / "door", "door_0_joint", None, options, render=False)
+    episode, outcome = Recorder(task, DemonstrationsConfig()).attempt(3)
+    assert outcome.success and task.success and task.opened < 0.1 and 2 < len(episode.actions) < 30
+    assert task.task.target_joint(tmp_path / "door") is not None
+    task.close()
+
+
+def test_room(package: Path) -> None:
+    room = read_room(room_files([], ["my_package"])["attic"])
+    layout = arrange(room, {"chest": (0.5, 0.9, 0.8), "stool": (0.4, 0.4, 0.45)})
+    assert room.name == "attic" and layout is not None and set(layout.standing) == {"chest", "stool"}
+
+
+def test_policy(package: Path, tmp_path: Path) -> None:
+    store = write_store(tmp_path / "episodes.h5", 4)
+    options = {"policy": "my_package.policies.mean_action", "steps": 60, "batch_size": 8, "learning_rate": 0.05}
+    train(episodes=(store,), per_store=4, options=json.dumps(options | {"network": {"points": 16}}), out=tmp_path / "p")
+    policy = load_policy(tmp_path / "p", "best")
+    policy.actor(2, "most_likely").reset(0, 0)
+    action = policy.actor(2, "most_likely").act([0, 1], [], [])
+    assert action.shape == (2, 7) and 0.1 < action[0, 0] < 1.0  # the objects of the toy are ahead
+
+
+def test_a_run_with_plugins_has_a_dag(tmp_path: Path) -> None:
+    folder = make(tmp_path / "run")
+    write_package(folder)
+    (folder / "mine.yaml").write_text(
+        "plugins: [my_package]\n"
+        "assets: {importers: [urdf, stl]}\n"
+        "extraction: {source: smoothed}\n"
+        "matching: {encoder: colours, text_encoder: last_word, search: brute, model_selection: by_name}\n"
+        "training: {runs: {micro: {policy: mean_action}}}\n"
+        "experiment: {rooms: [room_1, attic], tasks: {touch: {scene: room_1, object: cabinet_1}, door: null}}\n"
+    )
+    files = ("config.yaml", "config/test/micro.yaml", "mine.yaml")
+    done = snakemake(folder, "-n", "-p", "--configfile", *files, "--", "all")
+    assert done.returncode == 0, done.stdout[-3000:]
+    for text in (
+        "my_package/rooms/attic.yaml",
+        '"encoder": "my_package.encoders.colours"',
+        '"policy": "my_package.policies.mean_action"',
+        "--task my_package.tasks.touch",
+        "results/demonstrations/touch/twin/episodes.h5",
+    ):
+        assert text in done.stdout, text
