@@ -69,12 +69,8 @@ def test_names_are_made_loadable_and_wrong_ones_are_explained(package: Path) -> 
             "plugins": ["my_package"],
             "matching": {"encoder": "colours", "own": {"colours": {"grid": 8}}},
             "assets": {"importers": ["urdf", "stl"]},
-            "experiment": {
-                "variants": {"b": {"model_selection": "by_name"}},
-                "rooms": ["attic", "room_1"],
-                "tasks": {},
-            },
-            "training": {"runs": runs},
+            "experiment": experiment,
+            "training": training,
         }
     )
     assert config.matching.encoder == "my_package.encoders.colours" and config.matching.search == "torch"
