@@ -31,5 +31,6 @@ if ! .venv/bin/uv --version 2>/dev/null | grep -q "uv $uv_version"; then
     .venv/bin/python -m pip install --quiet --require-hashes -r envs/bootstrap.txt
 fi
 export VIRTUAL_ENV="$PWD/.venv"
-.venv/bin/uv pip install --require-hashes -r envs/requirements.txt
+# Bytecode is compiled once, here: else every job does it again where Python may not write it (PYTHONDONTWRITEBYTECODE).
+.venv/bin/uv pip install --compile-bytecode --require-hashes -r envs/requirements.txt
 .venv/bin/uv pip install --quiet --no-deps --no-build-isolation -e .

@@ -4,13 +4,16 @@ import ast
 import hashlib
 import re
 from collections.abc import Iterable
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
 from stages import plugins
 
 ROOTS = {"stages": Path(__file__).resolve().parents[1]}  # of the packages whose code counts
-MODULE_NAME = re.compile(r"(\w+(?:\.\w+)+)(?::\w+)?")  # as text: "stages.x.y" or "stages.x.y:Class"
+MODULE_NAME = re.compile(r"""["'](\w+(?:\.\w+)+)(?::\w+)?["']""")  # as text: "stages.x.y" or "stages.x.y:Class"
+# Import statements are cut out before they are parsed: whole modules take a second more at every start of the workflow.
+IMPORT = re.compile(r"^[ \t]*((?:from\s+[\w.]+\s+)?import\b\s*(?:\([^)]*\)|(?:\\\n|[^\n(])*))", re.MULTILINE)
 DATA_SUFFIXES = {".jinja", ".html", ".css", ".js", ".csv", ".json"}  # shipped beside modules
 
 
@@ -35,16 +38,26 @@ def source(module: str) -> Path | None:
 
 
 @cache
-def _tree(module: str) -> ast.Module:
+def _text(module: str) -> str:
     path = source(module)
-    return ast.parse(path.read_text(encoding="utf-8") if path else "")
+    return path.read_text(encoding="utf-8") if path else ""
+
+
+@cache
+def _imports(module: str) -> tuple[ast.stmt, ...]:
+    """The import statements of a module, wherever they stand."""
+    statements: list[ast.stmt] = []
+    for text in IMPORT.findall(_text(module)):
+        with suppress(SyntaxError):  # a line of prose that begins like one
+            statements += ast.parse(text).body
+    return tuple(statements)
 
 
 def _origin(module: str, name: str) -> str:
     """The module that `from module import name` really needs (re-exports are followed)."""
     if source(f"{module}.{name}"):
         return f"{module}.{name}"
-    for node in _tree(module).body:
+    for node in _imports(module):
         if isinstance(node, ast.ImportFrom) and source(origin := _imported(node, module)):
             for alias in node.names:
                 if (alias.asname or alias.name) == name:
@@ -66,14 +79,12 @@ def _imported(node: ast.ImportFrom, module: str) -> str:
 def _needs(module: str) -> frozenset[str]:
     """Modules that `module` imports or names as text, as far as they count."""
     found: set[str] = set()
-    for node in ast.walk(_tree(module)):
+    for node in _imports(module):
         if isinstance(node, ast.Import):
             found.update(alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom) and source(origin := _imported(node, module)):
             found.update(_origin(origin, alias.name) for alias in node.names)
-        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
-            match = MODULE_NAME.fullmatch(node.value)
-            found.update([match[1]] if match else [])
+    found.update(MODULE_NAME.findall(_text(module)))
     return frozenset(name for name in found if source(name))
 
 
