@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 import torch
 from safetensors.numpy import save_file
+from stages.policy.checkpoint import load_policy, save_weights
+from stages.policy.network import Policy
 
 from stages.config.training import NetworkConfig
 from stages.contracts import InputError
-from stages.policy.checkpoint import load_policy, save_weights
-from stages.policy.network import Policy
 from stages.training.dataset import read_demonstrations
 from stages.training.state import TrainingState
 from tests.unit.contract_files import Bench, weights, write_files

@@ -69,6 +69,13 @@ def test_an_action_moves_the_hand_in_the_base_frame(tmp_path: Path, controller: 
     task.close()
 
 
+def test_an_episode_is_over_after_its_last_step(door: TaskEnv) -> None:
+    door.place(0)
+    for steps, over in ((OPTIONS.max_steps - 1, False), (OPTIONS.max_steps, True)):
+        door.steps = steps - 1
+        assert door.step(np.array([0, 0, 0, 0, 0, 0, 1], np.float32)).done is over
+
+
 def test_success_is_the_fraction_of_the_range(door: TaskEnv) -> None:
     door.place(0)
     for value, expected in ((0.49, False), (0.51, True)):

@@ -11,7 +11,8 @@ from stages.simulation.controller import apply_delta, scale_action
 from stages.simulation.handle import find_handle
 from stages.simulation.kinematics import jacobian, pose_error, track
 from stages.simulation.robot import REST, panda_chain
-from stages.tasks.initial_state import base_pose, camera_pose, draw_initial_state, variant_scale
+from stages.simulation.target import Target
+from stages.tasks.initial_state import base_pose, camera_pose, draw_initial_state, object_motion, variant_scale
 
 STILL = TaskConfig(base_xy=0, base_z=0, base_yaw=0, object_xy=0, object_yaw=0, qpos_noise=0, camera_jitter=(0, 0))
 
@@ -35,6 +36,25 @@ def test_the_robot_stands_in_front_of_the_handle_and_faces_it() -> None:
     pose = base_pose(handle, -1.0, draw_initial_state(0, STILL), STILL)
     seen = np.linalg.inv(pose) @ np.append(handle, 1.0)
     assert seen[:3] == pytest.approx([STILL.base_distance, -STILL.base_side, STILL.handle_height])
+
+
+def test_the_object_is_turned_and_shifted_by_what_was_drawn() -> None:
+    setup = draw_initial_state(3, TaskConfig(object_yaw=0.3, object_xy=0.1))
+    motion = object_motion(setup)
+    assert abs(setup.object_yaw) > 0.01
+    assert motion[:3, 0] == pytest.approx([np.cos(setup.object_yaw), np.sin(setup.object_yaw), 0.0])
+    assert motion[:3, 3] == pytest.approx([*setup.object_offset, 0.0])
+
+
+@pytest.mark.parametrize("revolute", [True, False])
+def test_motions_start_where_the_joint_is_closed(revolute: bool) -> None:
+    """A joint whose range does not start at 0: closed is no motion at all."""
+    mesh, z = trimesh.creation.box((0.1, 0.1, 0.1)), np.array([0.0, 0.0, 1.0])
+    target = Target(0, revolute, z, np.array([0.5, 0.0, 0.0]), -0.4, 1.0, mesh, mesh, None)
+    closed, opened = target.motions(np.array([-0.4, -0.1]))
+    assert closed == pytest.approx(np.eye(4))
+    moved = opened @ [0.5, 0.2, 0.0, 1.0]
+    assert moved[:3] == pytest.approx([0.5 - 0.2 * np.sin(0.3), 0.2 * np.cos(0.3), 0] if revolute else [0.5, 0.2, 0.3])
 
 
 def test_the_camera_looks_at_its_target() -> None:
@@ -64,9 +84,12 @@ def test_tracking_reaches_a_near_pose_and_keeps_the_limits() -> None:
     target = apply_delta(chain.pose(REST[None]), np.array([[0.03, -0.02, 0.02, 0.0, 0.1, 0.1]]))
     q = track(chain, REST[None], target)
     assert np.abs(pose_error(target, chain.pose(q))).max() < 1e-3
-    target[0, 0, 3] += 3.0  # far out of reach
-    q = track(chain, q, target, iterations=50)[0]
-    assert (q > chain.lower).all() and (q < chain.upper).all()
+    near = np.clip(REST, chain.lower + 0.05, chain.upper - 0.05)
+    for joint, limit in ((0, chain.upper), (3, chain.lower), (5, chain.upper)):
+        start, beyond = near.copy(), near.copy()
+        start[joint], beyond[joint] = limit[joint] - np.sign(limit[joint]) * 0.05, limit[joint] + np.sign(limit[joint])
+        q = track(chain, start[None], chain.pose(beyond[None]), iterations=50)[0]
+        assert (q > chain.lower).all() and (q < chain.upper).all(), joint
 
 
 def test_an_action_is_clipped_per_axis_and_by_its_turn() -> None:
@@ -106,6 +129,15 @@ def test_only_the_object_is_in_the_cloud() -> None:
     points = observation.object_points(image, np.array([7, 8], np.int16), pose, np.full(3, -2.0), np.full(3, 2.0))
     assert points == pytest.approx(np.array([[0.1, 1.0, 1.2]]), abs=1e-5)
     assert len(observation.object_points(image, np.array([7], np.int16), pose, np.full(3, -2.0), np.zeros(3))) == 0
+
+
+def test_a_large_picture_is_thinned_evenly() -> None:
+    image = np.zeros((100, 100, 4), np.int16)
+    image[..., 0], image[..., 2], image[..., 3] = np.arange(100)[:, None] * 10, -1000, 7
+    points = observation.object_points(image, np.array([7], np.int16), np.eye(4), np.full(3, -9.0), np.full(3, 9.0))
+    assert len(points) == observation.MAX_CANDIDATES
+    rows = np.bincount(np.rint(-points[:, 1] * 100).astype(int), minlength=100)
+    assert rows.min() >= 20 and rows.max() <= 21
 
 
 def test_finger_points_follow_the_gripper() -> None:
