@@ -1,6 +1,6 @@
 # Automatic demonstrations by the Open skill, successes only (paper A.4, A.5).
 # Reads:  the assets of a task, the library.
-# Writes: results/demonstrations/<task>/<role>/{episodes.h5,attempts.jsonl,film.png}.
+# Writes: results/demonstrations/<task>/<role>/{episodes.h5,attempts.jsonl,film.png,films/}.
 
 
 rule demonstrate:
@@ -9,14 +9,15 @@ rule demonstrate:
         assets=lambda wildcards: task_assets(wildcards.task),
         library=rules.library.output.library,
     output:
+        **filmed(
+            "demonstrations",
+            "collect",
+            "results/demonstrations/{task}/{role}",
+            task="{task}",
+            asset="{role}",
+        ),
         episodes="results/demonstrations/{task}/{role}/episodes.h5",
         attempts="results/demonstrations/{task}/{role}/attempts.jsonl",
-        film=report(
-            "results/demonstrations/{task}/{role}/film.png",
-            caption="../report/captions/demos.rst",
-            category="Demonstrations",
-            labels={"task": "{task}", "asset": "{role}"},
-        ),
     log:
         "logs/demonstrations/{task}_{role}.log",
     benchmark:

@@ -1,6 +1,6 @@
 # Rollouts of the policies and scores of the scenes, one row each; nothing is aggregated here (paper B.1, B.3).
 # Reads:  policies and the task's assets; generated scenes and, only here, their truth.
-# Writes: results/evaluation/policies/<task>/<training set>/<run>/seed_<n>/{rollouts.csv,film.png},
+# Writes: results/evaluation/policies/<task>/<training set>/<run>/seed_<n>/{rollouts.csv,film.png,films/},
 #         results/evaluation/scenes/<variant>/<scene>/scores.csv.
 
 
@@ -13,13 +13,15 @@ rule rollout:
         assets=lambda wildcards: task_assets(wildcards.task),
         library=rules.library.output.library,
     output:
-        rollouts="results/evaluation/policies/{task}/{training_set}/{run}/seed_{seed}/rollouts.csv",
-        film=report(
-            "results/evaluation/policies/{task}/{training_set}/{run}/seed_{seed}/film.png",
-            caption="../report/captions/demos.rst",
-            category="Rollouts",
-            labels={"task": "{task}", "training set": "{training_set}", "seed": "{seed}"},
+        **filmed(
+            "evaluation",
+            "rollout",
+            "results/evaluation/policies/{task}/{training_set}/{run}/seed_{seed}",
+            task="{task}",
+            **{"training set": "{training_set}"},
+            seed="{seed}",
         ),
+        rollouts="results/evaluation/policies/{task}/{training_set}/{run}/seed_{seed}/rollouts.csv",
     log:
         "logs/evaluation/{task}_{training_set}_{run}_{seed}.log",
     benchmark:

@@ -5,6 +5,19 @@
 from types import SimpleNamespace
 
 TRAINED_ROLES = sorted({role for name in EXPERIMENT.training_sets for role in EXPERIMENT.roles(name)})
+FILMS = [
+    *(
+        []
+        if "collect" in CONFIG.stages.get("demonstrations", {})
+        else expand("results/demonstrations/{task}/{role}/films", task=TASKS, role=TRAINED_ROLES)
+    ),
+    *[
+        f"{folder}/films"
+        for task in TASKS
+        for folder in policy_folders(task, "results/evaluation/policies")
+        if "rollout" not in CONFIG.stages.get("evaluation", {})
+    ],
+]
 # Benchmark files cannot be inputs: those of this run are named to the page, so that it counts no others.
 BENCHMARKS = [
     rules.library.benchmark,
@@ -122,6 +135,7 @@ rule report_page:
         scenes=expand(rules.generate.output.scenes, variant=VARIANTS, scene=ROOMS),
         previews=expand(rules.draw_scenes.output.previews, variant=VARIANTS, scene=ROOMS),
         assets=[task_assets(task) for task in TASKS],
+        films=FILMS,
         attempts=expand(rules.demonstrate.output.attempts, task=TASKS, role=TRAINED_ROLES),
         metrics=[f"{folder}/metrics.jsonl" for task in TASKS for folder in policy_folders(task, "results/training")],
         tables=rules.tables.output,

@@ -21,4 +21,4 @@ class DemonstrationsConfig(Section):
         "the clean one, so that policies see how to recover (DART, Laskey et al. 2017)",
     )
     max_attempts_factor: float = Field(3.0, ge=1, description="attempts allowed per wanted episode")
-    film_episodes: int = Field(3, ge=1, description="episodes on film.png")
+    film_episodes: int = Field(1, ge=1, description="successes that are filmed")

@@ -31,7 +31,7 @@ class EvaluationConfig(Section):
         False, description="rescale the test asset at random as in the demonstrations (official: no)"
     )
     envs: int = Field(4, ge=1, description="environments that share a forward pass of the policy")
-    film_every: int = Field(4, ge=1, description="steps between the pictures of a film strip")
+    film_frames: int = Field(16, ge=2, description="pictures of a filmed episode")
 
     def unread(self) -> set[str]:
         """What only the choice of a checkpoint by rollouts reads."""

@@ -6,7 +6,7 @@ import time
 import numpy as np
 
 from stages.config.demonstrations import DemonstrationsConfig
-from stages.demonstrations.film import Image, strip
+from stages.demonstrations.film import Taken
 from stages.demonstrations.store import RecordedEpisode
 from stages.plugins import load
 from stages.skills import Float, Outcome, SkillProtocol
@@ -16,25 +16,25 @@ PROGRESS_SECONDS = 5.0
 
 
 class Recorder:
-    """Runs attempts on a task by the skills of its chain; the first `film` successes are kept as strips of pictures."""
+    """Runs attempts on a task by the skills of its chain; the first `film` successes are filmed."""
 
     def __init__(self, task: TaskEnv, options: DemonstrationsConfig, film: int = 0) -> None:
         self.task, self.options, self.film = task, options, film
-        self.strips: list[Image] = []
+        self.taken: list[Taken] = []
         self.skills: list[SkillProtocol] = [load("skills", name)(task, options) for name in task.task.skills]
         self._started = self._reported = time.monotonic()
 
     def attempt(self, seed: int) -> tuple[RecordedEpisode, Outcome]:
         """Run the skills from the initial state of `seed`."""
-        task, episode, pictures = self.task, RecordedEpisode(seed), []
+        task, episode, moments = self.task, RecordedEpisode(seed), []
         task.place(seed)
-        filming = len(self.strips) < self.film
+        filming = len(self.taken) < self.film
         rng = np.random.default_rng((seed, 1))
 
         def act(action: Float, noisy: bool) -> None:
             episode.add(task.observe(), action, task.opened)
             if filming:
-                pictures.append(task.picture())
+                moments.append(task.moment())
             executed = action.copy()
             if noisy and self.options.noise > 0:
                 executed[:3] += rng.normal(0, self.options.noise, 3) / task.options.position_step
@@ -48,8 +48,9 @@ class Recorder:
         if outcome.success and not task.success:
             outcome = Outcome(False, "not_successful")
         if filming and outcome.success:
-            pictures.append(task.picture())
-            self.strips.append(strip(pictures, [*episode.point_clouds, task.observe()["point_cloud"]]))
+            moments.append(task.moment())
+            clouds = [*episode.point_clouds, task.observe()["point_cloud"]]
+            self.taken.append(Taken(seed, task.opened, task.recording(moments), clouds))
         return episode, outcome
 
     def report(self, kept: int, wanted: int, attempts: int) -> None:

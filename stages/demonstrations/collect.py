@@ -11,7 +11,7 @@ from stages.config.task import TaskConfig
 from stages.contracts import InputError, Library, TaskAssets, read_json, read_options, write_text
 from stages.contracts.policies import Attempt
 from stages.demonstrations.attempt import Recorder
-from stages.demonstrations.film import write_film
+from stages.demonstrations.film import write_demonstration_films
 from stages.demonstrations.store import RecordedEpisode, StoreHeader, write_episodes
 from stages.tasks.api import make_task
 
@@ -29,7 +29,7 @@ def run(
     task_options: str = "",
     seed: int = 0,
 ) -> None:
-    """Write `episodes.h5` with as many successes as asked, and beside it attempts.jsonl and film.png.
+    """Write `episodes.h5` with as many successes as asked, and beside it attempts.jsonl, film.png and films/.
 
     If there are too few, the ledger alone is left, as attempts.failed.jsonl.
 
@@ -71,6 +71,8 @@ def run(
             )
         )
         recorder.report(len(kept), episodes, len(ledger))
+    if len(kept) == episodes:
+        write_demonstration_films(out.parent, recorder.taken, role, chosen.asset, world.control_frequency)
     task.close()
     lines = "".join(line.model_dump_json() + "\n" for line in ledger)
     failed = out.parent / FAILED_LEDGER
@@ -85,7 +87,6 @@ def run(
         )
     failed.unlink(missing_ok=True)
     write_text(out.parent / "attempts.jsonl", lines)
-    write_film(out.parent / "film.png", recorder.strips)
     write_episodes(out, StoreHeader(plan.task, task.task.gym_id, chosen.asset, chosen.joint, chosen.size, world), kept)
 
 

@@ -1,6 +1,7 @@
-"""film.png: a strip of pictures per episode, above what the policy saw, from the front and from the side."""
+"""Films of demonstrations; film.png: a strip of pictures per episode, above what the policy saw, from two sides."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
@@ -9,13 +10,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.contracts import atomic
+from stages.contracts.films import Film
+from stages.simulation.films import write_films
+from stages.simulation.studio import Recording, Studio
 
 Image = NDArray[np.uint8]
 T = TypeVar("T")
 
-FRAMES = 8
+FRAMES = 8  # on a strip; a film has twice as many
 SIZE = 256
 SCENE, FINGER = (40, 40, 40), (220, 30, 30)
+
+
+@dataclass(frozen=True)
+class Taken:
+    """A success to be filmed, and the clouds that were seen at its moments."""
+
+    seed: int
+    opened: float
+    recording: Recording
+    clouds: Sequence[NDArray[np.floating]]
 
 
 def pick(frames: Sequence[T], count: int = FRAMES) -> list[T]:
@@ -38,15 +52,27 @@ def draw_cloud(cloud: NDArray[np.floating]) -> Image:
 
 def strip(pictures: Sequence[Image], clouds: Sequence[NDArray[np.floating]]) -> Image:
     """One episode: pictures in a row, the clouds below them."""
+    height = SIZE * pictures[0].shape[0] // pictures[0].shape[1]
     columns = [
-        np.concatenate([cv2.resize(picture, (SIZE, SIZE)), draw_cloud(cloud)])
+        np.concatenate([cv2.resize(picture, (SIZE, height), interpolation=cv2.INTER_AREA), draw_cloud(cloud)])
         for picture, cloud in zip(pick(pictures), pick(clouds), strict=True)
     ]
     return np.concatenate(columns, axis=1)
 
 
-def write_film(path: Path, strips: Sequence[Image]) -> None:
-    """Write the strips below each other."""
-    if strips:
-        with atomic(path) as temporary:
-            cv2.imwrite(str(temporary), np.concatenate(list(strips))[..., ::-1])
+def write_demonstration_films(folder: Path, taken: Sequence[Taken], role: str, asset: str, frequency: float) -> None:
+    """Write films/ and film.png into `folder`; what was recorded must still be open."""
+    studio = Studio()
+    films, strips = [], []
+    for number, item in enumerate(taken):
+        pictures = studio.film(item.recording, FRAMES * 2)
+        steps = len(item.recording.moments) - 1
+        film = Film(
+            role=role, asset=asset, seed=item.seed, success=True, steps=steps, opened=round(item.opened, 4),
+            file=f"{number}.webp",
+        )  # fmt: skip
+        films.append((film, pictures))
+        strips.append(strip(pictures, item.clouds))
+    write_films(folder / "films", films, frequency)
+    with atomic(folder / "film.png") as temporary:
+        cv2.imwrite(str(temporary), np.concatenate(strips)[..., ::-1])

@@ -3,47 +3,42 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-import numpy as np
-from numpy.typing import NDArray
-
 from stages.policies import ActorProtocol
+from stages.simulation.studio import Moment, Recording
 from stages.tasks.api import Observation, TaskEnv
-
-Image = NDArray[np.uint8]
-
-FILMED = 6  # episodes per asset that are filmed: mostly enough for a success and a failure
 
 
 @dataclass
 class RolloutEpisode:
-    """One rollout. `opened`: fraction of the joint's range at the end; `pictures`: empty if it was not filmed."""
+    """One rollout. `opened`: fraction of the joint's range at the end; `recording`: None if it was not recorded."""
 
     seed: int
     success: bool = False
     steps: int = 0
     opened: float = 0.0
-    pictures: list[Image] = field(default_factory=list)
+    recording: Recording | None = None
+    moments: list[Moment] = field(default_factory=list)
 
 
 def roll_out(
-    tasks: Sequence[TaskEnv], actor: ActorProtocol, seeds: Sequence[int], film_every: int
+    tasks: Sequence[TaskEnv], actor: ActorProtocol, seeds: Sequence[int], record: bool
 ) -> list[RolloutEpisode]:
-    """One episode per seed, in their order; an episode ends at success or after `max_steps`.
-
-    `film_every`: steps between pictures of the first `FILMED` episodes, 0 for none.
-    """
+    """One episode per seed, in their order; an episode ends at success or after `max_steps`."""
     episodes = [RolloutEpisode(seed) for seed in seeds]
-    waiting = list(enumerate(episodes))
-    running: dict[int, tuple[RolloutEpisode, bool]] = {}  # slot -> its episode, and whether it is filmed
+    waiting = list(episodes)
+    running: dict[int, RolloutEpisode] = {}  # slot -> its episode
     observations: dict[int, Observation] = {}
 
     def start(slot: int) -> None:
         running.pop(slot, None)
         if waiting:
-            index, episode = waiting.pop(0)
-            running[slot] = episode, film_every > 0 and index < FILMED
+            running[slot] = episode = waiting.pop(0)
             observations[slot] = tasks[slot].reset(episode.seed)
             actor.reset(slot, episode.seed)
+
+    def note(slot: int) -> None:
+        if record:
+            running[slot].moments.append(tasks[slot].moment())
 
     for slot in range(len(tasks)):
         start(slot)
@@ -55,15 +50,14 @@ def roll_out(
             [observations[slot]["proprio"] for slot in slots],
         )
         for slot, action in zip(slots, actions, strict=True):
-            episode, filmed = running[slot]
-            if filmed and episode.steps % film_every == 0:
-                episode.pictures.append(tasks[slot].picture())
-            result = tasks[slot].step(action)
+            note(slot)
+            episode, result = running[slot], tasks[slot].step(action)
             observations[slot] = result.observation
             episode.success, episode.opened = result.success, result.opened
             episode.steps += 1
             if result.done:
-                if filmed:
-                    episode.pictures.append(tasks[slot].picture())
+                note(slot)
+                if record:
+                    episode.recording = tasks[slot].recording(episode.moments)
                 start(slot)
     return episodes

@@ -1,40 +1,61 @@
-"""Film strips of rollouts: one success and one failure per test asset."""
+"""Films of rollouts: one success and one failure per test asset; film.png: a strip of each."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
+from stages.contracts.films import Film
 from stages.evaluation.episodes import RolloutEpisode
+from stages.simulation.studio import Image, Studio
 
-Image = NDArray[np.uint8]
-
-FRAMES, SIZE = 8, 160
+FRAMES, SIZE = 8, 160  # of a strip
 GOOD, BAD = (30, 140, 60), (190, 40, 40)
 
 
+@dataclass(frozen=True)
+class Filmed:
+    """An episode and its pictures."""
+
+    film: Film
+    pictures: list[Image]
+
+
 def pick(episodes: Sequence[RolloutEpisode]) -> list[RolloutEpisode]:
-    """The first filmed success and the first filmed failure, as far as there are any."""
-    filmed = [episode for episode in episodes if episode.pictures]
+    """The first recorded success and the first recorded failure, as far as there are any."""
+    recorded = [episode for episode in episodes if episode.recording]
     return [
-        next(episode for episode in filmed if episode.success == outcome)
+        next(episode for episode in recorded if episode.success == outcome)
         for outcome in (True, False)
-        if any(episode.success == outcome for episode in filmed)
+        if any(episode.success == outcome for episode in recorded)
     ]
 
 
-def strip(episode: RolloutEpisode, title: str) -> Image:
+def take(studio: Studio, episodes: Sequence[RolloutEpisode], role: str, asset: str, frames: int) -> list[Filmed]:
+    """Film the picked episodes; the more frequent outcome comes first."""
+    filmed = []
+    successes = sum(episode.success for episode in episodes)
+    for episode in sorted(pick(episodes), key=lambda episode: episode.success != (2 * successes >= len(episodes))):
+        assert episode.recording
+        outcome = "success" if episode.success else "failure"
+        film = Film(
+            role=role, asset=asset, seed=episode.seed, success=episode.success, steps=episode.steps,
+            opened=round(episode.opened, 4), file=f"{role}_{outcome}.webp",
+        )  # fmt: skip
+        filmed.append(Filmed(film, studio.film(episode.recording, frames)))
+    return filmed
+
+
+def strip(filmed: Filmed) -> Image:
     """(SIZE + 24, FRAMES * SIZE, 3): pictures evenly over the episode below a line of text, green for success."""
-    index = np.linspace(0, len(episode.pictures) - 1, FRAMES).round().astype(int)
-    row = np.concatenate([cv2.resize(episode.pictures[i], (SIZE, SIZE)) for i in index], axis=1)
+    film = filmed.film
+    index = np.linspace(0, len(filmed.pictures) - 1, FRAMES).round().astype(int)
+    height = SIZE * filmed.pictures[0].shape[0] // filmed.pictures[0].shape[1]
+    frames = [cv2.resize(filmed.pictures[i], (SIZE, height), interpolation=cv2.INTER_AREA) for i in index]
+    row = np.concatenate(frames, axis=1)
     line = np.full((24, row.shape[1], 3), 255, np.uint8)
-    outcome = "success" if episode.success else "failure"
-    text = f"{title}: {outcome} after {episode.steps} steps, opened {max(0.0, episode.opened):.0%}"
-    cv2.putText(line, text, (6, 17), cv2.FONT_HERSHEY_SIMPLEX, 0.5, GOOD if episode.success else BAD, 1, cv2.LINE_AA)
+    outcome = "success" if film.success else "failure"
+    text = f"{film.role} ({film.asset}): {outcome} after {film.steps} steps, opened {max(0.0, film.opened):.0%}"
+    cv2.putText(line, text, (6, 17), cv2.FONT_HERSHEY_SIMPLEX, 0.5, GOOD if film.success else BAD, 1, cv2.LINE_AA)
     return np.concatenate([line, row])
-
-
-def film(episodes: Sequence[RolloutEpisode], title: str) -> Image:
-    """Strips below each other."""
-    return np.concatenate([strip(episode, title) for episode in pick(episodes)])

@@ -1,6 +1,7 @@
 """Verb `rollout`: success of one policy on every test asset, one row per episode (paper B.3, Table 3)."""
 
 import sys
+from functools import cached_property
 from pathlib import Path
 from typing import Literal
 
@@ -17,10 +18,12 @@ from stages.contracts.policies import Rollout, TaskAsset, TaskAssets
 from stages.contracts.policy_folder import read_config
 from stages.contracts.trained import TrainedPolicy
 from stages.evaluation.episodes import RolloutEpisode, roll_out
-from stages.evaluation.film import film
+from stages.evaluation.film import Filmed, strip, take
 from stages.plugins import short
 from stages.policies import TrainablePolicy
 from stages.policies.checkpoint import load_policy
+from stages.simulation.films import write_films
+from stages.simulation.studio import Studio
 from stages.tasks.api import TaskEnv, make_task
 
 FIRST_STATE = 2**31  # demonstrations use seeds below: no policy is tested on a state that it was shown
@@ -47,7 +50,7 @@ def run(
         library: library.json that they come from.
         training_set: name of the training set, for the rows.
         run_name: name of the hyper-parameter set, for the rows.
-        out: rollouts.csv; film_<role>.png of every test asset and film.png of all lie beside it.
+        out: rollouts.csv; film.png and films/ lie beside it.
         options: the `evaluation` section as JSON, or a JSON file.
         seed: of the initial states; the same for every policy that is to be compared.
         device: where the policy runs.
@@ -65,10 +68,10 @@ def run(
         checkpoint = arena.most_successful(policy, plan.playing("twin", assets), seed)
     network = load_policy(policy, checkpoint, device)
     rows: list[Rollout] = []
-    films = []
+    films: list[Filmed] = []
     states = [FIRST_STATE + seed * 10_000 + i for i in range(settings.rollouts)]
     for asset in tested:
-        episodes = arena.episodes(network, asset, states, settings.film_every)
+        episodes = arena.episodes(network, asset, states, films)
         successes = sum(episode.success for episode in episodes)
         print(f"evaluation: {asset.role} {successes}/{len(episodes)} opened", file=sys.stderr)
         rows += [
@@ -89,10 +92,9 @@ def run(
             )
             for number, episode in enumerate(episodes)
         ]
-        films.append((asset.role, film(episodes, f"{asset.role} ({asset.asset})")))
-    for role, picture in films:
-        write_png(out.parent / f"film_{role}.png", picture)
-    write_png(out.parent / "film.png", np.concatenate([picture for _, picture in films]))
+    frequency = trained.task_options.control_frequency
+    write_films(out.parent / "films", [(item.film, item.pictures) for item in films], frequency)
+    write_png(out.parent / "film.png", np.concatenate([strip(item) for item in films]))
     with atomic(out) as temporary:
         pd.DataFrame([row.model_dump() for row in rows]).to_csv(temporary, index=False)
 
@@ -106,16 +108,24 @@ class Arena:
         self.folders = {entry.id: library.parent / entry.folder for entry in entries}
 
     def episodes(
-        self, network: TrainablePolicy, asset: TaskAsset, states: list[int], film_every: int
+        self, network: TrainablePolicy, asset: TaskAsset, states: list[int], films: list[Filmed] | None = None
     ) -> list[RolloutEpisode]:
-        """One episode per initial state."""
+        """One episode per initial state; a success and a failure are filmed and put into `films` if that is given."""
         tasks = [self.task(asset) for _ in range(min(self.settings.envs, len(states)))]
         actor = network.actor(len(tasks), self.settings.action)
         try:
-            return roll_out(tasks, actor, states, film_every)
+            episodes = roll_out(tasks, actor, states, record=films is not None)
+            if films is not None:
+                films += take(self.studio, episodes, asset.role, asset.asset, self.settings.film_frames)
+            return episodes
         finally:
             for task in tasks:
                 task.close()
+
+    @cached_property
+    def studio(self) -> Studio:
+        """Where films are made."""
+        return Studio()
 
     def task(self, asset: TaskAsset) -> TaskEnv:
         """A new environment with the asset."""
@@ -140,7 +150,7 @@ class Arena:
         states = [SELECTION_STATE + seed * 10_000 + i for i in range(self.settings.selection_rollouts)]
         scores = {}
         for name in names:
-            episodes = self.episodes(load_policy(folder, name, self.device), twin, states, film_every=0)
+            episodes = self.episodes(load_policy(folder, name, self.device), twin, states)
             scores[name] = sum(episode.success for episode in episodes)
             print(f"evaluation: {name} opens the twin {scores[name]}/{len(states)} times", file=sys.stderr)
         return max(reversed(names), key=scores.__getitem__)

@@ -28,7 +28,7 @@ TCP = "panda_hand_tcp"
 # arm can follow the whole arc of a door from nearly everywhere (from half of the places with 0.35 rad).
 REST = np.array([0.0, -0.876, 0.0, -2.609, 0.0, 2.603, np.pi / 4])
 GRIPPER_OPEN, GRIPPER_CLOSED = 0.04, -0.01  # finger joint targets, metres; below zero keeps a force on thin handles
-MATERIAL = '<material name="arm"><color rgba="0.24 0.36 0.62 1"/></material>'  # stands out in film strips
+MATERIAL = '<material name="arm"><color rgba="0.9 0.9 0.91 1"/></material>'
 
 
 @dataclass(frozen=True)

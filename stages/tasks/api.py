@@ -3,6 +3,7 @@
 import gc
 import importlib
 import tempfile
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -18,6 +19,7 @@ from stages.plugins import load
 from stages.simulation import observation
 from stages.simulation.kinematics import Array
 from stages.simulation.robot import REST, panda_chain
+from stages.simulation.studio import Moment, Recording
 from stages.tasks.initial_state import draw_initial_state, variant_scale
 from stages.tasks.task import Task
 
@@ -183,10 +185,19 @@ class TaskEnv:
             return np.asarray(controller.reference_pose()[0])
         return np.asarray(controller._target_pose.sp.to_transformation_matrix(), dtype=float)
 
-    def picture(self) -> NDArray[np.uint8]:
-        """(H, W, 3) picture from an external camera, for film strips."""
-        picture: NDArray[np.uint8] = self.env.render_rgb_array("film")[0].cpu().numpy()
-        return picture
+    def moment(self) -> Moment:
+        """Where everything is, for a film."""
+        env = self.env
+        poses = [body.pose[0].sp.to_transformation_matrix() for body in (env.agent.robot, env.object)]
+        joints = [
+            dict(zip((joint.name for joint in body.active_joints), body.get_qpos()[0].tolist(), strict=True))
+            for body in (env.agent.robot, env.object)
+        ]
+        return Moment(poses[0], joints[0], poses[1], joints[1])
+
+    def recording(self, moments: Sequence[Moment]) -> Recording:
+        """Moments of this episode with the asset at its size; to be filmed before `close`."""
+        return Recording(self.env.asset_folder, self.env.target.side, moments)
 
     def close(self) -> None:
         """Free the simulator."""

@@ -7,9 +7,11 @@ import cv2
 import h5py
 import numpy as np
 import pytest
+from PIL import Image
 
 from stages.config.task import TaskConfig
-from stages.contracts import Attempt, InputError, Library, TaskAssets, write_json
+from stages.contracts import Attempt, InputError, Library, TaskAssets, read_json, write_json
+from stages.contracts.films import Films
 from stages.contracts.library import LibraryEntry
 from stages.contracts.policies import TaskAsset
 from stages.demonstrations.collect import attempt_seeds, run
@@ -53,6 +55,12 @@ def test_collect_writes_successes_that_replay(tmp_path: Path) -> None:
     ledger = [Attempt.model_validate_json(line) for line in lines]
     kept = [attempt for attempt in ledger if attempt.success]
     assert [attempt.episode for attempt in kept] == [0, 1] and all(attempt.opened > 0.5 for attempt in kept)
+    assert [path.read_bytes() for path in sorted((tmp_path / "a" / "films").iterdir())] == [
+        path.read_bytes() for path in sorted((tmp_path / "b" / "films").iterdir())
+    ]
+    (filmed,) = read_json(Films, tmp_path / "a" / "films" / "films.json").films
+    with Image.open(tmp_path / "a" / "films" / filmed.file) as opened:
+        assert opened.n_frames == 16  # type: ignore[attr-defined]
     film = cv2.imread(str(tmp_path / "a" / "film.png"))
     assert film is not None and len(np.unique(film.reshape(-1, 3), axis=0)) > 50
 

@@ -6,15 +6,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from stages.contracts.errors import InputError
-from stages.contracts.files import write_json
+from stages.contracts.files import read_json, write_json
+from stages.contracts.films import Films
 from stages.contracts.kinds import KINDS
 from stages.contracts.library import Library
 from stages.contracts.policies import TaskAsset, TaskAssets
 from stages.evaluation import rollout
-from stages.evaluation.episodes import FILMED, RolloutEpisode, roll_out
-from stages.evaluation.film import film, pick
+from stages.evaluation.episodes import RolloutEpisode, roll_out
+from stages.evaluation.film import pick, strip, take
 from stages.policies.checkpoint import save_weights
 from stages.tasks.api import Observation, StepResult
 from stages.training.train import run as train
@@ -45,11 +47,21 @@ class ToyTask:
         success = self.toy.distance < 0.05
         return StepResult(self.observe(), success, 1 - self.toy.distance, success or self.steps == self.max_steps)
 
-    def picture(self) -> np.ndarray:
-        return np.full((32, 32, 3), self.steps, np.uint8)
+    def moment(self) -> int:
+        return self.steps
+
+    def recording(self, moments: list[int]) -> list[int]:
+        return list(moments)
 
     def close(self) -> None:
         ToyTask.open_tasks -= 1
+
+
+class ToyStudio:
+    """Films without a renderer: a grey that gets lighter."""
+
+    def film(self, recording: list[int], frames: int) -> list[np.ndarray]:
+        return [np.full((64, 80, 3), 10 * (frame + len(recording)) % 256, np.uint8) for frame in range(frames)]
 
 
 class Expert:
@@ -70,22 +82,23 @@ class Expert:
 def test_every_state_once_in_order_and_stopped_at_success() -> None:
     tasks = [ToyTask() for _ in range(3)]
     expert = Expert(tasks)
-    episodes = roll_out(tasks, expert, range(100, 108), film_every=5)  # type: ignore[arg-type]
+    episodes = roll_out(tasks, expert, range(100, 108), record=True)  # type: ignore[arg-type]
     assert [episode.seed for episode in episodes] == list(range(100, 108))
     assert [episode.success for episode in episodes] == [True, False] * 4
     assert all(episode.steps == 20 for episode in episodes if not episode.success)
     assert all(episode.steps < 20 for episode in episodes if episode.success)
     assert sorted(seed for task in tasks for seed in task.seeds) == list(range(100, 108))
     assert expert.batches[0] == [0, 1, 2]  # one forward pass for all
-    assert [bool(episode.pictures) for episode in episodes] == [index < FILMED for index in range(8)]
-    assert len(episodes[1].pictures) == 5  # steps 0, 5, 10, 15 and the end
+    assert all(episode.recording == list(range(episode.steps + 1)) for episode in episodes)  # the end included
 
 
 def test_film_shows_a_success_and_a_failure() -> None:
-    pictures = [np.zeros((32, 32, 3), np.uint8)] * 3
-    episodes = [RolloutEpisode(i, success=i in (2, 3), pictures=pictures if i < 5 else []) for i in range(6)]
-    assert [episode.seed for episode in pick(episodes)] == [2, 0]
-    assert film(episodes, "twin").shape[0] == 2 * film(episodes[:1], "twin").shape[0]
+    episodes = [RolloutEpisode(i, success=i in (2, 3), steps=9, recording=[i] if i else None) for i in range(6)]  # type: ignore[arg-type]
+    assert [episode.seed for episode in pick(episodes)] == [2, 1]
+    filmed = take(ToyStudio(), episodes, "twin", "cab", 4)  # type: ignore[arg-type]
+    assert [(item.film.seed, item.film.file) for item in filmed] == [(1, "twin_failure.webp"), (2, "twin_success.webp")]
+    assert strip(filmed[0]).shape == (24 + 128, 8 * 160, 3)
+    assert [len(take(ToyStudio(), part, "twin", "cab", 4)) for part in (episodes[4:], [])] == [1, 0]  # type: ignore[arg-type]
 
 
 @pytest.fixture(scope="module")
@@ -127,6 +140,7 @@ def evaluate(folder: Path, out: Path, **options: object) -> list[dict[str, str]]
 @pytest.fixture
 def toy_simulator(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rollout, "make_task", lambda *args, **options: ToyTask())
+    monkeypatch.setattr(rollout, "Studio", ToyStudio)
 
 
 @pytest.mark.usefixtures("toy_simulator")
@@ -140,9 +154,12 @@ def test_rows_are_paired_and_repeatable(folder: Path, tmp_path: Path) -> None:
     assert {row["seed"] for row in rows} == {"4"}
     assert {row["dino_distance"] for row in rows[5:]} == {"7.25"}
     evaluate(folder, tmp_path / "b" / "rollouts.csv")
-    names = ["film.png", "film_cousin_2.png", "film_twin.png", "rollouts.csv"]
-    assert sorted(path.name for path in (tmp_path / "a").iterdir()) == names
-    for name in names:
+    assert sorted(path.name for path in (tmp_path / "a").iterdir()) == ["film.png", "films", "rollouts.csv"]
+    films = read_json(Films, tmp_path / "a" / "films" / "films.json").films
+    assert {film.role for film in films} == {"twin", "cousin_2"}
+    with Image.open(tmp_path / "a" / "films" / films[0].file) as opened:
+        assert opened.n_frames == 16 and opened.size == (80, 64)  # type: ignore[attr-defined]
+    for name in ["film.png", "rollouts.csv", "films/films.json", *(f"films/{film.file}" for film in films)]:
         assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes(), name
     assert ToyTask.open_tasks <= 3  # those of the first test
 
@@ -152,12 +169,14 @@ def test_checkpoint_chosen_by_rollouts_on_other_states(folder: Path, tmp_path: P
     tried: list[tuple[str, int]] = []
     original = rollout.Arena.episodes
 
-    def count(arena: rollout.Arena, network: object, asset: TaskAsset, states: list[int], film_every: int) -> object:
+    def count(
+        arena: rollout.Arena, network: object, asset: TaskAsset, states: list[int], films: list | None = None
+    ) -> object:
         tried.append((asset.role, states[0]))
         good = len(tried) == 1  # the first checkpoint wins
         if len(tried) <= 2:
             return [RolloutEpisode(state, success=good) for state in states]
-        return original(arena, network, asset, states, film_every)  # type: ignore[arg-type]
+        return original(arena, network, asset, states, films)  # type: ignore[arg-type]
 
     monkeypatch.setattr(rollout.Arena, "episodes", count)
     rows = evaluate(folder, tmp_path / "rollouts.csv", checkpoint="rollouts", selection_rollouts=3)

@@ -1,0 +1,149 @@
+"""Films of episodes after the event: a lit room with a floor, the robot in its own colours, everything in the frame.
+
+Episodes are recorded as poses and joint values, which costs nothing, and only those that are shown are rendered: the
+stock Panda has 135,000 triangles, too many for the policy's camera, which sees the low-poly one.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+import sapien
+from numpy.typing import NDArray
+from sapien.physx import PhysxArticulation
+from sapien.physx import PhysxArticulationLinkComponent as Link
+
+from stages.geometry.frames import rigid
+from stages.simulation.loading import load_asset, remove
+from stages.simulation.rendering import RenderCamera, add_block, make_scene
+from stages.simulation.robot import PANDA
+
+Array = NDArray[np.float64]
+Image = NDArray[np.uint8]
+
+WIDTH, HEIGHT = 360, 288
+FIELD_OF_VIEW = 0.7  # radians, across
+MARGIN = 1.06  # room around what moves
+FLOOR, WALL, PLINTH = (0.62, 0.56, 0.49), (0.80, 0.80, 0.78), (0.38, 0.37, 0.36)
+LIGHT = (-0.65, -0.35, -1.0)
+
+
+@dataclass(frozen=True)
+class Moment:
+    """Where everything is: (4, 4) poses of the roots in the world, joint values by name."""
+
+    robot: Array
+    robot_joints: Mapping[str, float]
+    asset: Array
+    asset_joints: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Recording:
+    """An episode on the asset in `folder`; `side` is +1 or -1 along y, away from a door's hinge, 0 for a drawer."""
+
+    folder: Path
+    side: float
+    moments: Sequence[Moment]
+
+
+class Studio:
+    """Renders recordings; made once per process, as the first picture of a scene takes seconds."""
+
+    def __init__(self) -> None:
+        self.scene = make_scene(light=LIGHT)
+        loader = self.scene.create_urdf_loader()
+        loader.fix_root_link = True
+        self.robot: PhysxArticulation = loader.load(str(PANDA))
+        focal = WIDTH / 2 / np.tan(FIELD_OF_VIEW / 2)
+        intrinsics = [[focal, 0, (WIDTH - 1) / 2], [0, focal, (HEIGHT - 1) / 2], [0, 0, 1]]
+        self.camera = RenderCamera(self.scene, intrinsics, WIDTH, HEIGHT)
+
+    def film(self, recording: Recording, frames: int) -> list[Image]:
+        """`frames` pictures (HEIGHT, WIDTH, 3), evenly over the recording, from a camera that sees all of it."""
+        moments = pick(recording.moments, frames)
+        asset = load_asset(self.scene, recording.folder, sapien.Pose(moments[0].asset), True, "asset")
+        self._put(asset, moments[0])
+        feet = [_bounds(asset.links), _bounds(self.robot.links[:1])]
+        low = min(bounds[0, 2] for bounds in feet)
+        blocks = [_plinth(self.scene, bounds, low) for bounds in feet if bounds[0, 2] - low > 0.005]
+        back = feet[0][0, 0] - 0.03
+        blocks.append(add_block(self.scene, [0, 0, low - 0.05], [24, 24, 0.1], FLOOR, "floor"))
+        blocks.append(add_block(self.scene, [back - 0.05, 0, low + 2], [0.1, 24, 4], WALL, "wall"))
+        corners = [_corners(np.array([[*bounds[0, :2], low], bounds[1]])) for bounds in feet]
+        for moment in moments:
+            self._put(asset, moment)
+            corners += [_corners(_bounds([link])) for body in (asset, self.robot) for link in _solid(body.links)]
+        world_from_camera = frame_all(np.concatenate(corners), view_direction(recording.side))
+        pictures = []
+        for moment in moments:
+            self._put(asset, moment)
+            pictures.append(self.camera.render(world_from_camera).rgb)
+        for body in (asset, *blocks):
+            remove(self.scene, body)
+        return pictures
+
+    def _put(self, asset: PhysxArticulation, moment: Moment) -> None:
+        poses = (asset, moment.asset, moment.asset_joints), (self.robot, moment.robot, moment.robot_joints)
+        for body, pose, joints in poses:
+            body.set_root_pose(sapien.Pose(pose))
+            body.set_qpos(np.array([joints[joint.name] for joint in body.active_joints], np.float32))
+
+
+def pick(moments: Sequence[Moment], count: int) -> list[Moment]:
+    """`count` moments evenly over an episode, the first and the last included; all if there are fewer."""
+    count = min(count, len(moments))
+    return [moments[i] for i in np.linspace(0, len(moments) - 1, count).round().astype(int)]
+
+
+def view_direction(side: float) -> Array:
+    """(3,) unit vector from the scene to the camera: beside the robot, where no opened door is in the way."""
+    direction = np.array([0.75, 1.0 if side >= 0 else -1.0, 0.5])
+    return np.asarray(direction / np.linalg.norm(direction))
+
+
+def frame_all(points: Array, direction: Array) -> Array:
+    """(4, 4) world_from_camera, OpenCV axes: looks against `direction`, as near as all points (N, 3) stay in the frame.
+
+    A point is in the frame if its offsets from the axis stay below its depth times the tangents of the half angles;
+    for one viewing direction that is linear in the camera's place, so the nearest place is found directly.
+    """
+    forward = -direction
+    right = np.cross(forward, [0.0, 0.0, 1.0])
+    right /= np.linalg.norm(right)
+    down = np.cross(forward, right)
+    tangent = np.tan(FIELD_OF_VIEW / 2) / MARGIN
+    place = np.zeros(3)
+    needed = []
+    depth = points @ forward
+    for axis, limit in ((right, tangent), (down, tangent * HEIGHT / WIDTH)):
+        offset = points @ axis
+        high, low = (offset - limit * depth).max(), (offset + limit * depth).min()
+        place += axis * (high + low) / 2
+        needed.append((high - low) / (2 * limit))
+    return rigid(np.stack([right, down, forward], axis=1), place - max(needed) * forward)
+
+
+def _solid(links: Sequence[Link]) -> list[Link]:
+    return [link for link in links if link.collision_shapes]
+
+
+def _bounds(links: Sequence[Link]) -> Array:
+    """(2, 3) lowest and highest corner of a box around links, in the world."""
+    boxes = np.array([link.compute_global_aabb_tight() for link in _solid(links)])
+    return np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
+
+
+def _corners(bounds: Array) -> Array:
+    """(8, 3) corners of a box."""
+    return np.array([[bounds[i, 0], bounds[j, 1], bounds[k, 2]] for i, j, k in product((0, 1), repeat=3)])
+
+
+def _plinth(scene: sapien.Scene, bounds: Array, floor: float) -> sapien.Entity:
+    """A plinth beneath a body that does not reach the floor."""
+    size = bounds[1] - bounds[0]
+    width = np.minimum(0.92 * size[:2], 0.6)
+    center = (bounds[0, :2] + bounds[1, :2]) / 2
+    return add_block(scene, [*center, (bounds[0, 2] + floor) / 2], [*width, bounds[0, 2] - floor], PLINTH, "plinth")
