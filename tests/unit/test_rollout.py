@@ -191,10 +191,12 @@ def test_of_equally_good_checkpoints_the_later_one(
 ) -> None:
     original = rollout.Arena.episodes
 
-    def alike(arena: rollout.Arena, network: object, asset: TaskAsset, states: list[int], film_every: int) -> object:
+    def alike(
+        arena: rollout.Arena, network: object, asset: TaskAsset, states: list[int], films: object = None
+    ) -> object:
         if len(states) == 3:  # those of the selection
             return [RolloutEpisode(state, success=state % 2 == 0) for state in states]
-        return original(arena, network, asset, states, film_every)  # type: ignore[arg-type]
+        return original(arena, network, asset, states, films)  # type: ignore[arg-type]
 
     monkeypatch.setattr(rollout.Arena, "episodes", alike)
     rows = evaluate(folder, tmp_path / "rollouts.csv", checkpoint="rollouts", selection_rollouts=3)
