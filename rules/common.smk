@@ -105,17 +105,6 @@ def matching_code(verb, *keys):
     return lambda wildcards: code("matching", verb, *modules(CONFIG.matching_of(wildcards.variant), *keys))
 
 
-def filmed(stage, verb, folder, **labels):
-    """Films of episodes as outputs of our own verb; a command in its place need not make any."""
-    if verb in CONFIG.stages.get(stage, {}):
-        return {}
-    caption, category = "../report/captions/demos.rst", {"collect": "Demonstrations", "rollout": "Rollouts"}[verb]
-    return {
-        "film": report(f"{folder}/film.png", caption=caption, category=category, labels=labels),
-        "films": directory(f"{folder}/films"),
-    }
-
-
 def features_of(variant):
     """The feature store that a variant uses, shard by shard."""
     store = CONFIG.matching_of(variant).store()
