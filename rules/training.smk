@@ -29,7 +29,7 @@ rule train:
     params:
         command=command("training", "train"),
         code=lambda wildcards: code("training", "train", *modules(CONFIG.training.runs[wildcards.run], "policy")),
-        check=check(policy="config"),
+        check=check(policy="config", metrics="metrics"),
         options=options("training", "train"),
         share=lambda wildcards: EXPERIMENT.share(wildcards.training_set),
         device=CONFIG.device,

@@ -11,11 +11,13 @@ import numpy as np
 import pytest
 import torch
 from safetensors.numpy import save_file
-from stages.policy.checkpoint import load_policy, save_weights
-from stages.policy.network import Policy
+from safetensors.torch import save_file as save_torch
 
-from stages.config.training import NetworkConfig
+from stages.config.training import NetworkConfig, TrainingRun
 from stages.contracts import InputError
+from stages.contracts.__main__ import main
+from stages.policies import TrainablePolicy, make_policy
+from stages.policies.checkpoint import load_policy, save_weights
 from stages.training.dataset import read_demonstrations
 from stages.training.state import TrainingState
 from tests.unit.contract_files import Bench, weights, write_files
@@ -145,6 +147,17 @@ def test_weights_of_another_network(bench: Bench) -> None:
         load_policy(bench.root / "training", "best")
 
 
+def test_weights_of_a_policy_of_ones_own_are_its_own(bench: Bench) -> None:
+    """No normaliser, numbers that numpy does not have, and a negative log_std: not for us to judge."""
+    bench.edit("policy", lambda content: content["run"].update(policy="my_package.policies.mlp"))
+    own = {"layer": torch.ones(3, dtype=torch.bfloat16), "log_std": torch.full((2,), -1.0)}
+    for name in ("policy", "last"):
+        save_torch(own, bench.root / f"training/{name}.safetensors")
+    assert main(["policy", str(bench.path("policy"))]) == 0
+    save_torch(own | {"log_std": torch.full((2,), torch.nan)}, bench.root / "training/last.safetensors")
+    bench.refused("policy", "last.safetensors", "log_std: holds NaN")
+
+
 def test_weights_have_the_permissions_of_other_files(tmp_path: Path) -> None:
     (tmp_path / "plain").write_text("")
     save_weights(tmp_path / "policy.safetensors", {"x": torch.zeros(2)})
@@ -157,9 +170,9 @@ def test_weights_have_the_permissions_of_other_files(tmp_path: Path) -> None:
 SMALL = NetworkConfig(points=16, pointnet_width=8, rnn_hidden=8, mlp=[8], flag_embedding=1, gmm_modes=1)
 
 
-def training() -> tuple[Policy, TrainingState]:
+def training() -> tuple[TrainablePolicy, TrainingState]:
     torch.manual_seed(0)
-    policy = Policy(SMALL)
+    policy = make_policy(TrainingRun(network=SMALL))
     return policy, TrainingState(torch.optim.AdamW(policy.parameters()), "this run")
 
 

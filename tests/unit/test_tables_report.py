@@ -190,7 +190,7 @@ def test_a_film_outside_its_folder_is_refused(tmp_path: Path) -> None:
         ("results/extraction/room_1/objects.json", "{", "breaks the Objects contract"),
         ("results/demonstrations/door/twin/attempts.jsonl", '{"attempt": 0}\n', "attempts.jsonl:1: breaks the Attempt"),
         ("results/training/door/twin/lite/seed_0/metrics.jsonl", '{"step": 1}\nnan,\n', "metrics.jsonl:2: breaks"),
-        ("results/generation/b/room_1/scene_1.png", "no picture", "is not a readable picture"),
+        ("results/generation/b/room_1/scene_1.png", "no picture", "is not a readable image"),
         ("results/assets/snapshots/shard_0.h5", "no snapshots", "is not a readable snapshot shard"),
         ("results/demonstrations/door/twin/films/twin_0.webp", "no film", "is not a readable picture"),
         ("benchmarks/assets/library.tsv", "a\tb\n1\t2\n", "not a benchmark file"),
@@ -251,9 +251,9 @@ def test_snapshots_are_cut_out_at_the_nearest_yaw(made: Path) -> None:
 def test_pictures_are_made_smaller(tmp_path: Path) -> None:
     picture(tmp_path / "a.png", 400, 200)
     assert load(tmp_path / "a.png", 100).size == (100, 50) and load(tmp_path / "a.png", 900).size == (400, 200)
-    clear = Image.new("RGBA", (8, 8), (0, 0, 0, 0))
+    clear = Image.new("RGBA", (16, 16), (0, 0, 0, 0))
     clear.save(tmp_path / "clear.png")
-    assert load(tmp_path / "clear.png", 8).getpixel((0, 0)) == (255, 255, 255)
+    assert load(tmp_path / "clear.png", 16).getpixel((0, 0)) == (255, 255, 255)
     added = Album(100, 80).add(tmp_path / "a.png", "a box")
     assert added.source.startswith("data:image/webp;base64,") and (added.width, added.height) == (100, 50)
 

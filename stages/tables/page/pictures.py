@@ -5,9 +5,10 @@ import io
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from PIL import Image, ImageOps, UnidentifiedImageError
+from PIL import Image, UnidentifiedImageError
 
 from stages.contracts.errors import InputError
+from stages.contracts.images import read_rgb
 
 STILLS = 4  # frames of a film that stand for it where nothing should move, two by two
 
@@ -18,11 +19,7 @@ def load(path: Path, width: int) -> Image.Image:
     Raises:
         InputError: the file is missing or no picture.
     """
-    with _opened(path) as opened:
-        picture = _decoded(path, opened)
-    canvas = Image.new("RGBA", picture.size, "white")
-    canvas.alpha_composite(picture)
-    picture = canvas.convert("RGB")
+    picture = Image.fromarray(read_rgb(path))
     if picture.width > width:
         height = max(1, round(picture.height * width / picture.width))
         picture = picture.resize((width, height), Image.Resampling.LANCZOS)
@@ -40,7 +37,7 @@ def _opened(path: Path) -> Image.Image:
 
 def _decoded(path: Path, opened: Image.Image) -> Image.Image:
     try:
-        return ImageOps.exif_transpose(opened).convert("RGBA")
+        return opened.convert("RGBA")
     except (OSError, SyntaxError, ValueError) as error:
         raise _unreadable(path, error) from None
 
