@@ -78,6 +78,17 @@ def test_rigid_meshes_have_the_inertia_of_their_hull(tmp_path: Path) -> None:
     assert np.allclose(base.inertia, np.diag([0.25, 0.20, 0.13]), atol=2e-7)
 
 
+def test_a_mass_told_by_hand_scales_mass_and_inertia_of_every_link(tmp_path: Path) -> None:
+    from stages.assets.imports import with_mass
+
+    robot = read_urdf(write_cabinet(tmp_path), tmp_path)
+    heavy = with_mass(robot, 3 * robot.mass)
+    assert heavy.mass == pytest.approx(3 * robot.mass)
+    for name, link in heavy.links.items():
+        assert link.mass == pytest.approx(3 * robot.links[name].mass)
+        assert np.allclose(link.inertia, 3 * robot.links[name].inertia)
+
+
 def test_panels_are_bounded_with_what_is_fixed_to_them(tmp_path: Path) -> None:
     robot = with_roles(read_urdf(write_cabinet(tmp_path), tmp_path))
     write_asset(robot, tmp_path / "cab", ABOUT)
