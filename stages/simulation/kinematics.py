@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from stages.articulated.urdf_tree import UrdfTree
+from stages.contracts.errors import InputError
 
 Array = NDArray[np.float64]
 
@@ -86,8 +87,13 @@ def track(chain: Chain, q: Array, target: Array, iterations: int = 3) -> Array:
 
 
 def read_chain(urdf: Path, tip: str) -> Chain:
-    """The chain from the root of a URDF to the link `tip`; fixed joints are folded into their neighbours."""
+    """The chain from the root of a URDF to the link `tip`; fixed joints are folded into their neighbours.
+
+    Raises:
+        InputError: the URDF is broken, or no hinge moves `tip`.
+    """
     joints = {joint.child: joint for joint in UrdfTree(urdf).joints}
+    end = tip
     path = []
     while tip in joints:
         path.append(joints[tip])
@@ -99,5 +105,7 @@ def read_chain(urdf: Path, tip: str) -> Chain:
             origins.append(offset)
             limits.append([joint.lower, joint.upper])
             offset = np.eye(4)
+    if not origins:
+        raise InputError(urdf, f"has no hinge that moves a link '{end}'.")
     lower, upper = np.array(limits).T
     return Chain(np.array(origins), offset, lower, upper)

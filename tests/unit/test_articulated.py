@@ -50,6 +50,7 @@ def test_inertia_of_a_turned_tensor_reaches_the_written_file(tmp_path: Path) -> 
     write_urdf(robot, tmp_path / "written")
     again = read_urdf(tmp_path / "written" / "model.urdf", tmp_path).links["body"]
     assert np.allclose(again.inertia, body.inertia, rtol=1e-4)
+    assert (again.mass, again.center.tolist()) == (7.0, [0.1, 0.2, 0.3])
     quarter = Rotation.from_euler("z", np.pi / 2).as_matrix()
     turned = rebased(robot, rigid(quarter, np.zeros(3))).links["body"]
     assert np.allclose(turned.inertia, quarter @ body.inertia @ quarter.T)
@@ -175,6 +176,25 @@ def test_joints_in_any_order(tmp_path: Path) -> None:
     assert [joint.name for joint in UrdfTree(tmp_path / "b.urdf").joints] == ["hinge", "slide", "knob"]
     boxes = [closed_box(read(tmp_path, t)) for t in (text, CABINET)]
     assert np.allclose(*boxes)
+
+
+def test_the_chain_of_an_arm_is_read_from_the_same_tree(tmp_path: Path) -> None:
+    from stages.simulation.kinematics import read_chain
+
+    def hinge(number: int, origin: str) -> str:
+        limit = f'<limit lower="-{number}" upper="2"/>'
+        ends = f'<parent link="l{number - 1}"/><child link="l{number}"/>'
+        return f'<joint name="j{number}" type="revolute">{ends}{origin}<axis xyz="0 0 1"/>{limit}</joint>'
+
+    links = "".join(f'<link name="l{k}"/>' for k in range(3)) + '<link name="tip"/>'
+    bolt = '<joint name="bolt" type="fixed"><parent link="l2"/><child link="tip"/><origin xyz="0 0 0.5"/></joint>'
+    joints = bolt + hinge(2, '<origin xyz="1 0 0" rpy="1.5707963267948966 0 0"/>') + hinge(1, "")
+    (tmp_path / "arm.urdf").write_text(f'<robot name="arm">{links}{joints}</robot>')
+    chain = read_chain(tmp_path / "arm.urdf", "tip")
+    assert (chain.lower.tolist(), chain.upper.tolist()) == ([-1.0, -2.0], [2.0, 2.0])
+    assert np.allclose(chain.pose(np.array([[0.0, 0.0], [np.pi / 2, 0.0]]))[:, :3, 3], [[1, -0.5, 0], [0.5, 1, 0]])
+    with pytest.raises(InputError, match="has no hinge that moves a link 'hand'"):
+        read_chain(tmp_path / "arm.urdf", "hand")
 
 
 def test_a_mirrored_mesh_keeps_its_outside_out(tmp_path: Path) -> None:
