@@ -178,6 +178,24 @@ def test_joints_in_any_order(tmp_path: Path) -> None:
     assert np.allclose(*boxes)
 
 
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ('type="prismatic"', 'type="continuous"'),
+        ('type="prismatic"', 'type="fixed"'),
+        ('lower="0" upper="0.2"', 'lower="0" upper="0.00001"'),
+        ('<axis xyz="0 -1 0"/>', '<axis xyz="0 -1 0"/><mimic joint="hinge"/>'),
+    ],
+)
+def test_what_turns_without_end_follows_or_hardly_moves_is_fixed(tmp_path: Path, old: str, new: str) -> None:
+    robot = with_roles(read(tmp_path, CABINET.replace(old, new)))
+    assert [(joint.name, joint.type, joint.role) for joint in robot.joints] == [
+        ("hinge", "revolute", "door"),
+        ("knob", "fixed", None),
+        ("slide", "fixed", None),
+    ]
+
+
 def test_the_chain_of_an_arm_is_read_from_the_same_tree(tmp_path: Path) -> None:
     from stages.simulation.kinematics import read_chain
 
