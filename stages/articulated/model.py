@@ -54,6 +54,7 @@ class Link:
     mass: float
     center: Matrix
     inertia: Matrix
+    weighed: bool = False  # the mass is told, not estimated from the volume
 
     def mapped(self, transform: Matrix) -> "Link":
         """The link under a linear map of its frame, (4, 4); mass and inertia stay."""

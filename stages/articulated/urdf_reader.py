@@ -64,7 +64,9 @@ class UrdfReader:
         if not collisions:
             pieces = [piece for visual in visuals for piece in convex_pieces(visual.mesh)]
         mass, center, inertia = self._inertial(element.find("inertial"), pieces, where)
-        return Link(name, visuals, pieces, mass, center, inertia)
+        told = element.find("inertial/mass")
+        weighed = told is not None and float(told.get("value", "0")) > 0
+        return Link(name, visuals, pieces, mass, center, inertia, weighed)
 
     def visuals(self, name: str) -> list[Visual]:
         """What is seen of a link."""

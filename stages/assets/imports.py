@@ -188,7 +188,17 @@ def upright(robot: RobotModel, file: ModelFile) -> RobotModel:
         raise InputError(file.notes_path, what, "give two different axes")
     rotation = np.array([x, np.cross(z, x), z])
     robot = rebased(robot, rigid(rotation, np.zeros(3)))
-    return stretched(robot, (notes.scale,) * 3) if notes.scale != 1.0 else robot
+    return in_metres(robot, notes.scale) if notes.scale != 1.0 else robot
+
+
+def in_metres(robot: RobotModel, scale: float) -> RobotModel:
+    """The model in metres, `scale` of which are one unit of its file; masses that the file tells are kilograms already."""
+    robot, volume = stretched(robot, (scale,) * 3), scale**3
+    links = {
+        name: replace(link, mass=link.mass / volume, inertia=link.inertia / volume) if link.weighed else link
+        for name, link in robot.links.items()
+    }
+    return replace(robot, links=links)
 
 
 def axis_vector(axis: Axis) -> Matrix:

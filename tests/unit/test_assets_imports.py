@@ -138,6 +138,18 @@ def test_a_kitchen_as_a_package_ships_it(tmp_path: Path) -> None:
     assert material_of(tmp_path / "models" / asset.id / "meshes" / "body.glb").baseColorTexture is not None
 
 
+def test_masses_are_kilograms_whatever_the_unit_of_length(folder: Path, tmp_path: Path) -> None:
+    (asset,) = import_folders([folder], tmp_path / "models")
+    write_notes = (folder / "bottom_cabinet" / "Oak 1" / "asset.json").write_text
+    write_notes('{"scale": 0.01}')
+    import_folders([folder], tmp_path / "small")
+    read = [read_urdf(tmp_path / name / asset.id / "model.urdf", tmp_path) for name in ("models", "small")]
+    (body, tray), (small_body, small_tray) = ([robot.links[name] for name in ("body", "tray")] for robot in read)
+    assert small_body.mass == body.mass == 12, "told by the file"
+    assert np.allclose(small_body.inertia, body.inertia * 1e-4, rtol=1e-4)
+    assert small_tray.mass < 1e-5 < tray.mass, "estimated from the volume"
+
+
 def test_textured_objects_in_centimetres(tmp_path: Path) -> None:
     place = tmp_path / "mine" / "mug" / "blue"
     textured_box((8.0, 9.0, 10.0), place, "mug")
