@@ -192,7 +192,7 @@ def upright(robot: RobotModel, file: ModelFile) -> RobotModel:
 
 
 def in_metres(robot: RobotModel, scale: float) -> RobotModel:
-    """The model in metres, `scale` of which are one unit of its file; masses that the file tells are kilograms already."""
+    """The model in metres, `scale` of which are one unit of its file; masses that the file tells are kilograms."""
     robot, volume = stretched(robot, (scale,) * 3), scale**3
     links = {
         name: replace(link, mass=link.mass / volume, inertia=link.inertia / volume) if link.weighed else link

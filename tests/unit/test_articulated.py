@@ -71,10 +71,10 @@ def test_a_link_without_mass_is_a_solid_box(tmp_path: Path) -> None:
 
 
 def test_rigid_meshes_have_the_inertia_of_their_hull(tmp_path: Path) -> None:
-    from stages.assets.imports import single_body
+    from stages.assets.single_body import read_mesh
 
     trimesh.creation.box([0.2, 0.3, 0.4]).export(tmp_path / "box.obj")
-    base = single_body(tmp_path / "box.obj").links["base"]
+    base = read_mesh(tmp_path / "box.obj", tmp_path).links["base"]
     assert base.mass == pytest.approx(12.0)
     assert np.allclose(base.inertia, np.diag([0.25, 0.20, 0.13]), atol=2e-7)
 
