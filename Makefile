@@ -19,7 +19,8 @@ $(STAMP): envs/requirements.txt envs/setup.sh pyproject.toml
 all: setup ## run the default workflow: library, scenes, policies, tables, report
 	$(BIN)/snakemake --cores $(CORES) all
 
-test: setup lint types ## lint, types and all tests
+test: setup lint types ## lint, types and all tests; Chromium for those of the report page
+	@bash envs/chromium.sh
 	$(BIN)/python -m pytest -n $(CORES) --dist loadfile
 
 lint: $(STAMP) ## ruff, snakefmt, snakemake --lint

@@ -1,0 +1,193 @@
+"""The report page in headless Chromium: nothing overflows, toggles work by keyboard, colours keep their contrast."""
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from stages.tables import figures, report, tables
+from tests.unit.tables_results import declared, write_run
+
+PUBLISHED = Path(__file__).parents[2] / "report" / "published"
+WIDTHS = (360, 820, 1440)
+FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking"]
+FLAGS += ["--disable-component-update", "--disable-sync"]
+WIDE = """
+() => [...document.querySelectorAll('main *, header *')]
+  .filter((e) => e.checkVisibility() && !e.closest('.scroll, pre') && e.getBoundingClientRect().right > innerWidth + 1)
+  .map((e) => e.outerHTML.slice(0, 80))
+"""
+BROKEN = """
+() => [...document.images].filter((i) => i.getAttribute('src') !== 'data:,' && (!i.naturalWidth || !i.alt))
+  .map((i) => i.outerHTML.slice(0, 80))
+"""
+CONTRAST = """
+() => {
+  const canvas = document.createElement('canvas').getContext('2d', {willReadFrequently: true});
+  const rgb = (colour) => { canvas.clearRect(0, 0, 1, 1); canvas.fillStyle = colour; canvas.fillRect(0, 0, 1, 1);
+                            return [...canvas.getImageData(0, 0, 1, 1).data]; };
+  const linear = (value) => value <= 10.31475 ? value / 3294.6 : ((value / 255 + 0.055) / 1.055) ** 2.4;
+  const light = ([r, g, b]) => 0.2126 * linear(r) + 0.7152 * linear(g) + 0.0722 * linear(b);
+  const behind = (element) => {
+    for (let node = element; node; node = node.parentElement) {
+      const colour = rgb(getComputedStyle(node).backgroundColor);
+      if (colour[3] === 255) return colour;
+    }
+    return rgb('white');
+  };
+  const low = [];
+  for (const element of document.querySelectorAll('p, a, li, small, span, b, th, td, h1, h2, h3, h4, h5, summary,'
+                                                  + ' button, figcaption, legend, label, svg text')) {
+    if (!element.checkVisibility() || ![...element.childNodes].some((n) => n.nodeType === 3 && n.data.trim())) continue;
+    const style = getComputedStyle(element);
+    const drawn = element.closest('svg') ? style.fill : style.color;
+    const [a, b] = [light(rgb(drawn)), light(behind(element))];
+    const ratio = (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
+    if (ratio < (element.closest('svg') ? 3 : 4.5)) {
+      low.push(`${element.tagName} ${element.textContent.trim().slice(0, 30)} ${ratio.toFixed(2)}`);
+    }
+  }
+  return low;
+}
+"""
+
+
+@pytest.fixture(scope="module")
+def address(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """The page of a small run."""
+    root = write_run(tmp_path_factory.mktemp("browser"))
+    results = root / "results"
+    tables.run(
+        out=results / "tables",
+        scores=tuple(sorted(results.glob("evaluation/scenes/b/*/scores.csv"))),
+        rollouts=(results / "evaluation/policies/door/rollouts.csv",),
+        published=PUBLISHED,
+    )
+    figures.run(out=results / "figures", table3_csv=results / "tables" / "table3.csv", published=PUBLISHED)
+    report.run(out=root / "index.html", published=PUBLISHED, **declared(root))  # type: ignore[arg-type]
+    return (root / "index.html").as_uri()
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    """Chromium, as `make test` installs it."""
+    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    found = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    if found is None:
+        pytest.skip("no Chromium: the report page is not looked at (bash envs/chromium.sh, as root on Debian)")
+    with playwright.sync_playwright() as driver:
+        chromium = driver.chromium.launch(executable_path=found, args=FLAGS)
+        yield chromium
+        chromium.close()
+
+
+@pytest.fixture
+def opened(browser: Any, address: str, request: pytest.FixtureRequest) -> Iterator[tuple[Any, list[str]]]:
+    """The page at the width and colour scheme of the test, and what it complains of."""
+    width, scheme, motion = getattr(request, "param", (1440, "light", "no-preference"))
+    context = browser.new_context(
+        viewport={"width": width, "height": 900}, color_scheme=scheme, reduced_motion=motion, offline=True
+    )
+    page = context.new_page()
+    complaints: list[str] = []
+    page.on("console", lambda line: complaints.append(line.text) if line.type in ("error", "warning") else None)
+    page.on("pageerror", lambda error: complaints.append(str(error)))
+    page.goto(address)
+    yield page, complaints
+    context.close()
+
+
+def unfold(page: Any) -> None:
+    page.evaluate("() => document.querySelectorAll('details').forEach((item) => { item.open = true; })")
+
+
+SIGHTS = [(width, scheme, "no-preference") for width in WIDTHS for scheme in ("light", "dark")]
+
+
+@pytest.mark.parametrize("opened", SIGHTS, indirect=True, ids=lambda sight: f"{sight[0]}-{sight[1]}")
+def test_nothing_overflows_or_fails_and_everything_is_readable(opened: tuple[Any, list[str]]) -> None:
+    page, complaints = opened
+    unfold(page)
+    page.wait_for_function("() => [...document.images].every((image) => image.complete)")
+    assert page.evaluate("() => document.documentElement.scrollWidth") == page.viewport_size["width"]
+    assert page.evaluate(WIDE) == []
+    assert page.evaluate(BROKEN) == []
+    assert page.evaluate(CONTRAST) == []
+    assert complaints == []
+
+
+@pytest.mark.parametrize("opened", [(360, "light", "no-preference")], indirect=True)
+def test_on_a_phone_no_result_column_lies_beyond_the_edge(opened: tuple[Any, list[str]]) -> None:
+    page, _ = opened
+    unfold(page)
+    cells = "() => [...document.querySelectorAll('.stacking td')].filter((c) => c.textContent.trim())"
+    assert page.evaluate(f"{cells}.length") > 50
+    assert page.evaluate(f"{cells}.filter((c) => c.getBoundingClientRect().right > innerWidth).length") == 0
+    label = "(c) => getComputedStyle(c, '::before').content.length > 2"
+    assert page.evaluate(f"{cells}.every({label})")  # each says what it is
+    first = page.locator("#compare-first")
+    assert first.get_attribute("data-mode") == "over" and first.bounding_box()["width"] > 300
+    assert first.bounding_box()["y"] + 200 < 900  # on the first screen
+
+
+def test_the_first_screen_holds_pictures_and_the_result(opened: tuple[Any, list[str]]) -> None:
+    page, _ = opened
+    shown = ("#compare-first .before img", "#compare-first .after img:not([hidden])", ".results .chart", ".verdict")
+    for part in shown:
+        box = page.locator(part).first.bounding_box()
+        assert box["y"] + box["height"] < 900, part
+
+
+def test_ranks_and_slider_by_keyboard(opened: tuple[Any, list[str]]) -> None:
+    page, complaints = opened
+    compare = page.locator("#compare-first")
+    compare.locator("input[type=radio]").first.focus()
+    page.keyboard.press("ArrowRight")
+    assert compare.locator("[data-rank='2']").is_visible() and not compare.locator("[data-rank='1']").is_visible()
+    assert compare.locator(".rank").text_content() == "2"
+    compare.locator(".mode").focus()
+    page.keyboard.press("Enter")
+    assert compare.get_attribute("data-mode") == "over"
+    compare.locator("input[type=range]").focus()
+    page.keyboard.press("End")
+    assert compare.locator(".pair").evaluate("(e) => e.style.getPropertyValue('--seam')") == "100%"
+    box = compare.locator(".pair").bounding_box()
+    page.mouse.move(box["x"] + box["width"] / 4, box["y"] + 50)
+    page.mouse.down()
+    page.mouse.up()
+    assert compare.locator("input[type=range]").input_value() == "25"
+    assert complaints == []
+
+
+def test_colours_films_and_large_pictures_by_keyboard(opened: tuple[Any, list[str]]) -> None:
+    page, complaints = opened
+    paper = "() => getComputedStyle(document.body).backgroundColor"
+    light = page.evaluate(paper)
+    page.locator("#theme").focus()
+    page.keyboard.press("Space")
+    assert page.evaluate(paper) != light
+    shown = ".film img"
+    moving = page.locator(shown).first.evaluate("(e) => e.currentSrc")
+    page.locator("#motion").focus()
+    page.keyboard.press("Enter")
+    assert page.locator("#motion").get_attribute("aria-pressed") == "true"
+    page.wait_for_function("([q, src]) => document.querySelector(q).currentSrc !== src", arg=[shown, moving])
+    unfold(page)
+    page.locator("button.picture").first.focus()
+    page.keyboard.press("Enter")
+    assert page.locator("#viewer").is_visible() and page.locator("#viewer img").get_attribute("alt")
+    page.keyboard.press("Escape")
+    assert not page.locator("#viewer").is_visible()
+    page.locator("details summary").first.focus()
+    assert complaints == []
+
+
+@pytest.mark.parametrize("opened", [(820, "light", "reduce")], indirect=True)
+def test_films_stand_still_where_the_system_asks_for_it(opened: tuple[Any, list[str]]) -> None:
+    page, _ = opened
+    first = page.locator(".film").first
+    still = first.locator("source").get_attribute("srcset")
+    assert first.locator("img").evaluate("(e) => e.currentSrc") == still
+    assert page.locator("#motion").get_attribute("aria-pressed") == "true"
