@@ -13,6 +13,7 @@ from snakemake.settings.types import ExecMode
 from stages.config.code import code_digest, cover, files_digest
 from stages.config.model import load
 from stages.config.names import modules
+from stages.config.outside import outside
 from stages.config.reads import options_of, stores
 from stages.contracts.errors import InputError
 from stages.plugins import qualified
@@ -33,6 +34,7 @@ try:
 except InputError as error:
     raise WorkflowError(str(error)) from None
 
+os.environ["ACDC_OUTSIDE"] = "\n".join(outside(CONFIG))  # containers/podman-shell mounts them
 EXPERIMENT = CONFIG.experiment
 ROOMS = EXPERIMENT.rooms
 SCORED_ROOMS = [room for room in ROOMS if room not in EXPERIMENT.inputs]

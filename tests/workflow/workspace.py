@@ -1,12 +1,19 @@
 """A working directory for workflow tests: the repository's files linked in, results its own."""
 
+import fcntl
 import os
+import shutil
 import subprocess
 import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 LINKED = ("Snakefile", "rules", "report", "config.yaml", "config", "profiles", "containers")
+MICRO = ("--configfile", "config/test/micro.yaml")
+Done = subprocess.CompletedProcess[str]
 
 
 def make(folder: Path) -> Path:
@@ -17,9 +24,20 @@ def make(folder: Path) -> Path:
     return folder
 
 
-def snakemake(
-    folder: Path, *arguments: str, environment: dict[str, str] | None = None
-) -> subprocess.CompletedProcess[str]:
+def copy(run: Path, folder: Path) -> Path:
+    """A finished run of one's own."""
+    shutil.copytree(run, folder, symlinks=True, ignore=shutil.ignore_patterns("mine*"))
+    return folder
+
+
+def overlay(folder: Path, text: str) -> tuple[str, ...]:
+    """Config arguments of the micro run plus `text`."""
+    path = folder / "mine.yaml"
+    path.write_text(text)
+    return (*MICRO, str(path))
+
+
+def snakemake(folder: Path, *arguments: str, environment: dict[str, str] | None = None) -> Done:
     """Run snakemake in `folder` and return what it printed (stdout and stderr together)."""
     return subprocess.run(
         [str(Path(sys.executable).parent / "snakemake"), "--cores", "2", *arguments],
@@ -29,3 +47,51 @@ def snakemake(
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
     )
+
+
+def dry_run(folder: Path, *arguments: str) -> Done:
+    """The same for `snakemake -n`, in a fork of this process: Snakemake, which takes longest, is imported once."""
+    from snakemake import cli
+
+    cli.get_argument_parser()
+    with tempfile.TemporaryFile("w+") as output:
+        child = os.fork()
+        if not child:
+            code = 1
+            try:
+                os.chdir(folder)
+                os.dup2(output.fileno(), 1)
+                os.dup2(output.fileno(), 2)
+                sys.stdout, sys.stderr = os.fdopen(1, "w"), os.fdopen(2, "w")
+                sys.argv = ["snakemake", "--cores", "2", "-n", *arguments]
+                cli.main()
+            except SystemExit as leaves:
+                code = int(leaves.code or 0)
+            finally:
+                sys.stdout.flush()
+                sys.stderr.flush()
+                os._exit(code)
+        _, status = os.waitpid(child, 0)
+        output.seek(0)
+        return Done(arguments, os.waitstatus_to_exitcode(status), output.read())
+
+
+def planned(output: str) -> dict[str, int]:
+    """How often each rule stands in the job table of a run or a dry run."""
+    lines = output.splitlines()
+    start = next((index for index, line in enumerate(lines) if line.startswith("job ")), len(lines))
+    counts = {}
+    for line in lines[start + 2 :]:
+        if not line.strip() or line.startswith("total"):
+            break
+        name, count = line.split()[:2]
+        counts[name] = int(count)
+    return counts
+
+
+@contextmanager
+def only_one(path: Path) -> Iterator[None]:
+    """Hold a lock file, which other workers of the tests wait for."""
+    with path.open("a") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        yield

@@ -1,0 +1,151 @@
+"""Every command and every YAML block of README and docs does what the page says: no block is only prose."""
+
+import ast
+import json
+import re
+import shlex
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+import yaml
+
+from stages.config import places
+from stages.config.model import load, merged
+from tests.workflow.workspace import ROOT, dry_run, make
+
+PAGES = [ROOT / "README.md", ROOT / "config/README.md", *sorted((ROOT / "docs").glob("*.md"))]
+FENCE = re.compile(
+    r"(?:<!-- not run: (?P<why>.+) -->\n)?^```(?P<kind>\w*)\n(?P<text>.*?)^```", re.DOTALL | re.MULTILINE
+)
+OURS = re.compile(r"^(\.venv/bin/)?(snakemake|python -m stages\.|make |source )")
+# `docs/extending.md` is run by tests/unit/test_extending.py; the text of a page's room file by the test of that room.
+ELSEWHERE = {"extending.md"}
+
+
+class Block(NamedTuple):
+    """A fenced block of a page; `why` it is not run, if the page says so."""
+
+    page: str
+    kind: str
+    text: str
+    why: str | None
+
+
+def blocks(*kinds: str) -> list[Block]:
+    """Blocks of some kinds in all pages."""
+    found = [
+        Block(page.name if page.parent != ROOT / "config" else "config", each["kind"], each["text"], each["why"])
+        for page in PAGES
+        if page.name not in ELSEWHERE
+        for each in FENCE.finditer(page.read_text(encoding="utf-8"))
+    ]
+    return [block for block in found if block.kind in kinds and block.why is None]
+
+
+def commands() -> list[tuple[str, str]]:
+    """Page and command, comments and line breaks taken away."""
+    found = []
+    for block in blocks("bash", "sh", ""):
+        lines = [re.sub(r"\s+# .*|^# .*", "", line) for line in block.text.replace("\\\n", " ").splitlines()]
+        found += [(block.page, line.strip()) for line in lines if line.strip()]
+    once = {line: page for page, line in reversed(found)}
+    return [(page, line) for line, page in once.items() if OURS.match(line)]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A clone in which the files stand that the pages speak of."""
+    folder = make(tmp_path_factory.mktemp("clone"))
+    for name in places.INPUT_FILES:
+        (folder / "my/kitchen").mkdir(parents=True, exist_ok=True)
+        (folder / "my/kitchen" / name).touch()
+    known = {"objects": [{"mask": 1, "label": "cabinet", "articulated": True, "doors": 1}]}
+    (folder / "my/kitchen/annotations.json").write_text(json.dumps(known))
+    weights = [f"weights/dinov2_small/{name}" for name in ("config.json", "model.safetensors")]
+    for name in ("my/assets/chair/one.urdf", "mine.sh", "lib/part.sh", "my_matching.py", *weights):
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).touch()
+    (folder / "mine.yaml").write_text("experiment: {tasks: {door: null}}")
+    for block in blocks("yaml"):
+        if block.text.startswith("# attic.yaml"):
+            (folder / "attic.yaml").write_text(block.text)
+    return folder
+
+
+@pytest.mark.parametrize("block", blocks("yaml"), ids=lambda block: block.page)
+def test_a_yaml_block_is_a_config(folder: Path, monkeypatch: pytest.MonkeyPatch, block: Block) -> None:
+    if block.text.startswith("# attic.yaml"):
+        pytest.skip("a room, which the block after it names")
+    monkeypatch.chdir(folder)
+    default = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
+    load(merged(default, yaml.safe_load(block.text)))
+
+
+@pytest.mark.parametrize(("page", "line"), commands(), ids=[line[:60] for _, line in commands()])
+def test_a_command_is_one(folder: Path, page: str, line: str) -> None:
+    words = shlex.split(line.removeprefix(".venv/bin/"))
+    if words[0] == "make":
+        assert re.search(rf"^{words[1]}:", (ROOT / "Makefile").read_text(), re.MULTILINE)
+    elif words[0] == "python":
+        check_flags(words[2].removeprefix("stages."), words[3:])
+    elif words[0] == "snakemake":
+        check_snakemake(folder, words[1:])
+    else:
+        assert words == ["source", ".venv/bin/activate"]
+
+
+def check_flags(stage: str, words: list[str]) -> None:
+    """A stage's verb takes these flags, and needs no others."""
+    if not (ROOT / "stages" / stage).is_dir():  # doctor
+        assert (ROOT / "stages" / f"{stage}.py").is_file() and not words
+        return
+    if stage in ("config", "contracts"):
+        return
+    given = {word for word in words if word.startswith("--")}
+    known, needed = flags(stage, words[0])
+    assert "--help" in given or (given <= known and needed <= given), (sorted(given - known), sorted(needed - given))
+
+
+def flags(stage: str, verb: str) -> tuple[set[str], set[str]]:
+    """All flags of a verb, and those without a default."""
+    tree = ast.parse((ROOT / "stages" / stage / f"{verb}.py").read_text(encoding="utf-8"))
+    run = next(node for node in tree.body if isinstance(node, ast.FunctionDef) and node.name == "run").args
+    names = ["--" + argument.arg.replace("_", "-") for argument in run.kwonlyargs]
+    return set(names), {name for name, default in zip(names, run.kw_defaults, strict=True) if default is None}
+
+
+def check_snakemake(folder: Path, words: list[str]) -> None:
+    """A dry run of it plans something; what needs a finished run or a plugin is only parsed."""
+    if "--report" in words or {"profiles/slurm", "profiles/kubernetes", "profiles/apptainer"} & set(words):
+        from snakemake.cli import get_argument_parser
+
+        assert get_argument_parser().parse_args(words)
+        return
+    done = dry_run(folder, *[word for word in words if word not in ("-n", "--cores", "2")])
+    assert done.returncode == 0 and "total" in done.stdout, done.stdout[-3000:]
+
+
+def table() -> dict[str, list[str]]:
+    """The flags that docs/swapping.md promises, by `stage verb`."""
+    rows = re.findall(r"^\| `(\w+ \w+)` \| `([^`]+)` \|", (ROOT / "docs/swapping.md").read_text(), re.MULTILINE)
+    return {name: words.split() for name, words in rows}
+
+
+def test_the_flags_of_every_verb_are_told_to_strangers() -> None:
+    called = {}
+    for path in sorted((ROOT / "rules").glob("*.smk")):
+        for body in re.split(r"^rule ", path.read_text(), flags=re.MULTILINE)[1:]:
+            if verb := re.search(r'command=command\("(\w+)", "(\w+)"\)', body):
+                shell = body[body.index("    shell:") :]
+                called[f"{verb[1]} {verb[2]}"] = list(dict.fromkeys(re.findall(r"--[a-z][a-z0-9-]*", shell)))
+    assert table() == called
+    for name, words in called.items():
+        known, needed = flags(*name.split())
+        assert needed <= set(words) <= known, name
+
+
+def test_what_is_not_run_says_why() -> None:
+    for page in PAGES:
+        for each in FENCE.finditer(page.read_text(encoding="utf-8")):
+            assert each["why"] is None or len(each["why"]) > 10
