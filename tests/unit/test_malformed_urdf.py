@@ -246,7 +246,7 @@ def test_a_urdf_that_is_no_text_or_no_file(folder: Path) -> None:
     assert read_urdf(path, folder).root == "body"
     path.unlink()
     path.mkdir()
-    refused(folder, "holds no URDF, GLB or OBJ")
+    refused(folder, "holds no URDF")
     with pytest.raises(InputError, match=r"cannot be read .IsADirectoryError"):
         read_urdf(path, folder)
     with pytest.raises(InputError, match=r"cannot be read .FileNotFoundError"):

@@ -46,6 +46,9 @@ def test_written_files_fill_the_promised_box(tmp_path: Path) -> None:
     assert asset.size == pytest.approx((0.6, 1.1, 0.8), abs=1e-6)
     assert sum(link.mass for link in robot.links.values()) == pytest.approx(asset.mass, rel=1e-4)
     assert asset.checksum == checksum(tmp_path / "cab")
+    for link in robot.links.values():
+        low, high = bounds_of([visual.mesh for visual in link.visuals])
+        assert (low < link.center).all() and (link.center < high).all(), f"{link.name}: its mass lies outside of it"
 
 
 def test_same_recipe_same_bytes(tmp_path: Path) -> None:
