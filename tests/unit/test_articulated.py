@@ -151,6 +151,40 @@ def test_colours_are_kept_exactly_and_looks_of_their_own_too(tmp_path: Path) -> 
     assert own.painted().visual.vertex_colors[0].tolist() == [10, 200, 30, 255]
 
 
+@pytest.mark.parametrize(("flat", "corners"), [(True, 3 * 80), (False, 42)])
+def test_flat_visuals_show_every_edge_and_others_the_sharp_ones(tmp_path: Path, flat: bool, corners: int) -> None:
+    ball = trimesh.creation.icosphere(1, 0.2)  # 42 vertices, 80 faces, no edge sharper than 35 degrees
+    link = Link("ball", [Visual(ball, (1.0, 0.0, 0.0, 1.0), flat)], [ball], 1.0, np.zeros(3), np.eye(3))
+    write_urdf(RobotModel("r", {"ball": link}), tmp_path)
+    lines = (tmp_path / "meshes" / "ball_0.obj").read_text().splitlines()
+    assert sum(line.startswith("v ") for line in lines) == corners
+    normals = np.array([line.split()[1:] for line in lines if line.startswith("vn ")], dtype=float)
+    faces = [[int(corner.split("//")[1]) - 1 for corner in line.split()[1:]] for line in lines if line[0] == "f"]
+    assert all(np.allclose(normals[face], normals[face[0]]) for face in faces) == flat
+
+
+@pytest.mark.parametrize(
+    ("geometry", "size"),
+    [
+        ('<cylinder radius="0.1" length="0.6"/>', (0.2, 0.2, 0.6)),
+        ('<capsule radius="0.1" length="0.6"/>', (0.2, 0.2, 0.8)),
+        ('<sphere radius="0.1"/>', (0.2, 0.2, 0.2)),
+        ('<box size="0.1 0.2 0.3"/>', (0.1, 0.2, 0.3)),
+        ('<mesh filename="cube.obj" scale="1 2 3"/>', (1.0, 2.0, 3.0)),
+    ],
+)
+def test_shapes_are_centred_and_have_their_size(tmp_path: Path, geometry: str, size: tuple[float, ...]) -> None:
+    trimesh.creation.box().export(tmp_path / "cube.obj")
+    shape = f'<origin xyz="1 0 0"/><geometry>{geometry}</geometry>'
+    link = f'<link name="a"><visual>{shape}</visual><collision>{shape}</collision></link>'
+    robot = read(tmp_path, f'<robot name="r">{link}</robot>')
+    low, high = closed_box(robot)
+    assert np.allclose((low + high) / 2, [1, 0, 0], atol=1e-6)
+    assert np.allclose(high - low, size, atol=2e-3)
+    (piece,) = robot.links["a"].collisions
+    assert piece.is_convex and np.allclose(piece.bounds, [low, high])
+
+
 def test_a_material_file_that_is_missing_is_no_texture(tmp_path: Path) -> None:
     textured_box((1.0, 1.0, 1.0), tmp_path, "box")
     text = (

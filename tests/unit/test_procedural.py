@@ -171,6 +171,7 @@ def test_bad_recipes_are_refused(tmp_path: Path) -> None:
         ("bottom_cabinet", {"board": -0.02}, "parameter board: "),
         ("bottom_cabinet", {"board": float("inf")}, "parameter board: "),
         ("bottom_cabinet", {"reach": float("nan")}, "parameter reach: "),
+        ("bottom_cabinet", {"drawer_weight": float("inf")}, "parameter drawer_weight: "),
         ("bottom_cabinet", {"hinge": 0}, "parameter hinge: "),
         ("bottom_cabinet", {"shelves": 10**9}, "parameter shelves: "),
         ("bottom_cabinet", {"buttons": 0}, "parameter buttons: "),
