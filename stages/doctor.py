@@ -113,14 +113,16 @@ def check_containers() -> Check:
     return Check("containers", bool(found), ", ".join(found) or "none: rules run in this environment", needed=False)
 
 
+Mendable = Callable[[], Check]
+
 # check -> what `--mend` says, and the script that it runs
-MENDS: dict[Callable[[], Check], tuple[str, str]] = {
+MENDS: dict[Mendable, tuple[str, str]] = {
     check_vulkan: ("no Vulkan device: installing Mesa's lavapipe", "vulkan.sh"),
     check_open3d: ("Open3D cannot be imported: installing the libraries it links to", "open3d.sh"),
 }
 
 
-def mended(check: Callable[[], Check]) -> Check:
+def mended(check: Mendable) -> Check:
     """The check after its mend, if it fails and we may install packages; else as it is."""
     outcome = check()
     if outcome.good or os.geteuid() != 0 or not shutil.which("apt-get"):
