@@ -19,16 +19,20 @@ def parse(arguments: list[str]) -> list[tuple[str, Path]]:
     """Pairs of kind and file; a kind holds for all files up to the next kind.
 
     Raises:
-        ValueError: a file comes before any kind.
+        ValueError: a file comes before any kind, or a kind without a file.
     """
     kind, pairs = None, []
     for argument in arguments:
         if argument in KINDS:
+            if kind and (not pairs or pairs[-1][0] != kind):
+                break
             kind = argument
         elif kind is None:
             raise ValueError(f"'{argument}' is no kind of file. Known kinds: {', '.join(KINDS)}")
         else:
             pairs.append((kind, Path(argument)))
+    if not pairs or pairs[-1][0] != kind:
+        raise ValueError(f"'{kind}' comes without a file." if kind else "name a kind of file, then files.")
     return pairs
 
 

@@ -144,7 +144,8 @@ def read_rows(model: type[M], path: Path, fix: str = "") -> list[M]:
     """
     optional = {name for name, field in model.model_fields.items() if type(None) in get_args(field.annotation)}
     reader = csv.DictReader(io.StringIO(read_text(path, fix), newline=""), strict=True)
-    rows = []
+    rows: list[M] = []
+    seen: dict[tuple[object, ...], int] = {}
     try:
         columns = list(reader.fieldnames or [])
         wrong = [name for name in model.model_fields if name not in columns]
@@ -157,6 +158,10 @@ def read_rows(model: type[M], path: Path, fix: str = "") -> list[M]:
                 raise InputError(f"{path}:{reader.line_num}", "has more or fewer cells than the header.", fix)
             cells = {name: None if name in optional and value == "" else value for name, value in values.items()}
             rows.append(model.model_validate(cells))
+            key = tuple(getattr(rows[-1], name) for name in getattr(model, "once", ()))
+            if key and seen.setdefault(key, reader.line_num) != reader.line_num:
+                same = ", ".join(f"{name} {value}" for name, value in zip(model.once, key, strict=True))  # type: ignore[attr-defined]
+                raise InputError(f"{path}:{reader.line_num}", f"is line {seen[key]} again ({same}).", fix)
     except csv.Error as error:
         raise InputError(f"{path}:{reader.line_num}", f"is not CSV ({error}).", fix) from None
     except ValidationError as error:

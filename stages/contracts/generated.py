@@ -70,7 +70,7 @@ class GeneratedScene(Document):
 
     @model_validator(mode="after")
     def _resolvable(self) -> "GeneratedScene":
-        check_view(self.width, self.intrinsics)
+        check_view(self.width, self.height, self.intrinsics)
         check_unique("walls: ids", [wall.id for wall in self.walls])
         check_unique("objects: ids", [item.id for item in self.objects])
         walls = {wall.id for wall in self.walls}

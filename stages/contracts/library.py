@@ -147,5 +147,5 @@ class SnapshotShard(Document):
     def _consistent(self) -> "SnapshotShard":
         check_unique("assets", self.assets)
         check_unique("yaws", self.yaws)
-        check_view(self.image_size, self.intrinsics)
+        check_view(self.image_size, self.image_size, self.intrinsics)
         return self

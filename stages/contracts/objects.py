@@ -86,7 +86,7 @@ class Objects(Document):
 
     @model_validator(mode="after")
     def _resolvable(self) -> "Objects":
-        check_view(self.width, self.intrinsics)
+        check_view(self.width, self.height, self.intrinsics)
         check_unique("walls: ids", [wall.id for wall in self.walls])
         check_unique("objects: ids", [item.id for item in self.objects])
         check_unique("objects: mask values", [item.mask for item in self.objects])

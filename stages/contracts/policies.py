@@ -1,7 +1,7 @@
 """Contracts of the policy part: the experiment's assets, the attempt ledger, the rollout rows."""
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
@@ -71,9 +71,17 @@ class Attempt(Contract):
     opened: Finite = Field(ge=-10, le=10, description="fraction of the target joint's range at the end")
     episode: Count | None = Field(None, description="index in episodes.h5 if kept")
 
+    @model_validator(mode="after")
+    def _cause(self) -> "Attempt":
+        if self.success != (self.cause == "success"):
+            raise ValueError(f"cause: is '{self.cause}', but success is {str(self.success).lower()}")
+        return self
+
 
 class Rollout(Contract):
-    """A row of `rollouts.csv`."""
+    """A row of `rollouts.csv`; `once` names the columns that tell rows apart."""
+
+    once: ClassVar = ("task", "training_set", "run", "seed", "checkpoint", "test_asset", "episode")
 
     task: Id
     training_set: Id
@@ -97,6 +105,7 @@ Overlap = Annotated[Finite, Field(ge=0, le=1.000001)]
 class SceneScore(Contract):
     """A row of `scores.csv`: one object of one generated scene against the truth (paper B.1)."""
 
+    once: ClassVar = ("scene", "variant", "rank", "object")
     scene: Id
     variant: Id
     rank: Rank

@@ -35,7 +35,7 @@ class Camera(Document):
 
     @model_validator(mode="after")
     def _plausible(self) -> "Camera":
-        check_view(self.width, self.intrinsics)
+        check_view(self.width, self.height, self.intrinsics)
         return self
 
 
@@ -44,9 +44,15 @@ class Annotation(Contract):
 
     mask: MaskValue = Field(description="value of the object's pixels in masks.png; 1 or more")
     label: Text = Field(description="free text, e.g. 'cabinet'")
-    articulated: bool = False
+    articulated: bool = Field(False, description="whether it opens; what has doors or drawers does")
     doors: Panels = 0
     drawers: Panels = 0
+
+    @model_validator(mode="after")
+    def _opens(self) -> "Annotation":
+        if self.doors + self.drawers and not self.articulated:
+            raise ValueError(f"articulated: is false, but '{self.label}' has doors or drawers")
+        return self
 
 
 class Annotations(Document):

@@ -114,12 +114,13 @@ RigidTransform = Annotated[Matrix, AfterValidator(_rigid)]
 CameraMatrix = Annotated[Matrix, AfterValidator(_camera_matrix)]
 
 
-def check_view(width: int, intrinsics: Matrix) -> None:
+def check_view(width: int, height: int, intrinsics: Matrix) -> None:
     """Refuse a camera that nobody has: a matrix in shares of the picture instead of pixels, or of another picture."""
-    angle = math.degrees(2 * math.atan(width / 2 / intrinsics[0][0]))
-    if not 0.5 < angle < 175:
-        focal = f"intrinsics: fx {intrinsics[0][0]:g} for {width} pixels"
-        raise ValueError(f"{focal} is a field of view of {angle:.3g} degrees: write fx in pixels")
+    for name, side, focal in (("fx", width, intrinsics[0][0]), ("fy", height, intrinsics[1][1])):
+        angle = math.degrees(2 * math.atan(side / 2 / focal))
+        if not 0.5 < angle < 175:
+            view = f"intrinsics: {name} {focal:g} for {side} pixels is a field of view of {angle:.3g} degrees"
+            raise ValueError(f"{view}: write {name} in pixels")
 
 
 def check_unique(what: str, values: Iterable[Hashable]) -> None:

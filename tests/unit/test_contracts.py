@@ -73,6 +73,7 @@ def test_checker_checks_lines_and_tables(tmp_path: Path) -> None:
     path.write_text(good + "\n{}\n")
     assert main(["attempts", str(path)]) == 1
     assert main(["nonsense", str(path)]) == 2
+    assert main([]) == main(["attempts"]) == main(["attempts", "camera", str(path)]) == 2
 
 
 def test_refused_files_are_kept_beside_their_place(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
