@@ -34,7 +34,7 @@ try:
 except InputError as error:
     raise WorkflowError(str(error)) from None
 
-os.environ["ACDC_OUTSIDE"] = "\n".join(outside(CONFIG))  # containers/podman-shell mounts them
+os.environ.update(ACDC_OUTSIDE="\n".join(outside(CONFIG)))  # containers/podman-shell mounts them
 EXPERIMENT = CONFIG.experiment
 ROOMS = EXPERIMENT.rooms
 SCORED_ROOMS = [room for room in ROOMS if room not in EXPERIMENT.inputs]
@@ -124,6 +124,17 @@ def recipes_digest(wildcards):
     path, ours = CONFIG.room_files().get(wildcards.scene), series()
     used = ours[: ours.index(path) + 1] if path in ours else [path] if path else []
     return sha256(b"\0".join(file.read_bytes() for file in used)).hexdigest()[:12]
+
+
+def filmed(stage, verb, folder, **labels):
+    """Films of episodes as outputs of our own verb; a command in its place need not make any."""
+    if verb in CONFIG.stages.get(stage, {}):
+        return {}
+    caption, category = "../report/captions/demos.rst", {"collect": "Demonstrations", "rollout": "Rollouts"}[verb]
+    return {
+        "film": report(f"{folder}/film.png", caption=caption, category=category, labels=labels),
+        "films": directory(f"{folder}/films"),
+    }
 
 
 def scene_inputs(wildcards):

@@ -3,17 +3,6 @@
 # Writes: results/demonstrations/<task>/<role>/{episodes.h5,attempts.jsonl,film.png,films/}.
 
 
-def filmed(stage, verb, folder, **labels):
-    """Films of episodes as outputs of our own verb; a command in its place need not make any."""
-    if verb in CONFIG.stages.get(stage, {}):
-        return {}
-    caption, category = "../report/captions/demos.rst", {"collect": "Demonstrations", "rollout": "Rollouts"}[verb]
-    return {
-        "film": report(f"{folder}/film.png", caption=caption, category=category, labels=labels),
-        "films": directory(f"{folder}/films"),
-    }
-
-
 rule demonstrate:
     """Collect the demonstrations of one asset."""
     input:
