@@ -14,6 +14,7 @@ report: "report/workflow.rst"
 
 
 include: "rules/common.smk"
+include: "rules/paths.smk"
 include: "rules/assets.smk"
 include: "rules/scenes.smk"
 include: "rules/extraction.smk"

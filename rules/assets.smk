@@ -6,6 +6,8 @@
 
 rule library:
     """Make the procedural models and import the user's folders."""
+    input:
+        own=asset_files(),
     output:
         library="results/assets/library/library.json",
     log:

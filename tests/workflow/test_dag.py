@@ -47,6 +47,13 @@ def test_mistakes_in_the_config_are_a_line_each(folder: Path, tmp_path: Path) ->
     assert "Traceback" not in done.stdout
 
 
+def test_own_models_are_inputs_of_the_library(folder: Path) -> None:
+    (folder / "my/assets/chair").mkdir(parents=True)
+    (folder / "my/assets/chair/seat.obj").touch()
+    (folder / "assets.yaml").write_text("assets: {folders: [my/assets]}")
+    assert "input: my/assets/chair/seat.obj" in dry_run(folder, "library", "--configfile", "assets.yaml").stdout
+
+
 def test_containers_see_what_the_config_names_outside(
     folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

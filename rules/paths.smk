@@ -1,0 +1,76 @@
+# Helpers: which files a job reads. Nothing here makes a file.
+
+
+def features_of(variant):
+    """The feature store that a variant uses, shard by shard."""
+    store = CONFIG.matching_of(variant).store()
+    return [f"results/matching/features/{store}/shard_{shard}.npy" for shard in SHARDS]
+
+
+def own_room(wildcards):
+    """The flag that names the file of a room of the user's."""
+    path = CONFIG.room_files().get(wildcards.scene)
+    return "" if path is None or path in series() else f"--room {shlex.quote(str(path))}"
+
+
+def recipes_digest(wildcards):
+    """Digest of what a room is made by: its own recipe and, for ours, those before it."""
+    path, ours = CONFIG.room_files().get(wildcards.scene), series()
+    used = ours[: ours.index(path) + 1] if path in ours else [path] if path else []
+    return sha256(b"\0".join(file.read_bytes() for file in used)).hexdigest()[:12]
+
+
+def filmed(stage, verb, folder, **labels):
+    """Films of episodes as outputs of our own verb; a command in its place need not make any."""
+    if verb in CONFIG.stages.get(stage, {}):
+        return {}
+    caption, category = "../report/captions/demos.rst", {"collect": "Demonstrations", "rollout": "Rollouts"}[verb]
+    return {
+        "film": report(f"{folder}/film.png", caption=caption, category=category, labels=labels),
+        "films": directory(f"{folder}/films"),
+    }
+
+
+def scene_inputs(wildcards):
+    """The files of a scene's input folder: rendered for rooms, the user's own for `experiment.inputs`."""
+    own = EXPERIMENT.inputs.get(wildcards.scene)
+    folder = own or f"results/scenes/{wildcards.scene}/input"
+    return {
+        "rgb": f"{folder}/rgb.png",
+        "camera": f"{folder}/camera.json",
+        "depth": f"{folder}/depth.npz",
+        "masks": f"{folder}/masks.png",
+        "annotations": f"{folder}/annotations.json",
+    }
+
+
+def asset_files():
+    """All files of the user's asset folders: a changed one makes the library again."""
+    files = (path for folder in CONFIG.assets.folders for path in Path(folder).rglob("*") if path.is_file())
+    return sorted(str(path) for path in files)
+
+
+def scene_image(wildcards):
+    """The scene's picture."""
+    return scene_inputs(wildcards)["rgb"]
+
+
+def policy_folders(task, parent):
+    """Folders of all policies of a task below `parent`, one per training set, run and seed."""
+    return expand(
+        f"{parent}/{task}/{{training_set}}/{{run}}/seed_{{seed}}",
+        training_set=EXPERIMENT.training_sets,
+        run=EXPERIMENT.runs,
+        seed=EXPERIMENT.seeds,
+    )
+
+
+def of_target(wildcards, pattern):
+    """The file of `pattern` for a task's object or for the scene that holds it."""
+    target = EXPERIMENT.tasks[wildcards.task]
+    return expand(pattern, variant=wildcards.variant, scene=target.scene, object=target.object)
+
+
+def task_assets(task):
+    """The file that names the assets of a task's policy experiment."""
+    return f"results/experiment/{EXPERIMENT.policy_variant}/{task}/assets.json"
