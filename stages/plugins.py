@@ -17,7 +17,7 @@ from stages.contracts.errors import InputError
 
 
 @dataclass(frozen=True)
-class Kind:
+class PluginKind:
     """Where our implementations are, and the name that every implementation defines (or the suffix of its file)."""
 
     place: str  # no whole module name: as text that would count as needed by all who look for a name (config/code.py)
@@ -30,16 +30,16 @@ class Kind:
 
 
 KINDS = {
-    "encoders": Kind("matching.encoders", "Encoder"),
-    "text_encoders": Kind("matching.text_encoders", "TextEncoder"),
-    "searches": Kind("matching.searches", "search"),
-    "judges": Kind("matching.judges", "Judge"),
-    "sources": Kind("extraction.sources", "observe"),
-    "rooms": Kind("scenes.rooms", ".yaml"),
-    "tasks": Kind("tasks", "TASK"),
-    "policies": Kind("policies", "Policy"),
-    "importers": Kind("assets.importers", "IMPORTER"),
-    "skills": Kind("skills", "Skill"),
+    "encoders": PluginKind("matching.encoders", "Encoder"),
+    "text_encoders": PluginKind("matching.text_encoders", "TextEncoder"),
+    "searches": PluginKind("matching.searches", "search"),
+    "judges": PluginKind("matching.judges", "Judge"),
+    "sources": PluginKind("extraction.sources", "observe"),
+    "rooms": PluginKind("scenes.rooms", ".yaml"),
+    "tasks": PluginKind("tasks", "TASK"),
+    "policies": PluginKind("policies", "Policy"),
+    "importers": PluginKind("assets.importers", "IMPORTER"),
+    "skills": PluginKind("skills", "Skill"),
 }
 
 
@@ -48,7 +48,9 @@ def folder(package: str) -> Path:
     head, *parts = package.split(".")
     spec = find_spec(head)
     if spec is None or not spec.submodule_search_locations:
-        raise InputError("plugins", f"there is no package '{head}'.", "put it into this folder or on PYTHONPATH")
+        raise InputError(
+            "plugins", f"there is no package '{head}'.", "put it into this folder, install it, or set PYTHONPATH"
+        )
     return Path(spec.submodule_search_locations[0]).joinpath(*parts)
 
 

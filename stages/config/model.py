@@ -23,7 +23,7 @@ from stages.config.tables import TablesConfig
 from stages.config.task import TaskConfig
 from stages.config.training import TrainingConfig
 from stages.contracts.errors import InputError
-from stages.plugins import find
+from stages.plugins import find, folder
 from stages.scenes.rooms import room_files
 
 
@@ -93,6 +93,7 @@ def load(config: dict[str, Any]) -> Config:
     """
     valid, mistakes = validated(Config, without_removed(config, Config))
     wrong = [mistake.key for mistake in mistakes]
+    valid = valid.model_copy(update={"plugins": _packages(valid.plugins, mistakes)})
     valid = resolved(valid, valid.plugins, "", mistakes)
     for variant in valid.experiment.variants:
         try:
@@ -111,6 +112,18 @@ def load(config: dict[str, Any]) -> Config:
         heading = f"{len(lines)} mistakes:\n  " if len(lines) > 1 else ""
         raise InputError("config", heading + "\n  ".join(lines))
     return valid
+
+
+def _packages(names: list[str], mistakes: list[Mistake]) -> list[str]:
+    """The packages that are there."""
+    there = []
+    for name in names:
+        try:
+            folder(name)
+            there.append(name)
+        except InputError as error:
+            mistakes.append(Mistake("plugins", error.what.rstrip("."), error.fix))
+    return there
 
 
 def _overlap(one: str, other: str) -> bool:

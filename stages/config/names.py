@@ -27,7 +27,7 @@ def resolved(section: S, packages: Sequence[str], path: str, mistakes: list[Mist
     """The section with the names of a user's implementations qualified, so that a stage can import them.
 
     Args:
-        mistakes: gets names that there is no implementation of; they stay as they are.
+        mistakes: gets names that there is no implementation of; the default takes their place.
 
     Raises:
         InputError: the same, if `mistakes` is not given; key and nearest name are named.
@@ -52,6 +52,7 @@ def resolved(section: S, packages: Sequence[str], path: str, mistakes: list[Mist
             if mistakes is None:
                 raise
             mistakes.append(Mistake(error.where, error.what.rstrip("."), error.fix))
+            changes[field] = type(section).model_fields[field].default
     return section.model_copy(update=changes)
 
 

@@ -18,13 +18,13 @@ Colour = tuple[Channel, Channel, Channel]
 ANY: Range = (0.0, 99.0)
 
 
-class Part(BaseModel):
+class RecipePart(BaseModel):
     """A part of a recipe; an unknown key is an error."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
-class Against(Part):
+class Against(RecipePart):
     """On the floor, its back to a wall, at y (back wall) or x (side walls) = `along`."""
 
     against: WallName
@@ -32,7 +32,7 @@ class Against(Part):
     gap: FiniteFloat = 0.015
 
 
-class Beside(Part):
+class Beside(RecipePart):
     """Against the same wall as another item, to its right or left as one faces that wall."""
 
     beside: str
@@ -40,14 +40,14 @@ class Beside(Part):
     gap: FiniteFloat = 0.02
 
 
-class Floor(Part):
+class Floor(RecipePart):
     """Free on the floor at (x, y); yaw 0 looks at the viewer, degrees, counter-clockwise from above."""
 
     floor: tuple[FiniteFloat, FiniteFloat]
     yaw: FiniteFloat = 0.0
 
 
-class On(Part):
+class On(RecipePart):
     """On top of another item. `forward` and `right` run from -1 to 1 over the free top; yaw relative to it, degrees."""
 
     on_top: str
@@ -56,7 +56,7 @@ class On(Part):
     yaw: FiniteFloat = 0.0
 
 
-class Hung(Part):
+class Hung(RecipePart):
     """Fixed to a wall, the centre of its box at height `z`."""
 
     hung: WallName
@@ -83,7 +83,7 @@ Place = Annotated[
 ]
 
 
-class ModelConstraints(Part):
+class ModelConstraints(RecipePart):
     """What a model must be like to play an item: counts, and extents of its closed box in metres."""
 
     doors: tuple[int, int] = (0, 99)
@@ -119,7 +119,7 @@ class ModelConstraints(Part):
         return handles_fit and all(low <= value <= high for value, (low, high) in numbers)
 
 
-class Item(Part):
+class Item(RecipePart):
     """One object: its name in the recipe, the library's category, what a person would call it, and where it is."""
 
     name: str
@@ -129,7 +129,7 @@ class Item(Part):
     model: ModelConstraints = ModelConstraints()
 
 
-class CameraStand(Part):
+class CameraStand(RecipePart):
     """Where the photographer stands: degrees to the right of straight ahead, eye height, vertical field of view."""
 
     azimuth: Annotated[float, Field(gt=-90, lt=90)] = 0.0
@@ -137,7 +137,7 @@ class CameraStand(Part):
     fov: Annotated[float, Field(gt=10, lt=120)] = 50.0
 
 
-class Room(Part):
+class Room(RecipePart):
     """A room of Table 2, or one of a user's."""
 
     name: str = Field(description="that of the file")

@@ -9,6 +9,7 @@ import pytest
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.config.task import TaskConfig
 from stages.contracts.errors import InputError
+from stages.demonstrations.attempt import Recorder
 from stages.geometry.frames import rigid, yaw_matrix
 from stages.skills import Outcome
 from stages.skills.clearance import Surroundings
@@ -179,3 +180,29 @@ def test_the_tasks_are_known_to_gym_and_end_at_their_own_horizon(tmp_path: Path)
     assert "ACDC-OpenDrawer-v1" in gymnasium.registry
     with pytest.raises(InputError, match=r"physx_cuda, but torch finds no GPU"):
         make_task("door", tmp_path / "door", "door_0_joint", None, TaskConfig(sim_backend="physx_cuda"))
+
+
+def test_what_is_recorded_is_the_clean_action_and_what_is_executed_is_not(
+    door: TaskEnv, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """DART: the policy is to learn what was meant, from states that the noise led to."""
+    executed: list[np.ndarray] = []
+    act = door.act
+    monkeypatch.setattr(door, "act", lambda action: (executed.append(np.array(action)), act(action)))
+
+    def attempted(noise: float) -> tuple[np.ndarray, np.ndarray]:
+        executed.clear()
+        episode, outcome = Recorder(door, DemonstrationsConfig(noise=noise)).attempt(5)
+        assert outcome.success
+        return np.array(episode.actions), np.array(executed)
+
+    clean, same = attempted(0.0)
+    recorded, noisy = attempted(0.005)
+    assert np.array_equal(clean, same)
+    assert np.array_equal(recorded[0], clean[0])  # the same state asks for the same action, whatever is then executed
+    gap = noisy - recorded
+    moving = np.abs(gap[:, :3]).max(axis=1) > 0
+    assert moving[0] and moving.sum() > 10 and not gap[:, 3:].any()
+    assert 0.06 < gap[moving, :3].std() < 0.14  # 5 mm of steps of 5 cm
+    assert np.abs(recorded[:, :3]).max() <= 1.0 + 1e-6
+    assert not moving[-2:].any()  # it lets go without noise
