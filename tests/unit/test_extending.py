@@ -10,11 +10,12 @@ import cv2
 import numpy as np
 import pytest
 import trimesh
+import yaml
 
 from stages.assets.library import run as make_library
 from stages.config import code
 from stages.config.demonstrations import DemonstrationsConfig
-from stages.config.model import load
+from stages.config.model import load, merged
 from stages.config.task import TaskConfig
 from stages.contracts import InputError, Library, Objects, read_json
 from stages.demonstrations.attempt import Recorder
@@ -32,6 +33,7 @@ from tests.unit.matching_data import World
 from tests.unit.synthetic_room import write_room
 from tests.workflow.workspace import ROOT, make, snakemake
 
+DEFAULT = yaml.safe_load((ROOT / "config.yaml").read_text())
 BLOCK = re.compile(r"```(?:python|yaml)\n# (my_package/\S+)\n(.*?)```", re.DOTALL)
 
 
@@ -59,6 +61,16 @@ def test_the_page_has_one_of_every_kind(package: Path) -> None:
     assert "my_package" not in sys.modules  # found without being imported
     table = (ROOT / "docs/extending.md").read_text()
     assert all(f"`{kind}/{name}" in table for kind, names in yours.items() for name in names)
+
+
+def test_every_config_line_of_the_page_is_one(package: Path) -> None:
+    page = (ROOT / "docs/extending.md").read_text()
+    lines = re.findall(r"^\| .* \| `(\w+: \{.*?\})`[^|]*\|$", page, re.MULTILINE)
+    lines += [text for text in re.findall(r"```yaml\n(.*?)```", page, re.DOTALL) if not text.startswith("#")]
+    assert len(lines) == len(KINDS) + 1  # a skill is named by its task; plugins, and options of an own one
+    base = merged(DEFAULT, {"plugins": ["my_package"], "experiment": {"tasks": {"door": None}}})
+    for line in lines:
+        assert "my_package" in load(merged(base, yaml.safe_load(line))).model_dump_json()
 
 
 def test_names_are_made_loadable_and_wrong_ones_are_explained(package: Path) -> None:
