@@ -78,10 +78,10 @@ def match_object(
     query = make_query(view if store.upright else replace(view, up=None), encoder)
     if query is None:
         return _failed(item, f"no foreground patch: mask {item.mask} has no pixel in masks.png")
-    found = find_candidates(item, library, text, options)
-    if not found.assets:
+    candidates = find_candidates(item, library, text, options)
+    if not candidates.assets:
         return _failed(item, "no candidate: the library has no asset with doors or drawers")
-    return rank_cousins(query, found, item, view, store, judges, options)
+    return rank_cousins(query, candidates, item, view, store, judges, options)
 
 
 def _failed(item: SceneObject, reason: str) -> ObjectCousins:

@@ -106,16 +106,16 @@ def rank_orientations(
     views = range(len(store.yaws))
     ranking = rank(query, [Snapshot(asset, view) for view in views], views, store, options, options.k_ori)
     votes = dict(ranking.picks)
-    found = [
+    orientations = [
         Orientation(yaw=store.yaws[view], distance=float(ranking.distances[view]), votes=votes.get(view))
         for view in views
     ]
-    return [found[view] for view, _ in ranking.picks], [found[view] for view in ranking.nearest]
+    return [orientations[view] for view, _ in ranking.picks], [orientations[view] for view in ranking.nearest]
 
 
 def rank_cousins(
     query: Query,
-    found: Candidates,
+    candidates: Candidates,
     item: SceneObject,
     view: View,
     store: FeatureStore,
@@ -124,7 +124,7 @@ def rank_cousins(
 ) -> ObjectCousins:
     """Ranked cousins of one object, each with its own orientation, as the judges decide."""
     question = Question(view, item.label, judges.library)
-    by_votes, by_distance = rank_models(query, found.assets, store, options)
+    by_votes, by_distance = rank_models(query, candidates.assets, store, options)
     chosen = judges.of_models.models(question, by_votes, by_distance)
     cousins = []
     for number, candidate in enumerate(chosen[: options.k_cousins], 1):
@@ -136,8 +136,8 @@ def rank_cousins(
     return ObjectCousins(
         id=item.id,
         label=item.label,
-        note=found.note,
-        categories=found.categories,
+        note=candidates.note,
+        categories=candidates.categories,
         by_votes=by_votes,
         by_distance=by_distance,
         decided_by=options.model_selection,
