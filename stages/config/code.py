@@ -18,7 +18,8 @@ DATA_SUFFIXES = {".jinja", ".html", ".css", ".js", ".csv", ".json"}  # shipped b
 
 
 def cover(packages: Iterable[str]) -> None:
-    """Let the code of the user's packages count as ours does; to be called before any digest."""
+    """Let the code of the user's packages count as ours does."""
+    forget()
     for package in packages:
         head = package.partition(".")[0]
         ROOTS[head] = plugins.folder(head)
@@ -110,6 +111,12 @@ def code_digest(*modules: str) -> str:
     for path in sorted(files):
         digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()[:12]
+
+
+def forget() -> None:
+    """Read the code anew for the next digest."""
+    for cached in (source, _text, _imports, _needs, code_digest):
+        cached.cache_clear()
 
 
 def files_digest(names: Iterable[str]) -> str:

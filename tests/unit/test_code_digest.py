@@ -12,11 +12,6 @@ ROOT = Path(__file__).parents[2] / "stages"
 DATA = sorted(path.relative_to(ROOT) for path in (ROOT / "tables").rglob("*") if path.suffix in code.DATA_SUFFIXES)
 
 
-def forget() -> None:
-    for cached in (code.source, code._tree, code._needs, code.code_digest):
-        cached.cache_clear()
-
-
 @pytest.fixture(scope="module")
 def copied(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """A copy of the package that the digest looks at instead of this one."""
@@ -24,13 +19,13 @@ def copied(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     shutil.copytree(ROOT, folder, ignore=shutil.ignore_patterns("__pycache__"))
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(code.ROOTS, "stages", folder)
-        forget()
+        code.forget()
         yield folder
-    forget()
+    code.forget()
 
 
 def digest(verb: str) -> str:
-    forget()
+    code.forget()
     return code.code_digest(verb)
 
 

@@ -114,8 +114,7 @@ def test_an_edit_of_a_plugin_or_of_what_it_imports_changes_the_digest(
     code.cover(["my_package"])
 
     def digest() -> str:
-        for cached in (code.source, code._tree, code._needs, code.code_digest):
-            cached.cache_clear()
+        code.forget()
         return code.code_digest("stages.matching.match", "my_package.encoders.colours")
 
     seen = {digest()}
