@@ -60,10 +60,17 @@ def convex_pieces(mesh: Trimesh) -> list[Trimesh]:
     return [_hull(body) for body in bodies if len(body.vertices) >= 3]
 
 
+def thickened(mesh: Trimesh) -> Trimesh:
+    """The convex piece, or the box around it if it is too thin to collide."""
+    if mesh.extents.min() >= FLAT:
+        return mesh
+    center, size = mesh.bounds.mean(axis=0), np.maximum(mesh.extents, FLAT)
+    return trimesh.creation.box(bounds=np.array([center - size / 2, center + size / 2]))
+
+
 def _hull(mesh: Trimesh) -> Trimesh:
     if mesh.extents.min() < FLAT:
-        center, size = mesh.bounds.mean(axis=0), np.maximum(mesh.extents, FLAT)
-        return trimesh.creation.box(bounds=np.array([center - size / 2, center + size / 2]))
+        return thickened(mesh)
     try:
         return mesh.convex_hull
     except Exception:  # qhull: all points in a slanted plane

@@ -11,6 +11,7 @@ from pydantic import Field, ValidationError
 
 from stages.articulated.asset_folder import Description, write_asset
 from stages.articulated.forward_kinematics import closed_box, rebased
+from stages.articulated.mesh_reader import thickened
 from stages.articulated.model import Matrix, RobotModel
 from stages.articulated.roles import with_roles
 from stages.articulated.stretching import stretched
@@ -25,6 +26,8 @@ from stages.geometry.frames import rigid
 from stages.plugins import load, short
 
 IMPORTERS = tuple(LibraryOptions().importers)
+LIGHTEST = 1e-9  # kg, of a link
+SPECK = 2e-5  # metres: what is narrower and thinner than this is not seen
 THINNEST, LARGEST = 1e-4, 20.0  # metres, of a model's extents: no furniture is larger than a room
 
 
@@ -135,6 +138,7 @@ def import_file(file: ModelFile, models: Path) -> Asset:
     if notes.mass is not None:
         robot = with_mass(robot, notes.mass)
     check_believable(robot, path)
+    robot = without_specks(robot)
     about = Description(
         id=file.id,
         category=file.category,
@@ -150,7 +154,7 @@ def import_file(file: ModelFile, models: Path) -> Asset:
 
 
 def check_believable(robot: RobotModel, path: Path) -> None:
-    """Refuse what is flat, larger than a room, or heavier than can be.
+    """Refuse what is flat, larger than a room, or lighter or heavier than can be.
 
     Raises:
         InputError: names the extent, the joint or the link.
@@ -168,8 +172,12 @@ def check_believable(robot: RobotModel, path: Path) -> None:
         if joint.type == "prismatic" and max(abs(joint.lower), abs(joint.upper)) > LARGEST:
             raise InputError(path, f"joint '{joint.name}': slides to {joint.lower:g} ... {joint.upper:g} m.")
     for link in robot.links.values():
-        if link.mass > HEAVIEST:
-            raise InputError(path, f"link '{link.name}': weighs {link.mass:.4g} kg.", f"at most {HEAVIEST:g} kg")
+        if link.mass > HEAVIEST or (link.weighed and link.mass < LIGHTEST):
+            fix = f"{LIGHTEST:g} kg to {HEAVIEST:g} kg"
+            raise InputError(path, f"link '{link.name}': weighs {link.mass:.4g} kg.", fix)
+        if np.trace(link.inertia) > link.mass * (2 * LARGEST) ** 2:
+            inertia = f"{np.trace(link.inertia):.4g} kg m^2"
+            raise InputError(path, f"link '{link.name}': its inertia {inertia} is too large for {link.mass:.4g} kg.")
 
 
 def snake_case(text: str) -> str:
@@ -196,6 +204,19 @@ def in_metres(robot: RobotModel, scale: float) -> RobotModel:
     robot, volume = stretched(robot, (scale,) * 3), scale**3
     links = {
         name: replace(link, mass=link.mass / volume, inertia=link.inertia / volume) if link.weighed else link
+        for name, link in robot.links.items()
+    }
+    return replace(robot, links=links)
+
+
+def without_specks(robot: RobotModel) -> RobotModel:
+    """The model without what is nothing to a hundredth of a millimetre, as files have it; thin pieces made thick."""
+    links = {
+        name: replace(
+            link,
+            visuals=[visual for visual in link.visuals if np.sort(visual.mesh.extents)[1] > SPECK],
+            collisions=[thickened(piece) for piece in link.collisions if piece.extents.max() > THINNEST],
+        )
         for name, link in robot.links.items()
     }
     return replace(robot, links=links)

@@ -138,6 +138,17 @@ def test_a_kitchen_as_a_package_ships_it(tmp_path: Path) -> None:
     assert material_of(tmp_path / "models" / asset.id / "meshes" / "body.glb").baseColorTexture is not None
 
 
+def test_specks_are_left_out_and_thin_pieces_made_thick_enough(folder: Path, tmp_path: Path) -> None:
+    path = folder / "bottom_cabinet" / "Oak 1" / "cab.urdf"
+    text = path.read_text().replace('<sphere radius="0.02"/>', '<sphere radius="0.000001"/>')
+    path.write_text(text.replace('size="0.02 0.58 0.7"', 'size="0.00001 0.58 0.7"'))
+    (asset,) = import_folders([folder], tmp_path / "models")
+    robot = read_urdf(tmp_path / "models" / asset.id / "model.urdf", tmp_path)
+    assert robot.links["door_knob"].visuals == []
+    (panel,) = robot.links["door"].collisions
+    assert panel.extents == pytest.approx((1e-4, 0.58, 0.7))
+
+
 def test_masses_are_kilograms_whatever_the_unit_of_length(folder: Path, tmp_path: Path) -> None:
     (asset,) = import_folders([folder], tmp_path / "models")
     write_notes = (folder / "bottom_cabinet" / "Oak 1" / "asset.json").write_text

@@ -222,6 +222,8 @@ UNBELIEVABLE = [
     (BODY_BOX, '<box size="1000000 1000000 1000000"/>', "m large"),
     (SLIDE, 'lower="0" upper="5000"', "joint 'slide': slides to 0 ... 5000 m"),
     ('<origin xyz="0 0 0.4"/>', '<origin xyz="0 0 900000"/>', "m large"),
+    (BODY_MASS, '<mass value="1e-300"/>', "link 'body': weighs 1e-300 kg"),
+    (INERTIA, 'ixx="100000"', "link 'body': its inertia 1e[+]05 kg m.2 is too large for 12 kg"),
 ]
 
 
