@@ -99,10 +99,23 @@ def short(name: str) -> str:
 
 
 def load(kind: str, name: str) -> Any:
-    """Import what `find` found: the class, function or value that the module defines."""
+    """Import what `find` found: the class, function or value that the module defines.
+
+    Raises:
+        InputError: there is no such module, or it defines no such thing.
+    """
     if "." not in name:
         find(kind, name)
-    return getattr(importlib.import_module(qualified(kind, name)), KINDS[kind].symbol)
+    module, symbol = qualified(kind, name), KINDS[kind].symbol
+    try:
+        implementation = getattr(importlib.import_module(module), symbol, None)
+    except ModuleNotFoundError as error:
+        if not f"{module}.".startswith(f"{error.name}."):
+            raise  # it is there, and misses something itself
+        raise InputError(kind, f"there is no module {module}.", "put its package on PYTHONPATH") from None
+    if implementation is None:
+        raise InputError(kind, f"{module} defines no {symbol}.", "see docs/extending.md")
+    return implementation
 
 
 def data_file(kind: str, name: str) -> Path:

@@ -22,6 +22,7 @@ from stages.demonstrations.attempt import Recorder
 from stages.extraction.extract import run as extract
 from stages.geometry.boxes import UprightBox
 from stages.plugins import KINDS, available, find
+from stages.plugins import load as implementation
 from stages.policies.checkpoint import load_policy
 from stages.scenes.layout import arrange
 from stages.scenes.rooms import read_room, room_files
@@ -96,6 +97,17 @@ def test_names_are_made_loadable_and_wrong_ones_are_explained(package: Path) -> 
     ):
         with pytest.raises(InputError, match=re.escape(message)):
             load({"plugins": ["my_package"], "experiment": {"tasks": {}}} | wrong)
+
+
+def test_a_module_that_is_not_there_or_defines_nothing_is_one_line(package: Path) -> None:
+    with pytest.raises(InputError, match=r"there is no module my_package\.encoders\.colour\."):
+        implementation("encoders", "my_package.encoders.colour")
+    with pytest.raises(InputError, match=r"my_package\.judges\.by_name defines no Encoder"):
+        implementation("encoders", "my_package.judges.by_name")
+    (package / "judges" / "broken.py").write_text("import nothing_of_that_name\nclass Judge: ...")
+    with pytest.raises(ModuleNotFoundError, match="nothing_of_that_name"):
+        implementation("judges", "my_package.judges.broken")
+    (package / "judges" / "broken.py").unlink()
 
 
 def test_a_name_that_is_taken_is_refused(package: Path) -> None:
