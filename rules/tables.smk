@@ -48,6 +48,12 @@ BENCHMARKS = [
 ]
 
 
+def shown(path, kind):
+    """A file that Snakemake's own report shows as well."""
+    caption = f"../report/captions/{kind}.rst"
+    return report(path, caption=caption, category=kind.capitalize(), labels={"name": Path(path).stem})
+
+
 rule tables:
     """Tables 2 and 3: every cell with its n, seeds and interval, the published value beside it."""
     input:
@@ -63,8 +69,8 @@ rule tables:
         table2="results/tables/table2.csv",
         table3="results/tables/table3.csv",
         differences="results/tables/table3_differences.csv",
-        html2=report("results/tables/table2.html", caption="../report/captions/tables.rst", category="Tables"),
-        html3=report("results/tables/table3.html", caption="../report/captions/tables.rst", category="Tables"),
+        html2=shown("results/tables/table2.html", "tables"),
+        html3=shown("results/tables/table3.html", "tables"),
         tex=expand("results/tables/{table}.tex", table=["table2", "table3"]),
     log:
         "logs/tables/tables.log",
@@ -93,9 +99,9 @@ rule figures:
         published="report/published/table3.csv",
         comparisons=expand(rules.draw_scenes.output.comparison, variant=VARIANTS, scene=ROOMS),
     output:
-        figure4=report("results/figures/figure4.svg", caption="../report/captions/figures.rst", category="Figures"),
-        figure6=report("results/figures/figure6.svg", caption="../report/captions/figures.rst", category="Figures"),
-        figure9=report("results/figures/figure9.svg", caption="../report/captions/figures.rst", category="Figures"),
+        figure4=shown("results/figures/figure4.svg", "figures"),
+        figure6=shown("results/figures/figure6.svg", "figures"),
+        figure9=shown("results/figures/figure9.svg", "figures"),
         png=expand("results/figures/{figure}.png", figure=["figure4", "figure6", "figure9"]),
     log:
         "logs/tables/figures.log",
@@ -141,11 +147,7 @@ rule report_page:
         tables=rules.tables.output,
         figures=rules.figures.output,
     output:
-        page=report(
-            "results/report/index.html",
-            caption="../report/captions/report.rst",
-            category="Report",
-        ),
+        page=shown("results/report/index.html", "report"),
     log:
         "logs/tables/report.log",
     container:

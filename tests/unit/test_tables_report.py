@@ -108,7 +108,7 @@ def test_page_tells_what_happened(made: Path) -> None:
         "cabinet 01", "grasp slip 1", "8/10, 49–95 %", "16/20", "train loss", "Table 3:", "paper 5/5",
         "Trained on 4 cousins, lite, seed 0", "matching/b/room_1", "800 MiB", "not run", "+55 points",
         "Policies trained on 4 cousins succeed more often", "30 of 33 rows not run", "and 2 more by distance",
-        "failure, opened 12% in 23 steps", "Rebuilt from cousins of rank", "Not collected",
+        "failure, opened 12 % in 23 steps", "Rebuilt from cousins of rank", "Not collected",
     ):  # fmt: skip
         assert words in text, words
     assert text.count("only 12 points") == 2  # once per room: a failure is told where it happened first

@@ -41,6 +41,28 @@ def test_a_second_variant_encodes_only_what_it_must(run: Path, tmp_path: Path) -
     assert planned(done.stdout) == {"features": 2, "match": 2, "draw_cousins": 2, "matching": 1}, done.stdout
 
 
+def test_the_page_names_no_file_that_this_run_did_not_declare(run: Path, tmp_path: Path) -> None:
+    folder = copy(run, tmp_path / "run")
+    results = folder / "results"
+    shutil.copytree(results / "generation/b", results / "generation/old_variant")
+    shutil.copytree(results / "training/door/twin/micro", results / "training/door/twin/old_run")
+    shutil.copytree(folder / "benchmarks/assets", folder / "benchmarks/old_stage")
+    (results / "report/index.html").unlink()
+    done = snakemake(folder, "all", *MICRO)
+    assert done.returncode == 0 and planned(done.stdout) == {"all": 1, "report_page": 1}, done.stdout[-3000:]
+    assert (results / "report/index.html").read_bytes() == (run / "results/report/index.html").read_bytes()
+
+
+def test_snakemakes_own_report_has_captions_and_labels(run: Path, tmp_path: Path) -> None:
+    done = snakemake(run, "--report", str(tmp_path / "report.html"), *MICRO)
+    assert done.returncode == 0, done.stdout[-3000:]
+    text = (tmp_path / "report.html").read_text()
+    for words in ("What extraction found", "Demonstrations on twin", '"name": "figure4"', '"asset": "twin"'):
+        assert words in text, words
+    for name in ("index.html", "table3.html", "film.png", "cousins.png", "comparison.png", "overview.png"):
+        assert f"Adding {name}" in done.stdout, name
+
+
 def test_more_snapshots_keep_library_rooms_and_extraction(run: Path, tmp_path: Path) -> None:
     folder = copy(run, tmp_path / "run")
     done = dry_run(folder, "matching", "extraction", *overlay(folder, "assets: {n_snap: 8}"))

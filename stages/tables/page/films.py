@@ -6,6 +6,7 @@ from pathlib import Path
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json
 from stages.contracts.films import Film, Films
+from stages.tables.markup import percent
 from stages.tables.order import title
 from stages.tables.page.pictures import Album, Moving
 
@@ -22,7 +23,7 @@ def caption(film: Film) -> str:
     """'success after 23 steps' or 'failure, opened 12 % in 100 steps'."""
     if film.success:
         return f"success after {film.steps} steps"
-    return f"failure, opened {max(0.0, film.opened):.0%} in {film.steps} steps"
+    return f"failure, opened {percent(max(0.0, film.opened))} in {film.steps} steps"
 
 
 def read_films(folder: Path | None, whose: str, album: Album) -> list[Cell]:
