@@ -171,7 +171,9 @@ FIELDS: dict[str, list[tuple]] = {  # kind of file: entry, value, what the line 
 CASES = [(kind, *case) for kind, cases in FIELDS.items() for case in cases]
 
 
-@pytest.mark.parametrize("case", CASES, ids=[f"{case[0]}-{case[1]}-{str(case[2])[:24]}" for case in CASES])
+@pytest.mark.parametrize(
+    "case", CASES, ids=[f"{case[0]}-{case[1]}-{'absent' if case[2] is DELETE else str(case[2])[:24]}" for case in CASES]
+)
 def test_a_field(bench: Bench, case: tuple) -> None:
     kind, where, value, *words = case
     bench.edit(kind, lambda content: put(content, where, value))
