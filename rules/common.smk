@@ -71,8 +71,9 @@ def config_digest():
 def command(stage, verb):
     """The command line of a verb: ours, or the user's own if it is replaced, which ends with the workflow as ours do."""
     own = CONFIG.stages.get(stage, {}).get(verb)
-    guarded = f"python -m stages.guard bash -c {shlex.quote(own.command + ' "$@"')} {verb}" if own else ""
-    return guarded or f"python -m stages.{stage} {verb}"
+    if own is None:
+        return f"python -m stages.{stage} {verb}"
+    return shlex.join(["python", "-m", "stages.guard", "bash", "-c", own.command + ' "$@"', verb])
 
 
 def code(stage, verb, *used):

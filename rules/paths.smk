@@ -1,4 +1,4 @@
-# Helpers: which files a job reads. Nothing here makes a file.
+# Helpers: which files a job reads, and which a report shows. Nothing here makes a file.
 
 
 def features_of(variant):
@@ -74,3 +74,9 @@ def of_target(wildcards, pattern):
 def task_assets(task):
     """The file that names the assets of a task's policy experiment."""
     return f"results/experiment/{EXPERIMENT.policy_variant}/{task}/assets.json"
+
+
+def shown(path, kind):
+    """A file that Snakemake's own report shows as well."""
+    caption = f"../report/captions/{kind}.rst"
+    return report(path, caption=caption, category=kind.capitalize(), labels={"name": Path(path).stem})

@@ -1,7 +1,8 @@
 # The paper's tables and figures with ours beside them, and the report page.
 # Reads:  evaluation rows, the published values in report/published, pictures of the other stages.
 #         (the page shows exactly the files that its rule names).
-# Writes: results/tables/table{2,3}.{csv,html,tex}, results/figures/figure{4,6,9}.{svg,png}, results/report/index.html.
+# Writes: results/tables/table{2,3}.{csv,html,tex}, results/figures/figure{4,6,9}.{svg,png},
+#         results/report/{index,times}.html.
 from types import SimpleNamespace
 
 TRAINED_ROLES = sorted({role for name in EXPERIMENT.training_sets for role in EXPERIMENT.roles(name)})
@@ -46,12 +47,6 @@ BENCHMARKS = [
     "benchmarks/tables/tables.tsv",
     "benchmarks/tables/figures.tsv",
 ]
-
-
-def shown(path, kind):
-    """A file that Snakemake's own report shows as well."""
-    caption = f"../report/captions/{kind}.rst"
-    return report(path, caption=caption, category=kind.capitalize(), labels={"name": Path(path).stem})
 
 
 rule tables:
@@ -148,6 +143,7 @@ rule report_page:
         figures=rules.figures.output,
     output:
         page=shown("results/report/index.html", "report"),
+        times="results/report/times.html",
     log:
         "logs/tables/report.log",
     container:

@@ -1,4 +1,4 @@
-"""Verb `report`: the whole run on one page that needs nothing but a browser."""
+"""Verb `report`: the whole run on one page that needs nothing but a browser, and its times on another."""
 
 import re
 from pathlib import Path
@@ -24,6 +24,7 @@ from stages.tables.page.result import results
 from stages.tables.rows import published_policies, read_table
 
 MAX_BYTES = 12_000_000
+TIMES_PAGE = "times.html"
 STAGES = ["assets", "scenes", "extraction", "matching", "generation", "experiment"]
 STAGES += ["demonstrations", "training", "evaluation", "tables"]
 TEXT = ["scene", "variant", "task", "test_asset", "training_set", "baseline", "run", "checkpoint", "asset", "status"]
@@ -59,7 +60,6 @@ def _tables(
 
 def _page(
     files: RunFiles,
-    jobs: tuple[tuple[Path, ...], Path],
     published: Path,
     facts: dict[str, Any],
     options: TablesConfig,
@@ -67,8 +67,6 @@ def _page(
 ) -> str:
     album = Album(width, options.picture_quality)
     shown, data = _tables(files, published, options)
-    done = read_jobs(*jobs)
-    times = by_stage(done, STAGES)
     models, tasks, made = library.collect(files, album), policies.collect(files, album), rooms.collect(files, album)
     of_tasks = [room for task in tasks for room in made if room.name == task.scene]
     drawn = {name: (files.one(f"figures/{name}.svg"), alt) for name, alt in FIGURES.items()}
@@ -79,7 +77,7 @@ def _page(
             **facts,
             first=next(iter([*of_tasks, *made]), None),
             results=results(data["pooled"], data["gains"]),
-            tiles=tiles(data["scenes"], models, tasks, times, options),
+            tiles=tiles(data["scenes"], models, tasks, options),
             rooms=made,
             library=models,
             tasks=tasks,
@@ -87,15 +85,30 @@ def _page(
             figures={
                 name: (inline(read_text(path), alt) if path else None, alt) for name, (path, alt) in drawn.items()
             },
-            times=times,
-            longest=sorted(done, key=lambda job: (-job.seconds, job.name))[:8],
             script=Markup(read_text(Path(__file__).with_name("page") / "page.js")),
-            duration=duration,
+            times_page=TIMES_PAGE,
             number=number,
             percent=percent,
             rate=lambda successes, episodes: rate(successes, episodes, options.confidence),
             name=name_title,
             variant_title=variant_title,
+        )
+    )
+
+
+def _times_page(benchmarks: tuple[Path, ...], root: Path, page: str) -> str:
+    """The page of the times, with a link back to `page`."""
+    jobs = read_jobs(benchmarks, root)
+    return (
+        environment()
+        .get_template("page/times.html.jinja")
+        .render(
+            page=page,
+            times=by_stage(jobs, STAGES),
+            longest=sorted(jobs, key=lambda job: (-job.seconds, job.name))[:8],
+            duration=duration,
+            number=number,
+            percent=percent,
         )
     )
 
@@ -115,6 +128,8 @@ def run(
 ) -> None:
     """Write the page; every part that was not run is said to be so.
 
+    The same run gives the same page, byte for byte: how long its jobs took stands in times.html beside it.
+
     Args:
         out: the HTML file.
         files: everything that the page may show, in the fixed layout of results/; nothing else is looked at.
@@ -131,7 +146,8 @@ def run(
     declared = RunFiles(files, {room: path for (room, _), path in named(images, "--images").items()})
     facts = {"title": title, "config_digest": config_digest, "seed": seed}
     for width in (settings.picture_width, settings.picture_width * 2 // 3, settings.picture_width // 2):
-        page = _page(declared, (benchmarks, benchmarks_root), published, facts, settings, width)
+        page = _page(declared, published, facts, settings, width)
         if len(page.encode()) <= MAX_BYTES:
             break
+    write_text(out.with_name(TIMES_PAGE), _times_page(benchmarks, benchmarks_root, out.name))
     write_text(out, page)

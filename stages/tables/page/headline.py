@@ -6,7 +6,6 @@ import pandas as pd
 
 from stages.config.tables import TablesConfig
 from stages.tables.markup import number, percent, span
-from stages.tables.page.benchmarks import StageTime, duration
 from stages.tables.page.library import LibraryPart
 from stages.tables.page.policies import TaskPart
 from stages.tables.rows import records
@@ -44,7 +43,6 @@ def tiles(
     scenes: pd.DataFrame | None,
     library: LibraryPart | None,
     tasks: list[TaskPart],
-    times: list[StageTime],
     options: TablesConfig,
 ) -> list[Tile]:
     """The tiles of what was run; nothing is said of the rest."""
@@ -59,8 +57,4 @@ def tiles(
         successes = sum(item.successes for task in tasks for item in task.demonstrations)
         counts = rate(successes, attempts, options.confidence)
         found.append(Tile(percent(successes / attempts), "of demonstrations succeed", counts))
-    if times:
-        jobs = sum(stage.jobs for stage in times)
-        detail = f"{jobs} jobs, {duration(sum(stage.cpu_seconds for stage in times))} of CPU time"
-        found.append(Tile(duration(sum(stage.seconds for stage in times)), "of work, jobs added up", detail))
     return found
