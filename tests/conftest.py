@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 FIRST = ("test_own_commands.py",)  # makes the micro run, which takes longest, while the other worker does the rest
-LAST = ("test_shipped_swaps.py", "test_run.py")  # use it
+LAST = ("test_kill.py", "test_shipped_swaps.py", "test_run.py")  # use it
 
 
 def _place(item: pytest.Item) -> int:
