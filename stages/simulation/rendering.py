@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 import sapien
@@ -17,6 +18,15 @@ SAPIEN_FROM_OPENCV = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.
 NEAR, FAR = 0.02, 60.0
 BACKGROUND = (0.82, 0.82, 0.84)
 _alive: list[sapien.Scene] = []  # the last scene made; while one lives, the next need not compile shaders again (8 s)
+
+
+def render_backend() -> Literal["cpu", "gpu"]:
+    """Where a process renders: all its scenes, ManiSkill's too, must be on one device."""
+    try:
+        sapien.Device("cuda")
+    except RuntimeError:
+        return "cpu"
+    return "gpu"
 
 
 @dataclass(frozen=True)
@@ -43,7 +53,8 @@ def make_scene(
     try:
         sapien.render.set_log_level("error")
         sapien.render.set_camera_shader_dir("default")  # holds for the whole process
-        renderer = sapien.render.RenderSystem()
+        device = [sapien.Device("cpu")] if render_backend() == "cpu" else []  # none: SAPIEN takes the GPU
+        renderer = sapien.render.RenderSystem(*device)
     except RuntimeError as error:
         raise InputError("renderer", f"no Vulkan device ({error}).", "python -m stages.doctor") from None
     scene = sapien.Scene([sapien.physx.PhysxCpuSystem(), renderer])

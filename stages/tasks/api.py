@@ -121,10 +121,11 @@ class TaskEnv:
         """`reset` without looking: a skill plans before it needs a picture."""
         folder = self._sized_folder(seed)
         if self._env is None:
+            from stages.simulation.rendering import render_backend
+
             module, _, name = self.task.environment.partition(":")
             environment = getattr(importlib.import_module(module), name)
             _freeze_imports()
-            on_gpu = self.options.sim_backend == "physx_cuda"
             self._env = environment(
                 asset_folder=folder,
                 joint=self.joint,
@@ -132,7 +133,7 @@ class TaskEnv:
                 obs_mode="none",
                 reward_mode="none",
                 sim_backend=self.options.sim_backend,
-                render_backend=("gpu" if on_gpu else "cpu") if self.render else "none",
+                render_backend=render_backend() if self.render else "none",
             )
         reconfigure = folder != self._folder
         self._folder = self.env.asset_folder = folder

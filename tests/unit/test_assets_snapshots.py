@@ -19,7 +19,7 @@ from stages.geometry.frames import apply
 from stages.simulation.loading import load_asset, root_pose
 from stages.simulation.rendering import RenderCamera, add_block, instance_id, make_scene, render
 
-OPTIONS = json.dumps({"counts": {"mug": 2}, "n_snap": 4, "image_size": 96})
+OPTIONS = json.dumps({"n_snap": 4, "image_size": 96})
 
 # a slab with a dark front, a white back, a red side towards -y (on the left if seen from the front) and a blue one
 SLAB = (
@@ -43,7 +43,7 @@ def shard(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("library")
     (folder / "mine" / "slab").mkdir(parents=True)
     (folder / "mine" / "slab" / "coloured.urdf").write_text(SLAB)
-    options = json.dumps({**json.loads(OPTIONS), "folders": [str(folder / "mine")]})
+    options = json.dumps({"counts": {"mug": 2}, "folders": [str(folder / "mine")]})
     library.run(out=folder / "library.json", options=options)
     snapshots.run(library=folder / "library.json", shard=0, shards=2, out=folder / "shard_0.h5", options=OPTIONS)
     return folder

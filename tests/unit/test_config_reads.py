@@ -16,6 +16,7 @@ ROOT = Path(__file__).resolve().parents[2]
 LISTED = {  # keys that do not simply run the one verb of their section again
     "assets.counts": {"library"},
     "assets.folders": {"library"},
+    "assets.importers": {"library"},
     "assets.shards": set(),  # the number of jobs is a parameter of its own
     "matching.encoder": {"features", "match", "distances"},
     "matching.search": {"match", "distances"},
@@ -29,6 +30,7 @@ LISTED = {  # keys that do not simply run the one verb of their section again
     "generation.preview_width": set(),  # a parameter of `draw`
     "extraction.own": set(),
     "evaluation.own": set(),
+    "training.runs.lite.own": set(),
     "evaluation.selection_rollouts": set(),
     "tables": {"tables", "figures", "report"},
 }
