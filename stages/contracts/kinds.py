@@ -10,6 +10,7 @@ from pydantic import BaseModel
 from stages.contracts.cousins import Cousins
 from stages.contracts.distances import Distances
 from stages.contracts.files import read_json, read_rows
+from stages.contracts.films import read_films
 from stages.contracts.generated import GeneratedScene
 from stages.contracts.policies import Rollout, SceneScore, TaskAssets
 from stages.contracts.scenes import Truth
@@ -55,6 +56,7 @@ KINDS: dict[str, Kind] = {
     "episodes": Kind(_with_companions("episode_store:check_episodes")),
     "policy": Kind(_with_companions("policy_folder:check_policy"), ("policy.safetensors", "last.safetensors")),
     "metrics": Kind(_with_companions("ledgers:read_metrics")),
+    "films": Kind(read_films),
     "rollouts": Kind(lambda path: read_rows(Rollout, path)),
     "scores": Kind(lambda path: read_rows(SceneScore, path)),
 }

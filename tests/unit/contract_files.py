@@ -34,6 +34,7 @@ FILES = {  # kind of file: where it lies
     "features": "features/shard_0.json",
     "attempts": "demonstrations/attempts.jsonl",
     "episodes": "demonstrations/episodes.h5",
+    "films": "demonstrations/films/films.json",
     "policy": "training/config.json",
     "metrics": "training/metrics.jsonl",
     "rollouts": "evaluation/rollouts.csv",
@@ -164,6 +165,11 @@ def _policies(root: Path) -> None:
             data[f"demo_{number}/obs/point_cloud"] = np.ones((6, 64, 4), np.float16)
             data[f"demo_{number}/obs/proprio"] = np.ones((6, 9), np.float32)
             data[f"demo_{number}/actions"] = np.full((6, 7), 0.5, np.float32)
+    film = {"role": "twin", "asset": "cabinet_0", "success": True, "steps": 6, "opened": 0.8}
+    films = [film | {"seed": seed, "file": f"twin_{seed}.webp"} for seed in (5, 7)]
+    _json(root / FILES["films"], films=films)
+    for shot in films:
+        (folder / "films" / str(shot["file"])).write_bytes(b"film")
     folder = root / "training"
     store = {"file": "episodes.h5", "asset": "cabinet_0", "episodes": 2, "frames": 12}
     _json(folder / "config.json", task="door", task_options=options.model_dump(mode="json"),

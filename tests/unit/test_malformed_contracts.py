@@ -86,6 +86,10 @@ FIELDS: dict[str, list[tuple]] = {  # kind of file: entry, value, what the line 
         ("intrinsics.0.0", 0.9, "field of view"), ("intrinsics.1.1", 0.5, "fy"),
         ("intrinsics.0.1", 3.0), ("intrinsics.0.2", 1e9),
     ],
+    "films": [
+        ("films.0.file", "../twin_5.webp"), ("films.0.file", "none.webp", "none.webp"), ("films.0.seed", -1),
+        ("films.1.file", "twin_5.webp", "files"), ("films.0.opened", NAN), ("films.0.steps", "6"),
+    ],
     "annotations": [
         ("objects", []), ("objects.0.mask", 0), ("objects.0.mask", 70000), ("objects.0.mask", 1.5),
         ("objects.1.mask", 1, "mask values"), ("floor", 1, "mask values"), ("walls", [4, 4], "mask values"),

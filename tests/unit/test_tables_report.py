@@ -190,7 +190,7 @@ def test_a_film_outside_its_folder_is_refused(tmp_path: Path) -> None:
     films(tmp_path, ["twin"])
     text = (tmp_path / "films.json").read_text()
     (tmp_path / "films.json").write_text(text.replace("twin_1.webp", "../twin_1.webp"))
-    with pytest.raises(InputError, match="outside its folder"):
+    with pytest.raises(InputError, match=r"films.json: breaks the Films contract at films.1.file"):
         read_films(tmp_path, "Rollout", Album(100, 80))
 
 

@@ -3,9 +3,8 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from stages.contracts.errors import InputError
-from stages.contracts.files import read_json
-from stages.contracts.films import Film, Films
+from stages.contracts.films import Film
+from stages.contracts.films import read_films as read_list
 from stages.tables.markup import percent
 from stages.tables.order import title
 from stages.tables.page.pictures import Album, Moving
@@ -30,14 +29,12 @@ def read_films(folder: Path | None, whose: str, album: Album) -> list[Cell]:
     """The films of a folder, by asset, in their order.
 
     Raises:
-        InputError: the list of films is broken, or a film lies elsewhere.
+        InputError: the list of films is broken, or a film is missing.
     """
     if folder is None:
         return []
     cells: dict[str, Cell] = {}
-    for film in read_json(Films, folder / "films.json").films:
-        if Path(film.file).name != film.file:
-            raise InputError(folder / "films.json", f"names a film outside its folder ({film.file}).")
+    for film in read_list(folder / "films.json").films:
         alt = f"{whose} on {title(film.role)}: {caption(film)}"
         moving = album.film(folder / film.file, alt)
         cells.setdefault(film.role, Cell(film.role, [])).films.append((caption(film), moving))
