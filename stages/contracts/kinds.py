@@ -17,7 +17,7 @@ from stages.contracts.scenes import Truth
 
 
 @dataclass(frozen=True)
-class Kind:
+class FileKind:
     """`check` raises an `InputError`; `companions` are names of files beside it, {stem} is the file's own."""
 
     check: Callable[[Path], object]
@@ -39,24 +39,24 @@ def _with_companions(function: str) -> Callable[[Path], object]:
     return lambda path: getattr(import_module(f"stages.contracts.{module}"), name)(path)
 
 
-KINDS: dict[str, Kind] = {
-    "library": Kind(_with_companions("library_folder:check_library")),
-    "asset": Kind(_with_companions("library_folder:check_asset")),
-    "snapshots": Kind(_with_companions("snapshot_file:check_snapshots"), ("{stem}.json", "{stem}.h5")),
-    "features": Kind(_with_companions("feature_rows:check_features"), ("{stem}.json", "{stem}.npy")),
-    "camera": Kind(_with_companions("scene_input:check_camera"), ("rgb.png", "depth.npz")),
-    "annotations": Kind(_with_companions("scene_input:read_annotations"), ("masks.png",)),
-    "truth": Kind(_json(Truth)),
-    "objects": Kind(_with_companions("extracted:check_extracted"), ("masks.png", "depth.npz", "clouds.npz")),
-    "cousins": Kind(_json(Cousins)),
-    "distances": Kind(_json(Distances)),
-    "generated": Kind(_json(GeneratedScene)),
-    "task": Kind(_json(TaskAssets)),
-    "attempts": Kind(_with_companions("ledgers:read_attempts")),
-    "episodes": Kind(_with_companions("episode_store:check_episodes")),
-    "policy": Kind(_with_companions("policy_folder:check_policy"), ("policy.safetensors", "last.safetensors")),
-    "metrics": Kind(_with_companions("ledgers:read_metrics")),
-    "films": Kind(read_films),
-    "rollouts": Kind(lambda path: read_rows(Rollout, path)),
-    "scores": Kind(lambda path: read_rows(SceneScore, path)),
+KINDS: dict[str, FileKind] = {
+    "library": FileKind(_with_companions("library_folder:check_library")),
+    "asset": FileKind(_with_companions("library_folder:check_asset")),
+    "snapshots": FileKind(_with_companions("snapshot_file:check_snapshots"), ("{stem}.json", "{stem}.h5")),
+    "features": FileKind(_with_companions("feature_rows:check_features"), ("{stem}.json", "{stem}.npy")),
+    "camera": FileKind(_with_companions("scene_input:check_camera"), ("rgb.png", "depth.npz")),
+    "annotations": FileKind(_with_companions("scene_input:read_annotations"), ("masks.png",)),
+    "truth": FileKind(_json(Truth)),
+    "objects": FileKind(_with_companions("extracted:check_extracted"), ("masks.png", "depth.npz", "clouds.npz")),
+    "cousins": FileKind(_json(Cousins)),
+    "distances": FileKind(_json(Distances)),
+    "generated": FileKind(_json(GeneratedScene)),
+    "task": FileKind(_json(TaskAssets)),
+    "attempts": FileKind(_with_companions("ledgers:read_attempts")),
+    "episodes": FileKind(_with_companions("episode_store:check_episodes")),
+    "policy": FileKind(_with_companions("policy_folder:check_policy"), ("policy.safetensors", "last.safetensors")),
+    "metrics": FileKind(_with_companions("ledgers:read_metrics")),
+    "films": FileKind(read_films),
+    "rollouts": FileKind(lambda path: read_rows(Rollout, path)),
+    "scores": FileKind(lambda path: read_rows(SceneScore, path)),
 }

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from stages.procedural.cabinet_recipe import CabinetRecipe
-from stages.procedural.front_cells import Cell, CellKind, cells
+from stages.procedural.front_cells import CellKind, FrontCell, cells
 from stages.procedural.model import Model, Moving, Parameters, Part, Size, part
 from stages.procedural.panels import Front, control_panel, pulled_panel
 from stages.procedural.shapes import box, rod
@@ -59,11 +59,11 @@ def cabinet(size: Size, parameters: Parameters) -> Model:
     return Model(parts, moving, placement=p.placement)
 
 
-def _front(cell: Cell, x: float, thick: float) -> Front:
+def _front(cell: FrontCell, x: float, thick: float) -> Front:
     return Front(x, (cell.y[0] + GAP / 2, cell.y[1] - GAP / 2), (cell.z[0] + GAP / 2, cell.z[1] - GAP / 2), thick)
 
 
-def _moving(cell: Cell, p: CabinetRecipe, x: float, thick: float, x_back: float, number: int) -> Moving:
+def _moving(cell: FrontCell, p: CabinetRecipe, x: float, thick: float, x_back: float, number: int) -> Moving:
     front = _front(cell, x, thick)
     handle = None if p.handle == "none" else p.handle
     if cell.kind == "drawer":
@@ -110,7 +110,12 @@ def _shell(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float
 
 
 def _dividers(
-    cell: Cell, x: tuple[float, float], y: tuple[float, float], z: tuple[float, float], board: float, p: CabinetRecipe
+    cell: FrontCell,
+    x: tuple[float, float],
+    y: tuple[float, float],
+    z: tuple[float, float],
+    board: float,
+    p: CabinetRecipe,
 ) -> list[Part]:
     """Boards on a cell's low-y side and floor where they are not the carcass's own, and shelves inside."""
     thin = min(board, 0.016)

@@ -6,7 +6,7 @@ Span = tuple[float, float]
 CellKind = Literal["door", "drawer", "open", "flap", "panel"]
 
 
-class Cell(NamedTuple):
+class FrontCell(NamedTuple):
     """One cell of the front. `hinge` is -1 or +1: the side (low or high y) on which a door hangs."""
 
     kind: CellKind
@@ -23,7 +23,7 @@ def cells(
     weights: dict[CellKind, float],
     hinge: int,
     column_weights: list[float] | None = None,
-) -> list[Cell]:
+) -> list[FrontCell]:
     """Cells of the rectangle y x z.
 
     Args:
@@ -39,13 +39,13 @@ def cells(
             heights = _split((z[1], z[0]), [weights[kind] for kind in column])
             for kind, (top, bottom) in zip(column, heights, strict=True):
                 found.append(
-                    Cell(kind, across, (bottom, top), _hinge(["door" in line for line in layout], index, hinge))
+                    FrontCell(kind, across, (bottom, top), _hinge(["door" in line for line in layout], index, hinge))
                 )
         return found
     heights = _split((z[1], z[0]), [max(weights[kind] for kind in row) for row in layout])
     for row, (top, bottom) in zip(layout, heights, strict=True):
         for index, (kind, across) in enumerate(zip(row, _split(y, [1.0] * len(row)), strict=True)):
-            found.append(Cell(kind, across, (bottom, top), _hinge([k == "door" for k in row], index, hinge)))
+            found.append(FrontCell(kind, across, (bottom, top), _hinge([k == "door" for k in row], index, hinge)))
     return found
 
 

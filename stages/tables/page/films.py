@@ -7,15 +7,15 @@ from stages.contracts.films import Film
 from stages.contracts.films import read_films as read_list
 from stages.tables.markup import percent
 from stages.tables.order import title
-from stages.tables.page.pictures import Album, Moving
+from stages.tables.page.pictures import Album, Animation
 
 
 @dataclass(frozen=True)
-class Cell:
+class FilmedAsset:
     """What was filmed on one asset: the first film is shown, the others on demand."""
 
     role: str
-    films: list[tuple[str, Moving]]
+    films: list[tuple[str, Animation]]
 
 
 def caption(film: Film) -> str:
@@ -25,7 +25,7 @@ def caption(film: Film) -> str:
     return f"failure, opened {percent(max(0.0, film.opened))} in {film.steps} steps"
 
 
-def read_films(folder: Path | None, whose: str, album: Album) -> list[Cell]:
+def read_films(folder: Path | None, whose: str, album: Album) -> list[FilmedAsset]:
     """The films of a folder, by asset, in their order.
 
     Raises:
@@ -33,9 +33,9 @@ def read_films(folder: Path | None, whose: str, album: Album) -> list[Cell]:
     """
     if folder is None:
         return []
-    cells: dict[str, Cell] = {}
+    cells: dict[str, FilmedAsset] = {}
     for film in read_list(folder / "films.json").films:
         alt = f"{whose} on {title(film.role)}: {caption(film)}"
         moving = album.film(folder / film.file, alt)
-        cells.setdefault(film.role, Cell(film.role, [])).films.append((caption(film), moving))
+        cells.setdefault(film.role, FilmedAsset(film.role, [])).films.append((caption(film), moving))
     return list(cells.values())

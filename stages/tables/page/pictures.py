@@ -57,7 +57,7 @@ class Picture:
 
 
 @dataclass(frozen=True)
-class Moving:
+class Animation:
     """A film and the picture that stands for it where nothing should move."""
 
     film: Picture
@@ -89,7 +89,7 @@ class Album:
         picture.save(buffer, "WEBP", quality=self.quality, method=4)
         return self._written(buffer.getvalue(), picture.size, alt)
 
-    def film(self, path: Path, alt: str) -> Moving:
+    def film(self, path: Path, alt: str) -> Animation:
         """An animated WebP as it is, and four of its frames."""
         with _opened(path) as opened:
             count = getattr(opened, "n_frames", 1)
@@ -101,7 +101,9 @@ class Album:
                     _decoded(path, opened).convert("RGB").resize((width // 2, height // 2), Image.Resampling.LANCZOS)
                 )
                 stills.paste(frame, ((place % 2) * (width - width // 2), (place // 2) * (height - height // 2)))
-        return Moving(self._written(path.read_bytes(), (width, height), alt), self.put(stills, f"{alt}: four moments"))
+        return Animation(
+            self._written(path.read_bytes(), (width, height), alt), self.put(stills, f"{alt}: four moments")
+        )
 
     def _written(self, data: bytes, size: tuple[int, int], alt: str) -> Picture:
         text = base64.b64encode(data).decode("ascii")

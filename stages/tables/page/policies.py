@@ -13,7 +13,7 @@ from stages.contracts.policies import TaskAsset, TaskAssets
 from stages.tables.order import natural, set_key, task_key, title
 from stages.tables.page.charts import Points, line_chart
 from stages.tables.page.files import RunFiles
-from stages.tables.page.films import Cell, read_films
+from stages.tables.page.films import FilmedAsset, read_films
 from stages.tables.page.pictures import Album, Picture
 from stages.tables.page.snapshots import Snapshots
 
@@ -29,7 +29,7 @@ class Demonstrations:
     attempts: int
     successes: int
     causes: list[tuple[str, int]]
-    films: list[Cell]
+    films: list[FilmedAsset]
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class Rollouts:
     """Filmed rollouts of one policy, a cell per test asset."""
 
     name: str
-    cells: list[Cell]
+    cells: list[FilmedAsset]
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from stages.tables.page.snapshots import Snapshots
 
 
 @dataclass(frozen=True)
-class Scene:
+class RebuiltScene:
     """The scene of one cousin rank; `steady` is None if physics was not asked."""
 
     rank: int
@@ -31,12 +31,12 @@ class Reconstruction:
 
     variant: str
     encoder: str
-    scenes: list[Scene]
+    scenes: list[RebuiltScene]
     matches: list[Match]
 
 
 @dataclass(frozen=True)
-class Room:
+class RoomPart:
     """A room and everything made of it; `failures` are (object, stage, reason)."""
 
     name: str
@@ -48,7 +48,7 @@ class Room:
     reconstructions: list[Reconstruction]
 
 
-def _scene(scene: GeneratedScene, picture: Picture | None) -> Scene:
+def _scene(scene: GeneratedScene, picture: Picture | None) -> RebuiltScene:
     check = scene.plausibility
     physics = "not checked"
     if check:
@@ -60,7 +60,7 @@ def _scene(scene: GeneratedScene, picture: Picture | None) -> Scene:
         )
     placed = [item for item in scene.objects if item.status == "ok"]
     moved = [f"{item.id} {100 * item.moved:.0f} cm" for item in placed if item.moved > 0.005]
-    return Scene(scene.rank, picture, len(placed), moved, physics, check.stable if check else None)
+    return RebuiltScene(scene.rank, picture, len(placed), moved, physics, check.stable if check else None)
 
 
 class _Failures:
@@ -74,7 +74,7 @@ class _Failures:
         self.told += [(i.id, stage, i.reason) for i in items if i.status == "failed" and i.id not in gone]
 
 
-def _room(files: RunFiles, name: str, album: Album, snapshots: Snapshots) -> Room:
+def _room(files: RunFiles, name: str, album: Album, snapshots: Snapshots) -> RoomPart:
     label = title(name)
     path = files.one(f"extraction/{name}/objects.json")
     objects = read_json(Objects, path) if path else None
@@ -88,7 +88,7 @@ def _room(files: RunFiles, name: str, album: Album, snapshots: Snapshots) -> Roo
         found_path = files.one(f"matching/{variant}/{name}/cousins.json")
         found = read_json(Cousins, found_path) if found_path else None
         failures.add(f"matching ({variant})", found.objects if found else [])
-        scenes: list[Scene] = []
+        scenes: list[RebuiltScene] = []
         for place in files.all(f"generation/{variant}/{name}/scene_*.json"):
             scene = read_json(GeneratedScene, place)
             if not scenes:
@@ -98,7 +98,7 @@ def _room(files: RunFiles, name: str, album: Album, snapshots: Snapshots) -> Roo
             scenes.append(_scene(scene, album.maybe(drawn, alt)))
         pictured = matches(found, objects, image, album, snapshots) if found else []
         made.append(Reconstruction(variant, found.encoder if found else "", scenes, pictured))
-    return Room(
+    return RoomPart(
         name=name,
         title=label.capitalize(),
         input=album.maybe(image, f"Input picture of {label}"),
@@ -109,7 +109,7 @@ def _room(files: RunFiles, name: str, album: Album, snapshots: Snapshots) -> Roo
     )
 
 
-def collect(files: RunFiles, album: Album) -> list[Room]:
+def collect(files: RunFiles, album: Album) -> list[RoomPart]:
     """Every room of the run, in order."""
     snapshots = Snapshots(files)
     patterns = ("extraction/*/objects.json", "generation/*/*/scene_*.json")
