@@ -3,6 +3,7 @@
 `python -m stages.guard COMMAND ...` runs any other program with the same promise.
 """
 
+import contextlib
 import fcntl
 import os
 import select
@@ -10,14 +11,14 @@ import shutil
 import signal
 import subprocess
 import sys
-import threading
-from collections.abc import Callable
 from pathlib import Path
 from typing import IO
 
 from stages.contracts.errors import InputError
 
-WORKFLOW = "ACDC_WORKFLOW"  # environment variable of all jobs: "<pid> <start time>" of the workflow's process
+WORKFLOW = (
+    "ACDC_WORKFLOW"  # environment variable of all jobs: pid and start time of the workflow's process, and where it runs
+)
 LOCK = Path(".snakemake/acdc.lock")
 # Options with which Snakemake runs no job: they may be used while a workflow is running.
 LOOKS = {"--report", "--lint", "-l", "--list-rules", "--list", "--summary", "-S", "--detailed-summary", "-D", "--dag",
@@ -37,6 +38,15 @@ def start_time(pid: int) -> str:
     except OSError:
         return ""
     return stat.rpartition(")")[2].split()[19]
+
+
+def here() -> str:
+    """This machine since its last start, and the namespace of its process ids; '' where there is no /proc."""
+    try:
+        boot = Path("/proc/sys/kernel/random/boot_id").read_text(encoding="utf-8").strip()
+        return f"{boot} {Path('/proc/self/ns/pid').readlink()}"
+    except OSError:
+        return ""
 
 
 def hold_folder() -> IO[str]:
@@ -64,30 +74,44 @@ def hold_folder() -> IO[str]:
     file.write(f"{os.getpid()}\n")
     file.flush()
     shutil.rmtree(LOCK.parent / "locks", ignore_errors=True)
-    os.environ[WORKFLOW] = f"{os.getpid()} {start_time(os.getpid())}"
+    os.environ[WORKFLOW] = f"{os.getpid()} {start_time(os.getpid())} {here()}"
     return file
 
 
-def end_with_workflow(end: Callable[[], None] | None = None) -> None:
-    """Watch the workflow that started this process and end with it; nothing to do if no workflow is known here.
+def end_with_workflow() -> None:
+    """Let this process, and all that it starts, be killed when the workflow that started it is gone.
 
-    Args:
-        end: what to do when the workflow is gone; default: kill this process. Outputs are written atomically, so
-            that nothing half-written stays.
+    A child of its own watches, since a thread waits for as long as native code keeps Python's lock (seconds, while
+    shaders are compiled). Outputs are written atomically, so that nothing half-written stays. Nothing is done for a
+    process started by hand, on another machine, or in a container with processes of its own.
     """
-    pid, _, started = os.environ.get(WORKFLOW, "").partition(" ")
-    if not pid.isdigit() or not started or start_time(int(pid)) != started:
-        return  # started by hand, on another machine, or in a container with processes of its own
-    try:
-        workflow = os.pidfd_open(int(pid))
-    except (AttributeError, OSError):  # not Linux
+    pid, _, rest = os.environ.get(WORKFLOW, "").partition(" ")
+    started, _, place = rest.partition(" ")
+    if not pid.isdigit() or not place or place != here():
         return
+    job = os.getpid()
+    try:
+        own, workflow = os.pidfd_open(job), os.pidfd_open(int(pid))
+        alive = start_time(int(pid)) == started
+    except OSError:
+        alive = False
+    if not alive:
+        kill_all(job)
+    if os.fork():
+        return
+    try:
+        ended, _, _ = select.select([workflow, own], [], [])
+        if workflow in ended:
+            kill_all(job)
+    finally:
+        os._exit(0)
 
-    def watch() -> None:
-        select.select([workflow], [], [])
-        (end or (lambda: os.kill(os.getpid(), signal.SIGKILL)))()
 
-    threading.Thread(target=watch, name="end_with_workflow", daemon=True).start()
+def kill_all(job: int) -> None:
+    """SIGKILL for a process and all below it but this one, which comes last if it is among them."""
+    for pid in sorted([*descendants(job), job], key=lambda pid: pid == os.getpid()):
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(pid, signal.SIGKILL)
 
 
 def descendants(pid: int) -> list[int]:
@@ -103,15 +127,7 @@ def descendants(pid: int) -> list[int]:
 
 def run(command: list[str]) -> int:
     """Run a program that knows nothing of the workflow, and end it and all it started with the workflow."""
-
-    def end() -> None:
-        for pid in [*descendants(os.getpid()), os.getpid()]:
-            try:
-                os.kill(pid, signal.SIGKILL)
-            except ProcessLookupError:
-                continue
-
-    end_with_workflow(end)
+    end_with_workflow()
     try:
         return subprocess.call(command)
     except OSError as error:

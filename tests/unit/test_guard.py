@@ -1,6 +1,7 @@
 """One workflow per folder, and jobs that end with their workflow."""
 
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -9,10 +10,11 @@ from pathlib import Path
 import pytest
 
 from stages.contracts import InputError
-from stages.guard import LOCK, WORKFLOW, descendants, hold_folder, makes_files, start_time
+from stages.guard import LOCK, WORKFLOW, descendants, here, hold_folder, makes_files, start_time
 
 HOLD = "import sys, stages.guard as g; lock = g.hold_folder(); print('held', flush=True); sys.stdin.read()"
-WATCH = "import time, stages.guard as g; g.end_with_workflow(); print('on', flush=True); time.sleep(60)"
+# keeps Python's lock for long in native code, as the renderer does
+WATCH = "import stages.guard as g; g.end_with_workflow(); print('on', flush=True); sum(range(10**11))"
 
 
 def start(*command: str, **options: object) -> subprocess.Popen[str]:
@@ -49,13 +51,13 @@ def test_a_folder_is_held_by_one_workflow_and_let_go_by_kill(tmp_path: Path, mon
     other.wait()
     with hold_folder():
         assert not stale.exists(), "Snakemake's locks of a dead workflow are removed"
-        assert os.environ[WORKFLOW] == f"{os.getpid()} {start_time(os.getpid())}"
+        assert os.environ[WORKFLOW] == f"{os.getpid()} {start_time(os.getpid())} {here()}"
 
 
 @pytest.mark.parametrize("command", [(), ("-m", "stages.guard")], ids=["stage", "foreign program"])
 def test_a_job_ends_with_its_workflow(command: tuple[str, ...]) -> None:
     workflow = start("sleep", "60")
-    environment = os.environ | {WORKFLOW: f"{workflow.pid} {start_time(workflow.pid)}"}
+    environment = os.environ | {WORKFLOW: f"{workflow.pid} {start_time(workflow.pid)} {here()}"}
     if command:
         job = start(sys.executable, *command, "bash", "-c", "sleep 61 & echo on; wait", env=environment)
     else:
@@ -68,7 +70,13 @@ def test_a_job_ends_with_its_workflow(command: tuple[str, ...]) -> None:
     assert all(gone(pid) for pid in [job.pid, *below])
 
 
-@pytest.mark.parametrize("known", ["", "1 0", "999999999 5", "nonsense"])
+def test_a_job_that_starts_after_its_workflow_ended_ends_at_once() -> None:
+    job = start(sys.executable, "-c", WATCH, env=os.environ | {WORKFLOW: f"999999999 5 {here()}"})
+    assert job.wait(20) == -signal.SIGKILL
+    assert job.communicate()[0] == ""
+
+
+@pytest.mark.parametrize("known", ["", "1 0", "999999999 5 another-machine pid:[1]", "nonsense"])
 def test_a_job_without_its_workflow_here_runs_on(known: str) -> None:
     job = start(sys.executable, "-c", WATCH, env=os.environ | {WORKFLOW: known})
     says(job, "on")
