@@ -59,7 +59,7 @@ class TrainingState:
             torch.save(content, temporary)
 
     def resume(self, policy: TrainablePolicy, folder: Path) -> bool:
-        """Go on from the state in `folder` if there is one of this very run; one that cannot be read is set aside."""
+        """Go on from the state in `folder` if there is one of this very run; any other is set aside."""
         path = folder / STATE
         if not path.is_file():
             return False
@@ -71,8 +71,6 @@ class TrainingState:
         if reason:
             refused = path.replace(path.with_name(f"{STATE}.refused"))
             print(f"training: {path} {reason}; kept as {refused.name}, training starts over", file=sys.stderr)
-            return False
-        if content["fingerprint"] != self.fingerprint:
             return False
         policy.load_state_dict(content["policy"])
         self.optimiser.load_state_dict(content["optimiser"])
@@ -86,7 +84,7 @@ class TrainingState:
         if not isinstance(content, dict) or not set(content) >= KEYS:
             return "is no training state"
         if content["fingerprint"] != self.fingerprint:
-            return ""  # another run's: not looked into
+            return "is of a run with other data, options, seed or code"
         weights = policy.state_dict()
         for name in ("policy", "best"):
             shapes = {key: tensor.shape for key, tensor in content[name].items()}

@@ -86,7 +86,7 @@ def test_interrupted_equals_uninterrupted(store: Path, tmp_path: Path, monkeypat
 
 
 def test_another_run_does_not_go_on_from_the_state(
-    store: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    store: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     def stop(*args: object) -> None:
         raise KeyboardInterrupt
@@ -99,6 +99,7 @@ def test_another_run_does_not_go_on_from_the_state(
     monkeypatch.undo()
     monkeypatch.setattr(loop, "validation_batches", lambda *args: iter(()))
     train(episodes=(store,), per_store=8, options=options(), out=tmp_path / "b", seed=1)
+    assert "state.pt is of a run with other data, options, seed or code; kept as" in capsys.readouterr().err
     assert (tmp_path / "a" / "last.safetensors").read_bytes() == (tmp_path / "b" / "last.safetensors").read_bytes()
 
 
