@@ -1,5 +1,6 @@
 """Policies: what `training` trains and `evaluation` rolls out; one folder each, and their files. No simulator (B.3)."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from typing import Literal, Protocol
 
@@ -26,7 +27,7 @@ class ActorProtocol(Protocol):
         ...
 
 
-class TrainablePolicy(nn.Module):
+class TrainablePolicy(nn.Module, ABC):
     """What an implementation's `Policy` is: made from a hyper-parameter set, with its normaliser as buffers.
 
     Clouds (..., P, 4) are x, y, z and a finger flag, proprioception (..., 9) is end-effector position, quaternion wxyz
@@ -40,13 +41,13 @@ class TrainablePolicy(nn.Module):
     def fit(self, clouds: Tensor, proprio: Tensor, frames: Tensor) -> None:
         """Fit the normaliser before training; `frames` are the rows of clouds and proprioception to be trained on."""
 
+    @abstractmethod
     def loss(self, clouds: Tensor, proprio: Tensor, actions: Tensor, weights: Tensor) -> tuple[Tensor, Tensor]:
         """Loss of sequences (B, T, ...), and the RMS error of the actions; steps with weight 0 do not count."""
-        raise NotImplementedError
 
+    @abstractmethod
     def actor(self, slots: int, choose: Choice) -> ActorProtocol:
         """The policy in closed loop, with as many memories as there are environments."""
-        raise NotImplementedError
 
 
 def make_policy(run: TrainingRun) -> TrainablePolicy:

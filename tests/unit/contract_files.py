@@ -238,3 +238,9 @@ class Bench:
         for word in words:
             assert word in error, error
         assert contents(self.root) == before
+
+
+def with_value(array: np.ndarray, value: float) -> np.ndarray:
+    changed = array.copy()
+    changed.reshape(-1)[7] = value
+    return changed

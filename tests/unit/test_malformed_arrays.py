@@ -16,26 +16,9 @@ from stages.contracts.extracted import read_clouds
 from stages.matching.scene import Scene
 from stages.matching.snapshots import SnapshotFile
 from stages.matching.store import FeatureStore
-from tests.unit.contract_files import HEIGHT, WIDTH, Bench, masks, write_files
+from tests.unit.contract_files import HEIGHT, WIDTH, Bench, masks, with_value
 
 CLOUD = np.random.default_rng(0).uniform(0, 1, (50, 3)).astype(np.float32)
-
-
-@pytest.fixture(scope="module")
-def valid(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return write_files(tmp_path_factory.mktemp("valid"))
-
-
-@pytest.fixture
-def bench(valid: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Bench:
-    shutil.copytree(valid, tmp_path / "run")
-    return Bench(tmp_path / "run", capsys)
-
-
-def with_value(array: np.ndarray, value: float) -> np.ndarray:
-    changed = array.copy()
-    changed.reshape(-1)[7] = value
-    return changed
 
 
 CLOUDS = {

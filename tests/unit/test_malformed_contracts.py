@@ -1,7 +1,6 @@
 """Broken JSON documents, tables and ledgers: each refused in one line that names file and field."""
 
 import json
-import shutil
 from pathlib import Path
 from typing import Any
 
@@ -9,24 +8,13 @@ import pytest
 
 from stages.contracts.__main__ import main
 from stages.contracts.kinds import KINDS
-from tests.unit.contract_files import FILES, POSE, Bench, write_files
+from tests.unit.contract_files import FILES, POSE, Bench
 
 NAN, INF = float("nan"), float("inf")
 DELETE = object()
 MIRRORED = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, -1.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
 SCALED = [[2.0, 0.0, 0.0, 0.0], [0.0, 2.0, 0.0, 0.0], [0.0, 0.0, 2.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
 K3 = [[50.0, 0.0, 23.5], [0.0, 50.0, 17.5], [0.0, 0.0, 1.0]]
-
-
-@pytest.fixture(scope="module")
-def valid(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return write_files(tmp_path_factory.mktemp("valid"))
-
-
-@pytest.fixture
-def bench(valid: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Bench:
-    shutil.copytree(valid, tmp_path / "run")
-    return Bench(tmp_path / "run", capsys)
 
 
 def test_every_kind_has_a_valid_example(valid: Path, capsys: pytest.CaptureFixture[str]) -> None:

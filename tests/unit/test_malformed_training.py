@@ -1,6 +1,5 @@
 """Episodes, weights and the state of a training: broken in every way, refused or set aside."""
 
-import shutil
 import stat
 from collections.abc import Callable
 from pathlib import Path
@@ -20,24 +19,7 @@ from stages.policies import TrainablePolicy, make_policy
 from stages.policies.checkpoint import load_policy, save_weights
 from stages.training.dataset import read_demonstrations
 from stages.training.state import TrainingState
-from tests.unit.contract_files import Bench, weights, write_files
-
-
-@pytest.fixture(scope="module")
-def valid(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return write_files(tmp_path_factory.mktemp("valid"))
-
-
-@pytest.fixture
-def bench(valid: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Bench:
-    shutil.copytree(valid, tmp_path / "run")
-    return Bench(tmp_path / "run", capsys)
-
-
-def with_value(array: np.ndarray, value: float) -> np.ndarray:
-    changed = array.copy()
-    changed.reshape(-1)[7] = value
-    return changed
+from tests.unit.contract_files import Bench, weights, with_value
 
 
 def cut(path: Path) -> None:
