@@ -10,3 +10,12 @@ for family in simulation learning report; do
     [ "$family" = learning ] && extras+=(--extra models)
     "$uv" pip compile pyproject.toml "${extras[@]}" -c envs/requirements.txt "${flags[@]}" -o "envs/$family.txt"
 done
+# Readers of other people (envs/readers.sh): the project's torch, and nothing that reading a data set does not need.
+torch=$(sed -n 's/^\(torch==[^ ]*\).*/\1/p' envs/requirements.txt)
+left_out=(accelerate cloudpickle cmake deepdiff diffusers egl-probe evdev farama-notifications gitdb gitpython gymnasium
+    hf-transfer imageio imageio-ffmpeg importlib-metadata inquirerpy opencv-python-headless orderly-set pfzy
+    prompt-toolkit pynput pyserial python-xlib regex rerun-sdk sentry-sdk smmap torchcodec wandb wcwidth zipp)
+printf '%s\n' "$torch" robomimic==0.3.0 six lerobot==0.4.4 |
+    "$uv" pip compile - --override <(printf '%s\n' "$torch" torchvision) --python-version 3.11 \
+        --python-platform x86_64-manylinux_2_28 --generate-hashes --no-emit-index-url --no-header --no-annotate -q \
+        "${left_out[@]/#/--no-emit-package=}" -o envs/readers.txt

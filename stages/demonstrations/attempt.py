@@ -32,12 +32,12 @@ class Recorder:
         rng = np.random.default_rng((seed, 1))
 
         def act(action: Float, noisy: bool) -> None:
-            episode.add(task.observe(), action, task.opened)
-            if filming:
-                moments.append(task.moment())
             executed = action.copy()
             if noisy and self.options.noise > 0:
                 executed[:3] += rng.normal(0, self.options.noise, 3) / task.options.position_step
+            episode.add(task.observe(), action, executed, task.opened)
+            if filming:
+                moments.append(task.moment())
             task.act(executed)
 
         outcome = Outcome(True, "success")

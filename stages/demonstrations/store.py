@@ -14,23 +14,27 @@ from stages.contracts import atomic
 from stages.tasks.api import Observation
 
 Float = NDArray[np.float32]
+ROBOMIMIC_GYM = 2  # robomimic's EnvType.GYM_TYPE
 
 
 @dataclass
 class RecordedEpisode:
-    """What is recorded of one attempt: observations before each action, clean actions, how far the joint was open."""
+    """What is recorded of one attempt: observations before each action, the clean action, the one that was executed
+    (they differ by the noise; the executed ones replay the episode), how far the joint was open."""
 
     seed: int
     point_clouds: list[Float] = field(default_factory=list)
     proprios: list[Float] = field(default_factory=list)
     actions: list[Float] = field(default_factory=list)
+    executed: list[Float] = field(default_factory=list)
     opened: list[float] = field(default_factory=list)
 
-    def add(self, observation: Observation, action: Float, opened: float) -> None:
+    def add(self, observation: Observation, action: Float, executed: Float, opened: float) -> None:
         """Append one step."""
         self.point_clouds.append(observation["point_cloud"].astype(np.float16))
         self.proprios.append(observation["proprio"])
         self.actions.append(action)
+        self.executed.append(executed)
         self.opened.append(opened)
 
 
@@ -49,12 +53,13 @@ class StoreHeader:
 def write_episodes(path: Path, header: StoreHeader, episodes: Sequence[RecordedEpisode]) -> None:
     """Write a store atomically; the same episodes give the same bytes.
 
-    Layout: `data/demo_i/{obs/point_cloud (T, P, 4) float16, obs/proprio (T, 9) float32, actions (T, 7) float32,
-    joint (T,) float32}`, uncompressed so that training can map it; attributes as in robomimic.
+    Layout: `data/demo_i/{obs/point_cloud (T, P, 4) float16, obs/proprio (T, 9) float32, actions and executed (T, 7)
+    float32, joint (T,) float32, rewards (T,) float32 and dones (T,) uint8: 1 at the end}`, uncompressed so that training
+    can map it; attributes as in robomimic, which reads the file as it is.
     """
     env_args = {
         "env_name": header.environment,
-        "type": "maniskill",
+        "type": ROBOMIMIC_GYM,
         "env_kwargs": {"asset": header.asset, "joint": header.joint, "size": list(header.size)},
     }
     with atomic(path) as temporary, h5py.File(temporary, "w", track_order=True) as file:
@@ -70,10 +75,14 @@ def write_episodes(path: Path, header: StoreHeader, episodes: Sequence[RecordedE
             group.attrs["num_samples"] = len(episode.actions)
             group.attrs["seed"] = episode.seed
             group.attrs["asset"] = header.asset
+            last = np.arange(len(episode.actions)) == len(episode.actions) - 1
             for name, values, dtype in (
                 ("obs/point_cloud", episode.point_clouds, np.float16),
                 ("obs/proprio", episode.proprios, np.float32),
                 ("actions", episode.actions, np.float32),
+                ("executed", episode.executed, np.float32),
                 ("joint", episode.opened, np.float32),
+                ("rewards", last, np.float32),
+                ("dones", last, np.uint8),
             ):
                 group.create_dataset(name, data=np.asarray(values, dtype), track_times=False)

@@ -73,12 +73,14 @@ def test_collect_writes_successes_that_replay(tmp_path: Path) -> None:
         demo = data["demo_0"]
         steps = demo.attrs["num_samples"]
         assert demo.attrs["seed"] == kept[0].seed and steps == kept[0].steps
-        cloud, proprio, actions, joint = (
-            demo[key][:] for key in ("obs/point_cloud", "obs/proprio", "actions", "joint")
+        cloud, proprio, actions, executed, joint = (
+            demo[key][:] for key in ("obs/point_cloud", "obs/proprio", "actions", "executed", "joint")
         )
+        assert demo["dones"][:].tolist() == demo["rewards"][:].tolist() == [0] * (steps - 1) + [1]
     assert cloud.shape == (steps, 128, 4) and cloud.dtype == np.float16
     assert proprio.shape == (steps, 9) and actions.shape == (steps, 7) and joint.shape == (steps,)
     assert np.abs(actions).max() <= 1.0 + 1e-6
+    assert 0 < np.abs(executed - actions).max() < 1 and (executed[:, 3:] == actions[:, 3:]).all()
     assert joint[0] == 0.0 and joint[-1] > 0.5
     scene = cloud[0, cloud[0, :, 3] == 0, :3].astype(float)
     fingers = cloud[0, cloud[0, :, 3] == 1, :3].astype(float)
@@ -88,6 +90,9 @@ def test_collect_writes_successes_that_replay(tmp_path: Path) -> None:
     # Evaluation sees the same first observation, from the options in the file.
     task = make_task("door", tmp_path / "models" / "cab", "door_0_joint", (0.4, 0.45, 0.7), options)
     again = task.reset(kept[0].seed)
+    for action in executed:
+        task.act(action)
+    assert task.success and task.opened == pytest.approx(kept[0].opened, abs=1e-3), "what was executed replays"
     task.close()
     assert again["proprio"] == pytest.approx(proprio[0])
     assert again["point_cloud"] == pytest.approx(cloud[0].astype(np.float32), abs=2e-3)
