@@ -51,7 +51,7 @@ wildcard_constraints:
     store=r"[A-Za-z0-9_]+-[0-9a-f]{8}",
     task="|".join(TASKS) or "-",
     object=r"[^/]+",
-    role=r"twin|cousin_\d+",
+    role=r"twin|cousin_\d+|all",
     training_set=r"twin|cousins_\d+|all",
     run=r"[A-Za-z0-9_-]+",
     seed=r"\d+",
@@ -93,14 +93,19 @@ def check(**outputs):
     return line
 
 
+def implementation(task):
+    """The implementation of a row of the policy experiment."""
+    return CONFIG.implementation("tasks", EXPERIMENT.plan(task).task)
+
+
 def task_code(stage, verb):
     """The code of a verb that works on a task."""
-    return lambda wildcards: code(stage, verb, qualified("tasks", CONFIG.implementation("tasks", wildcards.task)))
+    return lambda wildcards: code(stage, verb, qualified("tasks", implementation(wildcards.task)))
 
 
 def rollout_code(wildcards):
     """The code of rollouts: of the task and of the policy."""
-    task = qualified("tasks", CONFIG.implementation("tasks", wildcards.task))
+    task = qualified("tasks", implementation(wildcards.task))
     return code("evaluation", "rollout", task, *modules(CONFIG.training.runs[wildcards.run], "policy"))
 
 

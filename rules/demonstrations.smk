@@ -32,8 +32,8 @@ rule demonstrate:
         code=task_code("demonstrations", "collect"),
         check=check(episodes="episodes", attempts="attempts"),
         options=options("demonstrations", "collect"),
-        task_options=CONFIG.task.model_dump_json(),
-        episodes=lambda wildcards: EXPERIMENT.episodes_of(wildcards.role),
+        task_options=lambda wildcards: CONFIG.task_of(wildcards.task).model_dump_json(),
+        episodes=lambda wildcards: EXPERIMENT.episodes_of(wildcards.task, wildcards.role),
         seed=CONFIG.seed,
     shell:
         "({params.command} --assets {input.assets:q} --library {input.library:q} --role {wildcards.role} "
@@ -45,9 +45,5 @@ rule demonstrate:
 rule demonstrations:
     """Demonstrations of every asset that a training set uses."""
     input:
-        expand(
-            rules.demonstrate.output.episodes,
-            task=TASKS,
-            role=sorted({role for name in EXPERIMENT.training_sets for role in EXPERIMENT.roles(name)}),
-        ),
+        trained(rules.demonstrate.output.episodes),
     localrule: True

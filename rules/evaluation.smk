@@ -40,9 +40,11 @@ rule rollout:
         seed=CONFIG.seed,
         device=CONFIG.device,
         folder=subpath(input.policy, parent=True),
+        roles=lambda wildcards: EXPERIMENT.roles(wildcards.training_set),
     shell:
         "({params.command} --policy {params.folder:q} --assets {input.assets:q} --library {input.library:q} "
-        "--training-set {wildcards.training_set} --run-name {wildcards.run} --options {params.options:q} "
+        "--task-name {wildcards.task} --training-set {wildcards.training_set} --trained-roles {params.roles} "
+        "--run-name {wildcards.run} --options {params.options:q} "
         "--seed {params.seed} --device {params.device} --out {output.rollouts:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
 
@@ -79,5 +81,5 @@ rule evaluation:
     """All scores and rollouts of this run."""
     input:
         expand(rules.score.output.scores, variant=VARIANTS, scene=SCORED_ROOMS),
-        [f"{folder}/rollouts.csv" for task in TASKS for folder in policy_folders(task, "results/evaluation/policies")],
+        policies(rules.rollout.output.rollouts),
     localrule: True

@@ -25,7 +25,7 @@ rule select:
         command=command("experiment", "select"),
         code=task_code("experiment", "select"),
         check=check(task="assets"),
-        task=lambda wildcards: CONFIG.implementation("tasks", wildcards.task),
+        task=lambda wildcards: implementation(wildcards.task),
         object=lambda wildcards: EXPERIMENT.tasks[wildcards.task].object,
         cousins=EXPERIMENT.cousins,
     shell:

@@ -55,14 +55,19 @@ def scene_image(wildcards):
     return scene_inputs(wildcards)["rgb"]
 
 
-def policy_folders(task, parent):
-    """Folders of all policies of a task below `parent`, one per training set, run and seed."""
-    return expand(
-        f"{parent}/{task}/{{training_set}}/{{run}}/seed_{{seed}}",
-        training_set=EXPERIMENT.training_sets,
-        run=EXPERIMENT.runs,
-        seed=EXPERIMENT.seeds,
-    )
+def policies(pattern):
+    """The files of `pattern` for all policies of this run, one per task, training set, run and seed."""
+    plans = {task: EXPERIMENT.plan(task) for task in TASKS}
+    return [
+        file
+        for task, plan in plans.items()
+        for file in expand(pattern, task=task, training_set=plan.training_sets, run=plan.runs, seed=plan.seeds)
+    ]
+
+
+def trained(pattern):
+    """The files of `pattern` for every task and role on which demonstrations are collected."""
+    return [file for task in TASKS for file in expand(pattern, task=task, role=EXPERIMENT.trained_roles(task))]
 
 
 def of_target(wildcards, pattern):

@@ -5,19 +5,9 @@
 #         results/report/{index,times}.html.
 from types import SimpleNamespace
 
-TRAINED_ROLES = sorted({role for name in EXPERIMENT.training_sets for role in EXPERIMENT.roles(name)})
-FILMS = [
-    *(
-        []
-        if "collect" in CONFIG.stages.get("demonstrations", {})
-        else expand("results/demonstrations/{task}/{role}/films", task=TASKS, role=TRAINED_ROLES)
-    ),
-    *[
-        f"{folder}/films"
-        for task in TASKS
-        for folder in policy_folders(task, "results/evaluation/policies")
-        if "rollout" not in CONFIG.stages.get("evaluation", {})
-    ],
+FILMS = [  # a command in the place of our verb need not make any
+    *([] if "collect" in CONFIG.stages.get("demonstrations", {}) else trained(rules.demonstrate.output.films)),
+    *([] if "rollout" in CONFIG.stages.get("evaluation", {}) else policies(rules.rollout.output.films)),
 ]
 # Benchmark files cannot be inputs: those of this run are named to the page, so that it counts no others.
 BENCHMARKS = [
@@ -36,14 +26,9 @@ BENCHMARKS = [
         for task in TASKS
         for file in of_target(SimpleNamespace(task=task, variant=EXPERIMENT.policy_variant), rules.distances.benchmark)
     ],
-    *expand(rules.demonstrate.benchmark, task=TASKS, role=TRAINED_ROLES),
-    *expand(
-        [rules.train.benchmark, rules.rollout.benchmark],
-        task=TASKS,
-        training_set=EXPERIMENT.training_sets,
-        run=EXPERIMENT.runs,
-        seed=EXPERIMENT.seeds,
-    ),
+    *trained(rules.demonstrate.benchmark),
+    *policies(rules.train.benchmark),
+    *policies(rules.rollout.benchmark),
     "benchmarks/tables/tables.tsv",
     "benchmarks/tables/figures.tsv",
 ]
@@ -53,11 +38,7 @@ rule tables:
     """Tables 2 and 3: every cell with its n, seeds and interval, the published value beside it."""
     input:
         scores=expand(rules.score.output.scores, variant=VARIANTS, scene=SCORED_ROOMS),
-        rollouts=[
-            f"{folder}/rollouts.csv"
-            for task in TASKS
-            for folder in policy_folders(task, "results/evaluation/policies")
-        ],
+        rollouts=policies(rules.rollout.output.rollouts),
         published_scenes="report/published/table2.csv",
         published_policies="report/published/table3.csv",
     output:
@@ -137,8 +118,8 @@ rule report_page:
         previews=expand(rules.draw_scenes.output.previews, variant=VARIANTS, scene=ROOMS),
         assets=[task_assets(task) for task in TASKS],
         films=FILMS,
-        attempts=expand(rules.demonstrate.output.attempts, task=TASKS, role=TRAINED_ROLES),
-        metrics=[f"{folder}/metrics.jsonl" for task in TASKS for folder in policy_folders(task, "results/training")],
+        attempts=trained(rules.demonstrate.output.attempts),
+        metrics=policies(rules.train.output.metrics),
         tables=rules.tables.output,
         figures=rules.figures.output,
     output:

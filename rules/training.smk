@@ -31,7 +31,7 @@ rule train:
         code=lambda wildcards: code("training", "train", *modules(CONFIG.training.runs[wildcards.run], "policy")),
         check=check(policy="config", metrics="metrics"),
         options=options("training", "train"),
-        share=lambda wildcards: EXPERIMENT.share(wildcards.training_set),
+        share=lambda wildcards: EXPERIMENT.share(wildcards.task, wildcards.training_set),
         device=CONFIG.device,
         out=subpath(output.policy, parent=True),
     shell:
@@ -43,5 +43,5 @@ rule train:
 rule training:
     """All policies of this run."""
     input:
-        [f"{folder}/policy.safetensors" for task in TASKS for folder in policy_folders(task, "results/training")],
+        policies(rules.train.output.policy),
     localrule: True

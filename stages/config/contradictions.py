@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 
 from stages.config import places
 from stages.config.assets import COUNTS
+from stages.config.experiment import TaskPlan
 from stages.config.mistakes import Mistake
+from stages.config.task import TaskConfig
 from stages.contracts.errors import InputError
 from stages.plugins import find
 
@@ -21,7 +23,9 @@ NAME = re.compile(r"[A-Za-z0-9-]+(_[A-Za-z0-9-]+)*")  # becomes part of paths
 
 def contradictions(config: "Config") -> list[Mistake]:
     """All of them, in the order of config.yaml."""
-    checks = (_names, _scenes, _tasks, _training_sets, _test_assets, _library, _matching, _policies, _stages)
+    checks = (
+        _names, _scenes, _tasks, _training_sets, _test_assets, _library, _matching, _policies, _environment, _stages,
+    )  # fmt: skip
     return [found for check in checks for found in check(config)]
 
 
@@ -31,6 +35,7 @@ def _names(config: "Config") -> Iterator[Mistake]:
     named: dict[str, Iterable[str]] = {
         "experiment.inputs": experiment.inputs,
         "experiment.variants": experiment.variants,
+        "experiment.tasks": experiment.tasks,
         "training.runs": config.training.runs,
     }
     for key, names in named.items():
@@ -39,6 +44,9 @@ def _names(config: "Config") -> Iterator[Mistake]:
                 yield Mistake(key, f"'{name}' is no name", "letters, digits, - and single _ inside")
     for key in ("rooms", "training_sets", "held_out", "runs", "seeds"):
         yield from _twice(f"experiment.{key}", getattr(experiment, key))
+    for task, target in experiment.tasks.items():
+        for key in ("training_sets", "runs", "seeds"):
+            yield from _twice(f"experiment.tasks.{task}.{key}", getattr(target, key) or ())
     yield from _twice("evaluation.test_assets", config.evaluation.test_assets)
 
 
@@ -98,19 +106,19 @@ def _tasks(config: "Config") -> Iterator[Mistake]:
         mend = f"one of {', '.join(experiment.variants)}"
         what = f"'{experiment.policy_variant}' is not one of experiment.variants"
         yield Mistake("experiment.policy_variant", what, mend)
-    for task, target in experiment.tasks.items():
-        key = f"experiment.tasks.{task}"
+    for name, target in experiment.tasks.items():
+        key, task = f"experiment.tasks.{name}", experiment.plan(name).task
         try:
             find("tasks", task, config.plugins)
         except InputError as error:
-            yield Mistake(key, error.what.rstrip("."), error.fix)
+            yield Mistake(f"{key}.task" if target.task else key, error.what.rstrip("."), error.fix)
         if target.scene not in experiment.rooms:
-            mend = "add it there, or remove the task: `" + task + ": null`"
+            mend = "add it there, or remove the task: `" + name + ": null`"
             yield Mistake(f"{key}.scene", f"'{target.scene}' is not one of experiment.rooms", mend)
         objects = places.objects(target.scene, experiment.inputs, files)
         if not objects:
             continue  # not known before the scene is read
-        able = [name for name, panels in objects.items() if panels.get(task, True)]
+        able = [item for item, panels in objects.items() if panels.get(task, True)]
         if target.object not in objects:
             what = f"{target.scene} has no '{target.object}'"
         elif target.object not in able:
@@ -128,28 +136,37 @@ def _training_sets(config: "Config") -> Iterator[Mistake]:
             what = f"there is no cousin {rank} of experiment.cousins = {experiment.cousins}"
             yield Mistake("experiment.held_out", what, "leave it out or raise experiment.cousins")
     left = experiment.training_ranks
-    for name in experiment.training_sets:
-        needed = experiment.size_of(name)
-        if name != "twin" and not 0 < needed <= len(left):
-            what = (
-                f"{name} needs {max(needed, 1)} cousins, experiment.cousins = {experiment.cousins} leaves {len(left)}"
-            )
-            yield Mistake("experiment.training_sets", what, "raise experiment.cousins or hold fewer out")
+    asked = {"experiment.training_sets": experiment.training_sets}
+    asked |= {
+        f"experiment.tasks.{name}.training_sets": row.training_sets or [] for name, row in experiment.tasks.items()
+    }
+    for key, names in asked.items():
+        for name in names:
+            needed = experiment.size_of(name)
+            if needed > len(left):
+                what = f"{name} needs {needed} cousins, experiment.cousins = {experiment.cousins} leaves {len(left)}"
+                yield Mistake(key, what, "raise experiment.cousins or hold fewer out")
 
 
 def _test_assets(config: "Config") -> Iterator[Mistake]:
     """Roles that the experiment gives."""
     experiment = config.experiment
-    roles = ["twin", *(f"cousin_{rank}" for rank in range(1, experiment.cousins + 1)), "dissimilar"]
+    roles = ["twin", *(f"cousin_{rank}" for rank in range(1, experiment.cousins + 1)), "dissimilar", "trained"]
     for role in config.evaluation.test_assets:
         if role not in roles:
             what = f"there is no '{role}' among experiment.cousins = {experiment.cousins}"
-            yield Mistake("evaluation.test_assets", what, f"twin, cousin_1 ... {roles[-2]}, dissimilar")
-    if config.evaluation.checkpoint == "rollouts" and experiment.tasks and experiment.training_sets:
-        for run in experiment.runs:
+            yield Mistake("evaluation.test_assets", what, f"twin, cousin_1 ... {roles[-3]}, dissimilar, trained")
+    if config.evaluation.checkpoint == "rollouts":
+        for run in dict.fromkeys(run for plan in _plans(config) for run in plan.runs):
             if run in config.training.runs and not config.training.runs[run].keep:
                 what = f"is rollouts, but training.runs.{run}.keep = 0 leaves no checkpoints"
                 yield Mistake("evaluation.checkpoint", what, f"set training.runs.{run}.keep, or use best or last")
+
+
+def _plans(config: "Config") -> list[TaskPlan]:
+    """What is asked of the tasks for which policies are trained."""
+    plans = map(config.experiment.plan, config.experiment.tasks)
+    return [plan for plan in plans if plan.training_sets]
 
 
 def _library(config: "Config") -> Iterator[Mistake]:
@@ -190,31 +207,54 @@ def _matching(config: "Config") -> Iterator[Mistake]:
 
 
 def _policies(config: "Config") -> Iterator[Mistake]:
-    """Networks that see no more points than there are, and checkpoints that training reaches."""
-    for run in config.experiment.runs:
-        if run not in config.training.runs:
-            what = f"'{run}' is not one of training.runs"
-            yield Mistake("experiment.runs", what, f"one of {', '.join(config.training.runs)}")
-            continue
-        options = config.training.runs[run]
-        key = f"training.runs.{run}"
-        if options.network.points > config.task.points:
-            what = f"{options.network.points} of task.points = {config.task.points}"
-            yield Mistake(f"{key}.network.points", what, "lower it or raise task.points")
+    """Hyper-parameter sets that there are, networks that see no more points than there are, checkpoints in reach."""
+    experiment, known = config.experiment, config.training.runs
+    asked = {"experiment.runs": experiment.runs}
+    asked |= {f"experiment.tasks.{name}.runs": row.runs or [] for name, row in experiment.tasks.items()}
+    for key, runs in asked.items():
+        for run in runs:
+            if run not in known:
+                yield Mistake(key, f"'{run}' is not one of training.runs", f"one of {', '.join(known)}")
+    for run in dict.fromkeys(run for runs in asked.values() for run in runs if run in known):
+        options = known[run]
+        points = {
+            config.task_of(name).points: "task" if "points" not in row.options else f"experiment.tasks.{name}.options"
+            for name, row in experiment.tasks.items()
+            if run in experiment.plan(name).runs
+        }
+        if points and options.network.points > min(points):
+            what = f"{options.network.points} of {points[min(points)]}.points = {min(points)}"
+            yield Mistake(f"training.runs.{run}.network.points", what, "lower it or raise task.points")
         if options.keep > options.steps:
-            yield Mistake(f"{key}.keep", f"{options.keep} checkpoints of {options.steps} steps", "lower it")
-    if config.task.finger_points >= config.task.points:
-        what = f"{config.task.finger_points} of task.points = {config.task.points} leaves none for the scene"
-        yield Mistake("task.finger_points", what, "lower it or raise task.points")
-    for axis, low, high in zip("xyz", config.task.workspace_min, config.task.workspace_max, strict=True):
+            yield Mistake(
+                f"training.runs.{run}.keep", f"{options.keep} checkpoints of {options.steps} steps", "lower it"
+            )
+
+
+def _environment(config: "Config") -> Iterator[Mistake]:
+    """Options of the task, and of the rows of the experiment that change them, that fit together."""
+    found = list(_of_environment(config, "task", config.task))
+    for name, row in config.experiment.tasks.items():
+        if row.options and not found:
+            yield from _of_environment(config, f"experiment.tasks.{name}.options", config.task_of(name))
+    yield from found
+
+
+def _of_environment(config: "Config", key: str, task: TaskConfig) -> Iterator[Mistake]:
+    if task.finger_points >= task.points:
+        what = f"{task.finger_points} of {key}.points = {task.points} leaves none for the scene"
+        yield Mistake(f"{key}.finger_points", what, "lower it or raise task.points")
+    for axis, low, high in zip("xyz", task.workspace_min, task.workspace_max, strict=True):
         if low >= high:
-            yield Mistake("task.workspace_min", f"{axis} = {low:g} is not below workspace_max's {high:g}", "swap them")
-    if SIMULATION_FREQUENCY % config.task.control_frequency:
-        what = f"{config.task.control_frequency} does not divide {SIMULATION_FREQUENCY} steps per second"
-        yield Mistake("task.control_frequency", what, "e.g. 10 or 20")
-    if config.task.success_fraction + config.demonstrations.goal_margin / 2 > 1:
-        what = f"{config.demonstrations.goal_margin} past task.success_fraction = {config.task.success_fraction}"
-        yield Mistake("demonstrations.goal_margin", f"{what} cannot be reached", "lower one of them")
+            what = f"{axis} = {low:g} is not below workspace_max's {high:g}"
+            yield Mistake(f"{key}.workspace_min", what, "swap them")
+    if SIMULATION_FREQUENCY % task.control_frequency:
+        what = f"{task.control_frequency} does not divide {SIMULATION_FREQUENCY} steps per second"
+        yield Mistake(f"{key}.control_frequency", what, "e.g. 10 or 20")
+    margin = config.demonstrations.goal_margin
+    if task.success_fraction + margin / 2 > 1:
+        what = f"{margin} past {key}.success_fraction = {task.success_fraction} cannot be reached"
+        yield Mistake("demonstrations.goal_margin", what, "lower one of them")
 
 
 def _stages(config: "Config") -> Iterator[Mistake]:

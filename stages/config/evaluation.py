@@ -11,9 +11,10 @@ class EvaluationConfig(Section):
     """How policies are rolled out."""
 
     test_assets: list[str] = Field(
-        ["twin", "cousin_2", "cousin_6", "dissimilar"],
+        ["twin", "cousin_2", "cousin_6", "dissimilar", "trained"],
         min_length=1,
-        description="roles to roll out on; paper: the twin, the 2nd and 6th cousin (held out), a dissimilar asset",
+        description="roles to roll out on; paper: the twin, the 2nd and 6th cousin (held out), a dissimilar asset; "
+        "trained: the very assets that the policy was trained on, the rollouts shared evenly: the first gate",
     )
     rollouts: int = Field(
         16, ge=1, description="episodes per test asset, the same initial states for all policies; paper: 100"

@@ -1,17 +1,36 @@
 """Config section `experiment`: which cells of the paper's tables this run computes."""
 
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 from pydantic import Field
 
 from stages.config.base import Count, Rank, Section
 
+TrainingSet = Literal["twin", "cousins_2", "cousins_4", "cousins_8", "all"]
+
 
 class TaskTarget(Section):
-    """The object that the policy experiment opens."""
+    """A row of the policy experiment: a task, the object it is about, and what differs from the experiment's own."""
 
+    task: str | None = Field(None, description="which task this is: door, drawer, ... or yours; null: as it is named")
     scene: str = Field("room_3", description="room of the object, one of `rooms`")
     object: str = Field("hanging_cabinet_1", description="its id in that room's objects.json")
+    options: dict[str, Any] = Field({}, description="keys of section `task` that differ here, e.g. {max_steps: 200}")
+    training_sets: list[TrainingSet] | None = Field(None, description="null: those of the experiment; so for the rest")
+    runs: list[str] | None = Field(None, min_length=1)
+    seeds: list[Count] | None = Field(None, min_length=1)
+    episodes: int | None = Field(None, ge=1)
+
+
+class TaskPlan(NamedTuple):
+    """A row of the policy experiment with nothing left open; `task`: name of the implementation."""
+
+    task: str
+    target: TaskTarget
+    training_sets: list[TrainingSet]
+    runs: list[str]
+    seeds: list[int]
+    episodes: int
 
 
 class ExperimentConfig(Section):
@@ -39,12 +58,13 @@ class ExperimentConfig(Section):
     policy_variant: str = Field("b", description="The variant whose cousins the policy experiment uses.")
     tasks: dict[str, TaskTarget] = Field(
         {"door": TaskTarget(scene="room_3", object="hanging_cabinet_1")},
-        description="Tasks of the policy experiment (Table 3) and the object each one opens.",
+        description="Tasks of the policy experiment (Table 3), by names that paths and tables use. One task may stand "
+        "here twice, e.g. as `door` and, with other `options`, as `my_door: {task: door, ...}`.",
     )
-    training_sets: list[Literal["twin", "cousins_2", "cousins_4", "cousins_8", "all"]] = Field(
+    training_sets: list[TrainingSet] = Field(
         ["twin", "cousins_4"],
         description="Training sets to compare; []: no policies. cousins_n: the n nearest cousins not held out; "
-        "all: every ranked cousin not held out.",
+        "all: every asset of the object's three nearest categories that is neither held out nor dissimilar.",
     )
     held_out: list[Rank] = Field([2, 6], description="Cousins kept out of every training set (paper: 2nd and 6th).")
     cousins: int = Field(10, ge=1, description="How many cousins the policy experiment knows.")
@@ -57,10 +77,22 @@ class ExperimentConfig(Section):
         1, ge=1, description="CPU threads per training job; 1 lets two policies train at once."
     )
 
+    def plan(self, name: str) -> TaskPlan:
+        """What is asked of one task."""
+        own = self.tasks[name]
+        return TaskPlan(
+            task=own.task or name,
+            target=own,
+            training_sets=self.training_sets if own.training_sets is None else own.training_sets,
+            runs=self.runs if own.runs is None else own.runs,
+            seeds=self.seeds if own.seeds is None else own.seeds,
+            episodes=self.episodes if own.episodes is None else own.episodes,
+        )
+
     def roles(self, training_set: str) -> list[str]:
-        """Roles (twin, cousin_i) whose demonstrations make up a training set, in order of rank."""
-        if training_set == "twin":
-            return ["twin"]
+        """Roles (twin, cousin_i, all) whose demonstrations make up a training set, in order of rank; one store each."""
+        if training_set in ("twin", "all"):
+            return [training_set]
         return [f"cousin_{rank}" for rank in self.training_ranks[: self.size_of(training_set)]]
 
     @property
@@ -68,16 +100,20 @@ class ExperimentConfig(Section):
         """Cousins that training may use."""
         return [rank for rank in range(1, self.cousins + 1) if rank not in self.held_out]
 
-    def size_of(self, training_set: str) -> int:
-        """Cousins that a training set asks for; the twin's asks for none."""
-        if training_set == "twin":
-            return 0
-        return len(self.training_ranks) if training_set == "all" else int(training_set.removeprefix("cousins_"))
+    @staticmethod
+    def size_of(training_set: str) -> int:
+        """Cousins that a training set asks for."""
+        return int(training_set.removeprefix("cousins_")) if training_set.startswith("cousins_") else 0
 
-    def share(self, training_set: str) -> int:
-        """Demonstrations that each asset gives to a training set (rounded up)."""
-        return -(-self.episodes // len(self.roles(training_set)))
+    def share(self, task: str, training_set: str) -> int:
+        """Demonstrations that each store gives to a training set (rounded up)."""
+        return -(-self.plan(task).episodes // len(self.roles(training_set)))
 
-    def episodes_of(self, role: str) -> int:
+    def trained_roles(self, task: str) -> list[str]:
+        """Roles on which a task's demonstrations are collected."""
+        return sorted({role for name in self.plan(task).training_sets for role in self.roles(name)})
+
+    def episodes_of(self, task: str, role: str) -> int:
         """Demonstrations to collect for a role: the largest share that any training set asks of it."""
-        return max((self.share(name) for name in self.training_sets if role in self.roles(name)), default=0)
+        sets = self.plan(task).training_sets
+        return max((self.share(task, name) for name in sets if role in self.roles(name)), default=0)

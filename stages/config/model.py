@@ -66,6 +66,10 @@ class Config(Section):
         changed = merged(self.matching.model_dump(), self.experiment.variants[variant])
         return resolved(MatchingConfig.model_validate(changed), self.plugins, f"experiment.variants.{variant}")
 
+    def task_of(self, name: str) -> TaskConfig:
+        """The task options of one row of the policy experiment: those of `task` with what it changes, key by key."""
+        return TaskConfig.model_validate(merged(self.task.model_dump(), self.experiment.tasks[name].options))
+
     def room_files(self) -> dict[str, Path]:
         """Files of all rooms that could be asked for, by their names."""
         return room_files(self.experiment.room_files, self.plugins)
@@ -106,6 +110,12 @@ def load(config: dict[str, Any]) -> Config:
         else:
             continue
         valid.experiment.variants[variant] = {}
+    for name, target in valid.experiment.tasks.items():
+        try:
+            valid.task_of(name)
+        except ValidationError as error:
+            mistakes += mistakes_of(TaskConfig, error, f"experiment.tasks.{name}.options.")
+            valid.experiment.tasks[name] = target.model_copy(update={"options": {}})
     mistakes += [each for each in contradictions(valid) if not any(_overlap(each.key, key) for key in wrong)]
     if mistakes:
         lines = [str(mistake) for mistake in mistakes]

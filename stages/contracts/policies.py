@@ -29,6 +29,7 @@ class TaskAssets(Document):
     object: Id
     encoder: Text
     assets: list[TaskAsset] = Field(min_length=1)
+    all_assets: list[TaskAsset] = Field([], description="what the training set `all` is made of, each in the role all")
 
     @model_validator(mode="after")
     def _roles(self) -> "TaskAssets":
@@ -57,6 +58,18 @@ class TaskAssets(Document):
                 return asset
         raise InputError(where, f"has no role '{role}' (it has {', '.join(asset.role for asset in self.assets)}).")
 
+    def behind(self, role: str, where: Path) -> list[TaskAsset]:
+        """The assets whose demonstrations make up the store of a role: one, or for `all` many.
+
+        Raises:
+            InputError: there are none in the file `where`.
+        """
+        if role != "all":
+            return [self.playing(role, where)]
+        if not self.all_assets:
+            raise InputError(where, "has no assets for the training set `all`.", "run `experiment select` again")
+        return self.all_assets
+
 
 class Attempt(Contract):
     """A line of `attempts.jsonl`: every attempt, also those that failed (paper A.5: only successes become data)."""
@@ -83,17 +96,17 @@ class Rollout(Contract):
 
     once: ClassVar = ("task", "training_set", "run", "seed", "checkpoint", "test_asset", "episode")
 
-    task: Id
+    task: Id = Field(description="name of the task's row in the experiment, e.g. door")
     training_set: Id
     run: Id
     seed: Seed
     checkpoint: Text
-    test_asset: Id = Field(description="role of the test asset")
+    test_asset: Id = Field(description="role of the test asset; trained: an asset that the policy was trained on")
     asset: Id
     dino_distance: NonNegative
     episode: Count
     initial_state: Seed = Field(description="seed of the initial state; the same for every policy (paired)")
-    success: bool
+    success: bool = Field(description="the target joint is open far enough")
     steps: Count
     opened: Finite = Field(ge=-10, le=10)
 

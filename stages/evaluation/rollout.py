@@ -19,7 +19,6 @@ from stages.contracts.policy_folder import read_config
 from stages.contracts.trained import TrainedPolicy
 from stages.evaluation.episodes import RolloutEpisode, roll_out
 from stages.evaluation.film import Filmed, strip, take
-from stages.plugins import short
 from stages.policies import TrainablePolicy
 from stages.policies.checkpoint import load_policy
 from stages.simulation.films import write_films
@@ -29,13 +28,17 @@ from stages.tasks.api import TaskEnv, make_task
 FIRST_STATE = 2**31  # demonstrations use seeds below: no policy is tested on a state that it was shown
 SELECTION_STATE = FIRST_STATE + 2**30  # states that choose a checkpoint are not those that it is judged by
 
+TRAINED = "trained"  # test role of the assets that a policy was trained on
+
 
 def run(
     *,
     policy: Path,
     assets: Path,
     library: Path,
+    task_name: str,
     training_set: str,
+    trained_roles: tuple[str, ...],
     run_name: str,
     out: Path,
     options: str = "",
@@ -48,7 +51,9 @@ def run(
         policy: folder that `training train` wrote.
         assets: the experiment's assets (contract TaskAssets).
         library: library.json that they come from.
+        task_name: name of the task's row in the experiment, for the rows.
         training_set: name of the training set, for the rows.
+        trained_roles: roles of the assets that it was trained on.
         run_name: name of the hyper-parameter set, for the rows.
         out: rollouts.csv; film.png and films/ lie beside it.
         options: the `evaluation` section as JSON, or a JSON file.
@@ -62,7 +67,7 @@ def run(
         raise InputError(policy, f"was trained on the task '{trained.task}', {assets} is for '{plan.task}'.")
     torch.set_num_threads(1)
     arena = Arena(trained, settings, library, device)
-    tested = [plan.playing(role, assets) for role in settings.test_assets]
+    tested = {role: players(plan, role, trained_roles, assets) for role in settings.test_assets}
     checkpoint: str = settings.checkpoint
     if checkpoint == "rollouts":
         checkpoint = arena.most_successful(policy, plan.playing("twin", assets), seed)
@@ -70,18 +75,22 @@ def run(
     rows: list[Rollout] = []
     films: list[Filmed] = []
     states = [FIRST_STATE + seed * 10_000 + i for i in range(settings.rollouts)]
-    for asset in tested:
-        episodes = arena.episodes(network, asset, states, films)
-        successes = sum(episode.success for episode in episodes)
-        print(f"evaluation: {asset.role} {successes}/{len(episodes)} opened", file=sys.stderr)
+    played: dict[tuple[str, ...], list[tuple[TaskAsset, RolloutEpisode]]] = {}
+    for role, playing in tested.items():
+        same = tuple(
+            asset.asset for asset in playing
+        )  # the twin's policy was trained on the twin: one test serves both
+        episodes = played[same] = played.get(same) or arena.test(network, playing, states, films)
+        successes = sum(episode.success for _, episode in episodes)
+        print(f"evaluation: {role} {successes}/{len(episodes)} opened", file=sys.stderr)
         rows += [
             Rollout(
-                task=short(plan.task),
+                task=task_name,
                 training_set=training_set,
                 run=run_name,
                 seed=trained.seed,
                 checkpoint=checkpoint,
-                test_asset=asset.role,
+                test_asset=role,
                 asset=asset.asset,
                 dino_distance=asset.distance,
                 episode=number,
@@ -90,13 +99,21 @@ def run(
                 steps=episode.steps,
                 opened=round(episode.opened, 4),
             )
-            for number, episode in enumerate(episodes)
+            for number, (asset, episode) in enumerate(episodes)
         ]
     frequency = trained.task_options.control_frequency
     write_films(out.parent / "films", [(item.film, item.pictures) for item in films], frequency)
     write_png(out.parent / "film.png", np.concatenate([strip(item) for item in films]))
     with atomic(out) as temporary:
         pd.DataFrame([row.model_dump() for row in rows]).to_csv(temporary, index=False)
+
+
+def players(plan: TaskAssets, role: str, trained_roles: tuple[str, ...], where: Path) -> list[TaskAsset]:
+    """The assets that stand for a test role: one, or for `trained` all that the policy was trained on."""
+    if role != TRAINED:
+        return [plan.playing(role, where)]
+    assets = [asset for name in trained_roles for asset in plan.behind(name, where)]
+    return [asset.model_copy(update={"role": TRAINED}) for asset in assets]
 
 
 class Arena:
@@ -106,6 +123,17 @@ class Arena:
         self.trained, self.settings, self.device, self.library = trained, settings, device, library
         entries = read_json(Library, library).assets
         self.folders = {entry.id: library.parent / entry.folder for entry in entries}
+
+    def test(
+        self, network: TrainablePolicy, assets: list[TaskAsset], states: list[int], films: list[Filmed]
+    ) -> list[tuple[TaskAsset, RolloutEpisode]]:
+        """One episode per initial state, the assets of a role taking turns; those of the first one are filmed."""
+        played: dict[int, tuple[TaskAsset, RolloutEpisode]] = {}
+        for turn, asset in enumerate(assets[: len(states)]):
+            shared = states[turn :: len(assets)]
+            episodes = self.episodes(network, asset, shared, None if turn else films)
+            played |= {state: (asset, episode) for state, episode in zip(shared, episodes, strict=True)}
+        return [played[state] for state in states]
 
     def episodes(
         self, network: TrainablePolicy, asset: TaskAsset, states: list[int], films: list[Filmed] | None = None

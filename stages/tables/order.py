@@ -3,6 +3,7 @@
 import re
 
 TASKS = {"door": "Door opening", "drawer": "Drawer opening", "bowl": "Putting away bowl"}
+NAMES = {"all": "all assets", "trained": "training assets"}
 VARIANTS = {
     "a": "encoder model, VLM orientation",
     "b": "encoder model, encoder orientation",
@@ -23,8 +24,8 @@ def task_key(task: str) -> tuple[int, str]:
 
 
 def set_key(name: str) -> tuple[int, tuple[tuple[int, int, str], ...]]:
-    """Sort key of a training set or test asset: twin, then by number, then 'all' and 'dissimilar', then 'unseen'."""
-    first = {"twin": 0, "all": 2, "dissimilar": 2, "unseen": 3}.get(name, 1)
+    """Sort key of a training set or test asset: twin, by number, 'all', 'dissimilar', 'trained', 'unseen'."""
+    first = {"twin": 0, "all": 2, "dissimilar": 2, "trained": 3, "unseen": 4}.get(name, 1)
     return (first, natural(name))
 
 
@@ -34,8 +35,8 @@ def title(name: str) -> str:
         return TASKS[name]
     if match := re.fullmatch(r"cousins_(\d+)", name):
         return f"{match[1]} cousins"
-    if name == "all":
-        return "all assets"
+    if name in NAMES:
+        return NAMES[name]
     return name.replace("_", " ")
 
 

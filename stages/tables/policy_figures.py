@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from stages.tables.drawing import GREY, MARKERS, RULE, colour, legend_name, not_run, rate_axis, spread_out
 from stages.tables.order import set_key, task_key, title
+from stages.tables.table3 import TRAINED
 
 
 def _tasks(pooled: pd.DataFrame, published: pd.DataFrame) -> list[str]:
@@ -27,11 +28,17 @@ def _bars(cells: pd.DataFrame, low: Any, high: Any) -> Any:
     return 100 * np.clip(np.stack([rate - np.asarray(low), np.asarray(high) - rate]), 0, None)
 
 
+def tested(pooled: pd.DataFrame) -> pd.DataFrame:
+    """The cells of the paper's figures: those on test assets, not on the assets that a policy was trained on."""
+    return pooled[pooled["test_asset"] != TRAINED]
+
+
 def figure4(pooled: pd.DataFrame, published: pd.DataFrame) -> Figure:
     """Success against the distance of the test asset from the twin: a panel per task that was run, a line per set.
 
     Bars are Wilson intervals over all episodes of a cell.
     """
+    pooled = tested(pooled)
     tasks = _tasks(pooled, published)
     width = max(4.6, 3.4 * len(tasks))
     figure, axes = plt.subplots(1, len(tasks), figsize=(width, 3.4), squeeze=False, layout="constrained")
@@ -93,6 +100,7 @@ def figure9(pooled: pd.DataFrame, published: pd.DataFrame) -> Figure:
     The four test assets stand from left to right, as in the paper: distances under different encoders do not compare.
     Our bars are the standard deviation over runs where there are two or more, else the Wilson interval of the run.
     """
+    pooled = tested(pooled)
     tasks, sets = _tasks(pooled, published), _sets(pooled, published)
     roles = sorted({*pooled["test_asset"], *published["test_asset"]}, key=set_key)
     figure, axes = plt.subplots(

@@ -20,7 +20,7 @@ DIFFERENCE_COLUMNS = [
     "task", "test_asset", "training_set", "baseline", "states", "runs", "baseline_runs", "difference", "low", "high",
 ]  # fmt: skip
 CELL = ["task", "test_asset", "training_set"]
-BASELINE, UNSEEN = "twin", "unseen"
+BASELINE, UNSEEN, TRAINED = "twin", "unseen", "trained"
 
 
 def _order(row: Any) -> tuple[Any, ...]:
@@ -41,10 +41,9 @@ def build(rollouts: pd.DataFrame, published: pd.DataFrame, options: TablesConfig
     for key, group in rollouts.groupby(keys):
         successes, episodes = int(group["success"].sum()), len(group)
         low, high = wilson(successes, episodes, options.confidence)
-        first = group.iloc[0]
         rows.append(
             dict(zip(keys, key, strict=True))
-            | {"dino_distance": float(first["dino_distance"]), "asset": first["asset"]}
+            | {"dino_distance": float(group["dino_distance"].mean()), "asset": _assets(group["asset"])}
             | {"episodes": episodes, "successes": successes, "success_rate": successes / episodes}
             | {"wilson_low": low, "wilson_high": high, "status": "run"}
         )
@@ -54,6 +53,11 @@ def build(rollouts: pd.DataFrame, published: pd.DataFrame, options: TablesConfig
             rows.append(dict(zip(CELL, cell, strict=True)) | {"status": "not run"})
     table = pd.DataFrame(sorted(rows, key=_order), columns=ALL_COLUMNS)
     return table.astype(dict.fromkeys(["seed", "episodes", "successes"], "Int64"))
+
+
+def _assets(names: pd.Series) -> str:
+    """The asset of some episodes; of the role `trained` there may be several."""
+    return str(names.iloc[0]) if names.nunique() == 1 else f"{names.nunique()} assets"
 
 
 def pool(table: pd.DataFrame, confidence: float) -> pd.DataFrame:
@@ -88,9 +92,11 @@ def differences(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
     """Success of each training set minus that of the twin's, per task and test asset, with `DIFFERENCE_COLUMNS`.
 
     Only initial states from which every policy of both sets was started are compared, so that the pairs are whole.
-    The test asset `unseen` pools all test assets but the twin: what the comparison is about (paper B.4).
+    The test asset `unseen` pools all test assets but the twin: what the comparison is about (paper B.4). The role
+    `trained` stands for other assets in every set: there is nothing to pair.
     """
     rows: list[dict[str, Any]] = []
+    rollouts = rollouts[rollouts["test_asset"] != TRAINED]
     for task, episodes in rollouts.groupby("task"):
         groups = {str(asset): group for asset, group in episodes.groupby("test_asset")}
         if len(set(groups) - {BASELINE}) > 1:

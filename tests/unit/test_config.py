@@ -18,16 +18,31 @@ def test_training_sets_leave_out_held_out_cousins() -> None:
     experiment = ExperimentConfig(cousins=10, held_out=[2, 6], episodes=80)
     assert experiment.roles("twin") == ["twin"]
     assert experiment.roles("cousins_4") == ["cousin_1", "cousin_3", "cousin_4", "cousin_5"]
-    assert len(experiment.roles("all")) == 8
-    assert experiment.share("cousins_4") == 20
+    assert experiment.roles("all") == ["all"]  # one store of its own
+    assert experiment.share("door", "cousins_4") == 20 and experiment.share("door", "all") == 80
 
 
 def test_an_asset_gives_as_many_episodes_as_the_neediest_set_asks() -> None:
     experiment = ExperimentConfig(training_sets=["twin", "cousins_2", "cousins_4"], episodes=80)
-    assert experiment.episodes_of("twin") == 80
-    assert experiment.episodes_of("cousin_1") == 40
-    assert experiment.episodes_of("cousin_4") == 20
-    assert experiment.episodes_of("cousin_2") == 0
+    assert experiment.episodes_of("door", "twin") == 80
+    assert experiment.episodes_of("door", "cousin_1") == 40
+    assert experiment.episodes_of("door", "cousin_4") == 20
+    assert experiment.episodes_of("door", "cousin_2") == 0
+    assert experiment.trained_roles("door") == ["cousin_1", "cousin_3", "cousin_4", "cousin_5", "twin"]
+
+
+def test_a_row_of_the_experiment_may_differ_from_the_others() -> None:
+    options = {"max_steps": 200, "points": 2048}
+    asked = {"training_sets": ["twin", "all"], "runs": ["paper"], "seeds": [3, 4], "episodes": 30}
+    rows = {"door": {}, "far_door": {"task": "door", "options": options} | asked}
+    config = load({"experiment": {"tasks": rows}})
+    plain, far = config.experiment.plan("door"), config.experiment.plan("far_door")
+    assert (plain.task, plain.runs, plain.seeds, plain.episodes) == ("door", ["lite"], [0], 160)
+    assert (far.task, far.runs, far.seeds, far.episodes) == ("door", ["paper"], [3, 4], 30)
+    assert far.training_sets == ["twin", "all"] and config.experiment.trained_roles("far_door") == ["all", "twin"]
+    assert config.task_of("far_door").max_steps == 200
+    assert config.task_of("far_door").camera_eye == config.task.camera_eye
+    assert config.task_of("door") == config.task
 
 
 def test_unknown_key_suggests_the_right_one() -> None:

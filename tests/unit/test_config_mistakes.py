@@ -84,8 +84,29 @@ CASES = [
     ("experiment: {held_out: [1, 11]}", "experiment.held_out: there is no cousin 11 of experiment.cousins = 10"),
     ("experiment: {held_out: [-2]}", "experiment.held_out.0: Input should be greater than or equal to 1"),
     (
-        "experiment: {training_sets: [all], held_out: [1, 2, 3, 4, 5, 6, 7, 8, 9, 10]}",
-        "experiment.training_sets: all needs 1 cousins, experiment.cousins = 10 leaves 0",
+        "experiment: {training_sets: [cousins_2], held_out: [1, 2, 3, 4, 5, 6, 7, 8, 9]}",
+        "experiment.training_sets: cousins_2 needs 2 cousins, experiment.cousins = 10 leaves 1",
+    ),
+    (
+        "{experiment: {cousins: 6, tasks: {door: {training_sets: [cousins_8]}}}}",
+        "experiment.tasks.door.training_sets: cousins_8 needs 8 cousins, experiment.cousins = 6 leaves 4",
+    ),
+    ("experiment: {tasks: {door: {runs: [huge]}}}", "experiment.tasks.door.runs: 'huge' is not one of training.runs"),
+    ("experiment: {tasks: {door: {runs: []}}}", "experiment.tasks.door.runs: List should have at least 1 item"),
+    ("experiment: {tasks: {door: {seeds: [1, 1]}}}", "experiment.tasks.door.seeds: '1' is named 2 times"),
+    ("experiment: {tasks: {far: {task: dor}}}", "experiment.tasks.far.task: there is no 'dor'. Fix: did you mean"),
+    ("experiment: {tasks: {'a/b': {task: door}}}", "experiment.tasks: 'a/b' is no name"),
+    (
+        "experiment: {tasks: {door: {options: {camera_eyes: [0, 0, 0]}}}}",
+        "experiment.tasks.door.options.camera_eyes: unknown key. Fix: did you mean 'camera_eye'?",
+    ),
+    (
+        "experiment: {tasks: {door: {options: {points: 256}}}}",
+        "training.runs.lite.network.points: 384 of experiment.tasks.door.options.points = 256",
+    ),
+    (
+        "experiment: {tasks: {door: {options: {finger_points: 512}}}}",
+        "experiment.tasks.door.options.finger_points: 512 of experiment.tasks.door.options.points = 512",
     ),
     (
         "{experiment: {cousins: 6, training_sets: [cousins_8]}}",

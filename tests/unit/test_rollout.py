@@ -117,18 +117,24 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         TaskAsset(role=role, asset=name, category="cabinet", joint="door", size=(1, 1, 1), distance=distance)
         for role, name, distance in (("twin", "a", 0.0), ("cousin_2", "b", 7.25))
     ]
-    plan = TaskAssets(task="door", scene="room_1", object="cabinet_1", encoder="hog", assets=roles)
+    everything = [item.model_copy(update={"role": "all"}) for item in roles]
+    about = {"task": "door", "scene": "room_1", "object": "cabinet_1", "encoder": "hog"}
+    plan = TaskAssets.model_validate(about | {"assets": roles, "all_assets": everything})
     write_json(folder / "task.json", plan)
     return folder
 
 
-def evaluate(folder: Path, out: Path, **options: object) -> list[dict[str, str]]:
+def evaluate(
+    folder: Path, out: Path, trained_roles: tuple[str, ...] = ("twin",), **options: object
+) -> list[dict[str, str]]:
     settings = {"test_assets": ["twin", "cousin_2"], "rollouts": 5, "envs": 2} | options
     rollout.run(
         policy=folder / "policy",
         assets=folder / "task.json",
         library=folder / "library.json",
+        task_name="my_door",
         training_set="twin",
+        trained_roles=trained_roles,
         run_name="lite",
         options=json.dumps(settings),
         out=out,
@@ -151,7 +157,7 @@ def test_rows_are_paired_and_repeatable(folder: Path, tmp_path: Path) -> None:
     ]
     assert [row["initial_state"] for row in rows[:5]] == [row["initial_state"] for row in rows[5:]]
     assert min(int(row["initial_state"]) for row in rows) >= 2**31  # demonstrations stay below
-    assert {row["seed"] for row in rows} == {"4"}
+    assert {row["seed"] for row in rows} == {"4"} and {row["task"] for row in rows} == {"my_door"}
     assert {row["dino_distance"] for row in rows[5:]} == {"7.25"}
     evaluate(folder, tmp_path / "b" / "rollouts.csv")
     assert sorted(path.name for path in (tmp_path / "a").iterdir()) == ["film.png", "films", "rollouts.csv"]
@@ -162,6 +168,39 @@ def test_rows_are_paired_and_repeatable(folder: Path, tmp_path: Path) -> None:
     for name in ["film.png", "rollouts.csv", "films/films.json", *(f"films/{film.file}" for film in films)]:
         assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes(), name
     assert ToyTask.open_tasks <= 3  # those of the first test
+
+
+@pytest.mark.usefixtures("toy_simulator")
+@pytest.mark.parametrize("roles", [("twin", "cousin_2"), ("all",)])
+def test_the_assets_of_the_training_take_turns(folder: Path, tmp_path: Path, roles: tuple[str, ...]) -> None:
+    rows = evaluate(folder, tmp_path / "rollouts.csv", roles, test_assets=["trained"])
+    assert [(row["test_asset"], row["asset"], row["episode"]) for row in rows] == [
+        ("trained", "abab"[i % 2], str(i)) for i in range(5)
+    ]
+    states = [int(row["initial_state"]) for row in rows]
+    assert states == sorted(set(states))
+    assert {row["dino_distance"] for row in rows} == {"0.0", "7.25"}
+    films = read_json(Films, tmp_path / "films" / "films.json").films
+    assert {(film.role, film.asset) for film in films} == {("trained", "a")}
+
+
+@pytest.mark.usefixtures("toy_simulator")
+def test_the_twin_is_tested_once_for_a_policy_that_was_trained_on_it(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tested: list[str] = []
+    original = rollout.Arena.test
+
+    def note(arena: rollout.Arena, network: object, assets: list[TaskAsset], *rest: object) -> object:
+        tested.append(assets[0].role)
+        return original(arena, network, assets, *rest)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(rollout.Arena, "test", note)
+    rows = evaluate(folder, tmp_path / "rollouts.csv", test_assets=["twin", "cousin_2", "trained"])
+    assert tested == ["twin", "cousin_2"] and len(rows) == 15
+    outcome = [[(row["initial_state"], row["steps"]) for row in rows if row["test_asset"] == role]
+               for role in ("twin", "trained")]  # fmt: skip
+    assert outcome[0] == outcome[1]
 
 
 @pytest.mark.usefixtures("toy_simulator")
@@ -205,6 +244,9 @@ def test_of_equally_good_checkpoints_the_later_one(
 
 @pytest.mark.usefixtures("toy_simulator")
 def test_bad_input_is_one_line(folder: Path, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="has no assets for the training set `all`"):
+        plan = read_json(TaskAssets, folder / "task.json").model_copy(update={"all_assets": []})
+        plan.behind("all", tmp_path)
     with pytest.raises(InputError, match=r"has no role 'cousin_9' \(it has twin, cousin_2\)"):
         evaluate(folder, tmp_path / "rollouts.csv", test_assets=["cousin_9"])
     (tmp_path / "policy").mkdir()

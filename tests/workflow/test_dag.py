@@ -36,6 +36,23 @@ def test_all_eight_rooms_can_be_asked_for(folder: Path) -> None:
     assert planned(dry_run(folder, "scenes8").stdout)["room"] == 8
 
 
+def test_a_task_may_have_rows_with_training_sets_and_options_of_their_own(folder: Path) -> None:
+    rows = """
+    far: {task: door, options: {base_xy: 0.01}, training_sets: [cousins_2, all], seeds: [0, 1, 2], episodes: 7}
+    drawer: {scene: room_2, object: chest_of_drawers_1, training_sets: [twin]}
+    """
+    (folder / "rows.yaml").write_text(f"experiment:\n  training_sets: [twin, cousins_2]\n  tasks:{rows}")
+    done = dry_run(folder, "evaluation", "-p", "--configfile", "rows.yaml")
+    jobs = planned(done.stdout)
+    assert jobs["select"] == 3 and jobs["demonstrate"] == 3 + 3 + 1, done.stdout
+    assert jobs["train"] == jobs["rollout"] == 2 + 2 * 3 + 1
+    collected = re.search(r"demonstrations collect .*/far/assets.json .*--role all .*", done.stdout)
+    assert collected and "--episodes 7 " in collected[0] and '"base_xy":0.01' in collected[0]
+    assert re.search(r"--task door .*--out results/experiment/b/far/assets.json", done.stdout)
+    rolled = re.findall(r"--task-name far --training-set (\w+) --trained-roles (.*?) --run-name", done.stdout)
+    assert set(rolled) == {("cousins_2", "cousin_1 cousin_3"), ("all", "all")}
+
+
 def test_mistakes_in_the_config_are_a_line_each(folder: Path, tmp_path: Path) -> None:
     overlay = tmp_path / "mine.yaml"
     overlay.write_text("{maching: {encoder: hog}, experiment: {rooms: [room_9]}, evaluation: {test_assets: [uncle]}}")
