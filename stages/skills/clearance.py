@@ -1,4 +1,4 @@
-"""Whether the arm keeps clear of the object: spheres on the arm against points on the object's surfaces."""
+"""Whether the arm keeps clear of what is about it: spheres on arm and hand against points on surfaces."""
 
 import numpy as np
 import trimesh
@@ -7,8 +7,9 @@ from scipy.spatial import cKDTree
 from stages.simulation.kinematics import Array
 from stages.simulation.target import Target
 
-POINTS = 20_000  # on the object; about a centimetre apart on a cabinet
+POINTS = 20_000  # on the moving and on the fixed part of an object; about a centimetre apart on a cabinet
 MARGIN = 0.005  # for the gaps between them
+FAR = 0.1  # metres; what is farther off counts as this far
 
 # (frame, centre in that frame, radius) in metres; frame j < 7 is that of joint j + 1, frame 7 the tool centre point.
 ARM = (
@@ -26,37 +27,64 @@ FINGER_RADIUS = 0.0075
 
 
 class Surroundings:
-    """Points on the fixed and on the moving part of an object, in the asset frame with its joints closed."""
+    """Points on the fixed and on the moving part of an object, and on obstacles about it.
 
-    def __init__(self, target: Target) -> None:
-        rng = np.random.default_rng(0)
-        moving, fixed = (_sample(mesh, rng) for mesh in (target.moving, target.fixed))
-        self.moving, self.fixed = cKDTree(moving), cKDTree(fixed) if len(fixed) else None
+    Args:
+        target: the object's joint, its meshes in the asset frame with all joints closed.
+        obstacles: (N, 3) points on what else stands about and does not move, asset frame.
+    """
+
+    def __init__(self, target: Target, obstacles: Array | None = None) -> None:
         self.target = target
+        self._moving, self._fixed = (_tree(surface_points(mesh)) for mesh in (target.moving, target.fixed))
+        self._obstacles = _tree(obstacles)
 
-    def clear(self, centers: Array, radii: Array, value: float) -> bool:
-        """Whether spheres (N, 3), (N,) in the asset frame touch nothing with the joint at `value`."""
-        motion = self.target.motions(np.array([value]))[0]
-        in_moving = (centers - motion[:3, 3]) @ motion[:3, :3]
-        gaps = self.moving.query(in_moving, distance_upper_bound=0.1)[0] - radii
-        if self.fixed is not None:
-            gaps = np.minimum(gaps, self.fixed.query(centers, distance_upper_bound=0.1)[0] - radii)
-        return bool((gaps > MARGIN).all())
+    def beside(self, obstacles: Array | None) -> "Surroundings":
+        """The same object with other obstacles (N, 3), asset frame; its own surfaces are not sampled again."""
+        other = object.__new__(Surroundings)
+        other.__dict__.update(self.__dict__, _obstacles=_tree(obstacles))
+        return other
+
+    def gaps(self, centers: Array, radii: Array, values: Array) -> Array:
+        """(K, S) free distance around spheres (K, S, 3), (S,) in the asset frame with the joint at `values` (K,)."""
+        motions = self.target.motions(values)
+        in_moving = (centers - motions[:, None, :3, 3]) @ motions[:, :3, :3]
+        nearest = np.full(centers.shape[:2], FAR)
+        for tree, points in ((self._moving, in_moving), (self._fixed, centers), (self._obstacles, centers)):
+            if tree is not None:
+                nearest = np.minimum(nearest, tree.query(points, distance_upper_bound=FAR)[0])
+        return np.asarray(nearest - radii)
+
+    def clear(self, centers: Array, radii: Array, values: Array) -> bool:
+        """Whether spheres (K, S, 3), (S,) in the asset frame touch nothing with the joint at `values` (K,)."""
+        return bool((self.gaps(centers, radii, values) > MARGIN).all())
 
 
-def _sample(mesh: trimesh.Trimesh, rng: np.random.Generator) -> Array:
+def surface_points(mesh: trimesh.Trimesh, count: int = POINTS) -> Array:
+    """(count, 3) points on a mesh, always the same ones; none on an empty mesh."""
     if len(mesh.faces) == 0:
         return np.zeros((0, 3))
-    return np.asarray(trimesh.sample.sample_surface(mesh, POINTS, seed=rng)[0])
+    return np.asarray(trimesh.sample.sample_surface(mesh, count, seed=np.random.default_rng(0))[0])
 
 
-def arm_spheres(frames: Array, fingers: float | None) -> tuple[Array, Array]:
-    """Spheres of an arm with joint frames (8, 4, 4): centres (N, 3) in the base frame and radii (N,).
+def arm_spheres(frames: Array, fingers: float | None, held: Array | None = None) -> tuple[Array, Array]:
+    """Spheres of an arm with joint frames (K, 8, 4, 4): centres (K, S, 3) in the frame of `frames`, radii (S,).
 
-    `fingers` is the position of the finger joints in metres; None leaves the fingers out (they hold the handle).
+    Args:
+        frames: of the joints and, last, of the tool centre point (`Chain.frames`).
+        fingers: position of the finger joints in metres; None leaves the fingers out (they hold something).
+        held: (M, 4) centre in the tool frame and radius of spheres on a held object.
     """
     spheres = [*ARM, *HAND]
     if fingers is not None:
         spheres += [(7, (0.0, side * (fingers + y), z), FINGER_RADIUS) for side in (-1, 1) for y, z in FINGER]
-    centers = np.array([frames[frame, :3, :3] @ center + frames[frame, :3, 3] for frame, center, _ in spheres])
+    if held is not None:
+        spheres += [(7, (x, y, z), radius) for x, y, z, radius in held.tolist()]
+    owners = frames[:, [frame for frame, _, _ in spheres]]
+    local = np.array([center for _, center, _ in spheres])
+    centers = np.einsum("ksij,sj->ksi", owners[..., :3, :3], local) + owners[..., :3, 3]
     return centers, np.array([radius for _, _, radius in spheres])
+
+
+def _tree(points: Array | None) -> cKDTree | None:
+    return cKDTree(points) if points is not None and len(points) else None

@@ -1,4 +1,4 @@
-"""Paths of the hand: straight interpolation, the path that opens a joint, and pursuit of a path by progress."""
+"""Paths of the hand: straight lines, the path that opens or closes a joint, and pursuit of a path by progress."""
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -27,16 +27,16 @@ def straight(start: Array, end: Array) -> Array:
     return poses
 
 
-def opening(target: Target, grasp: Array, goal: float, follow: float) -> Array:
-    """(K, 4, 4) poses of a hand that holds the handle while the joint goes from closed to `goal`, asset frame.
+def articulation(target: Target, grasp: Array, start: float, goal: float, follow: float) -> Array:
+    """(K, 4, 4) poses of a hand that holds the handle while the joint goes from `start` to `goal`, asset frame.
 
     Args:
         grasp: (4, 4) pose of the hand when the joint is closed.
         follow: the part of a door's turn that the hand makes as well; with 0 the handle turns between the fingers.
     """
-    handle = target.motions(np.array([goal]))[0] @ grasp
-    count = max(2, 1 + int(np.ceil(distance(grasp[None], handle[None])[0] / SPACING)))
-    values = np.linspace(target.lower, goal, count)
+    ends = target.motions(np.array([start, goal])) @ grasp
+    count = max(2, 1 + int(np.ceil(distance(ends[:1], ends[1:])[0] / SPACING)))
+    values = np.linspace(start, goal, count)
     poses = target.motions(values) @ grasp
     if target.revolute:
         turns = Rotation.from_rotvec(follow * (values - target.lower)[:, None] * target.axis)

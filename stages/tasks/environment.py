@@ -180,6 +180,10 @@ class OpenTaskEnv(BaseEnv):
     def _get_obs_extra(self, info: dict[str, Any]) -> dict[str, torch.Tensor]:
         return {"tcp_pose": self.agent.tcp.pose.raw_pose, "opened": info["opened"][:, None]}
 
+    def obstacles(self) -> Array:
+        """(N, 3) points on what stands about besides the object, in the robot base frame: a skill keeps clear of it."""
+        return np.zeros((0, 3))
+
     def base_from_asset(self, index: int = 0) -> Array:
         """(4, 4) pose of the asset's root in the robot base frame."""
         base = self.agent.robot.pose.sp if self.num_envs == 1 else self.agent.robot.pose[index].sp

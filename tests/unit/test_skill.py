@@ -11,11 +11,14 @@ from stages.config.task import TaskConfig
 from stages.contracts.errors import InputError
 from stages.demonstrations.attempt import Recorder
 from stages.geometry.frames import rigid, yaw_matrix
-from stages.skills import Outcome
+from stages.skills import Act, Outcome
+from stages.skills.articulate import plan_articulation
 from stages.skills.clearance import Surroundings
-from stages.skills.open.plan import grasp_pose, plan_open
-from stages.skills.open.skill import OpenSkill
-from stages.skills.path import Pursuit, distance, opening, straight
+from stages.skills.close import CloseSkill
+from stages.skills.handle_grasp import grasp_pose
+from stages.skills.motion import Motion
+from stages.skills.open import OpenSkill
+from stages.skills.path import Pursuit, articulation, distance, straight
 from stages.tasks.api import TaskEnv, make_task
 from tests.unit.demo_assets import cabinet
 
@@ -104,7 +107,7 @@ def test_the_opening_path_turns_about_the_hinge(door: TaskEnv) -> None:
     target = door.env.target
     assert target.handle is not None
     grasp = grasp_pose(target.handle, 0.0, np.eye(4))
-    path = opening(target, grasp, target.lower + np.pi / 3, follow=1.0)
+    path = articulation(target, grasp, target.lower, target.lower + np.pi / 3, follow=1.0)
     radii = np.linalg.norm(path[:, :2, 3] - target.origin[:2], axis=1)
     assert np.ptp(radii) < 1e-6
     assert path[-1, 0, 3] > grasp[0, 3] + 0.2  # outwards
@@ -115,11 +118,14 @@ def test_clearance_sees_the_panel_where_it_is(door: TaskEnv) -> None:
     door.place(0)
     target = door.env.target
     around = Surroundings(target)
-    before_the_front = np.array([[target.moving.bounds[1, 0] + 0.1, 0.0, 0.35]])
-    radii = np.array([0.03])
-    assert around.clear(before_the_front, radii, target.lower)
-    assert not around.clear(np.array([[target.origin[0] - 0.01, 0.0, 0.35]]), radii, target.lower)
-    assert not all(around.clear(before_the_front, radii, value) for value in np.linspace(0.1, 1.0, 10))  # it swings by
+    before_the_front = np.array([[[target.moving.bounds[1, 0] + 0.1, 0.0, 0.35]]])
+    radii, closed = np.array([0.03]), np.array([target.lower])
+    assert around.clear(before_the_front, radii, closed)
+    assert not around.clear(np.array([[[target.origin[0] - 0.01, 0.0, 0.35]]]), radii, closed)
+    swinging = np.linspace(0.1, 1.0, 10)
+    assert not around.clear(np.repeat(before_the_front, 10, axis=0), radii, swinging)  # it swings by
+    assert not around.beside(before_the_front[0] + 0.02).clear(before_the_front, radii, closed)
+    assert around.clear(before_the_front, radii, closed)  # the other one is a copy
 
 
 def test_doors_and_drawers_are_opened(door: TaskEnv, tmp_path: Path) -> None:
@@ -130,6 +136,33 @@ def test_doors_and_drawers_are_opened(door: TaskEnv, tmp_path: Path) -> None:
     drawer = make_task("drawer", tmp_path / "drawer", "drawer_0_joint", None, OPTIONS, render=False)
     assert sum(attempt(drawer, seed).success for seed in range(4)) >= 3
     drawer.close()
+
+
+def act_of(task: TaskEnv) -> Act:
+    return lambda action, noisy: task.act(action)
+
+
+def test_what_was_opened_is_closed_again(door: TaskEnv) -> None:
+    assert attempt(door, 1).success
+    opened = door.opened
+    motion = Motion(door, act_of(door))
+    assert motion.retreat(0.1) == ""
+    outcome = CloseSkill(door, DemonstrationsConfig(noise=0.0)).run(act_of(door))
+    assert outcome == Outcome(True, "success") and opened > 0.5 and door.opened < 0.03
+
+
+def test_a_missed_handle_is_tried_again(door: TaskEnv) -> None:
+    """The gripper is shut on the way: the skill notices, backs off with open fingers, and comes again."""
+    door.place(2)
+    moved = 0
+
+    def act(action: np.ndarray, noisy: bool) -> None:
+        nonlocal moved
+        moved += 1
+        door.act(np.array([*np.zeros(6), -1.0], np.float32) if 5 <= moved < 9 else action)
+
+    outcome = OpenSkill(door, DemonstrationsConfig(noise=0.0)).run(act)
+    assert outcome.success and outcome.retries == 1 and moved < door.max_steps
 
 
 def test_failures_have_causes(tmp_path: Path) -> None:
@@ -150,12 +183,13 @@ def test_no_plan_goes_through_an_obstacle(door: TaskEnv) -> None:
     target = door.env.target
 
     class Blocked(Surroundings):
-        def clear(self, centers: np.ndarray, radii: np.ndarray, value: float) -> bool:
+        def clear(self, centers: np.ndarray, radii: np.ndarray, values: np.ndarray) -> bool:
             return False
 
-    arguments = (door.chain, door.joints()[:7], door.env.base_from_asset(), target)
-    assert plan_open(*arguments, Surroundings(target), target.lower + 0.9, DemonstrationsConfig()) is not None
-    assert plan_open(*arguments, Blocked(target), target.lower + 0.9, DemonstrationsConfig()) is None
+    arguments = (door.chain, door.joints()[:7], door.env.base_from_asset())
+    goal = (target.lower, target.lower + 0.9, DemonstrationsConfig())
+    assert plan_articulation(*arguments, Surroundings(target), *goal) is not None
+    assert plan_articulation(*arguments, Blocked(target), *goal) is None
 
 
 def test_the_tasks_are_known_to_gym_and_end_at_their_own_horizon(tmp_path: Path) -> None:

@@ -1,5 +1,21 @@
 """The Open skill: Approach, Converge, Grasp, Articulate, Ungrasp (paper A.4)."""
 
-from stages.skills.open.skill import OpenSkill as Skill
+from stages.simulation.target import Target
+from stages.skills.articulate import ArticulateSkill
 
-__all__ = ["Skill"]
+
+class OpenSkill(ArticulateSkill):
+    """Opens the target joint of a task as it stands, somewhat further than success needs."""
+
+    def goal(self, target: Target) -> float:
+        fraction = min(1.0, self.task.options.success_fraction + self.options.goal_margin)
+        return target.lower + fraction * (target.upper - target.lower)
+
+    def enough(self) -> bool:
+        return self.task.opened >= self.task.options.success_fraction + self.options.goal_margin / 2
+
+    def done(self) -> bool:
+        return self.task.opened >= self.task.options.success_fraction
+
+
+Skill = OpenSkill

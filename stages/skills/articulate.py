@@ -1,0 +1,165 @@
+"""What Open and Close share (paper A.4): Approach, Converge, Grasp, Articulate, Ungrasp, and again after a miss."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from stages.config.demonstrations import DemonstrationsConfig
+from stages.geometry.frames import apply, inverse
+from stages.simulation.kinematics import Array, Chain, pose_error
+from stages.simulation.robot import GRIPPER_OPEN
+from stages.simulation.target import Target
+from stages.skills import Act, Outcome
+from stages.skills.clearance import Surroundings
+from stages.skills.handle_grasp import grasp_pose, grasps
+from stages.skills.motion import CLOSED, OPEN, Motion, Stall
+from stages.skills.path import Pursuit, articulation, straight
+from stages.skills.rollout import Stretch, first_feasible
+from stages.tasks.api import TaskEnv
+
+LOST = 0.06  # hand this far off the path of the handle has lost it, metres
+HALF_CLOSED = 0.7 * GRIPPER_OPEN  # finger joints below this are no way to approach a handle
+FINAL = ("no_handle", "no_plan", "timeout", "ungrasp")  # no use in another try
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Paths of the hand in the robot base frame, (K, 4, 4) each."""
+
+    approach: Array
+    converge: Array
+    articulate: Array
+
+
+def plan_articulation(
+    chain: Chain,
+    joints: Array,
+    base_from_asset: Array,
+    surroundings: Surroundings,
+    start: float,
+    goal: float,
+    options: DemonstrationsConfig,
+) -> Plan | None:
+    """The first grasp by which the arm can take the target joint from `start` to `goal` without touching anything.
+
+    Args:
+        joints: (7,) of the arm as it stands.
+        start, goal: of the target joint; it stands at `start`.
+
+    Returns:
+        None if there is none.
+    """
+    target = surroundings.target
+    assert target.handle is not None
+    hand = chain.pose(joints[None])[0]
+    asset_hand = inverse(base_from_asset) @ hand
+    plans, candidates = [], []
+    for grasp in grasps(target, target.handle):
+        pose = grasp_pose(target.handle, grasp.tilt, asset_hand)
+        motion = base_from_asset @ articulation(target, pose, start, goal, grasp.follow)
+        before = motion[0].copy()
+        before[:3, 3] -= options.pregrasp * before[:3, 2]
+        plan = Plan(straight(hand, before), straight(before, motion[0]), motion)
+        plans.append(plan)
+        candidates.append(
+            (
+                Stretch(plan.approach, GRIPPER_OPEN, (start, start)),
+                Stretch(plan.converge, GRIPPER_OPEN, (start, start)),
+                Stretch(plan.articulate, None, (start, goal)),
+            )
+        )
+    index = first_feasible(chain, joints, candidates, base_from_asset, surroundings)
+    return None if index is None else plans[index]
+
+
+class ArticulateSkill:
+    """Moves the target joint of a task, by its handle, as far as a subclass says; tries again while there is time."""
+
+    def __init__(self, task: TaskEnv, options: DemonstrationsConfig) -> None:
+        self.task, self.options = task, options
+        self._sampled: Surroundings | None = None
+
+    def goal(self, target: Target) -> float:
+        """Joint value to move towards."""
+        raise NotImplementedError
+
+    def enough(self) -> bool:
+        """Whether the joint has been moved far enough to let go."""
+        raise NotImplementedError
+
+    def done(self) -> bool:
+        """Whether the joint is, after letting go, where it was to be."""
+        raise NotImplementedError
+
+    def run(self, act: Act) -> Outcome:
+        """Do it; `act` executes one action (and records it). The cause of a failure is that of the first miss."""
+        motion = Motion(self.task, act)
+        causes: list[str] = []
+        while True:
+            cause = self._try(motion)
+            if not cause:
+                return Outcome(True, "success", len(causes))
+            causes.append(cause)
+            if cause in FINAL or motion.out_of_time:
+                return Outcome(False, causes[0], len(causes) - 1)
+            motion.retreat(self.options.pregrasp)
+
+    def surroundings(self) -> Surroundings:
+        """Of the task's object as it is now; its surfaces are sampled once per size."""
+        env = self.task.env
+        if self._sampled is None or self._sampled.target is not env.target:
+            self._sampled = Surroundings(env.target)
+        return self._sampled.beside(apply(inverse(env.base_from_asset()), env.obstacles()))
+
+    def _try(self, motion: Motion) -> str:
+        """One go from where everything stands; returns what failed or ''."""
+        task, surroundings = self.task, self.surroundings()
+        target = surroundings.target
+        if target.handle is None:
+            return "no_handle"
+        start = target.lower + float(np.clip(task.opened, 0.0, 1.0)) * (target.upper - target.lower)
+        plan = plan_articulation(
+            task.chain,
+            task.joints()[:7],
+            task.env.base_from_asset(),
+            surroundings,
+            start,
+            self.goal(target),
+            self.options,
+        )
+        if plan is None:
+            return "no_plan"
+        return self._approach(motion, plan) or self._articulate(motion, plan.articulate) or self._let_go(motion)
+
+    def _approach(self, motion: Motion, plan: Plan) -> str:
+        """Approach and Converge as one motion, then Grasp."""
+        path = np.concatenate([plan.approach, plan.converge[1:]])
+
+        def watch(hand: Array) -> str:
+            return "closed" if motion.fingers < HALF_CLOSED else ""
+
+        cause, pursuit = motion.reach(path, self.options.approach_lookahead, OPEN, watch)
+        if cause == "stall":
+            return "approach" if pursuit.nearest < len(plan.approach) else "converge"
+        return cause or ("" if motion.grasp() else "grasp")
+
+    def _articulate(self, motion: Motion, path: Array) -> str:
+        """Along the path of the handle until the joint has moved far enough."""
+        pursuit, stall = Pursuit(path, self.options.articulate_lookahead), Stall(0.003)
+        before = self.task.opened
+
+        def watch(hand: Array) -> str:
+            if self.enough():
+                return "enough"
+            off = pose_error(path[pursuit.nearest][None], hand[None])[0, :3]
+            if motion.empty or np.linalg.norm(off) > LOST:
+                return "grasp_slip"
+            return "articulate" if stall(abs(self.task.opened - before)) else ""
+
+        word = motion.follow(pursuit, CLOSED, watch)
+        return "" if word == "enough" else word
+
+    def _let_go(self, motion: Motion) -> str:
+        if not motion.release():
+            return "ungrasp"
+        return "" if self.done() else "moved_back"

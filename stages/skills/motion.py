@@ -1,0 +1,118 @@
+"""What all skills are made of: follow a path by pursuit, close and open the gripper, notice a miss, back off."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from stages.simulation.kinematics import Array, pose_error
+from stages.skills import Act
+from stages.skills.path import Pursuit, straight
+from stages.tasks.api import TaskEnv
+
+OPEN, CLOSED = 1.0, -1.0  # of the gripper's action
+ARRIVED = (0.008, 0.1)  # metres and radians from its goal at which the hand has arrived
+CLOSE_STEPS, OPEN_STEPS = 3, 2
+EMPTY = 0.001  # finger joints below this hold nothing, metres
+STALL_STEPS = 8  # steps without progress that mean failure
+
+
+class Stall:
+    """Tells when a value no longer grows."""
+
+    def __init__(self, least: float) -> None:
+        self.least, self.best, self.steps = least, -np.inf, 0
+
+    def __call__(self, value: float) -> bool:
+        """Whether `value` has not grown by `least` for `STALL_STEPS` calls."""
+        grew = value > self.best + self.least
+        self.steps, self.best = (0, value) if grew else (self.steps + 1, self.best)
+        return self.steps >= STALL_STEPS
+
+
+class Motion:
+    """Moves the hand of a task through the actions that a policy has; `act` executes (and records) one."""
+
+    def __init__(self, task: TaskEnv, act: Act) -> None:
+        self.task, self.act = task, act
+
+    @property
+    def out_of_time(self) -> bool:
+        """Whether the episode is over."""
+        return self.task.steps >= self.task.max_steps
+
+    @property
+    def fingers(self) -> float:
+        """The wider finger joint, metres: half of what is between the fingers, if they are closed on it."""
+        return float(self.task.joints()[7:].max())
+
+    @property
+    def empty(self) -> bool:
+        """Whether the fingers are closed on nothing."""
+        return self.fingers < EMPTY
+
+    def step(self, aim: Array, gripper: float, noisy: bool = True) -> None:
+        """One action towards `aim` (4, 4), base frame, scaled to the limits of a step without turning aside."""
+        options = self.task.options
+        delta = pose_error(aim[None], self.task.reference()[None])[0]
+        action = np.concatenate([delta[:3] / options.position_step, delta[3:] / options.rotation_step])
+        largest = max(np.abs(action[:3]).max(), np.linalg.norm(action[3:]))
+        action = action / max(1.0, largest)
+        self.act(np.append(action, gripper).astype(np.float32), noisy)
+
+    def hold(self, gripper: float, steps: int) -> bool:
+        """Stand still while the gripper moves; False if time runs out."""
+        for _ in range(steps):
+            if self.out_of_time:
+                return False
+            self.act(np.array([0, 0, 0, 0, 0, 0, gripper], np.float32), False)
+        return True
+
+    def grasp(self) -> bool:
+        """Close the gripper; whether it then holds something."""
+        return self.hold(CLOSED, CLOSE_STEPS) and not self.empty
+
+    def release(self) -> bool:
+        """Open the gripper; False if time runs out."""
+        return self.hold(OPEN, OPEN_STEPS)
+
+    def follow(self, pursuit: Pursuit, gripper: float, watch: Callable[[Array], str]) -> str:
+        """Follow a path until `watch`, given the pose (4, 4) of the hand before every step, returns a word.
+
+        Returns:
+            That word, or 'timeout'.
+        """
+        while not self.out_of_time:
+            hand = self.task.hand()
+            aim = pursuit.aim(hand)
+            word = watch(hand)
+            if word:
+                return word
+            self.step(aim, gripper)
+        return "timeout"
+
+    def reach(
+        self, path: Array, lookahead: float, gripper: float, watch: Callable[[Array], str] = lambda hand: ""
+    ) -> tuple[str, Pursuit]:
+        """Follow a path (K, 4, 4) to its end, unless `watch` returns a word before.
+
+        Returns:
+            '' on arrival, that word, 'stall' or 'timeout'; and how far the hand came.
+        """
+        pursuit, stall = Pursuit(path, lookahead), Stall(0.002)
+
+        def arriving(hand: Array) -> str:
+            error = pose_error(path[-1:], hand[None])[0]
+            position, angle = float(np.linalg.norm(error[:3])), float(np.linalg.norm(error[3:]))
+            if position < ARRIVED[0] and angle < ARRIVED[1]:
+                return "arrived"
+            return watch(hand) or ("stall" if stall(pursuit.progress - position) else "")
+
+        word = self.follow(pursuit, gripper, arriving)
+        return "" if word == "arrived" else word, pursuit
+
+    def retreat(self, length: float, gripper: float = OPEN) -> str:
+        """Back off by `length` metres along the fingers; '', 'stall' or 'timeout'."""
+        start = self.task.hand()
+        end = start.copy()
+        end[:3, 3] -= length * start[:3, 2]
+        return self.reach(straight(start, end), length, gripper)[0]

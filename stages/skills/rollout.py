@@ -1,0 +1,88 @@
+"""Candidate motions, tried out through the very IK that executes actions: which can be followed without a touch."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stages.geometry.frames import inverse
+from stages.simulation.kinematics import Array, Chain, pose_error, track
+from stages.skills.clearance import Surroundings, arm_spheres
+from stages.skills.path import distance
+
+STEP = 0.03  # path length between rolled-out poses
+POSITION_TOLERANCE, ROTATION_TOLERANCE = 0.01, 0.1  # metres and radians the rollout may miss a pose by
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """A stretch of a candidate: where the hand goes, and in what state robot and object then are.
+
+    path: (K, 4, 4) poses of the hand in the base frame. fingers: the finger joints in metres; None: they hold
+    something, and may touch it. joint: the target joint at both ends. held: (M, 4) spheres of a held object, see
+    `arm_spheres`.
+    """
+
+    path: Array
+    fingers: float | None
+    joint: tuple[float, float]
+    held: Array | None = None
+
+
+def first_feasible(
+    chain: Chain,
+    joints: Array,
+    candidates: Sequence[Sequence[Stretch]],
+    base_from_asset: Array,
+    surroundings: Surroundings,
+) -> int | None:
+    """Index of the first candidate that the arm can follow from `joints` (7,) and that touches nothing."""
+    if not candidates:
+        return None
+    sketches = [[thin(stretch.path) for stretch in candidate] for candidate in candidates]
+    rollouts, reached = roll_out(chain, joints, [np.concatenate(sketch) for sketch in sketches])
+    for index, (candidate, sketch) in enumerate(zip(candidates, sketches, strict=True)):
+        if not reached[index]:
+            continue
+        ends = np.cumsum([len(path) for path in sketch])[:-1]
+        parts = np.split(rollouts[index], ends)
+        if all(
+            _is_clear(chain, part, stretch, base_from_asset, surroundings)
+            for part, stretch in zip(parts, candidate, strict=True)
+        ):
+            return index
+    return None
+
+
+def thin(path: Array) -> Array:
+    """Every `STEP` of a path, the last pose included, the first one not."""
+    length = np.concatenate([[0.0], np.cumsum(distance(path[1:], path[:-1]))])
+    count = max(1, int(np.ceil(length[-1] / STEP)))
+    return np.asarray(path[np.searchsorted(length, np.linspace(0, length[-1], count + 1)[1:] - 1e-9)])
+
+
+def roll_out(chain: Chain, joints: Array, paths: Sequence[Array]) -> tuple[list[Array], list[bool]]:
+    """Track all paths (K_i, 4, 4) at once: per path (K_i, 7) joints, and whether every pose was reached."""
+    longest = max(len(path) for path in paths)
+    padded = np.stack([np.concatenate([path, np.tile(path[-1:], (longest - len(path), 1, 1))]) for path in paths])
+    q = np.tile(joints, (len(paths), 1))
+    reached = np.ones(len(paths), bool)
+    history = []
+    for step in range(longest):
+        q = track(chain, q, padded[:, step])
+        error = pose_error(padded[:, step], chain.pose(q))
+        reached &= np.linalg.norm(error[:, :3], axis=1) < POSITION_TOLERANCE
+        reached &= np.linalg.norm(error[:, 3:], axis=1) < ROTATION_TOLERANCE
+        history.append(q)
+    joined = np.stack(history, axis=1)
+    return [joined[i, : len(path)] for i, path in enumerate(paths)], reached.tolist()
+
+
+def _is_clear(
+    chain: Chain, rollout: Array, stretch: Stretch, base_from_asset: Array, surroundings: Surroundings
+) -> bool:
+    """Whether arm, hand, fingers and what they hold stay clear along a rollout (K, 7) of a stretch."""
+    frames = inverse(base_from_asset) @ chain.frames(rollout)
+    start, end = stretch.joint
+    values = start + (end - start) * np.arange(1, len(rollout) + 1) / len(rollout)
+    return surroundings.clear(*arm_spheres(frames, stretch.fingers, stretch.held), values)
