@@ -12,9 +12,13 @@ class TaskConfig(Section):
 
     # Success
     success_fraction: float = Field(
-        0.5, gt=0, lt=1, description="the target joint must pass this fraction of its range (0.5: a door at 45 degrees)"
+        0.5, gt=0, lt=1, description="the target joint must pass this fraction of its range, ..."
     )
-    max_steps: int = Field(100, ge=10, description="steps after which an episode is over (official code: 100)")
+    success_angle: float = Field(60.0, gt=0, description="... or so many degrees (door), whichever is less")
+    success_distance: float = Field(0.15, gt=0, description="... or so many metres (drawer), whichever is less")
+    max_steps: int | None = Field(
+        None, ge=10, description="steps after which an episode is over; null: the task's own (door and drawer 100)"
+    )
     sim_backend: Literal["physx_cpu", "physx_cuda"] = Field(
         "physx_cpu", description="where the physics runs; physx_cuda needs a GPU"
     )
@@ -31,6 +35,9 @@ class TaskConfig(Section):
     rotation_step: float = Field(0.2, gt=0, description="radians per step at action norm 1 (official code: 0.2)")
 
     # Observation (paper B.3: one over-the-shoulder camera, finger points, farthest point sampling)
+    cloud: Literal["target_link", "object"] = Field(
+        "target_link", description="the cloud shows the door or drawer that is meant, or the whole object"
+    )
     points: int = Field(512, ge=64, description="points of the cloud (official code: 2048)")
     finger_points: int = Field(64, ge=2, description="how many of them lie on the gripper fingers")
     camera_size: int = Field(128, ge=32, description="width and height of the depth image, pixels")
@@ -53,6 +60,6 @@ class TaskConfig(Section):
     base_yaw: float = Field(0.31, ge=0, description="uniform +/- radians (official: pi/10)")
     object_xy: float = Field(0.02, ge=0, description="uniform +/- metres")
     object_yaw: float = Field(0.1, ge=0, description="uniform +/- radians")
-    scale_range: Range = Field((0.9, 1.1), description="per axis, of the nominal size (official: 0.75 to 1.25)")
-    scale_variants: int = Field(8, ge=1, description="different scales per asset; each is built once and cached")
+    scale_range: Range = Field((0.75, 1.25), description="per axis, of the nominal size (official: 0.75 to 1.25)")
+    scale_variants: int = Field(64, ge=1, description="different scales per asset")
     qpos_noise: float = Field(0.02, ge=0, description="standard deviation of the initial arm joints, radians")

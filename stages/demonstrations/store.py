@@ -69,7 +69,6 @@ def write_episodes(path: Path, header: StoreHeader, episodes: Sequence[RecordedE
         data.attrs["task"] = header.task
         data.attrs["asset"] = header.asset
         data.attrs["task_options"] = header.options.model_dump_json()
-        data.attrs["success_fraction"] = header.options.success_fraction
         for index, episode in enumerate(episodes):
             group = data.create_group(f"demo_{index}")
             group.attrs["num_samples"] = len(episode.actions)

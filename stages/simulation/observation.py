@@ -12,7 +12,7 @@ from stages.simulation.kinematics import Array
 
 Float = NDArray[np.float32]
 
-MAX_CANDIDATES = 2048  # pixels kept before farthest point sampling, which is quadratic
+CANDIDATES = 5  # times the points asked for: pixels kept before farthest point sampling, whose time grows with them
 # Camera axes of SAPIEN's position image (x right, y up, z backward) in its camera pose (x forward, y left, z up).
 CAMERA_FROM_IMAGE = np.array([[0.0, 0.0, -1.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 # (centre, extents) of the finger's collision boxes that lie furthest out, in its own frame; y towards the other finger
@@ -21,24 +21,27 @@ FINGER_OFFSET = 0.0584 - 0.1034  # finger frame along the approach axis, seen fr
 
 
 def object_points(
-    image: NDArray[np.int16], object_ids: NDArray[np.int16], base_from_camera: Array, low: Array, high: Array
+    image: NDArray[np.int16], shown: NDArray[np.int16], base_from_camera: Array, low: Array, high: Array
 ) -> Float:
-    """Points (N, 3) of the object's pixels inside the workspace box, in the base frame.
+    """Points (N, 3) of the shown pixels inside the workspace box, in the base frame.
 
     Args:
         image: (H, W, 4) SAPIEN `PositionSegmentation`: position in millimetres, then the entity id.
-        object_ids: entity ids of the object's links; everything else (robot, background) is masked out.
+        shown: entity ids of what the cloud shows; everything else (robot, background) is masked out.
         base_from_camera: (4, 4) camera pose, x forward.
         low, high: (3,) corners of the workspace.
     """
-    points = image[np.isin(image[..., 3], object_ids)][:, :3].astype(np.float32) * 1e-3
+    points = image[np.isin(image[..., 3], shown)][:, :3].astype(np.float32) * 1e-3
     base_from_image = base_from_camera[:3, :3] @ CAMERA_FROM_IMAGE
     points = points @ base_from_image.T.astype(np.float32) + base_from_camera[:3, 3].astype(np.float32)
-    inside = points[((points > low) & (points < high)).all(axis=1)]
-    if len(inside) <= MAX_CANDIDATES:
-        return inside
-    # An even stride over the pixels keeps the picture's density and costs nothing.
-    return inside[np.linspace(0, len(inside) - 1, MAX_CANDIDATES).astype(int)]
+    return points[((points > low) & (points < high)).all(axis=1)]
+
+
+def thinned(points: Float, most: int) -> Float:
+    """At most so many of the points (N, 3), by an even stride: it keeps the pictures' density and costs nothing."""
+    if len(points) <= most:
+        return points
+    return points[np.linspace(0, len(points) - 1, most).astype(int)]
 
 
 @cache
@@ -68,7 +71,7 @@ def unified_cloud(scene: Float, fingers: Float, points: int) -> Float:
     """(points, 4): farthest points of the scene with flag 0, then all finger points with flag 1."""
     cloud = np.zeros((points, 4), np.float32)
     visible = points - len(fingers)
-    cloud[:visible, :3] = farthest_points(scene, visible)
+    cloud[:visible, :3] = farthest_points(thinned(scene, CANDIDATES * visible), visible)
     cloud[visible:, :3] = fingers
     cloud[visible:, 3] = 1.0
     return cloud

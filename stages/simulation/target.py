@@ -71,7 +71,7 @@ def read_target(articulation: Articulation, joint_name: str) -> Target:
     fixed: list[trimesh.Trimesh] = []
     for link in raw.links:
         root_from_link = root_inverse @ link.pose.to_transformation_matrix()
-        group = moving if _descends(link, joint.child_link) else fixed
+        group = moving if descends(link, joint.child_link) else fixed
         group += [mesh.apply_transform(root_from_link) for mesh in get_component_meshes(link)]
     lower, upper = articulation.get_qlimits()[0, index].tolist()
     mesh = merge_meshes(moving)
@@ -88,7 +88,7 @@ def read_target(articulation: Articulation, joint_name: str) -> Target:
     )
 
 
-def _descends(link: object, ancestor: object) -> bool:
+def descends(link: object, ancestor: object) -> bool:
     """Whether `ancestor` is `link` or above it in the tree."""
     while link is not None:
         if link == ancestor:

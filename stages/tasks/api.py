@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, TypedDict
+from typing import TYPE_CHECKING
 
 import numpy as np
 import torch
@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 from stages.config.task import TaskConfig
 from stages.contracts import Asset, InputError, read_json
 from stages.plugins import load
-from stages.simulation import observation
 from stages.simulation.kinematics import Array
-from stages.simulation.robot import REST, panda_chain
+from stages.simulation.robot import panda_chain
 from stages.simulation.studio import Moment, Recording
 from stages.tasks.initial_state import draw_initial_state, variant_scale
+from stages.tasks.observation import Observation
 from stages.tasks.task import Task
 
 if TYPE_CHECKING:
@@ -30,23 +30,14 @@ Float = NDArray[np.float32]
 Size = tuple[float, float, float]
 
 
-class Observation(TypedDict):
-    """What a policy sees (paper B.3), in the robot base frame.
-
-    point_cloud: (P, 4) float32 xyz in metres and a flag: 0 scene, 1 gripper finger. Fingers come last.
-    proprio: (9,) float32 end-effector position, quaternion wxyz, the two finger joints.
-    """
-
-    point_cloud: Float
-    proprio: Float
-
-
 @dataclass(frozen=True)
 class StepResult:
-    """Outcome of one control step. `done` is success or the end of `max_steps`."""
+    """Outcome of one control step. `done` is success or the end of `max_steps`; `official_success`: the official
+    code's criterion was met at this step or before."""
 
     observation: Observation
     success: bool
+    official_success: bool
     opened: float
     done: bool
 
@@ -101,7 +92,7 @@ class TaskEnv:
         self.render, self.vary_scale = render, vary_scale
         self._temporary = None if cache else tempfile.TemporaryDirectory(prefix="acdc-sized-")
         self.sized = cache or Path(self._temporary.name)  # type: ignore[union-attr]
-        self.max_steps = options.max_steps
+        self.max_steps = options.max_steps or task.horizon
         self.chain = panda_chain()
         self._env: OpenTaskEnv | None = None
         self._folder: Path | None = None
@@ -138,37 +129,29 @@ class TaskEnv:
         reconfigure = folder != self._folder
         self._folder = self.env.asset_folder = folder
         self.env.reset(seed=seed, options={"reconfigure": reconfigure})
-        self.steps, self.success, self.opened = 0, False, 0.0
+        self.steps, self.success, self.official_success, self.opened = 0, False, False, 0.0
 
     def step(self, action: Float) -> StepResult:
         """Apply one action (7,) in [-1, 1]: translation, axis-angle (robot base axes), gripper (1 open, -1 closed)."""
         self.act(action)
-        return StepResult(self.observe(), self.success, self.opened, self.success or self.steps >= self.max_steps)
+        done = self.success or self.steps >= self.max_steps
+        return StepResult(self.observe(), self.success, self.official_success, self.opened, done)
 
     def act(self, action: Float) -> None:
         """`step` without looking."""
         _, _, _, _, info = self.env.step(np.asarray(action, np.float32))
         self.steps += 1
         self.success, self.opened = bool(info["success"][0]), float(info["opened"][0])
+        self.official_success = bool(info["official_success"][0])
 
     def observe(self) -> Observation:
         """The observation of the present state."""
-        options, env = self.options, self.env
-        joints = self.joints()
-        tcp, fingers = self.chain.pose(joints[None, :7])[0], joints[7:]
-        cloud = np.zeros((options.points, 4), np.float32)
-        if self.render:
-            scene = observation.object_points(
-                self._position_image(),
-                env.object_ids,
-                env.base_from_camera[0],
-                np.array(options.workspace_min),
-                np.array(options.workspace_max),
-            )
-            finger = observation.finger_points(tcp, fingers, options.finger_points)
-            cloud = observation.unified_cloud(scene, finger, options.points)
-        rest = self.chain.pose(REST[None])[0]
-        return {"point_cloud": cloud, "proprio": observation.proprioception(tcp, fingers, rest)}
+        return self.env.observe(render=self.render)
+
+    @property
+    def success_opening(self) -> float:
+        """The fraction of the target joint's range that counts as open."""
+        return self.env.success_opening
 
     def joints(self) -> Array:
         """(9,) measured joints: seven of the arm, two of the fingers."""
@@ -207,15 +190,6 @@ class TaskEnv:
             self._env = None
         if self._temporary is not None:
             self._temporary.cleanup()
-
-    def _position_image(self) -> NDArray[np.int16]:
-        """(H, W, 4) millimetres and entity ids from the shoulder camera."""
-        env = self.env
-        env.scene.update_render(update_sensors=True, update_human_render_cameras=False)
-        camera = env._sensors["shoulder"]
-        camera.capture()
-        image: NDArray[np.int16] = camera.camera.get_picture("PositionSegmentation")[0][0].cpu().numpy()
-        return image
 
     def _sized_folder(self, seed: int) -> Path:
         """Folder of the asset at the size of episode `seed`."""

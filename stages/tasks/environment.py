@@ -1,8 +1,9 @@
 """The base of the tasks: a ManiSkill environment with a Panda before one articulated asset (paper B.3, B.4)."""
 
 from collections.abc import Sequence
+from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import sapien
@@ -11,24 +12,31 @@ from mani_skill.envs.sapien_env import BaseEnv
 from mani_skill.sensors.camera import CameraConfig
 from mani_skill.utils.structs import Articulation, Pose
 from mani_skill.utils.structs.types import SceneConfig, SimConfig
+from numpy.typing import NDArray
 
 from stages.config.task import TaskConfig
 from stages.geometry.frames import inverse
+from stages.simulation import observation
 from stages.simulation.kinematics import Array
 from stages.simulation.loading import asset_builder, close
-from stages.simulation.robot import GRIPPER_OPEN, REST, AcdcPanda, ActionScale
-from stages.simulation.target import Target, read_target
-from stages.tasks.initial_state import InitialState, base_pose, camera_pose, draw_initial_state, object_motion
+from stages.simulation.robot import GRIPPER_OPEN, REST, AcdcPanda, ActionScale, panda_chain
+from stages.simulation.target import Target, descends, read_target
+from stages.tasks.cameras import Camera, jitter, shoulder
+from stages.tasks.initial_state import base_pose, draw_initial_state, object_motion
+from stages.tasks.observation import Observation
+from stages.tasks.task import Task
 
 SIMULATION_FREQUENCY = 100
-SHOULDER, FILM = "shoulder", "film"
+FILM = "film"
+OFFICIAL_SUCCESS = 0.1  # of the range of any joint (official code)
 
 
 class OpenTaskEnv(BaseEnv):
-    """Open one joint of one asset with a fixed-base Panda; success is `opened >= success_fraction`.
+    """Open one joint of one asset with a fixed-base Panda.
 
     The robot stands in front of the handle, at a height relative to it. There is no floor: nothing falls.
-    A task's own class overrides what differs: cameras (`_default_sensor_configs`), `max_episode_steps`, `evaluate`.
+    A task's own class names its `task` and overrides what differs: `cameras`, `seen_ids` (what the cloud shows),
+    `succeeded`, `_load_scene` (more objects), `_initialize_episode` (where they are; the seed is in `_episode_seed`).
 
     Args:
         asset_folder: folder with asset.json. A change takes effect at reset(options={"reconfigure": True}).
@@ -38,6 +46,7 @@ class OpenTaskEnv(BaseEnv):
 
     SUPPORTED_ROBOTS = ["acdc_panda"]
     SUPPORTED_REWARD_MODES = ("sparse", "none")
+    task: ClassVar[Task]
     agent: AcdcPanda
 
     def __init__(
@@ -57,7 +66,7 @@ class OpenTaskEnv(BaseEnv):
     @property
     def max_episode_steps(self) -> int:
         """Steps after which an episode is truncated; ManiSkill's wrappers ask for it under this name."""
-        return self.options.max_steps
+        return self.options.max_steps or self.task.horizon
 
     def step(self, action: Any) -> tuple[Any, Any, torch.Tensor, torch.Tensor, dict[str, Any]]:
         """ManiSkill's step, truncated at the task's own horizon."""
@@ -74,20 +83,11 @@ class OpenTaskEnv(BaseEnv):
 
     @property
     def _default_sensor_configs(self) -> list[CameraConfig]:
-        size = self.options.camera_size
-        return [
-            CameraConfig(
-                uid=SHOULDER,
-                pose=sapien.Pose(),
-                width=size,
-                height=size,
-                fov=self.options.camera_fov,
-                near=0.05,
-                far=10.0,
-                mount=self.agent.robot.root,
-                shader_pack="minimal",
-            )
-        ]
+        return [camera.config(self.agent, self.options) for camera in self.cameras()]
+
+    def cameras(self) -> Sequence[Camera]:
+        """The depth cameras whose points make up the cloud."""
+        return [shoulder(self.options)]
 
     @property
     def _default_human_render_camera_configs(self) -> list[CameraConfig]:
@@ -134,8 +134,14 @@ class OpenTaskEnv(BaseEnv):
 
     def _after_reconfigure(self, options: dict[str, Any]) -> None:
         self.target: Target = read_target(self.object, self.joint_name)
-        links = self.object._objs[0].links
-        self.object_ids = np.array([link.entity.per_scene_id for link in links], np.int16)
+        self._official = torch.zeros(self.num_envs, dtype=torch.bool, device=self.device)
+
+    def seen_ids(self, index: int = 0) -> NDArray[np.int16]:
+        """Entity ids of what the cloud of environment `index` shows: the target link, or by `task.cloud` all links."""
+        body = self.object._objs[index]
+        moved = body.active_joints[self.target.index].child_link
+        links = [link for link in body.links if self.options.cloud == "object" or descends(link, moved)]
+        return np.array([link.entity.per_scene_id for link in links], np.int16)
 
     def _initialize_episode(self, env_idx: torch.Tensor, options: dict[str, Any]) -> None:
         indices = env_idx.tolist()
@@ -155,27 +161,78 @@ class OpenTaskEnv(BaseEnv):
         self.object.set_pose(to_poses(roots))
         self.object.set_qpos(self.object.get_qlimits()[env_idx, :, 0])
         self.object.set_qvel(torch.zeros_like(self.object.get_qvel()[env_idx]))
-        self._place_camera(indices, setups)
+        self._official[env_idx] = False
+        self._place_cameras(indices)
 
-    def _place_camera(self, indices: Sequence[int], setups: Sequence[InitialState]) -> None:
-        """Jitter the shoulder camera of each environment; its pose in the base frame is known to the robot."""
-        if not hasattr(self, "base_from_camera"):
-            self.base_from_camera = np.tile(np.eye(4), (self.num_envs, 1, 1))
-        for index, setup in zip(indices, setups, strict=True):
-            self.base_from_camera[index] = camera_pose(setup, self.options)
-            if SHOULDER in self._sensors:
-                camera = self._sensors[SHOULDER].camera._render_cameras[index]
-                camera.set_local_pose(sapien.Pose(self.base_from_camera[index]))
+    def _place_cameras(self, indices: Sequence[int]) -> None:
+        """Jitter the cameras of each environment; where they then are is known to the robot."""
+        for number, camera in enumerate(self.cameras()):
+            for index in indices:
+                shift = jitter(int(self._episode_seed[index]), number, self.options)
+                pose = camera.pose()
+                pose[:3, 3] += shift[:3, 3]
+                pose[:3, :3] = shift[:3, :3] @ pose[:3, :3]
+                self._camera_poses[camera.name, index] = pose
+                if camera.name in self._sensors:
+                    component = self._sensors[camera.name].camera._render_cameras[index]
+                    component.set_local_pose(sapien.Pose(pose))
+
+    @cached_property
+    def _camera_poses(self) -> dict[tuple[str, int], Array]:
+        """(4, 4) pose of a camera of an environment, in the frame of its mount."""
+        return {}
 
     def opened(self) -> torch.Tensor:
         """(N,) fraction of the target joint's range, 0 closed, 1 fully open."""
-        target = self.target
-        return (self.object.get_qpos()[:, target.index] - target.lower) / (target.upper - target.lower)
+        return self._fractions()[:, self.target.index]
+
+    def _fractions(self) -> torch.Tensor:
+        """(N, J) fraction of the range of every joint; 0 for one that turns without end."""
+        limits = self.object.get_qlimits()
+        span = limits[..., 1] - limits[..., 0]
+        return torch.where(span.isfinite(), (self.object.get_qpos() - limits[..., 0]) / span, 0.0)
+
+    @property
+    def success_opening(self) -> float:
+        """The fraction of the range that counts as open: half, 60 degrees or 15 cm, whichever is less."""
+        options, target = self.options, self.target
+        enough = np.deg2rad(options.success_angle) if target.revolute else options.success_distance
+        return float(min(options.success_fraction, enough / (target.upper - target.lower)))
+
+    def succeeded(self) -> torch.Tensor:
+        """(N,) the one success criterion, for demonstrations and evaluation alike."""
+        return self.opened() >= self.success_opening
 
     def evaluate(self) -> dict[str, torch.Tensor]:
-        """The one success criterion, for demonstrations and evaluation alike."""
-        opened = self.opened()
-        return {"success": opened >= self.options.success_fraction, "opened": opened}
+        """Success; beside it the official code's: any joint of the object was 10 % open at any time."""
+        self._official |= (self._fractions() >= OFFICIAL_SUCCESS).any(dim=1)
+        return {"success": self.succeeded(), "official_success": self._official.clone(), "opened": self.opened()}
+
+    def observe(self, index: int = 0, render: bool = True) -> Observation:
+        """What a policy sees in environment `index`; without `render` the cloud is empty."""
+        options, chain = self.options, panda_chain()
+        joints = self.agent.robot.get_qpos()[index].cpu().numpy().astype(np.float64)
+        tcp, fingers = chain.pose(joints[None, :7])[0], joints[7:]
+        cloud = np.zeros((options.points, 4), np.float32)
+        if render:
+            finger = observation.finger_points(tcp, fingers, options.finger_points)
+            cloud = observation.unified_cloud(self._scene_points(index, tcp), finger, options.points)
+        rest = chain.pose(REST[None])[0]
+        return {"point_cloud": cloud, "proprio": observation.proprioception(tcp, fingers, rest)}
+
+    def _scene_points(self, index: int, tcp: Array) -> NDArray[np.float32]:
+        """(N, 3) points of all cameras inside the workspace, in the base frame; `tcp` (4, 4)."""
+        self.scene.update_render(update_sensors=True, update_human_render_cameras=False)
+        low, high = np.array(self.options.workspace_min), np.array(self.options.workspace_max)
+        ids, clouds = self.seen_ids(index), []
+        for camera in self.cameras():
+            sensor = self._sensors[camera.name]
+            sensor.capture()
+            image = sensor.camera.get_picture("PositionSegmentation")[0][index].cpu().numpy()
+            local = self._camera_poses[camera.name, index]
+            pose = local if camera.mount == "base" else tcp @ local
+            clouds.append(observation.object_points(image, ids, pose, low, high))
+        return np.concatenate(clouds)
 
     def _get_obs_extra(self, info: dict[str, Any]) -> dict[str, torch.Tensor]:
         return {"tcp_pose": self.agent.tcp.pose.raw_pose, "opened": info["opened"][:, None]}

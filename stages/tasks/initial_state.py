@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from stages.config.task import TaskConfig
 from stages.geometry.frames import rigid, yaw_matrix
@@ -22,16 +21,12 @@ class InitialState:
     object_offset: Array  # (2,)
     object_yaw: float
     joints: Array  # (7,) added to the rest configuration
-    camera_offset: Array  # (3,)
-    camera_turn: Array  # (3,) rotation vector
 
 
 def draw_initial_state(seed: int, options: TaskConfig) -> InitialState:
     """The initial state of episode `seed`; the same seed gives the same state for every asset and policy."""
     rng = np.random.default_rng(seed)
     base_range = np.array([options.base_xy, options.base_xy, options.base_z])
-    metres, radians = options.camera_jitter
-    turn = rng.standard_normal(3)
     return InitialState(
         variant=int(rng.integers(options.scale_variants)),
         base_offset=rng.uniform(-1, 1, 3) * base_range,
@@ -39,8 +34,6 @@ def draw_initial_state(seed: int, options: TaskConfig) -> InitialState:
         object_offset=rng.uniform(-1, 1, 2) * options.object_xy,
         object_yaw=float(rng.uniform(-1, 1) * options.object_yaw),
         joints=rng.normal(0, 1, 7) * options.qpos_noise,
-        camera_offset=rng.uniform(-1, 1, 3) * metres,
-        camera_turn=turn / np.linalg.norm(turn) * rng.uniform(0, radians),
     )
 
 
@@ -64,14 +57,3 @@ def base_pose(handle: Array, side: float, setup: InitialState, options: TaskConf
 def object_motion(setup: InitialState) -> Array:
     """(4, 4) small turn about z and shift of the object away from its nominal pose."""
     return rigid(yaw_matrix(setup.object_yaw), [*setup.object_offset, 0.0])
-
-
-def camera_pose(setup: InitialState, options: TaskConfig) -> Array:
-    """(4, 4) pose of the over-the-shoulder camera in the robot base frame: x forward, y left, z up."""
-    eye = np.array(options.camera_eye)
-    forward = np.array(options.camera_target) - eye
-    forward /= np.linalg.norm(forward)
-    left = np.cross([0.0, 0.0, 1.0], forward)
-    left /= np.linalg.norm(left)
-    rotation = np.stack([forward, left, np.cross(forward, left)], axis=1)
-    return rigid(Rotation.from_rotvec(setup.camera_turn).as_matrix() @ rotation, eye + setup.camera_offset)

@@ -12,14 +12,16 @@ from stages.articulated.affordance import Panel, target_joint
 class Task:
     """A task. Its environment (cameras, horizon, success) and its skills are named here and imported when used.
 
-    gym_id: name for `gym.make`. environment: "module:Class", a subclass of `stages.tasks.environment.TaskEnvironment`.
+    gym_id: name for `gym.make`. environment: "module:Class", a subclass of `stages.tasks.environment.OpenTaskEnv`.
     skills: modules of the chain of skills that demonstrate it, in order. role: of the joint that it opens.
+    horizon: steps after which an episode is over, unless `task.max_steps` says otherwise.
     """
 
     gym_id: str
     environment: str
     skills: tuple[str, ...]
     role: Literal["door", "drawer"]
+    horizon: int = 100
 
     def target_joint(self, folder: Path, like: Panel | None = None) -> Panel | None:
         """The joint of the asset in `folder` that the task is about, None if none will do; `like`: that of the twin."""

@@ -45,7 +45,9 @@ class ToyTask:
         self.toy.step(action)
         self.steps += 1
         success = self.toy.distance < 0.05
-        return StepResult(self.observe(), success, 1 - self.toy.distance, success or self.steps == self.max_steps)
+        return StepResult(
+            self.observe(), success, success, 1 - self.toy.distance, success or self.steps == self.max_steps
+        )
 
     def moment(self) -> int:
         return self.steps

@@ -75,16 +75,63 @@ def test_an_action_moves_the_hand_in_the_base_frame(tmp_path: Path, controller: 
 
 def test_an_episode_is_over_after_its_last_step(door: TaskEnv) -> None:
     door.place(0)
-    for steps, over in ((OPTIONS.max_steps - 1, False), (OPTIONS.max_steps, True)):
+    for steps, over in ((door.max_steps - 1, False), (door.max_steps, True)):
         door.steps = steps - 1
         assert door.step(np.array([0, 0, 0, 0, 0, 0, 1], np.float32)).done is over
 
 
-def test_success_is_the_fraction_of_the_range(door: TaskEnv) -> None:
+@pytest.mark.parametrize(
+    ("options", "enough"),
+    [({}, 45.0), ({"success_angle": 30.0}, 30.0), ({"success_fraction": 0.9}, 60.0)],
+    ids=["half", "angle", "sixty"],
+)
+def test_a_door_is_open_at_half_of_its_range_or_at_an_angle(
+    door: TaskEnv, monkeypatch: pytest.MonkeyPatch, options: dict[str, float], enough: float
+) -> None:
     door.place(0)
-    for value, expected in ((0.49, False), (0.51, True)):
-        door.env.object.set_qpos(np.array([[value * np.pi / 2]], np.float32))
+    monkeypatch.setattr(door.env, "options", OPTIONS.model_copy(update=options))
+    assert door.success_opening * 90 == pytest.approx(enough, abs=1e-3)
+    for degrees, expected in ((enough - 1, False), (enough + 1, True)):
+        door.env.object.set_qpos(np.array([[np.deg2rad(degrees)]], np.float32))
         assert bool(door.env.evaluate()["success"][0]) is expected
+
+
+def test_a_drawer_is_open_at_half_of_its_range_or_at_a_length(tmp_path: Path) -> None:
+    cabinet(tmp_path / "drawer", layout=[["drawer", "open"]])
+    options = OPTIONS.model_copy(update={"success_distance": 0.05})
+    drawer = make_task("drawer", tmp_path / "drawer", "drawer_0_joint", None, options, render=False)
+    drawer.place(0)
+    length = drawer.env.target.upper - drawer.env.target.lower
+    assert drawer.success_opening * length == pytest.approx(0.05)
+    drawer.close()
+
+
+def test_the_official_criterion_is_any_joint_at_any_time(tmp_path: Path) -> None:
+    cabinet(tmp_path / "two", layout=[["door", "door"]])
+    task = make_task("door", tmp_path / "two", "door_0_joint", None, OPTIONS, render=False)
+    task.place(0)
+    stay = np.array([0, 0, 0, 0, 0, 0, 1], np.float32)
+    for value, expected in ((0.05, False), (0.2, True), (0.0, True)):
+        qpos = np.zeros((1, 2), np.float32)
+        qpos[0, 1 - task.env.target.index] = value * np.pi / 2
+        task.env.object.set_qpos(qpos)
+        task.act(stay)
+        assert task.official_success is expected and not task.success
+    task.place(1)
+    task.act(stay)
+    assert not task.official_success
+    task.close()
+
+
+def test_the_cloud_shows_the_target_or_the_object(tmp_path: Path) -> None:
+    cabinet(tmp_path / "two", layout=[["door", "door"]])
+    task = make_task("door", tmp_path / "two", "door_0_joint", None, OPTIONS, render=False)
+    task.place(0)
+    links = {link.entity.per_scene_id: link.name for link in task.env.object._objs[0].links}
+    assert all("door_0" in links[i] for i in task.env.seen_ids().tolist())
+    task.env.options = OPTIONS.model_copy(update={"cloud": "object"})
+    assert set(task.env.seen_ids().tolist()) == set(links)
+    task.close()
 
 
 def test_a_straight_path_keeps_its_ends_and_spacing() -> None:

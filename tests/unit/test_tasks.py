@@ -12,7 +12,8 @@ from stages.simulation.handle import find_handle
 from stages.simulation.kinematics import jacobian, pose_error, track
 from stages.simulation.robot import REST, panda_chain
 from stages.simulation.target import Target
-from stages.tasks.initial_state import base_pose, camera_pose, draw_initial_state, object_motion, variant_scale
+from stages.tasks.cameras import WRIST, jitter, other_shoulder, shoulder
+from stages.tasks.initial_state import base_pose, draw_initial_state, object_motion, variant_scale
 
 STILL = TaskConfig(base_xy=0, base_z=0, base_yaw=0, object_xy=0, object_yaw=0, qpos_noise=0, camera_jitter=(0, 0))
 
@@ -57,11 +58,25 @@ def test_motions_start_where_the_joint_is_closed(revolute: bool) -> None:
     assert moved[:3] == pytest.approx([0.5 - 0.2 * np.sin(0.3), 0.2 * np.cos(0.3), 0] if revolute else [0.5, 0.2, 0.3])
 
 
-def test_the_camera_looks_at_its_target() -> None:
-    pose = camera_pose(draw_initial_state(0, STILL), STILL)
-    towards = np.array(STILL.camera_target) - STILL.camera_eye
-    assert pose[:3, 0] == pytest.approx(towards / np.linalg.norm(towards))
-    assert np.linalg.det(pose[:3, :3]) == pytest.approx(1.0)
+def test_cameras_look_at_their_targets() -> None:
+    for camera in (shoulder(STILL), other_shoulder(STILL), WRIST):
+        pose = camera.pose()
+        towards = np.subtract(camera.target, camera.eye)
+        assert pose[:3, 0] == pytest.approx(towards / np.linalg.norm(towards))
+        assert np.linalg.det(pose[:3, :3]) == pytest.approx(1.0)
+    left, right = shoulder(STILL).pose(), other_shoulder(STILL).pose()
+    assert left[:3, 3] * [1, -1, 1] == pytest.approx(right[:3, 3])
+    assert left[:3, 0] * [1, -1, 1] == pytest.approx(right[:3, 0])
+
+
+def test_cameras_are_jittered_each_on_its_own_and_within_bounds() -> None:
+    options = TaskConfig(camera_jitter=(0.01, 0.1))
+    shifts = np.array([[jitter(seed, number, options) for number in range(2)] for seed in range(30)])
+    assert 0.008 < np.abs(shifts[..., :3, 3]).max() <= 0.01
+    angles = np.arccos((np.trace(shifts[..., :3, :3], axis1=-2, axis2=-1) - 1) / 2)
+    assert 0.08 < angles.max() <= 0.1 + 1e-6
+    assert not np.allclose(shifts[:, 0], shifts[:, 1])
+    assert jitter(3, 0, STILL) == pytest.approx(np.eye(4))
 
 
 def test_the_rest_pose_is_where_it_says() -> None:
@@ -135,7 +150,8 @@ def test_a_large_picture_is_thinned_evenly() -> None:
     image = np.zeros((100, 100, 4), np.int16)
     image[..., 0], image[..., 2], image[..., 3] = np.arange(100)[:, None] * 10, -1000, 7
     points = observation.object_points(image, np.array([7], np.int16), np.eye(4), np.full(3, -9.0), np.full(3, 9.0))
-    assert len(points) == observation.MAX_CANDIDATES
+    points = observation.thinned(points, 2048)
+    assert len(points) == 2048
     rows = np.bincount(np.rint(-points[:, 1] * 100).astype(int), minlength=100)
     assert rows.min() >= 20 and rows.max() <= 21
 

@@ -8,14 +8,14 @@ class OpenSkill(ArticulateSkill):
     """Opens the target joint of a task as it stands, somewhat further than success needs."""
 
     def goal(self, target: Target) -> float:
-        fraction = min(1.0, self.task.options.success_fraction + self.options.goal_margin)
+        fraction = min(1.0, self.task.success_opening + self.options.goal_margin)
         return target.lower + fraction * (target.upper - target.lower)
 
     def enough(self) -> bool:
-        return self.task.opened >= self.task.options.success_fraction + self.options.goal_margin / 2
+        return self.task.opened >= self.task.success_opening + self.options.goal_margin / 2
 
     def done(self) -> bool:
-        return self.task.opened >= self.task.options.success_fraction
+        return self.task.opened >= self.task.success_opening
 
 
 Skill = OpenSkill
