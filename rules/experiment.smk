@@ -28,8 +28,9 @@ rule select:
         task=lambda wildcards: implementation(wildcards.task),
         object=lambda wildcards: EXPERIMENT.tasks[wildcards.task].object,
         cousins=EXPERIMENT.cousins,
+        held_out=EXPERIMENT.held_out,
     shell:
         "({params.command} --cousins {input.cousins:q} --scene-file {input.scene:q} --object {params.object:q} "
         "--task {params.task} --library {input.library:q} --distances {input.distances:q} "
-        "--count {params.cousins} --out {output.assets:q} && "
+        "--count {params.cousins} --held-out {params.held_out} --out {output.assets:q} && "
         "{params.check}) 2>&1 | tee {log:q}"

@@ -1,37 +1,77 @@
 """Which joint of an asset a task opens: doors and drawers with a handle that a gripper can hold (paper A.4)."""
 
+import math
 from pathlib import Path
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from stages.articulated.asset_folder import read_asset
-from stages.articulated.panels import Panel, read_panels
+from stages.contracts.library import Asset, FrontPanel, HandleKind, HingeSide, Joint
 
 Task = Literal["door", "drawer"]
 LARGE = 0.5  # a panel with at least this share of the largest panel's area is as good a target
-UPRIGHT = 0.9  # |z| of a hinge: a flap that falls open is another motion than a door
+SIDES: dict[Task, tuple[HingeSide, ...]] = {"door": ("left", "right"), "drawer": ("slide",)}
 
 
-def target_joint(folder: Path, task: Task, like: Panel | None = None) -> Panel | None:
+class Affordance(NamedTuple):
+    """A joint that a task can open, and what tells it from others.
+
+    height, width, tall: of its front's centre and its extents, as shares of the asset's box, so that assets which are
+    loaded in the same box compare.
+    """
+
+    joint: str
+    handle: HandleKind
+    hinge: HingeSide
+    height: float
+    width: float
+    tall: float
+
+    @property
+    def area(self) -> float:
+        """Share of the box's front."""
+        return self.width * self.tall
+
+    def unlike(self, other: "Affordance") -> float:
+        """How differently two fronts lie in the same box: 0 for the same place and extents."""
+        extents = math.log(self.width / other.width), math.log(self.tall / other.tall)
+        return abs(self.height - other.height) + sum(map(abs, extents))
+
+
+def target_joint(folder: Path, task: Task, like: Affordance | None = None) -> Affordance | None:
     """The joint of the asset in `folder` that the task opens; None if no joint will do.
 
-    A door has an upright hinge, a drawer slides, and either has a handle link. Among those with a large
-    panel (half of the largest or more) the choice is one that turns the same way as the twin's (`like`),
-    then the largest, then the one nearest to mid-height, then the first by name.
+    A door has an upright hinge (a flap that falls open is another motion), a drawer slides, and either has a handle.
+    For a cousin it is the one most like the twin's (`like`): the same hinge side first, then the same kind of handle,
+    then the nearest height and extents. For the twin itself: of the large ones (half of the largest or more) the
+    largest, then the one nearest to mid-height, then the first by name.
     """
     asset = read_asset(folder)
-    wanted = ("revolute", "door") if task == "door" else ("prismatic", "drawer")
-    joints = {joint.name for joint in asset.joints if (joint.type, joint.role) == wanted and joint.handle_link}
-    if not joints:
+    found = [
+        (joint, joint.panel)
+        for joint in asset.joints
+        if joint.role == task and joint.handle and joint.panel and joint.panel.hinge in SIDES[task]
+    ]
+    if not found:
         return None
-    panels = [panel for panel in read_panels(folder, joints) if task == "drawer" or abs(panel.axis[2]) >= UPRIGHT]
-    if not panels:
-        return None
-    middle = (asset.box_min[2] + asset.box_max[2]) / 2
-    largest = max(panel.area for panel in panels)
+    able = [_affordance(asset, joint, panel) for joint, panel in found]
+    if like is not None:
 
-    def order(panel: Panel) -> tuple[bool, float, float, str]:
-        other_way = like is not None and float(panel.axis @ like.axis) < 0
+        def difference(one: Affordance) -> tuple[bool, bool, float, str]:
+            return one.hinge != like.hinge, one.handle != like.handle, round(one.unlike(like), 3), one.joint
+
+        return min(able, key=difference)
+    largest = max(one.area for one in able)
+
+    def order(one: Affordance) -> tuple[float, float, str]:
         # rounded, so that panels of equal size tie whatever their handles add
-        return other_way, -round(panel.area / largest, 1), round(abs(panel.height - middle), 3), panel.joint
+        return -round(one.area / largest, 1), round(abs(one.height - 0.5), 3), one.joint
 
-    return min((panel for panel in panels if panel.area >= LARGE * largest), key=order)
+    return min((one for one in able if one.area >= LARGE * largest), key=order)
+
+
+def _affordance(asset: Asset, joint: Joint, panel: FrontPanel) -> Affordance:
+    assert joint.handle is not None
+    _, width, height = asset.size
+    return Affordance(
+        joint.name, joint.handle, panel.hinge, panel.height / height, panel.size[0] / width, panel.size[1] / height
+    )

@@ -11,6 +11,7 @@ import trimesh
 from numpy.typing import NDArray
 from trimesh import Trimesh
 
+from stages.contracts.library import HandleKind
 from stages.geometry.frames import apply, rigid
 
 Matrix = NDArray[np.float64]
@@ -71,7 +72,7 @@ class JointModel:
     """A joint. `origin` is parent_from_child, 4x4, at position 0; `axis` a unit vector in the child frame.
 
     An asset is closed with every joint at `lower`. A moving joint may have a role, and its door or drawer a handle:
-    `handle_link` carries it, `handle` is its style, where they are known.
+    `handle_link` carries it, `handle` is its kind, where they are known.
     """
 
     name: str
@@ -84,7 +85,7 @@ class JointModel:
     upper: float = 0.0
     role: Role | None = None
     handle_link: str | None = None
-    handle: str | None = None
+    handle: HandleKind | None = None
 
     def motion(self, value: float) -> Matrix:
         """Transform of the child in the joint frame at a joint position."""

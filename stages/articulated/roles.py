@@ -3,6 +3,8 @@
 from collections.abc import Iterable
 from dataclasses import replace
 
+from stages.articulated.attributes import front_panel, measured_handle
+from stages.articulated.forward_kinematics import closed_box, link_frames
 from stages.articulated.model import JointModel, RobotModel, Role
 from stages.contracts.library import Joint
 
@@ -41,23 +43,31 @@ def with_roles_of(robot: RobotModel, described: Iterable[Joint]) -> RobotModel:
 
 
 def contract_joints(robot: RobotModel) -> list[Joint]:
-    """The joints with a role as the contract names them."""
-    return [
-        Joint(
-            name=joint.name,
-            type=joint.type,
-            role=joint.role,
-            parent=joint.parent,
-            link=joint.child,
-            axis=tuple(joint.axis.round(9).tolist()),
-            lower=round(joint.lower, 5),
-            upper=round(joint.upper, 5),
-            handle_link=joint.handle_link,
-            handle=joint.handle,
+    """The joints with a role as the contract names them, with what can be measured of their fronts and handles."""
+    frames, floor = link_frames(robot), float(closed_box(robot)[0, 2])
+    joints = []
+    for joint in robot.joints:
+        if joint.type == "fixed" or joint.role is None:
+            continue
+        handle = joint.handle
+        if handle is None and joint.handle_link is not None:  # said to be there, but not of what kind
+            handle = measured_handle(robot, joint, frames)
+        joints.append(
+            Joint(
+                name=joint.name,
+                type=joint.type,
+                role=joint.role,
+                parent=joint.parent,
+                link=joint.child,
+                axis=tuple(joint.axis.round(9).tolist()),
+                lower=round(joint.lower, 5),
+                upper=round(joint.upper, 5),
+                handle_link=joint.handle_link if handle else None,
+                handle=handle,
+                panel=front_panel(robot, joint, frames, floor),
+            )
         )
-        for joint in robot.joints
-        if joint.type != "fixed" and joint.role is not None
-    ]
+    return joints
 
 
 def count_roles(joints: Iterable[Joint], role: Role) -> int:

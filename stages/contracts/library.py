@@ -9,6 +9,7 @@ from stages.contracts.types import (
     LARGEST,
     Angle,
     CameraMatrix,
+    Extent,
     Finite,
     Id,
     Mass,
@@ -25,7 +26,17 @@ from stages.contracts.types import (
 
 Symmetry = Literal["none", "half_turn", "quarter_turn", "full"]
 Placement = Literal["floor", "object", "wall"]
+HandleKind = Literal["bar", "arch", "knob", "edge"]
+HingeSide = Literal["left", "right", "bottom", "top", "slide"]
 Limit = Annotated[Finite, Field(ge=-100, le=100)]  # radians or metres
+
+
+class FrontPanel(Contract):
+    """The front that a joint moves, closed, with its handle. Metres; left and right are those of whoever faces it."""
+
+    hinge: HingeSide = Field(description="side on which it hangs; slide: a drawer")
+    height: Finite = Field(description="of its centre above the asset's bottom")
+    size: tuple[Extent, Extent] = Field(description="width and height")
 
 
 class Joint(Contract):
@@ -40,7 +51,8 @@ class Joint(Contract):
     lower: Limit
     upper: Limit
     handle_link: str | None = Field(None, description="link that carries the handle; null: no protruding handle")
-    handle: str | None = Field(None, description="handle style: bar, knob, recessed, ...")
+    handle: HandleKind | None = Field(None, description="what a gripper can hold; edge: a profile at the free edge")
+    panel: FrontPanel | None = Field(None, description="null: it moves nothing that is seen")
 
     @model_validator(mode="after")
     def _opens(self) -> "Joint":

@@ -7,18 +7,23 @@ from pydantic import Field, model_validator
 
 from stages.contracts.errors import InputError
 from stages.contracts.files import Contract, Document
+from stages.contracts.library import HandleKind, HingeSide
 from stages.contracts.types import Count, Extent, Finite, Id, NonNegative, Rank, Seed, Size, Text, check_unique
 
 
 class TaskAsset(Contract):
-    """One asset in the policy experiment."""
+    """One asset in the policy experiment, and what a policy and a gripper meet there."""
 
-    role: Id = Field(description="twin, cousin_1, cousin_2, ... or dissimilar")
+    role: Id = Field(description="twin, cousin_1, cousin_2, ... or dissimilar; of `all_assets`: all")
     asset: Id
     category: Id
     joint: Text = Field(description="the joint that the task opens")
     size: Size = Field(description="nominal box at which it is loaded, metres")
     distance: NonNegative = Field(description="DINO distance to the twin between representative snapshots (Table 3)")
+    handle: HandleKind
+    hinge: HingeSide = Field(description="side on which the front hangs, seen from before it; slide: a drawer")
+    panel_height: Finite = Field(description="of the front's centre above the asset's bottom at this size, metres")
+    panel_size: tuple[Extent, Extent] = Field(description="width and height of the front at this size, metres")
 
 
 class TaskAssets(Document):
@@ -29,7 +34,11 @@ class TaskAssets(Document):
     object: Id
     encoder: Text
     assets: list[TaskAsset] = Field(min_length=1)
-    all_assets: list[TaskAsset] = Field([], description="what the training set `all` is made of, each in the role all")
+    all_assets: list[TaskAsset] = Field(
+        [],
+        description="what the training set `all` is collected on, each in the role all, nearest to the twin first: "
+        "every usable asset of the object's three nearest categories but the held-out cousins and the dissimilar one",
+    )
 
     @model_validator(mode="after")
     def _roles(self) -> "TaskAssets":
@@ -42,6 +51,9 @@ class TaskAssets(Document):
         ordered = all(map(str.isdigit, numbers)) and sorted(map(int, numbers)) == list(map(int, numbers))
         if not ordered or roles not in (named, named[:-1]):
             raise ValueError(f"assets: roles are {', '.join(roles)}, not twin, cousin_1, cousin_2, ..., dissimilar")
+        check_unique("all_assets", [asset.asset for asset in self.all_assets])
+        if roles[-1] == "dissimilar" and self.assets[-1].asset in {asset.asset for asset in self.all_assets}:
+            raise ValueError("all_assets: holds the dissimilar asset, which no policy is trained on")
         distances = [cousin.distance for cousin in cousins]
         if distances != sorted(distances):
             raise ValueError("assets: cousins are not in the order of their distance")

@@ -3,7 +3,7 @@
 import sys
 from pathlib import Path
 
-from stages.articulated.affordance import Panel
+from stages.articulated.affordance import Affordance
 from stages.contracts import Cousins, GeneratedScene, InputError, Library, TaskAssets, read_json, write_json
 from stages.contracts.cousins import ObjectCousins
 from stages.contracts.distances import Distances
@@ -12,6 +12,7 @@ from stages.contracts.policies import TaskAsset
 from stages.plugins import load
 from stages.tasks.task import Task
 
+ALL_CATEGORIES = 3  # nearest categories whose assets make up the training set `all` (paper, Figure 9)
 STALE = "run `python -m stages.matching distances` again"
 
 
@@ -25,14 +26,17 @@ def run(
     distances: Path,
     out: Path,
     count: int = 10,
+    held_out: tuple[int, ...] = (),
 ) -> None:
     """Write the TaskAssets of a named object: twin, cousins, and one dissimilar asset.
 
     The twin is the object's best cousin with a joint for the task. The cousins are `count` other such
     assets from the object's candidates, ordered by their embedding distance to the twin between
     representative snapshots, as in Table 3. If the candidates are too few, what `count_threshold` held
-    back of their categories is used as well. The dissimilar asset is the farthest one of the whole
-    library. Every asset is loaded in the box of the object, as the official code does.
+    back of their categories is used as well. Each is opened at the joint most like the twin's. The
+    dissimilar asset is the farthest one of the whole library whose kind of handle and hinge side some
+    training asset shows: it differs in shape. Every asset is loaded in the box of the object, as the
+    official code does.
 
     Args:
         cousins: cousins.json of the scene that holds the object.
@@ -43,6 +47,7 @@ def run(
         distances: distances/<object>.json of matching.
         out: file to write.
         count: number of cousins.
+        held_out: numbers of the cousins that no policy is trained on.
     """
     kind: Task = load("tasks", task)
     entries = {entry.id: entry for entry in read_json(Library, library).assets}
@@ -50,7 +55,7 @@ def run(
     alike = read_distances(distances, matched, object)
     folders = {id: library.parent / entry.folder for id, entry in entries.items()}
 
-    def usable(asset: str, like: Panel | None = None) -> Panel | None:
+    def usable(asset: str, like: Affordance | None = None) -> Affordance | None:
         entry = entries.get(asset)
         return kind.target_joint(folders[asset], like) if entry and entry.doors + entry.drawers else None
 
@@ -65,33 +70,64 @@ def run(
         print(f"twin: cousin {twin.rank} of {object}; those before have no {kind.role} with a handle", file=sys.stderr)
 
     like = kind.target_joint(folders[twin.asset])
-    panels = {asset: panel for asset in alike.assets if (panel := usable(asset, like))}
+    fronts = {asset: front for asset in alike.assets if (front := usable(asset, like))}
     if twin.asset not in alike.distances:
         raise InputError(distances, f"has no distances from {twin.asset}, the twin.", STALE)
-    far = {asset: distance for asset, distance in alike.from_asset(twin.asset).items() if asset in panels}
+    far = {asset: distance for asset, distance in alike.from_asset(twin.asset).items() if asset in fronts}
     chosen = choose_cousins(item, twin.asset, far, entries, count)
     if len(chosen) < count:
         what = f"'{object}' has {len(chosen)} cousins with a {kind.role} that has a handle, {count} are asked for."
         raise InputError(library, what, "lower experiment.cousins, raise matching.k_cat, or make a larger library")
     roles = {"twin": twin.asset} | {f"cousin_{number}": asset for number, asset in enumerate(chosen, 1)}
+    hidden = {asset for number, asset in enumerate(chosen, 1) if number in held_out}
     others = [asset for asset in far if asset not in roles.values()]
     if others:
-        roles["dissimilar"] = max(others, key=lambda asset: (far[asset], asset))
-    assets = [
-        TaskAsset(
+        known = [fronts[asset] for asset in roles.values() if asset not in hidden]
+        roles["dissimilar"] = choose_dissimilar(others, far, fronts, known)
+    nearest = [category.category for category in item.categories[:ALL_CATEGORIES]]
+    all_assets = sorted(
+        (a for a in far if entries[a].category in nearest and a not in {*hidden, roles.get("dissimilar")}),
+        key=lambda asset: (far[asset], asset),
+    )
+
+    def described(role: str, asset: str) -> TaskAsset:
+        front = fronts[asset]
+        return TaskAsset(
             role=role,
             asset=asset,
             category=entries[asset].category,
-            joint=panels[asset].joint,
+            joint=front.joint,
             size=size,
             distance=far[asset],
+            handle=front.handle,
+            hinge=front.hinge,
+            panel_height=round(front.height * size[2], 4),
+            panel_size=(round(front.width * size[1], 4), round(front.tall * size[2], 4)),
         )
-        for role, asset in roles.items()
-    ]
-    write_json(
-        out,
-        TaskAssets(task=task, scene=matched.scene, object=object, encoder=matched.encoder, assets=assets),
+
+    plan = TaskAssets(
+        task=task,
+        scene=matched.scene,
+        object=object,
+        encoder=matched.encoder,
+        assets=[described(role, asset) for role, asset in roles.items()],
+        all_assets=[described("all", asset) for asset in all_assets],
     )
+    write_json(out, plan)
+
+
+def choose_dissimilar(
+    others: list[str], far: dict[str, float], fronts: dict[str, Affordance], known: list[Affordance]
+) -> str:
+    """The farthest asset whose kind of handle and hinge side occur in training; failing that, whose hinge side does."""
+    ways = {(front.handle, front.hinge) for front in known}
+    sides = {front.hinge for front in known}
+
+    def order(asset: str) -> tuple[bool, bool, float, str]:
+        front = fronts[asset]
+        return (front.handle, front.hinge) in ways, front.hinge in sides, far[asset], asset
+
+    return max(others, key=order)
 
 
 def read_distances(path: Path, matched: Cousins, object: str) -> Distances:

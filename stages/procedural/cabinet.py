@@ -6,6 +6,7 @@ import numpy as np
 
 from stages.procedural.cabinet_recipe import CabinetRecipe
 from stages.procedural.front_cells import CellKind, FrontCell, cells
+from stages.procedural.handles import KINDS
 from stages.procedural.model import Model, Moving, Parameters, Part, Size, part
 from stages.procedural.panels import Front, control_panel, pulled_panel
 from stages.procedural.shapes import box, rod
@@ -20,7 +21,7 @@ def cabinet(size: Size, parameters: Parameters) -> Model:
     depth, width, height = size
     board = min(p.board, 0.1 * min(size))
     thick = min(p.front_thickness, 0.15 * depth)
-    out = min(p.protrusion, 0.3 * depth) if p.handle not in ("recessed", "none") else 0.0
+    out = min(p.protrusion, 0.3 * depth) if p.handle != "none" else 0.0
     p = p.model_copy(update={"protrusion": out})
     has_panel = any("panel" in line for line in p.layout)
     out = max(out, 0.02 if has_panel else 0.0)
@@ -65,7 +66,7 @@ def _front(cell: FrontCell, x: float, thick: float) -> Front:
 
 def _moving(cell: FrontCell, p: CabinetRecipe, x: float, thick: float, x_back: float, number: int) -> Moving:
     front = _front(cell, x, thick)
-    handle = None if p.handle == "none" else p.handle
+    handle = KINDS[p.handle]
     if cell.kind == "drawer":
         parts = pulled_panel(front, p, "drawer", 0.0) + _tray(front, x_back, p)
         travel = p.reach * (x - thick - x_back)

@@ -9,7 +9,7 @@ from stages.procedural.colours import METALS, PAINTS, WOODS, pick, shade
 from stages.procedural.handles import PROTRUSION
 from stages.procedural.model import Draw, Size
 
-HANDLES = ["bar", "square_bar", "knob", "arch", "recessed"]
+HANDLES = ["bar", "square_bar", "knob", "arch", "edge"]
 HANDLE_SHARES = [0.3, 0.2, 0.2, 0.2, 0.1]
 PANELS = ["flat", "frame", "raised", "planks"]
 APPLIANCE: list[tuple[float, float, float]] = [

@@ -6,9 +6,9 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from stages.contracts.library import Placement
 from stages.procedural.front_cells import CellKind
+from stages.procedural.handles import Style
 from stages.procedural.model import WOOD
 
-Handle = Literal["bar", "square_bar", "knob", "arch", "recessed", "none"]
 Colour = Annotated[list[Annotated[float, Field(ge=0, le=1)]], Field(min_length=3, max_length=3)]
 Weight = Annotated[float, Field(gt=0)]
 Length = Annotated[float, Field(gt=0, le=10)]
@@ -29,7 +29,7 @@ class CabinetRecipe(BaseModel):
     panel: Literal["flat", "frame", "raised", "planks"] = Field(description="style of doors, flaps and drawers")
     window: bool = Field(False, description="doors and flaps are glazed")
     inset_front: bool = Field(False, description="the carcass shows around the fronts")
-    handle: Handle
+    handle: Style
     handle_length: Share = Field(description="share of the panel's length")
     handle_at: float = Field(ge=-1, le=1, description="height on a door: -1 bottom, 1 top")
     handle_inset: Length = Field(description="from the free edge of a door")

@@ -1,18 +1,24 @@
-"""Handles that a parallel gripper can hold: 8-16 mm thick, with room for a finger behind."""
+"""Handles that a parallel gripper can hold: 8-16 mm thick, standing out far enough for a finger on either side."""
 
 from typing import Literal
 
 import numpy as np
 
+from stages.contracts.library import HandleKind
 from stages.procedural.model import METAL, Colour, Part, part
 from stages.procedural.shapes import hull, lathe, rod, rotated, slab, translated
 
-Style = Literal["bar", "square_bar", "knob", "arch", "recessed"]
-PROTRUSION = {"bar": 0.038, "square_bar": 0.036, "knob": 0.034, "arch": 0.040, "recessed": 0.0}
+Style = Literal["bar", "square_bar", "knob", "arch", "edge", "none"]
+PROTRUSION: dict[Style, float] = {
+    "bar": 0.038, "square_bar": 0.036, "knob": 0.034, "arch": 0.040, "edge": 0.032, "none": 0.0
+}  # fmt: skip
+KINDS: dict[Style, HandleKind | None] = {
+    "bar": "bar", "square_bar": "bar", "knob": "knob", "arch": "arch", "edge": "edge", "none": None
+}  # fmt: skip
 
 
 def handle_parts(
-    style: str,
+    style: Style,
     at: tuple[float, float, float],
     along: Literal["y", "z"],
     length: float,
@@ -27,9 +33,9 @@ def handle_parts(
         length: metres; a knob ignores it.
         protrusion: distance from face to the handle's front.
     """
-    if style == "recessed":
+    if style == "none":
         return []
-    make = {"bar": _bar, "square_bar": _square_bar, "knob": _knob, "arch": _arch}[style]
+    make = {"bar": _bar, "square_bar": _square_bar, "knob": _knob, "arch": _arch, "edge": _edge}[style]
     parts = make(max(length, 0.06), protrusion, colour)
     if along == "y":
         parts = [part(rotated(p.mesh, np.pi / 2, [1, 0, 0]), colour, p.density, p.smooth) for p in parts]
@@ -50,6 +56,11 @@ def _square_bar(length: float, out: float, colour: Colour) -> list[Part]:
     bar = slab((out - thickness / 2, 0, 0), (thickness, width, length))
     posts = [slab((middle, 0, z), (out - 0.001, width, 0.012)) for z in (0.006 - length / 2, length / 2 - 0.006)]
     return [part(mesh, colour, METAL) for mesh in (bar, *posts)]
+
+
+def _edge(length: float, out: float, colour: Colour) -> list[Part]:
+    """A profile along the panel that two fingers take hold of from either side."""
+    return [part(slab(((out - 0.004) / 2, 0, 0), (out + 0.004, 0.010, length)), colour, METAL)]
 
 
 def _knob(length: float, out: float, colour: Colour) -> list[Part]:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from trimesh import Trimesh
 
+from stages.contracts.library import HandleKind
 from stages.procedural.shapes import bounds_of
 
 Size = tuple[float, float, float]
@@ -46,7 +47,7 @@ class Moving:
     origin: tuple[float, float, float]
     axis: tuple[float, float, float]
     upper: float
-    handle: str | None = None
+    handle: HandleKind | None = None
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,8 @@ from stages.procedural.shapes import box, rod
 
 DARK = (0.05, 0.05, 0.06)
 RELIEF = 0.006  # height of a frame above its field
+EDGE_INSET = 0.036  # of a profile from the free edge: a finger fits between it and what is beside the panel
+EDGE_LENGTH = 0.94  # share of the panel's side that a profile runs along
 
 
 class Front(NamedTuple):
@@ -65,23 +67,24 @@ def pulled_panel(front: Front, p: CabinetRecipe, kind: str, free_side: float, gl
         kind: door, drawer or flap; says where the handle sits.
         free_side: for a door, +1 if its free edge is at high y, -1 if at low y.
     """
-    style = "glass" if glass else p.panel
     handle = p.handle
-    if handle == "recessed":
-        return recessed_panel(front, kind, free_side, p.front_colour, p.density)
+    style = "glass" if glass else "flat" if handle == "edge" else p.panel
     parts = panel_parts(front, style, p.front_colour, p.field_colour, p.density)
     if handle == "none":
         return parts
     y_mid, z_mid = (front.y[0] + front.y[1]) / 2, (front.z[0] + front.z[1]) / 2
     along: Literal["y", "z"] = "z" if kind == "door" else "y"
-    inset = min(p.handle_inset, 0.25 * front.width)
     if kind == "door":
-        length = min(p.handle_length * front.height, 0.6 * front.height)
+        inset = min(EDGE_INSET if handle == "edge" else p.handle_inset, 0.25 * front.width)
+        length = (EDGE_LENGTH if handle == "edge" else min(p.handle_length, 0.6)) * front.height
         y = front.y[1] - inset if free_side > 0 else front.y[0] + inset
         reach = (front.height - (0.04 if handle == "knob" else length)) / 2 - min(0.03, 0.1 * front.height)
         at = (front.x, y, z_mid + p.handle_at * max(reach, 0.0))
+    elif handle == "edge":
+        length = EDGE_LENGTH * front.width
+        at = (front.x, y_mid, front.z[1] - min(EDGE_INSET, 0.25 * front.height))
     else:
-        length = min(p.handle_length * front.width, 0.7 * front.width)
+        length = min(p.handle_length, 0.7) * front.width
         z = z_mid if kind == "drawer" else front.z[1] - min(0.04, 0.2 * front.height)
         at = (front.x, y_mid, z)
     if kind == "drawer" and style in ("frame", "glass", "planks"):
@@ -93,30 +96,6 @@ def pulled_panel(front: Front, p: CabinetRecipe, kind: str, free_side: float, gl
         )
     pulls = handle_parts(handle, at, along, length, p.protrusion, p.handle_colour)
     return parts + pulls
-
-
-def recessed_panel(front: Front, kind: str, free_side: float, colour: Colour, density: float) -> list[Part]:
-    """A flat panel with a dark grip hole near the edge that opens; nothing protrudes."""
-    (y0, y1), (z0, z1) = front.y, front.z
-    x1, x0 = front.x, front.x - front.thickness
-    if kind == "door":
-        depth = min(0.030, 0.2 * front.width)
-        tall = min(0.14, 0.5 * front.height)
-        edge = y1 - depth * 1.8 if free_side > 0 else y0 + depth * 0.8
-        hole_y = (edge, edge + depth)
-        hole_z = ((z0 + z1 - tall) / 2, (z0 + z1 + tall) / 2)
-    else:
-        wide, depth = min(0.16, 0.5 * front.width), min(0.030, 0.3 * front.height)
-        hole_y = ((y0 + y1 - wide) / 2, (y0 + y1 + wide) / 2)
-        hole_z = (z1 - depth * 1.7, z1 - depth * 0.7)
-    around = [
-        box((x0, x1), (y0, hole_y[0]), front.z),
-        box((x0, x1), (hole_y[1], y1), front.z),
-        box((x0, x1), hole_y, (z0, hole_z[0])),
-        box((x0, x1), hole_y, (hole_z[1], z1)),
-    ]
-    inset = part(box((x0, x0 + 0.2 * front.thickness), hole_y, hole_z), DARK, density)
-    return [*[part(mesh, colour, density) for mesh in around], inset]
 
 
 def control_panel(front: Front, p: CabinetRecipe) -> list[Part]:

@@ -37,7 +37,7 @@ def _joint(moving: Moving) -> JointModel:
         lower=0.0,
         upper=moving.upper,
         role=moving.role,
-        handle_link=None if moving.handle in (None, "recessed") else moving.name,
+        handle_link=moving.name if moving.handle else None,
         handle=moving.handle,
     )
 

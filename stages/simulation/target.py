@@ -9,8 +9,8 @@ from mani_skill.utils.structs import Articulation
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from stages.articulated.handle import Handle, find_handle
 from stages.geometry.frames import inverse
-from stages.simulation.handle import Handle, find_handle
 
 Array = NDArray[np.float64]
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from stages.articulated.handle import Handle
 from stages.geometry.frames import rigid
-from stages.simulation.handle import Handle
 from stages.simulation.kinematics import Array
 from stages.simulation.target import Target
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from stages.articulated.affordance import Panel, target_joint
+from stages.articulated.affordance import Affordance, target_joint
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class Task:
     role: Literal["door", "drawer"]
     horizon: int = 100
 
-    def target_joint(self, folder: Path, like: Panel | None = None) -> Panel | None:
+    def target_joint(self, folder: Path, like: Affordance | None = None) -> Affordance | None:
         """The joint of the asset in `folder` that the task is about, None if none will do; `like`: that of the twin."""
         return target_joint(folder, self.role, like)
 

@@ -15,6 +15,7 @@ from safetensors.numpy import save_file
 from stages.config.task import TaskConfig
 from stages.config.training import TrainingRun
 from stages.contracts.__main__ import main
+from tests.unit.demo_assets import FRONT
 
 WIDTH, HEIGHT = 48, 36
 K = [[50.0, 0.0, 23.5], [0.0, 50.0, 17.5], [0.0, 0.0, 1.0]]
@@ -145,7 +146,7 @@ def _library(root: Path) -> None:
 
 
 def _policies(root: Path) -> None:
-    sizes = {"size": [0.5, 0.6, 1.0], "category": "cabinet", "joint": "door_joint"}
+    sizes = {"size": [0.5, 0.6, 1.0], "category": "cabinet", "joint": "door_joint", **FRONT}
     roles = [("twin", "cabinet_0", 0.0), ("cousin_1", "cabinet_1", 1.0), ("cousin_2", "cabinet_2", 2.0)]
     assets = [{"role": role, "asset": asset, "distance": far, **sizes} for role, asset, far in roles]
     _json(root / FILES["task"], task="door", scene="room", object="cabinet_1", encoder="hog", assets=assets)

@@ -6,6 +6,7 @@ from typing import Any
 from stages.contracts.library import Asset, Recipe
 from stages.procedural import build
 
+FRONT: dict[str, Any] = {"handle": "bar", "hinge": "left", "panel_height": 0.4, "panel_size": (0.4, 0.6)}
 PARAMETERS: dict[str, Any] = {
     "layout": [["door"]],
     "major": "columns",

@@ -16,6 +16,7 @@ from stages.contracts.generated import GeneratedScene, PlacedObject, Plausibilit
 from stages.contracts.library import Library, LibraryEntry, SnapshotShard
 from stages.contracts.objects import Box, Mounting, Objects, SceneObject
 from stages.contracts.policies import Attempt, Rollout, SceneScore, TaskAsset, TaskAssets
+from tests.unit.demo_assets import FRONT
 
 CAMERA = [[200.0, 0.0, 120.0], [0.0, 200.0, 80.0], [0.0, 0.0, 1.0]]
 POSE = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
@@ -164,7 +165,7 @@ def _room(results: Path, name: str) -> None:
 def _policies(results: Path) -> None:
     assets = [
         TaskAsset(role=role, asset=f"cabinet_{number:02d}", category="cabinet", joint="door", size=(0.5, 0.6, 0.7),
-                  distance=distance) for number, (role, distance) in enumerate(ROLES.items())
+                  distance=distance, **FRONT) for number, (role, distance) in enumerate(ROLES.items())
     ]  # fmt: skip
     chosen = TaskAssets(task="door", scene="room_1", object="cabinet_1", encoder="hog", assets=assets)
     write_json(results / "experiment" / "b" / "door" / "assets.json", chosen)

@@ -2,6 +2,7 @@
 
 import ast
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +13,7 @@ from scipy.spatial.transform import Rotation
 from stages.articulated.asset_folder import Description, read_asset, read_model, stretch_asset, write_asset
 from stages.articulated.forward_kinematics import closed_box, rebased
 from stages.articulated.model import Link, RobotModel, Visual
-from stages.articulated.panels import read_panels
-from stages.articulated.roles import with_roles
+from stages.articulated.roles import contract_joints, with_roles
 from stages.articulated.stretching import stretched
 from stages.articulated.urdf_reader import read_urdf
 from stages.articulated.urdf_tree import UrdfTree
@@ -21,7 +21,9 @@ from stages.articulated.urdf_writer import write_urdf
 from stages.config.code import closure, source
 from stages.contracts.errors import InputError
 from stages.geometry.frames import rigid
+from stages.procedural.handles import KINDS, PROTRUSION, Style
 from tests.unit.articulated_models import CABINET, textured_box, write_cabinet
+from tests.unit.demo_assets import cabinet
 
 ABOUT = Description("cab", "bottom_cabinet", "CC0-1.0", "test")
 NO_SIMULATOR = ["articulated", "config", "contracts", "extraction", "geometry", "matching", "procedural"]
@@ -90,24 +92,42 @@ def test_a_mass_told_by_hand_scales_mass_and_inertia_of_every_link(tmp_path: Pat
         assert np.allclose(link.inertia, 3 * robot.links[name].inertia)
 
 
-def test_panels_are_bounded_with_what_is_fixed_to_them(tmp_path: Path) -> None:
+def test_fronts_are_measured_with_what_is_fixed_to_them(tmp_path: Path) -> None:
     robot = with_roles(read_urdf(write_cabinet(tmp_path), tmp_path))
-    write_asset(robot, tmp_path / "cab", ABOUT)
-    door, drawer = sorted(read_panels(tmp_path / "cab", {"hinge", "slide"}), key=lambda panel: panel.joint)
-    assert door.area == pytest.approx(0.58 * 0.7, rel=1e-3), "the knob lies before the panel"
-    assert door.height == pytest.approx(0.4, abs=1e-4)
-    assert np.allclose(door.axis, [0, 0, 1]), "turned round to close at 0"
-    assert drawer.area == pytest.approx(0.1 * 0.05, rel=1e-3)
-    assert np.allclose(drawer.axis, [1, 0, 0], atol=1e-6)
-    # the door's own mesh is gone: its knob is what remains; without the knob there is no panel, and no complaint
-    no_door = CABINET.replace('<origin xyz="0.01 -0.29 0"/><geometry><box size="0.02 0.58 0.7"/></geometry>', "")
-    bare = no_door.replace("<visual></visual>", "")
-    (tmp_path / "cab" / "model.urdf").write_text(bare)
-    (knob,) = read_panels(tmp_path / "cab", {"hinge"})
-    assert knob.area == pytest.approx(0.04 * 0.04, rel=0.02)
-    knob_visual = '<visual><geometry><sphere radius="0.02"/></geometry></visual>'
-    (tmp_path / "cab" / "model.urdf").write_text(bare.replace(knob_visual, ""))
-    assert [panel.joint for panel in read_panels(tmp_path / "cab", {"hinge", "slide"})] == ["slide"]
+    asset = write_asset(robot, tmp_path / "cab", ABOUT)
+    door, drawer = asset.joints
+    assert door.panel is not None and drawer.panel is not None
+    assert door.panel.size == pytest.approx((0.58, 0.7), rel=1e-3), "the knob lies before the panel"
+    assert door.panel.height == pytest.approx(0.4 - asset.box_min[2], abs=1e-4)
+    assert drawer.panel.size == pytest.approx((0.1, 0.05), rel=1e-3)
+    assert (door.panel.hinge, drawer.panel.hinge) == ("right", "slide"), "turned round to close at 0"
+    assert (door.handle, door.handle_link) == ("knob", "door_knob")
+    assert (drawer.handle, drawer.handle_link) == (None, None), "nothing stands out of it"
+    # a joint that moves nothing to be seen has no front
+    door_link = robot.links["door"]
+    bare = robot.links | {name: replace(robot.links[name], visuals=[]) for name in ("door", "door_knob")}
+    assert door_link.visuals
+    joints = contract_joints(replace(robot, links=bare))
+    assert [joint.panel is None for joint in joints] == [True, False] and joints[0].handle is None
+
+
+@pytest.mark.parametrize("style", ["bar", "square_bar", "arch", "knob", "edge", "none"])
+@pytest.mark.parametrize("cell", ["door", "drawer"])
+def test_handles_are_told_from_their_shape(style: Style, cell: str, tmp_path: Path) -> None:
+    """What the generator says of its handles is what a measurement says of the same shapes without a description."""
+    told = cabinet(tmp_path / "cab", layout=[[cell]], handle=style, protrusion=PROTRUSION[style])
+    robot = read_urdf(tmp_path / "cab" / "model.urdf", tmp_path / "cab")
+    (measured,) = contract_joints(with_roles(robot))
+    assert (measured.handle, measured.panel) == (told.joints[0].handle, told.joints[0].panel)
+    assert told.joints[0].handle == KINDS[style]
+
+
+@pytest.mark.parametrize(("hinge", "side"), [(1, "right"), (-1, "left")])
+def test_hinge_sides_are_those_seen_from_the_front(hinge: int, side: str, tmp_path: Path) -> None:
+    (joint,) = cabinet(tmp_path / "cab", hinge=hinge).joints
+    assert joint.panel is not None and joint.panel.hinge == side
+    (flap,) = cabinet(tmp_path / "oven", layout=[["flap"]]).joints
+    assert flap.panel is not None and flap.panel.hinge == "bottom"
 
 
 def test_an_assets_urdf_lies_in_its_folder(tmp_path: Path) -> None:
@@ -117,18 +137,18 @@ def test_an_assets_urdf_lies_in_its_folder(tmp_path: Path) -> None:
     }
     (tmp_path / "cab" / "asset.json").write_text(json.dumps(about))
     with pytest.raises(InputError, match=r"asset\.json: .*urdf"):
-        read_panels(tmp_path / "cab", {"hinge"})
+        read_model(tmp_path / "cab")
 
 
 def test_roles_and_handles_survive_stretching(tmp_path: Path) -> None:
     asset = write_asset(with_roles(read_urdf(write_cabinet(tmp_path), tmp_path)), tmp_path / "cab", ABOUT)
     told = json.loads((tmp_path / "cab" / "asset.json").read_text())
-    told["joints"][1] |= {"handle_link": None, "handle": "recessed"}
+    told["joints"][1] |= {"handle_link": "tray", "handle": "edge"}
     (tmp_path / "cab" / "asset.json").write_text(json.dumps(told))
     wide = stretch_asset(tmp_path / "cab", read_asset(tmp_path / "cab"), (0.45, 1.2, 0.925), tmp_path / "wide")
     assert [(joint.name, joint.role, joint.handle_link, joint.handle) for joint in wide.joints] == [
-        ("hinge", "door", "door_knob", None),
-        ("slide", "drawer", None, "recessed"),
+        ("hinge", "door", "door_knob", "knob"),
+        ("slide", "drawer", "tray", "edge"),
     ]
     assert (wide.doors, wide.drawers) == (asset.doors, asset.drawers) == (1, 1)
     assert wide.size == pytest.approx((0.45, 1.2, 0.925), abs=1e-5)

@@ -30,8 +30,8 @@ def test_urdf_is_imported_with_doors_drawers_and_handles(folder: Path, tmp_path:
     assert (asset.id, asset.category, asset.doors, asset.drawers) == ("bottom_cabinet_cab", "bottom_cabinet", 1, 1)
     hinge, slide = asset.joints
     assert (hinge.lower, hinge.upper, hinge.axis) == (0.0, 1.5, (0.0, 0.0, 1.0)), "turned round to close at 0"
-    assert hinge.handle_link == "door_knob"
-    assert (slide.upper, slide.handle_link) == (0.2, "tray")
+    assert (hinge.handle, hinge.handle_link) == ("knob", "door_knob")
+    assert (slide.upper, slide.handle_link) == (0.2, None), "nothing of it stands out"
     assert np.allclose(asset.box_min, (-0.2, -0.3, 0.0), atol=1e-6)
     assert np.allclose(asset.box_max, (0.25, 0.3, 0.925), atol=1e-4)
     assert asset.provenance == "imported: bottom_cabinet/Oak 1/cab.urdf"

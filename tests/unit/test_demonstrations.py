@@ -16,7 +16,7 @@ from stages.contracts.library import LibraryEntry
 from stages.contracts.policies import TaskAsset
 from stages.demonstrations.collect import attempt_seeds, run
 from stages.tasks.api import make_task
-from tests.unit.demo_assets import cabinet
+from tests.unit.demo_assets import FRONT, cabinet
 
 TASK = {"scale_variants": 1, "points": 128, "finger_points": 16, "camera_size": 64}
 
@@ -29,7 +29,13 @@ def experiment(folder: Path, **changes: object) -> dict[str, Path]:
     )
     write_json(folder / "library.json", Library(assets=[entry]))
     twin = TaskAsset(
-        role="twin", asset="cab", category="bottom_cabinet", joint="door_0_joint", size=asset.size, distance=0.0
+        role="twin",
+        asset="cab",
+        category="bottom_cabinet",
+        joint="door_0_joint",
+        size=asset.size,
+        distance=0.0,
+        **FRONT,
     )
     write_json(
         folder / "assets.json", TaskAssets(task="door", scene="s", object="cab_1", encoder="patches", assets=[twin])
@@ -98,7 +104,7 @@ def test_collect_writes_successes_that_replay(tmp_path: Path) -> None:
 
 
 def test_too_few_successes_are_one_line_and_no_file(tmp_path: Path) -> None:
-    inputs = experiment(tmp_path, handle="recessed")
+    inputs = experiment(tmp_path, handle="none")
     out = tmp_path / "out" / "episodes.h5"
     with pytest.raises(InputError, match=r"only 0 of 2 .* \(no_handle 6\)"):
         run(**inputs, role="twin", episodes=2, out=out, task_options=json.dumps(TASK))

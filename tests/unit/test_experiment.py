@@ -5,16 +5,15 @@ from typing import Any
 
 import numpy as np
 import pytest
-import trimesh
 
-from stages.articulated.affordance import target_joint
+from stages.articulated.affordance import Affordance, target_joint
 from stages.config.matching import MatchingConfig
 from stages.contracts import Asset, GeneratedScene, InputError, TaskAssets, read_json, write_json
 from stages.contracts.cousins import Candidate, CategoryMatch, ObjectCousins
 from stages.contracts.distances import Distances
 from stages.contracts.generated import PlacedObject
-from stages.contracts.library import Joint, LibraryEntry
-from stages.experiment.select import choose_cousins
+from stages.contracts.library import FrontPanel, Joint, LibraryEntry
+from stages.experiment.select import choose_cousins, choose_dissimilar
 from stages.experiment.select import run as select
 from stages.matching.distances import distances_to
 from stages.matching.distances import run as distances
@@ -28,32 +27,29 @@ def world(tmp_path_factory: pytest.TempPathFactory) -> World:
     return World(tmp_path_factory.mktemp("experiment"))
 
 
-def write_asset(world: World, name: str, doors: list[tuple[str, float, float, str]], origin: str = "0 0 0") -> Path:
-    """An asset folder whose doors are boxes: (handle or '', width, height of the centre, axis)."""
+Door = tuple[str | None, float, float, str]  # handle, width, height of the centre, hinge
+
+
+def write_asset(world: World, name: str, doors: list[Door], tall: float = 0.4, role: str = "door") -> Path:
+    """An asset folder with the fronts, without meshes: what can be opened is read from asset.json alone."""
     folder = world.folder / "models" / name
     folder.mkdir(parents=True, exist_ok=True)
-    links, joints = '<link name="base"/>', []
-    for number, (handle, width, height, axis) in enumerate(doors):
-        panel = f'<geometry><mesh filename="panel.obj" scale="1 {width} 1"/></geometry>'
-        links += f'<link name="l{number}"><visual><origin xyz="0 0 0.1"/>{panel}</visual></link>'
-        links += f'<joint name="j{number}" type="revolute"><parent link="base"/><child link="l{number}"/>'
-        links += f'<origin xyz="0.2 0 {height - 0.1}" rpy="{origin}"/><axis xyz="{axis}"/>'
-        links += '<limit lower="0" upper="1.57"/></joint>'
-        joints.append(
-            Joint(
-                name=f"j{number}",
-                type="revolute",
-                role="door",
-                parent="base",
-                link=f"l{number}",
-                axis=tuple(float(value) for value in axis.split()),
-                lower=0,
-                upper=1.57,
-                handle_link=handle or None,
-            )
+    joints = [
+        Joint(
+            name=f"j{number}",
+            type="revolute" if role == "door" else "prismatic",
+            role=role,
+            parent="base",
+            link=f"l{number}",
+            axis=(0, 0, 1),
+            lower=0,
+            upper=1.57,
+            handle_link=f"l{number}" if handle else None,
+            handle=handle,
+            panel=FrontPanel(hinge=hinge, height=height, size=(width, tall)),
         )
-    trimesh.creation.box((0.02, 1, 0.4)).export(folder / "panel.obj")
-    (folder / "model.urdf").write_text(f'<robot name="{name}">{links}</robot>')
+        for number, (handle, width, height, hinge) in enumerate(doors)
+    ]
     asset = Asset(
         id=name,
         category=MODELS[name][0],
@@ -61,7 +57,8 @@ def write_asset(world: World, name: str, doors: list[tuple[str, float, float, st
         box_max=(0.2, 0.4, 1.0),
         mass=1,
         joints=joints,
-        doors=len(doors),
+        doors=len(doors) if role == "door" else 0,
+        drawers=len(doors) if role == "drawer" else 0,
         licence="CC0-1.0",
         provenance="test",
         checksum="0",
@@ -70,27 +67,37 @@ def write_asset(world: World, name: str, doors: list[tuple[str, float, float, st
     return folder
 
 
-UP, DOWN, FLAP = "0 0 1", "0 0 -1", "0 1 0"
-
-
 def test_target_joint_is_the_largest_reachable_one(world: World) -> None:
-    def chosen(*doors: tuple[str, float, float, str]) -> str | None:
-        panel = target_joint(write_asset(world, "cabinet_00", list(doors)), "door")
-        return panel.joint if panel else None
+    def chosen(*doors: Door) -> str | None:
+        found = target_joint(write_asset(world, "cabinet_00", list(doors)), "door")
+        return found.joint if found else None
 
-    assert chosen(("h", 0.3, 0.5, UP), ("h", 0.6, 0.5, UP)) == "j1"  # larger
-    assert chosen(("h", 0.3, 0.5, UP), ("", 0.6, 0.5, UP)) == "j0"  # has a handle
-    assert chosen(("h", 0.4, 0.9, UP), ("h", 0.4, 0.6, UP)) == "j1"  # as large, nearer to mid-height
-    assert chosen(("h", 0.4, 0.5, UP), ("h", 0.4, 0.5, DOWN)) == "j0"  # the first by name
-    assert chosen(("h", 0.6, 0.5, FLAP), ("h", 0.3, 0.5, UP)) == "j1"  # a flap is no door
-    assert chosen(("h", 0.6, 0.5, FLAP)) is None and chosen(("", 0.6, 0.5, UP)) is None
-    twin = target_joint(write_asset(world, "cabinet_00", [("h", 0.4, 0.5, DOWN)]), "door")
-    folder = write_asset(world, "cabinet_00", [("h", 0.4, 0.5, UP), ("h", 0.3, 0.5, DOWN)])
-    like = target_joint(folder, "door", twin)
-    assert like is not None and like.joint == "j1"  # turns as the twin's does, and is large enough
-    turned = target_joint(write_asset(world, "cabinet_00", [("h", 0.4, 0.5, "0 -1 0")], "1.5707963 0 0"), "door")
-    assert turned is not None and turned.axis[2] == pytest.approx(-1.0)  # the joint frame is turned, the hinge upright
-    assert target_joint(folder, "drawer") is None
+    assert chosen(("bar", 0.3, 0.5, "left"), ("bar", 0.6, 0.5, "left")) == "j1"  # larger
+    assert chosen(("bar", 0.3, 0.5, "left"), (None, 0.6, 0.5, "left")) == "j0"  # has a handle
+    assert chosen(("bar", 0.4, 0.9, "left"), ("bar", 0.4, 0.6, "left")) == "j1"  # as large, nearer to mid-height
+    assert chosen(("bar", 0.4, 0.5, "left"), ("bar", 0.4, 0.5, "right")) == "j0"  # the first by name
+    assert chosen(("bar", 0.6, 0.5, "bottom"), ("bar", 0.3, 0.5, "left")) == "j1"  # a flap is no door
+    assert chosen(("bar", 0.6, 0.5, "bottom")) is None and chosen((None, 0.6, 0.5, "left")) is None
+    assert target_joint(world.folder / "models" / "cabinet_00", "drawer") is None
+
+
+def test_a_cousin_is_opened_at_the_joint_most_like_the_twins(world: World) -> None:
+    twin = target_joint(write_asset(world, "cabinet_00", [("bar", 0.4, 0.5, "right")]), "door")
+    assert twin is not None
+
+    def chosen(*doors: Door, tall: float = 0.4) -> str:
+        found = target_joint(write_asset(world, "cabinet_00", list(doors), tall), "door", twin)
+        assert found is not None
+        return found.joint
+
+    assert chosen(("bar", 0.4, 0.5, "left"), ("knob", 0.1, 0.1, "right")) == "j1"  # the hinge side before all else
+    assert chosen(("knob", 0.4, 0.5, "right"), ("bar", 0.3, 0.5, "right")) == "j1"  # then the handle
+    assert chosen(("bar", 0.4, 0.8, "right"), ("bar", 0.4, 0.4, "right")) == "j1"  # then height and extents
+    assert chosen(("bar", 0.9, 0.5, "right"), ("bar", 0.45, 0.5, "right")) == "j1"
+    drawers = write_asset(world, "cabinet_00", [("bar", 0.4, 0.2, "slide"), ("bar", 0.4, 0.6, "slide")], role="drawer")
+    low = target_joint(drawers, "drawer", twin._replace(hinge="slide", height=0.1))
+    high = target_joint(drawers, "drawer", twin._replace(hinge="slide", height=0.7))
+    assert low is not None and high is not None and (low.joint, high.joint) == ("j0", "j1")
 
 
 @pytest.fixture(scope="module")
@@ -98,7 +105,7 @@ def experiment(world: World) -> dict[str, Any]:
     """A scene with matched cousins whose assets have doors."""
     for name, (_, _, _, doors, drawers) in MODELS.items():
         if doors + drawers:
-            write_asset(world, name, [("h", 0.4, 0.5, UP)])
+            write_asset(world, name, [("bar", 0.4, 0.5, "left")])
     cousins = world.folder / "cousins.json"
     world.match(cousins, count_threshold=None)
     scene = world.folder / "scene_1.json"
@@ -155,6 +162,40 @@ def test_select_ranks_cousins_by_distance_to_the_twin(world: World, experiment: 
     assert distances == sorted(distances) and distances[0] > 0
     assert len({asset.asset for asset in result.assets}) == 5
     assert {asset.size for asset in result.assets} == {(0.5, 0.8, 0.9)} and {a.joint for a in others} == {"j0"}
+    assert (twin.handle, twin.hinge) == ("bar", "left")
+    assert twin.panel_height == pytest.approx(0.5 * 0.9) and twin.panel_size == pytest.approx((0.4, 0.36))
+
+
+def test_all_assets_leave_out_what_is_held_out_and_dissimilar(
+    world: World, experiment: dict[str, Any], tmp_path: Path
+) -> None:
+    files = experiment | {"distances": alike(world, experiment, "cabinet_1")}
+    select(**files, object="cabinet_1", count=3, held_out=(2,), out=tmp_path / "task.json")
+    result = read_json(TaskAssets, tmp_path / "task.json")
+    roles = {asset.role: asset.asset for asset in result.assets}
+    everything = [asset.asset for asset in result.all_assets]
+    assert everything[0] == roles["twin"] and {roles["cousin_1"], roles["cousin_3"]} <= set(everything)
+    assert not {roles["cousin_2"], roles["dissimilar"]} & set(everything)
+    assert [asset.distance for asset in result.all_assets] == sorted(asset.distance for asset in result.all_assets)
+    broken = result.model_copy(update={"all_assets": [result.assets[-1]]}).model_dump()
+    with pytest.raises(ValueError, match="holds the dissimilar asset"):
+        TaskAssets.model_validate(broken)
+
+
+def test_the_dissimilar_asset_differs_in_shape_and_not_in_its_handle_or_hinge() -> None:
+    left = Affordance("j", "bar", "left", 0.5, 0.5, 0.5)
+    fronts = {
+        "near": left,
+        "knob": left._replace(handle="knob"),
+        "far": left._replace(handle="arch"),
+        "mirrored": left._replace(hinge="right"),
+    }
+    far = {"near": 1.0, "far": 2.0, "knob": 3.0, "mirrored": 4.0}
+    others = list(fronts)
+    assert choose_dissimilar(others, far, fronts, [left]) == "near"
+    assert choose_dissimilar(others, far, fronts, [left, fronts["far"]]) == "far"
+    assert choose_dissimilar(others, far, fronts, [left, fronts["far"], fronts["mirrored"]]) == "mirrored"
+    assert choose_dissimilar(["knob", "mirrored"], far, fronts, [left]) == "knob", "at least the hinge side is known"
 
 
 @pytest.mark.parametrize(

@@ -21,6 +21,7 @@ from stages.policies.checkpoint import save_weights
 from stages.tasks.api import Observation, StepResult
 from stages.training.train import run as train
 from tests.toy_reach import Float, ToyReach, write_store
+from tests.unit.demo_assets import FRONT
 
 
 class ToyTask:
@@ -116,7 +117,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ]
     write_json(folder / "library.json", Library.model_validate({"assets": entries}))
     roles = [
-        TaskAsset(role=role, asset=name, category="cabinet", joint="door", size=(1, 1, 1), distance=distance)
+        TaskAsset(role=role, asset=name, category="cabinet", joint="door", size=(1, 1, 1), distance=distance, **FRONT)
         for role, name, distance in (("twin", "a", 0.0), ("cousin_2", "b", 7.25))
     ]
     everything = [item.model_copy(update={"role": "all"}) for item in roles]

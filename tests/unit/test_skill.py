@@ -213,7 +213,7 @@ def test_a_missed_handle_is_tried_again(door: TaskEnv) -> None:
 
 
 def test_failures_have_causes(tmp_path: Path) -> None:
-    cabinet(tmp_path / "smooth", handle="recessed")
+    cabinet(tmp_path / "smooth", handle="none")
     smooth = make_task("door", tmp_path / "smooth", "door_0_joint", None, OPTIONS, render=False)
     assert attempt(smooth, 0) == Outcome(False, "no_handle")
     smooth.close()

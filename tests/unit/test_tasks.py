@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 import trimesh
 
+from stages.articulated.handle import find_handle
 from stages.config.task import TaskConfig
 from stages.geometry.frames import rigid, yaw_matrix
 from stages.simulation import observation
 from stages.simulation.controller import apply_delta, scale_action
-from stages.simulation.handle import find_handle
 from stages.simulation.kinematics import jacobian, pose_error, track
 from stages.simulation.robot import REST, panda_chain
 from stages.simulation.target import Target

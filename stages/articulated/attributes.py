@@ -1,0 +1,90 @@
+"""What a gripper and a policy meet at a door or drawer: kind of handle, hinge side, place and extents of the front."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import trimesh
+
+from stages.articulated.forward_kinematics import visual_bounds
+from stages.articulated.handle import GRID, Handle, find_handle, front_hits
+from stages.articulated.model import JointModel, Matrix, RobotModel, Visual
+from stages.contracts.library import FrontPanel, HandleKind, HingeSide
+
+AT_EDGE = 0.06  # metres from a side of the panel within which a profile counts as its edge
+MOST_OF_IT = 0.7  # share of the panel's extent that such a profile runs along at least
+BENT = 0.15  # share of an arch's surface that lies deeper than four fifths of how far it stands out; a bar has less
+
+
+def front_panel(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix], floor: float) -> FrontPanel | None:
+    """The front that a joint moves; None if it moves nothing visible (a helper link).
+
+    Args:
+        frames: of the links, everything closed.
+        floor: height of the asset's bottom in the root frame.
+    """
+    links = moved_by(joint, robot.joints)
+    boxes = (visual_bounds(robot.links[link].visuals, frames[link]) for link in links)
+    corners = [box for box in boxes if box is not None]
+    if not corners:
+        return None
+    low, high = np.min(corners, axis=(0, 1)), np.max(corners, axis=(0, 1))
+    middle, size = (low + high) / 2, np.maximum(high - low, 1e-6)
+    return FrontPanel(
+        hinge=_hinge_side(joint, frames[joint.child], middle),
+        height=round(float(middle[2]) - floor, 5),
+        size=(round(float(size[1]), 5), round(float(size[2]), 5)),
+    )
+
+
+def measured_handle(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> HandleKind | None:
+    """The kind of handle on what a joint moves, told from its shape alone; None if nothing stands out."""
+    meshes = [
+        _plain(visual, frames[link]) for link in moved_by(joint, robot.joints) for visual in robot.links[link].visuals
+    ]
+    if not meshes:
+        return None
+    mesh: trimesh.Trimesh = trimesh.util.concatenate(meshes)  # type: ignore[assignment]
+    handle = find_handle(mesh)
+    return None if handle is None else _kind(handle, mesh)
+
+
+def moved_by(joint: JointModel, joints: Sequence[JointModel]) -> list[str]:
+    """The link that a joint moves and all that is fixed to it, such as its handle."""
+    links = [joint.child]
+    for other in joints:  # parents before children
+        if other.type == "fixed" and other.parent in links:
+            links.append(other.child)
+    return links
+
+
+def _plain(visual: Visual, frame: Matrix) -> trimesh.Trimesh:
+    """The shape alone, in the asset frame."""
+    return trimesh.Trimesh(trimesh.transform_points(visual.mesh.vertices, frame), visual.mesh.faces, process=False)
+
+
+def _hinge_side(joint: JointModel, frame: Matrix, middle: Matrix) -> HingeSide:
+    """The side of the panel (its middle given, asset frame) that the axis runs along; the front faces +x."""
+    if joint.type == "prismatic":
+        return "slide"
+    across, up = (frame[:3, 3] - middle)[1:]
+    upright = np.argmax(np.abs(frame[:3, :3] @ joint.axis)) == 2
+    if upright:
+        return "right" if across > 0 else "left"  # +y is on the right of someone who looks along -x
+    return "top" if up > 0 else "bottom"
+
+
+def _kind(handle: Handle, panel: trimesh.Trimesh) -> HandleKind:
+    if not handle.elongated:
+        return "knob"
+    along = int(np.argmax(np.abs(handle.axis)))
+    across = 3 - along  # of y and z, the other one
+    low, high = panel.bounds
+    beside = min(handle.position[across] - low[across], high[across] - handle.position[across])
+    if beside < AT_EDGE and handle.length > MOST_OF_IT * (high - low)[along]:
+        return "edge"
+    hits = front_hits(panel)
+    near = np.abs(hits[:, across] - handle.position[across]) < max(GRID, handle.width / 4)
+    depth = (hits[near, 0] - handle.position[0]) / handle.protrusion + 1.0  # 0 at the panel, 1 at the foremost surface
+    standing = depth > 0.15
+    bent = standing & (depth < 0.8)
+    return "arch" if bent.sum() > BENT * standing.sum() else "bar"
