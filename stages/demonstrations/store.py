@@ -54,7 +54,7 @@ def write_episodes(path: Path, header: StoreHeader, episodes: Sequence[RecordedE
     """Write a store atomically; the same episodes give the same bytes.
 
     Layout: `data/demo_i/{obs/point_cloud (T, P, 4) float16, obs/proprio (T, 9) float32, actions and executed (T, 7)
-    float32, joint (T,) float32, rewards (T,) float32 and dones (T,) uint8: 1 at the end}`, uncompressed so that training
+    float32, joint (T,) float32, rewards (T,) float32, dones (T,) uint8: 1 at the end}`, uncompressed so that training
     can map it; attributes as in robomimic, which reads the file as it is.
     """
     env_args = {
