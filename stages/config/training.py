@@ -58,6 +58,13 @@ class TrainingRun(Section):
     jitter: float = Field(0.01, ge=0, description="standard deviation per point and axis, metres (official: 0.01)")
     jitter_clip: float = Field(0.015, ge=0, description="largest jitter, metres (official: 0.015)")
     jitter_probability: float = Field(0.1, ge=0, le=1, description="per sequence (official: 0.1, switched off)")
+    mirror: float = Field(
+        0.0,
+        ge=0,
+        le=1,
+        description="probability that a sequence is reflected, y to -y in the robot base frame: cloud, hand and action "
+        "(not in the paper)",
+    )
 
     # Data, checkpoints, logs
     validation_fraction: float = Field(0.1, ge=0, lt=1, description="episodes kept for validation (official: 0.1)")

@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -33,6 +33,12 @@ class DemonstrationSet:
     task: str
     task_options: TaskConfig
     digest: str
+
+    def on(self, device: str) -> "DemonstrationSet":
+        """The same with its frames on a device, where batches are then put together."""
+        return replace(
+            self, clouds=self.clouds.to(device), proprio=self.proprio.to(device), actions=self.actions.to(device)
+        )
 
 
 @dataclass(frozen=True)
@@ -114,11 +120,12 @@ def windows(data: DemonstrationSet, episodes: Sequence[int], horizon: int, strid
 
 def gather(data: DemonstrationSet, frames: Indices, real: Mask, points: int, random: torch.Generator) -> Batch:
     """Sequences of `frames` (B, T), each seeing its own random `points` of the P points of every cloud."""
-    index = torch.from_numpy(frames)
-    available = data.clouds.shape[1]
+    device, available = data.clouds.device, data.clouds.shape[1]
+    index = torch.from_numpy(frames).to(device)
     if points < available:
-        subset = torch.rand((len(index), available), generator=random).argsort(1)[:, :points]
+        subset = torch.rand((len(index), available), generator=random).argsort(1)[:, :points].to(device)
         clouds = data.clouds[index[:, :, None], subset[:, None, :]]
     else:
         clouds = data.clouds[index]
-    return Batch(clouds.float(), data.proprio[index], data.actions[index], torch.from_numpy(real).float())
+    weights = torch.from_numpy(real).to(device).float()
+    return Batch(clouds.float(), data.proprio[index], data.actions[index], weights)

@@ -13,7 +13,7 @@ from stages.cli import progress
 from stages.config.training import TrainingRun
 from stages.policies import TrainablePolicy
 from stages.policies.checkpoint import save_weights
-from stages.training.augment import augment
+from stages.training.augment import augment, mirror_some
 from stages.training.dataset import Batch, DemonstrationSet, gather, split_episodes, windows
 from stages.training.logbook import Line
 from stages.training.state import TrainingState
@@ -24,12 +24,11 @@ VALIDATION_SEQUENCES = 256
 
 @dataclass(frozen=True)
 class Setting:
-    """What a training run works on."""
+    """What a training run works on; the frames of `data` are where the network is."""
 
     run: TrainingRun
     data: DemonstrationSet
     seed: int
-    device: str
     work: Path
 
 
@@ -60,7 +59,8 @@ def optimise(policy: TrainablePolicy, state: TrainingState, setting: Setting, lo
             group["lr"] = learning_rate(step, run)
         random = generator(setting.seed, step)
         chosen = torch.randint(len(frames), (run.batch_size,), generator=random).numpy()
-        batch = to_device(gather(data, frames[chosen], real[chosen], run.network.points, random), setting.device)
+        batch = gather(data, frames[chosen], real[chosen], run.network.points, random)
+        batch = mirror_some(batch, run.mirror, random)
         clouds, proprio = augment(batch.clouds, batch.proprio, run, random)
         loss, _ = policy.loss(clouds, proprio, batch.actions, batch.weights)
         state.optimiser.zero_grad()
@@ -95,7 +95,7 @@ def validation_batches(setting: Setting, episodes: list[int]) -> Iterator[Batch]
     even = np.linspace(0, len(frames) - 1, min(len(frames), VALIDATION_SEQUENCES)).astype(int)
     random = generator(setting.seed, 2**31)
     for part in np.array_split(even, -(-len(even) // run.batch_size)):
-        yield to_device(gather(setting.data, frames[part], real[part], run.network.points, random), setting.device)
+        yield gather(setting.data, frames[part], real[part], run.network.points, random)
 
 
 @torch.no_grad()
@@ -107,10 +107,3 @@ def validate(policy: TrainablePolicy, batches: list[Batch]) -> dict[str, float]:
     weights = torch.stack([batch.weights.sum() for batch in batches])
     loss, error = (torch.stack(results) * weights[:, None]).sum(0) / weights.sum()
     return {"validation_loss": round(loss.item(), 5), "validation_error": round(error.item(), 5)}
-
-
-def to_device(batch: Batch, device: str) -> Batch:
-    """The batch where the network is."""
-    if device == "cpu":
-        return batch
-    return Batch(*(tensor.to(device) for tensor in (batch.clouds, batch.proprio, batch.actions, batch.weights)))

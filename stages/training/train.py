@@ -58,7 +58,7 @@ def run(
         raise InputError(
             "training.network.points", f"is {hyper.network.points}, but the clouds have {data.clouds.shape[1]} points."
         )
-    setting = Setting(hyper, data, seed, device, work=out.parent / f"{out.name}.work")
+    setting = Setting(hyper, data.on(device), seed, work=out.parent / f"{out.name}.work")
     training, validation = split_episodes(data, hyper.validation_fraction, seed)
     policy = make_policy(hyper)
     policy.fit(data.clouds, data.proprio, frames_of(data, training))

@@ -15,7 +15,7 @@ from stages.contracts.policy_folder import read_config
 from stages.policies import make_policy
 from stages.policies.checkpoint import load_policy
 from stages.training import loop
-from stages.training.augment import augment
+from stages.training.augment import augment, mirror_some
 from stages.training.dataset import gather, read_demonstrations, split_episodes, windows
 from stages.training.state import TrainingState, copy_weights
 from stages.training.train import frames_of
@@ -227,7 +227,7 @@ def test_gradients_are_clipped(store: Path, tmp_path: Path) -> None:
         before = copy_weights(policy.state_dict())
         optimiser = torch.optim.AdamW(policy.parameters(), weight_decay=0.0)
         state = TrainingState(optimiser, fingerprint="")
-        loop.optimise(policy, state, loop.Setting(run, data, 0, "cpu", tmp_path), lambda line: None)
+        loop.optimise(policy, state, loop.Setting(run, data, 0, tmp_path), lambda line: None)
         return max(float((after - before[name]).abs().max()) for name, after in policy.state_dict().items())
 
     assert largest_change(1e-12) < 1e-6 < 1e-5 < largest_change(1.0)
@@ -241,3 +241,14 @@ def test_the_normaliser_knows_training_episodes_alone(store: Path) -> None:
     used = data.proprio[torch.cat([frames[0], frames[2]])]
     torch.testing.assert_close(policy.proprio_mean, used.mean(0))
     torch.testing.assert_close(policy.proprio_std, used.std(0).clamp_min(1e-3))
+
+
+def test_batches_are_put_together_where_the_frames_are(store: Path) -> None:
+    """Random numbers come from the host: `meta` stands for any device but the host, and refuses to be mixed with it."""
+    data = read_demonstrations([store], 2).on("meta")
+    frames, real = windows(data, [0, 1], 5, 5)
+    random = torch.Generator().manual_seed(0)
+    batch = mirror_some(gather(data, frames, real, 20, random), 0.5, random)
+    clouds, proprio = augment(batch.clouds, batch.proprio, TrainingRun(jitter_probability=1), random)
+    assert clouds.device.type == proprio.device.type == batch.actions.device.type == batch.weights.device.type == "meta"
+    assert clouds.shape == (len(frames), 5, 20, 4)

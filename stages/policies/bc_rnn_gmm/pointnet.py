@@ -15,6 +15,10 @@ from torch.nn import functional
 CHUNK_ELEMENTS = {"cpu": 2**18, "cuda": 2**27}  # activations per chunk: 1 MB of float32 fits a core's L2 cache
 
 
+# torch's own linear layer goes to MKL, which takes twice the time of oneDNN on AMD processors (docs/benchmarks.md).
+ONEDNN = torch.backends.mkldnn.is_available() and hasattr(torch.ops.mkldnn, "_linear_pointwise")
+
+
 class PointNet(nn.Module):
     """Shared MLP over points, max-pool, ReLU: (N, P, 4) clouds -> (N, width) features.
 
@@ -69,9 +73,21 @@ class PointNet(nn.Module):
                 x = layer(functional.gelu(x))
         return x.float()
 
+    def _onednn_mlp(self, points: Tensor, weight: Tensor, bias: Tensor) -> Tensor:
+        """`_mlp` by oneDNN, each GELU fused with its layer."""
+        fused = torch.ops.mkldnn._linear_pointwise
+        for layer in self.rest:
+            assert isinstance(layer, nn.Linear)
+            points = fused(points, weight, bias, "gelu", [], "none")
+            weight, bias = layer.weight, layer.bias
+        result: Tensor = fused(points, weight, bias, "none", [], "")
+        return result
+
+    @torch.no_grad()
     def _winners(self, clouds: Tensor) -> tuple[Tensor, Tensor]:
-        """Max over points and its index, both (N, width), chunk by chunk."""
+        """Max over points and its index, both (N, width), chunk by chunk; without gradient."""
         weight, bias = self._folded()
         size = max(1, CHUNK_ELEMENTS[clouds.device.type] // (clouds.shape[1] * len(bias)))
-        pooled = [self._mlp(chunk, weight, bias).max(dim=1) for chunk in clouds.split(size)]
+        mlp = self._onednn_mlp if ONEDNN and clouds.device.type == "cpu" and not self.bf16 else self._mlp
+        pooled = [mlp(chunk, weight, bias).max(dim=1) for chunk in clouds.split(size)]
         return torch.cat([chunk.values for chunk in pooled]), torch.cat([chunk.indices for chunk in pooled])
