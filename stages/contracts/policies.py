@@ -92,6 +92,8 @@ class Attempt(Contract):
     cause: Id = Field(
         description="'success' or where it failed: no_handle, no_plan, approach, converge, grasp_slip, ..."
     )
+    recovery: Literal["push", "miss"] | None = Field(None, description="what the hand was made to recover from")
+    retries: Count = Field(0, description="how often the skills tried again after a miss")
     steps: Count
     opened: Finite = Field(ge=-10, le=10, description="fraction of the target joint's range at the end")
     episode: Count | None = Field(None, description="index in episodes.h5 if kept")

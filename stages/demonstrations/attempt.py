@@ -7,19 +7,20 @@ import numpy as np
 
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.demonstrations.film import Taken
+from stages.demonstrations.recovery import draw_disturbance
 from stages.demonstrations.store import RecordedEpisode
 from stages.plugins import load
-from stages.skills import Float, Outcome, SkillProtocol
+from stages.skills import FAR, Float, Outcome, SkillProtocol
 from stages.tasks.api import TaskEnv
 
 PROGRESS_SECONDS = 5.0
 
 
 class Recorder:
-    """Runs attempts on a task by the skills of its chain; the first `film` successes are filmed."""
+    """Runs attempts on a task by the skills of its chain; the first `film` successes (or any attempts) are filmed."""
 
-    def __init__(self, task: TaskEnv, options: DemonstrationsConfig, film: int = 0) -> None:
-        self.task, self.options, self.film = task, options, film
+    def __init__(self, task: TaskEnv, options: DemonstrationsConfig, film: int = 0, failures: bool = False) -> None:
+        self.task, self.options, self.film, self.failures = task, options, film, failures
         self.taken: list[Taken] = []
         self.skills: list[SkillProtocol] = [load("skills", name)(task, options) for name in task.task.skills]
         self._started = self._reported = time.monotonic()
@@ -30,11 +31,18 @@ class Recorder:
         task.place(seed)
         filming = len(self.taken) < self.film
         rng = np.random.default_rng((seed, 1))
+        disturbance = draw_disturbance(np.random.default_rng((seed, 2)), self.options.recovery)
+        speed = np.random.default_rng((seed, 3)).uniform(*self.options.approach_speed)
+        episode.recovery = disturbance.kind if disturbance else None
 
-        def act(action: Float, noisy: bool) -> None:
+        def act(action: Float, noisy: bool, ahead: float = FAR) -> None:
+            if ahead < FAR:
+                action = np.append(action[:6] * np.float32(speed), action[6:])
             executed = action.copy()
             if noisy and self.options.noise > 0:
                 executed[:3] += rng.normal(0, self.options.noise, 3) / task.options.position_step
+            if disturbance:
+                executed = disturbance.applied(executed, ahead)
             episode.add(task.observe(), action, executed, task.opened)
             if filming:
                 moments.append(task.moment())
@@ -47,7 +55,7 @@ class Recorder:
                 break
         if outcome.success and not task.success:
             outcome = Outcome(False, "not_successful")
-        if filming and outcome.success:
+        if filming and (outcome.success or self.failures):
             moments.append(task.moment())
             clouds = [*episode.point_clouds, task.observe()["point_cloud"]]
             self.taken.append(Taken(seed, task.opened, task.recording(moments), clouds))

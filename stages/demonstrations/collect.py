@@ -65,6 +65,8 @@ def run(
                 seed=attempt_seed,
                 success=outcome.success,
                 cause=outcome.cause,
+                recovery=episode.recovery,
+                retries=outcome.retries,
                 steps=len(episode.actions),
                 opened=round(task.opened, 4),
                 episode=len(kept) - 1 if outcome.success else None,

@@ -20,9 +20,10 @@ ROBOMIMIC_GYM = 2  # robomimic's EnvType.GYM_TYPE
 @dataclass
 class RecordedEpisode:
     """What is recorded of one attempt: observations before each action, the clean action, the one that was executed
-    (they differ by the noise; the executed ones replay the episode), how far the joint was open."""
+    (they differ by noise and disturbance; the executed ones replay the episode), how far the joint was open."""
 
     seed: int
+    recovery: str | None = None  # what it had to recover from
     point_clouds: list[Float] = field(default_factory=list)
     proprios: list[Float] = field(default_factory=list)
     actions: list[Float] = field(default_factory=list)
@@ -54,8 +55,8 @@ def write_episodes(path: Path, header: StoreHeader, episodes: Sequence[RecordedE
     """Write a store atomically; the same episodes give the same bytes.
 
     Layout: `data/demo_i/{obs/point_cloud (T, P, 4) float16, obs/proprio (T, 9) float32, actions and executed (T, 7)
-    float32, joint (T,) float32, rewards (T,) float32, dones (T,) uint8: 1 at the end}`, uncompressed so that training
-    can map it; attributes as in robomimic, which reads the file as it is.
+    float32, joint (T,) float32, rewards (T,) float32 and dones (T,) uint8: 1 at the end}`, uncompressed so that
+    training can map it; attributes as in robomimic, which reads the file as it is.
     """
     env_args = {
         "env_name": header.environment,
@@ -74,6 +75,7 @@ def write_episodes(path: Path, header: StoreHeader, episodes: Sequence[RecordedE
             group.attrs["num_samples"] = len(episode.actions)
             group.attrs["seed"] = episode.seed
             group.attrs["asset"] = header.asset
+            group.attrs["recovery"] = episode.recovery or "none"
             last = np.arange(len(episode.actions)) == len(episode.actions) - 1
             for name, values, dtype in (
                 ("obs/point_cloud", episode.point_clouds, np.float16),

@@ -4,7 +4,6 @@
 must not touch; `articulate.py` and `handle_grasp.py` are what Open and Close share.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
@@ -16,7 +15,20 @@ if TYPE_CHECKING:
     from stages.tasks.api import TaskEnv
 
 Float = NDArray[np.float32]
-Act = Callable[[Float, bool], None]  # executes and records one action (7,); whether noise may disturb it
+FAR = float("inf")
+
+
+class Act(Protocol):
+    """Executes one action and records it."""
+
+    def __call__(self, action: Float, noisy: bool, ahead: float = FAR) -> None:
+        """Do `action` (7,).
+
+        Args:
+            noisy: whether noise may be added to what is executed.
+            ahead: metres that the hand still has to go to a grasp, if that is where it goes: what may be disturbed.
+        """
+        ...
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,6 @@ from stages.skills.rollout import Stretch, first_feasible
 from stages.tasks.api import TaskEnv
 
 LOST = 0.06  # hand this far off the path of the handle has lost it, metres
-HALF_CLOSED = 0.7 * GRIPPER_OPEN  # finger joints below this are no way to approach a handle
 FINAL = ("no_handle", "no_plan", "timeout", "ungrasp")  # no use in another try
 
 
@@ -136,9 +135,9 @@ class ArticulateSkill:
         path = np.concatenate([plan.approach, plan.converge[1:]])
 
         def watch(hand: Array) -> str:
-            return "closed" if motion.fingers < HALF_CLOSED else ""
+            return "" if motion.open else "closed"
 
-        cause, pursuit = motion.reach(path, self.options.approach_lookahead, OPEN, watch)
+        cause, pursuit = motion.reach(path, self.options.approach_lookahead, OPEN, watch, grasping=True)
         if cause == "stall":
             return "approach" if pursuit.nearest < len(plan.approach) else "converge"
         return cause or ("" if motion.grasp() else "grasp")

@@ -5,13 +5,15 @@ from collections.abc import Callable
 import numpy as np
 
 from stages.simulation.kinematics import Array, pose_error
-from stages.skills import Act
+from stages.simulation.robot import GRIPPER_OPEN
+from stages.skills import FAR, Act
 from stages.skills.path import Pursuit, straight
 from stages.tasks.api import TaskEnv
 
 OPEN, CLOSED = 1.0, -1.0  # of the gripper's action
 ARRIVED = (0.008, 0.1)  # metres and radians from its goal at which the hand has arrived
 CLOSE_STEPS, OPEN_STEPS = 3, 2
+NEARLY_OPEN = 0.7 * GRIPPER_OPEN
 EMPTY = 0.001  # finger joints below this hold nothing, metres
 STALL_STEPS = 8  # steps without progress that mean failure
 
@@ -50,14 +52,14 @@ class Motion:
         """Whether the fingers are closed on nothing."""
         return self.fingers < EMPTY
 
-    def step(self, aim: Array, gripper: float, noisy: bool = True) -> None:
+    def step(self, aim: Array, gripper: float, noisy: bool = True, ahead: float = FAR) -> None:
         """One action towards `aim` (4, 4), base frame, scaled to the limits of a step without turning aside."""
         options = self.task.options
         delta = pose_error(aim[None], self.task.reference()[None])[0]
         action = np.concatenate([delta[:3] / options.position_step, delta[3:] / options.rotation_step])
         largest = max(np.abs(action[:3]).max(), np.linalg.norm(action[3:]))
         action = action / max(1.0, largest)
-        self.act(np.append(action, gripper).astype(np.float32), noisy)
+        self.act(np.append(action, gripper).astype(np.float32), noisy, ahead)
 
     def hold(self, gripper: float, steps: int) -> bool:
         """Stand still while the gripper moves; False if time runs out."""
@@ -75,8 +77,16 @@ class Motion:
         """Open the gripper; False if time runs out."""
         return self.hold(OPEN, OPEN_STEPS)
 
-    def follow(self, pursuit: Pursuit, gripper: float, watch: Callable[[Array], str]) -> str:
+    @property
+    def open(self) -> bool:
+        """Whether the fingers are far enough apart to approach something."""
+        return self.fingers > NEARLY_OPEN
+
+    def follow(self, pursuit: Pursuit, gripper: float, watch: Callable[[Array], str], grasping: bool = False) -> str:
         """Follow a path until `watch`, given the pose (4, 4) of the hand before every step, returns a word.
+
+        Args:
+            grasping: whether the path leads to a grasp, so that demonstrations may disturb it.
 
         Returns:
             That word, or 'timeout'.
@@ -87,11 +97,16 @@ class Motion:
             word = watch(hand)
             if word:
                 return word
-            self.step(aim, gripper)
+            self.step(aim, gripper, ahead=pursuit.left if grasping else FAR)
         return "timeout"
 
     def reach(
-        self, path: Array, lookahead: float, gripper: float, watch: Callable[[Array], str] = lambda hand: ""
+        self,
+        path: Array,
+        lookahead: float,
+        gripper: float,
+        watch: Callable[[Array], str] = lambda hand: "",
+        grasping: bool = False,
     ) -> tuple[str, Pursuit]:
         """Follow a path (K, 4, 4) to its end, unless `watch` returns a word before.
 
@@ -107,12 +122,15 @@ class Motion:
                 return "arrived"
             return watch(hand) or ("stall" if stall(pursuit.progress - position) else "")
 
-        word = self.follow(pursuit, gripper, arriving)
+        word = self.follow(pursuit, gripper, arriving, grasping)
         return "" if word == "arrived" else word, pursuit
 
     def retreat(self, length: float, gripper: float = OPEN) -> str:
-        """Back off by `length` metres along the fingers; '', 'stall' or 'timeout'."""
+        """Back off by `length` metres along the fingers and open them; '', 'stall' or 'timeout'."""
         start = self.task.hand()
         end = start.copy()
         end[:3, 3] -= length * start[:3, 2]
-        return self.reach(straight(start, end), length, gripper)[0]
+        word, _ = self.reach(straight(start, end), length, gripper)
+        while gripper == OPEN and not self.open and not self.out_of_time:
+            self.hold(OPEN, 1)
+        return word

@@ -70,3 +70,8 @@ class Pursuit:
     def progress(self) -> float:
         """Length of the path already behind the hand."""
         return float(self.length[self.nearest])
+
+    @property
+    def left(self) -> float:
+        """Length of the path still ahead of the hand."""
+        return float(self.length[-1]) - self.progress

@@ -10,8 +10,9 @@ from stages.config.demonstrations import DemonstrationsConfig
 from stages.config.task import TaskConfig
 from stages.contracts.errors import InputError
 from stages.demonstrations.attempt import Recorder
+from stages.demonstrations.recovery import draw_disturbance
 from stages.geometry.frames import rigid, yaw_matrix
-from stages.skills import Act, Outcome
+from stages.skills import FAR, Act, Outcome
 from stages.skills.articulate import plan_articulation
 from stages.skills.clearance import Surroundings
 from stages.skills.close import CloseSkill
@@ -32,9 +33,13 @@ def door(tmp_path_factory: pytest.TempPathFactory) -> TaskEnv:
     return make_task("door", folder, "door_0_joint", None, OPTIONS, render=False)
 
 
+def act_of(task: TaskEnv) -> Act:
+    return lambda action, noisy, ahead=FAR: task.act(action)
+
+
 def attempt(task: TaskEnv, seed: int) -> Outcome:
     task.place(seed)
-    return OpenSkill(task, DemonstrationsConfig(noise=0.0)).run(lambda action, noisy: task.act(action))
+    return OpenSkill(task, DemonstrationsConfig(noise=0.0)).run(act_of(task))
 
 
 def test_an_unknown_task_or_joint_is_one_clear_line(tmp_path: Path) -> None:
@@ -185,10 +190,6 @@ def test_doors_and_drawers_are_opened(door: TaskEnv, tmp_path: Path) -> None:
     drawer.close()
 
 
-def act_of(task: TaskEnv) -> Act:
-    return lambda action, noisy: task.act(action)
-
-
 def test_what_was_opened_is_closed_again(door: TaskEnv) -> None:
     assert attempt(door, 1).success
     opened = door.opened
@@ -203,7 +204,7 @@ def test_a_missed_handle_is_tried_again(door: TaskEnv) -> None:
     door.place(2)
     moved = 0
 
-    def act(action: np.ndarray, noisy: bool) -> None:
+    def act(action: np.ndarray, noisy: bool, ahead: float = FAR) -> None:
         nonlocal moved
         moved += 1
         door.act(np.array([*np.zeros(6), -1.0], np.float32) if 5 <= moved < 9 else action)
@@ -273,7 +274,7 @@ def test_what_is_recorded_is_the_clean_action_and_what_is_executed_is_not(
 
     def attempted(noise: float) -> tuple[np.ndarray, np.ndarray]:
         executed.clear()
-        episode, outcome = Recorder(door, DemonstrationsConfig(noise=noise)).attempt(5)
+        episode, outcome = Recorder(door, DemonstrationsConfig(noise=noise, recovery=0.0)).attempt(5)
         assert outcome.success
         return np.array(episode.actions), np.array(executed)
 
@@ -287,3 +288,34 @@ def test_what_is_recorded_is_the_clean_action_and_what_is_executed_is_not(
     assert 0.06 < gap[moving, :3].std() < 0.14  # 5 mm of steps of 5 cm
     assert np.abs(recorded[:, :3]).max() <= 1.0 + 1e-6
     assert not moving[-2:].any()  # it lets go without noise
+
+
+@pytest.mark.parametrize(("kind", "seed"), [("push", 7), ("miss", 3)])
+def test_a_disturbed_attempt_shows_what_to_do_and_not_what_went_wrong(door: TaskEnv, kind: str, seed: int) -> None:
+    episode, outcome = Recorder(door, DemonstrationsConfig(noise=0.0, recovery=1.0)).attempt(seed)
+    assert outcome.success and episode.recovery == kind
+    meant, executed = np.array(episode.actions), np.array(episode.executed)
+    wrong = (meant != executed).any(axis=1)
+    assert 2 <= wrong.sum() <= 9
+    first, last = np.flatnonzero(wrong)[[0, -1]]
+    assert last - first < 9 and last < len(meant) - 6  # a burst, before the grasp
+    fingers = np.array(episode.proprios)[:, 7:].max(axis=1)
+    if kind == "push":
+        assert outcome.retries == 0
+        return
+    assert outcome.retries >= 1 and fingers[last + 1] < 0.001  # shut on nothing
+    shut = np.flatnonzero(fingers[: last + 2] < 0.02)
+    assert (meant[shut, 6] > 0).all(), "shut too early, the skill wants them open"
+    assert meant[shut, 0].min() < -0.2, "and backs off"
+
+
+def test_some_attempts_are_disturbed_by_their_seed_and_some_approach_slowly(door: TaskEnv) -> None:
+    recorder = Recorder(door, DemonstrationsConfig(noise=0.0, recovery=0.4, approach_speed=(0.4, 0.6)))
+    drawn = [draw_disturbance(np.random.default_rng((seed, 2)), 0.4) for seed in range(400)]
+    kinds = [item.kind if item else None for item in drawn]
+    assert 40 < kinds.count("push") < 120 and 40 < kinds.count("miss") < 120
+    calm = kinds.index(None)
+    slow, _ = recorder.attempt(calm)
+    fast, _ = Recorder(door, DemonstrationsConfig(noise=0.0, recovery=0.0)).attempt(calm)
+    assert slow.recovery is None and len(slow.actions) > len(fast.actions) + 3
+    assert np.abs(np.array(slow.actions)[:5, :3]).max() <= 0.6 < np.abs(np.array(fast.actions)[:5, :3]).max()

@@ -1,0 +1,153 @@
+"""How often the Open skill succeeds over a whole library, and where it fails: `python -m benchmarks.skill_yield`.
+
+Every asset with a joint for the task is tried with a few seeds, each at its own size, without a camera; flaps as well,
+which the task itself does not choose. attempts.csv has a line per attempt and grows: the same command goes on where it
+was stopped. summary.md counts by handle, hinge and category; films/ shows failures.
+"""
+
+import argparse
+import csv
+from collections import Counter, defaultdict
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from stages.articulated.asset_folder import read_asset
+from stages.config.demonstrations import DemonstrationsConfig
+from stages.config.task import TaskConfig
+from stages.contracts import Library, read_json
+from stages.demonstrations.attempt import Recorder
+from stages.demonstrations.film import write_demonstration_films
+from stages.plugins import load
+from stages.tasks.api import TaskEnv, make_task
+
+FIELDS = [
+    "asset",
+    "category",
+    "joint",
+    "handle",
+    "hinge",
+    "seed",
+    "success",
+    "cause",
+    "retries",
+    "steps",
+    "opened",
+    "seconds",
+]
+FIRST_SEED = 900_000  # nothing else uses these
+
+
+def hinge_of(task: TaskEnv) -> str:
+    """Where the hinge is, seen from the front; 'slide' for a drawer."""
+    target = task.env.target
+    if not target.revolute:
+        return "slide"
+    if abs(target.axis[2]) > 0.5:
+        return "left" if target.side > 0 else "right"
+    return "bottom" if target.origin[2] < target.reference[2] else "top"
+
+
+def joints(folder: Path, task: str) -> list[str]:
+    """The joint that the task chooses, and the first flap beside it."""
+    chosen = load("tasks", task).target_joint(folder)
+    names = [chosen.joint] if chosen else []
+    if task == "door" and not names:
+        names += [joint.name for joint in read_asset(folder).joints if joint.role == "door" and joint.handle_link][:1]
+    return names
+
+
+def attempts(folder: Path, task: str, joint: str, seeds: list[int], options: DemonstrationsConfig) -> Iterator[Any]:
+    """A line of the ledger per seed."""
+    asset = read_asset(folder)
+    world = make_task(task, folder, joint, None, TaskConfig(), render=False)
+    handle = next(item.handle for item in asset.joints if item.name == joint)
+    recorder = Recorder(world, options)
+    for seed in seeds:
+        episode, outcome = recorder.attempt(seed)
+        yield {
+            "asset": asset.id,
+            "category": asset.category,
+            "joint": joint,
+            "handle": handle,
+            "hinge": hinge_of(world),
+            "seed": seed,
+            "success": int(outcome.success),
+            "cause": outcome.cause,
+            "retries": outcome.retries,
+            "steps": len(episode.actions),
+            "opened": round(world.opened, 3),
+        }
+    world.close()
+
+
+def summary(rows: list[dict[str, str]]) -> str:
+    """Yield and causes as markdown tables, the worst assets last."""
+    lines = [f"{sum(int(row['success']) for row in rows)} of {len(rows)} attempts succeeded.", ""]
+    for key in ("handle", "hinge", "category", "asset"):
+        groups: dict[str, list[dict[str, str]]] = defaultdict(list)
+        for row in rows:
+            groups[row[key]].append(row)
+        lines += [f"| {key} | assets | successes | attempts | yield | causes |", "|---|---|---|---|---|---|"]
+        for name, group in sorted(groups.items()):
+            good = sum(int(row["success"]) for row in group)
+            if key == "asset" and good > 0.7 * len(group):
+                continue
+            causes = Counter(row["cause"] for row in group if row["success"] == "0")
+            told = ", ".join(f"{cause} {count}" for cause, count in causes.most_common())
+            assets = len({row["asset"] for row in group})
+            lines.append(f"| {name} | {assets} | {good} | {len(group)} | {good / len(group):.0%} | {told} |")
+        lines.append("")
+    return "\n".join(lines)
+
+
+def film(models: Path, task: str, row: dict[str, str], options: DemonstrationsConfig, out: Path) -> None:
+    """Films of one failed attempt, as it was."""
+    world = make_task(task, models / row["asset"], row["joint"], None, TaskConfig(), render=True)
+    recorder = Recorder(world, options, film=1, failures=True)
+    recorder.attempt(int(row["seed"]))
+    write_demonstration_films(out, recorder.taken, "twin", row["asset"], world.options.control_frequency)
+    world.close()
+
+
+def main() -> None:
+    """Command line."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--library", type=Path, default=Path("results/assets/library/library.json"))
+    parser.add_argument("--task", default="door")
+    parser.add_argument("--attempts", type=int, default=3, help="seeds per asset")
+    parser.add_argument("--recovery", type=float, default=0.0, help="as demonstrations.recovery")
+    parser.add_argument("--only", default="", help="part of an asset's name")
+    parser.add_argument("--films", type=int, default=0, help="failures to film")
+    parser.add_argument("--out", type=Path, required=True)
+    given = parser.parse_args()
+    options = DemonstrationsConfig(recovery=given.recovery)
+    given.out.mkdir(parents=True, exist_ok=True)
+    ledger = given.out / "attempts.csv"
+    rows = list(csv.DictReader(ledger.open())) if ledger.exists() else []
+    seen = {(row["asset"], row["joint"], int(row["seed"])) for row in rows}
+    with ledger.open("a", newline="") as file:
+        writer = csv.DictWriter(file, FIELDS)
+        if not rows:
+            writer.writeheader()
+        for entry in read_json(Library, given.library).assets:
+            if not entry.doors + entry.drawers or given.only not in entry.id:
+                continue
+            folder = given.library.parent / entry.folder
+            for joint in joints(folder, given.task):
+                seeds = [FIRST_SEED + number for number in range(given.attempts)]
+                seeds = [seed for seed in seeds if (entry.id, joint, seed) not in seen]
+                for row in attempts(folder, given.task, joint, seeds, options) if seeds else ():
+                    writer.writerow(row)
+                    file.flush()
+    rows = list(csv.DictReader(ledger.open()))
+    (given.out / "summary.md").write_text(summary(rows))
+    print(summary(rows))
+    failed = [row for row in rows if row["success"] == "0" and int(row["steps"])]
+    models = given.library.parent / "models"
+    for row in failed[: given.films]:
+        film(models, given.task, row, options, given.out / "films" / f"{row['asset']}-{row['seed']}-{row['cause']}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,63 @@
+"""Disturbances to recover from: a hand that is pushed off its path, or closes before it is at the handle.
+
+What is executed differs from what the skill asks for, and it is the latter that is recorded: as with noise (DART,
+Laskey et al. 2017), the data shows what to do in states that a policy's own mistakes lead to, never the mistakes.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from stages.skills import Float
+
+Kind = Literal["push", "miss"]
+
+PUSHED_WITHIN = (0.05, 0.35)  # metres before the grasp where a push begins; farther than the path is long: at its start
+MISSED_WITHIN = (0.04, 0.09)  # where a miss begins: fingertips end 1 cm ahead, so that they do not reach the handle
+PUSHES = (2, 4)  # steps of a push, in a random direction
+ASIDE = (0, 2)  # steps that a miss is first pushed aside
+CLOSING = 3  # steps in which the gripper then shuts
+PULLS = (0, 4)  # steps that it then pulls, holding nothing
+STRENGTH = (0.5, 0.9)  # of a push or pull, of a step
+TURN = 0.5  # of a step's rotation, at most
+
+
+@dataclass
+class Disturbance:
+    """What happens to one episode: from `begins` metres before the grasp on, `actions` (K, 7) are executed instead."""
+
+    kind: Kind
+    begins: float
+    actions: Float
+    done: int = 0
+
+    def applied(self, action: Float, ahead: float) -> Float:
+        """What is executed in place of `action` (7,) with `ahead` metres left to the grasp."""
+        if self.done == len(self.actions) or (self.done == 0 and ahead > self.begins):
+            return action
+        self.done += 1
+        return self.actions[self.done - 1]
+
+
+def draw_disturbance(rng: np.random.Generator, share: float) -> Disturbance | None:
+    """With probability `share` one of both kinds, drawn from `rng`."""
+    if rng.random() >= share:
+        return None
+    if rng.random() < 0.5:
+        steps = _steps(rng, int(rng.integers(PUSHES[0], PUSHES[1] + 1)), gripper=1.0)
+        return Disturbance("push", float(rng.uniform(*PUSHED_WITHIN)), steps)
+    aside = _steps(rng, int(rng.integers(ASIDE[0], ASIDE[1] + 1)), gripper=1.0)
+    closing = np.zeros((CLOSING, 7), np.float32)
+    closing[:, 6] = -1.0
+    pull = _steps(rng, int(rng.integers(PULLS[0], PULLS[1] + 1)), gripper=-1.0, backwards=True)
+    return Disturbance("miss", float(rng.uniform(*MISSED_WITHIN)), np.concatenate([aside, closing, pull]))
+
+
+def _steps(rng: np.random.Generator, count: int, gripper: float, backwards: bool = False) -> Float:
+    """(count, 7) equal steps in one random direction; towards the robot if `backwards`, else hardly forwards."""
+    direction = rng.standard_normal(3)
+    direction[0] = -2.0 * abs(direction[0]) - 0.5 if backwards else min(direction[0], 0.2)
+    direction *= rng.uniform(*STRENGTH) / np.linalg.norm(direction)
+    turn = rng.uniform(-TURN, TURN, 3) / np.sqrt(3)
+    return np.tile(np.array([*direction, *turn, gripper], np.float32), (count, 1))
