@@ -12,12 +12,13 @@ from sapien.physx import PhysxArticulation, PhysxArticulationLinkComponent
 from stages.contracts.errors import InputError
 from stages.geometry.frames import quaternion_from_matrix
 from stages.simulation.loading import has_renderer
+from stages.simulation.shaders import skyless
 
 # OpenCV camera axes (x right, y down, z forward) -> SAPIEN's (x forward, y left, z up)
 SAPIEN_FROM_OPENCV = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 NEAR, FAR = 0.02, 60.0
 BACKGROUND = (0.82, 0.82, 0.84)
-_alive: list[sapien.Scene] = []  # the last scene made; while one lives, the next need not compile shaders again (8 s)
+_alive: list[sapien.Scene] = []  # the last scene made; while one lives, the next need not compile shaders again (0.1 s)
 
 
 def render_backend() -> Literal["cpu", "gpu"]:
@@ -52,7 +53,7 @@ def make_scene(
     """
     try:
         sapien.render.set_log_level("error")
-        sapien.render.set_camera_shader_dir("default")  # holds for the whole process
+        sapien.render.set_camera_shader_dir(skyless("default"))  # holds for the whole process
         device = [sapien.Device("cpu")] if render_backend() == "cpu" else []  # none: SAPIEN takes the GPU
         renderer = sapien.render.RenderSystem(*device)
     except RuntimeError as error:

@@ -1,8 +1,6 @@
 """The robot: ManiSkill's Panda with few triangles and end-effector pose controllers (paper B.3)."""
 
 import hashlib
-import os
-import tempfile
 import xml.etree.ElementTree as ElementTree
 from dataclasses import dataclass
 from functools import cache
@@ -19,6 +17,7 @@ from mani_skill.agents.robots import Panda
 
 from stages.simulation.controller import PDEEPoseDLSConfig
 from stages.simulation.kinematics import Chain, read_chain
+from stages.simulation.shaders import cache_folder, keep
 
 PANDA = Path(PACKAGE_ASSET_DIR) / "robots" / "panda" / "panda_v2.urdf"
 TCP = "panda_hand_tcp"
@@ -40,18 +39,6 @@ class ActionScale:
     from_target: bool = False
 
 
-def cache_folder() -> Path:
-    """Where generated robot files are kept between runs; a temporary folder if the home is not writable."""
-    home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    folder = home / "acdc-workflow"
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        writable = os.access(folder, os.W_OK)
-    except OSError:
-        writable = False
-    return folder if writable else Path(tempfile.gettempdir()) / "acdc-workflow"
-
-
 @cache
 def low_poly_urdf() -> Path:
     """The Panda with its collision shapes as visuals: 2,400 triangles instead of 135,000.
@@ -69,15 +56,9 @@ def low_poly_urdf() -> Path:
     for mesh in tree.iter("mesh"):
         mesh.set("filename", str(PANDA.parent / str(mesh.get("filename")).removeprefix(f"{PANDA.parent}/")))
     text = ElementTree.tostring(tree.getroot(), encoding="unicode")
-    path = cache_folder() / f"panda-{hashlib.sha256(text.encode()).hexdigest()[:16]}" / "panda.urdf"
-    path.parent.mkdir(parents=True, exist_ok=True)
-    contents = {path.with_suffix(".srdf"): PANDA.with_suffix(".srdf").read_text(), path: text}
-    for file, content in contents.items():
-        if not file.exists() or file.read_text(encoding="utf-8") != content:
-            own = file.with_name(f"{os.getpid()}-{file.name}")  # two jobs may come here at once
-            own.write_text(content, encoding="utf-8")
-            own.replace(file)
-    return path
+    folder = cache_folder() / f"panda-{hashlib.sha256(text.encode()).hexdigest()[:16]}"
+    semantics = PANDA.with_suffix(".srdf").read_text(encoding="utf-8")
+    return keep(folder, {"panda.srdf": semantics, "panda.urdf": text}) / "panda.urdf"
 
 
 @cache

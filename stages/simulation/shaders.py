@@ -1,0 +1,60 @@
+"""SAPIEN's shaders without the table for light from a sky: the first picture of a process then costs no 6 seconds.
+
+SAPIEN fills that table before the first picture if a shader names it: seconds without a GPU. No scene of ours has a sky,
+and where the sky is black, what the table scales is black: the pictures are the same, pixel for pixel.
+"""
+
+import hashlib
+import os
+import re
+import tempfile
+from functools import cache
+from pathlib import Path
+from typing import Literal
+
+import sapien
+
+Pack = Literal["default", "minimal"]
+TABLE = re.compile(r"^layout\(.*\) uniform sampler2D samplerBRDFLUT;$", re.MULTILINE)
+READ = re.compile(r"texture\(samplerBRDFLUT, [^;]*\)\.xy;")
+NOTHING = "vec2(0.0);"
+
+
+def cache_folder() -> Path:
+    """Where generated files are kept between runs; a temporary folder if the home is not writable."""
+    home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    folder = home / "acdc-workflow"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        writable = os.access(folder, os.W_OK)
+    except OSError:
+        writable = False
+    return folder if writable else Path(tempfile.gettempdir()) / "acdc-workflow"
+
+
+def keep(folder: Path, files: dict[str, str]) -> Path:
+    """Write generated files below `folder` unless they are there; two jobs may come here at once."""
+    for name, text in files.items():
+        file = folder / name
+        if not file.exists() or file.read_text(encoding="utf-8") != text:
+            file.parent.mkdir(parents=True, exist_ok=True)
+            own = file.with_name(f"{os.getpid()}-{file.name}")
+            own.write_text(text, encoding="utf-8")
+            own.replace(file)
+    return folder
+
+
+@cache
+def skyless(pack: Pack) -> str:
+    """Folder of the shader pack without the table; the pack's own name if it is not as we know it."""
+    shipped = Path(sapien.__file__).parent / "vulkan_shader"
+    files = {
+        f"{part}/{path.name}": path.read_text(encoding="utf-8")
+        for part in (pack, "common")
+        for path in sorted((shipped / part).iterdir())
+    }
+    changed = {name: READ.sub(NOTHING, TABLE.sub("", text)) for name, text in files.items()}
+    if changed == files or any("samplerBRDFLUT" in text for text in changed.values()):
+        return pack
+    digest = hashlib.sha256("\0".join(changed.values()).encode()).hexdigest()[:16]
+    return str(keep(cache_folder() / f"shaders-{digest}", changed) / pack)
