@@ -1,7 +1,7 @@
 # ACDC (Dai et al., CoRL 2024): one RGB image -> digital cousins -> demonstrations -> policies -> the paper's tables.
 #   snakemake --cores 2 all        everything that config.yaml asks for, ending in results/report/index.html
 #   snakemake --cores 2 tables     the tables; likewise: library, scenes, scenes8, extraction, matching, generation,
-#                                  demonstrations, training, evaluation, figures, report
+#                                  demonstrations, training, evaluation, figures, report; exports: data for other tools
 from snakemake.utils import min_version
 
 min_version("9.27")
@@ -25,6 +25,7 @@ include: "rules/demonstrations.smk"
 include: "rules/training.smk"
 include: "rules/evaluation.smk"
 include: "rules/tables.smk"
+include: "rules/exports.smk"
 
 
 rule all:

@@ -12,7 +12,7 @@ for family in simulation learning report; do
 done
 # Readers of other people (envs/readers.sh): the project's torch, and nothing that reading a data set does not need.
 torch=$(sed -n 's/^\(torch==[^ ]*\).*/\1/p' envs/requirements.txt)
-left_out=(accelerate cloudpickle cmake deepdiff diffusers egl-probe evdev farama-notifications gitdb gitpython gymnasium
+left_out=(cloudpickle cmake deepdiff diffusers egl-probe evdev farama-notifications gitdb gitpython gymnasium
     hf-transfer imageio imageio-ffmpeg importlib-metadata inquirerpy opencv-python-headless orderly-set pfzy
     prompt-toolkit pynput pyserial python-xlib regex rerun-sdk sentry-sdk smmap torchcodec wandb wcwidth zipp)
 printf '%s\n' "$torch" robomimic==0.3.0 six lerobot==0.4.4 |

@@ -14,8 +14,8 @@ VERBS = {
     "matching": ("features", "match", "distances", "draw"),
     "generation": ("generate", "draw"),
     "experiment": ("select",),
-    "demonstrations": ("collect",),
-    "training": ("train",),
+    "demonstrations": ("collect", "export"),
+    "training": ("train", "export"),
     "evaluation": ("rollout", "score"),
     "tables": ("tables", "figures", "report"),
 }

@@ -3,4 +3,10 @@
 from stages.cli import main
 
 if __name__ == "__main__":
-    main("demonstrations", {"collect": "run the skill on one asset until enough attempts succeed"})
+    main(
+        "demonstrations",
+        {
+            "collect": "run the skill on one asset until enough attempts succeed",
+            "export": "episode stores in the formats of robomimic and lerobot",
+        },
+    )

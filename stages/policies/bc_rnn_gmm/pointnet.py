@@ -43,7 +43,7 @@ class PointNet(nn.Module):
             winner = self._winners(clouds)[1]  # (N, width): index of the point that wins each channel
         is_winner = torch.zeros(clouds.shape[:2], dtype=torch.bool, device=clouds.device).scatter_(1, winner, True)
         row = is_winner.flatten().cumsum(0).view_as(is_winner) - 1  # row of a point among all winners of the batch
-        features = self._mlp(clouds[is_winner], *self._folded())
+        features = self._mlp(clouds[is_winner], *self.folded())
         return functional.relu(features.gather(0, row.gather(1, winner)))
 
     @torch.no_grad()
@@ -60,7 +60,7 @@ class PointNet(nn.Module):
         last.weight.mul_(scale[:, None])
         last.bias.copy_((last.bias - pooled.mean(0)) * scale + 1)
 
-    def _folded(self) -> tuple[Tensor, Tensor]:
+    def folded(self) -> tuple[Tensor, Tensor]:
         """First layer on (xyz, flag): weight (width, 4), bias (width,)."""
         table = functional.linear(self.flag.weight, self.first.weight[:, 3:], self.first.bias)
         return torch.cat([self.first.weight[:, :3], (table[1] - table[0])[:, None]], dim=1), table[0]
@@ -86,7 +86,7 @@ class PointNet(nn.Module):
     @torch.no_grad()
     def _winners(self, clouds: Tensor) -> tuple[Tensor, Tensor]:
         """Max over points and its index, both (N, width), chunk by chunk; without gradient."""
-        weight, bias = self._folded()
+        weight, bias = self.folded()
         size = max(1, CHUNK_ELEMENTS[clouds.device.type] // (clouds.shape[1] * len(bias)))
         mlp = self._onednn_mlp if ONEDNN and clouds.device.type == "cpu" and not self.bf16 else self._mlp
         pooled = [mlp(chunk, weight, bias).max(dim=1) for chunk in clouds.split(size)]

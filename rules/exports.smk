@@ -1,0 +1,67 @@
+# Demonstrations and policies for people without this workflow; `snakemake exports`, no part of `all`.
+# Reads:  the demonstrations of a training set; a policy.
+# Writes: results/exports/demonstrations/<format>/<task>/<training set>/, results/exports/policies/<task>/.../seed_<n>/.
+
+
+rule export_demonstrations:
+    """The demonstrations of a training set in another tool's format."""
+    input:
+        episodes=rules.train.input.episodes,
+    output:
+        folder=directory("results/exports/demonstrations/{format}/{task}/{training_set}"),
+    log:
+        "logs/exports/{format}_{task}_{training_set}.log",
+    benchmark:
+        "benchmarks/exports/{format}_{task}_{training_set}.tsv"
+    container:
+        CONFIG.containers.simulation
+    threads: 1
+    resources:
+        mem_mb=3000,
+    params:
+        command=command("demonstrations", "export"),
+        code=task_code("demonstrations", "export"),
+    shell:
+        "{params.command} --episodes {input.episodes:q} --format {wildcards.format} --out {output.folder:q} "
+        "2>&1 | tee {log:q}"
+
+
+rule export_policy:
+    """A policy with a loader that needs torch and safetensors alone."""
+    input:
+        config=rules.train.output.config,
+        policy=rules.train.output.policy,
+    output:
+        folder=directory("results/exports/policies/{task}/{training_set}/{run}/seed_{seed}"),
+    log:
+        "logs/exports/{task}_{training_set}_{run}_{seed}.log",
+    benchmark:
+        "benchmarks/exports/{task}_{training_set}_{run}_{seed}.tsv"
+    container:
+        CONFIG.containers.learning
+    threads: 1
+    resources:
+        mem_mb=2000,
+    params:
+        command=command("training", "export"),
+        code=lambda wildcards: code("training", "export", *modules(CONFIG.training.runs[wildcards.run], "policy")),
+        policy=subpath(input.policy, parent=True),
+    shell:
+        "{params.command} --policy {params.policy:q} --out {output.folder:q} 2>&1 | tee {log:q}"
+
+
+rule exports:
+    """All demonstrations and policies of this run, in all formats."""
+    input:
+        policies(rules.export_policy.output.folder),
+        [
+            folder
+            for task in TASKS
+            for folder in expand(
+                rules.export_demonstrations.output.folder,
+                format=["robomimic", "lerobot"],
+                task=task,
+                training_set=EXPERIMENT.plan(task).training_sets,
+            )
+        ],
+    localrule: True

@@ -1,0 +1,16 @@
+"""Verb `export`: episode stores in the formats of other people's tools."""
+
+from importlib import import_module
+from pathlib import Path
+from typing import Literal
+
+
+def run(*, episodes: tuple[Path, ...], out: Path, format: Literal["robomimic", "lerobot"]) -> None:
+    """Write what the format wants into a folder.
+
+    Args:
+        episodes: episode stores (episodes.h5), in the order in which their episodes are written.
+        out: folder to write.
+        format: robomimic: one HDF5 file; lerobot: a LeRobotDataset v3.0.
+    """
+    import_module(f"stages.demonstrations.formats.{format}").write(episodes, out)

@@ -1,0 +1,30 @@
+"""A trained policy by torch and safetensors alone: policy = PortablePolicy(folder); action = policy(cloud, proprio)."""
+
+import json
+from pathlib import Path
+
+import torch
+from safetensors.torch import load_file
+from torch.nn.functional import gelu, linear, relu
+
+
+class PortablePolicy:
+    def __init__(self, folder: str) -> None:
+        self.about = json.loads(Path(folder, "policy.json").read_text(encoding="utf-8"))
+        self.weights = load_file(Path(folder, "weights.safetensors"))
+        self.lstm = torch.nn.LSTM(self.about["features"], self.about["memory"])
+        self.lstm.load_state_dict({k[5:]: tensor for k, tensor in self.weights.items() if k.startswith("lstm.")})
+        self.past: list[torch.Tensor] = []  # clear it when an episode begins
+
+    @torch.inference_mode()
+    def __call__(self, cloud: torch.Tensor, proprio: torch.Tensor) -> torch.Tensor:  # (P, 4), (9,) -> action (7,)
+        some = cloud[torch.randperm(len(cloud))[: self.about["points"]]]
+        x = some - torch.cat([proprio[:3] * self.about["gripper_frame"], torch.zeros(1)])
+        for i in range(self.about["point_layers"]):
+            x = linear(gelu(x) if i else x, self.weights[f"point.{i}.weight"], self.weights[f"point.{i}.bias"])
+        own = (proprio - self.weights["proprio_mean"]) / self.weights["proprio_std"]
+        self.past = [*self.past, torch.cat([relu(x.amax(0)), own])][-self.about["horizon"] :]
+        x = self.lstm(torch.stack(self.past))[0][-1]
+        for i in range(self.about["head_layers"]):
+            x = linear(relu(x) if i else x, self.weights[f"head.{i}.weight"], self.weights[f"head.{i}.bias"])
+        return x[self.about["modes"] :].view(-1, 7)[x[: self.about["modes"]].argmax()].tanh()  # of the likeliest mode

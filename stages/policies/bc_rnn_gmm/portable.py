@@ -1,0 +1,39 @@
+"""The policy as plain layers for `loader.py`: flag embedding and normaliser are folded into the first one."""
+
+from typing import Any
+
+import torch
+from torch import Tensor, nn
+
+from stages.policies.bc_rnn_gmm.network import ACTION, BcRnnGmm
+
+
+def portable(policy: BcRnnGmm) -> tuple[dict[str, Tensor], dict[str, Any]]:
+    """Weights by name, and the sizes and conventions that the loader reads. Standard deviations are left out: the
+    loader takes the mean of the likeliest mode."""
+    network, points = policy.network, policy.pointnet
+    head = [stage[0] for stage in policy.mlp.children() if isinstance(stage, nn.Sequential)] + [policy.head]
+    weights = {f"lstm.{name}": tensor for name, tensor in policy.lstm.state_dict().items()}
+    weights |= {name: getattr(policy, name) for name in ("proprio_mean", "proprio_std")}
+    with torch.no_grad():
+        weight, bias = points.folded()  # on x, y, z as the policy normalises them, and the flag
+        scale = torch.cat([1 / policy.cloud_std.expand(3), torch.ones(1)])
+        shift = torch.cat([policy.cloud_mean, torch.zeros(1)])
+        weights |= {"point.0.weight": weight * scale, "point.0.bias": bias - weight @ (shift * scale)}
+    for name, layers, first in (("point", points.rest, 1), ("head", head, 0)):
+        for i, layer in enumerate(layers, first):
+            assert isinstance(layer, nn.Linear)
+            weights |= {f"{name}.{i}.weight": layer.weight, f"{name}.{i}.bias": layer.bias}
+    kept = network.gmm_modes * (1 + ACTION)
+    for kind in ("weight", "bias"):
+        weights[f"head.{len(head) - 1}.{kind}"] = weights[f"head.{len(head) - 1}.{kind}"][:kept]
+    return {name: tensor.detach().clone() for name, tensor in weights.items()}, {
+        "points": network.points,
+        "gripper_frame": float(network.cloud_frame == "gripper"),
+        "point_layers": network.pointnet_layers,
+        "features": network.pointnet_width + len(policy.proprio_mean),
+        "memory": network.rnn_hidden,
+        "horizon": policy.run.rnn_horizon,
+        "head_layers": len(head),
+        "modes": network.gmm_modes,
+    }
