@@ -63,6 +63,7 @@ def write_store(path: Path, episodes: int, first_seed: int = 0, steps: int = 14)
                 rows.append((*toy.observe(), action))
                 toy.step(action)
             demo = data.create_group(f"demo_{i}")
+            demo.attrs["asset"] = "toy"
             demo["obs/point_cloud"] = np.stack([row[0] for row in rows]).astype(np.float16)
             demo["obs/proprio"] = np.stack([row[1] for row in rows])
             demo["actions"] = np.stack([row[2] for row in rows])

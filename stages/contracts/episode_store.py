@@ -24,10 +24,14 @@ Float = NDArray[np.float32]
 
 @dataclass(frozen=True)
 class EpisodeStore:
-    """Per episode (T, P, 4) float16 clouds, (T, 9) proprioception and (T, 7) actions, float32; robot frame, metres."""
+    """Per episode (T, P, 4) float16 clouds, (T, 9) proprioception and (T, 7) actions, float32; robot frame, metres.
+
+    asset: that of all episodes, or 'all'. assets: of each.
+    """
 
     task: str
     asset: str
+    assets: list[str]
     task_options: TaskConfig
     episodes: list[tuple[NDArray[np.float16], Float, Float]]
 
@@ -43,7 +47,7 @@ def read_episodes(path: Path, count: int | None = None) -> EpisodeStore:
         data = file.get("data")
         if not isinstance(data, h5py.Group):
             raise InputError(path, "has no group 'data'.", AGAIN)
-        about = {name: _attribute(path, data, name) for name in ("task", "asset", "task_options")}
+        about = {name: _attribute(path, "data", data, name) for name in ("task", "asset", "task_options")}
         try:
             options = TaskConfig.model_validate_json(about["task_options"])
         except ValidationError as error:
@@ -52,14 +56,16 @@ def read_episodes(path: Path, count: int | None = None) -> EpisodeStore:
             raise InputError(path, f"has {len(data)} episodes, {count} are asked for.", "collect more demonstrations")
         if not len(data):
             raise InputError(path, "has no episodes.", AGAIN)
-        episodes = [_episode(path, data, f"demo_{i}", options.points) for i in range(count or len(data))]
-    return EpisodeStore(about["task"], about["asset"], options, episodes)
+        names = [f"demo_{i}" for i in range(count or len(data))]
+        episodes = [_episode(path, data, name, options.points) for name in names]
+        assets = [_attribute(path, name, data[name], "asset") for name in names]
+    return EpisodeStore(about["task"], about["asset"], assets, options, episodes)
 
 
-def _attribute(path: Path, data: h5py.Group, name: str) -> str:
-    value = data.attrs.get(name)
+def _attribute(path: Path, where: str, group: h5py.Group, name: str) -> str:
+    value = group.attrs.get(name)
     if not isinstance(value, str) or not value:
-        raise InputError(path, f"data: has no text attribute '{name}'.", AGAIN)
+        raise InputError(path, f"{where}: has no text attribute '{name}'.", AGAIN)
     return value
 
 

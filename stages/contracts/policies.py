@@ -87,6 +87,7 @@ class Attempt(Contract):
     """A line of `attempts.jsonl`: every attempt, also those that failed (paper A.5: only successes become data)."""
 
     attempt: Count
+    asset: Id
     seed: Seed
     success: bool
     cause: Id = Field(

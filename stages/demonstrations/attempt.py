@@ -27,7 +27,8 @@ class Recorder:
 
     def attempt(self, seed: int) -> tuple[RecordedEpisode, Outcome]:
         """Run the skills from the initial state of `seed`."""
-        task, episode, moments = self.task, RecordedEpisode(seed), []
+        task, moments = self.task, []
+        episode = RecordedEpisode(seed, task.asset, task.joint, task.size)
         task.place(seed)
         filming = len(self.taken) < self.film
         rng = np.random.default_rng((seed, 1))
@@ -58,7 +59,7 @@ class Recorder:
         if filming and (outcome.success or self.failures):
             moments.append(task.moment())
             clouds = [*episode.point_clouds, task.observe()["point_cloud"]]
-            self.taken.append(Taken(seed, task.opened, task.recording(moments), clouds))
+            self.taken.append(Taken(seed, task.asset, outcome.success, task.opened, task.recording(moments), clouds))
         return episode, outcome
 
     def report(self, kept: int, wanted: int, attempts: int) -> None:

@@ -1,7 +1,8 @@
-"""`collect`: run the Open skill until enough attempts succeed (paper A.5: rejection sampling)."""
+"""`collect`: run the skills until enough attempts succeed (paper A.5: rejection sampling)."""
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from itertools import cycle
 from pathlib import Path
 
 import numpy as np
@@ -9,12 +10,13 @@ import numpy as np
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.config.task import TaskConfig
 from stages.contracts import InputError, Library, TaskAssets, read_json, read_options, write_text
-from stages.contracts.policies import Attempt
+from stages.contracts.policies import Attempt, TaskAsset
 from stages.demonstrations.attempt import Recorder
 from stages.demonstrations.film import write_demonstration_films
 from stages.demonstrations.store import RecordedEpisode, StoreHeader, write_episodes
 from stages.tasks.api import make_task
 
+TRIES = 3  # attempts of an asset before it passes its turn
 FAILED_LEDGER = "attempts.failed.jsonl"  # not an output of the rule: Snakemake deletes those of a failed job
 
 
@@ -31,12 +33,15 @@ def run(
 ) -> None:
     """Write `episodes.h5` with as many successes as asked, and beside it attempts.jsonl, film.png and films/.
 
+    With several assets each has its turn, of one success or `TRIES` failures, so that the first n episodes of the store
+    are spread over them as evenly as all are.
+
     If there are too few, the ledger alone is left, as attempts.failed.jsonl.
 
     Args:
         assets: the experiment's assets (contract TaskAssets).
         library: library.json that they come from.
-        role: twin, cousin_1, ...
+        role: twin, cousin_1, ..., or all: the assets of `all_assets` take turns, nearest to the twin first.
         episodes: successes to collect.
         out: episodes.h5 to write.
         options: the `demonstrations` section as JSON.
@@ -45,36 +50,16 @@ def run(
     """
     settings = read_options(DemonstrationsConfig, options)
     world = read_options(TaskConfig, task_options)
-    plan = read_json(TaskAssets, assets)
-    chosen = plan.playing(role, assets)
-    folder = asset_folder(read_json(Library, library), chosen.asset, library)
-    task = make_task(plan.task, folder, chosen.joint, chosen.size, world)
+    plan, index = read_json(TaskAssets, assets), read_json(Library, library)
+    chosen = [(asset_folder(index, entry.asset, library), entry) for entry in plan.behind(role, assets)]
+    folder, entry = chosen[0]
+    task = make_task(plan.task, folder, entry.joint, entry.size, world)
     recorder = Recorder(task, settings, film=settings.film_episodes)
-    kept: list[RecordedEpisode] = []
-    ledger: list[Attempt] = []
-    allowed = int(np.ceil(episodes * settings.max_attempts_factor))
-    for attempt_seed in attempt_seeds(seed, role, allowed):
-        if len(kept) == episodes:
-            break
-        episode, outcome = recorder.attempt(attempt_seed)
-        if outcome.success:
-            kept.append(episode)
-        ledger.append(
-            Attempt(
-                attempt=len(ledger),
-                seed=attempt_seed,
-                success=outcome.success,
-                cause=outcome.cause,
-                recovery=episode.recovery,
-                retries=outcome.retries,
-                steps=len(episode.actions),
-                opened=round(task.opened, 4),
-                episode=len(kept) - 1 if outcome.success else None,
-            )
-        )
-        recorder.report(len(kept), episodes, len(ledger))
+    seeds = list(attempt_seeds(seed, role, int(np.ceil(episodes * settings.max_attempts_factor))))
+    kept, ledger = take_turns(recorder, chosen, seeds, episodes)
+    name = chosen[0][1].asset if len(chosen) == 1 else role
     if len(kept) == episodes:
-        write_demonstration_films(out.parent, recorder.taken, role, chosen.asset, world.control_frequency)
+        write_demonstration_films(out.parent, recorder.taken, role, world.control_frequency)
     task.close()
     lines = "".join(line.model_dump_json() + "\n" for line in ledger)
     failed = out.parent / FAILED_LEDGER
@@ -83,13 +68,47 @@ def run(
         causes = ", ".join(f"{cause} {count}" for cause, count in Counter(a.cause for a in ledger).most_common())
         raise InputError(
             out,
-            f"only {len(kept)} of {episodes} demonstrations after {len(ledger)} attempts on {chosen.asset} ({causes}); "
+            f"only {len(kept)} of {episodes} demonstrations after {len(ledger)} attempts on {name} ({causes}); "
             f"{failed} tells of each.",
             "raise demonstrations.max_attempts_factor, narrow the ranges of `task`, or choose another object",
         )
     failed.unlink(missing_ok=True)
     write_text(out.parent / "attempts.jsonl", lines)
-    write_episodes(out, StoreHeader(plan.task, task.task.gym_id, chosen.asset, chosen.joint, chosen.size, world), kept)
+    write_episodes(out, StoreHeader(plan.task, task.task.gym_id, name, world), kept)
+
+
+def take_turns(
+    recorder: Recorder, chosen: Sequence[tuple[Path, TaskAsset]], seeds: Sequence[int], episodes: int
+) -> tuple[list[RecordedEpisode], list[Attempt]]:
+    """Attempts on the chosen assets in turn, until there are as many successes as asked or no seeds left."""
+    kept: list[RecordedEpisode] = []
+    ledger: list[Attempt] = []
+    for folder, entry in cycle(chosen):
+        recorder.task.turn_to(folder, entry.joint, entry.size)
+        for attempt_seed in seeds[len(ledger) : len(ledger) + TRIES]:
+            episode, outcome = recorder.attempt(attempt_seed)
+            ledger.append(
+                Attempt(
+                    attempt=len(ledger),
+                    asset=entry.asset,
+                    seed=attempt_seed,
+                    success=outcome.success,
+                    cause=outcome.cause,
+                    recovery=episode.recovery,
+                    retries=outcome.retries,
+                    steps=len(episode.actions),
+                    opened=round(recorder.task.opened, 4),
+                    episode=len(kept) if outcome.success else None,
+                )
+            )
+            if outcome.success:
+                kept.append(episode)
+            recorder.report(len(kept), episodes, len(ledger))
+            if outcome.success:
+                break
+        if len(kept) == episodes or len(ledger) == len(seeds):
+            break
+    return kept, ledger
 
 
 def asset_folder(library: Library, asset: str, where: Path) -> Path:

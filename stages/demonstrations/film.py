@@ -24,9 +24,11 @@ SCENE, FINGER = (40, 40, 40), (220, 30, 30)
 
 @dataclass(frozen=True)
 class Taken:
-    """A success to be filmed, and the clouds that were seen at its moments."""
+    """An attempt to be filmed, and the clouds that were seen at its moments."""
 
     seed: int
+    asset: str
+    success: bool
     opened: float
     recording: Recording
     clouds: Sequence[NDArray[np.floating]]
@@ -60,7 +62,7 @@ def strip(pictures: Sequence[Image], clouds: Sequence[NDArray[np.floating]]) -> 
     return np.concatenate(columns, axis=1)
 
 
-def write_demonstration_films(folder: Path, taken: Sequence[Taken], role: str, asset: str, frequency: float) -> None:
+def write_demonstration_films(folder: Path, taken: Sequence[Taken], role: str, frequency: float) -> None:
     """Write films/ and film.png into `folder`; what was recorded must still be open."""
     studio = Studio()
     films, strips = [], []
@@ -68,8 +70,8 @@ def write_demonstration_films(folder: Path, taken: Sequence[Taken], role: str, a
         pictures = studio.film(item.recording, FRAMES * 2)
         steps = len(item.recording.moments) - 1
         film = Film(
-            role=role, asset=asset, seed=item.seed, success=True, steps=steps, opened=round(item.opened, 4),
-            file=f"{number}.webp",
+            role=role, asset=item.asset, seed=item.seed, success=item.success, steps=steps,
+            opened=round(item.opened, 4), file=f"{number}.webp",
         )  # fmt: skip
         films.append((film, pictures))
         strips.append(strip(pictures, item.clouds))

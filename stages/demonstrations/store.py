@@ -23,6 +23,9 @@ class RecordedEpisode:
     (they differ by noise and disturbance; the executed ones replay the episode), how far the joint was open."""
 
     seed: int
+    asset: str
+    joint: str
+    size: tuple[float, float, float]  # nominal
     recovery: str | None = None  # what it had to recover from
     point_clouds: list[Float] = field(default_factory=list)
     proprios: list[Float] = field(default_factory=list)
@@ -45,9 +48,7 @@ class StoreHeader:
 
     task: str
     environment: str  # its name for gym.make
-    asset: str
-    joint: str
-    size: tuple[float, float, float]
+    asset: str  # that of all episodes, or 'all' if they are of several
     options: TaskConfig
 
 
@@ -56,12 +57,14 @@ def write_episodes(path: Path, header: StoreHeader, episodes: Sequence[RecordedE
 
     Layout: `data/demo_i/{obs/point_cloud (T, P, 4) float16, obs/proprio (T, 9) float32, actions and executed (T, 7)
     float32, joint (T,) float32, rewards (T,) float32 and dones (T,) uint8: 1 at the end}`, uncompressed so that
-    training can map it; attributes as in robomimic, which reads the file as it is.
+    training can map it; attributes as in robomimic, which reads the file as it is. Each demo names its asset, joint
+    and nominal size; `env_args` are those of the first.
     """
+    first = episodes[0]
     env_args = {
         "env_name": header.environment,
         "type": ROBOMIMIC_GYM,
-        "env_kwargs": {"asset": header.asset, "joint": header.joint, "size": list(header.size)},
+        "env_kwargs": {"asset": first.asset, "joint": first.joint, "size": list(first.size)},
     }
     with atomic(path) as temporary, h5py.File(temporary, "w", track_order=True) as file:
         data = file.create_group("data", track_order=True)
@@ -74,7 +77,8 @@ def write_episodes(path: Path, header: StoreHeader, episodes: Sequence[RecordedE
             group = data.create_group(f"demo_{index}")
             group.attrs["num_samples"] = len(episode.actions)
             group.attrs["seed"] = episode.seed
-            group.attrs["asset"] = header.asset
+            group.attrs["asset"], group.attrs["joint"] = episode.asset, episode.joint
+            group.attrs["size"] = episode.size
             group.attrs["recovery"] = episode.recovery or "none"
             last = np.arange(len(episode.actions)) == len(episode.actions) - 1
             for name, values, dtype in (

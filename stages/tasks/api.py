@@ -65,13 +65,9 @@ def make_task(
         vary_scale: False keeps the nominal size (official code leaves the evaluated asset's size alone).
     """
     known: Task = load("tasks", task)
-    asset = read_json(Asset, assets / "asset.json")
-    names = [candidate.name for candidate in asset.joints if candidate.role == known.role]
-    if joint not in names:
-        raise InputError(assets, f"has no {known.role} joint {joint!r}.", f"its {known.role} joints: {names or 'none'}")
     if options.sim_backend == "physx_cuda" and not torch.cuda.is_available():
         raise InputError("task.sim_backend", "is physx_cuda, but torch finds no GPU.", "set it to physx_cpu")
-    return TaskEnv(known, assets, joint, size or asset.size, options, render, cache, vary_scale)
+    return TaskEnv(known, assets, joint, size, options, render, cache, vary_scale)
 
 
 class TaskEnv:
@@ -82,20 +78,29 @@ class TaskEnv:
         task: Task,
         assets: Path,
         joint: str,
-        size: Size,
+        size: Size | None,
         options: TaskConfig,
         render: bool,
         cache: Path | None,
         vary_scale: bool,
     ) -> None:
-        self.task, self.assets, self.joint, self.size, self.options = task, assets, joint, size, options
+        self.task, self.options = task, options
+        self.turn_to(assets, joint, size)
         self.render, self.vary_scale = render, vary_scale
         self._temporary = None if cache else tempfile.TemporaryDirectory(prefix="acdc-sized-")
         self.sized = cache or Path(self._temporary.name)  # type: ignore[union-attr]
         self.max_steps = options.max_steps or task.horizon
         self.chain = panda_chain()
         self._env: OpenTaskEnv | None = None
-        self._folder: Path | None = None
+        self._placed: tuple[Path, str] | None = None
+
+    def turn_to(self, assets: Path, joint: str, size: Size | None) -> None:
+        """Be about another asset and joint from the next episode on; see `make_task`."""
+        asset, role = read_json(Asset, assets / "asset.json"), self.task.role
+        names = [candidate.name for candidate in asset.joints if candidate.role == role]
+        if joint not in names:
+            raise InputError(assets, f"has no {role} joint {joint!r}.", f"its {role} joints: {names or 'none'}")
+        self.assets, self.asset, self.joint, self.size = assets, asset.id, joint, size or asset.size
 
     @property
     def env(self) -> "OpenTaskEnv":
@@ -126,8 +131,8 @@ class TaskEnv:
                 sim_backend=self.options.sim_backend,
                 render_backend=render_backend() if self.render else "none",
             )
-        reconfigure = folder != self._folder
-        self._folder = self.env.asset_folder = folder
+        reconfigure = (folder, self.joint) != self._placed
+        self._placed = self.env.asset_folder, self.env.joint_name = folder, self.joint
         self.env.reset(seed=seed, options={"reconfigure": reconfigure})
         self.steps, self.success, self.official_success, self.opened = 0, False, False, 0.0
 

@@ -153,9 +153,36 @@ def _policies(root: Path) -> None:
     folder = root / "demonstrations"
     folder.mkdir()
     lines = [
-        {"attempt": 0, "seed": 5, "success": True, "cause": "success", "steps": 6, "opened": 0.8, "episode": 0},
-        {"attempt": 1, "seed": 6, "success": False, "cause": "grasp", "steps": 9, "opened": 0.1, "episode": None},
-        {"attempt": 2, "seed": 7, "success": True, "cause": "success", "steps": 6, "opened": 0.8, "episode": 1},
+        {
+            "attempt": 0,
+            "asset": "cabinet_0",
+            "seed": 5,
+            "success": True,
+            "cause": "success",
+            "steps": 6,
+            "opened": 0.8,
+            "episode": 0,
+        },
+        {
+            "attempt": 1,
+            "asset": "cabinet_0",
+            "seed": 6,
+            "success": False,
+            "cause": "grasp",
+            "steps": 9,
+            "opened": 0.1,
+            "episode": None,
+        },
+        {
+            "attempt": 2,
+            "asset": "cabinet_0",
+            "seed": 7,
+            "success": True,
+            "cause": "success",
+            "steps": 6,
+            "opened": 0.8,
+            "episode": 1,
+        },
     ]
     (folder / "attempts.jsonl").write_text("".join(json.dumps(line) + "\n" for line in lines))
     options = TaskConfig(points=64, finger_points=8)
@@ -166,6 +193,7 @@ def _policies(root: Path) -> None:
             data[f"demo_{number}/obs/point_cloud"] = np.ones((6, 64, 4), np.float16)
             data[f"demo_{number}/obs/proprio"] = np.ones((6, 9), np.float32)
             data[f"demo_{number}/actions"] = np.full((6, 7), 0.5, np.float32)
+            data[f"demo_{number}"].attrs["asset"] = "cabinet_0"
     film = {"role": "twin", "asset": "cabinet_0", "success": True, "steps": 6, "opened": 0.8}
     films = [film | {"seed": seed, "file": f"twin_{seed}.webp"} for seed in (5, 7)]
     _json(root / FILES["films"], films=films)

@@ -174,7 +174,9 @@ def _policies(results: Path) -> None:
         films(folder / "films", [role])
         causes = ["success"] * 8 + ["grasp_slip", "approach"]
         attempts = [
-            Attempt(attempt=n, seed=n, success=cause == "success", cause=cause, steps=60, opened=0.8)
+            Attempt(
+                attempt=n, asset="cabinet_01", seed=n, success=cause == "success", cause=cause, steps=60, opened=0.8
+            )
             for n, cause in enumerate(causes)
         ]
         (folder / "attempts.jsonl").write_text("".join(attempt.model_dump_json() + "\n" for attempt in attempts))

@@ -66,7 +66,7 @@ def test_options_accept_text_file_or_nothing(tmp_path: Path) -> None:
 
 
 def test_checker_checks_lines_and_tables(tmp_path: Path) -> None:
-    good = Attempt(attempt=0, seed=1, success=True, cause="success", steps=5, opened=0.5).model_dump_json()
+    good = Attempt(attempt=0, asset="a", seed=1, success=True, cause="success", steps=5, opened=0.5).model_dump_json()
     path = tmp_path / "attempts.jsonl"
     path.write_text(good + "\n")
     assert main(["attempts", str(path)]) == 0

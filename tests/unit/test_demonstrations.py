@@ -11,7 +11,9 @@ from PIL import Image
 
 from stages.config.task import TaskConfig
 from stages.contracts import Attempt, InputError, Library, TaskAssets, read_json, write_json
+from stages.contracts.episode_store import read_episodes
 from stages.contracts.films import Films
+from stages.contracts.ledgers import read_attempts
 from stages.contracts.library import LibraryEntry
 from stages.contracts.policies import TaskAsset
 from stages.demonstrations.collect import attempt_seeds, run
@@ -22,12 +24,14 @@ TASK = {"scale_variants": 1, "points": 128, "finger_points": 16, "camera_size": 
 
 
 def experiment(folder: Path, **changes: object) -> dict[str, Path]:
-    """A library with one cabinet, and an experiment that uses it as twin."""
+    """A library with two cabinets, and an experiment that has one of them as twin."""
     asset = cabinet(folder / "models" / "cab", **changes)
-    entry = LibraryEntry(
-        id="cab", category="bottom_cabinet", folder="models/cab", doors=1, drawers=0, checksum=asset.checksum
-    )
-    write_json(folder / "library.json", Library(assets=[entry]))
+    cabinet(folder / "models" / "narrow", hinge=-1)
+    entries = [
+        LibraryEntry(id=id, category="bottom_cabinet", folder=f"models/{id}", doors=1, drawers=0, checksum="0" * 64)
+        for id in ("cab", "narrow")
+    ]
+    write_json(folder / "library.json", Library(assets=entries))
     twin = TaskAsset(
         role="twin",
         asset="cab",
@@ -37,9 +41,10 @@ def experiment(folder: Path, **changes: object) -> dict[str, Path]:
         distance=0.0,
         **FRONT,
     )
-    write_json(
-        folder / "assets.json", TaskAssets(task="door", scene="s", object="cab_1", encoder="patches", assets=[twin])
-    )
+    near = twin.model_copy(update={"role": "all"})
+    far = near.model_copy(update={"asset": "narrow", "size": (0.35, 0.4, 0.65), "distance": 1.0})
+    plan = TaskAssets(task="door", scene="s", object="cab_1", encoder="patches", assets=[twin], all_assets=[near, far])
+    write_json(folder / "assets.json", plan)
     return {"assets": folder / "assets.json", "library": folder / "library.json"}
 
 
@@ -101,6 +106,23 @@ def test_collect_writes_successes_that_replay(tmp_path: Path) -> None:
     task.close()
     assert again["proprio"] == pytest.approx(proprio[0])
     assert again["point_cloud"] == pytest.approx(cloud[0].astype(np.float32), abs=2e-3)
+
+
+def test_the_assets_of_the_role_all_take_turns_in_one_store(tmp_path: Path) -> None:
+    out = tmp_path / "all" / "episodes.h5"
+    run(**experiment(tmp_path), role="all", episodes=3, out=out, task_options=json.dumps(TASK))
+    store = read_episodes(out)
+    assert store.asset == "all" and store.assets == ["cab", "narrow", "cab"]
+    assert [
+        attempt.asset for attempt in read_attempts(out.parent / "attempts.jsonl") if attempt.success
+    ] == store.assets
+    with h5py.File(out) as file:
+        first, second = (dict(file["data"][f"demo_{number}"].attrs) for number in (0, 1))
+    assert first["joint"] == second["joint"] == "door_0_joint" and first["recovery"] in ("none", "push", "miss")
+    assert second["size"].tolist() == [0.35, 0.4, 0.65]
+    # hinged on opposite sides, the doors are opened by turning opposite ways
+    turns = [np.arctan2(*proprio[-1, [1, 0]]) - np.arctan2(*proprio[0, [1, 0]]) for _, proprio, _ in store.episodes]
+    assert turns[0] * turns[1] < 0 < turns[0] * turns[2]
 
 
 def test_too_few_successes_are_one_line_and_no_file(tmp_path: Path) -> None:
