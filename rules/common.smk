@@ -43,6 +43,7 @@ TASKS = list(EXPERIMENT.tasks)
 SHARDS = list(range(CONFIG.assets.shards))
 RANKS = list(range(1, CONFIG.generation.ranks + 1))
 STORES = stores(CONFIG)
+GPUS = 1 if CONFIG.device == "cuda" else 0
 
 
 wildcard_constraints:
@@ -103,10 +104,14 @@ def task_code(stage, verb):
     return lambda wildcards: code(stage, verb, qualified("tasks", implementation(wildcards.task)))
 
 
-def rollout_code(wildcards):
-    """The code of rollouts: of the task and of the policy."""
-    task = qualified("tasks", implementation(wildcards.task))
-    return code("evaluation", "rollout", task, *modules(CONFIG.training.runs[wildcards.run], "policy"))
+def policy_code(verb):
+    """The code of a verb of evaluation that rolls policies out: of the task and of the policy."""
+
+    def digest(wildcards):
+        task = qualified("tasks", implementation(wildcards.task))
+        return code("evaluation", verb, task, *modules(CONFIG.training.runs[wildcards.run], "policy"))
+
+    return digest
 
 
 def matching_code(verb, *keys):

@@ -1,6 +1,7 @@
 # Rollouts of the policies and scores of the scenes, one row each; nothing is aggregated here (paper B.1, B.3).
-# Reads:  policies and the task's assets; generated scenes and, only here, their truth.
+# Reads:  policies, their trials and the task's assets; generated scenes and, only here, their truth.
 # Writes: results/evaluation/policies/<task>/<training set>/<run>/seed_<n>/{rollouts.csv,film.png,films/},
+#         results/evaluation/policies/<task>/<training set>/rollouts.csv,
 #         results/evaluation/scenes/<variant>/<scene>/scores.csv.
 
 
@@ -12,6 +13,7 @@ rule rollout:
         config=rules.train.output.config,
         assets=lambda wildcards: task_assets(wildcards.task),
         library=rules.library.output.library,
+        trial=rules.trial.output.rollouts if CONFIG.evaluation.checkpoint == "rollouts" else [],
     output:
         **filmed(
             "evaluation",
@@ -31,10 +33,10 @@ rule rollout:
     threads: 1
     resources:
         mem_mb=4000,
-        gpu=1 if CONFIG.device == "cuda" else 0,
+        gpu=GPUS,
     params:
         command=command("evaluation", "rollout"),
-        code=rollout_code,
+        code=policy_code("rollout"),
         check=check(rollouts="rollouts"),
         options=options("evaluation", "rollout"),
         seed=CONFIG.seed,
@@ -45,7 +47,29 @@ rule rollout:
         "({params.command} --policy {params.folder:q} --assets {input.assets:q} --library {input.library:q} "
         "--task-name {wildcards.task} --training-set {wildcards.training_set} --trained-roles {params.roles} "
         "--run-name {wildcards.run} --options {params.options:q} "
-        "--seed {params.seed} --device {params.device} --out {output.rollouts:q} && "
+        "--trial {input.trial:q} --seed {params.seed} --device {params.device} --out {output.rollouts:q} && "
+        "{params.check}) 2>&1 | tee {log:q}"
+
+
+rule gather:
+    """Put the rollouts of all policies of one training set into one table."""
+    input:
+        rollouts=lambda wildcards: policies_of(wildcards.task, wildcards.training_set, rules.rollout.output.rollouts),
+    output:
+        rollouts="results/evaluation/policies/{task}/{training_set}/rollouts.csv",
+    log:
+        "logs/evaluation/gather_{task}_{training_set}.log",
+    container:
+        CONFIG.containers.learning
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        command=command("evaluation", "gather"),
+        code=code("evaluation", "gather"),
+        check=check(rollouts="rollouts"),
+    shell:
+        "({params.command} --rollouts {input.rollouts:q} --out {output.rollouts:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
 
 
@@ -81,5 +105,5 @@ rule evaluation:
     """All scores and rollouts of this run."""
     input:
         expand(rules.score.output.scores, variant=VARIANTS, scene=SCORED_ROOMS),
-        policies(rules.rollout.output.rollouts),
+        cells(rules.gather.output.rollouts),
     localrule: True

@@ -55,8 +55,43 @@ def scene_image(wildcards):
     return scene_inputs(wildcards)["rgb"]
 
 
-def policies(pattern):
-    """The files of `pattern` for all policies of this run, one per task, training set, run and seed."""
+def runs_of(task, training_set):
+    """The hyper-parameter sets that are trained with all seeds; if they must be chosen first, Snakemake waits."""
+    if not EXPERIMENT.chooses(task):
+        return EXPERIMENT.plan(task).runs
+    with checkpoints.choose.get(task=task, training_set=training_set).output.chosen.open() as file:
+        return json.load(file)["runs"]
+
+
+def policies_of(task, training_set, pattern):
+    """The files of `pattern` for the policies of one training set, one per run and seed."""
+    runs, seeds = runs_of(task, training_set), EXPERIMENT.plan(task).seeds
+    return expand(pattern, task=task, training_set=training_set, run=runs, seed=seeds)
+
+
+def cells(pattern):
+    """The files of `pattern` for every task and training set."""
+    return [
+        file for task in TASKS for file in expand(pattern, task=task, training_set=EXPERIMENT.plan(task).training_sets)
+    ]
+
+
+def policies(pattern, first=False):
+    """A function of what Snakemake calls a job's inputs: the files of `pattern` for all policies of this run.
+
+    first: only one policy per training set, the first seed of the first (best) run.
+    """
+
+    def found(wildcards):
+        sets = [(task, name) for task in TASKS for name in EXPERIMENT.plan(task).training_sets]
+        files = [policies_of(*cell, pattern) for cell in sets]
+        return [file for each in files for file in (each[:1] if first else each)]
+
+    return found
+
+
+def possible_policies(pattern):
+    """The files of `pattern` for all policies that this run might train, whichever are chosen."""
     plans = {task: EXPERIMENT.plan(task) for task in TASKS}
     return [
         file

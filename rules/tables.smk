@@ -5,10 +5,11 @@
 #         results/report/{index,times}.html.
 from types import SimpleNamespace
 
-FILMS = [  # a command in the place of our verb need not make any
-    *([] if "collect" in CONFIG.stages.get("demonstrations", {}) else trained(rules.demonstrate.output.films)),
-    *([] if "rollout" in CONFIG.stages.get("evaluation", {}) else policies(rules.rollout.output.films)),
-]
+# A command in the place of our verb need not make films.
+DEMO_FILMS = [] if "collect" in CONFIG.stages.get("demonstrations", {}) else trained(rules.demonstrate.output.films)
+ROLLOUT_FILMS = (
+    [] if "rollout" in CONFIG.stages.get("evaluation", {}) else policies(rules.rollout.output.films, first=True)
+)
 # Benchmark files cannot be inputs: those of this run are named to the page, so that it counts no others.
 BENCHMARKS = [
     rules.library.benchmark,
@@ -27,8 +28,7 @@ BENCHMARKS = [
         for file in of_target(SimpleNamespace(task=task, variant=EXPERIMENT.policy_variant), rules.distances.benchmark)
     ],
     *trained(rules.demonstrate.benchmark),
-    *policies(rules.train.benchmark),
-    *policies(rules.rollout.benchmark),
+    *possible_policies([rules.train.benchmark, rules.trial.benchmark, rules.rollout.benchmark]),
     "benchmarks/tables/tables.tsv",
     "benchmarks/tables/figures.tsv",
 ]
@@ -38,7 +38,7 @@ rule tables:
     """Tables 2 and 3: every cell with its n, seeds and interval, the published value beside it."""
     input:
         scores=expand(rules.score.output.scores, variant=VARIANTS, scene=SCORED_ROOMS),
-        rollouts=policies(rules.rollout.output.rollouts),
+        rollouts=cells(rules.gather.output.rollouts),
         published_scenes="report/published/table2.csv",
         published_policies="report/published/table3.csv",
     output:
@@ -117,9 +117,10 @@ rule report_page:
         scenes=expand(rules.generate.output.scenes, variant=VARIANTS, scene=ROOMS),
         previews=expand(rules.draw_scenes.output.previews, variant=VARIANTS, scene=ROOMS),
         assets=[task_assets(task) for task in TASKS],
-        films=FILMS,
+        films=DEMO_FILMS,
+        rollout_films=ROLLOUT_FILMS,
         attempts=trained(rules.demonstrate.output.attempts),
-        metrics=policies(rules.train.output.metrics),
+        metrics=policies(rules.train.output.metrics, first=True),
         tables=rules.tables.output,
         figures=rules.figures.output,
     output:

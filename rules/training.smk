@@ -25,7 +25,7 @@ rule train:
     threads: EXPERIMENT.training_threads
     resources:
         mem_mb=4000,
-        gpu=1 if CONFIG.device == "cuda" else 0,
+        gpu=GPUS,
     params:
         command=command("training", "train"),
         code=lambda wildcards: code("training", "train", *modules(CONFIG.training.runs[wildcards.run], "policy")),

@@ -7,8 +7,36 @@ from pydantic import Field
 from stages.config.base import Section
 
 
-class EvaluationConfig(Section):
-    """How policies are rolled out."""
+class ActingOptions(Section):
+    """How a policy acts."""
+
+    checkpoint: Literal["best", "last", "rollouts"] = Field(
+        "best",
+        description="best: as `training` selected; rollouts: of the checkpoints that `training: keep` left, the "
+        "one with most successes in its trial on the twin (the paper's way)",
+    )
+    action: Literal["sample", "most_likely"] = Field(
+        "most_likely", description="mode of the mixture to act by: drawn by weight (official), or the heaviest"
+    )
+    vary_scale: bool = Field(
+        False, description="rescale the test asset at random as in the demonstrations (official: no)"
+    )
+    envs: int = Field(4, ge=1, description="environments that share a forward pass of the policy")
+
+
+class TrialOptions(ActingOptions):
+    """Rollouts that choose checkpoints and hyper-parameter sets."""
+
+    selection_rollouts: int = Field(
+        20,
+        ge=1,
+        description="episodes per checkpoint in a trial on the twin, from states that no test uses; trials choose "
+        "checkpoints (`checkpoint: rollouts`) and, of more than `experiment.best_runs`, hyper-parameter sets",
+    )
+
+
+class RolloutOptions(ActingOptions):
+    """Rollouts that are counted."""
 
     test_assets: list[str] = Field(
         ["twin", "cousin_2", "cousin_6", "dissimilar", "trained"],
@@ -19,21 +47,8 @@ class EvaluationConfig(Section):
     rollouts: int = Field(
         16, ge=1, description="episodes per test asset, the same initial states for all policies; paper: 100"
     )
-    checkpoint: Literal["best", "last", "rollouts"] = Field(
-        "best",
-        description="best: as `training` selected; rollouts: of the checkpoints that `training: keep` left, the "
-        "one with most successes on the twin (the paper's way; costs keep x selection_rollouts more episodes)",
-    )
-    selection_rollouts: int = Field(20, ge=1, description="episodes per checkpoint for `checkpoint: rollouts`")
-    action: Literal["sample", "most_likely"] = Field(
-        "most_likely", description="mode of the mixture to act by: drawn by weight (official), or the heaviest"
-    )
-    vary_scale: bool = Field(
-        False, description="rescale the test asset at random as in the demonstrations (official: no)"
-    )
-    envs: int = Field(4, ge=1, description="environments that share a forward pass of the policy")
     film_frames: int = Field(16, ge=2, description="pictures of a filmed episode")
 
-    def unread(self) -> set[str]:
-        """What only the choice of a checkpoint by rollouts reads."""
-        return set() if self.checkpoint == "rollouts" else {"selection_rollouts"}
+
+class EvaluationConfig(TrialOptions, RolloutOptions):
+    """How policies are rolled out."""

@@ -72,6 +72,12 @@ class ExperimentConfig(Section):
         160, ge=1, description="Demonstrations in every training set, shared evenly by its assets so that sets compare."
     )
     runs: list[str] = Field(["lite"], description="Hyper-parameter sets to train, from `training.runs`.")
+    best_runs: int = Field(
+        2,
+        ge=1,
+        description="How many of `runs` are trained with all seeds, per task and training set: if there are more, "
+        "each is trained with the first seed and tried on the twin, and the best are chosen (paper: 2).",
+    )
     seeds: list[Count] = Field([0], description="Training seeds. The paper: best two hyper-parameter sets x 3 seeds.")
     training_threads: int = Field(
         1, ge=1, description="CPU threads per training job; 1 lets two policies train at once."
@@ -88,6 +94,10 @@ class ExperimentConfig(Section):
             seeds=self.seeds if own.seeds is None else own.seeds,
             episodes=self.episodes if own.episodes is None else own.episodes,
         )
+
+    def chooses(self, name: str) -> bool:
+        """Whether a task has more hyper-parameter sets than are trained with all seeds."""
+        return len(self.plan(name).runs) > self.best_runs
 
     def roles(self, training_set: str) -> list[str]:
         """Roles (twin, cousin_i, all) whose demonstrations make up a training set, in order of rank; one store each."""

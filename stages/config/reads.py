@@ -5,7 +5,7 @@ from typing import Any
 from stages.config.assets import LibraryOptions, SnapshotOptions
 from stages.config.base import Section
 from stages.config.demonstrations import DemonstrationsConfig
-from stages.config.evaluation import EvaluationConfig
+from stages.config.evaluation import RolloutOptions, TrialOptions
 from stages.config.extraction import ExtractionConfig
 from stages.config.generation import GenerationConfig
 from stages.config.matching import ComparisonOptions, EncoderOptions, MatchingConfig
@@ -27,7 +27,8 @@ READS: dict[tuple[str, str], type[Section]] = {
     ("generation", "generate"): GenerationConfig,
     ("demonstrations", "collect"): DemonstrationsConfig,
     ("training", "train"): TrainingRun,
-    ("evaluation", "rollout"): EvaluationConfig,
+    ("evaluation", "trial"): TrialOptions,
+    ("evaluation", "rollout"): RolloutOptions,
     ("tables", "tables"): TablesConfig,
     ("tables", "figures"): TablesConfig,
     ("tables", "report"): TablesConfig,

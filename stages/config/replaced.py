@@ -16,7 +16,7 @@ VERBS = {
     "experiment": ("select",),
     "demonstrations": ("collect", "export"),
     "training": ("train", "export"),
-    "evaluation": ("rollout", "score"),
+    "evaluation": ("trial", "choose", "rollout", "gather", "score"),
     "tables": ("tables", "figures", "report"),
 }
 

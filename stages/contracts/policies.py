@@ -112,6 +112,7 @@ class Rollout(Contract):
     once: ClassVar = ("task", "training_set", "run", "seed", "checkpoint", "test_asset", "episode")
 
     task: Id = Field(description="name of the task's row in the experiment, e.g. door")
+    cloud: Literal["target_link", "object"] = Field(description="what the policy's cloud shows of the object")
     training_set: Id
     run: Id
     seed: Seed
@@ -121,9 +122,36 @@ class Rollout(Contract):
     dino_distance: NonNegative
     episode: Count
     initial_state: Seed = Field(description="seed of the initial state; the same for every policy (paired)")
-    success: bool = Field(description="the target joint is open far enough")
+    success: bool = Field(description="the task's own, as section `task` sets it")
+    official_success: bool = Field(description="any joint of the object passed 10 % of its range at any time")
     steps: Count
     opened: Finite = Field(ge=-10, le=10)
+
+
+class RunScore(Contract):
+    """How a hyper-parameter set did in its trial on the twin, by its best checkpoint."""
+
+    run: Id
+    checkpoint: Text
+    successes: Count
+    episodes: Annotated[Count, Field(ge=1)]
+
+
+class ChosenRuns(Document):
+    """`chosen.json`: the hyper-parameter sets of one task and training set that are trained with all seeds (B.4)."""
+
+    task: Id
+    training_set: Id
+    runs: list[Id] = Field(min_length=1, description="those chosen, the best one first")
+    scores: list[RunScore] = Field(description="all candidates, as they were asked for")
+
+    @model_validator(mode="after")
+    def _tried(self) -> "ChosenRuns":
+        check_unique("runs", self.runs)
+        check_unique("scores: runs", [score.run for score in self.scores])
+        if strangers := set(self.runs) - {score.run for score in self.scores}:
+            raise ValueError(f"runs: {', '.join(sorted(strangers))} was not tried")
+        return self
 
 
 Angle = Annotated[Finite, Field(ge=0, le=3.1416)]

@@ -14,6 +14,7 @@ class RolloutEpisode:
 
     seed: int
     success: bool = False
+    official_success: bool = False
     steps: int = 0
     opened: float = 0.0
     recording: Recording | None = None
@@ -53,7 +54,8 @@ def roll_out(
             note(slot)
             episode, result = running[slot], tasks[slot].step(action)
             observations[slot] = result.observation
-            episode.success, episode.opened = result.success, result.opened
+            episode.success, episode.official_success = result.success, result.official_success
+            episode.opened = result.opened
             episode.steps += 1
             if result.done:
                 note(slot)

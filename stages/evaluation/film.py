@@ -1,7 +1,7 @@
 """Films of rollouts: one success and one failure per test asset; film.png: a strip of each."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import cv2
 import numpy as np
@@ -20,6 +20,14 @@ class Filmed:
 
     film: Film
     pictures: list[Image]
+
+
+@dataclass
+class Reel:
+    """The films of a policy, `frames` pictures each."""
+
+    frames: int
+    films: list[Filmed] = field(default_factory=list)
 
 
 def pick(episodes: Sequence[RolloutEpisode]) -> list[RolloutEpisode]:

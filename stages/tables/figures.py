@@ -13,7 +13,7 @@ from stages.tables.rows import published_policies, read_table
 from stages.tables.scene_figure import figure6
 from stages.tables.table3 import ALL_COLUMNS, pool
 
-TEXT = ["task", "test_asset", "training_set", "run", "checkpoint", "asset", "status"]
+TEXT = ["task", "cloud", "test_asset", "training_set", "run", "checkpoint", "asset", "status"]
 
 
 def named(items: tuple[str, ...], flag: str = "--comparisons") -> dict[tuple[str, str], Path]:

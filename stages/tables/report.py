@@ -27,8 +27,20 @@ MAX_BYTES = 12_000_000
 TIMES_PAGE = "times.html"
 STAGES = ["assets", "scenes", "extraction", "matching", "generation", "experiment"]
 STAGES += ["demonstrations", "training", "evaluation", "tables"]
-TEXT = ["scene", "variant", "task", "test_asset", "training_set", "baseline", "run", "checkpoint", "asset", "status"]
-WHOLE = re.compile(r".*_correct|(published_)?n_.*|(baseline_)?runs|states|episodes|successes|seed")
+TEXT = [
+    "scene",
+    "variant",
+    "task",
+    "cloud",
+    "test_asset",
+    "training_set",
+    "baseline",
+    "run",
+    "checkpoint",
+    "asset",
+    "status",
+]
+WHOLE = re.compile(r".*_correct|(published_)?n_.*|(baseline_)?runs|states|episodes|(official_)?successes|seed")
 FIGURES = {
     "figure4": "Figure 4: success against the distance of the test asset from the twin, with Wilson intervals.",
     "figure9": "Figure 9: success on the test assets for every training set; the paper's values are dashed.",

@@ -12,14 +12,18 @@ from stages.tables.order import set_key, task_key
 from stages.tables.statistics import mean, std, wilson
 
 COLUMNS = [
-    "task", "test_asset", "dino_distance", "training_set", "run", "seed", "episodes", "successes", "success_rate",
-    "wilson_low", "wilson_high",
+    "task", "cloud", "test_asset", "dino_distance", "training_set", "run", "seed", "episodes", "successes",
+    "official_successes", "success_rate", "wilson_low", "wilson_high",
 ]  # fmt: skip
 ALL_COLUMNS = [*COLUMNS, "checkpoint", "asset", "status"]
 DIFFERENCE_COLUMNS = [
     "task", "test_asset", "training_set", "baseline", "states", "runs", "baseline_runs", "difference", "low", "high",
 ]  # fmt: skip
 CELL = ["task", "test_asset", "training_set"]
+POOLED = [
+    *CELL, "cloud", "dino_distance", "runs", "episodes", "successes", "official_successes", "mean", "std",
+    "low", "high",
+]  # fmt: skip
 BASELINE, UNSEEN, TRAINED = "twin", "unseen", "trained"
 
 
@@ -44,6 +48,7 @@ def build(rollouts: pd.DataFrame, published: pd.DataFrame, options: TablesConfig
         rows.append(
             dict(zip(keys, key, strict=True))
             | {"dino_distance": float(group["dino_distance"].mean()), "asset": _assets(group["asset"])}
+            | {"cloud": group["cloud"].iloc[0], "official_successes": int(group["official_success"].sum())}
             | {"episodes": episodes, "successes": successes, "success_rate": successes / episodes}
             | {"wilson_low": low, "wilson_high": high, "status": "run"}
         )
@@ -52,7 +57,7 @@ def build(rollouts: pd.DataFrame, published: pd.DataFrame, options: TablesConfig
         if cell not in ran:
             rows.append(dict(zip(CELL, cell, strict=True)) | {"status": "not run"})
     table = pd.DataFrame(sorted(rows, key=_order), columns=ALL_COLUMNS)
-    return table.astype(dict.fromkeys(["seed", "episodes", "successes"], "Int64"))
+    return table.astype(dict.fromkeys(["seed", "episodes", "successes", "official_successes"], "Int64"))
 
 
 def _assets(names: pd.Series) -> str:
@@ -63,7 +68,7 @@ def _assets(names: pd.Series) -> str:
 def pool(table: pd.DataFrame, confidence: float) -> pd.DataFrame:
     """Cells of Table 3 over their runs: mean and sample std of the runs' rates, and the pooled Wilson interval.
 
-    Columns: task, test_asset, training_set, dino_distance, runs, episodes, successes, mean, std, low, high. The
+    Columns: `POOLED`. The
     interval treats all episodes of a cell as alike, which holds within a run; `std` shows how runs differ.
     """
     rows = []
@@ -73,12 +78,12 @@ def pool(table: pd.DataFrame, confidence: float) -> pd.DataFrame:
         rates = group["success_rate"].astype(float)
         rows.append(
             dict(zip(CELL, cell, strict=True))
-            | {"dino_distance": float(group["dino_distance"].iloc[0]), "runs": len(group)}
-            | {"episodes": episodes, "successes": successes, "mean": mean(rates), "std": std(rates)}
-            | {"low": low, "high": high}
+            | {"cloud": group["cloud"].iloc[0], "dino_distance": float(group["dino_distance"].iloc[0])}
+            | {"runs": len(group), "episodes": episodes, "successes": successes}
+            | {"official_successes": int(group["official_successes"].sum())}
+            | {"mean": mean(rates), "std": std(rates), "low": low, "high": high}
         )
-    columns = [*CELL, "dino_distance", "runs", "episodes", "successes", "mean", "std", "low", "high"]
-    return pd.DataFrame(rows, columns=columns)
+    return pd.DataFrame(rows, columns=POOLED)
 
 
 def _successes(rollouts: pd.DataFrame) -> pd.DataFrame:

@@ -38,6 +38,7 @@ FILES = {  # kind of file: where it lies
     "films": "demonstrations/films/films.json",
     "policy": "training/config.json",
     "metrics": "training/metrics.jsonl",
+    "chosen": "evaluation/chosen.json",
     "rollouts": "evaluation/rollouts.csv",
     "scores": "evaluation/scores.csv",
 }
@@ -221,10 +222,14 @@ def _evaluation(root: Path) -> None:
     folder = root / "evaluation"
     folder.mkdir()
     (folder / "rollouts.csv").write_text(
-        "task,training_set,run,seed,checkpoint,test_asset,asset,dino_distance,episode,initial_state,success,steps,opened\n"
-        "door,twin,lite,0,best,twin,cabinet_0,0.0,0,2147483648,True,60,0.9\n"
-        "door,twin,lite,0,best,twin,cabinet_0,0.0,1,2147483649,False,100,0.2\n"
+        "task,cloud,training_set,run,seed,checkpoint,test_asset,asset,dino_distance,episode,initial_state,success,"
+        "official_success,steps,opened\n"
+        "door,target_link,twin,lite,0,best,twin,cabinet_0,0.0,0,2147483648,True,True,60,0.9\n"
+        "door,target_link,twin,lite,0,best,twin,cabinet_0,0.0,1,2147483649,False,True,100,0.2\n"
     )
+    score = {"checkpoint": "best", "episodes": 20}
+    scores = [{"run": "lite", "successes": 19, **score}, {"run": "wide", "successes": 3, **score}]
+    _json(folder / "chosen.json", task="door", training_set="twin", runs=["lite"], scores=scores)
     (folder / "scores.csv").write_text(
         "scene,variant,rank,scale_m,object,status,true_asset,asset,category_correct,model_correct,l2_cm,"
         "orientation_rad,iou,oriented_iou,stable\n"

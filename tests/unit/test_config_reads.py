@@ -31,7 +31,10 @@ LISTED = {  # keys that do not simply run the one verb of their section again
     "extraction.own": set(),
     "evaluation.own": set(),
     "training.runs.lite.own": set(),
-    "evaluation.selection_rollouts": set(),
+    "evaluation.selection_rollouts": {"trial"},
+    "evaluation.test_assets": {"rollout"},
+    "evaluation.rollouts": {"rollout"},
+    "evaluation.film_frames": {"rollout"},
     "tables": {"tables", "figures", "report"},
 }
 ONE = {"assets": {"snapshots"}, "matching": {"match"}}  # the verb of the other keys of a section
@@ -97,7 +100,7 @@ def test_a_verb_can_read_nothing_else(stage: str, verb: str) -> None:
 
 def test_rules_ask_for_the_options_of_their_own_verb() -> None:
     for path in sorted((ROOT / "rules").glob("*.smk")):
-        for body in re.split(r"^rule ", path.read_text(), flags=re.MULTILINE)[1:]:
+        for body in re.split(r"^(?:rule|checkpoint) ", path.read_text(), flags=re.MULTILINE)[1:]:
             asked = re.findall(r'\boptions=options\(("\w+", "\w+")\)', body)
             assert asked in ([], re.findall(r'command=command\(("\w+", "\w+")\)', body)), body[:40]
             assert bool(asked) == ("{params.options:q}" in body), body[:40]

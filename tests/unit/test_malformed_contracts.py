@@ -35,7 +35,7 @@ def put(content: Any, where: str, value: object) -> None:
 
 
 DOCUMENTS = ["camera", "annotations", "truth", "objects", "cousins", "distances", "generated", "task", "library",
-             "asset", "snapshots", "features", "policy"]  # fmt: skip
+             "asset", "snapshots", "features", "policy", "chosen"]  # fmt: skip
 
 
 @pytest.mark.parametrize("kind", DOCUMENTS)
@@ -133,6 +133,10 @@ FIELDS: dict[str, list[tuple]] = {  # kind of file: entry, value, what the line 
         ("assets.0.size.0", -0.5, "size"), ("assets.0.size", [1.0, 1.0]), ("assets.0.joint", ""), ("task", "../door"),
         ("assets.2.role", "friend", "roles"),
     ],
+    "chosen": [
+        ("runs", []), ("runs", ["narrow"], "narrow was not tried"), ("runs", ["lite", "lite"]),
+        ("scores.1.run", "lite"), ("scores.0.episodes", 0), ("scores.0.successes", -1), ("task", "../door"),
+    ],
     "library": [
         ("assets", []), ("assets.0.folder", "../../etc"), ("assets.0.folder", "/etc"),
         ("assets.0.folder", "models\\..\\x"), ("assets.0.folder", ""), ("assets.0.folder", "a\u0000b"),
@@ -209,10 +213,11 @@ def test_a_field(bench: Bench, case: tuple) -> None:
         ("rollouts", "60,0.9", "sixty,0.9", "steps"),
         ("rollouts", "60,0.9", "60", "rollouts.csv:2: has more or fewer cells"),
         ("rollouts", "60,0.9", "60,0.9,1", "rollouts.csv:2: has more or fewer cells"),
-        ("rollouts", "True,60", "maybe,60", "success"),
+        ("rollouts", "True,True,60", "maybe,True,60", "success"),
+        ("rollouts", "door,target_link,", "door,everything,", "cloud"),
         ("rollouts", "0.0,1,2147483649", "-1,1,2147483649", "rollouts.csv:3"),
         ("rollouts", "0.0,1,2147483649", "0.0,,2147483649", "episode"),
-        ("rollouts", "door,twin,lite,0,best,twin,cabinet_0,0.0,0", 'door,"twin,lite,0', "rollouts.csv"),
+        ("rollouts", "door,target_link,twin,lite,0,best,twin,cabinet_0,0.0,0", 'door,"twin,lite,0', "rollouts.csv"),
         ("rollouts", "0.0,1,2147483649", "0.0,0,2147483649", "rollouts.csv:3: is line 2 again"),
         ("scores", "3.68,lamp_1", "3.68,cabinet_1", "scores.csv:3: is line 2 again"),
         ("scores", "3.68,lamp_1", "nan,lamp_1", "scale_m"),

@@ -7,14 +7,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
+from pydantic import BaseModel
 
 from stages.contracts.errors import InputError
-from stages.contracts.files import read_json, write_json
+from stages.contracts.files import read_json, read_rows, write_json
 from stages.contracts.films import Films
 from stages.contracts.kinds import KINDS
 from stages.contracts.library import Library
-from stages.contracts.policies import TaskAsset, TaskAssets
-from stages.evaluation import rollout
+from stages.contracts.policies import ChosenRuns, Rollout, TaskAsset, TaskAssets
+from stages.evaluation import arena, choose, gather, rollout
+from stages.evaluation import trial as try_out
 from stages.evaluation.episodes import RolloutEpisode, roll_out
 from stages.evaluation.film import pick, strip, take
 from stages.policies.checkpoint import save_weights
@@ -22,6 +24,8 @@ from stages.tasks.api import Observation, StepResult
 from stages.training.train import run as train
 from tests.toy_reach import Float, ToyReach, write_store
 from tests.unit.demo_assets import FRONT
+from tests.unit.tables_results import rollout as made_rollout
+from tests.unit.tables_results import write_rows
 
 
 class ToyTask:
@@ -128,7 +132,11 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def evaluate(
-    folder: Path, out: Path, trained_roles: tuple[str, ...] = ("twin",), **options: object
+    folder: Path,
+    out: Path,
+    trained_roles: tuple[str, ...] = ("twin",),
+    trial: tuple[Path, ...] = (),
+    **options: object,
 ) -> list[dict[str, str]]:
     settings = {"test_assets": ["twin", "cousin_2"], "rollouts": 5, "envs": 2} | options
     rollout.run(
@@ -139,6 +147,7 @@ def evaluate(
         training_set="twin",
         trained_roles=trained_roles,
         run_name="lite",
+        trial=trial,
         options=json.dumps(settings),
         out=out,
     )
@@ -148,8 +157,8 @@ def evaluate(
 
 @pytest.fixture
 def toy_simulator(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(rollout, "make_task", lambda *args, **options: ToyTask())
-    monkeypatch.setattr(rollout, "Studio", ToyStudio)
+    monkeypatch.setattr(arena, "make_task", lambda *args, **options: ToyTask())
+    monkeypatch.setattr(arena, "Studio", ToyStudio)
 
 
 @pytest.mark.usefixtures("toy_simulator")
@@ -192,13 +201,13 @@ def test_the_twin_is_tested_once_for_a_policy_that_was_trained_on_it(
     folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     tested: list[str] = []
-    original = rollout.Arena.test
+    original = arena.Arena.test
 
-    def note(arena: rollout.Arena, network: object, assets: list[TaskAsset], *rest: object) -> object:
+    def note(self: arena.Arena, network: object, assets: list[TaskAsset], *rest: object) -> object:
         tested.append(assets[0].role)
-        return original(arena, network, assets, *rest)  # type: ignore[arg-type]
+        return original(self, network, assets, *rest)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(rollout.Arena, "test", note)
+    monkeypatch.setattr(arena.Arena, "test", note)
     rows = evaluate(folder, tmp_path / "rollouts.csv", test_assets=["twin", "cousin_2", "trained"])
     assert tested == ["twin", "cousin_2"] and len(rows) == 15
     outcome = [[(row["initial_state"], row["steps"]) for row in rows if row["test_asset"] == role]
@@ -206,43 +215,69 @@ def test_the_twin_is_tested_once_for_a_policy_that_was_trained_on_it(
     assert outcome[0] == outcome[1]
 
 
-@pytest.mark.usefixtures("toy_simulator")
-def test_checkpoint_chosen_by_rollouts_on_other_states(folder: Path, tmp_path: Path, monkeypatch) -> None:  # type: ignore[no-untyped-def]
-    tried: list[tuple[str, int]] = []
-    original = rollout.Arena.episodes
-
-    def count(
-        arena: rollout.Arena, network: object, asset: TaskAsset, states: list[int], films: list | None = None
-    ) -> object:
-        tried.append((asset.role, states[0]))
-        good = len(tried) == 1  # the first checkpoint wins
-        if len(tried) <= 2:
-            return [RolloutEpisode(state, success=good) for state in states]
-        return original(arena, network, asset, states, films)  # type: ignore[arg-type]
-
-    monkeypatch.setattr(rollout.Arena, "episodes", count)
-    rows = evaluate(folder, tmp_path / "rollouts.csv", checkpoint="rollouts", selection_rollouts=3)
-    assert {row["checkpoint"] for row in rows} == {"checkpoints/step_10.safetensors"}
-    assert [role for role, _ in tried] == ["twin", "twin", "twin", "cousin_2"]
-    assert tried[0][1] not in {int(row["initial_state"]) for row in rows}
+def trial(folder: Path, out: Path, **options: object) -> list[dict[str, str]]:
+    files = {"policy": folder / "policy", "assets": folder / "task.json", "library": folder / "library.json"}
+    names = {"task_name": "my_door", "training_set": "twin", "run_name": "lite"}
+    settings = {"checkpoint": "rollouts", "selection_rollouts": 3, "envs": 2} | options
+    try_out.run(**files, **names, options=json.dumps(settings), out=out)  # type: ignore[arg-type]
+    KINDS["rollouts"].check(out)
+    return list(csv.DictReader(out.read_text().splitlines()))
 
 
 @pytest.mark.usefixtures("toy_simulator")
-def test_of_equally_good_checkpoints_the_later_one(
-    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    original = rollout.Arena.episodes
+def test_a_trial_rolls_every_checkpoint_out_on_the_twin_from_states_of_its_own(folder: Path, tmp_path: Path) -> None:
+    tried = trial(folder, tmp_path / "trial.csv")
+    steps = [f"checkpoints/step_{step}.safetensors" for step in (10, 20)]
+    assert [(row["checkpoint"], row["test_asset"]) for row in tried] == [(n, "twin") for n in steps for _ in range(3)]
+    assert len({row["initial_state"] for row in tried}) == 3
+    assert {row["checkpoint"] for row in trial(folder, tmp_path / "one.csv", checkpoint="last")} == {"last"}
+    rows = evaluate(folder, tmp_path / "rollouts.csv", trial=(tmp_path / "trial.csv",), checkpoint="rollouts")
+    assert not {row["initial_state"] for row in rows} & {row["initial_state"] for row in tried}
+    assert len({row["checkpoint"] for row in rows}) == 1
+    with pytest.raises(InputError, match="--trial: is not one file"):
+        evaluate(folder, tmp_path / "rollouts.csv", checkpoint="rollouts")
 
-    def alike(
-        arena: rollout.Arena, network: object, asset: TaskAsset, states: list[int], films: object = None
-    ) -> object:
-        if len(states) == 3:  # those of the selection
-            return [RolloutEpisode(state, success=state % 2 == 0) for state in states]
-        return original(arena, network, asset, states, films)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(rollout.Arena, "episodes", alike)
-    rows = evaluate(folder, tmp_path / "rollouts.csv", checkpoint="rollouts", selection_rollouts=3)
-    assert {row["checkpoint"] for row in rows} == {"checkpoints/step_20.safetensors"}
+def trial_of(path: Path, run: str, **successes: int) -> Path:
+    """A trial of four episodes per checkpoint, of which so many succeed."""
+    rows: list[BaseModel] = [
+        made_rollout(number, number < count, run=run, checkpoint=checkpoint)
+        for checkpoint, count in successes.items()
+        for number in range(4)
+    ]
+    return write_rows(path / f"{run}.csv", rows)
+
+
+def test_the_best_checkpoint_of_a_trial_is_the_later_of_equals(tmp_path: Path) -> None:
+    rows = read_rows(Rollout, trial_of(tmp_path, "a", one=1, two=3, three=3, four=2))
+    best = choose.best_checkpoint(rows)
+    assert (best.run, best.checkpoint, best.successes, best.episodes) == ("a", "three", 3, 4)
+
+
+def test_hyper_parameter_sets_are_chosen_by_their_best_checkpoint(tmp_path: Path) -> None:
+    successes = {"a": {"x": 1, "y": 3}, "b": {"x": 2, "y": 2}, "c": {"x": 4, "y": 0}, "d": {"x": 3, "y": 1}}
+    trials = tuple(trial_of(tmp_path, run, **each) for run, each in successes.items())
+    choose.run(trials=trials, count=2, out=tmp_path / "chosen.json")
+    chosen = read_json(ChosenRuns, tmp_path / "chosen.json")
+    assert chosen.runs == ["c", "a"]  # of the equal a and d the one that was named first
+    assert [(score.run, score.checkpoint, score.successes) for score in chosen.scores] == [
+        ("a", "y", 3), ("b", "y", 2), ("c", "x", 4), ("d", "x", 3),
+    ]  # fmt: skip
+    KINDS["chosen"].check(tmp_path / "chosen.json")
+    other = write_rows(tmp_path / "e.csv", [made_rollout(9, True, run="e")])
+    with pytest.raises(InputError, match="not of one task and training set from the same states"):
+        choose.run(trials=(*trials, other), count=2, out=tmp_path / "none.json")
+    assert not (tmp_path / "none.json").exists()
+
+
+def test_rollouts_of_a_training_set_are_gathered_as_they_are(tmp_path: Path) -> None:
+    paths = tuple(trial_of(tmp_path, run, best=count) for run, count in (("a", 1), ("b", 4)))
+    gather.run(rollouts=paths, out=tmp_path / "all.csv")
+    rows = [row for path in paths for row in read_rows(Rollout, path)]
+    assert read_rows(Rollout, tmp_path / "all.csv") == rows and len(rows) == 8
+    twin = write_rows(tmp_path / "c.csv", [made_rollout(training_set="cousins_4")])
+    with pytest.raises(InputError, match="more than one task and training set"):
+        gather.run(rollouts=(*paths, twin), out=tmp_path / "none.csv")
 
 
 @pytest.mark.usefixtures("toy_simulator")

@@ -36,8 +36,9 @@ def rows() -> tuple[list[SceneScore], list[Rollout]]:
     ]  # fmt: skip
     rollouts = [
         Rollout(
-            task="door", training_set="twin", run="lite", seed=0, checkpoint="last", test_asset="twin", asset="a1",
-            dino_distance=0.0, episode=k, initial_state=k, success=k % 3 > 0, steps=50, opened=0.4,
+            task="door", cloud="object", training_set="twin", run="lite", seed=0, checkpoint="last",
+            test_asset="twin", asset="a1", dino_distance=0.0, episode=k, initial_state=k, success=k % 3 > 0,
+            official_success=True, steps=50, opened=0.4,
         )
         for k in range(8)
     ]  # fmt: skip
@@ -63,7 +64,7 @@ def main() -> int:
         experiment = "{rooms: [room_3], variants: {b: {}}, training_sets: [twin], runs: [lite], seeds: [0]}"
         (work / "one.yaml").write_text(f"experiment: {experiment}\n")
         write(work / "results/evaluation/scenes/b/room_3/scores.csv", scores)
-        write(work / "results/evaluation/policies/door/twin/lite/seed_0/rollouts.csv", rollouts)
+        write(work / "results/evaluation/policies/door/twin/rollouts.csv", rollouts)
         base = [*SNAKEMAKE, "--configfile", "config.yaml", "one.yaml", "--", "tables"]
         produced = {}
         for place, extra in (

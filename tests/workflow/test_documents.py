@@ -135,7 +135,7 @@ def table() -> dict[str, list[str]]:
 def test_the_flags_of_every_verb_are_told_to_strangers() -> None:
     called = {}
     for path in sorted((ROOT / "rules").glob("*.smk")):
-        for body in re.split(r"^rule ", path.read_text(), flags=re.MULTILINE)[1:]:
+        for body in re.split(r"^(?:rule|checkpoint) ", path.read_text(), flags=re.MULTILINE)[1:]:
             if verb := re.search(r'command=command\("(\w+)", "(\w+)"\)', body):
                 shell = body[body.index("    shell:") :]
                 called[f"{verb[1]} {verb[2]}"] = list(dict.fromkeys(re.findall(r"--[a-z][a-z0-9-]*", shell)))

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pandas as pd
 
+from stages.contracts.files import read_json
+from stages.contracts.policies import ChosenRuns
 from tests.workflow.workspace import MICRO, ROOT, copy, dry_run, overlay, planned, snakemake
 
 WITHOUT_WORK = 8.0  # CPU seconds at most of a run with nothing to do; half of them are Snakemake's own start
@@ -20,6 +22,18 @@ def test_tables_and_report_are_there(run: Path) -> None:
     assert "<img" in page and "http://" not in page.replace("http://www.w3.org", "")
 
 
+def test_the_best_hyper_parameter_set_is_chosen_by_its_trial_and_only_it_is_tested(run: Path) -> None:
+    trials, policies = (run / "results/evaluation" / name / "door/twin" for name in ("trials", "policies"))
+    chosen = read_json(ChosenRuns, trials / "chosen.json")
+    assert [score.run for score in chosen.scores] == ["micro", "micro_small"] and len(chosen.runs) == 1
+    assert sorted(path.name for path in policies.iterdir()) == [*chosen.runs, "rollouts.csv"]
+    tried = pd.read_csv(trials / chosen.runs[0] / "seed_0/rollouts.csv")
+    rows = pd.read_csv(policies / "rollouts.csv")
+    assert tried["checkpoint"].nunique() == 2 and set(rows["checkpoint"]) < set(tried["checkpoint"])
+    assert not set(tried["initial_state"]) & set(rows["initial_state"])
+    assert set(rows["test_asset"]) == {"twin", "dissimilar", "trained"} and set(rows["cloud"]) == {"target_link"}
+
+
 def test_second_run_has_nothing_to_do_and_says_so_soon(run: Path) -> None:
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     done = snakemake(run, "all", *MICRO)
@@ -31,7 +45,17 @@ def test_second_run_has_nothing_to_do_and_says_so_soon(run: Path) -> None:
 def test_another_seed_of_training_keeps_everything_before_it(run: Path, tmp_path: Path) -> None:
     folder = copy(run, tmp_path / "run")
     done = dry_run(folder, "all", *overlay(folder, "experiment: {seeds: [1]}"))
-    assert set(planned(done.stdout)) == {"all", "train", "rollout", "tables", "figures", "report_page"}, done.stdout
+    then = {
+        "all",
+        "train",
+        "trial",
+        "choose",
+        "gather",
+        "tables",
+        "figures",
+        "report_page",
+    }  # what is chosen is not known
+    assert set(planned(done.stdout)) == then, done.stdout
 
 
 def test_a_second_variant_encodes_only_what_it_must(run: Path, tmp_path: Path) -> None:

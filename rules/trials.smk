@@ -1,0 +1,68 @@
+# Trials of policies on the twin, which choose checkpoints and hyper-parameter sets (verbs of `evaluation`; paper B.3, B.4).
+# If a task has more hyper-parameter sets than `experiment.best_runs`, each is trained with the first seed and tried on the twin;
+# when `choose` has named the best, Snakemake knows which policies to train with all seeds and to roll out on all test assets.
+# Reads:  policies and the task's assets.
+# Writes: results/evaluation/trials/<task>/<training set>/{<run>/seed_<n>/rollouts.csv,chosen.json}.
+
+
+rule trial:
+    """Roll the checkpoints of one policy out on the twin, from states that no test uses."""
+    input:
+        policy=rules.train.output.policy,
+        last=rules.train.output.last,
+        config=rules.train.output.config,
+        assets=lambda wildcards: task_assets(wildcards.task),
+        library=rules.library.output.library,
+    output:
+        rollouts="results/evaluation/trials/{task}/{training_set}/{run}/seed_{seed}/rollouts.csv",
+    log:
+        "logs/evaluation/trial_{task}_{training_set}_{run}_{seed}.log",
+    benchmark:
+        "benchmarks/evaluation/trial_{task}_{training_set}_{run}_{seed}.tsv"
+    container:
+        CONFIG.containers.simulation
+    threads: 1
+    resources:
+        mem_mb=4000,
+        gpu=GPUS,
+    params:
+        command=command("evaluation", "trial"),
+        code=policy_code("trial"),
+        check=check(rollouts="rollouts"),
+        options=options("evaluation", "trial"),
+        seed=CONFIG.seed,
+        device=CONFIG.device,
+        folder=subpath(input.policy, parent=True),
+    shell:
+        "({params.command} --policy {params.folder:q} --assets {input.assets:q} --library {input.library:q} "
+        "--task-name {wildcards.task} --training-set {wildcards.training_set} --run-name {wildcards.run} "
+        "--options {params.options:q} --seed {params.seed} --device {params.device} --out {output.rollouts:q} && "
+        "{params.check}) 2>&1 | tee {log:q}"
+
+
+checkpoint choose:
+    """Choose the hyper-parameter sets of one training set by their trials."""
+    input:
+        trials=lambda wildcards: expand(
+            rules.trial.output.rollouts,
+            run=EXPERIMENT.plan(wildcards.task).runs,
+            seed=EXPERIMENT.plan(wildcards.task).seeds[0],
+            **wildcards,
+        ),
+    output:
+        chosen="results/evaluation/trials/{task}/{training_set}/chosen.json",
+    log:
+        "logs/evaluation/choose_{task}_{training_set}.log",
+    container:
+        CONFIG.containers.learning
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        command=command("evaluation", "choose"),
+        code=code("evaluation", "choose"),
+        check=check(chosen="chosen"),
+        best=EXPERIMENT.best_runs,
+    shell:
+        "({params.command} --trials {input.trials:q} --count {params.best} --out {output.chosen:q} && "
+        "{params.check}) 2>&1 | tee {log:q}"

@@ -1,0 +1,40 @@
+"""Verb `choose`: the hyper-parameter sets that are trained with all seeds, by their trials on the twin (paper B.4)."""
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from stages.contracts.errors import InputError
+from stages.contracts.files import read_rows, write_json
+from stages.contracts.policies import ChosenRuns, Rollout, RunScore
+
+
+def best_checkpoint(rows: Sequence[Rollout]) -> RunScore:
+    """The checkpoint of a trial with most successes; of equals the later one."""
+    scores: dict[str, list[bool]] = {}
+    for row in rows:
+        scores.setdefault(row.checkpoint, []).append(row.success)
+    best = max(reversed(scores), key=lambda name: sum(scores[name]))
+    return RunScore(run=rows[0].run, checkpoint=best, successes=sum(scores[best]), episodes=len(scores[best]))
+
+
+def run(*, trials: tuple[Path, ...], count: int, out: Path) -> None:
+    """Name the best hyper-parameter sets of one task and training set; of equals those given first.
+
+    Args:
+        trials: rollouts.csv of every candidate's trial, all from the same initial states.
+        count: how many to choose.
+        out: chosen.json (contract ChosenRuns).
+    """
+    rows = {path: read_rows(Rollout, path, "run `evaluation trial` again") for path in trials}
+    about = {(row.task, row.training_set) for each in rows.values() for row in each}
+    states = {tuple(dict.fromkeys(row.initial_state for row in each)) for each in rows.values()}
+    if len(about) != 1 or len(states) != 1:
+        raise InputError("--trials", "are not of one task and training set from the same states.", "run them again")
+    scores = [best_checkpoint(each) for each in rows.values()]
+    best = sorted(scores, key=lambda score: -score.successes)[:count]
+    for score in scores:
+        mark = "chosen" if score in best else "left"
+        print(f"evaluation: {score.run} {score.successes}/{score.episodes}, {mark}", file=sys.stderr)
+    ((task, training_set),) = about
+    write_json(out, ChosenRuns(task=task, training_set=training_set, runs=[score.run for score in best], scores=scores))

@@ -1,0 +1,21 @@
+"""Verb `gather`: the rollouts of all policies of one training set in one table."""
+
+from pathlib import Path
+
+from stages.contracts.errors import InputError
+from stages.contracts.files import read_rows
+from stages.contracts.policies import Rollout
+from stages.evaluation.rows import write_rows
+
+
+def run(*, rollouts: tuple[Path, ...], out: Path) -> None:
+    """Put the rows of several policies one after the other.
+
+    Args:
+        rollouts: rollouts.csv of every policy.
+        out: the table, of the same columns.
+    """
+    rows = [row for path in rollouts for row in read_rows(Rollout, path, "run `evaluation rollout` again")]
+    if len({(row.task, row.training_set) for row in rows}) > 1:
+        raise InputError("--rollouts", "are of more than one task and training set.")
+    write_rows(out, rows)

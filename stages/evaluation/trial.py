@@ -1,0 +1,59 @@
+"""Verb `trial`: the checkpoints of one policy on the twin, from states that no test uses (paper B.3, B.4)."""
+
+import sys
+from pathlib import Path
+from typing import Literal
+
+from stages.config.evaluation import TrialOptions
+from stages.contracts.errors import InputError
+from stages.contracts.files import read_options
+from stages.contracts.policies import Rollout
+from stages.evaluation.arena import TRIAL_STATE, Arena, initial_states
+from stages.evaluation.rows import write_rows
+
+
+def run(
+    *,
+    policy: Path,
+    assets: Path,
+    library: Path,
+    task_name: str,
+    training_set: str,
+    run_name: str,
+    out: Path,
+    options: str = "",
+    seed: int = 0,
+    device: Literal["cpu", "cuda"] = "cpu",
+) -> None:
+    """Roll the checkpoints of a policy out on the twin: they choose the checkpoint and the hyper-parameter sets.
+
+    Args:
+        policy: folder that `training train` wrote.
+        assets: the experiment's assets (contract TaskAssets).
+        library: library.json that they come from.
+        task_name: name of the task's row in the experiment, for the rows.
+        training_set: name of the training set, for the rows.
+        run_name: name of the hyper-parameter set, for the rows.
+        out: rollouts.csv.
+        options: the `evaluation` section as JSON, or a JSON file.
+        seed: of the initial states; the same for every policy that is to be compared.
+        device: where the policy runs.
+    """
+    settings = read_options(TrialOptions, options)
+    arena = Arena(policy, assets, library, settings, device)
+    checkpoints: list[str] = [settings.checkpoint]
+    if settings.checkpoint == "rollouts":
+        checkpoints = arena.trained.checkpoints
+    if not checkpoints:
+        mend = "set training `keep`, or `checkpoint: best`"
+        raise InputError(policy, "has no kept checkpoints to choose from.", mend)
+    twin = arena.plan.playing("twin", assets)
+    states = initial_states(TRIAL_STATE, seed, settings.selection_rollouts)
+    names = {"task": task_name, "training_set": training_set, "run": run_name}
+    rows: list[Rollout] = []
+    for name in checkpoints:
+        played = arena.test(arena.network(name), [twin], states)
+        successes = sum(episode.success for _, episode in played)
+        print(f"evaluation: {name} opens the twin {successes}/{len(states)} times", file=sys.stderr)
+        rows += arena.rows(names, "twin", name, played)
+    write_rows(out, rows)
