@@ -1,6 +1,10 @@
 """Put asset folders into a SAPIEN scene: articulated ones as articulations, the others as rigid actors."""
 
+import hashlib
+import tempfile
 from collections.abc import Sequence
+from copy import copy
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -9,10 +13,11 @@ import sapien
 from numpy.typing import NDArray
 from sapien.physx import PhysxArticulation, PhysxMaterial
 
-from stages.articulated.asset_folder import read_asset
+from stages.articulated.asset_folder import read_asset, stretch_asset
 from stages.contracts.errors import InputError
 from stages.contracts.library import Asset
 from stages.geometry.frames import yaw_matrix, yaw_quaternion
+from stages.simulation.stretching import stretched
 
 JOINT_FRICTION, JOINT_DAMPING = 0.1, 2.0
 SURFACE_FRICTION = 0.6
@@ -43,40 +48,73 @@ def root_pose(asset: Asset, position: Sequence[float], yaw: float) -> sapien.Pos
     return sapien.Pose(np.asarray(position) - yaw_matrix(yaw) @ box_centre(asset), yaw_quaternion(yaw))
 
 
-def asset_builder(loader: Any, folder: Path, fixed: bool) -> tuple[Asset, Any]:
-    """An asset and the builder of its one body.
+class ParsedAsset:
+    """An asset as a URDF loader read it: its one body can be built again and again, at any scale.
 
     Args:
         loader: SAPIEN's URDF loader, or ManiSkill's around it.
+        fixed: the base does not move (a cabinet screwed to the wall); doors and drawers still do.
     """
-    asset = read_asset(folder)
-    urdf = Path(folder).resolve() / asset.urdf
-    loader.fix_root_link = fixed
-    loader.set_material(SURFACE_FRICTION, SURFACE_FRICTION, 0.0)
-    try:
-        parsed = loader.parse(str(urdf))
-    except Exception as error:  # the loader raises whatever its XML and mesh readers raise
-        raise InputError(urdf, f"cannot be loaded: {str(error).splitlines()[0]}.") from error
-    names = ("articulation_builders", "actor_builders") if isinstance(parsed, dict) else (0, 1)
-    bodies = [*parsed[names[0]], *parsed[names[1]]]
-    if len(bodies) != 1:
-        raise InputError(urdf, f"holds {len(bodies)} separate bodies.", "one body per URDF")
-    return asset, bodies[0]
+
+    def __init__(self, loader: Any, folder: Path, fixed: bool) -> None:
+        self.folder, self.fixed, self._loader = Path(folder), fixed, loader
+        self.asset = read_asset(folder)
+        self._builder = self._parse(self.folder.resolve() / self.asset.urdf)
+
+    def builder(self, scale: NDArray[np.float64] | None = None) -> Any:
+        """A builder of the body; `scale` (3,) stretches it along the asset's axes.
+
+        In memory; what is askew to the axes is stretched by way of files that last as long as the process.
+        """
+        if scale is None or (scale == 1).all():
+            return copy(self._builder)
+        ready = stretched(self._builder, scale)
+        if ready is not None:
+            return ready
+        size = tuple((np.array(self.asset.size) * scale).tolist())
+        folder = Path(_scratch().name) / hashlib.sha256(f"{self.folder.resolve()}{size}".encode()).hexdigest()[:16]
+        if not folder.exists():
+            stretch_asset(self.folder, self.asset, size, folder)
+        return self._parse(folder / self.asset.urdf)
+
+    def _parse(self, urdf: Path) -> Any:
+        self._loader.fix_root_link = self.fixed
+        self._loader.set_material(SURFACE_FRICTION, SURFACE_FRICTION, 0.0)
+        try:
+            parsed = self._loader.parse(str(urdf))
+        except Exception as error:  # the loader raises whatever its XML and mesh readers raise
+            raise InputError(urdf, f"cannot be loaded: {str(error).splitlines()[0]}.") from error
+        names = ("articulation_builders", "actor_builders") if isinstance(parsed, dict) else (0, 1)
+        bodies = [*parsed[names[0]], *parsed[names[1]]]
+        if len(bodies) != 1:
+            raise InputError(urdf, f"holds {len(bodies)} separate bodies.", "one body per URDF")
+        return bodies[0]
+
+
+@cache
+def _scratch() -> tempfile.TemporaryDirectory[str]:
+    return tempfile.TemporaryDirectory(prefix="acdc-stretched-")
 
 
 def load_asset(
-    scene: sapien.Scene, folder: Path, pose: sapien.Pose, fixed: bool, name: str
+    scene: sapien.Scene,
+    folder: Path,
+    pose: sapien.Pose,
+    fixed: bool,
+    name: str,
+    scale: NDArray[np.float64] | None = None,
 ) -> PhysxArticulation | sapien.Entity:
     """Add an asset to a scene, closed.
 
     Args:
         pose: of the URDF root; see `root_pose`.
         fixed: the base does not move (a cabinet screwed to the wall); doors and drawers still do.
+        scale: (3,) factors along the asset's axes.
 
     Returns:
         An articulation if the URDF has joints, else an entity (kinematic if fixed).
     """
-    _, builder = asset_builder(scene.create_urdf_loader(), folder, fixed)
+    builder = ParsedAsset(scene.create_urdf_loader(), folder, fixed).builder(scale)
     builder.initial_pose = pose
     if not has_renderer(scene):
         for link in getattr(builder, "link_builders", [builder]):
@@ -87,18 +125,17 @@ def load_asset(
         return builder.build()
     articulation = builder.build()
     articulation.set_name(name)
-    close(articulation)
+    soften(articulation)
+    lower = [float(joint.limits[0][0]) for joint in articulation.get_active_joints()]
+    articulation.set_qpos(np.array(lower, dtype=np.float32))
     return articulation
 
 
-def close(articulation: PhysxArticulation) -> None:
-    """Shut every joint at its lower limit and give it friction (SAPIEN's loader ignores the URDF's)."""
-    joints = articulation.get_active_joints()
-    for joint in joints:
+def soften(articulation: PhysxArticulation) -> None:
+    """Give every joint friction and damping (SAPIEN's loader ignores the URDF's)."""
+    for joint in articulation.get_active_joints():
         joint.set_friction(JOINT_FRICTION)
         joint.set_drive_properties(stiffness=0.0, damping=JOINT_DAMPING)
-    lower = [float(joint.limits[0][0]) for joint in joints]
-    articulation.set_qpos(np.array(lower, dtype=np.float32))
 
 
 def add_ground(scene: sapien.Scene, height: float = 0.0) -> sapien.Entity:

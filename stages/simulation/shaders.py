@@ -1,6 +1,6 @@
-"""SAPIEN's shaders without the table for light from a sky: the first picture of a process then costs no 6 seconds.
+"""SAPIEN's shaders without the table for light from a sky: the first picture then costs no 6 seconds.
 
-SAPIEN fills that table before the first picture if a shader names it: seconds without a GPU. No scene of ours has a sky,
+SAPIEN fills it before the first picture of a process if a shader names it. No scene of ours has a sky,
 and where the sky is black, what the table scales is black: the pictures are the same, pixel for pixel.
 """
 
@@ -10,11 +10,9 @@ import re
 import tempfile
 from functools import cache
 from pathlib import Path
-from typing import Literal
 
 import sapien
 
-Pack = Literal["default", "minimal"]
 TABLE = re.compile(r"^layout\(.*\) uniform sampler2D samplerBRDFLUT;$", re.MULTILINE)
 READ = re.compile(r"texture\(samplerBRDFLUT, [^;]*\)\.xy;")
 NOTHING = "vec2(0.0);"
@@ -45,7 +43,7 @@ def keep(folder: Path, files: dict[str, str]) -> Path:
 
 
 @cache
-def skyless(pack: Pack) -> str:
+def skyless(pack: str) -> str:
     """Folder of the shader pack without the table; the pack's own name if it is not as we know it."""
     shipped = Path(sapien.__file__).parent / "vulkan_shader"
     files = {

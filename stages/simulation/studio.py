@@ -42,9 +42,11 @@ class Moment:
 
 @dataclass(frozen=True)
 class Recording:
-    """An episode on the asset in `folder`; `side` is +1 or -1 along y, away from a door's hinge, 0 for a drawer."""
+    """An episode on the asset in `folder`, stretched by `scale` (3,); `side` is +1 or -1 along y, away from a door's
+    hinge, 0 for a drawer."""
 
     folder: Path
+    scale: Array
     side: float
     moments: Sequence[Moment]
 
@@ -64,7 +66,7 @@ class Studio:
     def film(self, recording: Recording, frames: int) -> list[Image]:
         """`frames` pictures (HEIGHT, WIDTH, 3), evenly over the recording, from a camera that sees all of it."""
         moments = pick(recording.moments, frames)
-        asset = load_asset(self.scene, recording.folder, sapien.Pose(moments[0].asset), True, "asset")
+        asset = load_asset(self.scene, recording.folder, sapien.Pose(moments[0].asset), True, "asset", recording.scale)
         self._put(asset, moments[0])
         feet = [_bounds(asset.links), _bounds(self.robot.links[:1])]
         low = min(bounds[0, 2] for bounds in feet)

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 import trimesh
 from mani_skill.utils.geometry.trimesh_utils import get_component_meshes, merge_meshes
-from mani_skill.utils.structs import Articulation
 from numpy.typing import NDArray
+from sapien.physx import PhysxArticulation
 from scipy.spatial.transform import Rotation
 
 from stages.articulated.handle import Handle, find_handle
@@ -59,12 +59,9 @@ class Target:
         return moved
 
 
-def read_target(articulation: Articulation, joint_name: str) -> Target:
-    """Measure the target joint of a loaded asset; its joints must be closed."""
-    raw = articulation._objs[0]
+def read_target(raw: PhysxArticulation, index: int) -> Target:
+    """Measure the target joint of a loaded asset, the active joint of that index; its joints must be closed."""
     root_inverse = inverse(raw.root.pose.to_transformation_matrix())
-    names = [joint.name for joint in articulation.active_joints]
-    index = names.index(joint_name)
     joint = raw.active_joints[index]
     joint_frame = root_inverse @ joint.get_global_pose().to_transformation_matrix()
     moving: list[trimesh.Trimesh] = []
@@ -73,7 +70,7 @@ def read_target(articulation: Articulation, joint_name: str) -> Target:
         root_from_link = root_inverse @ link.pose.to_transformation_matrix()
         group = moving if descends(link, joint.child_link) else fixed
         group += [mesh.apply_transform(root_from_link) for mesh in get_component_meshes(link)]
-    lower, upper = articulation.get_qlimits()[0, index].tolist()
+    lower, upper = joint.limits[0].tolist()
     mesh = merge_meshes(moving)
     return Target(
         index=index,

@@ -19,7 +19,6 @@ from stages.plugins import load
 from stages.simulation.kinematics import Array
 from stages.simulation.robot import panda_chain
 from stages.simulation.studio import Moment, Recording
-from stages.tasks.initial_state import draw_initial_state, variant_scale
 from stages.tasks.observation import Observation
 from stages.tasks.task import Task
 
@@ -61,7 +60,7 @@ def make_task(
         size: nominal closed box (x, y, z) in metres; None: as the asset is.
         options: the `task` section.
         render: False leaves out the camera (no point cloud in the observations, no pictures).
-        cache: folder for rescaled assets; default: a temporary one that `close` removes.
+        cache: folder for the resized asset; default: a temporary one that `close` removes.
         vary_scale: False keeps the nominal size (official code leaves the evaluated asset's size alone).
     """
     known: Task = load("tasks", task)
@@ -92,7 +91,7 @@ class TaskEnv:
         self.max_steps = options.max_steps or task.horizon
         self.chain = panda_chain()
         self._env: OpenTaskEnv | None = None
-        self._placed: tuple[Path, str] | None = None
+        self._nominal: dict[tuple[Path, Size], Path] = {}  # folders of assets at their nominal sizes
 
     def turn_to(self, assets: Path, joint: str, size: Size | None) -> None:
         """Be about another asset and joint from the next episode on; see `make_task`."""
@@ -115,7 +114,7 @@ class TaskEnv:
 
     def place(self, seed: int) -> None:
         """`reset` without looking: a skill plans before it needs a picture."""
-        folder = self._sized_folder(seed)
+        folder = self._nominal_folder()
         if self._env is None:
             from stages.simulation.rendering import render_backend
 
@@ -126,14 +125,14 @@ class TaskEnv:
                 asset_folder=folder,
                 joint=self.joint,
                 options=self.options,
+                vary_scale=self.vary_scale,
                 obs_mode="none",
                 reward_mode="none",
                 sim_backend=self.options.sim_backend,
                 render_backend=render_backend() if self.render else "none",
             )
-        reconfigure = (folder, self.joint) != self._placed
-        self._placed = self.env.asset_folder, self.env.joint_name = folder, self.joint
-        self.env.reset(seed=seed, options={"reconfigure": reconfigure})
+        self.env.asset_folder, self.env.joint_name = folder, self.joint
+        self.env.reset(seed=seed)
         self.steps, self.success, self.official_success, self.opened = 0, False, False, 0.0
 
     def step(self, action: Float) -> StepResult:
@@ -151,12 +150,12 @@ class TaskEnv:
 
     def observe(self) -> Observation:
         """The observation of the present state."""
-        return self.env.observe(render=self.render)
+        return self.env.observe(render=self.render)[0]
 
     @property
     def success_opening(self) -> float:
         """The fraction of the target joint's range that counts as open."""
-        return self.env.success_opening
+        return self.env.success_opening()
 
     def joints(self) -> Array:
         """(9,) measured joints: seven of the arm, two of the fingers."""
@@ -186,7 +185,7 @@ class TaskEnv:
 
     def recording(self, moments: Sequence[Moment]) -> Recording:
         """Moments of this episode with the asset at its size; to be filmed before `close`."""
-        return Recording(self.env.asset_folder, self.env.target.side, moments)
+        return Recording(self.env.asset_folder, self.env.scales[0], self.env.target.side, moments)
 
     def close(self) -> None:
         """Free the simulator."""
@@ -196,15 +195,13 @@ class TaskEnv:
         if self._temporary is not None:
             self._temporary.cleanup()
 
-    def _sized_folder(self, seed: int) -> Path:
-        """Folder of the asset at the size of episode `seed`."""
+    def _nominal_folder(self) -> Path:
         from stages.procedural.resize import resized
 
-        scale = np.ones(3)
-        if self.vary_scale:
-            scale = variant_scale(draw_initial_state(seed, self.options).variant, self.options)
-        x, y, z = (np.array(self.size) * scale).round(4).tolist()
-        return resized(self.assets, (x, y, z), self.sized)
+        key = (self.assets, self.size)
+        if key not in self._nominal:
+            self._nominal[key] = resized(self.assets, self.size, self.sized)
+        return self._nominal[key]
 
 
 @cache

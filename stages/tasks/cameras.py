@@ -1,19 +1,18 @@
 """The depth cameras of a task (paper B.3): on the robot's base or on its hand, jittered by episode."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 import sapien
-from mani_skill.render import PREBUILT_SHADER_CONFIGS, ShaderConfig
 from mani_skill.sensors.camera import CameraConfig
 from scipy.spatial.transform import Rotation
 
 from stages.config.task import TaskConfig
 from stages.geometry.frames import rigid
+from stages.simulation.depth_shaders import depth_shaders
 from stages.simulation.kinematics import Array
 from stages.simulation.robot import AcdcPanda
-from stages.simulation.shaders import skyless
 
 Place = tuple[float, float, float]
 
@@ -50,15 +49,6 @@ class Camera:
             mount=robot.robot.root if self.mount == "base" else robot.tcp,
             shader_config=depth_shaders(),
         )
-
-
-def depth_shaders() -> ShaderConfig:
-    """ManiSkill's shaders for positions and segmentation. It sets the formats of their pictures by the pack's name, so
-    that they are set here; each camera takes those that hold when it is made."""
-    sapien.render.set_picture_format("Color", "r8g8b8a8unorm")
-    sapien.render.set_picture_format("ColorRaw", "r8g8b8a8unorm")
-    sapien.render.set_picture_format("PositionSegmentation", "r16g16b16a16sint")
-    return replace(PREBUILT_SHADER_CONFIGS["minimal"], shader_pack=skyless("minimal"))
 
 
 # Above the hand, past the fingers: it sees what they close around.

@@ -1,7 +1,6 @@
 """The base of the tasks: a ManiSkill environment with a Panda before one articulated asset (paper B.3, B.4)."""
 
 from collections.abc import Sequence
-from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -15,20 +14,22 @@ from mani_skill.utils.structs.types import SceneConfig, SimConfig
 from numpy.typing import NDArray
 
 from stages.config.task import TaskConfig
-from stages.geometry.frames import inverse
-from stages.simulation import observation
+from stages.contracts.errors import InputError
+from stages.geometry.frames import inverse, rigid
 from stages.simulation.kinematics import Array
-from stages.simulation.loading import asset_builder, close
-from stages.simulation.robot import GRIPPER_OPEN, REST, AcdcPanda, ActionScale, panda_chain
+from stages.simulation.loading import ParsedAsset, load_asset, physics_scene, soften
+from stages.simulation.rendering import render_backend
+from stages.simulation.robot import GRIPPER_OPEN, REST, AcdcPanda, ActionScale
 from stages.simulation.target import Target, descends, read_target
-from stages.tasks.cameras import Camera, jitter, shoulder
-from stages.tasks.initial_state import base_pose, draw_initial_state, object_motion
-from stages.tasks.observation import Observation
+from stages.tasks.cameras import Camera, shoulder
+from stages.tasks.initial_state import base_pose, draw_initial_state, object_motion, variant_scale
+from stages.tasks.observation import Eyes, Observation
 from stages.tasks.task import Task
 
 SIMULATION_FREQUENCY = 100
 FILM = "film"
 OFFICIAL_SUCCESS = 0.1  # of the range of any joint (official code)
+LARGEST_ID = 30_000  # of an entity: a picture holds 16 bits of it, and every change of scale takes new ones
 
 
 class OpenTaskEnv(BaseEnv):
@@ -39,9 +40,11 @@ class OpenTaskEnv(BaseEnv):
     `succeeded`, `_load_scene` (more objects), `_initialize_episode` (where they are; the seed is in `_episode_seed`).
 
     Args:
-        asset_folder: folder with asset.json. A change takes effect at reset(options={"reconfigure": True}).
-        joint: name of the joint to open.
+        asset_folder: folder with asset.json. It and `joint_name` may be set anew; the next episode shows the change.
+        joint: name of the joint to open; None: the one that suits the task best.
         options: the `task` section.
+        vary_scale: draw the asset's scale with the episode; on a GPU, where a scene cannot change, when it is built.
+        obs_mode: 'pointcloud' (what a policy sees: `Observation`), 'state', 'none', or another of ManiSkill's.
     """
 
     SUPPORTED_ROBOTS = ["acdc_panda"]
@@ -53,15 +56,30 @@ class OpenTaskEnv(BaseEnv):
         self,
         *args: Any,
         asset_folder: str | Path,
-        joint: str,
+        joint: str | None = None,
         options: TaskConfig | None = None,
         robot_uids: str = "acdc_panda",
+        vary_scale: bool = True,
+        obs_mode: str = "pointcloud",
         **kwargs: Any,
     ) -> None:
         self.options = options or TaskConfig()
-        self.asset_folder, self.joint_name = Path(asset_folder), joint
-        kwargs.setdefault("control_mode", self.options.controller)
-        super().__init__(*args, robot_uids=robot_uids, **kwargs)
+        self.asset_folder, self.vary_scale = Path(asset_folder), vary_scale
+        self.joint_name = joint or self._suitable_joint()
+        self.eyes = Eyes(self.cameras(), self.options)
+        kwargs = {
+            "control_mode": self.options.controller,
+            "sim_backend": self.options.sim_backend,
+            "render_backend": render_backend(),
+            **kwargs,
+        }
+        super().__init__(*args, robot_uids=robot_uids, obs_mode=obs_mode, **kwargs)
+
+    def _suitable_joint(self) -> str:
+        panel = self.task.target_joint(self.asset_folder)
+        if panel is None:
+            raise InputError(self.asset_folder, f"has no {self.task.role} with a handle.", "choose another asset")
+        return panel.joint
 
     @property
     def max_episode_steps(self) -> int:
@@ -83,7 +101,7 @@ class OpenTaskEnv(BaseEnv):
 
     @property
     def _default_sensor_configs(self) -> list[CameraConfig]:
-        return [camera.config(self.agent, self.options) for camera in self.cameras()]
+        return self.eyes.configs(self.agent)
 
     def cameras(self) -> Sequence[Camera]:
         """The depth cameras whose points make up the cloud."""
@@ -118,13 +136,53 @@ class OpenTaskEnv(BaseEnv):
         )
 
     def _load_scene(self, options: dict[str, Any]) -> None:
-        loader = self.scene.create_urdf_loader()
-        loader.name = "target_object"
-        self.asset, builder = asset_builder(loader, self.asset_folder, fixed=True)
-        builder.initial_pose = sapien.Pose()
-        self.object: Articulation = builder.build()
-        for articulation in self.object._objs:
-            close(articulation)
+        self._parsed: dict[Path, ParsedAsset] = {}  # of this scene
+        self._load_object(np.array([self._drawn_scale(int(seed)) for seed in self._episode_seed]))
+
+    def _drawn_scale(self, seed: int) -> Array:
+        """(3,) scale of the asset in episode `seed`."""
+        if not self.vary_scale:
+            return np.ones(3)
+        return variant_scale(draw_initial_state(seed, self.options).variant, self.options)
+
+    def _load_object(self, scales: Array) -> None:
+        """Put the asset into every environment at its scale, (N, 3)."""
+        if self.asset_folder not in self._parsed:
+            loader = self.scene.create_urdf_loader()
+            loader.name = "target_object"
+            self._parsed[self.asset_folder] = ParsedAsset(loader, self.asset_folder, fixed=True)
+        parsed = self._parsed[self.asset_folder]
+        self.asset, self.scales, self._loaded = parsed.asset, scales, (self.asset_folder, self.joint_name)
+        alike = bool((scales == scales[0]).all())
+        bodies = []
+        for index, scale in enumerate(scales[:1] if alike else scales):
+            builder = parsed.builder(scale)
+            builder.initial_pose = sapien.Pose()
+            builder.set_scene_idxs(range(self.num_envs) if alike else [index])
+            bodies.append(builder.build(name="target_object" if alike else f"target_object_{index}"))
+        self.object: Articulation = bodies[0] if alike else Articulation.merge(bodies, name="target_object")
+        for body in self.object._objs:
+            soften(body)
+        index = [joint.name for joint in bodies[0].active_joints].index(self.joint_name)
+        if self.gpu_sim_enabled:  # what is on the GPU cannot be measured before the first step: measure a twin of it
+            world = physics_scene()
+            shown = [load_asset(world, self.asset_folder, sapien.Pose(), True, "", scale) for scale in scales]
+        else:
+            self.object.set_qpos(self.object.get_qlimits()[..., 0])
+            shown = self.object._objs
+        self.targets: list[Target] = [read_target(body, index) for body in shown]
+
+    @property
+    def target(self) -> Target:
+        """The target of the first environment, of the only one on a CPU."""
+        return self.targets[0]
+
+    def _exchange_object(self, scales: Array) -> None:
+        """Take the asset out and put the present one in at its scales, (N, 3); everything else stays as it is."""
+        self.scene.remove_from_state_dict_registry(self.object)
+        self.scene.remove_articulation(self.object)
+        self._load_object(scales)
+        self.__dict__.pop("segmentation_id_map", None)
 
     def _load_lighting(self, options: dict[str, Any]) -> None:
         """For film strips alone: the policy's camera has no use for light."""
@@ -133,54 +191,46 @@ class OpenTaskEnv(BaseEnv):
         self.scene.add_directional_light([-1.0, -0.6, -0.3], [0.6, 0.6, 0.6])
 
     def _after_reconfigure(self, options: dict[str, Any]) -> None:
-        self.target: Target = read_target(self.object, self.joint_name)
         self._official = torch.zeros(self.num_envs, dtype=torch.bool, device=self.device)
 
     def seen_ids(self, index: int = 0) -> NDArray[np.int16]:
         """Entity ids of what the cloud of environment `index` shows: the target link, or by `task.cloud` all links."""
         body = self.object._objs[index]
-        moved = body.active_joints[self.target.index].child_link
+        moved = body.active_joints[self.targets[index].index].child_link
         links = [link for link in body.links if self.options.cloud == "object" or descends(link, moved)]
         return np.array([link.entity.per_scene_id for link in links], np.int16)
 
+    def reset(self, seed: Any = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        """ManiSkill's; builds the scene again where a new asset needs that, and when the entities' ids are used up."""
+        if "object" in self.__dict__:
+            other = self.gpu_sim_enabled and self._loaded != (self.asset_folder, self.joint_name)
+            if other or self.object._objs[0].links[-1].entity.per_scene_id > LARGEST_ID:
+                options = {**(options or {}), "reconfigure": True}
+        return super().reset(seed=seed, options=options)
+
     def _initialize_episode(self, env_idx: torch.Tensor, options: dict[str, Any]) -> None:
         indices = env_idx.tolist()
-        setups = [draw_initial_state(int(self._episode_seed[i]), self.options) for i in indices]
-        # The nominal object stands with its box centre above the origin and its box on z = 0.
-        center = (np.array(self.asset.box_min) + np.array(self.asset.box_max)) / 2
-        nominal = np.array([-center[0], -center[1], -self.asset.box_min[2]])
-        handle = self.target.reference + nominal
-        shift = np.eye(4)
-        shift[:3, 3] = nominal
-        bases = np.stack([base_pose(handle, self.target.side, setup, self.options) for setup in setups])
-        roots = np.stack([object_motion(setup) @ shift for setup in setups])
-        fingers = [GRIPPER_OPEN, GRIPPER_OPEN]
-        qpos = np.stack([np.append(REST + setup.joints, fingers) for setup in setups])
-        self.agent.robot.set_qpos(torch.as_tensor(qpos, dtype=torch.float32, device=self.device))
-        self.agent.robot.set_pose(to_poses(bases))
-        self.object.set_pose(to_poses(roots))
+        seeds = [int(self._episode_seed[i]) for i in indices]
+        if not self.gpu_sim_enabled:
+            scales = np.array([self._drawn_scale(seed) for seed in seeds])
+            if (scales != self.scales).any() or self._loaded != (self.asset_folder, self.joint_name):
+                self._exchange_object(scales)
+        bases, roots, qpos = [], [], []
+        for index, seed in zip(indices, seeds, strict=True):
+            setup, target = draw_initial_state(seed, self.options), self.targets[index]
+            # The nominal object stands with its box centre above the origin and its box on z = 0.
+            box = np.array([self.asset.box_min, self.asset.box_max]) * self.scales[index]
+            nominal = np.array([*-box[:, :2].mean(axis=0), -box[0, 2]])
+            bases.append(base_pose(target.reference + nominal, target.side, setup, self.options))
+            roots.append(object_motion(setup) @ rigid(np.eye(3), nominal))
+            qpos.append(np.concatenate([REST + setup.joints, [GRIPPER_OPEN, GRIPPER_OPEN]]))
+            self.eyes.place(self._sensors, index, seed)
+        self.agent.robot.set_qpos(torch.as_tensor(np.stack(qpos), dtype=torch.float32, device=self.device))
+        self.agent.robot.set_pose(to_poses(np.stack(bases)))
+        self.object.set_pose(to_poses(np.stack(roots)))
         self.object.set_qpos(self.object.get_qlimits()[env_idx, :, 0])
         self.object.set_qvel(torch.zeros_like(self.object.get_qvel()[env_idx]))
         self._official[env_idx] = False
-        self._place_cameras(indices)
-
-    def _place_cameras(self, indices: Sequence[int]) -> None:
-        """Jitter the cameras of each environment; where they then are is known to the robot."""
-        for number, camera in enumerate(self.cameras()):
-            for index in indices:
-                shift = jitter(int(self._episode_seed[index]), number, self.options)
-                pose = camera.pose()
-                pose[:3, 3] += shift[:3, 3]
-                pose[:3, :3] = shift[:3, :3] @ pose[:3, :3]
-                self._camera_poses[camera.name, index] = pose
-                if camera.name in self._sensors:
-                    component = self._sensors[camera.name].camera._render_cameras[index]
-                    component.set_local_pose(sapien.Pose(pose))
-
-    @cached_property
-    def _camera_poses(self) -> dict[tuple[str, int], Array]:
-        """(4, 4) pose of a camera of an environment, in the frame of its mount."""
-        return {}
 
     def opened(self) -> torch.Tensor:
         """(N,) fraction of the target joint's range, 0 closed, 1 fully open."""
@@ -192,47 +242,40 @@ class OpenTaskEnv(BaseEnv):
         span = limits[..., 1] - limits[..., 0]
         return torch.where(span.isfinite(), (self.object.get_qpos() - limits[..., 0]) / span, 0.0)
 
-    @property
-    def success_opening(self) -> float:
+    def success_opening(self, index: int = 0) -> float:
         """The fraction of the range that counts as open: half, 60 degrees or 15 cm, whichever is less."""
-        options, target = self.options, self.target
+        options, target = self.options, self.targets[index]
         enough = np.deg2rad(options.success_angle) if target.revolute else options.success_distance
         return float(min(options.success_fraction, enough / (target.upper - target.lower)))
 
     def succeeded(self) -> torch.Tensor:
         """(N,) the one success criterion, for demonstrations and evaluation alike."""
-        return self.opened() >= self.success_opening
+        enough = [self.success_opening(index) for index in range(self.num_envs)]
+        return self.opened() >= torch.tensor(enough, device=self.device)
 
     def evaluate(self) -> dict[str, torch.Tensor]:
         """Success; beside it the official code's: any joint of the object was 10 % open at any time."""
         self._official |= (self._fractions() >= OFFICIAL_SUCCESS).any(dim=1)
         return {"success": self.succeeded(), "official_success": self._official.clone(), "opened": self.opened()}
 
-    def observe(self, index: int = 0, render: bool = True) -> Observation:
-        """What a policy sees in environment `index`; without `render` the cloud is empty."""
-        options, chain = self.options, panda_chain()
-        joints = self.agent.robot.get_qpos()[index].cpu().numpy().astype(np.float64)
-        tcp, fingers = chain.pose(joints[None, :7])[0], joints[7:]
-        cloud = np.zeros((options.points, 4), np.float32)
+    def observe(self, render: bool = True) -> list[Observation]:
+        """What a policy sees in each environment; without `render` the clouds are empty."""
+        pictures = []
         if render:
-            finger = observation.finger_points(tcp, fingers, options.finger_points)
-            cloud = observation.unified_cloud(self._scene_points(index, tcp), finger, options.points)
-        rest = chain.pose(REST[None])[0]
-        return {"point_cloud": cloud, "proprio": observation.proprioception(tcp, fingers, rest)}
+            self.scene.update_render(update_sensors=True, update_human_render_cameras=False)
+            pictures = self.eyes.capture(self._sensors)
+        joints = self.agent.robot.get_qpos().cpu().numpy().astype(np.float64)
+        return [self.eyes.observation(row, pictures, self.seen_ids(i), i) for i, row in enumerate(joints)]
 
-    def _scene_points(self, index: int, tcp: Array) -> NDArray[np.float32]:
-        """(N, 3) points of all cameras inside the workspace, in the base frame; `tcp` (4, 4)."""
-        self.scene.update_render(update_sensors=True, update_human_render_cameras=False)
-        low, high = np.array(self.options.workspace_min), np.array(self.options.workspace_max)
-        ids, clouds = self.seen_ids(index), []
-        for camera in self.cameras():
-            sensor = self._sensors[camera.name]
-            sensor.capture()
-            image = sensor.camera.get_picture("PositionSegmentation")[0][index].cpu().numpy()
-            local = self._camera_poses[camera.name, index]
-            pose = local if camera.mount == "base" else tcp @ local
-            clouds.append(observation.object_points(image, ids, pose, low, high))
-        return np.concatenate(clouds)
+    def get_obs(self, info: dict[str, Any] | None = None, unflattened: bool = False) -> Any:
+        """ManiSkill's observation; in mode 'pointcloud' what a policy sees, batched."""
+        if self.obs_mode != "pointcloud":
+            return super().get_obs(info, unflattened)
+        seen = self.observe()
+        return {
+            key: torch.as_tensor(np.stack([one[key] for one in seen]), device=self.device)  # type: ignore[literal-required]
+            for key in ("point_cloud", "proprio")
+        }
 
     def _get_obs_extra(self, info: dict[str, Any]) -> dict[str, torch.Tensor]:
         return {"tcp_pose": self.agent.tcp.pose.raw_pose, "opened": info["opened"][:, None]}
