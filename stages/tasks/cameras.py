@@ -73,3 +73,19 @@ def jitter(seed: int, number: int, options: TaskConfig) -> Array:
     turn = rng.standard_normal(3)
     rotation = Rotation.from_rotvec(turn / np.linalg.norm(turn) * rng.uniform(0, radians))
     return rigid(rotation.as_matrix(), rng.uniform(-1, 1, 3) * metres)
+
+
+def film_camera(robot: AcdcPanda) -> CameraConfig:
+    """The camera of `render`: robot and asset from the side."""
+    pose = Camera("film", (-0.1, -1.15, 0.95), (0.45, 0.0, 0.42)).pose()
+    return CameraConfig(
+        uid="film",
+        pose=sapien.Pose(pose),
+        width=320,
+        height=320,
+        fov=1.0,
+        near=0.05,
+        far=10.0,
+        mount=robot.robot.root,
+        shader_pack="default",
+    )

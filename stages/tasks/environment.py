@@ -21,13 +21,12 @@ from stages.simulation.loading import ParsedAsset, load_asset, physics_scene, so
 from stages.simulation.rendering import render_backend
 from stages.simulation.robot import GRIPPER_OPEN, REST, AcdcPanda, ActionScale
 from stages.simulation.target import Target, descends, read_target
-from stages.tasks.cameras import Camera, shoulder
+from stages.tasks.cameras import Camera, film_camera, shoulder
 from stages.tasks.initial_state import base_pose, draw_initial_state, object_motion, variant_scale
 from stages.tasks.observation import Eyes, Observation
 from stages.tasks.task import Task
 
 SIMULATION_FREQUENCY = 100
-FILM = "film"
 OFFICIAL_SUCCESS = 0.1  # of the range of any joint (official code)
 LARGEST_ID = 30_000  # of an entity: a picture holds 16 bits of it, and every change of scale takes new ones
 
@@ -109,20 +108,7 @@ class OpenTaskEnv(BaseEnv):
 
     @property
     def _default_human_render_camera_configs(self) -> list[CameraConfig]:
-        pose = camera_pose_from([-0.1, -1.15, 0.95], [0.45, 0.0, 0.42])
-        return [
-            CameraConfig(
-                uid=FILM,
-                pose=pose,
-                width=320,
-                height=320,
-                fov=1.0,
-                near=0.05,
-                far=10.0,
-                mount=self.agent.robot.root,
-                shader_pack="default",
-            )
-        ]
+        return [film_camera(self.agent)]
 
     def _load_agent(self, options: dict[str, Any], *args: Any, **kwargs: Any) -> None:
         scale = ActionScale(
@@ -299,10 +285,3 @@ def to_poses(matrices: Array) -> Pose:
 def _raw(matrix: Array) -> Array:
     pose = sapien.Pose(matrix)
     return np.concatenate([pose.p, pose.q])
-
-
-def camera_pose_from(eye: Sequence[float], target: Sequence[float]) -> sapien.Pose:
-    """Pose of a camera at `eye` that looks at `target`, z up."""
-    from mani_skill.utils import sapien_utils
-
-    return sapien_utils.look_at(eye, target).sp

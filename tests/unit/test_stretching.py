@@ -126,3 +126,21 @@ def test_a_scene_is_built_again_before_its_ids_run_out(tmp_path: Path, monkeypat
     task.place(1)
     assert task.env.scene is not scene and task.env.opened().item() == 0.0
     task.close()
+
+
+def test_another_asset_comes_into_the_same_scene(tmp_path: Path) -> None:
+    cabinet(tmp_path / "door")
+    cabinet(tmp_path / "two", layout=[["door", "door"]], size=[0.5, 0.9, 0.8])
+    options = TaskConfig()
+    task = make_task("door", tmp_path / "door", "door_0_joint", None, options, render=False)
+    task.place(5)
+    scene, first = task.env.scene, task.env.target.moving.bounds
+    task.turn_to(tmp_path / "two", "door_1_joint", None)
+    task.place(5)
+    assert task.env.scene is scene and len(task.env.object.active_joints) == 2
+    links = {link.entity.per_scene_id: link.name for link in task.env.object._objs[0].links}
+    assert {links[i].removeprefix("scene-0-target_object_") for i in task.env.seen_ids().tolist()} == {"door_1"}
+    task.turn_to(tmp_path / "door", "door_0_joint", None)
+    task.place(5)
+    assert np.array_equal(task.env.target.moving.bounds, first) and len(task.env.object.active_joints) == 1
+    task.close()
