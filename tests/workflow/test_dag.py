@@ -53,6 +53,20 @@ def test_a_task_may_have_rows_with_training_sets_and_options_of_their_own(folder
     assert set(rolled) == {("cousins_2", "cousin_1 cousin_3"), ("all", "all")}
 
 
+def test_the_study_is_the_protocol_of_the_paper(folder: Path) -> None:
+    study = ("--configfile", "config/study/table3.yaml")
+    jobs = planned(dry_run(folder, "evaluation", *study).stdout)
+    sets, candidates = {"door": 5, "drawer": 5}, 3
+    assert jobs["choose"] == sum(sets.values())
+    of_object = 2 * 3  # training sets x seeds, one hyper-parameter set: nothing to choose
+    assert jobs["train"] == jobs["trial"] == candidates * sum(sets.values()) + of_object
+    assert jobs["gather"] == sum(sets.values()) + 2 and jobs["rollout"] == of_object  # the others wait for `choose`
+    assert jobs["demonstrate"] == 2 * (1 + 8 + 1) + 1 + 8
+    cells = [f"results/evaluation/policies/door/{name}/rollouts.csv" for name in ("twin", "cousins_8")]
+    first = planned(dry_run(folder, *cells, *study).stdout)
+    assert first["choose"] == 2 and first["train"] == 2 * candidates and first["demonstrate"] == 1 + 8
+
+
 def test_mistakes_in_the_config_are_a_line_each(folder: Path, tmp_path: Path) -> None:
     overlay = tmp_path / "mine.yaml"
     overlay.write_text("{maching: {encoder: hog}, experiment: {rooms: [room_9]}, evaluation: {test_assets: [uncle]}}")
