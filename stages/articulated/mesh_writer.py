@@ -2,9 +2,11 @@
 
 from collections.abc import Iterable
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 import trimesh
+from numpy.typing import NDArray
 from trimesh import Trimesh
 
 from stages.articulated.mesh_reader import has_texture
@@ -19,33 +21,52 @@ def numbers(values: Iterable[float]) -> str:
 
 
 def is_box(mesh: Trimesh) -> bool:
-    """Whether the mesh fills its axis-aligned bounds."""
-    return len(mesh.vertices) == 8 and bool(np.isclose(mesh.volume, np.prod(mesh.extents), rtol=1e-6))
+    """Whether the mesh, convex, fills its axis-aligned bounds: its vertices are their eight corners."""
+    vertices = np.asarray(mesh.vertices)
+    if len(vertices) != 8:
+        return False
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    upper = vertices - low > (high - low) / 2
+    at_corners = np.abs(vertices - np.where(upper, high, low)).max() < 1e-6 * (high - low).max()
+    return bool(at_corners) and len(np.unique(upper @ (1, 2, 4))) == 8
 
 
-def shaded(visual: Visual) -> Trimesh:
+class Surface(NamedTuple):
+    """Triangles: vertices (V, 3), faces (F, 3) that index them, and where they are to be seen normals (V, 3)."""
+
+    vertices: NDArray[np.float64]
+    faces: NDArray[np.int64]
+    normals: NDArray[np.float64] | None = None
+
+
+def shaded(visual: Visual) -> Surface:
     """The mesh with vertices split where edges are to look sharp."""
     if not visual.flat:
-        return trimesh.graph.smooth_shade(visual.mesh, angle=SHARP)
-    mesh = visual.mesh
-    corners = np.arange(3 * len(mesh.faces)).reshape(-1, 3)
-    normals = np.repeat(mesh.face_normals, 3, axis=0)
-    return Trimesh(mesh.triangles.reshape(-1, 3), corners, vertex_normals=normals, process=False)
+        mesh = trimesh.graph.smooth_shade(visual.mesh, angle=SHARP)
+        return Surface(mesh.vertices, mesh.faces, mesh.vertex_normals)
+    corners = np.asarray(visual.mesh.vertices)[np.asarray(visual.mesh.faces)]
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 1])
+    across /= np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-30)
+    return Surface(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3), np.repeat(across, 3, axis=0))
 
 
-def write_obj(path: Path, meshes: list[Trimesh], normals: bool = True) -> None:
-    """Several meshes as one OBJ."""
-    vertices = np.concatenate([mesh.vertices for mesh in meshes])
-    starts = np.cumsum([1, *(len(mesh.vertices) for mesh in meshes)])
-    faces = np.concatenate([mesh.faces + start for mesh, start in zip(meshes, starts, strict=False)])
-    lines = [f"v {numbers(vertex)}" for vertex in vertices]
+def write_obj(path: Path, surfaces: list[Surface]) -> None:
+    """Several surfaces as one OBJ."""
+    starts = np.cumsum([1, *(len(surface.vertices) for surface in surfaces)])
+    faces = np.concatenate([surface.faces + start for surface, start in zip(surfaces, starts, strict=False)])
+    text = _lines("v %g %g %g\n", np.concatenate([surface.vertices for surface in surfaces]).round(5) + 0.0)
+    normals = [surface.normals for surface in surfaces if surface.normals is not None]
     if normals:
-        vertex_normals = np.concatenate([mesh.vertex_normals for mesh in meshes])
-        lines += [f"vn {numbers(np.round(normal, 4))}" for normal in vertex_normals]
-        lines += [f"f {a}//{a} {b}//{b} {c}//{c}" for a, b, c in faces]
+        text += _lines("vn %g %g %g\n", np.concatenate(normals).round(4) + 0.0)
+        text += _lines("f %d//%d %d//%d %d//%d\n", faces.repeat(2, axis=1))
     else:
-        lines += [f"f {a} {b} {c}" for a, b, c in faces]
-    path.write_text("\n".join(lines) + "\n", encoding="ascii")
+        text += _lines("f %d %d %d\n", faces)
+    path.write_text(text, encoding="ascii")
+
+
+def _lines(line: str, rows: NDArray[Any]) -> str:
+    """The rows, each in the format of a line."""
+    return (line * len(rows)) % tuple(rows.ravel().tolist())
 
 
 def write_glb(path: Path, meshes: list[Trimesh]) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 from trimesh import Trimesh
 
-from stages.articulated.mesh_writer import is_box, numbers, shaded, write_glb, write_obj
+from stages.articulated.mesh_writer import Surface, is_box, numbers, shaded, write_glb, write_obj
 from stages.articulated.model import JointModel, Link, Matrix, RobotModel
 
 REVOLUTE_DAMPING, PRISMATIC_DAMPING, FRICTION = 2.0, 2.0, 0.1  # N m s, N s / m, and SAPIEN's friction coefficient
@@ -54,7 +54,7 @@ def _add_link(root: ET.Element, folder: Path, link: Link, stem: str) -> None:
             ET.SubElement(ET.SubElement(collision, "geometry"), "box", size=numbers(piece.extents))
         else:
             file = f"meshes/{stem}_hull_{number}.obj"
-            write_obj(folder / file, [piece], normals=False)
+            write_obj(folder / file, [Surface(piece.vertices, piece.faces)])
             _add_mesh(collision, file)
 
 

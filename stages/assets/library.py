@@ -7,7 +7,7 @@ from stages.config.assets import LibraryOptions
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_options, write_json
 from stages.contracts.library import Asset, Library, LibraryEntry
-from stages.procedural.catalogue import CATEGORIES, sample
+from stages.procedural.catalogue import CATEGORIES, model_name, sample
 from stages.procedural.folder import build
 
 
@@ -40,7 +40,7 @@ def run(*, out: Path, options: str = "{}", seed: int = 0) -> None:
 def make(category: str, index: int, seed: int, folder: Path) -> Asset:
     """Build the `index`-th procedural model of a category."""
     recipe = sample(category, index, seed)
-    name = f"{category}_{index:02d}"
+    name = model_name(category, index)
     provenance = f"procedural: {recipe.generator}, seed {seed}"
     return build(recipe, None, folder / name, name, category, provenance)
 

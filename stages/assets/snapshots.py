@@ -14,7 +14,8 @@ from stages.contracts.files import atomic, read_json, read_options, write_json
 from stages.contracts.library import Asset, Library, SnapshotShard
 from stages.geometry.cameras import intrinsics_from_fov, look_at
 
-MILLIMETRES = 1000.0
+THOUSANDTHS = 1000.0
+FARTHEST = 30.0  # metres: the camera measures in whole millimetres, 32 m at most
 # As fast as lzf here, and smaller; and lzf's bytes depend on memory that HDF5 does not initialise.
 PACKED = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
 
@@ -57,40 +58,34 @@ def run(*, library: Path, shard: int, shards: int, out: Path, options: str = "{}
 
 
 class Turntable:
-    """A scene with one camera before which assets turn, each scaled so that its largest extent is one unit."""
+    """A scene with one camera before which assets turn, each as large as the camera's range allows."""
 
     def __init__(self, config: SnapshotOptions) -> None:
         from stages.simulation.rendering import RenderCamera, make_scene
 
-        self.config = config
         self.scene = make_scene(shadows=False, light=(-1.0, 0.5, -1.2))
-        self.intrinsics = intrinsics_from_fov(config.image_size, config.image_size, config.field_of_view)
-        self.camera = RenderCamera(self.scene, self.intrinsics, config.image_size, config.image_size)
+        side = config.image_size
+        self.intrinsics = intrinsics_from_fov(side, side, config.field_of_view)
+        self.camera = RenderCamera(self.scene, self.intrinsics, side, side, pack="minimal")
+        eye = np.array([config.camera_distance, 0.0, config.camera_height])
+        self.unit = FARTHEST / (float(np.linalg.norm(eye)) + 1.0)  # largest extent of an asset before the camera
+        self.pose = look_at(eye * self.unit, [0.0, 0.0, 0.0])
 
     def photograph(self, folder: Path, yaws: list[float]) -> tuple[NDArray[np.uint8], NDArray[np.uint16]]:
-        """Pictures at the given turns: rgb (V, H, W, 3), depth (V, H, W) in millimetres of the scaled asset.
-
-        The asset keeps its size and the camera's distance is scaled instead: the same picture.
-        """
+        """Pictures at the given turns: rgb (V, H, W, 3), depth (V, H, W) in thousandths of the largest extent."""
         from stages.articulated.asset_folder import read_asset
-        from stages.simulation.loading import load_asset, move, remove, root_pose
+        from stages.simulation.loading import load_looks, move, remove, root_pose
 
         asset = read_asset(folder)
-        unit = largest_extent(asset)
-        eye = np.array([self.config.camera_distance, 0.0, self.config.camera_height]) * unit
-        camera_pose = look_at(eye, [0.0, 0.0, 0.0])
-        origin = (0.0, 0.0, 0.0)
-        body = load_asset(self.scene, folder, root_pose(asset, origin, 0.0), fixed=True, name=asset.id)
-        side = self.config.image_size
-        rgb = np.empty((len(yaws), side, side, 3), np.uint8)
-        depth = np.empty((len(yaws), side, side), np.uint16)
-        for view, yaw in enumerate(yaws):
-            move(body, root_pose(asset, origin, yaw))
-            picture = self.camera.render(camera_pose)
-            rgb[view] = picture.rgb
-            depth[view] = np.round(np.minimum(picture.depth / unit * MILLIMETRES, 65535))
+        scale = self.unit / largest_extent(asset)
+        body = load_looks(self.scene, folder, scale)
+        pictures = []
+        for yaw in yaws:
+            move(body, root_pose(asset, (0.0, 0.0, 0.0), yaw, scale))
+            pictures.append(self.camera.render(self.pose))
         remove(self.scene, body)
-        return rgb, depth
+        depth = np.stack([picture.depth for picture in pictures]) * (THOUSANDTHS / self.unit)
+        return np.stack([picture.rgb for picture in pictures]), np.minimum(depth, 65535).round().astype(np.uint16)
 
 
 def largest_extent(asset: Asset) -> float:

@@ -5,11 +5,11 @@ from pydantic import Field
 from stages.config.base import Count, Section
 
 COUNTS = {
-    "bottom_cabinet": 24,
-    "wall_cabinet": 9,
+    "bottom_cabinet": 36,
+    "wall_cabinet": 27,
     "sideboard": 7,
     "wardrobe": 6,
-    "chest_of_drawers": 8,
+    "chest_of_drawers": 22,
     "fridge": 4,
     "microwave": 4,
     "oven": 3,

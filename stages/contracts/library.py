@@ -65,6 +65,7 @@ class Recipe(Contract):
     """How a procedural asset was made, so that it can be made again at another size."""
 
     generator: Text
+    variation_of: Id | None = Field(None, description="the model of the same library that it is a near relative of")
     parameters: dict[str, Finite | int | str | bool | list[Finite] | list[int] | list[str] | list[list[str]]]
 
 

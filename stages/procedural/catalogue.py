@@ -9,6 +9,7 @@ from stages.contracts.library import Recipe
 from stages.procedural import (
     cabinet_draws,
     decor,
+    families,
     lamps,
     plants,
     seats,
@@ -77,6 +78,24 @@ CATEGORIES: dict[str, Callable[[np.random.Generator, int], Draw]] = {
 
 def sample(category: str, index: int, seed: int) -> Recipe:
     """The recipe of the `index`-th model of a category; it does not depend on how many others there are."""
-    rng = np.random.default_rng(np.random.SeedSequence((seed, zlib.crc32(category.encode()), index)))
-    draw = CATEGORIES[category](rng, index)
-    return Recipe(generator=draw.generator, parameters={"size": list(draw.size), **draw.parameters})
+    founder = families.founder_of(category, index)
+    if founder is None:
+        draw = CATEGORIES[category](_generator(category, index, seed), index)
+        return Recipe(generator=draw.generator, parameters={"size": list(draw.size), **draw.parameters})
+    first = CATEGORIES[category](_generator(category, founder, seed), founder)
+    generation = index // families.FOUNDERS[category]
+    draw = families.relative(category, first, generation, _generator(category, index, seed))
+    return Recipe(
+        generator=draw.generator,
+        parameters={"size": list(draw.size), **draw.parameters},
+        variation_of=model_name(category, founder),
+    )
+
+
+def model_name(category: str, index: int) -> str:
+    """Id of the `index`-th model of a category."""
+    return f"{category}_{index:02d}"
+
+
+def _generator(category: str, index: int, seed: int) -> np.random.Generator:
+    return np.random.default_rng(np.random.SeedSequence((seed, zlib.crc32(category.encode()), index)))

@@ -18,6 +18,7 @@ Placement = Literal["floor", "object", "wall"]
 Parameters = dict[str, Any]  # flat: see contracts.library.Recipe
 
 WOOD, METAL, STEEL, CERAMIC, GLASS = 500.0, 2700.0, 7800.0, 2200.0, 2400.0  # kg / m^3
+EXACT = 1e-9  # a model that fits as well as this is left as it is
 FOAM, PLASTIC, PAPER = 60.0, 1000.0, 700.0
 
 
@@ -103,6 +104,8 @@ def fitted(model: Model, size: Size) -> Model:
     low, high = bounds(model)
     scale = np.array(size) / (high - low)
     shift = np.array([-size[0] / 2, -size[1] / 2, 0.0]) - scale * low
+    if np.abs(scale - 1.0).max() < EXACT and np.abs(shift).max() < EXACT:
+        return model
 
     def fit_mesh(mesh: Trimesh) -> Trimesh:
         return Trimesh(mesh.vertices * scale + shift, mesh.faces, process=False)

@@ -3,6 +3,7 @@
 import numpy as np
 from trimesh import Trimesh
 
+from stages.articulated.mesh_writer import is_box
 from stages.articulated.model import JointModel, Link, Matrix, RobotModel, Visual
 from stages.geometry.frames import rigid
 from stages.procedural.model import Model, Moving, Part
@@ -21,7 +22,11 @@ def robot_of(model: Model, name: str) -> RobotModel:
 def _link(name: str, parts: list[Part], origin: Matrix) -> Link:
     mass, center, inertia = mass_properties(parts)
     visuals = [Visual(_shifted(part.mesh, origin), (*part.colour, 1.0), flat=not part.smooth) for part in parts]
-    pieces = [_shifted(piece, origin) for part in parts for piece in part.pieces]
+    pieces = [
+        visual.mesh if piece is part.mesh else _shifted(piece, origin)
+        for part, visual in zip(parts, visuals, strict=True)
+        for piece in part.pieces
+    ]
     return Link(name, visuals, pieces, mass, center - origin, inertia)
 
 
@@ -49,13 +54,23 @@ def _shifted(mesh: Trimesh, origin: Matrix) -> Trimesh:
 
 def mass_properties(parts: list[Part]) -> tuple[float, Matrix, Matrix]:
     """Mass (kg), centre of mass (asset frame) and inertia about it, (3, 3), of solids of uniform density."""
-    masses = np.array([abs(part.mesh.volume) * part.density for part in parts])
-    centers = np.array([part.mesh.center_mass for part in parts])
+    solids = [_solid(part.mesh) for part in parts]
+    masses = np.array([solid[0] * part.density for solid, part in zip(solids, parts, strict=True)])
+    centers = np.array([solid[1] for solid in solids])
     mass = float(masses.sum())
     center = masses @ centers / mass
     inertia = np.zeros((3, 3))
-    for part, m, own in zip(parts, masses, centers, strict=True):
+    for part, solid, m, own in zip(parts, solids, masses, centers, strict=True):
         offset = own - center
-        inertia += part.mesh.moment_inertia * part.density
+        inertia += solid[2] * part.density
         inertia += m * (offset @ offset * np.eye(3) - np.outer(offset, offset))
     return mass, center, inertia + MINIMUM_INERTIA * np.eye(3)
+
+
+def _solid(mesh: Trimesh) -> tuple[float, Matrix, Matrix]:
+    """Volume, centre and second moments about it, (3, 3), of a solid of density 1."""
+    if not is_box(mesh):
+        return abs(mesh.volume), mesh.center_mass, mesh.moment_inertia
+    low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+    volume, squares = float(np.prod(high - low)), (high - low) ** 2
+    return volume, (low + high) / 2, np.diag(volume / 12 * (squares.sum() - squares))

@@ -58,13 +58,14 @@ def _draw(room: Room, models: dict[str, Asset], free: set[str], rng: np.random.G
 def cast(rooms: Sequence[Room], models: dict[str, Asset], seed: int, library: Path) -> dict[str, CastRoom]:
     """Models and layout of every room, by the room's name.
 
-    A room's cast depends on the rooms before it, never on those after it: jobs for single rooms agree.
+    A room's cast depends on the rooms before it, never on those after it: jobs for single rooms agree. Near relatives
+    of other models play no part: a larger library has the same rooms.
 
     Raises:
         InputError: a category is short, or its models are too large for the room.
     """
     rng = np.random.default_rng(np.random.SeedSequence((seed, SALT)))
-    free = set(models)
+    free = {name for name, asset in models.items() if asset.recipe is None or asset.recipe.variation_of is None}
     result = {}
     for room in rooms:
         for _ in range(ATTEMPTS):

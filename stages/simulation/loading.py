@@ -43,9 +43,9 @@ def box_centre(asset: Asset) -> NDArray[np.float64]:
     return (np.array(asset.box_min) + np.array(asset.box_max)) / 2
 
 
-def root_pose(asset: Asset, position: Sequence[float], yaw: float) -> sapien.Pose:
+def root_pose(asset: Asset, position: Sequence[float], yaw: float, scale: float = 1.0) -> sapien.Pose:
     """Pose of the URDF root that puts the closed box's centre at `position`, turned by `yaw` about z."""
-    return sapien.Pose(np.asarray(position) - yaw_matrix(yaw) @ box_centre(asset), yaw_quaternion(yaw))
+    return sapien.Pose(np.asarray(position) - scale * yaw_matrix(yaw) @ box_centre(asset), yaw_quaternion(yaw))
 
 
 class ParsedAsset:
@@ -96,6 +96,20 @@ def _scratch() -> tempfile.TemporaryDirectory[str]:
     return tempfile.TemporaryDirectory(prefix="acdc-stretched-")
 
 
+def load_looks(scene: sapien.Scene, folder: Path, scale: float) -> PhysxArticulation | sapien.Entity:
+    """Add what is seen of an asset, closed and that many times as large; it is fixed and touches nothing."""
+    loader = scene.create_urdf_loader()
+    loader.scale = scale
+    builder = ParsedAsset(loader, folder, fixed=True).builder()
+    for link in getattr(builder, "link_builders", [builder]):
+        link.collision_records.clear()
+    builder.initial_pose = sapien.Pose()
+    if not hasattr(builder, "link_builders"):
+        builder.set_physx_body_type("kinematic")
+        return builder.build()
+    return closed(builder.build())
+
+
 def load_asset(
     scene: sapien.Scene,
     folder: Path,
@@ -126,6 +140,11 @@ def load_asset(
     articulation = builder.build()
     articulation.set_name(name)
     soften(articulation)
+    return closed(articulation)
+
+
+def closed(articulation: PhysxArticulation) -> PhysxArticulation:
+    """The same, every joint at its lower limit."""
     lower = [float(joint.limits[0][0]) for joint in articulation.get_active_joints()]
     articulation.set_qpos(np.array(lower, dtype=np.float32))
     return articulation

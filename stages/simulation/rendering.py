@@ -12,7 +12,7 @@ from sapien.physx import PhysxArticulation, PhysxArticulationLinkComponent
 from stages.contracts.errors import InputError
 from stages.geometry.frames import quaternion_from_matrix
 from stages.simulation.loading import has_renderer
-from stages.simulation.shaders import skyless
+from stages.simulation.shaders import Pack, use
 
 # OpenCV camera axes (x right, y down, z forward) -> SAPIEN's (x forward, y left, z up)
 SAPIEN_FROM_OPENCV = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
@@ -53,7 +53,6 @@ def make_scene(
     """
     try:
         sapien.render.set_log_level("error")
-        sapien.render.set_camera_shader_dir(skyless("default"))  # holds for the whole process
         device = [sapien.Device("cpu")] if render_backend() == "cpu" else []  # none: SAPIEN takes the GPU
         renderer = sapien.render.RenderSystem(*device)
     except RuntimeError as error:
@@ -77,9 +76,14 @@ def instance_id(body: PhysxArticulation | sapien.Entity) -> int:
 class RenderCamera:
     """A pinhole camera of a scene. Moving one camera is faster than keeping many (docs/assets.md)."""
 
-    def __init__(self, scene: sapien.Scene, intrinsics: ArrayLike, width: int, height: int) -> None:
-        """`intrinsics`: 3x3 matrix K in pixels, pixel centres at integers."""
+    def __init__(
+        self, scene: sapien.Scene, intrinsics: ArrayLike, width: int, height: int, pack: Pack = "default"
+    ) -> None:
+        """`intrinsics`: 3x3 matrix K in pixels, pixel centres at integers. `pack`: see `shaders.use`; with `minimal`
+        depth is cut off to millimetres, and nothing may be farther than 32 m."""
+        use(pack)
         k = np.asarray(intrinsics, dtype=float)
+        self._pack = pack
         self.scene = scene
         self._component = sapien.render.RenderCameraComponent(width, height)
         # SAPIEN counts pixel centres at half integers
@@ -96,13 +100,18 @@ class RenderCamera:
         self._entity.set_pose(sapien.Pose(pose[:3, 3], quaternion_from_matrix(rotation)))
         self.scene.update_render()
         self._component.take_picture()
-        colour = self._component.get_picture("Color")
-        position = self._component.get_picture("Position")
-        entities = self._component.get_picture("Segmentation")[..., 1].astype(np.int32)
+        colour = self._component.get_picture("Color")[..., :3]
+        if self._pack == "minimal":
+            position = self._component.get_picture("PositionSegmentation")
+            entities, forward = position[..., 3].astype(np.int32), position[..., 2] * np.float32(-0.001)
+            rgb = colour.copy()
+        else:
+            forward = -self._component.get_picture("Position")[..., 2]
+            entities = self._component.get_picture("Segmentation")[..., 1].astype(np.int32)
+            rgb = (np.clip(colour, 0.0, 1.0) * 255).round().astype(np.uint8)
         seen = entities > 0
-        rgb = (np.clip(colour[..., :3], 0.0, 1.0) * 255).round().astype(np.uint8)
         rgb[~seen] = np.round(np.array(BACKGROUND) * 255)
-        depth = np.where(seen, -position[..., 2], 0.0).astype(np.float32)
+        depth = np.where(seen, forward, 0.0).astype(np.float32)
         return RenderedImage(rgb, depth, self._instances(entities))
 
     def close(self) -> None:

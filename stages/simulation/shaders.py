@@ -10,12 +10,18 @@ import re
 import tempfile
 from functools import cache
 from pathlib import Path
+from typing import Literal
 
 import sapien
 
+Pack = Literal["default", "minimal"]
 TABLE = re.compile(r"^layout\(.*\) uniform sampler2D samplerBRDFLUT;$", re.MULTILINE)
 READ = re.compile(r"texture\(samplerBRDFLUT, [^;]*\)\.xy;")
 NOTHING = "vec2(0.0);"
+FORMATS: dict[Pack, tuple[str, str]] = {
+    "default": ("r32g32b32a32sfloat", "r32g32b32a32sfloat"),
+    "minimal": ("r8g8b8a8unorm", "r16g16b16a16sint"),
+}
 
 
 def cache_folder() -> Path:
@@ -40,6 +46,15 @@ def keep(folder: Path, files: dict[str, str]) -> Path:
             own.write_text(text, encoding="utf-8")
             own.replace(file)
     return folder
+
+
+def use(pack: Pack) -> None:
+    """The next cameras are made with a pack: `default` (colour and positions as floats), or `minimal`, thrice as fast
+    (colour as bytes, positions and segmentation as 16 bit integers, millimetres)."""
+    sapien.render.set_camera_shader_dir(skyless(pack))
+    colour, position = FORMATS[pack]
+    for name, texture in (("Color", colour), ("ColorRaw", colour), ("PositionSegmentation", position)):
+        sapien.render.set_picture_format(name, texture)
 
 
 @cache

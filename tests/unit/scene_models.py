@@ -33,5 +33,6 @@ def default_models(seed: int) -> dict[str, Asset]:
                 licence="",
                 provenance="",
                 checksum="",
+                recipe=recipe,
             )
     return models

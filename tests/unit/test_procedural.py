@@ -16,6 +16,7 @@ from stages.contracts.library import Recipe
 from stages.procedural import build, generate
 from stages.procedural.cabinet_recipe import CabinetRecipe
 from stages.procedural.catalogue import CATEGORIES, sample
+from stages.procedural.families import FOUNDERS
 from stages.procedural.front_cells import cells
 from stages.procedural.model import bounds
 from stages.procedural.robot import mass_properties
@@ -60,14 +61,45 @@ def test_same_recipe_same_bytes(tmp_path: Path) -> None:
 
 
 def test_default_library_is_as_large_as_promised() -> None:
-    assert sum(COUNTS.values()) >= 120
+    assert sum(COUNTS.values()) >= 180
     assert sum(count > 0 for count in COUNTS.values()) >= 15
+    doors, drawers = fronts(COUNTS)
+    assert doors >= 80 and drawers >= 50
     models = [generate(recipe) for _, recipe in recipes([*CABINETS, "chest_of_drawers"])]
-    roles = [{moving.role for moving in model.moving} for model in models]
-    assert sum("door" in role for role in roles) >= 40
-    assert sum("drawer" in role for role in roles) >= 16
     handles = {moving.handle for model in models for moving in model.moving}
     assert handles == {"bar", "knob", "arch", "edge"}
+
+
+def fronts(counts: dict[str, int]) -> tuple[int, int]:
+    """How many models have doors or flaps, and how many have drawers, told from their recipes."""
+    layouts = [
+        {kind for line in sample(category, index, 0).parameters.get("layout", []) for kind in line}  # type: ignore[union-attr]
+        for category, count in counts.items()
+        for index in range(count)
+    ]
+    return sum(bool({"door", "flap"} & kinds) for kinds in layouts), sum("drawer" in kinds for kinds in layouts)
+
+
+def test_near_relatives_keep_what_matters_and_far_ones_differ() -> None:
+    """Odd generations have their founder's fronts and handles in other proportions; even ones have others."""
+    founders = FOUNDERS["bottom_cabinet"]
+    same, other = 0, 0
+    for index in range(3 * founders):
+        recipe, founder = sample("bottom_cabinet", index, 0), sample("bottom_cabinet", index % founders, 0)
+        if index < founders:
+            assert recipe.variation_of is None and recipe == founder
+            continue
+        assert recipe.variation_of == f"bottom_cabinet_{index % founders:02d}"
+        kept = [recipe.parameters[key] == founder.parameters[key] for key in ("layout", "handle")]
+        assert recipe.parameters["size"] != founder.parameters["size"]
+        if index < 2 * founders:
+            assert all(kept)
+            ratio = np.divide(recipe.parameters["size"], founder.parameters["size"])  # type: ignore[arg-type]
+            assert np.abs(np.log(ratio)).max() < 0.15
+        else:
+            same, other = same + all(kept), other + (not all(kept))
+    assert other > 3 * same
+    assert sample("mug", 40, 0).variation_of is None
 
 
 def test_models_of_a_category_differ() -> None:

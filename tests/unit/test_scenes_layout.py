@@ -123,6 +123,17 @@ def test_same_seed_same_rooms_and_single_jobs_agree() -> None:
     assert cast(ROOMS, models, 6, NOWHERE)["room_8"].assets != everything["room_8"].assets
 
 
+def test_a_larger_library_has_the_same_rooms() -> None:
+    """Near relatives of other models play no part."""
+    models = default_models(0)
+    founders = {name: asset for name, asset in models.items() if asset.recipe and asset.recipe.variation_of is None}
+    assert len(founders) < len(models)
+    for name, room in cast(ROOMS, founders, 0, NOWHERE).items():
+        assert {key: asset.id for key, asset in cast(ROOMS, models, 0, NOWHERE)[name].assets.items()} == {
+            key: asset.id for key, asset in room.assets.items()
+        }
+
+
 def test_a_short_category_is_named() -> None:
     models = {name: asset for name, asset in default_models(0).items() if asset.category != "fridge"}
     with pytest.raises(InputError, match=r"fridge.*assets\.counts\.fridge"):
