@@ -30,12 +30,17 @@ def dbscan(points: NDArray[np.floating], radius: float, min_points: int) -> NDAr
 
 
 def farthest_points(points: NDArray[np.float32], count: int) -> NDArray[np.float32]:
-    """(N, 3) -> (count, 3) by farthest point sampling from the first point on, in the cloud's order.
+    """(N, 3 or 4) -> (count, 3 or 4) by farthest point sampling from the first point on, in the cloud's order.
 
-    Points are repeated if N is smaller; an empty cloud gives zeros.
+    A fourth column goes with its point. Points are repeated if N is smaller; an empty cloud gives zeros.
     """
     if len(points) == 0:
-        return np.zeros((count, 3), np.float32)
+        return np.zeros((count, points.shape[1]), np.float32)
     if len(points) <= count:
         return points[np.resize(np.arange(len(points)), count)]
-    return np.asarray(_open3d_cloud(points).farthest_point_down_sample(count).points, dtype=np.float32)
+    cloud = _open3d_cloud(points[:, :3])
+    if points.shape[1] == 4:  # Open3D keeps colours with their points
+        cloud.colors = o3d.utility.Vector3dVector(np.repeat(points[:, 3:].astype(np.float64), 3, axis=1))
+    chosen = cloud.farthest_point_down_sample(count)
+    columns = (np.asarray(chosen.points), np.asarray(chosen.colors)[:, :1])
+    return np.concatenate(columns if points.shape[1] == 4 else columns[:1], axis=1).astype(np.float32)

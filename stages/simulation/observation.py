@@ -68,10 +68,20 @@ def finger_points(tcp: Array, fingers: Array, count: int) -> Float:
 
 
 def unified_cloud(scene: Float, fingers: Float, points: int) -> Float:
-    """(points, 4): farthest points of the scene with flag 0, then all finger points with flag 1."""
+    """(points, 4): farthest points of the union with flag 0, then all finger points with flag 1.
+
+    Sampling sees scene and fingers as one cloud (paper B.3); as the share of the fingers is fixed, what it takes of the
+    scene is then thinned evenly, by as many as it took too few of the fingers.
+    """
     cloud = np.zeros((points, 4), np.float32)
     visible = points - len(fingers)
-    cloud[:visible, :3] = farthest_points(thinned(scene, CANDIDATES * visible), visible)
+    scene = thinned(scene, CANDIDATES * visible)
+    if len(scene) > visible:
+        union = np.zeros((len(fingers) + len(scene), 4), np.float32)
+        union[: len(fingers), :3], union[: len(fingers), 3], union[len(fingers) :, :3] = fingers, 1.0, scene
+        chosen = farthest_points(union, points)
+        scene = thinned(chosen[chosen[:, 3] == 0, :3], visible)
+    cloud[:visible, :3] = farthest_points(scene, visible)
     cloud[visible:, :3] = fingers
     cloud[visible:, 3] = 1.0
     return cloud

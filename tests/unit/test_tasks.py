@@ -166,6 +166,22 @@ def test_finger_points_follow_the_gripper() -> None:
     assert cloud.shape == (100, 4) and cloud[:60, 3].max() == 0 and cloud[60:, 3].min() == 1
 
 
+def test_the_scene_has_fewer_points_where_the_fingers_are() -> None:
+    """Farthest points of the union: what a finger already stands for is not taken from the scene as well."""
+    y, z = np.meshgrid(np.linspace(-0.2, 0.2, 60), np.linspace(-0.2, 0.2, 60))
+    front = np.stack([np.zeros(3600), y.ravel(), z.ravel()], axis=1).astype(np.float32)
+    rng = np.random.default_rng(0)
+    near = rng.uniform([0.002, -0.05, -0.05], [0.004, 0.05, 0.05], (64, 3)).astype(np.float32)
+
+    def taken(fingers: np.ndarray) -> np.ndarray:
+        cloud = observation.unified_cloud(front, fingers, 256)
+        assert (cloud[:192, 3] == 0).all() and np.array_equal(cloud[192:, :3], fingers)
+        assert len(np.unique(cloud[:192, :3], axis=0)) == 192 and (cloud[:192, 0] == 0).all()
+        return (np.abs(cloud[:192, 1:3]) < 0.05).all(axis=1).sum()
+
+    assert taken(near) < 0.8 * taken(near + np.float32([0.5, 0, 0]))
+
+
 def test_orientation_does_not_jump_at_the_rest_pose() -> None:
     rest = panda_chain().pose(REST[None])[0]
     quaternions = [
