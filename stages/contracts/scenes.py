@@ -5,6 +5,7 @@ from typing import Literal
 from pydantic import Field, model_validator
 
 from stages.contracts.files import Contract, Document
+from stages.contracts.objects import Box
 from stages.contracts.types import (
     Angle,
     CameraMatrix,
@@ -32,10 +33,15 @@ class Camera(Document):
     width: Side = Field(description="of the upright picture, as a viewer shows it")
     height: Side
     intrinsics: CameraMatrix = Field(description="3x3 matrix K in pixels")
+    floor_from_camera: RigidTransform | None = Field(
+        None, description="where the camera stands over the floor, if that is known (see Objects); else it is fitted"
+    )
 
     @model_validator(mode="after")
     def _plausible(self) -> "Camera":
         check_view(self.width, self.height, self.intrinsics)
+        if self.floor_from_camera is not None and self.floor_from_camera[2][3] <= 0:
+            raise ValueError("floor_from_camera: the camera is not above the floor: z is up")
         return self
 
 
@@ -47,6 +53,9 @@ class Annotation(Contract):
     articulated: bool = Field(False, description="whether it opens; what has doors or drawers does")
     doors: Panels = 0
     drawers: Panels = 0
+    box: Box | None = Field(
+        None, description="where it is known whole, hidden sides too: needs floor_from_camera in camera.json"
+    )
 
     @model_validator(mode="after")
     def _opens(self) -> "Annotation":

@@ -70,6 +70,7 @@ def placement(
     view: DepthView,
     own: NDArray[np.bool_],
     options: ExtractionConfig,
+    known: bool = False,
 ) -> Placement:
     """Where one object stands or hangs.
 
@@ -81,7 +82,10 @@ def placement(
         view: the picture's depth, by which hidden space is told from empty space.
         own: the object's pixels (H, W).
         options: tolerances.
+        known: the box is known whole, so that nothing hidden has to be guessed.
     """
+    if known:
+        options = options.model_copy(update={"max_hidden_depth": 0.0})
     tolerance = options.tolerance(view.distance(np.asarray(box.center)))
     beneath = height_beneath(box, carriers, tolerance)
     touched = walls_touched(box, others, walls, view, own, options)
@@ -89,8 +93,8 @@ def placement(
     hangs = (
         bool(touched)
         and box.bottom - beneath > tolerance
-        and not reaches_down(box, beneath, tolerance, view, own)
-        and free_space_beneath(box, beneath, view, own) >= options.free_space_share
+        and (known or not reaches_down(box, beneath, tolerance, view, own))
+        and (known or free_space_beneath(box, beneath, view, own) >= options.free_space_share)
     )
     standing = box if hangs else with_bottom(box, min(beneath, box.top - THINNEST))
     filled = filled_to(standing, touched[0]) if touched else standing

@@ -16,7 +16,7 @@ class AnnotatedImage:
 
     rgb (H, W, 3) uint8; depth (H, W) float32 metres along the optical axis, 0: unknown;
     masks (H, W) uint16, values as named by `annotations`; intrinsics (3, 3) in pixels; exact: the depth
-    has no error at all, as a renderer's.
+    has no error at all, as a renderer's; floor_from_camera (4, 4) where it is known.
     """
 
     rgb: NDArray[np.uint8]
@@ -25,10 +25,13 @@ class AnnotatedImage:
     intrinsics: NDArray[np.float64]
     annotations: Annotations
     exact: bool = False
+    floor_from_camera: NDArray[np.float64] | None = None
 
 
 def read_folder(folder: Path) -> AnnotatedImage:
     """The files of an input folder, checked (`stages.contracts.scene_input`)."""
     given = read_scene_input(folder)
     intrinsics = np.array(given.camera.intrinsics, dtype=float)
-    return AnnotatedImage(given.rgb, given.depth, given.masks, intrinsics, given.annotations, given.exact)
+    known = given.camera.floor_from_camera
+    frame = None if known is None else np.array(known, dtype=float)
+    return AnnotatedImage(given.rgb, given.depth, given.masks, intrinsics, given.annotations, given.exact, frame)

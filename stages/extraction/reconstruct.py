@@ -16,11 +16,12 @@ from stages.extraction.clouds import cleaned_cloud, fit_box
 from stages.extraction.mounting import placement
 from stages.extraction.observation import AnnotatedImage
 from stages.extraction.visibility import DepthView
-from stages.geometry.boxes import UprightBox
+from stages.geometry.boxes import UprightBox, surface_points
 from stages.geometry.cameras import back_project
 from stages.geometry.frames import apply, rounded
 from stages.geometry.masks import pixel_bounds
 
+BOX_POINTS = 4000  # of the cloud of an object whose box is given
 THINNEST = 0.001  # metres: a box has some depth, also where a cloud has none
 
 
@@ -44,7 +45,7 @@ def _object_mask(
     if not whole.any():
         raise ObjectError("not in the picture: no pixel has its mask value")
     inside = masks.without_specks(whole & crop)
-    if (whole & crop).sum() < (1 - options.max_cut) * whole.sum():
+    if item.box is None and (whole & crop).sum() < (1 - options.max_cut) * whole.sum():
         raise ObjectError("cut off: too much of it is outside the central crop")
     if inside.sum() < options.min_pixels:
         raise ObjectError(f"too small or hidden: {int(inside.sum())} pixels")
@@ -78,7 +79,9 @@ def _floor_from_camera(
     options: ExtractionConfig,
     rng: np.random.Generator,
 ) -> NDArray[np.float64]:
-    """Floor frame from the floor mask, or from the lowest level plane if there is no mask or it is no use."""
+    """Floor frame as given, from the floor mask, or from the lowest level plane if there is no mask or it is no use."""
+    if image.floor_from_camera is not None:
+        return image.floor_from_camera
     floor = None
     if image.annotations.floor is not None:
         floor = room.fit_floor(points[usable & (image.masks == image.annotations.floor)], options, rng)
@@ -130,11 +133,15 @@ def reconstruct(
     clouds: dict[str, NDArray[np.float32]] = {}
     clean = np.zeros(shape, dtype=np.uint16)
     for name, item in zip(object_ids([item.label for item in annotations]), annotations, strict=True):
-        known = SceneObject(id=name, **item.model_dump())
+        known = SceneObject(id=name, **item.model_dump(exclude={"box"}))
         try:
             mask = _object_mask(item, image, crop, options)
-            cloud = _object_cloud(mask, image, floor_from_camera, options, rng)
-            box = fit_box(cloud, options)
+            if item.box is not None:
+                box = UprightBox(item.box.center, item.box.size, item.box.yaw)
+                cloud = surface_points(box, BOX_POINTS)
+            else:
+                cloud = _object_cloud(mask, image, floor_from_camera, options, rng)
+                box = fit_box(cloud, options)
             extent = float(np.max(box.size))
             if extent > LARGEST:
                 raise ObjectError(f"{extent:.0f} m large: its depth cannot be right")
@@ -147,11 +154,13 @@ def reconstruct(
         extracted[name] = known.model_copy(update={"pixels": pixel_bounds(mask), "points": len(cloud)})
 
     view = DepthView(np.where(usable, image.depth, 0), image.intrinsics, floor_from_camera)
+    given = {item.mask for item in annotations if item.box is not None}
     carriers: list[UprightBox] = []
     for name in sorted(boxes, key=lambda key: boxes[key].bottom):  # what carries comes before what it carries
         others = [other for key, other in boxes.items() if key != name]
         own = image.masks == extracted[name].mask
-        placed = placement(boxes[name], carriers, others, walls, view, own, options)
+        known_whole = extracted[name].mask in given
+        placed = placement(boxes[name], carriers, others, walls, view, own, options, known_whole)
         carriers.append(placed.filled)
         center, size, yaw = placed.box
         fitted = Box(center=rounded(center), size=rounded(np.maximum(size, THINNEST)), yaw=round(yaw, 6))

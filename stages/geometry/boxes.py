@@ -45,6 +45,17 @@ def bounds(box: UprightBox) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     return points.min(axis=0), points.max(axis=0)
 
 
+def surface_points(box: UprightBox, count: int) -> NDArray[np.float64]:
+    """About `count` points (N, 3) spread evenly over all six faces."""
+    size = np.asarray(box.size, dtype=float)
+    step = np.sqrt(2 * (size[0] * size[1] + size[1] * size[2] + size[2] * size[0]) / count)
+    counts = np.maximum(2, np.rint(size / step).astype(int))
+    axes = [np.linspace(-length / 2, length / 2, n) for length, n in zip(size, counts, strict=True)]
+    grid = np.stack([values.ravel() for values in np.meshgrid(*axes, indexing="ij")], axis=1)
+    local = grid[(np.abs(grid) >= size / 2 * (1 - 1e-9)).any(axis=1)]
+    return np.asarray(local @ yaw_matrix(box.yaw).T + np.asarray(box.center))
+
+
 def volume(box: UprightBox) -> float:
     """Volume in cubic metres."""
     return float(np.prod(np.asarray(box.size)))

@@ -1,0 +1,73 @@
+"""Verb `annotate`: a page in the browser on which one photograph becomes an input folder, by hand."""
+
+import json
+import webbrowser
+from pathlib import Path
+
+from stages.contracts import InputError, Library, read_json
+from stages.contracts.depth import read_depth
+from stages.extraction.by_hand.photo import read_photo
+from stages.extraction.by_hand.project import PROJECT
+from stages.extraction.by_hand.server import PageServer
+from stages.extraction.by_hand.session import Session
+from stages.extraction.by_hand.write import at_size
+from stages.procedural.catalogue import CATEGORIES
+
+
+def _categories(library: Path | None) -> list[str]:
+    """Names that labels are completed with."""
+    names = CATEGORIES if library is None else {entry.category for entry in read_json(Library, library).assets}
+    return sorted(name.replace("_", " ") for name in names)
+
+
+def run(
+    image: Path,
+    /,
+    *,
+    out: Path | None = None,
+    depth: Path | None = None,
+    library: Path | None = None,
+    port: int = 0,
+    browser: bool = True,
+) -> None:
+    """Draw camera, room and objects into a photograph; the folder can then be an input of an experiment.
+
+    The page saves what is drawn into `project.json` as it goes; started again with the same folder it goes on.
+
+    Args:
+        image: the photograph.
+        out: folder to write; default: beside the photograph, named as it is.
+        depth: depth.npz in metres by a sensor or a network, of the same view; boxes and masks are drawn by hand.
+        library: library.json whose categories complete the labels; default: ours.
+        port: of this machine; 0: any free one.
+        browser: open the page; else its address is only printed.
+    """
+    photo = read_photo(image)
+    height, width = photo.rgb.shape[:2]
+    given = None if depth is None else at_size(read_depth(depth)[0], width, height)
+    folder = image.with_suffix("") if out is None else out
+    if folder.exists() and not folder.is_dir():
+        raise InputError(folder, "is a file, not a folder.", "give a folder with --out")
+    session = Session(photo, image.name, folder, _categories(library), given)
+    session.opened()
+    try:
+        server = PageServer(session, port)
+    except OSError as error:
+        raise InputError(f"--port {port}", f"cannot be used ({error.strerror}).", "leave it out") from None
+    if photo.shrunk > 1:
+        print(f"{image}: made {photo.shrunk:.2g} times smaller, to {width}x{height} pixels")
+    print(
+        f"Draw at {server.address}\nEnd it there, or with Ctrl+C: {folder / PROJECT} keeps what is drawn.", flush=True
+    )
+    if browser:
+        webbrowser.open(server.address)
+    try:
+        server.serve_forever(poll_interval=0.1)
+    except KeyboardInterrupt:
+        print()
+    finally:
+        server.server_close()
+    written = folder / "annotations.json"
+    if written.is_file():
+        count = len(json.loads(written.read_text(encoding="utf-8"))["objects"])
+        print(f"{folder}: an input folder with {count} objects; {folder / 'config.yaml'} names it as a scene")

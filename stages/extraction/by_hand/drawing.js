@@ -1,0 +1,113 @@
+// The picture and what lies over it, as SVG. Pixel centres are at integers, as in every file.
+import { find, isWall, state } from './state.js';
+
+const svg = document.getElementById('view');
+const SVG = 'http://www.w3.org/2000/svg';
+let box = null;
+
+function element(name, attributes, children = []) {
+  const made = document.createElementNS(SVG, name);
+  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
+  made.append(...children);
+  return made;
+}
+const line = ([a, b], kind) => element('line', { x1: a[0], y1: a[1], x2: b[0], y2: b[1], class: kind });
+const area = (points, kind) => element('polygon', { points: points.map((p) => p.join()).join(' '), class: kind });
+export const unit = () => box.width / Math.max(1, Math.min(svg.clientWidth, (svg.clientHeight * box.width) / box.height));
+
+export function begin() {
+  const { width, height } = state.project;
+  svg.append(element('image', { href: 'picture.jpg', x: -0.5, y: -0.5, width, height }), element('g', { id: 'over' }));
+  fit();
+}
+
+function look() { svg.setAttribute('viewBox', `${box.x} ${box.y} ${box.width} ${box.height}`); }
+export function fit() {
+  const { width, height } = state.project;
+  box = { x: -0.5 - 0.04 * width, y: -0.5 - 0.04 * height, width: 1.08 * width, height: 1.08 * height };
+  look();
+}
+export function zoom(factor, at = [box.x + box.width / 2, box.y + box.height / 2]) {
+  const { width } = state.project;
+  const size = Math.min(20 * width, Math.max(width / 40, box.width * factor)) / box.width;
+  box = { x: at[0] - (at[0] - box.x) * size, y: at[1] - (at[1] - box.y) * size, width: box.width * size, height: box.height * size };
+  look();
+  draw();
+}
+export function move(dx, dy) { box.x += dx; box.y += dy; look(); }
+export function pixel(event) {
+  const point = new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM().inverse());
+  return [Math.round(10 * point.x) / 10, Math.round(10 * point.y) / 10];
+}
+
+// A handle is named `kind/which/point`; what it moves is found in tools.js.
+function handle(name, [x, y]) {
+  const kind = state.handle === name ? 'handle chosen' : 'handle';
+  return element('circle', { cx: x, cy: y, r: 6 * unit(), class: kind, 'data-handle': name });
+}
+const near = (p) => p && Math.abs(p[0]) < 12 * state.project.width && Math.abs(p[1]) < 12 * state.project.height;
+
+function camera() {
+  const { perspective, scale } = state.project;
+  const parts = [line(state.solved.horizon, 'horizon quiet')];
+  const ends = perspective.horizon ?? state.solved.horizon;
+  parts.push(handle('horizon/-/0', ends[0]), handle('horizon/-/1', ends[1]));
+  for (const axis of 'xyz') if (near(state.solved.vanishing[axis])) parts.push(handle(`vanishing/${axis}/0`, perspective[axis] ?? state.solved.vanishing[axis]));
+  perspective.guides.forEach((guide, k) => {
+    parts.push(line([guide.a, guide.b], `guide ${guide.axis} quiet`), handle(`guide/${k}/a`, guide.a), handle(`guide/${k}/b`, guide.b));
+  });
+  if (scale.points && ['floor', 'upright'].includes(scale.kind)) {
+    parts.push(line(scale.points, 'measure quiet'), handle('measure/-/0', scale.points[0]), handle('measure/-/1', scale.points[1]));
+  }
+  return parts;
+}
+
+function walls(handles) {
+  const parts = [];
+  for (const [id, lines] of Object.entries(state.solved.walls)) {
+    for (const ends of lines) parts.push(line(ends, 'wall quiet'));
+    const drawn = handles && find(id);
+    if (drawn) parts.push(handle(`wall/${id}/a`, drawn.a), handle(`wall/${id}/b`, drawn.b));
+  }
+  return parts;
+}
+
+function objects() {
+  const parts = [];
+  const boxes = Object.entries(state.solved.boxes).sort(([, one], [, other]) => other.distance - one.distance);
+  for (const [id, solid] of boxes) {
+    const kind = id === 'draft' ? 'draft quiet' : state.chosen === id ? 'chosen' : '';
+    const faces = solid.faces.map((face) => area(face, 'face'));
+    parts.push(element('g', { class: kind, 'data-object': id }, faces));
+    const label = find(id)?.label;
+    if (label && solid.faces.length) {
+      const [x, y] = solid.faces[0][0];
+      parts.push(element('text', { x, y, 'font-size': 13 * unit() }, [label]));
+    }
+  }
+  const item = state.chosen && !isWall(state.chosen) ? find(state.chosen) : null;
+  if (item && state.step === 'objects') {
+    if (item.outline?.length > 2) parts.push(area(item.outline, 'outline quiet'));
+    item.points.forEach((point, k) => parts.push(handle(`object/${item.id}/${k}`, point)));
+    (item.outline ?? []).forEach((point, k) => parts.push(handle(`outline/${item.id}/${k}`, point)));
+  }
+  return parts;
+}
+
+function draft() {
+  const points = state.draft?.points ?? [];
+  const parts = points.map(([x, y]) => element('circle', { cx: x, cy: y, r: 3 * unit(), class: 'handle quiet' }));
+  if (points.length > 1 && state.draft.kind !== 'box') {
+    parts.push(element('polyline', { points: points.map((p) => p.join()).join(' '), class: 'measure quiet' }));
+  }
+  return parts;
+}
+
+export function draw() {
+  const over = document.getElementById('over');
+  svg.classList.toggle('selecting', state.tool === 'select');
+  if (!over || !state.solved) return;
+  const grid = state.grid && state.step !== 'write' ? state.solved.grid.map((ends) => line(ends, 'grid quiet')) : [];
+  const parts = [...grid, ...walls(state.step === 'walls'), ...(state.step === 'camera' ? [] : objects())];
+  over.replaceChildren(...parts, ...(state.step === 'camera' ? camera() : []), ...draft());
+}

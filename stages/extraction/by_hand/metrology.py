@@ -1,0 +1,228 @@
+"""Single-view metrology (Criminisi, Reid, Zisserman 2000): from pixels to points, walls and boxes of a room.
+
+The room frame: z = 0 on the floor and up, origin below the camera, x along the walls to the right, y along the
+walls and away from the camera. All lengths scale with the height of the camera; pixel centres are at integers.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stages.geometry.boxes import UprightBox
+from stages.geometry.frames import rigid, yaw_matrix
+
+Points = NDArray[np.float64]
+FARTHEST = 60.0  # heights of the camera: a floor point farther away lies at the horizon and says nothing
+DEPTHS = np.geomspace(0.002, 3.0, 600)  # heights of the camera: how far a hanging box may stand out from its wall
+RIVAL = 3.0  # pixels: an edge that misses by no more than this more than the nearest one may be the right one
+LEVEL_VIEW = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])  # room from camera of a level camera that looks along y
+
+
+class MetrologyError(Exception):
+    """What was drawn has no meaning in space; the message says why, for the person who drew it."""
+
+
+def rotation_of(yaw: float, pitch: float, roll: float) -> Points:
+    """room_from_camera (3, 3): turned by `yaw` to the left, tilted up by `pitch`, then rolled clockwise (radians)."""
+    c, s = np.cos([pitch, roll]), np.sin([pitch, roll])
+    tilt = np.array([[1, 0, 0], [0, c[0], -s[0]], [0, s[0], c[0]]])
+    turn = np.array([[c[1], -s[1], 0], [s[1], c[1], 0], [0, 0, 1]])
+    return yaw_matrix(yaw) @ LEVEL_VIEW @ tilt @ turn
+
+
+@dataclass(frozen=True)
+class View:
+    """A pinhole camera over the floor: focal length in pixels, room_from_camera rotation, height in metres."""
+
+    width: int
+    height: int
+    focal: float
+    rotation: Points
+    above: float = 1.0
+
+    @property
+    def intrinsics(self) -> Points:
+        """3x3 matrix K: square pixels, principal point in the centre."""
+        f = self.focal
+        return np.array([[f, 0, (self.width - 1) / 2], [0, f, (self.height - 1) / 2], [0, 0, 1.0]])
+
+    @property
+    def room_from_camera(self) -> Points:
+        """Rigid 4x4 transform."""
+        return rigid(self.rotation, [0.0, 0.0, self.above])
+
+    def rays(self, pixels: ArrayLike) -> Points:
+        """Directions (..., 3) in the room frame through pixels (..., 2); depth along the optical axis is 1."""
+        given = np.asarray(pixels, dtype=float)
+        centre = [(self.width - 1) / 2, (self.height - 1) / 2]
+        flat = np.concatenate([(given - centre) / self.focal, np.ones_like(given[..., :1])], axis=-1)
+        return np.asarray(flat @ self.rotation.T)
+
+    def project(self, points: ArrayLike) -> Points:
+        """Pixels (..., 2) of points (..., 3) of the room frame; NaN behind the camera."""
+        local = (np.asarray(points, dtype=float) - [0, 0, self.above]) @ self.rotation
+        depth = np.where(local[..., 2:] > 1e-3 * self.above, local[..., 2:], np.nan)
+        return np.asarray(local[..., :2] / depth * self.focal + [(self.width - 1) / 2, (self.height - 1) / 2])
+
+    def on_level(self, pixel: ArrayLike, z: float = 0.0) -> Points:
+        """The point (3,) at height z that a pixel shows.
+
+        Raises:
+            MetrologyError: the ray does not come down (or up) to that height.
+        """
+        ray = self.rays(pixel)
+        reach = (z - self.above) / ray[2] if ray[2] else np.inf
+        if not 0 < reach < FARTHEST * self.above:
+            where = "above" if z < self.above else "below"
+            raise MetrologyError(f"a point of it lies {where} the horizon, where its ground cannot be seen")
+        return np.asarray(ray * reach + [0, 0, self.above])
+
+    def on_plane(self, pixel: ArrayLike, normal: ArrayLike, offset: float) -> Points:
+        """The point (3,) of the upright plane `normal . p = offset` that a pixel shows."""
+        ray = self.rays(pixel)
+        towards = ray @ np.asarray(normal)
+        reach = offset / towards if abs(towards) > 1e-9 else np.inf
+        if not 0 < reach < FARTHEST * self.above:
+            raise MetrologyError("a point of it does not lie on that wall")
+        return np.asarray(ray * reach + [0, 0, self.above])
+
+
+@dataclass(frozen=True)
+class WallPlane:
+    """An upright plane: normal . p = offset, the normal (3,) horizontal and towards the camera, so offset < 0."""
+
+    normal: Points
+    offset: float
+
+
+def snapped(direction: Points, free: bool) -> Points:
+    """The horizontal direction (3,) as a unit vector, laid along the nearest axis of the room unless it is `free`."""
+    flat = np.array([direction[0], direction[1], 0.0])
+    length = float(np.linalg.norm(flat))
+    if length < 1e-9:
+        raise MetrologyError("its two ends are the same point")
+    if free:
+        return flat / length
+    axis = int(np.argmax(np.abs(flat)))
+    unit = np.zeros(3)
+    unit[axis] = np.sign(flat[axis])
+    return unit
+
+
+def wall_plane(view: View, a: ArrayLike, b: ArrayLike, free: bool) -> WallPlane:
+    """The wall over a line on the floor, given by two pixels."""
+    start, end = view.on_level(a), view.on_level(b)
+    along = snapped(end - start, free)
+    normal = np.array([-along[1], along[0], 0.0])
+    offset = float((start + end) @ normal / 2)
+    if offset > 0:
+        normal, offset = -normal, -offset
+    if offset > -1e-6:
+        raise MetrologyError("the wall would go through the camera")
+    return WallPlane(normal, offset)
+
+
+def depth_by_pixel(view: View, corners: Points, inward: Points, pixel: ArrayLike) -> float:
+    """How far the front's corners (N, 3) go back along `inward` (3,) if a pixel shows one of the rear corners.
+
+    Every corner says how deep it would be; the one whose edge passes nearest to the pixel is right. Edges above each
+    other fall together in the picture if we look along their face: then the lesser depth is.
+    """
+    ray = view.rays(pixel)
+    ray = ray / np.linalg.norm(ray)
+    across = ray - (ray @ inward) * inward
+    if np.linalg.norm(across) < 1e-9:
+        raise MetrologyError("its rear corner lies where its edges vanish")
+    from_eye = np.array([0, 0, view.above]) - corners
+    depths = (from_eye - (from_eye @ ray)[:, None] * ray) @ inward / (1 - (ray @ inward) ** 2)
+    pixels = view.project(corners + np.maximum(depths, 0)[:, None] * inward)
+    misses = np.linalg.norm(pixels - np.asarray(pixel, dtype=float), axis=1)
+    misses = np.where(np.isfinite(misses), misses, np.inf)
+    best = int(np.argmin(misses))
+    if depths[best] <= 0:
+        raise MetrologyError("its rear corner lies before its front")
+    rivals = (misses < misses[best] + RIVAL) & (depths > 0) & (depths < depths[best] / 2)
+    return float(depths[rivals].min() if rivals.any() else depths[best])
+
+
+def _box(front: Points, inward: Points, size: tuple[float, float, float], bottom: float) -> UprightBox:
+    """The box behind a front: `front` is any point under the front's middle, size is (width, depth, height)."""
+    width, depth, height = size
+    center = front + inward * depth / 2
+    return UprightBox(
+        [*center[:2], bottom + height / 2], [width, depth, height], float(np.arctan2(-inward[0], inward[1]))
+    )
+
+
+def standing_box(
+    view: View,
+    ground: float,
+    pixels: list[tuple[float, float]],
+    sizes: tuple[float | None, float | None, float | None],
+    free: bool,
+) -> UprightBox:
+    """A box on a level ground: the two lower corners of its front, a point of the front's upper edge, a rear corner.
+
+    The box's x axis is its width, from left to right; y goes back. What is missing is guessed.
+
+    Args:
+        ground: height of what it stands on.
+        pixels: two to four; without the third it is flat, without the fourth as deep as it is wide, 0.6 m at most.
+        sizes: width, depth and height in metres where they are known; the front's middle stays.
+        free: its front need not run along a wall.
+    """
+    left, right = view.on_level(pixels[0], ground), view.on_level(pixels[1], ground)
+    along = snapped(right - left, free)
+    middle = (left + right) / 2
+    inward = np.array([-along[1], along[0], 0.0])
+    if inward @ middle < 0:
+        inward = -inward
+    width = sizes[0] or max(abs(float((right - left) @ along)), 1e-4 * view.above)
+    height = sizes[2] or 1e-4 * view.above
+    if sizes[2] is None and len(pixels) > 2:
+        height = float(view.on_plane(pixels[2], inward, float(inward @ middle))[2]) - ground
+        if height <= 0:
+            raise MetrologyError("its top lies below its base")
+    depth = sizes[1] or min(width, 0.6)
+    if sizes[1] is None and len(pixels) > 3:
+        ends = [middle - along * width / 2, middle + along * width / 2]
+        corners = np.array([[*end[:2], z] for end in ends for z in (ground, ground + height)])
+        depth = depth_by_pixel(view, corners, inward, pixels[3])
+    return _box(middle, inward, (width, depth, height), ground)
+
+
+def _face(view: View, wall: WallPlane, depth: float, pixels: list[tuple[float, float]]) -> Points:
+    """Two opposite corners (2, 3) of a face parallel to a wall, `depth` before it."""
+    return np.array([view.on_plane(pixel, wall.normal, wall.offset + depth) for pixel in pixels[:2]])
+
+
+def hanging_box(
+    view: View,
+    wall: WallPlane,
+    pixels: list[tuple[float, float]],
+    sizes: tuple[float | None, float | None, float | None],
+) -> UprightBox:
+    """A box on a wall, from two opposite corners of its front and one rear corner, which lies on the wall.
+
+    Args:
+        pixels: two or three; without the third it is 3 cm deep.
+        sizes: width, depth and height in metres where they are known; the front's middle stays.
+    """
+    along = np.array([-wall.normal[1], wall.normal[0], 0.0])
+    depth = sizes[1] or 0.03
+    if sizes[1] is None and len(pixels) > 2:
+        trials = DEPTHS[DEPTHS * view.above < -0.9 * wall.offset] * view.above
+        faces = np.array([_face(view, wall, trial, pixels) for trial in trials])
+        alongs = faces @ along
+        rear = wall.offset * wall.normal + np.zeros((len(trials), 4, 3))
+        for corner, (i, j) in enumerate([(0, 0), (0, 1), (1, 0), (1, 1)]):
+            rear[:, corner] += alongs[:, i, None] * along
+            rear[:, corner, 2] = faces[:, j, 2]
+        misses = np.linalg.norm(view.project(rear) - np.asarray(pixels[2]), axis=-1).min(axis=1)
+        depth = float(trials[int(np.nanargmin(misses))])
+    face = _face(view, wall, depth, pixels)
+    (left, right), (low, high) = np.sort(face @ along), np.sort(face[:, 2])
+    width, height = sizes[0] or max(right - left, 1e-4), sizes[2] or max(high - low, 1e-4)
+    middle = (left + right) / 2 * along + (wall.offset + depth) * wall.normal
+    return _box(middle, -wall.normal, (width, depth, height), (low + high - height) / 2)

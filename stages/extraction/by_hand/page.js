@@ -1,0 +1,173 @@
+// The panel beside the picture, and the start.
+import { ask, changed, copy, edit, find, freeId, isWall, onChange, redo, remove, save, solve, state, undo, undoable } from './state.js';
+import { begin, draw, fit, zoom } from './drawing.js';
+import { choose, hint, step } from './tools.js';
+
+const get = (id) => document.getElementById(id);
+const metres = (value) => `${value < 0.995 ? `${(100 * value).toFixed(value < 0.1 ? 1 : 0)} cm` : `${value.toFixed(2)} m`}`;
+const chosen = () => (state.chosen && !isWall(state.chosen) ? find(state.chosen) : null);
+const nameOf = (item) => item.label || item.id.replace('_', ' ');
+
+function options(select, entries, value) {
+  const wanted = JSON.stringify(entries);
+  if (select.dataset.entries !== wanted) {
+    select.dataset.entries = wanted;
+    select.replaceChildren(...entries.map(([key, text]) => new Option(text, key)));
+  }
+  if (document.activeElement !== select || select.value !== value) select.value = value;
+}
+function fill(id, value, placeholder) {
+  const field = get(id);
+  if (document.activeElement !== field) field.value = value ?? '';
+  if (placeholder !== undefined) field.placeholder = placeholder;
+}
+function list(parent, items, text) {
+  parent.replaceChildren(...items.map((item) => {
+    const entry = document.createElement('li'), button = document.createElement('button'), note = document.createElement('span');
+    button.textContent = text(item);
+    button.setAttribute('aria-pressed', String(state.chosen === item.id));
+    button.addEventListener('click', () => { state.chosen = item.id; state.handle = isWall(item.id) ? `wall/${item.id}/a` : null; changed(); });
+    note.className = 'note';
+    note.textContent = state.solved?.notes[item.id] ?? '';
+    entry.append(button, note);
+    return entry;
+  }));
+}
+
+function panel() {
+  const { project, solved } = state;
+  for (const tab of document.querySelectorAll('[data-step]')) tab.setAttribute('aria-selected', String(tab.dataset.step === state.step));
+  for (const part of document.querySelectorAll('[data-panel]')) part.hidden = part.dataset.panel !== state.step;
+  for (const tool of document.querySelectorAll('[data-tool]')) tool.setAttribute('aria-pressed', String(tool.dataset.tool === state.tool));
+  [get('undo').disabled, get('redo').disabled] = undoable().map((possible) => !possible);
+  get('hint').textContent = hint();
+  get('trouble').textContent = state.trouble;
+  get('trouble').hidden = !state.trouble;
+  if (!solved) return;
+
+  const { camera } = solved;
+  get('camera-facts').textContent = `${camera.across}° across, tilted ${camera.pitch}°, rolled ${camera.roll}°, ${metres(camera.above)} above the floor`;
+  fill('across', project.perspective.focal ? (2 * Math.atan(project.width / 2 / project.perspective.focal) * 180 / Math.PI).toFixed(1) : '');
+  get('scale-kind').querySelector('[value=depth]').hidden = !state.depth;
+  fill('scale-kind', project.scale.kind);
+  fill('scale-metres', project.scale.kind === 'depth' ? '' : project.scale.metres);
+  get('scale-metres').disabled = project.scale.kind === 'depth';
+
+  get('scale-which').hidden = project.scale.kind !== 'object';
+  get('measure').hidden = !['floor', 'upright'].includes(project.scale.kind);
+  options(get('scale-object'), project.objects.map((item) => [item.id, nameOf(item)]), project.scale.object ?? '');
+  fill('scale-side', project.scale.side);
+
+  list(get('walls'), project.walls, (item) => item.id.replace('_', ' '));
+  get('behind').hidden = !chosen();
+  list(get('objects'), project.objects, (item) => {
+    const size = solved.boxes[item.id]?.size;
+    return size ? `${nameOf(item)}: ${size.map(metres).join(' × ')}` : nameOf(item);
+  });
+  const carriers = [['floor', 'the floor'], ...project.walls.map((item) => [item.id, item.id.replace('_', ' ')])];
+  const others = project.objects.map((item) => [item.id, nameOf(item)]);
+  options(get('next-on'), [['auto', 'what is there'], ...carriers, ...others], get('next-on').value || 'auto');
+
+  const item = chosen();
+  get('object').hidden = !item;
+  if (!item) return;
+  fill('label', item.label);
+  options(get('on'), [...carriers, ...others.filter(([id]) => id !== item.id)], item.on);
+  fill('doors', item.doors || 0);
+  fill('drawers', item.drawers || 0);
+  get('articulated').checked = Boolean(item.articulated || item.doors || item.drawers);
+  get('free').checked = Boolean(item.free);
+  const box = solved.boxes[item.id];
+  ['width', 'depth', 'height'].forEach((side, k) => fill(side, item[side], box ? box.size[k].toFixed(3) : ''));
+  get('boxed').hidden = !item.outline?.length;
+  get('object-facts').textContent = [box && `${metres(box.distance)} away`, solved.notes[item.id]].filter(Boolean).join('; ');
+}
+
+const number = (field) => (field.value === '' || !field.checkValidity() ? null : Number(field.value));
+function field(id, change) {
+  get(id).addEventListener('change', (event) => { const target = event.target; edit((project) => change(project, target, chosen())); });
+}
+
+// A box on a wall is marked by two opposite corners of its front, one that stands by its foot and its top.
+function carried(item, on) {
+  const hung = isWall(item.on), hangs = isWall(on), [a, b, c, d] = item.points;
+  item.on = on;
+  if (hung === hangs) return;
+  if (hangs) item.points = [a, [b[0], (c ?? b)[1]], ...(d ? [d] : [])];
+  else item.points = [[a[0], Math.max(a[1], b[1])], [b[0], Math.max(a[1], b[1])], [b[0], Math.min(a[1], b[1])], ...(c ? [c] : [])];
+}
+
+async function write() {
+  await save();
+  try {
+    const answer = await ask('write', state.project);
+    get('command').textContent = answer.command;
+    get('doubts').replaceChildren(...answer.notes.map((text) => { const entry = document.createElement('li'); entry.className = 'note'; entry.textContent = text; return entry; }));
+    get('preview').src = `preview.jpg?${Date.now()}`;
+    get('written').hidden = false;
+    state.trouble = '';
+  } catch (error) {
+    state.trouble = error.message;
+  }
+  changed();
+}
+
+function bind() {
+  for (const tab of document.querySelectorAll('[data-step]')) tab.addEventListener('click', () => step(tab.dataset.step));
+  for (const tool of document.querySelectorAll('[data-tool]')) tool.addEventListener('click', () => choose(tool.dataset.tool));
+  get('undo').addEventListener('click', undo);
+  get('redo').addEventListener('click', redo);
+  get('closer').addEventListener('click', () => zoom(0.8));
+  get('farther').addEventListener('click', () => zoom(1.25));
+  get('fit').addEventListener('click', () => { fit(); draw(); });
+  get('grid').addEventListener('change', (event) => { state.grid = event.target.checked; draw(); });
+  field('across', (project, target) => {
+    const degrees = number(target);
+    project.perspective.focal = degrees ? project.width / 2 / Math.tan(degrees * Math.PI / 360) : null;
+  });
+  get('unpin').addEventListener('click', () => edit((project) => Object.assign(project.perspective, { horizon: null, x: null, y: null, z: null, focal: null })));
+  get('propose').addEventListener('click', () => edit((project) => { project.perspective = copy(state.fresh.perspective); }));
+  field('scale-kind', ({ scale }, target, item) => {
+    if (target.value === 'camera') scale.metres = state.solved.camera.above;
+    scale.kind = target.value;
+    scale.object ??= (item ?? state.project.objects[0])?.id ?? null;
+  });
+  field('scale-object', ({ scale }, target) => { scale.object = target.value; });
+  field('scale-side', ({ scale }, target) => { scale.side = target.value; });
+  field('scale-metres', ({ scale }, target) => { scale.metres = number(target) ?? scale.metres; });
+  get('behind').addEventListener('click', () => {
+    const foot = state.solved.boxes[state.chosen]?.foot;
+    if (foot) edit((project) => project.walls.push({ id: freeId('wall'), a: foot[0], b: foot[1], free: Boolean(chosen().free) }));
+  });
+  field('label', (_, target, item) => { item.label = target.value.trim(); });
+  field('on', (_, target, item) => carried(item, target.value));
+  for (const id of ['doors', 'drawers']) field(id, (_, target, item) => { item[id] = number(target) ?? 0; item.articulated = item.doors + item.drawers > 0; });
+  for (const id of ['articulated', 'free']) field(id, (_, target, item) => { item[id] = target.checked; });
+  for (const id of ['width', 'depth', 'height']) field(id, (_, target, item) => { item[id] = number(target); });
+  get('boxed').addEventListener('click', () => edit(() => { chosen().outline = []; }));
+  get('delete').addEventListener('click', () => remove(state.chosen));
+  get('object').addEventListener('submit', (event) => event.preventDefault());
+  get('write').addEventListener('click', write);
+  get('close').addEventListener('click', async () => {
+    await write();
+    if (state.trouble) return;
+    await ask('close', {});
+    get('hint').textContent = 'Done: this page can be closed.';
+  });
+}
+
+async function start() {
+  const answer = await ask('start');
+  Object.assign(state, { project: answer.project, fresh: answer.fresh, depth: answer.depth });
+  get('title').textContent = document.title = answer.project.picture;
+  get('folder').textContent = answer.folder;
+  get('categories').replaceChildren(...answer.categories.map((name) => new Option(name)));
+  if (answer.project.objects.length) state.step = 'objects';
+  begin();
+  bind();
+  onChange(panel);
+  onChange(draw);
+  await solve();
+  if (answer.notes.length) get('saved').textContent = answer.notes.join(' ');
+}
+start().catch((error) => { get('trouble').textContent = error.message; get('trouble').hidden = false; });

@@ -1,0 +1,105 @@
+"""Any photograph, as the page and the input folder use it: upright, 8-bit RGB, of a size that a screen can show."""
+
+import warnings
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from stages.contracts.errors import InputError
+from stages.contracts.images import read_rgb
+
+LONGEST = 1600  # pixels of the longer side; larger pictures are made smaller
+WIDEST = 2.4  # of a picture's sides: a panorama has no single perspective
+FLAT = 2.0  # standard deviation of the brightness below which nothing is to be seen
+FILM = np.hypot(36, 24)  # millimetres: diagonal that "35 mm equivalent" focal lengths refer to
+EQUIVALENT, FOCAL, RESOLUTION, UNIT, EXIF_WIDTH = 0xA405, 0x920A, 0xA20E, 0xA210, 0xA002  # EXIF tags
+MILLIMETRES = {2: 25.4, 3: 10.0, 4: 1.0}
+HEIF_BRANDS = (b"heic", b"heix", b"hevc", b"hevx", b"heim", b"heis", b"mif1", b"msf1")
+
+
+@dataclass(frozen=True)
+class Photo:
+    """rgb (H, W, 3) uint8; focal length in its pixels, if EXIF tells; how much smaller it is than the file (>= 1)."""
+
+    rgb: NDArray[np.uint8]
+    focal: float | None
+    shrunk: float
+
+
+def _is_heif(path: Path) -> bool:
+    try:
+        with path.open("rb") as file:
+            head = file.read(12)
+    except OSError:
+        return False
+    return head[4:8] == b"ftyp" and head[8:12] in HEIF_BRANDS
+
+
+def _from_heif(path: Path) -> tuple[NDArray[np.uint8], Image.Exif]:
+    """A HEIC photograph, which needs a library of its own."""
+    try:
+        import pillow_heif
+    except ImportError:
+        mend = "pip install pillow-heif, or save it as JPEG"
+        raise InputError(path, "is a HEIC photograph, which nothing installed here reads.", mend) from None
+    try:
+        image = pillow_heif.open_heif(path).to_pillow()  # upright already
+        return np.array(image.convert("RGB")), image.getexif()
+    except Exception as error:  # a decoder raises its own kinds for broken data
+        raise InputError(path, f"is not a readable image ({error.__class__.__name__}).", "save it as JPEG") from None
+
+
+def exif_focal(exif: Image.Exif, width: int, height: int) -> float | None:
+    """Focal length in pixels of a picture of this size, from the EXIF data of an uncropped photograph; else None."""
+    try:
+        fine = exif.get_ifd(0x8769)
+        equivalent = float(fine.get(EQUIVALENT) or 0)
+        if equivalent > 0:
+            found = equivalent / FILM * np.hypot(width, height)
+        else:
+            per_mm = float(fine.get(RESOLUTION) or 0) / MILLIMETRES.get(int(fine.get(UNIT, 2)), 25.4)
+            found = float(fine.get(FOCAL) or 0) * per_mm
+            found *= max(width, height) / float(fine.get(EXIF_WIDTH) or max(width, height))
+    except (ValueError, TypeError, ZeroDivisionError, ArithmeticError, SyntaxError):
+        return None
+    return float(found) if 0.2 < found / max(width, height) < 30 else None
+
+
+def _exif(path: Path) -> tuple[Image.Exif, bool]:
+    """EXIF data of a picture, and whether it says to be a panorama."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        with Image.open(path) as image:
+            xmp = image.info.get("xmp", b"")
+            return image.getexif(), b"GPano:ProjectionType" in (xmp if isinstance(xmp, bytes) else str(xmp).encode())
+
+
+def read_photo(path: Path) -> Photo:
+    """Read a photograph.
+
+    Raises:
+        InputError: no picture, a panorama, or one that shows nothing.
+    """
+    if _is_heif(path):
+        rgb, exif = _from_heif(path)
+        panorama = False
+    else:
+        rgb = read_rgb(path)
+        exif, panorama = _exif(path)
+    height, width = rgb.shape[:2]
+    if panorama or max(width, height) > WIDEST * min(width, height):
+        mend = "cut out a part with an ordinary field of view"
+        raise InputError(path, f"is a panorama ({width}x{height}), which has no single perspective.", mend)
+    if float(rgb.std(axis=(0, 1)).max()) < FLAT:
+        raise InputError(path, "shows nothing: it is all of one colour.", "take another photograph")
+    focal = exif_focal(exif, width, height)
+    shrunk = max(width, height) / LONGEST
+    if shrunk <= 1:
+        return Photo(rgb, focal, 1.0)
+    size = round(width / shrunk), round(height / shrunk)
+    small = np.asarray(cv2.resize(rgb, size, interpolation=cv2.INTER_AREA), dtype=np.uint8)
+    return Photo(small, None if focal is None else focal / shrunk, shrunk)

@@ -1,0 +1,97 @@
+"""What was drawn: `project.json`, which the page saves as it goes and opens again. Pixels of the upright picture."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from stages.contracts.files import Contract, Document
+from stages.contracts.types import Extent, Id, Panels, Side, Text, check_unique
+
+PROJECT = "project.json"
+FAR = 1e6  # pixels: vanishing points may lie far outside
+
+Coordinate = Annotated[float, Field(ge=-FAR, le=FAR, allow_inf_nan=False)]
+Pixel = tuple[Coordinate, Coordinate]
+Focal = Annotated[float, Field(gt=10, lt=1e5, allow_inf_nan=False)]
+Axis = Literal["x", "y", "z"]
+
+
+class Guide(Contract):
+    """A line in the picture that in the room runs along an axis: x along the view's wall, y away from us, z up."""
+
+    axis: Axis
+    a: Pixel
+    b: Pixel
+
+
+class Perspective(Contract):
+    """What says how the camera looks: lines, and what was fixed by hand (null: found from the lines)."""
+
+    guides: list[Guide] = Field([], max_length=200)
+    horizon: tuple[Pixel, Pixel] | None = None
+    x: Pixel | None = None
+    y: Pixel | None = None
+    z: Pixel | None = None
+    focal: Focal | None = Field(None, description="pixels, fixed by hand")
+    likely_focal: Focal = Field(description="pixels: from EXIF, from all lines found, or that of a usual camera")
+    spread: float = Field(0.3, gt=0, le=2, description="standard deviation of the logarithm of `likely_focal`")
+
+
+class Scale(Contract):
+    """One known length."""
+
+    kind: Literal["camera", "object", "floor", "upright", "depth"] = Field(
+        "camera", description="height of the camera; a side of an object; a line on the floor or up from it; `--depth`"
+    )
+    metres: Extent = 1.5
+    points: tuple[Pixel, Pixel] | None = None
+    object: Id | None = None
+    side: Literal["width", "depth", "height"] = "height"
+
+
+class DrawnWall(Contract):
+    """A line on the floor where a wall stands; `free`: not along an axis of the room."""
+
+    id: Id
+    a: Pixel
+    b: Pixel
+    free: bool = False
+
+
+class DrawnObject(Contract):
+    """A box: standing, by its front's lower corners, top, rear corner; on a wall by its front's corners, rear one."""
+
+    id: Id
+    label: str = Field("", max_length=1000)
+    on: Id = Field("floor", description="floor, the id of a wall or of another object")
+    points: list[Pixel] = Field(min_length=2, max_length=4)
+    width: Extent | None = Field(None, description="metres, if known; null: from the picture")
+    depth: Extent | None = None
+    height: Extent | None = None
+    free: bool = False
+    articulated: bool = False
+    doors: Panels = 0
+    drawers: Panels = 0
+    outline: list[Pixel] = Field([], max_length=1000, description="the pixels that show it; empty: all of its box")
+
+    @property
+    def sizes(self) -> tuple[float | None, float | None, float | None]:
+        """Width, depth and height that were typed."""
+        return self.width, self.depth, self.height
+
+
+class Project(Document):
+    """Everything that was drawn into one picture."""
+
+    picture: Text = Field(description="file name, for people")
+    width: Side
+    height: Side
+    perspective: Perspective
+    scale: Scale = Scale()
+    walls: list[DrawnWall] = Field([], max_length=50)
+    objects: list[DrawnObject] = Field([], max_length=500)
+
+    @model_validator(mode="after")
+    def _ids_once(self) -> "Project":
+        check_unique("ids", ["floor", *(wall.id for wall in self.walls), *(item.id for item in self.objects)])
+        return self

@@ -1,0 +1,169 @@
+"""Propose the perspective of a photograph: line segments, RANSAC for three orthogonal vanishing points, refinement."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from stages.extraction.by_hand.metrology import View
+from stages.extraction.by_hand.perspective import AXES, fit_view, misses
+from stages.extraction.by_hand.project import Guide, Perspective
+from stages.geometry.frames import wrap_angle
+
+Points = NDArray[np.float64]
+SHORTEST = 0.03  # of the picture's diagonal
+MOST = 250  # segments, the longest
+HYPOTHESES = 400  # per focal length
+FOCALS = np.geomspace(0.5, 2.2, 9)  # of the longer side: 90 to 26 degrees across
+AGREES = np.deg2rad(2.0)  # between a segment and the direction to its vanishing point
+STEEPEST, MOST_ROLL = np.deg2rad(50), np.deg2rad(12)
+PRIOR = 0.02  # share of agreeing length that one standard deviation of the focal length is worth
+SHOWN, APART = 5, 0.06  # guides per axis; share of the diagonal between their middles
+FITS = 0.9  # agreement of a segment that is shown: two thirds of a degree
+USUAL_FOCAL, USUAL_SPREAD = 0.8, 0.3  # of the longer side; of its logarithm
+KNOWN_SPREAD = 0.03  # of a focal length from EXIF
+
+
+@dataclass(frozen=True)
+class FocalPrior:
+    """A focal length in pixels and the standard deviation of its logarithm."""
+
+    pixels: float
+    spread: float
+
+
+def usual_focal(width: int, height: int, exif: float | None) -> FocalPrior:
+    """The focal length (pixels) that EXIF tells, else that of a usual camera."""
+    if exif is not None:
+        return FocalPrior(exif, KNOWN_SPREAD)
+    return FocalPrior(USUAL_FOCAL * max(width, height), USUAL_SPREAD)
+
+
+def find_segments(grey: NDArray[np.uint8]) -> Points:
+    """The longest line segments (N, 2, 2) of a picture (H, W), longest first."""
+    found = cv2.createLineSegmentDetector().detect(grey)[0]
+    if found is None:
+        return np.zeros((0, 2, 2))
+    ends = np.asarray(found, dtype=float).reshape(-1, 2, 2)
+    lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+    order = np.argsort(-lengths, kind="stable")[:MOST]
+    return ends[order][lengths[order] > SHORTEST * np.hypot(*grey.shape)]
+
+
+def _planes(ends: Points, width: int, height: int, focal: float) -> Points:
+    """Unit normals (N, 3), camera frame, of the planes through the camera and each segment."""
+    flat = (ends - [(width - 1) / 2, (height - 1) / 2]) / focal
+    rays = np.concatenate([flat, np.ones((*flat.shape[:2], 1))], axis=-1)
+    normals = np.cross(rays[:, 0], rays[:, 1])
+    return np.asarray(normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12))
+
+
+def _hypotheses(normals: Points, weights: Points, rng: np.random.Generator) -> Points:
+    """room_from_camera rotations (M, 3, 3): two segments meet in one vanishing point, a third runs square to it."""
+    first, second, third = rng.choice(len(normals), size=(3, HYPOTHESES), p=weights / weights.sum())
+    one = np.cross(normals[first], normals[second])
+    two = np.cross(normals[third], one)
+    lengths = np.linalg.norm(one, axis=1), np.linalg.norm(two, axis=1)
+    good = (lengths[0] > 1e-4) & (lengths[1] > 1e-4)
+    one, two = one[good] / lengths[0][good, None], two[good] / lengths[1][good, None]
+    frames = np.stack([one, two, np.cross(one, two)], axis=1)
+    upright = np.argmax(np.abs(frames[:, :, 1]), axis=1)  # z is the axis nearest to the picture's upright
+    rows = np.arange(len(frames))
+    up = frames[rows, upright] * -np.sign(frames[rows, upright, 1])[:, None]
+    away = np.argmax(np.where(np.arange(3) == upright[:, None], -1, np.abs(frames[:, :, 2])), axis=1)
+    back = frames[rows, away] * np.sign(frames[rows, away, 2])[:, None]
+    rotations = np.stack([np.cross(back, up), back, up], axis=1)
+    pitch, roll = np.arcsin(np.clip(up[:, 2], -1, 1)), np.arctan2(up[:, 0], -up[:, 1])
+    return np.asarray(rotations[(np.abs(pitch) < STEEPEST) & (np.abs(roll) < MOST_ROLL)])
+
+
+def _agreement(view_misses: Points, half: Points) -> Points:
+    """1 where a segment points to its vanishing point, 0 where it is off by AGREES or more."""
+    return np.clip(1 - (np.abs(view_misses) / np.maximum(half, 1e-9) / AGREES) ** 2, 0, None)
+
+
+def _scores(ends: Points, lengths: Points, focal: float, size: tuple[int, int], rotations: Points) -> Points:
+    """Share (M,) of the segments' length that agrees with one of the three axes."""
+    centre = np.array([(size[0] - 1) / 2, (size[1] - 1) / 2])
+    middle, half = ends.mean(axis=1) - centre, (ends[:, 1] - ends[:, 0]) / 2
+    total = np.zeros((len(rotations), len(ends)))
+    for axis in range(3):
+        direction = rotations[:, axis]
+        towards = direction[:, None, :2] * focal - direction[:, None, 2:] * middle
+        off = np.abs(towards[..., 0] * half[:, 1] - towards[..., 1] * half[:, 0])
+        off /= np.maximum(np.linalg.norm(towards, axis=-1), 1e-9)
+        total = np.maximum(total, _agreement(off, lengths / 2))
+    return np.asarray(total @ lengths / lengths.sum())
+
+
+def _angles(rotation: Points) -> tuple[float, float, float]:
+    """Yaw, pitch and roll of room_from_camera."""
+    up, forward = rotation[2], rotation[:, 2]
+    yaw = float(np.arctan2(-forward[0], forward[1]))
+    return wrap_angle(yaw, np.pi), float(np.arcsin(np.clip(up[2], -1, 1))), float(np.arctan2(up[0], -up[1]))
+
+
+def _assigned(view: View, ends: Points) -> tuple[NDArray[np.integer], Points]:
+    """Axis (N,) of each segment and how well it agrees with it."""
+    lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+    every = [misses(view, np.full(len(ends), axis), ends) for axis in range(3)]
+    agreements = np.stack([_agreement(off, lengths / 2) for off in every])
+    return np.argmax(agreements, axis=0), agreements.max(axis=0)
+
+
+def _shown(ends: Points, axes: NDArray[np.integer], good: Points, diagonal: float) -> list[Guide]:
+    """The longest segments of each axis that fit and do not lie on each other."""
+    guides = []
+    for name, axis in AXES.items():
+        kept: list[Points] = []
+        for segment in ends[(axes == axis) & (good > FITS)]:
+            middle = segment.mean(axis=0)
+            if len(kept) < SHOWN and all(
+                np.linalg.norm(middle - other.mean(axis=0)) > APART * diagonal for other in kept
+            ):
+                kept.append(segment)
+        for a, b in np.round(kept, 1).tolist():
+            guides.append(Guide(axis=name, a=tuple(a), b=tuple(b)))  # type: ignore[arg-type]
+    return guides
+
+
+def propose(grey: NDArray[np.uint8], prior: FocalPrior, seed: int = 0) -> Perspective:
+    """Guides along the three axes of the room, and the focal length that all segments speak for.
+
+    Without lines that agree there are no guides, and the camera is the usual one.
+
+    Args:
+        grey: picture (H, W).
+        prior: what is known of the focal length.
+    """
+    height, width = grey.shape
+    ends = find_segments(grey)
+    nothing = Perspective(likely_focal=prior.pixels, spread=prior.spread)
+    if len(ends) < 6:
+        return nothing
+    rng = np.random.default_rng(seed)
+    lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+    trials = [prior.pixels] if prior.spread <= KNOWN_SPREAD else [float(share * max(width, height)) for share in FOCALS]
+    best, best_score = None, 0.0
+    for focal in trials:
+        rotations = _hypotheses(_planes(ends, width, height, focal), lengths, rng)
+        if not len(rotations):
+            continue
+        scores = _scores(ends, lengths, focal, (width, height), rotations)
+        scores -= PRIOR * (np.log(focal / prior.pixels) / prior.spread) ** 2
+        if scores.max() > best_score:
+            best, best_score = (rotations[int(np.argmax(scores))], focal), float(scores.max())
+    if best is None:
+        return nothing
+    view = View(width, height, best[1], best[0])
+    for _ in range(3):  # better lines give a better camera, which gives better lines
+        axes, good = _assigned(view, ends)
+        every = [
+            Guide(axis="xyz"[axis], a=tuple(a), b=tuple(b))  # type: ignore[arg-type]
+            for axis, (a, b) in zip(axes[good > 0.1], ends[good > 0.1].tolist(), strict=True)
+        ]
+        view = fit_view(nothing.model_copy(update={"guides": every[:200]}), width, height, _angles(view.rotation))
+    axes, good = _assigned(view, ends)
+    guides = _shown(ends, axes, good, float(np.hypot(width, height)))
+    return Perspective(guides=guides, likely_focal=view.focal, spread=min(prior.spread, 0.1))

@@ -1,0 +1,219 @@
+"""One picture being drawn into: what the page asks for, as plain data. Knows nothing of HTTP."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import TypeAdapter
+
+from stages.contracts import InputError, read_json, write_json
+from stages.extraction.by_hand.metrology import View, WallPlane
+from stages.extraction.by_hand.paint import paint
+from stages.extraction.by_hand.perspective import horizon, vanishing_point
+from stages.extraction.by_hand.photo import Photo
+from stages.extraction.by_hand.project import PROJECT, Pixel, Project
+from stages.extraction.by_hand.segments import propose, usual_focal
+from stages.extraction.by_hand.solve import Solved, support_at
+from stages.extraction.by_hand.write import finished, preview, write_folder
+from stages.geometry.boxes import UprightBox, corners
+
+GRID, REACH = 0.5, 8.0  # metres: spacing of the floor's grid, and how far it goes
+PICTURE_QUALITY = 90
+FACES = ((0, 1, 2, 3), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
+Answer = dict[str, Any]
+
+
+@dataclass
+class Session:
+    """The picture, the folder that is written, and what completes labels."""
+
+    photo: Photo
+    name: str
+    folder: Path
+    categories: list[str] = field(default_factory=list)
+    depth: NDArray[np.float32] | None = None
+    finished: bool = False
+
+    def __post_init__(self) -> None:
+        height, width = self.photo.rgb.shape[:2]
+        grey = cv2.cvtColor(self.photo.rgb, cv2.COLOR_RGB2GRAY)
+        prior = usual_focal(width, height, self.photo.focal)
+        self._proposed = propose(np.asarray(grey, dtype=np.uint8), prior)
+        self.posts: dict[str, Callable[[Any], Answer]] = {
+            "solve": self.solve,
+            "save": self.save,
+            "support": self.support,
+            "write": self.write,
+            "close": self.close,
+        }
+
+    def fresh(self) -> Project:
+        """A drawing with nothing in it but the proposed perspective."""
+        height, width = self.photo.rgb.shape[:2]
+        project = Project(picture=self.name, width=width, height=height, perspective=self._proposed)
+        if self.depth is not None:
+            project.scale.kind = "depth"
+        return project
+
+    def opened(self) -> Project:
+        """The drawing that was saved, or a fresh one.
+
+        Raises:
+            InputError: what was saved is broken, or of a picture of another size.
+        """
+        path = self.folder / PROJECT
+        if not path.is_file():
+            return self.fresh()
+        project = read_json(Project, path, "move it away to begin anew")
+        height, width = self.photo.rgb.shape[:2]
+        if (project.width, project.height) != (width, height):
+            what = (
+                f"was drawn into a picture of {project.width}x{project.height} pixels, this one has {width}x{height}."
+            )
+            raise InputError(path, what, "give another --out, or move it away to begin anew")
+        return project
+
+    def start(self) -> Answer:
+        """What the page begins with."""
+        height, width = self.photo.rgb.shape[:2]
+        notes = []
+        if self.photo.shrunk > 1:
+            notes.append(f"The picture was made {self.photo.shrunk:.2g} times smaller, to {width} x {height} pixels.")
+        if self.photo.focal:
+            notes.append("The focal length is known from the photograph's EXIF data.")
+        return {
+            "project": self.opened().model_dump(mode="json"),
+            "fresh": self.fresh().model_dump(mode="json"),
+            "categories": self.categories,
+            "folder": str(self.folder),
+            "notes": notes,
+            "depth": self.depth is not None,
+        }
+
+    def picture(self) -> bytes:
+        """The picture as JPEG."""
+        return _jpeg(self.photo.rgb)
+
+    def preview(self) -> bytes:
+        """The saved drawing's masks over the picture, as JPEG."""
+        project, solved = finished(self.opened(), self.depth)
+        return _jpeg(preview(self.photo.rgb, paint(project, solved)))
+
+    def _project(self, body: Any) -> Project:
+        project = Project.model_validate(body)
+        height, width = self.photo.rgb.shape[:2]
+        if (project.width, project.height) != (width, height):
+            raise InputError("drawing", "is of a picture of another size.", "reload the page")
+        return project
+
+    def solve(self, body: Any) -> Answer:
+        """Where everything is, in metres and in pixels."""
+        project, solved = finished(self._project(body), self.depth)
+        return described(project, solved)
+
+    def save(self, body: Any) -> Answer:
+        """Keep the drawing."""
+        write_json(self.folder / PROJECT, self._project(body))
+        return {}
+
+    def support(self, body: Any) -> Answer:
+        """What is at a pixel that something could stand or hang on."""
+        project = self._project(body["project"])
+        solved = finished(project, self.depth)[1]
+        return {"on": support_at(project, solved, TypeAdapter(Pixel).validate_python(body["pixel"]))}
+
+    def write(self, body: Any) -> Answer:
+        """Keep the drawing and write the input folder."""
+        project = self._project(body)
+        self.save(body)
+        written = write_folder(self.folder, self.photo.rgb, project, self.depth)
+        command = f"snakemake --cores 2 --configfile {self.folder / 'config.yaml'} -- generation"
+        return {"ids": written.ids, "notes": written.notes, "command": command, "folder": str(self.folder)}
+
+    def close(self, _: Any) -> Answer:
+        """The page is done with."""
+        self.finished = True
+        return {}
+
+
+def _jpeg(rgb: NDArray[np.uint8]) -> bytes:
+    done, data = cv2.imencode(".jpg", rgb[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, PICTURE_QUALITY])
+    assert done
+    return bytes(data)
+
+
+def _lines(view: View, ends: NDArray[np.float64]) -> list[list[list[float]]]:
+    """Pixels of lines (N, 2, 3) of the room, as far as they are before the camera."""
+    lines = []
+    eye, forward = np.array([0, 0, view.above]), view.rotation[:, 2]
+    near = 0.05 * view.above
+    for a, b in ends:
+        da, db = (a - eye) @ forward, (b - eye) @ forward
+        if max(da, db) <= near:
+            continue
+        if min(da, db) < near:
+            cut = a + (b - a) * (near - da) / (db - da)
+            a, b = (cut, b) if da < db else (a, cut)
+        lines.append(np.round(view.project([a, b]), 1).tolist())
+    return lines
+
+
+def _box(view: View, box: UprightBox) -> Answer:
+    """A box in pixels: its corners (null behind the camera), which faces are seen, and its size and distance."""
+    points = corners(box)
+    pixels = view.project(points)
+    eye = np.array([0, 0, view.above])
+    faces = []
+    for face in FACES:
+        middle = points[list(face)].mean(axis=0)
+        if (middle - np.asarray(box.center)) @ (eye - middle) > 0 and np.isfinite(pixels[list(face)]).all():
+            faces.append(np.round(pixels[list(face)], 1).tolist())
+    foot = view.project(points[[3, 2]] * [1, 1, 0])  # where a wall behind it meets the floor
+    known = [bool(np.isfinite(pixel).all()) for pixel in pixels]
+    return {
+        "corners": [np.round(pixel, 1).tolist() if ok else None for pixel, ok in zip(pixels, known, strict=True)],
+        "faces": faces,
+        "foot": np.round(foot, 1).tolist() if np.isfinite(foot).all() else None,
+        "size": [round(float(value), 4) for value in np.asarray(box.size)],
+        "distance": round(float(np.linalg.norm(np.asarray(box.center) - eye)), 3),
+    }
+
+
+def _wall(view: View, wall: WallPlane) -> list[list[list[float]]]:
+    """A wall's foot, as lines of pixels."""
+    along = np.array([-wall.normal[1], wall.normal[0], 0.0])
+    foot = wall.offset * wall.normal
+    reach = 4 * REACH * max(view.above, 0.1)
+    return _lines(view, np.array([[foot - reach * along, foot + reach * along]]))
+
+
+def _grid(view: View) -> list[list[list[float]]]:
+    """Lines on the floor every half metre."""
+    steps = np.arange(-REACH, REACH + GRID / 2, GRID)
+    lines = [((x, 0, 0), (x, REACH, 0)) for x in steps] + [((-REACH, y, 0), (REACH, y, 0)) for y in steps[steps >= 0]]
+    return _lines(view, np.array(lines, dtype=float))
+
+
+def described(project: Project, solved: Solved) -> Answer:
+    """The solved room for the page."""
+    view = solved.view
+    up, forward = view.rotation[2], view.rotation[:, 2]
+    return {
+        "camera": {
+            "focal": round(view.focal, 1),
+            "across": round(float(np.rad2deg(2 * np.arctan(view.width / 2 / view.focal))), 1),
+            "pitch": round(float(np.rad2deg(np.arcsin(np.clip(forward[2], -1, 1)))), 2),
+            "roll": round(float(np.rad2deg(np.arctan2(up[0], -up[1]))), 2),
+            "above": round(view.above, 3),
+        },
+        "horizon": horizon(view),
+        "vanishing": {name: vanishing_point(view, axis) for axis, name in enumerate("xyz")},
+        "grid": _grid(view),
+        "walls": {name: _wall(view, wall) for name, wall in solved.walls.items()},
+        "boxes": {name: _box(view, box) for name, box in solved.boxes.items()},
+        "notes": solved.notes,
+    }

@@ -1,0 +1,164 @@
+"""From what was drawn to a camera over the floor, walls and boxes in metres."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stages.extraction.by_hand.metrology import (
+    MetrologyError,
+    View,
+    WallPlane,
+    hanging_box,
+    standing_box,
+    wall_plane,
+)
+from stages.extraction.by_hand.perspective import fit_view
+from stages.extraction.by_hand.project import DrawnObject, Project, Scale
+from stages.geometry.boxes import UprightBox
+
+NEAREST, FARTHEST = 0.05, 30.0  # metres: a camera is nowhere else above the floor
+SIDES = {"width": 0, "depth": 1, "height": 2}
+
+
+@dataclass(frozen=True)
+class Solved:
+    """The room in metres; `notes`: by id of an object or wall, or `scale`, what is wrong with it or was guessed."""
+
+    view: View
+    walls: dict[str, WallPlane]
+    boxes: dict[str, UprightBox]
+    notes: dict[str, str] = field(default_factory=dict)
+
+
+def _guessed(item: DrawnObject, hangs: bool) -> str:
+    """What a box has that was neither drawn nor typed."""
+    if not hangs and len(item.points) < 3 and item.height is None:
+        return "height is missing: mark the front's upper edge, or type it"
+    if len(item.points) < (3 if hangs else 4) and item.depth is None:
+        return "depth is guessed: mark a rear corner, or type it"
+    return ""
+
+
+class _Room:
+    """One pass over the drawing at one height of the camera."""
+
+    def __init__(self, project: Project, view: View, typed: bool) -> None:
+        self.view, self.typed = view, typed
+        self.drawn = {item.id: item for item in project.objects}
+        self.walls: dict[str, WallPlane] = {}
+        self.boxes: dict[str, UprightBox] = {}
+        self.notes: dict[str, str] = {}
+        for wall in project.walls:
+            try:
+                self.walls[wall.id] = wall_plane(view, wall.a, wall.b, wall.free)
+            except MetrologyError as error:
+                self.notes[wall.id] = str(error)
+        for item in project.objects:
+            self._place(item, ())
+
+    def _place(self, item: DrawnObject, above: tuple[str, ...]) -> None:
+        if item.id in self.boxes or item.id in self.notes:
+            return
+        if item.id in above:
+            self.notes[item.id] = "stands on itself: choose what it stands on"
+            return
+        try:
+            sizes = item.sizes if self.typed else (None, None, None)
+            if item.on in self.walls:
+                self.boxes[item.id] = hanging_box(self.view, self.walls[item.on], item.points[:3], sizes)
+            else:
+                ground = self._ground(item, above)
+                self.boxes[item.id] = standing_box(self.view, ground, item.points, sizes, item.free)
+        except MetrologyError as error:
+            self.notes.setdefault(item.id, str(error))
+
+    def _ground(self, item: DrawnObject, above: tuple[str, ...]) -> float:
+        if item.on == "floor":
+            return 0.0
+        if item.on not in self.drawn:
+            raise MetrologyError("hangs on a wall or stands on an object that is not there")
+        self._place(self.drawn[item.on], (*above, item.id))
+        if item.on not in self.boxes:
+            raise MetrologyError("what it stands on has no place yet")
+        return self.boxes[item.on].top
+
+
+def _height(project: Project, view: View) -> float:
+    """Height of the camera in metres, from the known length; `view` is one metre above the floor.
+
+    Raises:
+        MetrologyError: the known length cannot be measured in the picture.
+    """
+    scale = project.scale
+    if scale.kind in ("camera", "depth"):
+        return scale.metres
+    if scale.kind == "object":
+        boxes = _Room(project, view, typed=False).boxes
+        if scale.object not in boxes:
+            raise MetrologyError("the object whose size is known has no place yet")
+        return scale.metres / float(np.asarray(boxes[scale.object].size)[SIDES[scale.side]])
+    if scale.points is None:
+        raise MetrologyError("draw the line whose length is known")
+    return scale.metres / _length(view, scale)
+
+
+def _length(view: View, scale: Scale) -> float:
+    """Length of a line on the floor, or straight up from it."""
+    assert scale.points is not None
+    foot = view.on_level(scale.points[0])
+    if scale.kind == "floor":
+        return max(float(np.linalg.norm(view.on_level(scale.points[1]) - foot)), 1e-4)
+    away = foot / np.linalg.norm(foot)  # an upright plane that faces the camera, through the foot
+    top = view.on_plane(scale.points[1], away, float(foot @ away))
+    if top[2] <= 1e-4:
+        raise MetrologyError("the line does not go up from the floor")
+    return float(top[2])
+
+
+def solve(project: Project) -> Solved:
+    """Camera, walls and boxes of a drawing; what has no place says why in the notes, the rest goes on without it."""
+    view = fit_view(project.perspective, project.width, project.height)
+    notes = {}
+    try:
+        above = _height(project, view)
+        if not NEAREST <= above <= FARTHEST:
+            raise MetrologyError(f"the camera would be {above:.3g} m above the floor")
+    except MetrologyError as error:
+        notes["scale"] = f"{error}; the camera is taken to be 1.5 m above the floor"
+        above = 1.5
+    room = _Room(project, replace(view, above=above), typed=True)
+    for item in project.objects:
+        box = room.boxes.get(item.id)
+        if box is not None and max(np.asarray(box.size)) > FARTHEST:
+            room.notes[item.id] = f"would be {max(np.asarray(box.size)):.0f} m large"
+            del room.boxes[item.id]
+        elif box is not None and (guess := _guessed(item, item.on in room.walls)):
+            room.notes[item.id] = guess
+    return Solved(room.view, room.walls, room.boxes, {**room.notes, **notes})
+
+
+def support_at(project: Project, solved: Solved, pixel: tuple[float, float]) -> str:
+    """What a pixel shows that something may stand or hang on: the top of an object, a wall, else the floor."""
+    ray, eye = solved.view.rays(pixel), np.array([0, 0, solved.view.above])
+    best, nearest = "floor", np.inf
+    if ray[2] < 0:
+        nearest = -eye[2] / ray[2]
+    for name, wall in solved.walls.items():
+        towards = float(ray @ wall.normal)
+        if towards < 0 and (reach := wall.offset / towards) < nearest:
+            best, nearest = name, reach
+    for name, box in solved.boxes.items():
+        if ray[2] < 0 and box.top < eye[2]:
+            reach = (box.top - eye[2]) / ray[2]
+            if reach < nearest and _over(box, eye + reach * ray):
+                best, nearest = name, reach
+    return best
+
+
+def _over(box: UprightBox, point: NDArray[np.float64]) -> bool:
+    """Whether a point lies over the footprint of a box."""
+    c, s = np.cos(box.yaw), np.sin(box.yaw)
+    dx, dy = (point - np.asarray(box.center))[:2]
+    width, depth, _ = np.asarray(box.size)
+    return bool(abs(c * dx + s * dy) <= width / 2 and abs(-s * dx + c * dy) <= depth / 2)

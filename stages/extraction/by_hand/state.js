@@ -1,0 +1,109 @@
+// What was drawn, what the server made of it, undo and redo. Geometry is the server's; nothing is computed here.
+
+export const state = {
+  project: null, fresh: null, solved: null, depth: false,
+  step: 'camera', tool: 'select', draft: null, chosen: null, handle: null, grid: true, trouble: '',
+};
+const listeners = [];
+const past = [];
+const future = [];
+let asking = false, again = false, saving = 0;
+
+export const onChange = (listener) => listeners.push(listener);
+export const changed = () => listeners.forEach((listener) => listener());
+export const copy = (value) => JSON.parse(JSON.stringify(value));
+
+export async function ask(name, body) {
+  const options = body === undefined ? {} : { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(body) };
+  const reply = await fetch(name, options);
+  const answer = await reply.json();
+  if (!reply.ok) throw new Error(answer.error);
+  return answer;
+}
+
+function drawn() {
+  const project = copy(state.project);
+  if (state.draft?.kind === 'box' && state.draft.points.length > 1) project.objects.push(object('draft', state.draft));
+  if (state.draft?.kind === 'wall' && state.draft.points.length > 1) project.walls.push(wall('draft', state.draft));
+  return project;
+}
+
+export async function solve() {
+  if (asking) { again = true; return; }
+  asking = true;
+  try {
+    do {
+      again = false;
+      try {
+        state.solved = await ask('solve', drawn());
+        state.trouble = state.solved.notes.scale ?? '';
+      } catch (error) {
+        state.trouble = error.message;
+      }
+      changed();
+    } while (again);
+  } finally {
+    asking = false;
+  }
+}
+
+export const remember = () => { past.push(JSON.stringify(state.project)); future.length = 0; if (past.length > 300) past.shift(); };
+
+// Change the drawing; `step` false: part of a movement that was remembered when it began.
+export function edit(change, step = true) {
+  if (step) remember();
+  change(state.project);
+  touch();
+}
+
+export function touch() {
+  clearTimeout(saving);
+  document.getElementById('saved').textContent = '…';
+  saving = setTimeout(save, 250);
+  changed();
+  solve();
+}
+
+export async function save() {
+  clearTimeout(saving);
+  try {
+    await ask('save', state.project);
+    document.getElementById('saved').textContent = 'saved';
+  } catch (error) {
+    document.getElementById('saved').textContent = 'NOT saved';
+    state.trouble = error.message;
+    changed();
+  }
+}
+
+function travel(from, to) {
+  if (!from.length) return;
+  to.push(JSON.stringify(state.project));
+  state.project = JSON.parse(from.pop());
+  state.draft = state.handle = null;
+  if (state.chosen && !find(state.chosen)) state.chosen = null;
+  touch();
+}
+export const undo = () => travel(past, future);
+export const redo = () => travel(future, past);
+export const undoable = () => [past.length > 0, future.length > 0];
+
+export const find = (id) => state.project.objects.find((item) => item.id === id) ?? state.project.walls.find((item) => item.id === id);
+export const object = (id, draft) => ({ id, on: draft.on, points: copy(draft.points), free: draft.free });
+export const wall = (id, draft) => ({ id, a: draft.points[0], b: draft.points[1], free: draft.free });
+export const isWall = (id) => state.project.walls.some((item) => item.id === id);
+
+export function freeId(kind) {
+  for (let n = 1; ; n += 1) if (!find(`${kind}_${n}`)) return `${kind}_${n}`;
+}
+
+export function remove(id) {
+  edit((project) => {
+    project.objects = project.objects.filter((item) => item.id !== id);
+    project.walls = project.walls.filter((item) => item.id !== id);
+    for (const item of project.objects) if (item.on === id) item.on = 'floor';
+    if (project.scale.object === id) project.scale = { ...project.scale, kind: 'camera', metres: state.solved.camera.above, object: null };
+  });
+  state.chosen = state.handle = null;
+  changed();
+}

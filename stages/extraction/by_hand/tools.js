@@ -1,0 +1,194 @@
+// Gestures and keys: what a click, a movement or a key does to the drawing.
+import { ask, changed, copy, edit, find, freeId, isWall, object, redo, remember, remove, save, solve, state, touch, undo, wall } from './state.js';
+import { draw, fit, move, pixel, unit, zoom } from './drawing.js';
+
+const svg = document.getElementById('view');
+const STEPS = { x: 'camera', y: 'camera', z: 'camera', measure: 'camera', wall: 'walls', box: 'objects', outline: 'objects' };
+const FAR = 8; // screen pixels: a press that moves farther is a drag, whose end counts as a second click
+const STANDING = ['Click the lower left corner of its front.', 'Click the lower right corner of its front (Shift: not along the walls).',
+  'Click the upper edge of its front.', 'Click any rear corner that you see (Enter: guess its depth).'];
+const HANGING = ['', 'Click the opposite corner of its front.', 'Click a rear corner, where it meets the wall (Enter: flat).'];
+const HINTS = {
+  line: ['Click one end of an edge that runs this way, as long as you can find.', 'Click its other end.'],
+  wall: ['Click where this wall meets the floor.', 'Click a second place of the same edge (Shift: not along the room).'],
+  measure: ['Click where the known length begins, on the floor.', 'Click where it ends.'],
+  outline: ['Click around what is seen of it; Enter closes the outline.'],
+};
+const IDLE = {
+  camera: 'Move the ends of lines until the grid lies flat on the floor, then tell one length.',
+  walls: 'W draws a wall by its foot.', objects: 'B draws an object. Click one to change it.', write: 'Write the folder; everything is saved as you go.',
+};
+
+export function hint() {
+  if (state.tool === 'select') return IDLE[state.step];
+  const drawn = (state.draft?.points.length ?? 1) - 1;
+  if (state.tool === 'box') return (state.draft && isWall(state.draft.on) ? HANGING : STANDING)[drawn] ?? '';
+  const known = HINTS[state.tool] ?? HINTS.line;
+  return known[Math.min(drawn, known.length - 1)];
+}
+
+export function choose(tool) {
+  state.draft = null;
+  if (tool === 'outline' && (!state.chosen || isWall(state.chosen))) tool = 'select';
+  state.tool = tool;
+  if (STEPS[tool]) state.step = STEPS[tool];
+  changed();
+  solve();
+  svg.focus({ preventScroll: true });
+}
+
+export function step(name) { state.step = name; state.handle = null; choose('select'); }
+const needed = () => (state.tool === 'box' ? (isWall(state.draft.on) ? 3 : 4) : state.tool === 'outline' ? Infinity : 2);
+
+// The last point of a draft follows the pointer until it is clicked.
+async function click(at, shift) {
+  const free = state.draft?.free || (shift && state.draft?.points.length === 2);
+  if (!state.draft) {
+    const kind = ['x', 'y', 'z'].includes(state.tool) ? 'line' : state.tool;
+    const draft = { kind, points: [at, at], free: false, on: document.getElementById('next-on').value };
+    state.draft = draft;
+    if (kind === 'box' && draft.on === 'auto') {
+      draft.on = 'floor';
+      try { draft.on = (await ask('support', { project: state.project, pixel: at })).on; } catch (error) { state.trouble = error.message; }
+      if (state.draft !== draft) return;
+    }
+  } else {
+    state.draft.free = Boolean(free);
+    state.draft.points[state.draft.points.length - 1] = at;
+    if (state.draft.points.length >= needed()) { finish(state.draft.points.length); return; }
+    state.draft.points.push(at);
+  }
+  changed();
+  solve();
+}
+
+// Keep the first `count` points of the draft as what the tool draws.
+function finish(count) {
+  const { tool, draft } = state;
+  draft.points.length = count;
+  if (tool === 'box' && count < (isWall(draft.on) ? 2 : 3)) { cancel(); return; }
+  if (tool === 'outline' ? count < 3 : count < 2) { cancel(); return; }
+  state.draft = null;
+  edit((project) => {
+    if (tool === 'box') {
+      const id = freeId('object');
+      project.objects.push({ ...object(id, draft), label: '', articulated: false, doors: 0, drawers: 0, outline: [] });
+      state.chosen = id;
+    } else if (tool === 'wall') project.walls.push(wall(freeId('wall'), draft));
+    else if (tool === 'measure') project.scale = { ...project.scale, kind: project.scale.kind === 'floor' ? 'floor' : 'upright', points: draft.points };
+    else if (tool === 'outline') find(state.chosen).outline = draft.points;
+    else project.perspective.guides.push({ axis: tool, a: draft.points[0], b: draft.points[1] });
+  });
+  state.tool = 'select';
+  changed();
+  if (tool === 'box') document.getElementById('label').focus();
+  if (tool === 'measure') document.getElementById('scale-metres').focus();
+}
+
+export function cancel() { state.draft = null; state.tool = 'select'; changed(); solve(); }
+
+// The place in the drawing that a handle moves.
+function place(name) {
+  const [kind, which, point] = name.split('/');
+  const { perspective, scale } = state.project;
+  if (kind === 'horizon') { perspective.horizon ??= copy(state.solved.horizon); return [perspective.horizon, point]; }
+  if (kind === 'vanishing') { perspective[which] ??= copy(state.solved.vanishing[which]); return [perspective, which]; }
+  if (kind === 'guide') return [perspective.guides[which], point];
+  if (kind === 'measure') return [scale.points, point];
+  if (kind === 'wall') return [find(which), point];
+  return [find(which)[kind === 'outline' ? 'outline' : 'points'], point];
+}
+
+function shift(name, to) {
+  const [holder, key] = place(name);
+  holder[key] = to(holder[key]).map((value) => Math.round(10 * value) / 10);
+  touch();
+}
+
+let press = null;
+svg.addEventListener('pointerdown', (event) => {
+  svg.focus({ preventScroll: true });
+  const at = pixel(event), name = event.target.dataset?.handle;
+  svg.setPointerCapture(event.pointerId);
+  press = { x: event.clientX, y: event.clientY, at, moved: false, handle: null, pan: event.button === 1 };
+  if (event.button !== 0) return;
+  if (state.tool !== 'select') { click(at, event.shiftKey); return; }
+  const item = event.target.closest('[data-object]')?.dataset.object;
+  state.handle = name ?? null;
+  if (name) press.handle = name;
+  else if (item && item !== 'draft') { state.chosen = item; state.step = 'objects'; }
+  else press.pan = true;
+  changed();
+});
+svg.addEventListener('pointermove', (event) => {
+  const at = pixel(event);
+  if (press) press.moved ||= Math.hypot(event.clientX - press.x, event.clientY - press.y) > FAR;
+  if (press?.pan) { move(press.at[0] - at[0], press.at[1] - at[1]); return; }
+  if (press?.handle) {
+    if (!press.kept) { remember(); press.kept = true; }
+    shift(press.handle, () => at);
+  } else if (state.draft) {
+    state.draft.points[state.draft.points.length - 1] = at;
+    draw();
+    solve();
+  }
+});
+svg.addEventListener('pointerup', (event) => {
+  if (press?.moved && state.draft && !press.pan) click(pixel(event), event.shiftKey);
+  press = null;
+});
+svg.addEventListener('wheel', (event) => { event.preventDefault(); zoom(Math.exp(event.deltaY / 500), pixel(event)); }, { passive: false });
+svg.addEventListener('contextmenu', (event) => event.preventDefault());
+
+const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+const TOOLS = { x: 'x', y: 'y', z: 'z', m: 'measure', w: 'wall', b: 'box', o: 'outline' };
+const NUMBERS = { 1: 'camera', 2: 'walls', 3: 'objects', 4: 'write' };
+
+function next(by) {
+  const { objects } = state.project;
+  if (!objects.length) return;
+  const at = objects.findIndex((item) => item.id === state.chosen);
+  state.chosen = objects[(at + by + objects.length) % objects.length].id;
+  state.step = 'objects';
+  changed();
+}
+
+function erase() {
+  const [kind, which] = state.handle?.split('/') ?? [];
+  if (kind === 'guide') { state.handle = null; edit((project) => project.perspective.guides.splice(Number(which), 1)); }
+  else if (kind === 'wall') remove(which);
+  else if (state.chosen) remove(state.chosen);
+}
+
+document.addEventListener('keydown', (event) => {
+  const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+  if (event.ctrlKey || event.metaKey) {
+    if (key === 's') { event.preventDefault(); step('write'); document.getElementById('write').click(); }
+    else if (event.target.matches('input, select')) return;
+    else if (key === 'z') { event.preventDefault(); (event.shiftKey ? redo : undo)(); }
+    else if (key === 'y') { event.preventDefault(); redo(); }
+    return;
+  }
+  if (event.target.matches('input, select')) {
+    if (key === 'Enter' || key === 'Escape') { event.preventDefault(); event.target.blur(); svg.focus({ preventScroll: true }); }
+    return;
+  }
+  if (event.target.matches('button, summary') && (key === 'Enter' || key === ' ')) return;
+  if (TOOLS[key]) choose(TOOLS[key]);
+  else if (NUMBERS[key]) step(NUMBERS[key]);
+  else if (key === 'Escape') cancel();
+  else if (key === 'Enter' && state.draft) finish(state.draft.points.length - 1);
+  else if (key === 'Backspace' && state.draft) { if (state.draft.points.length > 2) { state.draft.points.splice(-2, 1); changed(); solve(); } else cancel(); }
+  else if (key === 'Delete' || key === 'Backspace') erase();
+  else if (ARROWS[key] && state.handle) {
+    const [dx, dy] = ARROWS[key].map((value) => value * (event.shiftKey ? 10 : 1));
+    remember();
+    shift(state.handle, ([u, v]) => [u + dx, v + dy]);
+  } else if (key === 'n' || key === 'p') next(key === 'n' ? 1 : -1);
+  else if (key === '+' || key === '=') zoom(0.8);
+  else if (key === '-') zoom(1.25);
+  else if (key === '0') { fit(); draw(); }
+  else return;
+  event.preventDefault();
+});
+addEventListener('beforeunload', save);

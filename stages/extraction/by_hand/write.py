@@ -1,0 +1,170 @@
+"""What was drawn as an input folder: rgb.png, camera.json, depth.npz, masks.png, annotations.json."""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+import yaml
+from numpy.typing import NDArray
+
+from stages.config.experiment import ExperimentConfig
+from stages.contracts import Annotations, Camera, InputError, atomic, write_json, write_text
+from stages.contracts.objects import Box, object_ids
+from stages.contracts.scenes import Annotation
+from stages.extraction.by_hand.metrology import View
+from stages.extraction.by_hand.paint import Painted, paint
+from stages.extraction.by_hand.project import DrawnObject, Project
+from stages.extraction.by_hand.solve import Solved, solve
+from stages.extraction.room import floor_frame
+from stages.geometry.boxes import UprightBox
+from stages.geometry.frames import apply, inverse, rounded, wrap_angle, yaw_of_matrix
+from stages.geometry.planes import Plane
+
+LEAST_DEPTH = 30  # pixels on which given depth and floor must agree to find the scale
+TINTS = np.array([(230, 120, 60), (70, 140, 220), (90, 190, 110), (200, 90, 180), (220, 190, 60), (80, 190, 200)])
+
+
+@dataclass(frozen=True)
+class Written:
+    """The folder's objects by their ids of the project, and what the drawer should know, in lines."""
+
+    ids: dict[str, str]
+    notes: list[str]
+
+
+def floor_from_camera(view: View) -> NDArray[np.float64]:
+    """The camera in the floor frame of the contract: x along the view."""
+    return floor_frame(Plane(view.rotation[2], -view.above, np.zeros(0, dtype=bool)))
+
+
+def floor_box(view: View, box: UprightBox) -> Box:
+    """A box of the room frame in the floor frame; its x axis is the side nearest to that frame's."""
+    floor_from_room = floor_from_camera(view) @ inverse(view.room_from_camera)
+    yaw = box.yaw + yaw_of_matrix(floor_from_room[:3, :3])
+    turned = wrap_angle(yaw, np.pi / 2)
+    width, depth, height = np.asarray(box.size, dtype=float)
+    if round((yaw - turned) / (np.pi / 2)) % 2:
+        width, depth = depth, width
+    size = rounded([width, depth, height])
+    return Box(center=rounded(apply(floor_from_room, box.center)), size=size, yaw=round(turned, 6))
+
+
+def with_scale_of(depth: NDArray[np.float32], project: Project) -> Project:
+    """The drawing with the camera at the height that makes its floor agree with depth in metres.
+
+    Raises:
+        InputError: the depth shows too little of the floor that was drawn.
+    """
+    unit = project.model_copy(update={"scale": project.scale.model_copy(update={"kind": "camera", "metres": 1.0})})
+    flat = unit.model_copy(update={"objects": [item.model_copy(update=_UNTYPED) for item in unit.objects]})
+    painted = paint(flat, solve(flat))
+    floor = (painted.masks == painted.values["floor"]) & (depth > 0) & (painted.depth > 0)
+    if floor.sum() < LEAST_DEPTH:
+        what = "shows too little of the floor to tell the scale."
+        raise InputError("--depth", what, "give the height of the camera or one known length on the page")
+    metres = float(np.median(depth[floor] / painted.depth[floor]))
+    return project.model_copy(update={"scale": project.scale.model_copy(update={"metres": round(metres, 4)})})
+
+
+_UNTYPED = {"width": None, "depth": None, "height": None}
+
+
+def finished(project: Project, depth: NDArray[np.float32] | None) -> tuple[Project, Solved]:
+    """The drawing with its scale, solved."""
+    if project.scale.kind == "depth":
+        if depth is None:
+            raise InputError("project.json", "takes its scale from depth, but none was given.", "start with --depth")
+        project = with_scale_of(depth, project)
+    return project, solve(project)
+
+
+def _annotation(item: DrawnObject, value: int, view: View, box: UprightBox) -> Annotation:
+    return Annotation(
+        mask=value,
+        label=item.label.strip() or "object",
+        articulated=item.articulated or item.doors + item.drawers > 0,
+        doors=item.doors,
+        drawers=item.drawers,
+        box=floor_box(view, box),
+    )
+
+
+def write_folder(
+    folder: Path, rgb: NDArray[np.uint8], project: Project, depth: NDArray[np.float32] | None = None
+) -> Written:
+    """Write the five files, and `config.yaml`, which names the folder as a scene of an experiment.
+
+    Args:
+        rgb: the upright picture (H, W, 3).
+        depth: (H, W) metres by a sensor or a network; None: the depth of what was drawn.
+
+    Raises:
+        InputError: nothing was drawn, or nothing of it can be seen.
+    """
+    project, solved = finished(project, depth)
+    placed = [item for item in project.objects if item.id in solved.boxes]
+    if not placed:
+        raise InputError(str(folder), "no object has a place yet.", "draw a box around at least one object")
+    painted = paint(project, solved)
+    view, values = solved.view, painted.values
+    shown = set(np.unique(painted.masks).tolist())
+    seen = [item for item in placed if values[item.id] in shown]
+    if not seen:
+        raise InputError(str(folder), "no object can be seen in the picture.", "draw a box where something is shown")
+
+    with atomic(folder / "rgb.png") as path:
+        cv2.imwrite(str(path), rgb[..., ::-1])
+    with atomic(folder / "masks.png") as path:
+        cv2.imwrite(str(path), np.where(np.isin(painted.masks, _used(seen, project, values)), painted.masks, 0))
+    with atomic(folder / "depth.npz") as path:
+        np.savez_compressed(path, depth=painted.depth if depth is None else depth)
+    frame = floor_from_camera(view)
+    camera = Camera(
+        width=view.width,
+        height=view.height,
+        intrinsics=view.intrinsics.tolist(),
+        floor_from_camera=frame.tolist(),
+    )
+    write_json(folder / "camera.json", camera)
+    annotations = Annotations(
+        objects=[_annotation(item, values[item.id], view, solved.boxes[item.id]) for item in seen],
+        floor=values["floor"] if values["floor"] in shown else None,
+        walls=[values[wall.id] for wall in project.walls if values[wall.id] in shown],
+    )
+    write_json(folder / "annotations.json", annotations)
+    tasks = dict.fromkeys(ExperimentConfig().tasks)  # null: the default run's objects are not in this picture
+    scene = re.sub(r"[^A-Za-z0-9_.-]+", "_", folder.resolve().name).lstrip(".-") or "photo"
+    overlay = {"experiment": {"rooms": [scene], "inputs": {scene: folder.as_posix()}, "tasks": tasks}}
+    write_text(folder / "config.yaml", yaml.safe_dump(overlay, sort_keys=False))
+
+    ids = dict(zip((item.id for item in seen), object_ids(item.label for item in annotations.objects), strict=True))
+    notes = [f"{ids.get(name, name)}: {text}" for name, text in solved.notes.items()]
+    notes += [f"{item.label or item.id}: not in the picture, left out" for item in placed if item not in seen]
+    return Written(ids, notes)
+
+
+def _used(seen: list[DrawnObject], project: Project, values: dict[str, int]) -> list[int]:
+    """Mask values that annotations.json names."""
+    return [values[name] for name in ["floor", *(item.id for item in seen), *(wall.id for wall in project.walls)]]
+
+
+def preview(rgb: NDArray[np.uint8], painted: Painted) -> NDArray[np.uint8]:
+    """The picture tinted by its masks, for people: what will be taken for what."""
+    tints = TINTS[(painted.masks.astype(int) - 1) % len(TINTS)]
+    objects = (painted.masks > 0) & (painted.masks < painted.values["floor"])
+    strength = np.where(objects, 0.55, np.where(painted.masks > 0, 0.22, 0.0))[..., None]
+    return np.rint(rgb * (1 - strength) + tints * strength).astype(np.uint8)
+
+
+def at_size(depth: NDArray[np.float32], width: int, height: int) -> NDArray[np.float32]:
+    """Depth laid on the picture's pixels.
+
+    Raises:
+        InputError: it has other proportions than the picture.
+    """
+    if abs(depth.shape[1] / depth.shape[0] / (width / height) - 1) > 0.02:
+        what = f"is {depth.shape[1]}x{depth.shape[0]}, of other proportions than the picture ({width}x{height})."
+        raise InputError("--depth", what, "it must cover the same view as the upright picture")
+    return np.asarray(cv2.resize(depth, (width, height), interpolation=cv2.INTER_NEAREST), dtype=np.float32)

@@ -1,0 +1,174 @@
+"""The page of `annotate` in headless Chromium: a rendered room whose truth is known is drawn by its own controls."""
+
+import json
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from stages.contracts import Annotations, Camera, Objects, read_json
+from stages.extraction.by_hand.photo import read_photo
+from stages.extraction.by_hand.project import PROJECT, Project
+from stages.extraction.by_hand.session import Session
+from stages.extraction.extract import run as extract
+from stages.geometry.frames import apply, inverse
+from tests.unit.annotate_page import Hand, TrueRoom, serve
+from tests.unit.test_report_browser import CONTRAST, FLAGS
+
+ROOM = Path(__file__).parents[1] / "data" / "photographed_room"
+NOISE = 1.5  # pixels: how far clicks are beside the truth
+NEAR = 0.05  # of the distance from the camera: how far a box's centre may be off
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+    found = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    if found is None:
+        pytest.skip("no Chromium: the page of annotate is not looked at (bash envs/chromium.sh, as root on Debian)")
+    with playwright.sync_playwright() as driver:
+        chromium = driver.chromium.launch(executable_path=found, args=FLAGS)
+        yield chromium
+        chromium.close()
+
+
+@pytest.fixture
+def opened(browser: Any, tmp_path: Path) -> Iterator[tuple[Any, Session]]:
+    """The page with the room's picture, and the session behind it; nothing may be complained of."""
+    session = Session(read_photo(ROOM / "rgb.jpg"), "rgb.jpg", tmp_path / "room", ["bowl", "fridge"])
+    server = serve(session)
+    page = browser.new_page(viewport={"width": 1400, "height": 900})
+    page.set_default_timeout(8000)
+    complaints: list[str] = []
+    page.on("console", lambda line: complaints.append(line.text) if line.type in ("error", "warning") else None)
+    page.on("pageerror", lambda error: complaints.append(str(error)))
+    page.goto(server.address)
+    page.wait_for_selector("#over line")
+    yield page, session
+    page.close()
+    server.shutdown()
+    server.server_close()
+    assert complaints == []
+
+
+def _saved(page: Any, session: Session) -> Project:
+    page.wait_for_function("() => document.getElementById('saved').textContent === 'saved'")
+    return read_json(Project, session.folder / PROJECT)
+
+
+def test_a_room_is_drawn_and_comes_out_as_it_is(opened: tuple[Any, Session], tmp_path: Path) -> None:
+    page, session = opened
+    room = TrueRoom(ROOM)
+    hand = Hand(page, room, NOISE)
+    items = sorted(room.truth.objects, key=lambda item: item.support not in ("floor", "wall"))
+    hand.known_height(max((item for item in items if item.support == "floor"), key=lambda item: item.size[2]))
+    hand.wall([0, -0.6, 0], [0, 0.6, 0])
+    for item in items:
+        hand.object(item, "wall_1" if item.support == "wall" else "auto")
+    page.get_by_role("tab", name="4 Write").click()
+    page.get_by_role("button", name="Write the folder").click()
+    page.wait_for_selector("#written:not([hidden])")
+    page.wait_for_function("() => document.getElementById('preview').naturalWidth > 100")
+    assert "generation" in page.locator("#command").text_content()
+
+    extract(input=session.folder, scene="drawn", out=tmp_path / "out" / "objects.json")
+    objects = read_json(Objects, tmp_path / "out" / "objects.json")
+    found = np.array(objects.floor_from_camera) @ inverse(room.world_from_camera)
+    for item, drawn in zip(items, objects.objects, strict=True):
+        said = room.said[item.mask]
+        assert (drawn.label, drawn.doors, drawn.drawers) == (said.label, said.doors, said.drawers)
+        assert drawn.box is not None and drawn.mounting is not None, drawn.reason
+        away = np.linalg.norm(np.subtract(item.position, room.eye))
+        miss = np.linalg.norm(apply(found, item.position) - drawn.box.center)
+        assert miss < NEAR * away, f"{drawn.id}: {miss:.3f} m off at {away:.2f} m"
+        assert (drawn.mounting.type == 1) == (item.support == "wall"), drawn.id
+    assert read_json(Camera, session.folder / "camera.json").floor_from_camera is not None
+
+
+def test_undo_redo_keys_and_opening_again(opened: tuple[Any, Session]) -> None:
+    page, session = opened
+    room = TrueRoom(ROOM)
+    hand = Hand(page, room, 0)
+    table, bowl = room.truth.objects[3], room.truth.objects[4]
+    hand.object(table, "auto")
+    hand.object(bowl, "auto")
+    drawn = _saved(page, session)
+    assert [(item.label, item.on) for item in drawn.objects] == [("dining table", "floor"), ("bowl", "object_1")]
+    hand.key("Control+z")  # the bowl's label
+    hand.key("Control+z")
+    assert len(_saved(page, session).objects) == 1
+    hand.key("Control+Shift+z", "Control+y")
+    assert _saved(page, session) == drawn
+
+    page.locator("#objects button", has_text="bowl").click()
+    x, y = hand.at(drawn.objects[1].points[0])  # a corner of the chosen object is dragged, then moved by keys
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 30, y + 5, steps=4)
+    page.mouse.up()
+    hand.key("ArrowRight", "Shift+ArrowUp")
+    (u, v), (u0, v0) = _saved(page, session).objects[1].points[0], drawn.objects[1].points[0]
+    assert u - u0 == pytest.approx(30 / hand.place[0] + 1, abs=1) and v - v0 == pytest.approx(
+        5 / hand.place[1] - 10, abs=1
+    )
+    hand.key("Control+z", "Control+z", "Control+z")  # two keys and one drag are three steps
+    assert _saved(page, session) == drawn
+
+    page.reload()
+    page.wait_for_selector("#over polygon")
+    assert page.locator("#objects button").count() == 2
+    page.locator("#objects button", has_text="bowl").click()
+    hand.key("Delete")
+    assert [item.label for item in _saved(page, session).objects] == ["dining table"]
+    hand.key("b", "Escape", "n")
+    assert page.get_by_label("What it is", exact=True).input_value() == "dining table"
+    assert page.locator("#categories option").count() == 2
+    page.locator("#height").fill("0.5")
+    hand.key("Enter")
+    assert _saved(page, session).objects[0].height == 0.5
+
+
+def test_outlines_walls_camera_and_what_is_wrong(opened: tuple[Any, Session]) -> None:
+    page, session = opened
+    room = TrueRoom(ROOM)
+    hand = Hand(page, room, 0)
+    hand.object(room.truth.objects[0], "auto")
+    points, left, right = room.front(room.truth.objects[0])
+    hand.key("o")
+    for corner in (points[left], points[right], points[right + 4], points[left + 4]):
+        hand.click(corner)
+    hand.key("Enter", "2")
+    page.get_by_role("button", name="Wall behind the chosen object").click()
+    hand.key("1")
+    page.get_by_label("Field of view across, degrees").fill("70")
+    hand.key("Enter")
+    drawn = _saved(page, session)
+    assert len(drawn.objects[0].outline) == 4 and [wall.id for wall in drawn.walls] == ["wall_1"]
+    assert drawn.perspective.focal == pytest.approx(400 / np.tan(np.deg2rad(35)), rel=1e-3)
+    page.wait_for_function("() => document.getElementById('camera-facts').textContent.startsWith('70° across')")
+    guides = len(drawn.perspective.guides)
+    hand.key("z")
+    hand.click(points[left])
+    hand.click(points[left + 4])
+    assert len(_saved(page, session).perspective.guides) == guides + 1
+    page.locator("#scale-kind").select_option("object")
+    page.locator("#scale-side").select_option("width")
+    hand.fill("Metres", 1.22)
+    hand.key("3")
+    page.wait_for_function("() => document.querySelector('#objects button').textContent.includes('1.22 m')")
+
+    page.locator("#on").select_option("wall_1")
+    hand.key("Escape")
+    assert _saved(page, session).objects[0].on == "wall_1"
+    hand.key("Control+s")
+    page.wait_for_selector("#written:not([hidden])")
+    said = read_json(Annotations, session.folder / "annotations.json")
+    assert [item.label for item in said.objects] == ["cabinet"] and said.walls
+    low = page.evaluate(CONTRAST)
+    assert [line for line in low if not line.startswith("text ")] == []  # names in the picture have a dark outline
+    page.get_by_role("button", name="Done").click()
+    page.wait_for_function("() => document.getElementById('hint').textContent.startsWith('Done')")
+    assert session.finished and json.loads((session.folder / PROJECT).read_text())["version"] == 1

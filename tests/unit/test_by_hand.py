@@ -1,0 +1,356 @@
+"""Any photograph, what is written of a drawing, and a server that answers nobody but its own page."""
+
+import http.client
+import json
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from PIL import Image, PngImagePlugin
+
+from stages.contracts import Annotations, Camera, InputError, Objects, read_json, write_json
+from stages.extraction import annotate
+from stages.extraction.by_hand.paint import paint
+from stages.extraction.by_hand.perspective import fit_view
+from stages.extraction.by_hand.photo import LONGEST, read_photo
+from stages.extraction.by_hand.project import PROJECT, DrawnObject, DrawnWall, Perspective, Project, Scale
+from stages.extraction.by_hand.server import PageServer
+from stages.extraction.by_hand.session import Session
+from stages.extraction.by_hand.solve import solve
+from stages.extraction.by_hand.write import at_size, write_folder
+from stages.extraction.extract import run as extract
+from stages.geometry.boxes import UprightBox, corners, oriented_iou
+from stages.geometry.frames import apply
+from tests.unit.annotate_page import serve
+
+WIDTH, HEIGHT = 320, 240
+PERSPECTIVE = Perspective(likely_focal=260, focal=260)
+VIEW = fit_view(PERSPECTIVE, WIDTH, HEIGHT)  # tilted down by 8 degrees
+BOXES = {
+    "cabinet": UprightBox([-0.5, 3.2, 0.45], [0.8, 0.6, 0.9], 0.0),
+    "mug": UprightBox([-0.5, 3.1, 0.97], [0.14, 0.14, 0.14], 0.0),
+    "shelf": UprightBox([0.7, 3.4, 1.5], [0.7, 0.2, 0.3], 0.0),
+}
+
+
+def _pixels(points: Any, above: float = 1.5) -> list[tuple[float, float]]:
+    return [tuple(pixel) for pixel in VIEW.project(np.asarray(points) / above).tolist()]
+
+
+def _drawing(**changes: Any) -> Project:
+    """A cabinet at the back wall, a mug on it, a shelf on the wall."""
+    seen = {name: _pixels(corners(box)) for name, box in BOXES.items()}
+    left, right = _pixels([[-1, 3.5, 0], [1, 3.5, 0]])
+    points = {
+        name: [pixels[k] for k in ((0, 5, 7) if name == "shelf" else (0, 1, 4, 6))] for name, pixels in seen.items()
+    }
+    on = {"cabinet": "floor", "mug": "cabinet", "shelf": "back"}
+    given = {
+        "objects": [DrawnObject(id=name, label=name, on=on[name], points=points[name]) for name in BOXES],
+        "walls": [DrawnWall(id="back", a=left, b=right)],
+        "scale": Scale(metres=1.5),
+    }
+    return Project(picture="a.jpg", width=WIDTH, height=HEIGHT, perspective=PERSPECTIVE, **{**given, **changes})
+
+
+def _noise(width: int = WIDTH, height: int = HEIGHT) -> NDArray[np.uint8]:
+    return np.random.default_rng(0).integers(0, 255, (height, width, 3)).astype(np.uint8)
+
+
+# any picture
+
+
+def test_exif_turns_the_picture_and_tells_the_focal_length(tmp_path: Path) -> None:
+    exif = Image.Exif()
+    exif[0x0112] = 6  # to be turned by a quarter
+    exif.get_ifd(0x8769)[0xA405] = 26  # millimetres, as of 35 mm film
+    Image.fromarray(_noise(400, 300)).save(tmp_path / "a.jpg", exif=exif)
+    photo = read_photo(tmp_path / "a.jpg")
+    assert photo.rgb.shape == (400, 300, 3) and photo.shrunk == 1
+    assert photo.focal == pytest.approx(26 / np.hypot(36, 24) * 500, rel=1e-6)
+    Image.fromarray(_noise(3200, 2400)).save(tmp_path / "b.jpg", exif=exif)
+    large = read_photo(tmp_path / "b.jpg")
+    assert large.rgb.shape == (LONGEST, 1200, 3) and large.shrunk == 2
+    assert large.focal == pytest.approx(26 / np.hypot(36, 24) * 2000, rel=1e-3)
+
+
+def test_focal_length_from_the_sensor_and_nonsense_in_exif(tmp_path: Path) -> None:
+    for number, (tags, focal) in enumerate(
+        [
+            ({0x920A: 5.0, 0xA20E: 2000.0, 0xA210: 2, 0xA002: 800}, 5.0 * 2000 / 25.4 / 2),
+            ({0xA405: 0}, None),
+            ({0xA405: 60000}, None),
+            ({0x920A: 5.0, 0xA20E: 0.0}, None),
+        ]
+    ):
+        exif = Image.Exif()
+        exif.get_ifd(0x8769).update(tags)
+        Image.fromarray(_noise(400, 300)).save(tmp_path / f"{number}.jpg", exif=exif)
+        found = read_photo(tmp_path / f"{number}.jpg").focal
+        assert found == (None if focal is None else pytest.approx(focal, rel=1e-3))
+
+
+@pytest.mark.parametrize("mode", ["RGBA", "CMYK", "L", "P", "I;16", "LA"])
+def test_modes_of_pictures(tmp_path: Path, mode: str) -> None:
+    picture = Image.fromarray(_noise(64, 48))
+    if mode == "I;16":
+        picture = Image.fromarray(_noise(64, 48)[..., 0].astype(np.uint16) * 257)
+    else:
+        picture = picture.convert(mode)
+    path = tmp_path / ("a.tif" if mode == "CMYK" else "a.png")
+    picture.save(path)
+    assert read_photo(path).rgb.shape == (48, 64, 3)
+
+
+@pytest.mark.parametrize("what", ["panorama", "wide", "black", "heic", "tiny", "text", "none"])
+def test_what_is_no_photograph_is_said_in_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, what: str
+) -> None:
+    path = tmp_path / "a.png"
+    if what == "panorama":
+        info = PngImagePlugin.PngInfo()
+        info.add_itxt("XML:com.adobe.xmp", '<x GPano:ProjectionType="equirectangular"/>')
+        Image.fromarray(_noise(400, 200)).save(path, pnginfo=info)
+    elif what == "heic":
+        monkeypatch.setitem(sys.modules, "pillow_heif", None)
+        path.write_bytes(b"\0\0\0\x18ftypheic" + bytes(100))
+    elif what == "text":
+        path.write_text("no picture")
+    elif what != "none":
+        size = {"wide": (500, 200), "black": (64, 48), "tiny": (12, 12)}[what]
+        Image.fromarray(_noise(*size) * (what != "black")).save(path)
+    with pytest.raises(InputError) as caught:
+        annotate.run(path, browser=False)
+    says = {"wide": "panorama", "black": "one colour", "heic": "pillow-heif", "tiny": "too small"}.get(what, what)
+    expected = {"text": "not a readable image", "none": "no such file"}.get(what, says)
+    assert expected in str(caught.value) and "\n" not in str(caught.value)
+    assert list(tmp_path.iterdir()) == ([] if what == "none" else [path])  # no folder was begun
+
+
+def test_heic_is_read_where_its_library_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "a.heic").write_bytes(b"\0\0\0\x18ftypheic" + bytes(100))
+    opened = SimpleNamespace(to_pillow=lambda: Image.fromarray(_noise(64, 48)))
+    monkeypatch.setitem(sys.modules, "pillow_heif", SimpleNamespace(open_heif=lambda path: opened))
+    assert read_photo(tmp_path / "a.heic").rgb.shape == (48, 64, 3)
+
+
+# what is written
+
+
+def test_a_drawing_becomes_an_input_folder(tmp_path: Path) -> None:
+    folder = tmp_path / "my kitchen"
+    written = write_folder(folder, _noise(), _drawing())
+    assert written.ids == {"cabinet": "cabinet_1", "mug": "mug_1", "shelf": "shelf_1"} and written.notes == []
+    assert (
+        "my_kitchen: " in (folder / "config.yaml").read_text() and "door: null" in (folder / "config.yaml").read_text()
+    )
+    extract(input=folder, scene="kitchen", out=tmp_path / "out" / "objects.json")
+    objects = read_json(Objects, tmp_path / "out" / "objects.json")
+    floor_from_camera = np.array(read_json(Camera, folder / "camera.json").floor_from_camera)
+    np.testing.assert_allclose(objects.floor_from_camera, floor_from_camera)
+    assert floor_from_camera[2, 3] == pytest.approx(1.5)
+    (wall,) = objects.walls
+    assert abs(wall.offset) == pytest.approx(3.5, abs=0.02)
+    for item, mounting in zip(objects.objects, (3, 2, 1), strict=True):
+        true = BOXES[item.label]
+        assert item.box is not None and item.mounting is not None and item.mounting.type == mounting, item.id
+        turned = UprightBox([true.center[1], -true.center[0], true.center[2]], true.size, -np.pi / 2)  # type: ignore[index]
+        assert oriented_iou(UprightBox(item.box.center, item.box.size, item.box.yaw), turned) > 0.9, item.id
+        cloud = np.load(tmp_path / "out" / "clouds.npz")[item.id]
+        np.testing.assert_allclose((cloud.max(axis=0) + cloud.min(axis=0)) / 2, item.box.center, atol=0.01)
+
+
+def test_depth_and_masks_show_the_nearest(tmp_path: Path) -> None:
+    drawing = _drawing()
+    painted = paint(drawing, solve(drawing))
+    assert painted.values == {"cabinet": 1, "mug": 2, "shelf": 3, "floor": 4, "back": 5}
+    for name, box in BOXES.items():
+        (u, v), front = _pixels([np.asarray(box.center) * [1, 0, 1] + [0, box.center[1] - box.size[1] / 2, 0]])[0], box  # type: ignore[index]
+        assert painted.masks[round(v), round(u)] == painted.values[name]
+        point = np.append(VIEW.rays((round(u), round(v))), 1)[:3] * painted.depth[round(v), round(u)] + [0, 0, 1.5]
+        assert point[1] == pytest.approx(front.center[1] - front.size[1] / 2, abs=0.03), name  # type: ignore[index]
+    assert painted.masks[235, 160] == 4 and painted.masks[5, 160] == 5
+    outline = _pixels([[-0.7, 2.9, 0.1], [-0.5, 2.9, 0.1], [-0.5, 2.9, 0.4], [-0.7, 2.9, 0.4]])
+    drawing.objects[0].outline = outline
+    masks = paint(drawing, solve(drawing)).masks
+    u, v = np.mean(outline, axis=0).round().astype(int)
+    assert masks[v, u] == 1 and 0 < (masks == 1).sum() < 0.4 * (painted.masks == 1).sum()
+    assert (masks[v, : u - 40] != 1).all()
+
+
+def test_given_depth_is_kept_and_gives_the_scale(tmp_path: Path) -> None:
+    true = paint(_drawing(), solve(_drawing())).depth
+    drawing = _drawing(scale=Scale(kind="depth", metres=9.0))
+    noisy = np.where(true > 0, true * np.random.default_rng(0).normal(1, 0.01, true.shape), 0).astype(np.float32)
+    write_folder(tmp_path, _noise(), drawing, noisy)
+    np.testing.assert_array_equal(np.load(tmp_path / "depth.npz")["depth"], noisy)
+    assert np.array(read_json(Camera, tmp_path / "camera.json").floor_from_camera)[2, 3] == pytest.approx(1.5, rel=0.01)
+    with pytest.raises(InputError, match="too little of the floor"):
+        write_folder(tmp_path, _noise(), drawing, np.zeros_like(true))
+    with pytest.raises(InputError, match="start with --depth"):
+        write_folder(tmp_path, _noise(), drawing)
+    assert at_size(true[::2, ::2], WIDTH, HEIGHT).shape == true.shape
+    with pytest.raises(InputError, match="proportions"):
+        at_size(true[:, ::2], WIDTH, HEIGHT)
+
+
+def test_nothing_drawn_and_nothing_seen_write_nothing(tmp_path: Path) -> None:
+    hidden = _drawing().objects[:1]
+    hidden[0].points = [(u + 5000, v) for u, v in hidden[0].points]
+    for objects in ([], hidden):
+        with pytest.raises(InputError, match="object"):
+            write_folder(tmp_path / "out", _noise(), _drawing(objects=objects))
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_box_needs_the_camera_over_the_floor(tmp_path: Path) -> None:
+    write_folder(tmp_path, _noise(), _drawing())
+    camera = json.loads((tmp_path / "camera.json").read_text())
+    write_json(tmp_path / "camera.json", {**camera, "floor_from_camera": None})
+    with pytest.raises(InputError, match="floor_from_camera"):
+        extract(input=tmp_path, scene="x", out=tmp_path / "out.json")
+    camera["floor_from_camera"][2][3] = -1.0
+    write_json(tmp_path / "camera.json", camera)
+    with pytest.raises(InputError, match="not above the floor"):
+        extract(input=tmp_path, scene="x", out=tmp_path / "out.json")
+
+
+def test_a_known_camera_alone_frames_a_picture_without_floor(tmp_path: Path) -> None:
+    write_folder(tmp_path, _noise(), _drawing())
+    said = json.loads((tmp_path / "annotations.json").read_text())
+    for item in said["objects"]:
+        del item["box"]
+    write_json(tmp_path / "annotations.json", {**said, "floor": None})
+    extract(input=tmp_path, scene="x", out=tmp_path / "out" / "objects.json")
+    objects = read_json(Objects, tmp_path / "out" / "objects.json")
+    assert apply(objects.floor_from_camera, [0, 0, 0])[2] == pytest.approx(1.5)
+    assert objects.objects[0].box is not None and objects.objects[0].box.size[2] == pytest.approx(0.9, abs=0.03)
+
+
+# the server
+
+
+@pytest.fixture
+def served(tmp_path: Path) -> Iterator[tuple[PageServer, Session]]:
+    Image.fromarray(_noise()).save(tmp_path / "a.png")
+    session = Session(read_photo(tmp_path / "a.png"), "a.png", tmp_path / "out", ["mug"])
+    server = serve(session)
+    yield server, session
+    server.shutdown()
+    server.server_close()
+
+
+def _ask(server: PageServer, method: str, path: str, body: bytes | None = None, **headers: str) -> tuple[int, bytes]:
+    link = http.client.HTTPConnection("127.0.0.1", server.server_port, timeout=10)
+    link.putrequest(method, path, skip_host="Host" in headers)
+    if body is not None:
+        headers = {"Content-Type": "application/json", "Content-Length": str(len(body)), **headers}
+    for name, value in headers.items():
+        link.putheader(name.replace("_", "-"), value)
+    link.endheaders(body)
+    reply = link.getresponse()
+    answer = reply.status, reply.read()
+    link.close()
+    return answer
+
+
+def test_only_its_own_page_and_names_are_answered(served: tuple[PageServer, Session]) -> None:
+    server, session = served
+    base = f"/{server.token}/"
+    assert server.server_address[0] == "127.0.0.1" and len(server.token) >= 32
+    for name in ("", "page.js", "state.js", "drawing.js", "tools.js", "page.css", "picture.jpg", "start"):
+        assert _ask(server, "GET", base + name)[0] == 200, name
+    strangers = ["/", "/start", "//start", f"/{server.token}", f"/{server.token[:-1]}/start", base + "../server.py"]
+    strangers += [
+        base + "server.py",
+        base + "..%2fserver.py",
+        base + "/etc/passwd",
+        base + "project.json",
+        base + "%00",
+    ]
+    for path in strangers:
+        status, body = _ask(server, "GET", path)
+        assert status == 404, path
+        assert b"class" not in body and b"root" not in body
+    assert _ask(server, "GET", base + "start", Host="evil.example")[0] == 404
+    assert _ask(server, "POST", base + "close", b"{}", Origin="http://evil.example")[0] == 404
+    assert _ask(server, "POST", base + "close", b"{}", Content_Type="text/plain")[0] == 415
+    assert not session.finished
+    assert _ask(server, "DELETE", base + "start")[0] == 501
+
+
+def test_hostile_drawings_are_refused_in_a_line(served: tuple[PageServer, Session]) -> None:
+    server, session = served
+    base = f"/{server.token}/"
+    good = json.loads(_ask(server, "GET", base + "start")[1])["project"]
+    evil = [
+        (b"no json", 400),
+        (b"[" * 100_000, 400),
+        (b'{"version": 1}', 400),
+        (json.dumps({**good, "extra": 1}).encode(), 400),
+        (json.dumps({**good, "width": 10}).encode(), 400),
+        (json.dumps({**good, "objects": [{"id": "../../x", "points": [[0, 0], [1, 1]]}]}).encode(), 400),
+        (json.dumps({**good, "objects": [{"id": "x", "points": [[1e300, 0], [1, 1]]}]}).encode(), 400),
+        (json.dumps({**good, "scale": {"metres": -1}}).encode(), 400),
+        (b'{"a": NaN}', 400),
+    ]
+    for verb in ("solve", "save", "write", "support"):
+        for body, status in evil:
+            found, answer = _ask(server, "POST", base + verb, body)
+            assert found == status and "\n" not in json.loads(answer)["error"], (verb, body[:40])
+    assert (
+        _ask(server, "POST", base + "save", None, Content_Length="99999999999", Content_Type="application/json")[0]
+        == 413
+    )
+    assert _ask(server, "POST", base + "save", None, Content_Length="-5", Content_Type="application/json")[0] == 413
+    assert not session.folder.exists()
+    assert _ask(server, "POST", base + "save", json.dumps(good).encode())[0] == 200
+    assert [path.name for path in session.folder.iterdir()] == [PROJECT]
+
+
+def test_a_saved_drawing_is_opened_again_or_refused(tmp_path: Path) -> None:
+    Image.fromarray(_noise()).save(tmp_path / "a.png")
+    session = Session(read_photo(tmp_path / "a.png"), "a.png", tmp_path / "a")
+    session.save(_drawing().model_dump(mode="json"))
+    assert Session(session.photo, "a.png", tmp_path / "a").opened() == _drawing()
+    Image.fromarray(_noise(200, 160)).save(tmp_path / "a.png")
+    for spoil in ("size", "text"):
+        if spoil == "text":
+            (tmp_path / "a" / PROJECT).write_text("{")
+        with pytest.raises(InputError, match=PROJECT):
+            annotate.run(tmp_path / "a.png", browser=False)
+    (tmp_path / "file").touch()
+    with pytest.raises(InputError, match="not a folder"):
+        annotate.run(tmp_path / "a.png", out=tmp_path / "file", browser=False)
+
+
+def test_the_command_serves_until_the_page_is_done(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Image.fromarray(_noise()).save(tmp_path / "a.png")
+    (tmp_path / "depth.npz").parent.mkdir(exist_ok=True)
+    np.savez(tmp_path / "depth.npz", depth=paint(_drawing(), solve(_drawing())).depth)
+
+    def visit(address: str) -> None:
+        host, port, token = address.removeprefix("http://").replace(":", "/").split("/")[:3]
+        link = http.client.HTTPConnection(host, int(port), timeout=10)
+
+        def post(name: str, body: Any) -> None:
+            link.request("POST", f"/{token}/{name}", json.dumps(body), {"Content-Type": "application/json"})
+            assert link.getresponse().read() is not None
+
+        from threading import Thread
+
+        drawing = _drawing(scale=Scale(kind="depth")).model_dump(mode="json")
+        Thread(target=lambda: (post("write", drawing), post("close", {})), daemon=True).start()
+
+    monkeypatch.setattr("webbrowser.open", visit)
+    annotate.run(tmp_path / "a.png", depth=tmp_path / "depth.npz")
+    said = capsys.readouterr().out
+    assert "Draw at http://127.0.0.1:" in said and "an input folder with 3 objects" in said
+    assert len(read_json(Annotations, tmp_path / "a" / "annotations.json").objects) == 3
