@@ -249,7 +249,7 @@ def _ask(server: PageServer, method: str, path: str, body: bytes | None = None, 
     link = http.client.HTTPConnection("127.0.0.1", server.server_port, timeout=10)
     link.putrequest(method, path, skip_host="Host" in headers)
     if body is not None:
-        headers = {"Content-Type": "application/json", "Content-Length": str(len(body)), **headers}
+        headers = {"Content_Type": "application/json", "Content_Length": str(len(body)), **headers}
     for name, value in headers.items():
         link.putheader(name.replace("_", "-"), value)
     link.endheaders(body)

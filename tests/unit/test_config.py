@@ -95,11 +95,15 @@ def test_only_verbs_that_exist_are_replaced(stages: dict, message: str) -> None:
     assert message in str(caught.value)
 
 
+FOR_PEOPLE = {"annotate"}  # pages and helpers that no rule calls: there is nothing to replace
+
+
 @pytest.mark.parametrize("stage", VERBS)
 def test_every_verb_can_be_replaced(stage: str) -> None:
     tree = ast.parse((ROOT / "stages" / stage / "__main__.py").read_text())
     offered = next(node for node in ast.walk(tree) if isinstance(node, ast.Dict))
-    assert tuple(ast.literal_eval(offered)) == VERBS[stage]
+    called_by_rules = [verb for verb in ast.literal_eval(offered) if verb not in FOR_PEOPLE]
+    assert tuple(called_by_rules) == VERBS[stage]
 
 
 def test_digest_of_code_files_sees_edits_and_names_not_caches(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -14,6 +14,7 @@ from stages.extraction.by_hand.metrology import (
     depth_by_pixel,
     hanging_box,
     rotation_of,
+    round_box,
     standing_box,
     wall_plane,
 )
@@ -124,6 +125,18 @@ def test_noise_does_not_turn_a_box_that_stands_along_the_walls() -> None:
     assert found.yaw == pytest.approx(0) and np.linalg.norm(np.subtract(found.center, BOX.center)) < 0.06
 
 
+def test_a_round_thing_from_three_pixels() -> None:
+    center, radius = np.array([0.6, 2.8, 0.0]), 0.25
+    top = np.array([0, 0, 0.7])
+    beside = np.array([center[1], -center[0], 0]) / np.hypot(*center[:2]) * radius  # as seen from the camera
+    pixels = [tuple(pixel) for pixel in VIEW.project([center - beside, center + beside, center + top]).tolist()]
+    found = round_box(VIEW, 0.0, pixels, NOTHING)  # type: ignore[arg-type]
+    np.testing.assert_allclose(np.asarray(found.center), [0.6, 2.8, 0.35], atol=1e-6)
+    np.testing.assert_allclose(np.asarray(found.size), [0.5, 0.5, 0.7], atol=1e-6)
+    with pytest.raises(MetrologyError, match="top lies below"):
+        round_box(VIEW, 0.0, [*pixels[:2], (pixels[0][0], pixels[0][1] + 30)], NOTHING)  # type: ignore[list-item]
+
+
 def test_typed_sizes_count_for_more_than_the_picture() -> None:
     left, right, top, rear = _seen(BOX, 0, 1, 4, 6)
     found = standing_box(VIEW, 0.0, [left, right, top, rear], (1.0, 0.6, 2.0), free=False)
@@ -196,8 +209,13 @@ def test_what_has_no_place_does_not_stop_the_rest() -> None:
     assert any("itself" in solved.notes[name] for name in ("one", "two"))
     unmeasured = solve(_project(scale=Scale(kind="upright", metres=2), objects=[_drawn("cabinet", BOX)]))
     assert "draw the line" in unmeasured.notes["scale"] and unmeasured.view.above == 1.5
-    guessed = solve(_project(objects=[DrawnObject(id="low", points=_seen(BOX, 0, 1, 4))]))
-    assert "depth is guessed" in guessed.notes["low"]
+    low = DrawnObject(id="low", points=_seen(BOX, 0, 1, 4))
+    bent = _drawn("bent", BOX)
+    bent.points[3] = _seen(BOX, 0)[0][0], 590.0
+    beside = _drawn("beside", BOX._replace(center=[-1.5, 3.2, 1.1], size=[0.2, 0.2, 0.2]), "low")
+    guessed = solve(_project(objects=[low, bent, beside]))
+    assert "depth is guessed" in guessed.notes["low"] and "beside" in guessed.notes["beside"]
+    assert "before its front" in guessed.notes["bent"] and np.asarray(guessed.boxes["bent"].size)[1] == 0.6
 
 
 def _grey() -> NDArray[np.uint8]:

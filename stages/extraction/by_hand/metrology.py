@@ -31,6 +31,10 @@ def rotation_of(yaw: float, pitch: float, roll: float) -> Points:
     return yaw_matrix(yaw) @ LEVEL_VIEW @ tilt @ turn
 
 
+class RearCornerError(MetrologyError):
+    """The pixel of a rear corner has no meaning; all else of the box has."""
+
+
 @dataclass(frozen=True)
 class View:
     """A pinhole camera over the floor: focal length in pixels, room_from_camera rotation, height in metres."""
@@ -133,7 +137,7 @@ def depth_by_pixel(view: View, corners: Points, inward: Points, pixel: ArrayLike
     ray = ray / np.linalg.norm(ray)
     across = ray - (ray @ inward) * inward
     if np.linalg.norm(across) < 1e-9:
-        raise MetrologyError("its rear corner lies where its edges vanish")
+        raise RearCornerError("its rear corner lies where its edges vanish")
     from_eye = np.array([0, 0, view.above]) - corners
     depths = (from_eye - (from_eye @ ray)[:, None] * ray) @ inward / (1 - (ray @ inward) ** 2)
     pixels = view.project(corners + np.maximum(depths, 0)[:, None] * inward)
@@ -141,7 +145,7 @@ def depth_by_pixel(view: View, corners: Points, inward: Points, pixel: ArrayLike
     misses = np.where(np.isfinite(misses), misses, np.inf)
     best = int(np.argmin(misses))
     if depths[best] <= 0:
-        raise MetrologyError("its rear corner lies before its front")
+        raise RearCornerError("its rear corner lies before its front")
     rivals = (misses < misses[best] + RIVAL) & (depths > 0) & (depths < depths[best] / 2)
     return float(depths[rivals].min() if rivals.any() else depths[best])
 
@@ -190,6 +194,30 @@ def standing_box(
         corners = np.array([[*end[:2], z] for end in ends for z in (ground, ground + height)])
         depth = depth_by_pixel(view, corners, inward, pixels[3])
     return _box(middle, inward, (width, depth, height), ground)
+
+
+def round_box(
+    view: View,
+    ground: float,
+    pixels: list[tuple[float, float]],
+    sizes: tuple[float | None, float | None, float | None],
+) -> UprightBox:
+    """The box around a round thing, from the left and right end of its foot, which lie beside its centre, and its top.
+
+    Args:
+        pixels: two or three; without the third it is flat.
+        sizes: width, depth and height in metres where they are known; its centre stays.
+    """
+    left, right = view.on_level(pixels[0], ground), view.on_level(pixels[1], ground)
+    middle = (left + right) / 2
+    width = sizes[0] or max(float(np.linalg.norm(right - left)), 1e-4 * view.above)
+    height = sizes[2] or 1e-4 * view.above
+    if sizes[2] is None and len(pixels) > 2:
+        away = middle * [1, 1, 0] / np.linalg.norm(middle[:2])
+        height = float(view.on_plane(pixels[2], away, float(away @ middle))[2]) - ground
+        if height <= 0:
+            raise MetrologyError("its top lies below its base")
+    return UprightBox([*middle[:2], ground + height / 2], [width, sizes[1] or width, height], 0.0)
 
 
 def _face(view: View, wall: WallPlane, depth: float, pixels: list[tuple[float, float]]) -> Points:

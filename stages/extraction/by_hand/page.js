@@ -76,7 +76,7 @@ function panel() {
   fill('doors', item.doors || 0);
   fill('drawers', item.drawers || 0);
   get('articulated').checked = Boolean(item.articulated || item.doors || item.drawers);
-  get('free').checked = Boolean(item.free);
+  for (const id of ['free', 'round']) get(id).checked = Boolean(item[id]);
   const box = solved.boxes[item.id];
   ['width', 'depth', 'height'].forEach((side, k) => fill(side, item[side], box ? box.size[k].toFixed(3) : ''));
   get('boxed').hidden = !item.outline?.length;
@@ -92,6 +92,7 @@ function field(id, change) {
 function carried(item, on) {
   const hung = isWall(item.on), hangs = isWall(on), [a, b, c, d] = item.points;
   item.on = on;
+  item.round &&= !hangs;
   if (hung === hangs) return;
   if (hangs) item.points = [a, [b[0], (c ?? b)[1]], ...(d ? [d] : [])];
   else item.points = [[a[0], Math.max(a[1], b[1])], [b[0], Math.max(a[1], b[1])], [b[0], Math.min(a[1], b[1])], ...(c ? [c] : [])];
@@ -142,7 +143,7 @@ function bind() {
   field('label', (_, target, item) => { item.label = target.value.trim(); });
   field('on', (_, target, item) => carried(item, target.value));
   for (const id of ['doors', 'drawers']) field(id, (_, target, item) => { item[id] = number(target) ?? 0; item.articulated = item.doors + item.drawers > 0; });
-  for (const id of ['articulated', 'free']) field(id, (_, target, item) => { item[id] = target.checked; });
+  for (const id of ['articulated', 'free', 'round']) field(id, (_, target, item) => { item[id] = target.checked; });
   for (const id of ['width', 'depth', 'height']) field(id, (_, target, item) => { item[id] = number(target); });
   get('boxed').addEventListener('click', () => edit(() => { chosen().outline = []; }));
   get('delete').addEventListener('click', () => remove(state.chosen));

@@ -68,7 +68,8 @@ class DrawnObject(Contract):
     width: Extent | None = Field(None, description="metres, if known; null: from the picture")
     depth: Extent | None = None
     height: Extent | None = None
-    free: bool = False
+    free: bool = Field(False, description="not along an axis of the room")
+    round: bool = Field(False, description="its points are the left and right end of its foot, and its top")
     articulated: bool = False
     doors: Panels = 0
     drawers: Panels = 0

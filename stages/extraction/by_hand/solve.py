@@ -7,9 +7,11 @@ from numpy.typing import NDArray
 
 from stages.extraction.by_hand.metrology import (
     MetrologyError,
+    RearCornerError,
     View,
     WallPlane,
     hanging_box,
+    round_box,
     standing_box,
     wall_plane,
 )
@@ -35,7 +37,7 @@ def _guessed(item: DrawnObject, hangs: bool) -> str:
     """What a box has that was neither drawn nor typed."""
     if not hangs and len(item.points) < 3 and item.height is None:
         return "height is missing: mark the front's upper edge, or type it"
-    if len(item.points) < (3 if hangs else 4) and item.depth is None:
+    if len(item.points) < (3 if hangs else 4) and item.depth is None and not item.round:
         return "depth is guessed: mark a rear corner, or type it"
     return ""
 
@@ -67,9 +69,16 @@ class _Room:
             sizes = item.sizes if self.typed else (None, None, None)
             if item.on in self.walls:
                 self.boxes[item.id] = hanging_box(self.view, self.walls[item.on], item.points[:3], sizes)
-            else:
-                ground = self._ground(item, above)
+                return
+            ground = self._ground(item, above)
+            if item.round:
+                self.boxes[item.id] = round_box(self.view, ground, item.points, sizes)
+                return
+            try:
                 self.boxes[item.id] = standing_box(self.view, ground, item.points, sizes, item.free)
+            except RearCornerError as error:
+                self.boxes[item.id] = standing_box(self.view, ground, item.points[:3], sizes, item.free)
+                self.notes[item.id] = f"{error}; its depth is guessed"
         except MetrologyError as error:
             self.notes.setdefault(item.id, str(error))
 
@@ -133,8 +142,10 @@ def solve(project: Project) -> Solved:
         if box is not None and max(np.asarray(box.size)) > FARTHEST:
             room.notes[item.id] = f"would be {max(np.asarray(box.size)):.0f} m large"
             del room.boxes[item.id]
+        elif box is not None and item.on in room.boxes and not _over(room.boxes[item.on], np.asarray(box.center)):
+            room.notes[item.id] = "stands beside what it should stand on: is that deep enough?"
         elif box is not None and (guess := _guessed(item, item.on in room.walls)):
-            room.notes[item.id] = guess
+            room.notes.setdefault(item.id, guess)
     return Solved(room.view, room.walls, room.boxes, {**room.notes, **notes})
 
 

@@ -3,11 +3,12 @@ import { ask, changed, copy, edit, find, freeId, isWall, object, redo, remember,
 import { draw, fit, move, pixel, unit, zoom } from './drawing.js';
 
 const svg = document.getElementById('view');
-const STEPS = { x: 'camera', y: 'camera', z: 'camera', measure: 'camera', wall: 'walls', box: 'objects', outline: 'objects' };
+const STEPS = { x: 'camera', y: 'camera', z: 'camera', measure: 'camera', wall: 'walls', box: 'objects', round: 'objects', outline: 'objects' };
 const FAR = 8; // screen pixels: a press that moves farther is a drag, whose end counts as a second click
 const STANDING = ['Click the lower left corner of its front.', 'Click the lower right corner of its front (Shift: not along the walls).',
   'Click the upper edge of its front.', 'Click any rear corner that you see (Enter: guess its depth).'];
 const HANGING = ['', 'Click the opposite corner of its front.', 'Click a rear corner, where it meets the wall (Enter: flat).'];
+const ROUND = ['Click the left end of its foot.', 'Click the right end of its foot.', 'Click its top.'];
 const HINTS = {
   line: ['Click one end of an edge that runs this way, as long as you can find.', 'Click its other end.'],
   wall: ['Click where this wall meets the floor.', 'Click a second place of the same edge (Shift: not along the room).'],
@@ -16,12 +17,13 @@ const HINTS = {
 };
 const IDLE = {
   camera: 'Move the ends of lines until the grid lies flat on the floor, then tell one length.',
-  walls: 'W draws a wall by its foot.', objects: 'B draws an object. Click one to change it.', write: 'Write the folder; everything is saved as you go.',
+  walls: 'W draws a wall by its foot.', objects: 'B draws an object, R a round one. Click one to change it.', write: 'Write the folder; everything is saved as you go.',
 };
 
 export function hint() {
   if (state.tool === 'select') return IDLE[state.step];
   const drawn = (state.draft?.points.length ?? 1) - 1;
+  if (state.tool === 'round') return ROUND[drawn] ?? '';
   if (state.tool === 'box') return (state.draft && isWall(state.draft.on) ? HANGING : STANDING)[drawn] ?? '';
   const known = HINTS[state.tool] ?? HINTS.line;
   return known[Math.min(drawn, known.length - 1)];
@@ -38,19 +40,23 @@ export function choose(tool) {
 }
 
 export function step(name) { state.step = name; state.handle = null; choose('select'); }
-const needed = () => (state.tool === 'box' ? (isWall(state.draft.on) ? 3 : 4) : state.tool === 'outline' ? Infinity : 2);
+function needed() {
+  if (state.draft.kind === 'box') return state.draft.round || isWall(state.draft.on) ? 3 : 4;
+  return state.tool === 'outline' ? Infinity : 2;
+}
 
 // The last point of a draft follows the pointer until it is clicked.
 async function click(at, shift) {
   const free = state.draft?.free || (shift && state.draft?.points.length === 2);
   if (!state.draft) {
-    const kind = ['x', 'y', 'z'].includes(state.tool) ? 'line' : state.tool;
-    const draft = { kind, points: [at, at], free: false, on: document.getElementById('next-on').value };
+    const kind = { x: 'line', y: 'line', z: 'line', round: 'box' }[state.tool] ?? state.tool;
+    const draft = { kind, points: [at, at], free: false, round: state.tool === 'round', on: document.getElementById('next-on').value };
     state.draft = draft;
     if (kind === 'box' && draft.on === 'auto') {
       draft.on = 'floor';
       try { draft.on = (await ask('support', { project: state.project, pixel: at })).on; } catch (error) { state.trouble = error.message; }
       if (state.draft !== draft) return;
+      if (draft.round && isWall(draft.on)) draft.round = false;
     }
   } else {
     state.draft.free = Boolean(free);
@@ -66,11 +72,11 @@ async function click(at, shift) {
 function finish(count) {
   const { tool, draft } = state;
   draft.points.length = count;
-  if (tool === 'box' && count < (isWall(draft.on) ? 2 : 3)) { cancel(); return; }
+  if (draft.kind === 'box' && count < (isWall(draft.on) ? 2 : 3)) { cancel(); return; }
   if (tool === 'outline' ? count < 3 : count < 2) { cancel(); return; }
   state.draft = null;
   edit((project) => {
-    if (tool === 'box') {
+    if (draft.kind === 'box') {
       const id = freeId('object');
       project.objects.push({ ...object(id, draft), label: '', articulated: false, doors: 0, drawers: 0, outline: [] });
       state.chosen = id;
@@ -81,7 +87,7 @@ function finish(count) {
   });
   state.tool = 'select';
   changed();
-  if (tool === 'box') document.getElementById('label').focus();
+  if (draft.kind === 'box') document.getElementById('label').focus();
   if (tool === 'measure') document.getElementById('scale-metres').focus();
 }
 
@@ -141,7 +147,7 @@ svg.addEventListener('wheel', (event) => { event.preventDefault(); zoom(Math.exp
 svg.addEventListener('contextmenu', (event) => event.preventDefault());
 
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
-const TOOLS = { x: 'x', y: 'y', z: 'z', m: 'measure', w: 'wall', b: 'box', o: 'outline' };
+const TOOLS = { x: 'x', y: 'y', z: 'z', m: 'measure', w: 'wall', b: 'box', r: 'round', o: 'outline' };
 const NUMBERS = { 1: 'camera', 2: 'walls', 3: 'objects', 4: 'write' };
 
 function next(by) {

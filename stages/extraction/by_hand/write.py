@@ -140,7 +140,8 @@ def write_folder(
     write_text(folder / "config.yaml", yaml.safe_dump(overlay, sort_keys=False))
 
     ids = dict(zip((item.id for item in seen), object_ids(item.label for item in annotations.objects), strict=True))
-    notes = [f"{ids.get(name, name)}: {text}" for name, text in solved.notes.items()]
+    labels = {item.id: item.label for item in project.objects if item.label}
+    notes = [f"{ids.get(name) or labels.get(name, name)}: {text}" for name, text in solved.notes.items()]
     notes += [f"{item.label or item.id}: not in the picture, left out" for item in placed if item not in seen]
     return Written(ids, notes)
 
