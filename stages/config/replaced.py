@@ -14,7 +14,7 @@ VERBS = {
     "matching": ("features", "match", "distances", "draw"),
     "generation": ("generate", "draw"),
     "experiment": ("select",),
-    "demonstrations": ("collect", "export"),
+    "demonstrations": ("collect", "scene", "export"),
     "training": ("train", "export"),
     "evaluation": ("trial", "choose", "rollout", "gather", "score"),
     "tables": ("tables", "figures", "report"),

@@ -7,6 +7,7 @@ if __name__ == "__main__":
         "demonstrations",
         {
             "collect": "run the skill on one asset until enough attempts succeed",
+            "scene": "a demonstration in every generated scene, with a film of it",
             "export": "episode stores in the formats of robomimic and lerobot",
         },
     )

@@ -9,13 +9,13 @@ from stages.articulated.asset_folder import read_asset
 from stages.cli import progress
 from stages.contracts import GeneratedScene, InputError, Library, atomic, read_json
 from stages.contracts.objects import Mounting
-from stages.generation.backdrop import add_backdrop
 from stages.generation.export import write_glb
 from stages.generation.pictures import preview, read_picture, side_by_side
 from stages.generation.placed import Placed
 from stages.generation.settling import load_items
 from stages.geometry.boxes import UprightBox
 from stages.procedural.resize import resized
+from stages.simulation.backdrop import add_backdrop
 from stages.simulation.rendering import make_scene
 
 LIGHT = (0.55, -0.5, -1.0)  # over the photographer's shoulder: x of the floor frame is the viewing direction
@@ -38,7 +38,7 @@ def run(*, scenes: tuple[Path, ...], image: Path, library: Path, out: Path, widt
         made = read_json(GeneratedScene, path)
         items, sized = placed_items(made, folders, out / "assets", path)
         scene = make_scene(light=LIGHT)
-        add_backdrop(scene, items, made.walls, np.array(made.floor_from_camera)[:3, 3])
+        add_backdrop(scene, [item.box for item in items], made.walls, np.array(made.floor_from_camera)[:3, 3])
         load_items(scene, items, sized)
         picture = preview(scene, made, width)
         with atomic(out / f"{path.stem}.png") as temporary:

@@ -11,11 +11,11 @@ from stages.cli import progress
 from stages.config.generation import GenerationConfig
 from stages.contracts import GeneratedScene, InputError, read_options, write_json
 from stages.contracts.generated import PlacedObject
-from stages.generation.backdrop import add_backdrop
 from stages.generation.build import Built, build
 from stages.generation.inputs import Inputs, read_inputs
 from stages.generation.settling import Settled, load_items, settle
 from stages.geometry.frames import rounded
+from stages.simulation.backdrop import add_backdrop
 from stages.simulation.loading import physics_scene
 
 
@@ -23,7 +23,7 @@ def physics_check(built: Built, inputs: Inputs, options: GenerationConfig) -> Se
     """The physics check; nothing is rendered."""
     scene = physics_scene()
     camera = np.array(inputs.objects.floor_from_camera)[:3, 3]
-    add_backdrop(scene, built.items, inputs.objects.walls, camera)
+    add_backdrop(scene, [item.box for item in built.items], inputs.objects.walls, camera)
     bodies = load_items(scene, built.items, built.folders)
     return settle(scene, bodies, built.items, len(built.left), options)
 

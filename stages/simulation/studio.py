@@ -17,8 +17,9 @@ from sapien.physx import PhysxArticulationLinkComponent as Link
 
 from stages.geometry.frames import rigid
 from stages.simulation.loading import load_asset, remove
-from stages.simulation.rendering import RenderCamera, add_block, make_scene
+from stages.simulation.rendering import RenderCamera, add_block, instance_id, make_scene
 from stages.simulation.robot import PANDA
+from stages.simulation.room import Body, Room
 
 Array = NDArray[np.float64]
 Image = NDArray[np.uint8]
@@ -28,6 +29,8 @@ FIELD_OF_VIEW = 0.7  # radians, across
 MARGIN = 1.06  # room around what moves
 FLOOR, WALL, PLINTH = (0.62, 0.56, 0.49), (0.80, 0.80, 0.78), (0.38, 0.37, 0.36)
 LIGHT = (-0.65, -0.35, -1.0)
+ROOM_LIGHT = (0.55, -0.5, -1.0)  # over the photographer's shoulder: x of the floor frame is the viewing direction
+AROUND = 0.2  # metres of a room that are shown about robot and asset
 
 
 @dataclass(frozen=True)
@@ -43,19 +46,20 @@ class Moment:
 @dataclass(frozen=True)
 class Recording:
     """An episode on the asset in `folder`, stretched by `scale` (3,); `side` is +1 or -1 along y, away from a door's
-    hinge, 0 for a drawer."""
+    hinge, 0 for a drawer; `room`: the generated scene that it happened in, whose floor frame is then the world."""
 
     folder: Path
     scale: Array
     side: float
     moments: Sequence[Moment]
+    room: Room | None = None
 
 
 class Studio:
     """Renders recordings; made once per process, as the first picture of a scene takes seconds."""
 
-    def __init__(self) -> None:
-        self.scene = make_scene(light=LIGHT)
+    def __init__(self, light: Sequence[float] = LIGHT) -> None:
+        self.scene = make_scene(light=light)
         loader = self.scene.create_urdf_loader()
         loader.fix_root_link = True
         self.robot: PhysxArticulation = loader.load(str(PANDA))
@@ -70,22 +74,51 @@ class Studio:
         self._put(asset, moments[0])
         feet = [_bounds(asset.links), _bounds(self.robot.links[:1])]
         low = min(bounds[0, 2] for bounds in feet)
-        blocks = [_plinth(self.scene, bounds, low) for bounds in feet if bounds[0, 2] - low > 0.005]
-        back = feet[0][0, 0] - 0.03
-        blocks.append(add_block(self.scene, [0, 0, low - 0.05], [24, 24, 0.1], FLOOR, "floor"))
-        blocks.append(add_block(self.scene, [back - 0.05, 0, low + 2], [0.1, 24, 4], WALL, "wall"))
-        corners = [_corners(np.array([[*bounds[0, :2], low], bounds[1]])) for bounds in feet]
+        about = self._in_room(recording.room, feet[1]) if recording.room else self._alone(feet, low)
+        corners = [] if recording.room else [_corners(np.array([[*box[0, :2], low], box[1]])) for box in feet]
         for moment in moments:
             self._put(asset, moment)
             corners += [_corners(_bounds([link])) for body in (asset, self.robot) for link in _solid(body.links)]
-        world_from_camera = frame_all(np.concatenate(corners), view_direction(recording.side))
+        world_from_camera = self._view(recording, asset, np.concatenate(corners))
         pictures = []
         for moment in moments:
             self._put(asset, moment)
             pictures.append(self.camera.render(world_from_camera).rgb)
-        for body in (asset, *blocks):
+        for body in (asset, *about):
             remove(self.scene, body)
         return pictures
+
+    def _alone(self, feet: Sequence[Array], low: float) -> list[sapien.Entity]:
+        """Floor, wall, and plinths beneath what does not reach the floor."""
+        blocks = [_plinth(self.scene, bounds, low) for bounds in feet if bounds[0, 2] - low > 0.005]
+        back = feet[0][0, 0] - 0.03
+        blocks.append(add_block(self.scene, [0, 0, low - 0.05], [24, 24, 0.1], FLOOR, "floor"))
+        blocks.append(add_block(self.scene, [back - 0.05, 0, low + 2], [0.1, 24, 4], WALL, "wall"))
+        return blocks
+
+    def _in_room(self, room: Room, base: Array) -> list[Body]:
+        """The room, and a plinth beneath the robot."""
+        plinth = [_plinth(self.scene, base, 0.0)] if base[0, 2] > 0.005 else []
+        return [*room.load(self.scene).values(), *plinth]
+
+    def _view(self, recording: Recording, asset: PhysxArticulation, points: Array) -> Array:
+        """(4, 4) world_from_camera that shows all points (N, 3); in a room, where most is seen of asset and robot.
+
+        The robot counts less: it may hide the asset.
+        """
+        if recording.room is None:
+            return frame_all(points, view_direction(recording.side))
+        around = np.stack([points.min(axis=0) - AROUND, points.max(axis=0) + AROUND])
+        around[0, 2] = max(around[0, 2], 0.0)
+
+        def seen(view: Array) -> int:
+            shown = self.camera.render(view).segmentation
+            return 4 * int((shown == instance_id(asset)).sum()) + int((shown == instance_id(self.robot)).sum())
+
+        turn = recording.room.world_from_nominal[:3, :3]
+        scales = [np.array([x, y, z]) for z in (1.0, 1.8) for y in (1, -1) for x in (1, 2.5)]
+        directions = [turn @ (view_direction(recording.side) * scale) for scale in scales]
+        return max((frame_all(_corners(around), each / np.linalg.norm(each)) for each in directions), key=seen)
 
     def _put(self, asset: PhysxArticulation, moment: Moment) -> None:
         poses = (asset, moment.asset, moment.asset_joints), (self.robot, moment.robot, moment.robot_joints)

@@ -18,6 +18,7 @@ from stages.contracts import Asset, InputError, read_json
 from stages.plugins import load
 from stages.simulation.kinematics import Array
 from stages.simulation.robot import panda_chain
+from stages.simulation.room import Room
 from stages.simulation.studio import Moment, Recording
 from stages.tasks.observation import Observation
 from stages.tasks.task import Task
@@ -50,6 +51,7 @@ def make_task(
     render: bool = True,
     cache: Path | None = None,
     vary_scale: bool = True,
+    room: Room | None = None,
 ) -> "TaskEnv":
     """A task on one asset. Several may live in one process.
 
@@ -62,11 +64,12 @@ def make_task(
         render: False leaves out the camera (no point cloud in the observations, no pictures).
         cache: folder for the resized asset; default: a temporary one that `close` removes.
         vary_scale: False keeps the nominal size (official code leaves the evaluated asset's size alone).
+        room: a generated scene about the asset.
     """
     known: Task = load("tasks", task)
     if options.sim_backend == "physx_cuda" and not torch.cuda.is_available():
         raise InputError("task.sim_backend", "is physx_cuda, but torch finds no GPU.", "set it to physx_cpu")
-    return TaskEnv(known, assets, joint, size, options, render, cache, vary_scale)
+    return TaskEnv(known, assets, joint, size, options, render, cache, vary_scale, room)
 
 
 class TaskEnv:
@@ -82,10 +85,11 @@ class TaskEnv:
         render: bool,
         cache: Path | None,
         vary_scale: bool,
+        room: Room | None,
     ) -> None:
         self.task, self.options = task, options
         self.turn_to(assets, joint, size)
-        self.render, self.vary_scale = render, vary_scale
+        self.render, self.vary_scale, self.room = render, vary_scale, room
         self._temporary = None if cache else tempfile.TemporaryDirectory(prefix="acdc-sized-")
         self.sized = cache or Path(self._temporary.name)  # type: ignore[union-attr]
         self.max_steps = options.max_steps or task.horizon
@@ -126,6 +130,7 @@ class TaskEnv:
                 joint=self.joint,
                 options=self.options,
                 vary_scale=self.vary_scale,
+                room=self.room,
                 obs_mode="none",
                 reward_mode="none",
                 sim_backend=self.options.sim_backend,
@@ -185,7 +190,7 @@ class TaskEnv:
 
     def recording(self, moments: Sequence[Moment]) -> Recording:
         """Moments of this episode with the asset at its size; to be filmed before `close`."""
-        return Recording(self.env.asset_folder, self.env.scales[0], self.env.target.side, moments)
+        return Recording(self.env.asset_folder, self.env.scales[0], self.env.target.side, moments, self.room)
 
     def close(self) -> None:
         """Free the simulator."""

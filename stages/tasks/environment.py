@@ -15,11 +15,12 @@ from numpy.typing import NDArray
 
 from stages.config.task import TaskConfig
 from stages.contracts.errors import InputError
-from stages.geometry.frames import inverse, rigid
+from stages.geometry.frames import apply, inverse, rigid
 from stages.simulation.kinematics import Array
 from stages.simulation.loading import ParsedAsset, load_asset, physics_scene, soften
 from stages.simulation.rendering import render_backend
 from stages.simulation.robot import GRIPPER_OPEN, REST, AcdcPanda, ActionScale
+from stages.simulation.room import Room
 from stages.simulation.target import Target, descends, read_target
 from stages.tasks.cameras import Camera, film_camera, shoulder
 from stages.tasks.initial_state import base_pose, draw_initial_state, object_motion, variant_scale
@@ -43,6 +44,7 @@ class OpenTaskEnv(BaseEnv):
         joint: name of the joint to open; None: the one that suits the task best.
         options: the `task` section.
         vary_scale: draw the asset's scale with the episode; on a GPU, where a scene cannot change, when it is built.
+        room: a generated scene about the asset; the world is then its floor frame.
         obs_mode: 'pointcloud' (what a policy sees: `Observation`), 'state', 'none', or another of ManiSkill's.
     """
 
@@ -59,11 +61,12 @@ class OpenTaskEnv(BaseEnv):
         options: TaskConfig | None = None,
         robot_uids: str = "acdc_panda",
         vary_scale: bool = True,
+        room: Room | None = None,
         obs_mode: str = "pointcloud",
         **kwargs: Any,
     ) -> None:
         self.options = options or TaskConfig()
-        self.asset_folder, self.vary_scale = Path(asset_folder), vary_scale
+        self.asset_folder, self.vary_scale, self.room = Path(asset_folder), vary_scale, room
         self.joint_name = joint or self._suitable_joint()
         self.eyes = Eyes(self.cameras(), self.options)
         kwargs = {
@@ -124,6 +127,9 @@ class OpenTaskEnv(BaseEnv):
     def _load_scene(self, options: dict[str, Any]) -> None:
         self._parsed: dict[Path, ParsedAsset] = {}  # of this scene
         self._load_object(np.array([self._drawn_scale(int(seed)) for seed in self._episode_seed]))
+        if self.room:
+            for scene in self.scene.sub_scenes:
+                self.room.load(scene)
 
     def _drawn_scale(self, seed: int) -> Array:
         """(3,) scale of the asset in episode `seed`."""
@@ -209,6 +215,8 @@ class OpenTaskEnv(BaseEnv):
             nominal = np.array([*-box[:, :2].mean(axis=0), -box[0, 2]])
             bases.append(base_pose(target.reference + nominal, target.side, setup, self.options))
             roots.append(object_motion(setup) @ rigid(np.eye(3), nominal))
+            if self.room:
+                bases[-1], roots[-1] = self.room.stand(bases[-1]), self.room.world_from_nominal @ roots[-1]
             qpos.append(np.concatenate([REST + setup.joints, [GRIPPER_OPEN, GRIPPER_OPEN]]))
             self.eyes.place(self._sensors, index, seed)
         self.agent.robot.set_qpos(torch.as_tensor(np.stack(qpos), dtype=torch.float32, device=self.device))
@@ -268,7 +276,10 @@ class OpenTaskEnv(BaseEnv):
 
     def obstacles(self) -> Array:
         """(N, 3) points on what stands about besides the object, in the robot base frame: a skill keeps clear of it."""
-        return np.zeros((0, 3))
+        if self.room is None:
+            return np.zeros((0, 3))
+        base = self.agent.robot.pose.sp.to_transformation_matrix()
+        return apply(inverse(base), np.concatenate(list(self.room.obstacles.values())))
 
     def base_from_asset(self, index: int = 0) -> Array:
         """(4, 4) pose of the asset's root in the robot base frame."""

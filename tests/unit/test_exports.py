@@ -31,12 +31,12 @@ def stores(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     for asset, lengths in LENGTHS.items():
         episodes = []
         for seed, steps in enumerate(lengths):
-            episode = RecordedEpisode(seed)
+            episode = RecordedEpisode(seed, asset, "door_0_joint", (0.4, 0.4, 0.7))
             for _ in range(steps):
                 cloud, proprio, action = (random.uniform(-1, 1, n).astype(np.float32) for n in ((64, 4), 9, 7))
                 episode.add({"point_cloud": cloud, "proprio": proprio}, action, action, 0.1)
             episodes.append(episode)
-        header = StoreHeader("door", "ACDC-OpenDoor-v1", asset, "door_0_joint", (0.4, 0.4, 0.7), OPTIONS)
+        header = StoreHeader("door", "ACDC-OpenDoor-v1", asset, OPTIONS)
         write_episodes(folder / f"{asset}.h5", header, episodes)
     return [folder / f"{asset}.h5" for asset in LENGTHS]
 

@@ -1,0 +1,135 @@
+"""Verb `scene`: demonstrations inside generated scenes, with furniture in the way and behind (the paper's Figure 7)."""
+
+import sys
+import tempfile
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+
+from stages.config.demonstrations import DemonstrationsConfig
+from stages.config.task import TaskConfig
+from stages.contracts import GeneratedScene, atomic, read_json, read_options, write_json
+from stages.contracts.films import Film
+from stages.contracts.in_scene import SceneDemonstration, SceneDemonstrations
+from stages.demonstrations.attempt import Recorder
+from stages.demonstrations.collect import attempt_seeds
+from stages.demonstrations.film import FRAMES, Taken, strip
+from stages.demonstrations.standing import in_the_way, places, touched
+from stages.demonstrations.store import StoreHeader, write_episodes
+from stages.plugins import load
+from stages.simulation.films import write_films
+from stages.simulation.room import read_room
+from stages.simulation.studio import ROOM_LIGHT, Studio
+from stages.tasks.api import make_task
+from stages.tasks.task import Task
+
+STILL = {"object_xy": 0.0, "object_yaw": 0.0, "scale_range": (1.0, 1.0)}  # the scene says where the object stands
+TRIES = 10  # attempts in one scene
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What is the same in all scenes."""
+
+    task: str
+    options: DemonstrationsConfig
+    world: TaskConfig
+    seed: int
+    out: Path
+
+
+def run(
+    *,
+    scenes: tuple[Path, ...],
+    object: str,
+    task: str,
+    library: Path,
+    out: Path,
+    options: str = "",
+    task_options: str = "",
+    seed: int = 0,
+) -> None:
+    """Demonstrate a task once in every scene; write in_scene.json, film.png, films/ and an episode store per scene.
+
+    A scene in which the robot cannot do it is marked failed, with the reason.
+
+    Args:
+        scenes: scene_<rank>.json files of generation.
+        object: id of the object that the task is about.
+        task: door, drawer, ... or yours.
+        library: library.json that the scenes were made of.
+        out: folder to write.
+        options: the `demonstrations` section as JSON.
+        task_options: the `task` section as JSON.
+        seed: of the attempts.
+    """
+    settings = read_options(DemonstrationsConfig, options).model_copy(update={"recovery": 0.0})
+    world = read_options(TaskConfig, task_options).model_copy(update=STILL)
+    setting = Setting(task, settings, world, seed, out)
+    found, films, strips = [], [], []
+    with tempfile.TemporaryDirectory(prefix="acdc-room-") as cache:
+        studio = Studio(ROOM_LIGHT)
+        for path in scenes:
+            made = read_json(GeneratedScene, path)
+            one, taken = in_one(path, made, object, library, Path(cache), setting)
+            found.append(one)
+            if one.film and taken:
+                pictures = studio.film(taken.recording, FRAMES * 2)
+                films.append((one.film, pictures))
+                strips.append(strip(pictures, taken.clouds))
+            print(f"demonstrations: rank {one.rank}: {one.reason or 'ok'}", file=sys.stderr)
+    write_films(out / "films", films, world.control_frequency)
+    if strips:
+        with atomic(out / "film.png") as temporary:
+            cv2.imwrite(str(temporary), np.concatenate(strips)[..., ::-1])
+    write_json(out / "in_scene.json", SceneDemonstrations(task=task, object=object, demonstrations=found))
+
+
+def in_one(
+    path: Path, made: GeneratedScene, object: str, library: Path, cache: Path, setting: Setting
+) -> tuple[SceneDemonstration, Taken | None]:
+    """A demonstration in one scene, with what is to be filmed."""
+    about: dict[str, Any] = {"scene": made.scene, "variant": made.variant, "rank": made.rank}
+    for item in made.objects:
+        if item.id == object and item.status == "failed":
+            return SceneDemonstration(**about, asset="", status="failed", reason=f"{object}: {item.reason}"), None
+    room = read_room(path, object, library, cache)
+    known: Task = load("tasks", setting.task)
+    asset, target = room.target.asset.id, known.target_joint(room.target.folder)
+    if target is None:
+        reason = f"{object} is {asset}, which has no {known.role} that the robot can open"
+        return SceneDemonstration(**about, asset=asset, status="failed", reason=reason), None
+    about |= {"asset": asset, "joint": target.joint}
+    task = make_task(setting.task, room.target.folder, target.joint, None, setting.world, vary_scale=False, room=room)
+    recorder, reasons, attempts = Recorder(task, setting.options, film=1), Counter[str](), 0
+    seeds = attempt_seeds(setting.seed, f"rank_{made.rank}", len(places()))
+    for room.shift, seed in zip(places(), seeds, strict=True):
+        task.place(seed)
+        obstacle = in_the_way(task, room)
+        if obstacle:
+            reasons[f"{obstacle} is in the robot's place"] += 1
+            continue
+        attempts += 1
+        episode, outcome = recorder.attempt(seed)
+        if outcome.success:
+            header = StoreHeader(setting.task, known.gym_id, asset, setting.world)
+            write_episodes(setting.out / f"rank_{made.rank}.h5", header, [episode])
+            film = Film(
+                role=f"rank_{made.rank}", asset=asset, seed=seed, success=True, steps=len(episode.actions),
+                opened=round(task.opened, 4), file=f"rank_{made.rank}.webp",
+            )  # fmt: skip
+            task.close()
+            done = SceneDemonstration(**about, status="ok", attempts=attempts, shift=room.shift, film=film)
+            return done, recorder.taken[0]
+        against = ", ".join(sorted(touched(task, room)))
+        reasons[f"{outcome.cause}{f' against {against}' if against else ''}"] += 1
+        if attempts == TRIES or outcome.cause == "no_handle":
+            break
+    task.close()
+    tried = "; ".join(f"{reason} ({count}x)" for reason, count in reasons.most_common())
+    reason = f"the robot cannot open {target.joint} of {object} ({asset}): {tried}"
+    return SceneDemonstration(**about, status="failed", reason=reason, attempts=attempts), None

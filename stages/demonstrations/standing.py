@@ -1,0 +1,51 @@
+"""Where the robot may stand in a room, and what is in its way."""
+
+import numpy as np
+from sapien.physx import PhysxArticulationLinkComponent
+from scipy.spatial import cKDTree
+
+from stages.geometry.frames import apply
+from stages.simulation.robot import GRIPPER_OPEN
+from stages.simulation.room import Room
+from stages.skills.clearance import arm_spheres
+from stages.tasks.api import TaskEnv
+
+TOWARDS, SIDEWAYS = (0.0, -0.05, 0.08, -0.1, 0.15), (0.0, 0.12, -0.12, 0.25, -0.25)
+FOOT = [(x, 0.0, z) for x in (-0.09, 0.02) for z in (0.08, 0.18, 0.28)]  # link 0 and the shoulder, base frame
+FOOT_RADIUS, PLINTH_RADIUS = 0.11, 0.12
+
+
+def places() -> list[tuple[float, float]]:
+    """Shifts (x, y) of the robot from its usual place before a handle, in the object's frame, the smallest first."""
+    found = [(x, y) for x in TOWARDS for y in SIDEWAYS]
+    return sorted(found, key=lambda shift: (round(abs(shift[0]) + abs(shift[1]), 3), shift))
+
+
+def in_the_way(task: TaskEnv, room: Room) -> str | None:
+    """The name of what the robot, standing as it does, would touch most; None if it stands free."""
+    base = task.env.agent.robot.pose.sp.to_transformation_matrix()
+    frames = task.chain.frames(task.joints()[None, :7])
+    centers, radii = arm_spheres(frames, GRIPPER_OPEN)
+    plinth = [(0.0, 0.0, -depth) for depth in np.arange(0.1, base[2, 3], 0.1)]
+    centers = apply(base, np.concatenate([centers[0], FOOT, np.reshape(plinth, (-1, 3))]))
+    radii = np.concatenate([radii, np.full(len(FOOT), FOOT_RADIUS), np.full(len(plinth), PLINTH_RADIUS)])
+    gaps = {
+        name: float((cKDTree(points).query(centers)[0] - radii).min())
+        for name, points in room.obstacles.items()
+        if name != "floor"
+    }
+    tightest = min(gaps, key=lambda name: gaps[name], default=None)
+    return tightest if tightest is not None and gaps[tightest] < 0 else None
+
+
+def touched(task: TaskEnv, room: Room) -> set[str]:
+    """Names of furniture and walls that the robot or the object touches now."""
+    bodies = (task.env.agent.robot, task.env.object)
+    ours = {link.entity.per_scene_id for body in bodies for link in body._objs[0].links}
+    names = set()
+    for contact in task.env.scene.sub_scenes[0].get_contacts():
+        others = [body for body in contact.bodies if body.entity.per_scene_id not in ours]
+        if len(others) == 1 and any(point.separation < 0.001 for point in contact.points):
+            link = isinstance(others[0], PhysxArticulationLinkComponent)
+            names.add(others[0].articulation.name if link else others[0].entity.name)
+    return names & (set(room.obstacles) - {"floor"})

@@ -1,0 +1,136 @@
+"""A generated scene about one of its objects: furniture, floor and walls, in the way of the robot and behind its work.
+
+World frame of a task in a room: the floor frame of the scene, z up.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TypeAlias
+
+import numpy as np
+import sapien
+import trimesh
+from mani_skill.utils.geometry.trimesh_utils import get_component_meshes
+from numpy.typing import NDArray
+from sapien.physx import PhysxArticulation, PhysxRigidBaseComponent
+
+from stages.articulated.asset_folder import read_asset
+from stages.contracts.errors import InputError
+from stages.contracts.files import read_json
+from stages.contracts.generated import GeneratedScene, PlacedObject
+from stages.contracts.library import Asset, Library
+from stages.geometry.boxes import UprightBox
+from stages.geometry.frames import apply, inverse, rigid, yaw_matrix
+from stages.procedural.resize import resized
+from stages.simulation.backdrop import add_backdrop
+from stages.simulation.loading import load_asset, physics_scene, root_pose
+
+Array = NDArray[np.float64]
+Body: TypeAlias = PhysxArticulation | sapien.Entity
+AGAIN = "generate the scenes again"
+POINTS_PER_M2 = 8000  # a little more than a centimetre apart
+BEYOND = 1.6  # metres around the target within which furniture counts as an obstacle
+
+
+@dataclass(frozen=True)
+class Furniture:
+    """A placed model: its folder at its size, and its closed box in the floor frame."""
+
+    id: str
+    folder: Path
+    asset: Asset
+    box: UprightBox
+
+
+@dataclass
+class Room:
+    """A generated scene; `target` is the object that a task is about, `others` is what else stands in it.
+
+    shift: of the robot from its usual place before the target, x and y in the target's frame, metres.
+    """
+
+    scene: GeneratedScene
+    target: Furniture
+    others: list[Furniture]
+    shift: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def world_from_nominal(self) -> Array:
+        """(4, 4) pose of the frame in which the target's box stands above the origin, on z = 0, and faces +x."""
+        x, y, _ = np.asarray(self.target.box.center)
+        return rigid(yaw_matrix(self.target.box.yaw), [x, y, self.target.box.bottom])
+
+    def stand(self, base: Array) -> Array:
+        """Where the robot stands, of its pose (4, 4) in the target's nominal frame: shifted, never below the floor."""
+        world: Array = self.world_from_nominal @ rigid(np.eye(3), [*self.shift, 0.0]) @ base
+        world[2, 3] = max(world[2, 3], 0.0)
+        return world
+
+    def load(self, scene: sapien.Scene) -> dict[str, Body]:
+        """Add floor, walls and all furniture but the target, which stays where it is; by name."""
+        boxes = [item.box for item in (self.target, *self.others)]
+        camera = np.array(self.scene.floor_from_camera)[:3, 3]
+        bodies: dict[str, Body] = {block.name: block for block in add_backdrop(scene, boxes, self.scene.walls, camera)}
+        for item in self.others:
+            pose = root_pose(item.asset, np.asarray(item.box.center).tolist(), item.box.yaw)
+            bodies[item.id] = load_asset(scene, item.folder, pose, True, item.id)
+        return bodies
+
+    @cached_property
+    def obstacles(self) -> Mapping[str, Array]:
+        """(N, 3) points on the surfaces of floor, walls and furniture, by name, as far as the robot may reach."""
+        center, reach = np.asarray(self.target.box.center), float(np.linalg.norm(self.target.box.size)) / 2 + BEYOND
+        scene = physics_scene()  # bodies die with it
+        found = {name: surface(body, center, reach) for name, body in self.load(scene).items()}
+        return {name: points for name, points in found.items() if len(points)}
+
+
+def read_room(path: Path, target: str, library: Path, cache: Path) -> Room:
+    """The room of a generated scene about one of its objects.
+
+    Args:
+        cache: folder for models at their sizes.
+
+    Raises:
+        InputError: the scene has no such object, or a model that the library does not have.
+    """
+    made = read_json(GeneratedScene, path, AGAIN)
+    folders = {entry.id: library.parent / entry.folder for entry in read_json(Library, library).assets}
+    placed = {item.id: item for item in made.objects if item.status == "ok"}
+    if target not in placed:
+        failed = {item.id: item.reason for item in made.objects if item.status == "failed"}
+        why = f"object '{target}' failed: {failed[target]}" if target in failed else f"has no object '{target}'"
+        raise InputError(path, f"{why}.", f"those that stand: {', '.join(placed) or 'none'}")
+    items = {name: _furniture(item, folders, cache, path) for name, item in placed.items()}
+    return Room(made, items.pop(target), list(items.values()))
+
+
+def _furniture(item: PlacedObject, folders: Mapping[str, Path], cache: Path, path: Path) -> Furniture:
+    if item.asset not in folders:
+        raise InputError(path, f"{item.id} is '{item.asset}', which the library does not have.", AGAIN)
+    folder = resized(folders[item.asset], item.size, cache)
+    return Furniture(item.id, folder, read_asset(folder), UprightBox(item.position, item.size, item.yaw))
+
+
+def surface(body: Body, center: Array, reach: float) -> Array:
+    """(N, 3) points on the collision meshes of a body within `reach` of `center`, world frame; always the same ones."""
+    links = (
+        body.links if isinstance(body, PhysxArticulation) else [body.find_component_by_type(PhysxRigidBaseComponent)]
+    )
+    points = [np.zeros((0, 3))]
+    for link in links:
+        pose = link.pose.to_transformation_matrix()
+        local = apply(inverse(pose), center)
+        for mesh in get_component_meshes(link):
+            low, high = np.clip(mesh.bounds, local - reach, local + reach)
+            if (low >= high).any():
+                continue
+            if len(mesh.vertices) == 8:  # a box: of walls and floors only what is near
+                mesh = trimesh.creation.box(bounds=[low, high])
+            count = int(mesh.area * POINTS_PER_M2) + 1
+            some = trimesh.sample.sample_surface(mesh, count, seed=np.random.default_rng(0))[0]
+            points.append(apply(pose, some))
+    near = np.concatenate(points)
+    return near[np.linalg.norm(near - center, axis=1) < reach]
