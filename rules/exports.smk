@@ -7,6 +7,7 @@ rule export_demonstrations:
     """The demonstrations of a training set in another tool's format."""
     input:
         episodes=rules.train.input.episodes,
+        library=rules.library.output.library,
     output:
         folder=directory("results/exports/demonstrations/{format}/{task}/{training_set}"),
     log:
@@ -22,8 +23,8 @@ rule export_demonstrations:
         command=command("demonstrations", "export"),
         code=task_code("demonstrations", "export"),
     shell:
-        "{params.command} --episodes {input.episodes:q} --format {wildcards.format} --out {output.folder:q} "
-        "2>&1 | tee {log:q}"
+        "{params.command} --episodes {input.episodes:q} --format {wildcards.format} --library {input.library:q} "
+        "--out {output.folder:q} 2>&1 | tee {log:q}"
 
 
 rule export_policy:
@@ -59,7 +60,7 @@ rule exports:
             for task in TASKS
             for folder in expand(
                 rules.export_demonstrations.output.folder,
-                format=["robomimic", "lerobot"],
+                format=["robomimic", "lerobot", "maniskill"],
                 task=task,
                 training_set=EXPERIMENT.plan(task).training_sets,
             )

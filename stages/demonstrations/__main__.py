@@ -8,6 +8,6 @@ if __name__ == "__main__":
         {
             "collect": "run the skill on one asset until enough attempts succeed",
             "scene": "a demonstration in every generated scene, with a film of it",
-            "export": "episode stores in the formats of robomimic and lerobot",
+            "export": "episode stores in the formats of robomimic, lerobot and ManiSkill",
         },
     )

@@ -5,12 +5,19 @@ from pathlib import Path
 from typing import Literal
 
 
-def run(*, episodes: tuple[Path, ...], out: Path, format: Literal["robomimic", "lerobot"]) -> None:
+def run(
+    *,
+    episodes: tuple[Path, ...],
+    out: Path,
+    format: Literal["robomimic", "lerobot", "maniskill"],
+    library: Path | None = None,
+) -> None:
     """Write what the format wants into a folder.
 
     Args:
         episodes: episode stores (episodes.h5), in the order in which their episodes are written.
         out: folder to write.
-        format: robomimic: one HDF5 file; lerobot: a LeRobotDataset v3.0.
+        format: robomimic: one HDF5 file; lerobot: a LeRobotDataset v3.0; maniskill: trajectories, a file per asset.
+        library: library.json that the assets come from; maniskill alone needs it.
     """
-    import_module(f"stages.demonstrations.formats.{format}").write(episodes, out)
+    import_module(f"stages.demonstrations.formats.{format}").write(episodes, out, library)

@@ -42,7 +42,7 @@ class OpenTaskEnv(BaseEnv):
     Args:
         asset_folder: folder with asset.json. It and `joint_name` may be set anew; the next episode shows the change.
         joint: name of the joint to open; None: the one that suits the task best.
-        options: the `task` section.
+        options: the `task` section, or some of its keys.
         vary_scale: draw the asset's scale with the episode; on a GPU, where a scene cannot change, when it is built.
         room: a generated scene about the asset; the world is then its floor frame.
         obs_mode: 'pointcloud' (what a policy sees: `Observation`), 'state', 'none', or another of ManiSkill's.
@@ -58,14 +58,14 @@ class OpenTaskEnv(BaseEnv):
         *args: Any,
         asset_folder: str | Path,
         joint: str | None = None,
-        options: TaskConfig | None = None,
+        options: TaskConfig | dict[str, Any] | None = None,
         robot_uids: str = "acdc_panda",
         vary_scale: bool = True,
         room: Room | None = None,
         obs_mode: str = "pointcloud",
         **kwargs: Any,
     ) -> None:
-        self.options = options or TaskConfig()
+        self.options = TaskConfig.model_validate(options or {})
         self.asset_folder, self.vary_scale, self.room = Path(asset_folder), vary_scale, room
         self.joint_name = joint or self._suitable_joint()
         self.eyes = Eyes(self.cameras(), self.options)

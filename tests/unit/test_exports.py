@@ -3,6 +3,7 @@
 import json
 import os
 import subprocess
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -10,11 +11,15 @@ import h5py
 import numpy as np
 import pytest
 
+from stages.config.demonstrations import DemonstrationsConfig
 from stages.config.task import TaskConfig
 from stages.contracts import InputError
 from stages.contracts.episode_store import read_episodes
+from stages.demonstrations.attempt import Recorder
 from stages.demonstrations.export import run
 from stages.demonstrations.store import RecordedEpisode, StoreHeader, write_episodes
+from stages.tasks.api import make_task
+from tests.unit.test_demonstrations import experiment
 
 ROOT = Path(__file__).parents[2]
 READERS = ROOT / ".venv-readers" / "bin" / "python"
@@ -151,3 +156,60 @@ def test_lerobot_reads_it(stores: list[Path], tmp_path: Path) -> None:
     assert found["state"] == pytest.approx(proprio[-1].tolist()) and found["action"] == pytest.approx(actions[-1])
     assert found["padded"] == [False, True, True] and found["done"] and found["task"] == "open door"
     assert found["batch"] == [3, 64, 4] and len(found["mean"]) == 9
+
+
+@pytest.fixture(scope="module")
+def done_again(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Demonstrations on two assets, with noise, recovery and a drawn scale, exported for ManiSkill; made blind."""
+    folder = tmp_path_factory.mktemp("maniskill")
+    inputs = experiment(folder)
+    world = TaskConfig(points=64, finger_points=8)
+    episodes = []
+    for name, size in (("cab", (0.42, 0.45, 0.7)), ("narrow", (0.35, 0.4, 0.65))):
+        task = make_task("door", folder / "models" / name, "door_0_joint", size, world, render=False)
+        recorder = Recorder(task, DemonstrationsConfig(noise=0.004, recovery=1.0))
+        found = (recorder.attempt(seed) for seed in range(20))
+        episodes += islice((episode for episode, outcome in found if outcome.success), 2)
+        task.close()
+    write_episodes(folder / "episodes.h5", StoreHeader("door", "ACDC-OpenDoor-v1", "all", world), episodes)
+    run(episodes=(folder / "episodes.h5",), out=folder / "out", format="maniskill", library=inputs["library"])
+    return folder
+
+
+def test_maniskill_gets_trajectories_of_its_own_kind(done_again: Path) -> None:
+    stored = read_episodes(done_again / "episodes.h5").episodes
+    for name, numbers in (("cab", (0, 1)), ("narrow", (2, 3))):
+        about = json.loads((done_again / "out" / f"{name}.json").read_text())
+        assert about["env_info"]["env_id"] == "stages.tasks:ACDC-OpenDoor-v1" and "commit_info" not in about
+        kwargs = about["env_info"]["env_kwargs"]
+        assert kwargs["joint"] == "door_0_joint" and TaskConfig.model_validate(kwargs["options"]).points == 64
+        assert [(each["success"], each["elapsed_steps"]) for each in about["episodes"]] == [
+            (True, len(stored[number][2])) for number in numbers
+        ]
+        with h5py.File(done_again / "out" / f"{name}.h5") as file, h5py.File(done_again / "episodes.h5") as ours:
+            for index, number in enumerate(numbers):
+                executed = ours[f"data/demo_{number}/executed"][:]
+                assert np.array_equal(file[f"traj_{index}/actions"], executed)
+                assert len(file[f"traj_{index}/env_states/articulations/target_object"]) == len(executed) + 1
+
+
+@pytest.mark.parametrize("states", [False, True])
+def test_maniskill_replays_them(done_again: Path, capsys: pytest.CaptureFixture[str], states: bool) -> None:
+    """From seeds and actions alone, and from the states."""
+    from mani_skill.trajectory.replay_trajectory import Args, main
+
+    main(Args(traj_path=str(done_again / "out" / "cab.h5"), use_env_states=states))
+    assert "2/2=100.00% demos saved" in capsys.readouterr().out
+
+
+def test_maniskill_needs_the_library_and_what_was_executed(stores: list[Path], tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="--library"):
+        run(episodes=tuple(stores), out=tmp_path, format="maniskill")
+    (tmp_path / "theirs.h5").write_bytes(stores[0].read_bytes())
+    with h5py.File(tmp_path / "theirs.h5", "a") as file:
+        del file["data/demo_0/executed"]
+    library = experiment(tmp_path / "library")["library"]
+    with pytest.raises(InputError, match="has no executed"):
+        run(episodes=(tmp_path / "theirs.h5",), out=tmp_path, format="maniskill", library=library)
+    with pytest.raises(InputError, match="'fridge', which the library does not have"):
+        run(episodes=(stores[1],), out=tmp_path, format="maniskill", library=library)

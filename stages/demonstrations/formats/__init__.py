@@ -1,4 +1,4 @@
-"""Demonstrations in the formats of other people's tools: a module each, with `write(stores, out)`."""
+"""Demonstrations in the formats of other people's tools: a module each, with `write(stores, out, library)`."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

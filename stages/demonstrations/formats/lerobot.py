@@ -56,7 +56,7 @@ class FrameFiles:
             self.writer.close()
 
 
-def write(stores: Sequence[Path], out: Path) -> None:
+def write(stores: Sequence[Path], out: Path, library: Path | None) -> None:
     """Write the folders `data` and `meta` into `out`, in place of any that are there."""
     for name in ("data", "meta"):
         shutil.rmtree(out / name, ignore_errors=True)

@@ -13,7 +13,7 @@ from stages.contracts.episode_store import read_episodes
 VALIDATION = 10  # every n-th episode
 
 
-def write(stores: Sequence[Path], out: Path) -> None:
+def write(stores: Sequence[Path], out: Path, library: Path | None) -> None:
     """Write `demonstrations.hdf5` into the folder `out`; its attributes are those of the first store."""
     masks: dict[str, list[str]] = defaultdict(list)
     total = 0

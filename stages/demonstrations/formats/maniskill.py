@@ -1,0 +1,102 @@
+"""ManiSkill trajectories: the episodes done again in the environment itself, recorded by ManiSkill's own wrapper."""
+
+import json
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import gymnasium
+import h5py
+import numpy as np
+from mani_skill.utils.wrappers.record import RecordEpisode
+from numpy.typing import NDArray
+
+from stages.contracts import InputError, Library, read_json, write_json
+from stages.contracts.episode_store import AGAIN, EpisodeStore, read_episodes
+from stages.plugins import load
+from stages.procedural.resize import resized
+
+OURS = "stages.tasks"  # `gym.make` imports it first if it stands before the name
+UNSAVED = ("render_backend",)  # of what the environment was made with: for whoever replays to choose
+
+
+class Trajectory(NamedTuple):
+    """What is needed to do an episode again."""
+
+    seed: int
+    executed: NDArray[np.float32]
+
+
+class Subject(NamedTuple):
+    """What a file of trajectories is about: an asset, the joint that is opened, and the asset's nominal size."""
+
+    asset: str
+    joint: str
+    size: tuple[float, float, float]
+
+
+def write(stores: Sequence[Path], out: Path, library: Path | None) -> None:
+    """Write `<asset>.h5` and `<asset>.json` per asset into the folder `out`; assets at their sizes in `out/assets`."""
+    if library is None:
+        raise InputError("--library", "is missing: ManiSkill trajectories name the asset's folder.")
+    folders = {entry.id: library.parent / entry.folder for entry in read_json(Library, library).assets}
+    found: dict[Subject, tuple[EpisodeStore, list[Trajectory]]] = {}
+    for path in stores:
+        store = read_episodes(path)
+        for subject, trajectory in trajectories(path, len(store.episodes)):
+            if subject.asset not in folders:
+                raise InputError(path, f"is of '{subject.asset}', which the library does not have.", AGAIN)
+            found.setdefault(subject, (store, []))[1].append(trajectory)
+    for subject, (store, episodes) in found.items():
+        folder = resized(folders[subject.asset], subject.size, out / "assets")
+        kept = record(out, folder, subject, store, episodes)
+        print(f"exported: {kept} of {len(episodes)} episodes on {subject.asset} succeed again", file=sys.stderr)
+
+
+def trajectories(path: Path, count: int) -> list[tuple[Subject, Trajectory]]:
+    """Seed and executed actions of every episode of a store, and what it is about."""
+    found = []
+    with h5py.File(path, "r") as file:
+        for index in range(count):
+            demo = file[f"data/demo_{index}"]
+            missing = {"seed", "asset", "joint", "size"} - set(demo.attrs) | {"executed"} - set(demo)
+            if missing:
+                raise InputError(path, f"demo_{index}: has no {', '.join(sorted(missing))}.", AGAIN)
+            x, y, z = (float(extent) for extent in demo.attrs["size"])
+            subject = Subject(str(demo.attrs["asset"]), str(demo.attrs["joint"]), (x, y, z))
+            executed = np.asarray(demo["executed"][()], np.float32)
+            found.append((subject, Trajectory(int(demo.attrs["seed"]), executed)))
+    return found
+
+
+def record(out: Path, folder: Path, subject: Subject, store: EpisodeStore, episodes: Sequence[Trajectory]) -> int:
+    """Do the episodes again and record them; how many succeed."""
+    made: dict[str, Any] = {
+        "asset_folder": str(folder),
+        "joint": subject.joint,
+        "options": store.task_options.model_dump(mode="json"),
+        "obs_mode": "state",
+        "render_backend": "none",
+    }
+    name = f"{OURS}:{load('tasks', store.task).gym_id}"
+    env = RecordEpisode(
+        gymnasium.make(name, **made), str(out), save_video=False, trajectory_name=subject.asset, save_on_reset=False,
+        source_type="motionplanning", source_desc="scripted skills of the ACDC workflow",
+    )  # fmt: skip
+    kept = 0
+    for episode in episodes:
+        env.reset(seed=episode.seed)
+        for action in episode.executed:
+            *_, info = env.step(action)
+        kept += bool(info["success"].all())
+        env.flush_trajectory()
+    env.close()
+    path = out / f"{subject.asset}.json"
+    about = json.loads(path.read_text(encoding="utf-8"))
+    about.pop("commit_info", None)
+    about["env_info"]["env_id"] = name
+    for key in UNSAVED:
+        about["env_info"]["env_kwargs"].pop(key, None)
+    write_json(path, about)
+    return kept
