@@ -19,7 +19,7 @@ from stages.contracts import Library, read_json
 from stages.demonstrations.attempt import Recorder
 from stages.demonstrations.film import write_demonstration_films
 from stages.plugins import load
-from stages.tasks.api import TaskEnv, make_task
+from stages.tasks.api import Size, TaskEnv, make_task
 
 FIELDS = [
     "asset",
@@ -57,10 +57,12 @@ def joints(folder: Path, task: str) -> list[str]:
     return names
 
 
-def attempts(folder: Path, task: str, joint: str, seeds: list[int], options: DemonstrationsConfig) -> Iterator[Any]:
+def attempts(
+    folder: Path, task: str, joint: str, size: Size | None, seeds: list[int], options: DemonstrationsConfig
+) -> Iterator[Any]:
     """A line of the ledger per seed."""
     asset = read_asset(folder)
-    world = make_task(task, folder, joint, None, TaskConfig(), render=False)
+    world = make_task(task, folder, joint, size, TaskConfig(), render=False)
     handle = next(item.handle for item in asset.joints if item.name == joint)
     recorder = Recorder(world, options)
     for seed in seeds:
@@ -101,12 +103,14 @@ def summary(rows: list[dict[str, str]]) -> str:
     return "\n".join(lines)
 
 
-def film(models: Path, task: str, row: dict[str, str], options: DemonstrationsConfig, out: Path) -> None:
+def film(
+    models: Path, task: str, row: dict[str, str], size: Size | None, options: DemonstrationsConfig, out: Path
+) -> None:
     """Films of one failed attempt, as it was."""
-    world = make_task(task, models / row["asset"], row["joint"], None, TaskConfig(), render=True)
+    world = make_task(task, models / row["asset"], row["joint"], size, TaskConfig(), render=True)
     recorder = Recorder(world, options, film=1, failures=True)
     recorder.attempt(int(row["seed"]))
-    write_demonstration_films(out, recorder.taken, "twin", row["asset"], world.options.control_frequency)
+    write_demonstration_films(out, recorder.taken, "twin", world.options.control_frequency)
     world.close()
 
 
@@ -118,10 +122,14 @@ def main() -> None:
     parser.add_argument("--attempts", type=int, default=3, help="seeds per asset")
     parser.add_argument("--recovery", type=float, default=0.0, help="as demonstrations.recovery")
     parser.add_argument("--only", default="", help="part of an asset's name")
+    parser.add_argument(
+        "--size", type=float, nargs=3, help="the box of all of them, metres, as in an experiment; its own"
+    )
     parser.add_argument("--films", type=int, default=0, help="failures to film")
     parser.add_argument("--out", type=Path, required=True)
     given = parser.parse_args()
     options = DemonstrationsConfig(recovery=given.recovery)
+    size = tuple(given.size) if given.size else None
     given.out.mkdir(parents=True, exist_ok=True)
     ledger = given.out / "attempts.csv"
     rows = list(csv.DictReader(ledger.open())) if ledger.exists() else []
@@ -137,7 +145,7 @@ def main() -> None:
             for joint in joints(folder, given.task):
                 seeds = [FIRST_SEED + number for number in range(given.attempts)]
                 seeds = [seed for seed in seeds if (entry.id, joint, seed) not in seen]
-                for row in attempts(folder, given.task, joint, seeds, options) if seeds else ():
+                for row in attempts(folder, given.task, joint, size, seeds, options) if seeds else ():
                     writer.writerow(row)
                     file.flush()
     rows = list(csv.DictReader(ledger.open()))
@@ -146,7 +154,9 @@ def main() -> None:
     failed = [row for row in rows if row["success"] == "0" and int(row["steps"])]
     models = given.library.parent / "models"
     for row in failed[: given.films]:
-        film(models, given.task, row, options, given.out / "films" / f"{row['asset']}-{row['seed']}-{row['cause']}")
+        film(
+            models, given.task, row, size, options, given.out / "films" / f"{row['asset']}-{row['seed']}-{row['cause']}"
+        )
 
 
 if __name__ == "__main__":

@@ -55,6 +55,9 @@ class TaskConfig(Section):
     base_side: float = Field(0.1, description="robot base away from the hinge of a door, metres")
     handle_height: float = Field(0.4, description="handle of a door above the robot base, metres")
     drawer_height: float = Field(0.5, description="handle of a drawer above the robot base, metres")
+    flap_base: tuple[float, float, float] = Field(
+        (0.6, 0.42, 0.45), description="robot base before, beside and below the handle of a flap, metres"
+    )
     base_xy: float = Field(0.03, ge=0, description="uniform +/- metres (official: 0.03)")
     base_z: float = Field(0.07, ge=0, description="uniform +/- metres (official: 0.07)")
     base_yaw: float = Field(0.31, ge=0, description="uniform +/- radians (official: pi/10)")

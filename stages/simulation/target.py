@@ -45,7 +45,12 @@ class Target:
     def side(self) -> float:
         """+1 or -1: the y direction from the hinge to the handle; 0 for a drawer and for a flap."""
         across = self.reference[1] - self.origin[1]
-        return float(np.sign(across)) if self.revolute and abs(self.axis[2]) > 0.5 else 0.0
+        return float(np.sign(across)) if self.revolute and not self.flap else 0.0
+
+    @property
+    def flap(self) -> bool:
+        """Whether it turns about a horizontal hinge."""
+        return self.revolute and abs(self.axis[2]) <= 0.5
 
     def motions(self, values: Array) -> Array:
         """(K, 4, 4) motions of the moving link when the joint goes from closed to `values` (K,), asset frame."""

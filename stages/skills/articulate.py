@@ -54,7 +54,7 @@ def plan_articulation(
     asset_hand = inverse(base_from_asset) @ hand
     plans, candidates = [], []
     for grasp in grasps(target, target.handle):
-        pose = grasp_pose(target.handle, grasp.tilt, asset_hand)
+        pose = grasp_pose(target.handle, grasp, asset_hand)
         motion = base_from_asset @ articulation(target, pose, start, goal, grasp.follow)
         before = motion[0].copy()
         before[:3, 3] -= options.pregrasp * before[:3, 2]
@@ -152,7 +152,7 @@ class ArticulateSkill:
                 return "enough"
             off = pose_error(path[pursuit.nearest][None], hand[None])[0, :3]
             if motion.empty or np.linalg.norm(off) > LOST:
-                return "grasp_slip"
+                return "enough" if self.done() else "grasp_slip"
             return "articulate" if stall(abs(self.task.opened - before)) else ""
 
         word = motion.follow(pursuit, CLOSED, watch)

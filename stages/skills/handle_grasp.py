@@ -14,12 +14,18 @@ from stages.simulation.target import Target
 FINGERTIP = 0.0145  # pad centre to fingertip, and 5 mm of air between fingertip and panel
 MAX_DEPTH = 0.009  # pad centre behind the foremost surface: pads of 18 mm then cover a bar
 
+# Pitch and follow for a flap, which comes down towards the robot. The less the handle turns between the fingers, the
+# better: 20 degrees lever a square bar out of them.
+FLAP = ((0.0, 1.0), (0.35, 1.0), (0.0, 0.5), (0.7, 1.0), (0.35, 0.5), (0.7, 0.5), (0.0, 0.0), (0.35, 0.0), (0.7, 0.0))
+
 
 @dataclass(frozen=True)
 class Grasp:
-    """A way to hold a handle: turn of the approach about the closing axis, and the share of a door's turn to make."""
+    """A way to hold a handle: turns of the approach about the closing axis (`tilt`) and from above, about a horizontal
+    handle (`pitch`), in radians; and the share of a door's turn that the hand makes (`follow`)."""
 
     tilt: float
+    pitch: float
     follow: float
 
 
@@ -27,26 +33,29 @@ def grasps(target: Target, handle: Handle) -> Iterator[Grasp]:
     """Candidates, the preferred ones first: always the same order, so that demonstrations look alike."""
     upright = not (handle.elongated and abs(handle.axis[2]) < 0.5)
     tilts = (0.7, 1.0, 0.35, 0.0) if upright else (0.0, 0.35, -0.35, 0.7, -0.7)
+    if target.flap:
+        yield from (Grasp(0.0, pitch, follow) for pitch, follow in FLAP)
     for follow in (1.0, 0.5, 0.0) if target.revolute else (1.0,):
-        for tilt in tilts:
-            yield Grasp(tilt, follow)
+        yield from (Grasp(tilt, 0.0, follow) for tilt in tilts)
 
 
-def grasp_pose(handle: Handle, tilt: float, hand: Array) -> Array:
+def grasp_pose(handle: Handle, grasp: Grasp, hand: Array) -> Array:
     """(4, 4) pose of the tool centre point on a handle, asset frame, closed.
 
-    The fingers close across the handle's long direction (sideways on a knob), of the two ways the one nearer to
-    the present pose `hand` (4, 4). `tilt` raises the wrist (for a horizontal bar: turns it sideways).
+    The fingers close across the handle's long direction (sideways on a knob). Of the two ways it is the one nearer to
+    the present pose `hand` (4, 4); for a horizontal bar, which is equally far from both, always the one that takes the
+    last joint away from its limit. A tilt raises the wrist (for a horizontal bar: turns it sideways).
     """
     closing = np.array([0.0, 1.0, 0.0])
     if handle.elongated:
         closing = np.cross(handle.axis, [1.0, 0.0, 0.0])
-    if closing @ hand[:3, 1] < 0:
+    if (closing[2] if abs(closing[2]) > 0.5 else closing @ hand[:3, 1]) < 0:
         closing = -closing
     straight_in = np.array([-1.0, 0.0, 0.0])
     up = np.cross(closing, straight_in)
     lift = np.sign(up[2]) if abs(up[2]) > 0.5 else 1.0
-    approach = Rotation.from_rotvec(-closing * tilt * lift).apply(straight_in)
+    approach = Rotation.from_rotvec(-closing * grasp.tilt * lift).apply(straight_in)
     depth = float(np.clip(handle.protrusion - FINGERTIP, 0.0, MAX_DEPTH))
     rotation = np.stack([np.cross(closing, approach), closing, approach], axis=1)
-    return rigid(rotation, handle.position + depth * straight_in)
+    from_above = Rotation.from_rotvec([0.0, -grasp.pitch, 0.0]).as_matrix()
+    return rigid(from_above @ rotation, handle.position + depth * straight_in)

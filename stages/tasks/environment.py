@@ -213,7 +213,7 @@ class OpenTaskEnv(BaseEnv):
             # The nominal object stands with its box centre above the origin and its box on z = 0.
             box = np.array([self.asset.box_min, self.asset.box_max]) * self.scales[index]
             nominal = np.array([*-box[:, :2].mean(axis=0), -box[0, 2]])
-            bases.append(base_pose(target.reference + nominal, target.side, setup, self.options))
+            bases.append(base_pose(target.reference + nominal, target.side, setup, self.options, target.flap))
             roots.append(object_motion(setup) @ rigid(np.eye(3), nominal))
             if self.room:
                 bases[-1], roots[-1] = self.room.stand(bases[-1]), self.room.world_from_nominal @ roots[-1]

@@ -44,13 +44,16 @@ def variant_scale(variant: int, options: TaskConfig) -> Array:
     return scale
 
 
-def base_pose(handle: Array, side: float, setup: InitialState, options: TaskConfig) -> Array:
+def base_pose(handle: Array, side: float, setup: InitialState, options: TaskConfig, flap: bool = False) -> Array:
     """(4, 4) pose of the robot base in front of the handle's (3,) nominal place, facing it.
 
-    `side` is +1 or -1 along y: away from the hinge of a door; 0 for a drawer.
+    `side` is +1 or -1 along y: away from the hinge of a door; 0 for a drawer. Before a `flap` the robot stands beside
+    the handle, which comes down where it would else stand.
     """
     height = options.handle_height if side else options.drawer_height
     nominal = np.array([options.base_distance, side * options.base_side, -height])
+    if flap:
+        nominal = np.array([options.flap_base[0], options.flap_base[1], -options.flap_base[2]])
     return rigid(yaw_matrix(np.pi + setup.base_yaw), handle + nominal + setup.base_offset)
 
 

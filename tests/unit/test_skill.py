@@ -1,10 +1,12 @@
 """The tasks in the simulator and the skill that opens them; physics alone, no renderer."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import gymnasium
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.config.task import TaskConfig
@@ -16,7 +18,7 @@ from stages.skills import FAR, Act, Outcome
 from stages.skills.articulate import plan_articulation
 from stages.skills.clearance import Surroundings
 from stages.skills.close import CloseSkill
-from stages.skills.handle_grasp import grasp_pose
+from stages.skills.handle_grasp import Grasp, grasp_pose
 from stages.skills.motion import Motion
 from stages.skills.open import OpenSkill
 from stages.skills.path import Pursuit, articulation, distance, straight
@@ -158,12 +160,24 @@ def test_the_opening_path_turns_about_the_hinge(door: TaskEnv) -> None:
     door.place(0)
     target = door.env.target
     assert target.handle is not None
-    grasp = grasp_pose(target.handle, 0.0, np.eye(4))
+    grasp = grasp_pose(target.handle, Grasp(0.0, 0.0, 1.0), np.eye(4))
     path = articulation(target, grasp, target.lower, target.lower + np.pi / 3, follow=1.0)
     radii = np.linalg.norm(path[:, :2, 3] - target.origin[:2], axis=1)
     assert np.ptp(radii) < 1e-6
     assert path[-1, 0, 3] > grasp[0, 3] + 0.2  # outwards
     assert path[-1][:3, :3] @ path[0][:3, :3].T == pytest.approx(yaw_matrix(np.pi / 3 * target.axis[2]), abs=1e-6)
+
+
+def test_a_horizontal_bar_is_held_one_way_whichever_way_the_hand_is_turned(door: TaskEnv) -> None:
+    """Both ways are a right angle from the hand: noise would choose, and demonstrations would show two motions."""
+    door.place(0)
+    handle = door.env.target.handle
+    assert handle is not None
+    for axis, along in (([0.0, 1.0, 0.0], 2), ([0.0, -1.0, 0.0], 2), ([0.0, 0.0, 1.0], 1)):
+        bar = replace(handle, axis=np.array(axis), length=0.2, width=0.01)
+        hands = [rigid(yaw_matrix(np.pi) @ Rotation.from_euler("x", turn).as_matrix(), np.zeros(3)) for turn in (-1, 1)]
+        closing = [grasp_pose(bar, Grasp(0.0, 0.0, 1.0), hand)[along, 1] for hand in hands]
+        assert closing == pytest.approx([1.0, 1.0] if along == 2 else [-1.0, -1.0])
 
 
 def test_clearance_sees_the_panel_where_it_is(door: TaskEnv) -> None:
