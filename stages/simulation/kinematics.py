@@ -65,7 +65,9 @@ def jacobian(frames: Array) -> Array:
 def pose_error(target: Array, pose: Array) -> Array:
     """(N, 6) translation and rotation vector, base axes, that take `pose` (N, 4, 4) to `target` (N, 4, 4)."""
     turn = target[:, :3, :3] @ pose[:, :3, :3].transpose(0, 2, 1)
-    return np.concatenate([target[:, :3, 3] - pose[:, :3, 3], Rotation.from_matrix(turn).as_rotvec()], axis=1)
+    return np.concatenate(
+        [target[:, :3, 3] - pose[:, :3, 3], Rotation.from_matrix(turn, assume_valid=True).as_rotvec()], axis=1
+    )
 
 
 def track(chain: Chain, q: Array, target: Array, iterations: int = 3) -> Array:
