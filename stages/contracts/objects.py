@@ -66,6 +66,7 @@ class SceneObject(Contract):
     points: Count = 0
     box: Box | None = Field(None, description="z-aligned minimum box of the cleaned cloud (null if failed)")
     mounting: Mounting | None = None
+    front: Angle | None = Field(None, description="direction that it faces about z, if the input tells")
 
 
 class Objects(Document):

@@ -38,9 +38,11 @@ def read_scene_input(folder: Path) -> SceneInput:
     camera = read_json(Camera, folder / "camera.json")
     rgb, depth, exact = _pictures(folder, camera)
     annotations, masks = read_annotations(folder / "annotations.json")
-    if camera.floor_from_camera is None and any(item.box for item in annotations.objects):
-        what = "has a box of an object, which is in the floor frame, but camera.json has no floor_from_camera."
-        raise InputError(folder / "annotations.json", what, "write floor_from_camera, or leave out box")
+    if camera.floor_from_camera is None and any(
+        item.box is not None or item.front is not None for item in annotations.objects
+    ):
+        what = "has box or front of an object, in the floor frame, but camera.json has no floor_from_camera."
+        raise InputError(folder / "annotations.json", what, "write floor_from_camera, or leave out box and front")
     check_size(folder / "masks.png", masks, camera.width, camera.height, "camera.json")
     nameless = sorted(set(np.unique(masks).tolist()) - {0, *annotations.values})
     if nameless:

@@ -56,6 +56,9 @@ class Annotation(Contract):
     box: Box | None = Field(
         None, description="where it is known whole, hidden sides too: needs floor_from_camera in camera.json"
     )
+    front: Angle | None = Field(
+        None, description="direction that it faces about z, if that is known: needs floor_from_camera in camera.json"
+    )
 
     @model_validator(mode="after")
     def _opens(self) -> "Annotation":

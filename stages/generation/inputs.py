@@ -10,6 +10,7 @@ from stages.contracts import Cousins, InputError, Library, Objects, read_json
 from stages.contracts.cousins import Cousin, ObjectCousins
 from stages.contracts.extracted import read_clouds
 from stages.contracts.objects import SceneObject
+from stages.generation.pose import view_angle
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,16 @@ class Inputs:
         if item.id not in self.clouds:
             return "extraction: no cloud"
         best_first = sorted(matched.cousins, key=lambda cousin: cousin.rank)
-        return best_first[min(rank, len(best_first)) - 1]
+        return self._facing(item, best_first[min(rank, len(best_first)) - 1])
+
+    def _facing(self, item: SceneObject, cousin: Cousin) -> Cousin:
+        """The cousin, turned as the input says if it tells where the front is: then no view needs to be matched."""
+        if item.front is None or item.box is None:
+            return cousin
+        camera = np.array(self.objects.floor_from_camera)[:3, 3]
+        psi = view_angle(camera, item.box.center, item.front)
+        told = cousin.orientation.model_copy(update={"yaw": psi})
+        return cousin.model_copy(update={"orientation": told, "orientations": []})
 
 
 def read_inputs(cousins: Path, objects: Path, library: Path) -> Inputs:

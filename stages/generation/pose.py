@@ -23,6 +23,11 @@ def view_yaw(camera: ArrayLike, center: ArrayLike, psi: float) -> float:
     return wrap_angle(float(np.arctan2(-away[1], -away[0])) + psi)
 
 
+def view_angle(camera: ArrayLike, center: ArrayLike, yaw: float) -> float:
+    """Snapshot yaw psi at which an asset of this yaw in the floor frame is seen; the inverse of `view_yaw`."""
+    return wrap_angle(yaw - view_yaw(camera, center, 0.0))
+
+
 def turned_to(yaw: float, axes: float, limit: float | None = None) -> float:
     """`yaw` turned by the smallest angle that lays the asset's x or y axis along the frame at angle `axes`.
 

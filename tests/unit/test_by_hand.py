@@ -161,8 +161,22 @@ def test_a_drawing_becomes_an_input_folder(tmp_path: Path) -> None:
         assert item.box is not None and item.mounting is not None and item.mounting.type == mounting, item.id
         turned = UprightBox([true.center[1], -true.center[0], true.center[2]], true.size, -np.pi / 2)  # type: ignore[index]
         assert oriented_iou(UprightBox(item.box.center, item.box.size, item.box.yaw), turned) > 0.9, item.id
+        assert item.front == pytest.approx(np.pi)  # towards the camera: x of the floor frame runs along the view
         cloud = np.load(tmp_path / "out" / "clouds.npz")[item.id]
         np.testing.assert_allclose((cloud.max(axis=0) + cloud.min(axis=0)) / 2, item.box.center, atol=0.01)
+
+
+def test_what_was_drawn_as_front_may_be_a_side(tmp_path: Path) -> None:
+    drawing = _drawing()
+    for item, side in zip(drawing.objects, ("left", "right", "rear"), strict=True):
+        item.faces = side  # type: ignore[assignment]
+    write_folder(tmp_path, _noise(), drawing)
+    said = read_json(Annotations, tmp_path / "annotations.json").objects
+    assert [item.front for item in said] == pytest.approx([np.pi / 2, -np.pi / 2, 0.0])
+    drawing.objects[1].round = True
+    drawing.objects[1].points.pop()
+    write_folder(tmp_path, _noise(), drawing)
+    assert read_json(Annotations, tmp_path / "annotations.json").objects[1].front is None
 
 
 def test_depth_and_masks_show_the_nearest(tmp_path: Path) -> None:
@@ -224,7 +238,7 @@ def test_a_known_camera_alone_frames_a_picture_without_floor(tmp_path: Path) -> 
     write_folder(tmp_path, _noise(), _drawing())
     said = json.loads((tmp_path / "annotations.json").read_text())
     for item in said["objects"]:
-        del item["box"]
+        del item["box"], item["front"]
     write_json(tmp_path / "annotations.json", {**said, "floor": None})
     extract(input=tmp_path, scene="x", out=tmp_path / "out" / "objects.json")
     objects = read_json(Objects, tmp_path / "out" / "objects.json")

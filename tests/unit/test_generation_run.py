@@ -146,6 +146,16 @@ def test_the_cabinet_stands_at_the_wall_and_the_mug_on_it(made: Path) -> None:
     assert mug.position[2] - mug.size[2] / 2 == pytest.approx(0.8, abs=1e-5)
 
 
+def test_a_front_that_was_told_counts_for_more_than_the_matched_view(scene: dict[str, Path], tmp_path: Path) -> None:
+    objects = read_json(Objects, scene["objects"])
+    objects.objects[0].front = 1.62  # to the side, though the matched view and the wall say otherwise
+    write_json(tmp_path / "objects.json", objects)
+    (tmp_path / "clouds.npz").write_bytes(scene["objects"].with_name("clouds.npz").read_bytes())
+    inputs = read_inputs(scene["cousins"], tmp_path / "objects.json", scene["library"])
+    cabinet = build(inputs, 1, GenerationConfig(), tmp_path / "assets").items[0]
+    assert cabinet.id == "cabinet_1" and cabinet.box.yaw == pytest.approx(np.pi / 2, abs=1e-6)
+
+
 def test_an_object_with_fewer_cousins_uses_its_last(made: Path) -> None:
     cabinet, mug = read_json(GeneratedScene, made / "scene_2.json").objects[:2]
     assert (cabinet.asset, mug.asset) == ("bottom_cabinet_1", "mug_0")

@@ -77,6 +77,7 @@ function panel() {
   fill('drawers', item.drawers || 0);
   get('articulated').checked = Boolean(item.articulated || item.doors || item.drawers);
   for (const id of ['free', 'round']) get(id).checked = Boolean(item[id]);
+  fill('faces', item.faces ?? 'front');
   const box = solved.boxes[item.id];
   ['width', 'depth', 'height'].forEach((side, k) => fill(side, item[side], box ? box.size[k].toFixed(3) : ''));
   get('boxed').hidden = !item.outline?.length;
@@ -141,6 +142,7 @@ function bind() {
     if (foot) edit((project) => project.walls.push({ id: freeId('wall'), a: foot[0], b: foot[1], free: Boolean(chosen().free) }));
   });
   field('label', (_, target, item) => { item.label = target.value.trim(); });
+  field('faces', (_, target, item) => { item.faces = target.value; });
   field('on', (_, target, item) => carried(item, target.value));
   for (const id of ['doors', 'drawers']) field(id, (_, target, item) => { item[id] = number(target) ?? 0; item.articulated = item.doors + item.drawers > 0; });
   for (const id of ['articulated', 'free', 'round']) field(id, (_, target, item) => { item[id] = target.checked; });

@@ -70,6 +70,9 @@ class DrawnObject(Contract):
     height: Extent | None = None
     free: bool = Field(False, description="not along an axis of the room")
     round: bool = Field(False, description="its points are the left and right end of its foot, and its top")
+    faces: Literal["front", "left", "right", "rear"] = Field(
+        "front", description="the drawn side that is its real front, as seen from the side drawn as its front"
+    )
     articulated: bool = False
     doors: Panels = 0
     drawers: Panels = 0

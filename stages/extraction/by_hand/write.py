@@ -23,6 +23,7 @@ from stages.geometry.frames import apply, inverse, rounded, wrap_angle, yaw_of_m
 from stages.geometry.planes import Plane
 
 LEAST_DEPTH = 30  # pixels on which given depth and floor must agree to find the scale
+SIDES = {"front": -np.pi / 2, "right": 0.0, "rear": np.pi / 2, "left": np.pi}  # from the x axis of a drawn box
 TINTS = np.array([(230, 120, 60), (70, 140, 220), (90, 190, 110), (200, 90, 180), (220, 190, 60), (80, 190, 200)])
 
 
@@ -49,6 +50,12 @@ def floor_box(view: View, box: UprightBox) -> Box:
         width, depth = depth, width
     size = rounded([width, depth, height])
     return Box(center=rounded(apply(floor_from_room, box.center)), size=size, yaw=round(turned, 6))
+
+
+def front_of(view: View, box: UprightBox, side: str) -> float:
+    """Direction about z, floor frame, of a side of a drawn box; its y axis goes back from what was drawn as front."""
+    floor_from_room = floor_from_camera(view) @ inverse(view.room_from_camera)
+    return round(wrap_angle(box.yaw + SIDES[side] + yaw_of_matrix(floor_from_room[:3, :3])), 6)
 
 
 def with_scale_of(depth: NDArray[np.float32], project: Project) -> Project:
@@ -88,6 +95,7 @@ def _annotation(item: DrawnObject, value: int, view: View, box: UprightBox) -> A
         doors=item.doors,
         drawers=item.drawers,
         box=floor_box(view, box),
+        front=None if item.round else front_of(view, box, item.faces),
     )
 
 
