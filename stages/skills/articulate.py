@@ -18,6 +18,7 @@ from stages.skills.rollout import Stretch, first_feasible
 from stages.tasks.api import TaskEnv
 
 LOST = 0.06  # hand this far off the path of the handle has lost it, metres
+GENTLE = 3  # steps until the pull of a flap has its full speed: being heavy it would stay behind, and leave the fingers
 FINAL = ("no_handle", "no_plan", "timeout", "ungrasp")  # no use in another try
 
 
@@ -102,6 +103,8 @@ class ArticulateSkill:
             if cause in FINAL or motion.out_of_time:
                 return Outcome(False, causes[0], len(causes) - 1)
             motion.retreat(self.options.pregrasp)
+            if self.done():  # it went on by itself, as a flap does
+                return Outcome(True, "success", len(causes))
 
     def surroundings(self) -> Surroundings:
         """Of the task's object as it is now; its surfaces are sampled once per size."""
@@ -144,10 +147,13 @@ class ArticulateSkill:
 
     def _articulate(self, motion: Motion, path: Array) -> str:
         """Along the path of the handle until the joint has moved far enough."""
-        pursuit, stall = Pursuit(path, self.options.articulate_lookahead), Stall(0.003)
-        before = self.task.opened
+        before, pace, full = self.task.opened, 0, GENTLE if self.task.env.target.flap else 1
+        pursuit, stall = Pursuit(path, self.options.articulate_lookahead / full), Stall(0.003)
 
         def watch(hand: Array) -> str:
+            nonlocal pace
+            pace = min(pace + 1, full)
+            pursuit.lookahead = self.options.articulate_lookahead * min(pace + 1, full) / full
             if self.enough():
                 return "enough"
             off = pose_error(path[pursuit.nearest][None], hand[None])[0, :3]

@@ -13,6 +13,7 @@ from stages.simulation.target import Target
 
 FINGERTIP = 0.0145  # pad centre to fingertip, and 5 mm of air between fingertip and panel
 MAX_DEPTH = 0.009  # pad centre behind the foremost surface: pads of 18 mm then cover a bar
+FLAP_DEPTH = 0.012  # the same on a flap, whose weight draws its bar towards the fingertips
 
 # Pitch and follow for a flap, which comes down towards the robot. The less the handle turns between the fingers, the
 # better: 20 degrees lever a square bar out of them.
@@ -27,6 +28,7 @@ class Grasp:
     tilt: float
     pitch: float
     follow: float
+    depth: float = MAX_DEPTH
 
 
 def grasps(target: Target, handle: Handle) -> Iterator[Grasp]:
@@ -34,7 +36,7 @@ def grasps(target: Target, handle: Handle) -> Iterator[Grasp]:
     upright = not (handle.elongated and abs(handle.axis[2]) < 0.5)
     tilts = (0.7, 1.0, 0.35, 0.0) if upright else (0.0, 0.35, -0.35, 0.7, -0.7)
     if target.flap:
-        yield from (Grasp(0.0, pitch, follow) for pitch, follow in FLAP)
+        yield from (Grasp(0.0, pitch, follow, FLAP_DEPTH) for pitch, follow in FLAP)
     for follow in (1.0, 0.5, 0.0) if target.revolute else (1.0,):
         yield from (Grasp(tilt, 0.0, follow) for tilt in tilts)
 
@@ -55,7 +57,7 @@ def grasp_pose(handle: Handle, grasp: Grasp, hand: Array) -> Array:
     up = np.cross(closing, straight_in)
     lift = np.sign(up[2]) if abs(up[2]) > 0.5 else 1.0
     approach = Rotation.from_rotvec(-closing * grasp.tilt * lift).apply(straight_in)
-    depth = float(np.clip(handle.protrusion - FINGERTIP, 0.0, MAX_DEPTH))
+    depth = float(np.clip(handle.protrusion - FINGERTIP, 0.0, grasp.depth))
     rotation = np.stack([np.cross(closing, approach), closing, approach], axis=1)
     from_above = Rotation.from_rotvec([0.0, -grasp.pitch, 0.0]).as_matrix()
     return rigid(from_above @ rotation, handle.position + depth * straight_in)
