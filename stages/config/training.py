@@ -10,7 +10,7 @@ from stages.config.base import OWN, Rank, Section
 class NetworkConfig(Section):
     """Sizes of the policy network: PointNet, LSTM, MLP, Gaussian mixture."""
 
-    points: int = Field(384, ge=16, description="random subset of each cloud that is seen (official: 1024 of 2048)")
+    points: int = Field(192, ge=16, description="random subset of each cloud that is seen (official: 1024 of 2048)")
     cloud_frame: Literal["robot", "gripper"] = Field(
         "gripper", description="origin of the cloud: robot base (paper), or the end-effector, axes kept"
     )
@@ -34,7 +34,7 @@ class TrainingRun(Section):
     rnn_horizon: int = Field(10, ge=1, description="steps per training sequence; paper: 10")
 
     # Optimisation
-    steps: int = Field(4000, ge=1, description="AdamW updates; official code: 300000")
+    steps: int = Field(2500, ge=1, description="AdamW updates; official code: 300000")
     batch_size: int = Field(16, ge=1, description="sequences per update; official code: 32")
     learning_rate: float = Field(2e-3, gt=0, description="peak; official code: 1e-3")
     schedule: Literal["linear", "cosine", "constant"] = Field(
