@@ -36,6 +36,7 @@ rule all:
         rules.scenes.input,
         rules.matching.input,
         rules.generation.input,
+        rules.experiment.input,
         rules.tables.output,
         rules.figures.output,
         rules.report_page.output,

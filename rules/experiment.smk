@@ -1,6 +1,6 @@
 # The assets of the policy experiment: who is twin, cousin, test asset (paper B.3, B.4).
 # Reads:  the cousins and distances of the object that a task is about, its generated scene, the library.
-# Writes: results/experiment/<variant>/<task>/assets.json.
+# Writes: results/experiment/<variant>/<task>/assets.json, and for people assets.png.
 
 
 rule select:
@@ -34,3 +34,37 @@ rule select:
         "--task {params.task} --library {input.library:q} --distances {input.distances:q} "
         "--count {params.cousins} --held-out {params.held_out} --out {output.assets:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
+
+
+rule draw_roles:
+    """Draw the assets of a task with their roles and what a gripper meets there."""
+    input:
+        assets=rules.select.output.assets,
+        snapshots=expand(rules.snapshots.output.images, shard=SHARDS),
+    output:
+        picture=report(
+            "results/experiment/{variant}/{task}/assets.png",
+            caption="../report/captions/roles.rst",
+            category="Policies",
+            labels={"task": "{task}", "picture": "assets"},
+        ),
+    log:
+        "logs/experiment/draw_{variant}_{task}.log",
+    container:
+        CONFIG.containers.learning
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        command=command("experiment", "draw"),
+        code=code("experiment", "draw"),
+    shell:
+        "{params.command} --assets {input.assets:q} --snapshots {input.snapshots:q} --out {output.picture:q} 2>&1 "
+        "| tee {log:q}"
+
+
+rule experiment:
+    """The assets of all tasks, and their pictures."""
+    input:
+        expand(rules.draw_roles.output.picture, variant=EXPERIMENT.policy_variant, task=TASKS),
+    localrule: True

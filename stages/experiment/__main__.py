@@ -2,4 +2,10 @@
 
 from stages.cli import main
 
-main("experiment", {"select": "name twin, cousins and dissimilar asset of a task"})
+main(
+    "experiment",
+    {
+        "select": "name twin, cousins and dissimilar asset of a task",
+        "draw": "one picture of them with their roles and attributes",
+    },
+)

@@ -13,6 +13,7 @@ from stages.plugins import load
 from stages.tasks.task import Task
 
 ALL_CATEGORIES = 3  # nearest categories whose assets make up the training set `all` (paper, Figure 9)
+TAUGHT = 4  # training cousins that show the kinds of handle which held-out ones may have
 STALE = "run `python -m stages.matching distances` again"
 
 
@@ -33,10 +34,10 @@ def run(
     The twin is the object's best cousin with a joint for the task. The cousins are `count` other such
     assets from the object's candidates, ordered by their embedding distance to the twin between
     representative snapshots, as in Table 3. If the candidates are too few, what `count_threshold` held
-    back of their categories is used as well. Each is opened at the joint most like the twin's. The
-    dissimilar asset is the farthest one of the whole library whose kind of handle and hinge side some
-    training asset shows: it differs in shape. Every asset is loaded in the box of the object, as the
-    official code does.
+    back of their categories is used as well. All open to the twin's side, each at the joint most like
+    the twin's, and what is held out has a kind of handle that training shows. The dissimilar asset is
+    the farthest one of the whole library whose kind of handle and hinge side some training asset
+    shows: it differs in shape. Every asset is loaded in the box of the object, as the official code does.
 
     Args:
         cousins: cousins.json of the scene that holds the object.
@@ -74,7 +75,7 @@ def run(
     if twin.asset not in alike.distances:
         raise InputError(distances, f"has no distances from {twin.asset}, the twin.", STALE)
     far = {asset: distance for asset, distance in alike.from_asset(twin.asset).items() if asset in fronts}
-    chosen = choose_cousins(item, twin.asset, far, entries, count)
+    chosen = choose_cousins(item, twin.asset, far, entries, fronts, count, held_out)
     if len(chosen) < count:
         what = f"'{object}' has {len(chosen)} cousins with a {kind.role} that has a handle, {count} are asked for."
         raise InputError(library, what, "lower experiment.cousins, raise matching.k_cat, or make a larger library")
@@ -140,14 +141,36 @@ def read_distances(path: Path, matched: Cousins, object: str) -> Distances:
 
 
 def choose_cousins(
-    item: ObjectCousins, twin: str, distances: dict[str, float], entries: dict[str, LibraryEntry], count: int
+    item: ObjectCousins,
+    twin: str,
+    distances: dict[str, float],
+    entries: dict[str, LibraryEntry],
+    fronts: dict[str, Affordance],
+    count: int,
+    held_out: tuple[int, ...] = (),
 ) -> list[str]:
-    """The `count` cousins, nearest to the twin first: from the object's candidates, then from their categories."""
+    """The `count` cousins, nearest to the twin first: from the object's candidates, then from their categories.
+
+    They open to the twin's side. A held-out one whose kind of handle none of the nearest cousins in training has is
+    left out and the others move up, as long as there are enough: its failures would say nothing of generalisation.
+    """
     candidates = {candidate.asset for candidate in item.by_distance}
     categories = {category.category for category in item.categories}
-    pool = [asset for asset in distances if asset != twin and entries[asset].category in categories]
-    nearest = sorted(pool, key=lambda asset: (asset not in candidates, distances[asset], asset))[:count]
-    return sorted(nearest, key=lambda asset: (distances[asset], asset))
+    pool = [
+        asset
+        for asset in distances
+        if asset != twin and entries[asset].category in categories and fronts[asset].hinge == fronts[twin].hinge
+    ]
+    pool.sort(key=lambda asset: (asset not in candidates, distances[asset], asset))
+    while True:
+        nearest = sorted(pool[:count], key=lambda asset: (distances[asset], asset))
+        shown = [asset for number, asset in enumerate(nearest, 1) if number not in held_out][:TAUGHT]
+        kinds = {fronts[asset].handle for asset in shown}
+        hidden = (asset for number, asset in enumerate(nearest, 1) if number in held_out)
+        strange = next((asset for asset in hidden if fronts[asset].handle not in kinds), None)
+        if strange is None or len(pool) <= count:
+            return nearest
+        pool.remove(strange)
 
 
 def _why_not(item: ObjectCousins | None, role: str, size: Vector | None) -> str:

@@ -96,8 +96,11 @@ def relative(category: str, founder: Draw, generation: int, rng: Rng) -> Draw:
     """A variation of a founder; odd generations are near, even ones farther from it."""
     recipe, far = CabinetRecipe.model_validate(founder.parameters), generation % 2 == 0
     changes: dict[str, Any] = _looks(category, rng)
+    # Wider and lower, or narrower and higher: a relative does not fit into its founder's box unchanged.
     spread = 0.22 if far else 0.14
-    x, y, z = (extent * math.exp(rng.uniform(-spread, spread)) for extent in founder.size)
+    wider = float(rng.choice([-1.0, 1.0]) * rng.uniform(0.5, 1.0))
+    factors = rng.uniform(-1.0, 1.0), wider, -wider * rng.uniform(0.5, 1.0)
+    x, y, z = (extent * math.exp(spread * factor) for extent, factor in zip(founder.size, factors, strict=True))
     changes["handle_length"] = _between(recipe.handle_length * rng.uniform(0.7, 1.5), 0.1, 0.6)
     changes["handle_at"] = _between(recipe.handle_at + rng.uniform(-0.25, 0.25), -1.0, 1.0)
     changes["drawer_weight"] = _between(recipe.drawer_weight * rng.uniform(0.8, 1.3), 0.15, 0.6)

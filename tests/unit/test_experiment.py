@@ -182,8 +182,11 @@ def test_all_assets_leave_out_what_is_held_out_and_dissimilar(
         TaskAssets.model_validate(broken)
 
 
+LEFT = Affordance("j", "bar", "left", 0.5, 0.5, 0.5)
+
+
 def test_the_dissimilar_asset_differs_in_shape_and_not_in_its_handle_or_hinge() -> None:
-    left = Affordance("j", "bar", "left", 0.5, 0.5, 0.5)
+    left = LEFT
     fronts = {
         "near": left,
         "knob": left._replace(handle="knob"),
@@ -244,10 +247,17 @@ def test_cousins_are_ordered_by_distance_whichever_list_they_come_from() -> None
         categories=[CategoryMatch(category="cabinet", distance=0.0)],
         by_distance=[Candidate(asset="cabinet_far", category="cabinet", distance=0.5)],
     )
-    assert choose_cousins(item, "cabinet_twin", distances, entries, 1) == ["cabinet_far"]
-    assert choose_cousins(item, "cabinet_twin", distances, entries, 2) == ["cabinet_near", "cabinet_far"]
-    assert choose_cousins(item, "cabinet_twin", distances, entries, 9) == [
-        "cabinet_near",
-        "cabinet_far",
-        "cabinet_last",
-    ]
+    alike = dict.fromkeys(names, LEFT)
+
+    def chosen(count: int, fronts: dict[str, Affordance], held_out: tuple[int, ...] = ()) -> list[str]:
+        found = choose_cousins(item, "cabinet_twin", distances, entries, fronts, count, held_out)
+        return [name.removeprefix("cabinet_") for name in found]
+
+    assert chosen(1, alike) == ["far"]
+    assert chosen(2, alike) == ["near", "far"]
+    assert chosen(9, alike) == ["near", "far", "last"]
+    mirrored = alike | {"cabinet_near": LEFT._replace(hinge="right")}
+    assert chosen(9, mirrored) == ["far", "last"], "it opens to the other side"
+    knob = alike | {"cabinet_far": LEFT._replace(handle="knob")}
+    assert chosen(2, knob) == ["near", "far"] and chosen(2, knob, held_out=(2,)) == ["near", "last"]
+    assert chosen(3, knob, held_out=(2,)) == ["near", "far", "last"], "there is no other"

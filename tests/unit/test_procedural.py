@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 import trimesh
+import yaml
 
 from stages.articulated.asset_folder import checksum
 from stages.articulated.forward_kinematics import closed_box, link_frames
@@ -68,6 +69,12 @@ def test_default_library_is_as_large_as_promised() -> None:
     models = [generate(recipe) for _, recipe in recipes([*CABINETS, "chest_of_drawers"])]
     handles = {moving.handle for model in models for moving in model.moving}
     assert handles == {"bar", "knob", "arch", "edge"}
+
+
+def test_the_studys_library_is_as_large_as_promised() -> None:
+    study = yaml.safe_load((Path(__file__).parents[2] / "config/study/table3.yaml").read_text())
+    doors, drawers = fronts(COUNTS | study["assets"]["counts"])
+    assert doors >= 200 and drawers >= 120
 
 
 def fronts(counts: dict[str, int]) -> tuple[int, int]:

@@ -1,0 +1,56 @@
+"""Verb `draw`: one picture of the assets of a task, each with its role and what a gripper meets there."""
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageDraw
+
+from stages.contracts import TaskAssets, read_json
+from stages.contracts.arrays import readable
+from stages.contracts.files import atomic
+from stages.contracts.policies import TaskAsset
+from stages.contracts.snapshot_file import AGAIN, open_snapshots
+
+COLUMNS, TILE, CAPTION = 6, 192, 44
+INK, PAPER = (40, 40, 40), "white"
+
+
+def run(*, assets: Path, snapshots: tuple[Path, ...], out: Path) -> None:
+    """Draw the representative snapshots of twin, cousins and dissimilar asset.
+
+    Args:
+        assets: the experiment's assets (contract TaskAssets).
+        snapshots: shards (.h5), each with its .json beside it.
+        out: picture to write.
+    """
+    plan = read_json(TaskAssets, assets)
+    views = representatives({item.asset for item in plan.assets}, snapshots)
+    rows = -(-len(plan.assets) // COLUMNS)
+    sheet = Image.new("RGB", (COLUMNS * TILE, rows * (TILE + CAPTION)), PAPER)
+    pen = ImageDraw.Draw(sheet)
+    for number, item in enumerate(plan.assets):
+        x, y = number % COLUMNS * TILE, number // COLUMNS * (TILE + CAPTION)
+        if item.asset in views:
+            sheet.paste(Image.fromarray(views[item.asset]).resize((TILE, TILE), Image.Resampling.LANCZOS), (x, y))
+        pen.text((x + 4, y + TILE + 2), caption(item), fill=INK, spacing=2)
+    with atomic(out) as path:
+        sheet.save(path, "PNG")
+
+
+def caption(item: TaskAsset) -> str:
+    """Role, model and what a gripper meets, in three lines."""
+    distance = f", {item.distance:.2f} away" if item.distance else ""
+    hinge = "slides" if item.hinge == "slide" else f"hinge {item.hinge}"
+    meets = f"{item.handle}, {hinge}, front at {item.panel_height:.2f} m"
+    return f"{item.role.replace('_', ' ')}{distance}\n{item.asset}\n{meets}"
+
+
+def representatives(assets: set[str], snapshots: tuple[Path, ...]) -> dict[str, NDArray[np.uint8]]:
+    """The representative snapshot (H, W, 3) of each of the assets that the shards hold."""
+    views: dict[str, NDArray[np.uint8]] = {}
+    for shard in snapshots:
+        sidecar, file = open_snapshots(shard)
+        with file, readable(shard, "snapshot file", AGAIN):  # a chunk may be damaged
+            views |= {name: file["rgb"][k, -1] for k, name in enumerate(sidecar.assets) if name in assets}
+    return views
