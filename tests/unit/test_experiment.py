@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from stages.articulated.affordance import Affordance, target_joint
 from stages.config.matching import MatchingConfig
@@ -13,6 +14,8 @@ from stages.contracts.cousins import Candidate, CategoryMatch, ObjectCousins
 from stages.contracts.distances import Distances
 from stages.contracts.generated import PlacedObject
 from stages.contracts.library import FrontPanel, Joint, LibraryEntry
+from stages.experiment.draw import CAPTION, COLUMNS, TILE, caption
+from stages.experiment.draw import run as draw
 from stages.experiment.select import choose_cousins, choose_dissimilar
 from stages.experiment.select import run as select
 from stages.matching.distances import distances_to
@@ -164,6 +167,18 @@ def test_select_ranks_cousins_by_distance_to_the_twin(world: World, experiment: 
     assert {asset.size for asset in result.assets} == {(0.5, 0.8, 0.9)} and {a.joint for a in others} == {"j0"}
     assert (twin.handle, twin.hinge) == ("bar", "left")
     assert twin.panel_height == pytest.approx(0.5 * 0.9) and twin.panel_size == pytest.approx((0.4, 0.36))
+
+
+def test_roles_are_drawn_with_what_a_gripper_meets(world: World, experiment: dict[str, Any], tmp_path: Path) -> None:
+    files = experiment | {"distances": alike(world, experiment, "cabinet_1")}
+    select(**files, object="cabinet_1", count=3, out=tmp_path / "task.json")
+    draw(assets=tmp_path / "task.json", snapshots=tuple(world.snapshots), out=tmp_path / "task.png")
+    sheet = np.asarray(Image.open(tmp_path / "task.png"))
+    assert sheet.shape == (TILE + CAPTION, COLUMNS * TILE, 3)
+    tiles = [sheet[:TILE, k * TILE : (k + 1) * TILE] for k in range(COLUMNS)]
+    assert [np.ptp(tile) > 50 for tile in tiles] == [True] * 5 + [False], "five assets and an empty place"
+    cousin = read_json(TaskAssets, tmp_path / "task.json").assets[1]
+    assert caption(cousin).splitlines()[1:] == [cousin.asset, "bar, hinge left, front at 0.45 m"]
 
 
 def test_all_assets_leave_out_what_is_held_out_and_dissimilar(
