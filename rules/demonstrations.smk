@@ -1,6 +1,7 @@
-# Automatic demonstrations by the Open skill, successes only (paper A.4, A.5).
-# Reads:  the assets of a task, the library.
-# Writes: results/demonstrations/<task>/<role>/{episodes.h5,attempts.jsonl,film.png,films/}.
+# Automatic demonstrations by the skills, successes only (paper A.4, A.5), and some inside generated scenes (Figure 7).
+# Reads:  the assets of a task, generated scenes, the library.
+# Writes: results/demonstrations/<task>/<role>/{episodes.h5,attempts.jsonl,film.png,films/},
+#         results/demonstrations/<task>/in_scene/{in_scene.json,episodes/,films/}.
 
 
 rule demonstrate:
@@ -42,8 +43,48 @@ rule demonstrate:
         "{params.check}) 2>&1 | tee {log:q}"
 
 
+rule demonstrate_in_scene:
+    """Demonstrate a task once in the generated scene of every rank, furniture in the way."""
+    input:
+        scenes=task_scenes,
+        library=rules.library.output.library,
+    output:
+        **(
+            {}
+            if "scene" in CONFIG.stages.get("demonstrations", {})
+            else {"films": directory("results/demonstrations/{task}/in_scene/films")}
+        ),
+        in_scene="results/demonstrations/{task}/in_scene/in_scene.json",
+        episodes=directory("results/demonstrations/{task}/in_scene/episodes"),
+    log:
+        "logs/demonstrations/{task}_in_scene.log",
+    benchmark:
+        "benchmarks/demonstrations/{task}_in_scene.tsv"
+    container:
+        CONFIG.containers.simulation
+    threads: 1
+    resources:
+        mem_mb=3000,
+    params:
+        command=command("demonstrations", "scene"),
+        code=task_code("demonstrations", "scene"),
+        check=check(in_scene="in_scene"),
+        options=options("demonstrations", "scene"),
+        task_options=lambda wildcards: CONFIG.task_of(wildcards.task).model_dump_json(),
+        task=lambda wildcards: implementation(wildcards.task),
+        object=lambda wildcards: EXPERIMENT.tasks[wildcards.task].object,
+        seed=CONFIG.seed,
+        out=subpath(output.in_scene, parent=True),
+    shell:
+        "({params.command} --scenes {input.scenes:q} --object {params.object:q} --task {params.task} "
+        "--library {input.library:q} --options {params.options:q} --task-options {params.task_options:q} "
+        "--seed {params.seed} --out {params.out:q} && "
+        "{params.check}) 2>&1 | tee {log:q}"
+
+
 rule demonstrations:
-    """Demonstrations of every asset that a training set uses."""
+    """Demonstrations of every asset that a training set uses, and those inside generated scenes."""
     input:
         trained(rules.demonstrate.output.episodes),
+        in_scenes(rules.demonstrate_in_scene.output.in_scene),
     localrule: True

@@ -111,6 +111,18 @@ def of_target(wildcards, pattern):
     return expand(pattern, variant=wildcards.variant, scene=target.scene, object=target.object)
 
 
+def task_scenes(wildcards):
+    """The generated scenes in which a task is demonstrated: of the first ranks, with the task's object in them."""
+    pattern = "results/generation/{variant}/{scene}/scene_{rank}.json"
+    scene = EXPERIMENT.tasks[wildcards.task].scene
+    return expand(pattern, variant=EXPERIMENT.policy_variant, scene=scene, rank=RANKS[: EXPERIMENT.in_scene])
+
+
+def in_scenes(pattern):
+    """The files of `pattern` for every task that is demonstrated inside generated scenes."""
+    return expand(pattern, task=TASKS) if EXPERIMENT.in_scene else []
+
+
 def task_assets(task):
     """The file that names the assets of a task's policy experiment."""
     return f"results/experiment/{EXPERIMENT.policy_variant}/{task}/assets.json"

@@ -7,6 +7,9 @@ from types import SimpleNamespace
 
 # A command in the place of our verb need not make films.
 DEMO_FILMS = [] if "collect" in CONFIG.stages.get("demonstrations", {}) else trained(rules.demonstrate.output.films)
+SCENE_FILMS = (
+    [] if "scene" in CONFIG.stages.get("demonstrations", {}) else in_scenes(rules.demonstrate_in_scene.output.films)
+)
 ROLLOUT_FILMS = (
     [] if "rollout" in CONFIG.stages.get("evaluation", {}) else policies(rules.rollout.output.films, first=True)
 )
@@ -28,6 +31,7 @@ BENCHMARKS = [
         for file in of_target(SimpleNamespace(task=task, variant=EXPERIMENT.policy_variant), rules.distances.benchmark)
     ],
     *trained(rules.demonstrate.benchmark),
+    *in_scenes(rules.demonstrate_in_scene.benchmark),
     *possible_policies([rules.train.benchmark, rules.trial.benchmark, rules.rollout.benchmark]),
     "benchmarks/tables/tables.tsv",
     "benchmarks/tables/figures.tsv",
@@ -118,7 +122,9 @@ rule report_page:
         previews=expand(rules.draw_scenes.output.previews, variant=VARIANTS, scene=ROOMS),
         assets=[task_assets(task) for task in TASKS],
         films=DEMO_FILMS,
+        scene_films=SCENE_FILMS,
         rollout_films=ROLLOUT_FILMS,
+        in_scene=in_scenes(rules.demonstrate_in_scene.output.in_scene),
         attempts=trained(rules.demonstrate.output.attempts),
         metrics=policies(rules.train.output.metrics, first=True),
         tables=rules.tables.output,

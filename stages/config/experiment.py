@@ -79,6 +79,12 @@ class ExperimentConfig(Section):
         "each is trained with the first seed and tried on the twin, and the best are chosen (paper: 2).",
     )
     seeds: list[Count] = Field([0], description="Training seeds. The paper: best two hyper-parameter sets x 3 seeds.")
+    in_scene: int = Field(
+        2,
+        ge=0,
+        description="In how many ranks' generated scenes every task is demonstrated once, with a film (the paper's "
+        "Figure 7); 0: in none.",
+    )
     training_threads: int = Field(
         1, ge=1, description="CPU threads per training job; 1 lets two policies train at once."
     )

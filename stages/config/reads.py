@@ -26,6 +26,7 @@ READS: dict[tuple[str, str], type[Section]] = {
     ("matching", "distances"): ComparisonOptions,
     ("generation", "generate"): GenerationConfig,
     ("demonstrations", "collect"): DemonstrationsConfig,
+    ("demonstrations", "scene"): DemonstrationsConfig,
     ("training", "train"): TrainingRun,
     ("evaluation", "trial"): TrialOptions,
     ("evaluation", "rollout"): RolloutOptions,

@@ -12,6 +12,7 @@ from stages.contracts.distances import Distances
 from stages.contracts.files import read_json, read_rows
 from stages.contracts.films import read_films
 from stages.contracts.generated import GeneratedScene
+from stages.contracts.in_scene import SceneDemonstrations
 from stages.contracts.policies import ChosenRuns, Rollout, SceneScore, TaskAssets
 from stages.contracts.scenes import Truth
 
@@ -57,6 +58,7 @@ KINDS: dict[str, FileKind] = {
     "policy": FileKind(_with_companions("policy_folder:check_policy"), ("policy.safetensors", "last.safetensors")),
     "metrics": FileKind(_with_companions("ledgers:read_metrics")),
     "films": FileKind(read_films),
+    "in_scene": FileKind(_json(SceneDemonstrations)),
     "chosen": FileKind(_json(ChosenRuns)),
     "rollouts": FileKind(lambda path: read_rows(Rollout, path)),
     "scores": FileKind(lambda path: read_rows(SceneScore, path)),

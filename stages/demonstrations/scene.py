@@ -12,7 +12,7 @@ import numpy as np
 
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.config.task import TaskConfig
-from stages.contracts import GeneratedScene, atomic, read_json, read_options, write_json
+from stages.contracts import GeneratedScene, InputError, atomic, read_json, read_options, write_json
 from stages.contracts.films import Film
 from stages.contracts.in_scene import SceneDemonstration, SceneDemonstrations
 from stages.demonstrations.attempt import Recorder
@@ -53,7 +53,7 @@ def run(
     task_options: str = "",
     seed: int = 0,
 ) -> None:
-    """Demonstrate a task once in every scene; write in_scene.json, film.png, films/ and an episode store per scene.
+    """Demonstrate a task once in every scene; write in_scene.json, films/ and an episode store per scene.
 
     A scene in which the robot cannot do it is marked failed, with the reason.
 
@@ -70,11 +70,15 @@ def run(
     settings = read_options(DemonstrationsConfig, options).model_copy(update={"recovery": 0.0})
     world = read_options(TaskConfig, task_options).model_copy(update=STILL)
     setting = Setting(task, settings, world, seed, out)
+    read = {path: read_json(GeneratedScene, path) for path in scenes}
+    if not any(item.id == object for made in read.values() for item in made.objects):
+        known = dict.fromkeys(item.id for made in read.values() for item in made.objects)
+        raise InputError("--object", f"no scene has an object '{object}'.", f"those there are: {', '.join(known)}")
+    (out / "episodes").mkdir(parents=True, exist_ok=True)
     found, films, strips = [], [], []
     with tempfile.TemporaryDirectory(prefix="acdc-room-") as cache:
         studio = Studio(ROOM_LIGHT)
-        for path in scenes:
-            made = read_json(GeneratedScene, path)
+        for path, made in read.items():
             one, taken = in_one(path, made, object, library, Path(cache), setting)
             found.append(one)
             if one.film and taken:
@@ -84,7 +88,7 @@ def run(
             print(f"demonstrations: rank {one.rank}: {one.reason or 'ok'}", file=sys.stderr)
     write_films(out / "films", films, world.control_frequency)
     if strips:
-        with atomic(out / "film.png") as temporary:
+        with atomic(out / "films" / "film.png") as temporary:
             cv2.imwrite(str(temporary), np.concatenate(strips)[..., ::-1])
     write_json(out / "in_scene.json", SceneDemonstrations(task=task, object=object, demonstrations=found))
 
@@ -94,9 +98,10 @@ def in_one(
 ) -> tuple[SceneDemonstration, Taken | None]:
     """A demonstration in one scene, with what is to be filmed."""
     about: dict[str, Any] = {"scene": made.scene, "variant": made.variant, "rank": made.rank}
-    for item in made.objects:
-        if item.id == object and item.status == "failed":
-            return SceneDemonstration(**about, asset="", status="failed", reason=f"{object}: {item.reason}"), None
+    placed = {item.id: item for item in made.objects}
+    if object not in placed or placed[object].status == "failed":
+        reason = f"{object}: {placed[object].reason}" if object in placed else f"the scene has no {object}"
+        return SceneDemonstration(**about, asset="", status="failed", reason=reason), None
     room = read_room(path, object, library, cache)
     known: Task = load("tasks", setting.task)
     asset, target = room.target.asset.id, known.target_joint(room.target.folder)
@@ -117,7 +122,7 @@ def in_one(
         episode, outcome = recorder.attempt(seed)
         if outcome.success:
             header = StoreHeader(setting.task, known.gym_id, asset, setting.world)
-            write_episodes(setting.out / f"rank_{made.rank}.h5", header, [episode])
+            write_episodes(setting.out / "episodes" / f"rank_{made.rank}.h5", header, [episode])
             film = Film(
                 role=f"rank_{made.rank}", asset=asset, seed=seed, success=True, steps=len(episode.actions),
                 opened=round(task.opened, 4), file=f"rank_{made.rank}.webp",

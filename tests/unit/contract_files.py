@@ -36,6 +36,7 @@ FILES = {  # kind of file: where it lies
     "attempts": "demonstrations/attempts.jsonl",
     "episodes": "demonstrations/episodes.h5",
     "films": "demonstrations/films/films.json",
+    "in_scene": "demonstrations/in_scene.json",
     "policy": "training/config.json",
     "metrics": "training/metrics.jsonl",
     "chosen": "evaluation/chosen.json",
@@ -198,6 +199,12 @@ def _policies(root: Path) -> None:
     film = {"role": "twin", "asset": "cabinet_0", "success": True, "steps": 6, "opened": 0.8}
     films = [film | {"seed": seed, "file": f"twin_{seed}.webp"} for seed in (5, 7)]
     _json(root / FILES["films"], films=films)
+    about = {"scene": "room", "variant": "b", "asset": "cabinet_0", "joint": "door_joint"}
+    done = [
+        {**about, "rank": 1, "status": "ok", "attempts": 2, "shift": [0.0, 0.12], "film": films[0]},
+        {**about, "rank": 2, "status": "failed", "reason": "the robot cannot open it: table_1 is in its place (25x)"},
+    ]
+    _json(root / FILES["in_scene"], task="door", object="cabinet_1", demonstrations=done)
     for shot in films:
         (folder / "films" / str(shot["file"])).write_bytes(b"film")
     folder = root / "training"

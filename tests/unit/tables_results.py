@@ -10,9 +10,10 @@ from PIL import Image, ImageDraw
 from pydantic import BaseModel
 
 from stages.contracts.cousins import Cousin, Cousins, ObjectCousins, Orientation
-from stages.contracts.files import write_json
+from stages.contracts.files import read_json, write_json
 from stages.contracts.films import Film, Films
 from stages.contracts.generated import GeneratedScene, PlacedObject, Plausibility
+from stages.contracts.in_scene import SceneDemonstration, SceneDemonstrations
 from stages.contracts.library import Library, LibraryEntry, SnapshotShard
 from stages.contracts.objects import Box, Mounting, Objects, SceneObject
 from stages.contracts.policies import Attempt, Rollout, SceneScore, TaskAsset, TaskAssets
@@ -180,6 +181,15 @@ def _policies(results: Path) -> None:
             for n, cause in enumerate(causes)
         ]
         (folder / "attempts.jsonl").write_text("".join(attempt.model_dump_json() + "\n" for attempt in attempts))
+    folder = results / "demonstrations" / "door" / "in_scene"
+    films(folder / "films", ["rank_1"])
+    film = read_json(Films, folder / "films" / "films.json").films[0]
+    about = {"scene": "room_1", "variant": "b", "asset": "cabinet_01"}
+    done = [
+        SceneDemonstration(**about, rank=1, status="ok", attempts=1, film=film),
+        SceneDemonstration(**about, rank=2, status="failed", reason="the robot cannot open it: sofa_1 is in its place"),
+    ]
+    write_json(folder / "in_scene.json", SceneDemonstrations(task="door", object="cabinet_1", demonstrations=done))
     for name in ("twin", "cousins_4"):
         folder = results / "training" / "door" / name / "lite" / "seed_0"
         folder.mkdir(parents=True)

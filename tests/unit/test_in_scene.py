@@ -81,14 +81,14 @@ def test_one_demonstration_per_scene_or_the_reason_for_none(library: Path, tmp_p
     assert blocked.status == "failed" and "chest_1 is in the robot's place" in blocked.reason
     assert shelf.reason == "cabinet_1 is shelf, which has no door that the robot can open"
     assert [film.role for film in read_films(tmp_path / "out" / "films" / "films.json").films] == ["rank_1"]
-    assert (tmp_path / "out" / "film.png").is_file()
+    assert (tmp_path / "out" / "films" / "film.png").is_file()
 
-    store = read_episodes(tmp_path / "out" / "rank_1.h5")
+    store = read_episodes(tmp_path / "out" / "episodes" / "rank_1.h5")
     (clouds, _, actions), *others = store.episodes
     assert not others and len(actions) == good.film.steps
     scenery = clouds[0][clouds[0][:, 3] == 0, :3].astype(float)
     assert np.ptp(scenery, axis=0)[1] < 0.6, "neither the chest nor the wall is in the cloud"
-    with pytest.raises(InputError, match=r"has no object 'sofa_1'.*cabinet_1, chest_1"):
+    with pytest.raises(InputError, match=r"no scene has an object 'sofa_1'.*cabinet_1, chest_1"):
         run(scenes=(paths[0],), out=tmp_path / "no", **(given | {"object": "sofa_1"}))
 
 

@@ -35,7 +35,7 @@ def put(content: Any, where: str, value: object) -> None:
 
 
 DOCUMENTS = ["camera", "annotations", "truth", "objects", "cousins", "distances", "generated", "task", "library",
-             "asset", "snapshots", "features", "policy", "chosen"]  # fmt: skip
+             "asset", "snapshots", "features", "policy", "chosen", "in_scene"]  # fmt: skip
 
 
 @pytest.mark.parametrize("kind", DOCUMENTS)
@@ -77,6 +77,10 @@ FIELDS: dict[str, list[tuple]] = {  # kind of file: entry, value, what the line 
     "films": [
         ("films.0.file", "../twin_5.webp"), ("films.0.file", "none.webp", "none.webp"), ("films.0.seed", -1),
         ("films.1.file", "twin_5.webp", "files"), ("films.0.opened", NAN), ("films.0.steps", "6"),
+    ],
+    "in_scene": [
+        ("demonstrations", []), ("demonstrations.1.rank", 1, "ranks"), ("demonstrations.0.film", None, "film"),
+        ("demonstrations.1.reason", "", "reason"), ("demonstrations.0.shift", [0.0]), ("demonstrations.0.rank", 0),
     ],
     "annotations": [
         ("objects", []), ("objects.0.mask", 0), ("objects.0.mask", 70000), ("objects.0.mask", 1.5),

@@ -89,6 +89,13 @@ class Checker(HTMLParser):
         self.handle_endtag(tag)
 
 
+def test_page_shows_demonstrations_inside_generated_scenes(made: Path) -> None:
+    text = (made / "results/report/index.html").read_text()
+    part = text[text.index("In the generated scenes") : text.index("<h4>Demonstrations</h4>")]
+    assert "rank 1" in part and "success after" in part
+    assert "rank 2: the robot cannot open it: sofa_1 is in its place." in part
+
+
 def test_page_is_whole_and_stands_alone(made: Path) -> None:
     text = (made / "results/report/index.html").read_text()
     checker = Checker()

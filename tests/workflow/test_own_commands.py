@@ -14,7 +14,8 @@ PYTHON = f"{sys.executable} -I -S"  # no site-packages, no repository
 SCORES = "results/evaluation/scenes/b/room_1/scores.csv"
 ASSETS = "results/experiment/b/door/assets.json"
 SCENES = {"generate", "draw_scenes", "score"}
-POLICIES = {"demonstrate", "train", "trial", "choose", "rollout", "gather", "tables", "figures", "report_page"}
+CHOICE = {"train", "trial", "choose", "gather"}  # whose rollouts follow is not known before
+POLICIES = {"demonstrate", "demonstrate_in_scene", *CHOICE, "tables", "figures", "report_page"}
 
 
 def stages(stage: str, verb: str, command: str, *code: str) -> str:

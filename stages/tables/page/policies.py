@@ -8,6 +8,7 @@ from typing import Any
 from markupsafe import Markup
 
 from stages.contracts.files import read_json
+from stages.contracts.in_scene import SceneDemonstrations
 from stages.contracts.ledgers import read_attempts, read_metrics
 from stages.contracts.policies import TaskAsset, TaskAssets
 from stages.tables.order import natural, set_key, task_key, title
@@ -59,6 +60,14 @@ class Rollouts:
 
 
 @dataclass(frozen=True)
+class InScenes:
+    """Demonstrations inside generated scenes: films, and why there are none of the other ranks."""
+
+    cells: list[FilmedAsset]
+    reasons: list[tuple[str, str]]
+
+
+@dataclass(frozen=True)
 class TaskPart:
     """The whole experiment on one task; `scene` holds the object that was matched."""
 
@@ -69,6 +78,7 @@ class TaskPart:
     lines: list[Line]
     curves: list[Curve]
     rollouts: list[Rollouts]
+    in_scenes: InScenes | None
 
     @property
     def demonstrations(self) -> list[Demonstrations]:
@@ -129,6 +139,15 @@ def _rollouts(files: RunFiles, task: str, album: Album) -> list[Rollouts]:
     return [item for item in made if item.cells]
 
 
+def _in_scenes(files: RunFiles, task: str, album: Album) -> InScenes | None:
+    path = files.one(f"demonstrations/{task}/in_scene/in_scene.json")
+    if path is None:
+        return None
+    found = read_json(SceneDemonstrations, path).demonstrations
+    films = read_films(files.one(f"{task}/in_scene/films"), "Demonstration in the scene", album)
+    return InScenes(films, [(title(f"rank_{one.rank}"), one.reason) for one in found if one.status == "failed"])
+
+
 def _task(files: RunFiles, task: str, chosen: Path | None, album: Album, snapshots: Snapshots) -> TaskPart:
     assets = read_json(TaskAssets, chosen) if chosen else None
     known = {item.role: item for item in assets.assets} if assets else {}
@@ -150,6 +169,7 @@ def _task(files: RunFiles, task: str, chosen: Path | None, album: Album, snapsho
         lines=[Line(role, known.get(role), picture(role), done.get(role)) for role in roles],
         curves=_curves(files, task),
         rollouts=_rollouts(files, task, album),
+        in_scenes=_in_scenes(files, task, album),
     )
 
 
