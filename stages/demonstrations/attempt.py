@@ -2,6 +2,7 @@
 
 import sys
 import time
+from dataclasses import replace
 
 import numpy as np
 
@@ -9,7 +10,7 @@ from stages.config.demonstrations import DemonstrationsConfig
 from stages.demonstrations.film import Taken
 from stages.demonstrations.recovery import draw_disturbance
 from stages.demonstrations.store import RecordedEpisode
-from stages.plugins import load
+from stages.plugins import load, short
 from stages.skills import FAR, Float, Outcome, SkillProtocol
 from stages.tasks.api import TaskEnv
 
@@ -50,9 +51,11 @@ class Recorder:
             task.act(executed)
 
         outcome = Outcome(True, "success")
-        for skill in self.skills:
+        for name, skill in zip(task.task.skills, self.skills, strict=True):
             outcome = skill.run(act)
             if not outcome.success:
+                if len(self.skills) > 1:
+                    outcome = replace(outcome, cause=f"{short(name)}_{outcome.cause}")
                 break
         if outcome.success and not task.success:
             outcome = Outcome(False, "not_successful")

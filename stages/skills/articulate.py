@@ -5,21 +5,20 @@ from dataclasses import dataclass
 import numpy as np
 
 from stages.config.demonstrations import DemonstrationsConfig
-from stages.geometry.frames import apply, inverse
+from stages.geometry.frames import inverse
 from stages.simulation.kinematics import Array, Chain, pose_error
 from stages.simulation.robot import GRIPPER_OPEN
 from stages.simulation.target import Target
-from stages.skills import Act, Outcome
+from stages.skills.attempts import RetryingSkill
 from stages.skills.clearance import Surroundings
 from stages.skills.handle_grasp import grasp_pose, grasps
 from stages.skills.motion import CLOSED, OPEN, Motion, Stall
-from stages.skills.path import Pursuit, articulation, straight
+from stages.skills.path import Pursuit, along, articulation, straight
 from stages.skills.rollout import Stretch, first_feasible
-from stages.tasks.api import TaskEnv
 
+ABOVE = 0.05  # metres that the hand is higher than a handle at which it may have to come down to it
 LOST = 0.06  # hand this far off the path of the handle has lost it, metres
 GENTLE = 3  # steps until the pull of a flap has its full speed: being heavy it would stay behind, and leave the fingers
-FINAL = ("no_handle", "no_plan", "timeout", "ungrasp")  # no use in another try
 
 
 @dataclass(frozen=True)
@@ -59,25 +58,34 @@ def plan_articulation(
         motion = base_from_asset @ articulation(target, pose, start, goal, grasp.follow)
         before = motion[0].copy()
         before[:3, 3] -= options.pregrasp * before[:3, 2]
-        plan = Plan(straight(hand, before), straight(before, motion[0]), motion)
-        plans.append(plan)
-        candidates.append(
-            (
-                Stretch(plan.approach, GRIPPER_OPEN, (start, start)),
-                Stretch(plan.converge, GRIPPER_OPEN, (start, start)),
-                Stretch(plan.articulate, None, (start, goal)),
+        for approach in approaches(hand, before):
+            plan = Plan(approach, straight(before, motion[0]), motion)
+            plans.append(plan)
+            candidates.append(
+                (
+                    Stretch(plan.approach, GRIPPER_OPEN, (start, start)),
+                    Stretch(plan.converge, GRIPPER_OPEN, (start, start)),
+                    Stretch(plan.articulate, None, (start, goal)),
+                )
             )
-        )
     index = first_feasible(chain, joints, candidates, base_from_asset, surroundings)
     return None if index is None else plans[index]
 
 
-class ArticulateSkill:
+def approaches(hand: Array, before: Array) -> list[Array]:
+    """Ways (K, 4, 4) from one pose to another: straight, and from above, where a skill before has left the hand."""
+    ways = [straight(hand, before)]
+    if hand[2, 3] > before[2, 3] + ABOVE:
+        over = before.copy()
+        over[2, 3] = hand[2, 3]
+        ways.append(along([hand, over, before]))
+    return ways
+
+
+class ArticulateSkill(RetryingSkill):
     """Moves the target joint of a task, by its handle, as far as a subclass says; tries again while there is time."""
 
-    def __init__(self, task: TaskEnv, options: DemonstrationsConfig) -> None:
-        self.task, self.options = task, options
-        self._sampled: Surroundings | None = None
+    final = ("no_handle", "no_plan", "timeout", "ungrasp")
 
     def goal(self, target: Target) -> float:
         """Joint value to move towards."""
@@ -91,41 +99,18 @@ class ArticulateSkill:
         """Whether the joint is, after letting go, where it was to be."""
         raise NotImplementedError
 
-    def run(self, act: Act) -> Outcome:
-        """Do it; `act` executes one action (and records it). The cause of a failure is that of the first miss."""
-        motion = Motion(self.task, act)
-        causes: list[str] = []
-        while True:
-            cause = self._try(motion)
-            if not cause:
-                return Outcome(True, "success", len(causes))
-            causes.append(cause)
-            if cause in FINAL or motion.out_of_time:
-                return Outcome(False, causes[0], len(causes) - 1)
-            motion.retreat(self.options.pregrasp)
-            if self.done():  # it went on by itself, as a flap does
-                return Outcome(True, "success", len(causes))
-
-    def surroundings(self) -> Surroundings:
-        """Of the task's object as it is now; its surfaces are sampled once per size."""
-        env = self.task.env
-        if self._sampled is None or self._sampled.target is not env.target:
-            self._sampled = Surroundings(env.target)
-        return self._sampled.beside(apply(inverse(env.base_from_asset()), env.obstacles()))
-
-    def _try(self, motion: Motion) -> str:
+    def attempt(self, motion: Motion, number: int) -> str:
         """One go from where everything stands; returns what failed or ''."""
         task, surroundings = self.task, self.surroundings()
         target = surroundings.target
         if target.handle is None:
             return "no_handle"
-        start = target.lower + float(np.clip(task.opened, 0.0, 1.0)) * (target.upper - target.lower)
         plan = plan_articulation(
             task.chain,
             task.joints()[:7],
             task.env.base_from_asset(),
             surroundings,
-            start,
+            self.joint(),
             self.goal(target),
             self.options,
         )

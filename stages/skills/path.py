@@ -1,5 +1,8 @@
 """Paths of the hand: straight lines, the path that opens or closes a joint, and pursuit of a path by progress."""
 
+import itertools
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -25,6 +28,12 @@ def straight(start: Array, end: Array) -> Array:
     poses[:, :3, 3] = start[:3, 3] + fraction * error[:3]
     poses[:, :3, :3] = Rotation.from_rotvec(fraction * error[3:]).as_matrix() @ start[:3, :3]
     return poses
+
+
+def along(way: Sequence[Array]) -> Array:
+    """(K, 4, 4) poses straight from each pose to the next one."""
+    legs = [straight(a, b) for a, b in itertools.pairwise(way)]
+    return np.concatenate([legs[0], *[leg[1:] for leg in legs[1:]]])
 
 
 def articulation(target: Target, grasp: Array, start: float, goal: float, follow: float) -> Array:

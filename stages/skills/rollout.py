@@ -20,13 +20,14 @@ class Stretch:
 
     path: (K, 4, 4) poses of the hand in the base frame. fingers: the finger joints in metres; None: they hold
     something, and may touch it. joint: the target joint at both ends. held: (M, 4) spheres of a held object, see
-    `arm_spheres`.
+    `arm_spheres`. slack: times the tolerance that the arm may miss a pose by: on the way the place is not important.
     """
 
     path: Array
     fingers: float | None
     joint: tuple[float, float]
     held: Array | None = None
+    slack: float = 1.0
 
 
 def first_feasible(
@@ -40,7 +41,11 @@ def first_feasible(
     if not candidates:
         return None
     sketches = [[thin(stretch.path) for stretch in candidate] for candidate in candidates]
-    rollouts, reached = roll_out(chain, joints, [np.concatenate(sketch) for sketch in sketches])
+    slack = [
+        np.concatenate([np.full(len(path), stretch.slack) for path, stretch in zip(sketch, candidate, strict=True)])
+        for sketch, candidate in zip(sketches, candidates, strict=True)
+    ]
+    rollouts, reached = roll_out(chain, joints, [np.concatenate(sketch) for sketch in sketches], slack)
     for index, (candidate, sketch) in enumerate(zip(candidates, sketches, strict=True)):
         if not reached[index]:
             continue
@@ -61,18 +66,25 @@ def thin(path: Array) -> Array:
     return np.asarray(path[np.searchsorted(length, np.linspace(0, length[-1], count + 1)[1:] - 1e-9)])
 
 
-def roll_out(chain: Chain, joints: Array, paths: Sequence[Array]) -> tuple[list[Array], list[bool]]:
-    """Track all paths (K_i, 4, 4) at once: per path (K_i, 7) joints, and whether every pose was reached."""
+def roll_out(
+    chain: Chain, joints: Array, paths: Sequence[Array], slack: Sequence[Array]
+) -> tuple[list[Array], list[bool]]:
+    """Track all paths (K_i, 4, 4) at once: per path (K_i, 7) joints, and whether every pose was reached.
+
+    Args:
+        slack: (K_i,) per path, times the tolerance of every pose.
+    """
     longest = max(len(path) for path in paths)
     padded = np.stack([np.concatenate([path, np.tile(path[-1:], (longest - len(path), 1, 1))]) for path in paths])
+    slacks = np.stack([np.append(one, np.full(longest - len(one), one[-1])) for one in slack])
     q = np.tile(joints, (len(paths), 1))
     reached = np.ones(len(paths), bool)
     history = []
     for step in range(longest):
         q = track(chain, q, padded[:, step])
         error = pose_error(padded[:, step], chain.pose(q))
-        reached &= np.linalg.norm(error[:, :3], axis=1) < POSITION_TOLERANCE
-        reached &= np.linalg.norm(error[:, 3:], axis=1) < ROTATION_TOLERANCE
+        reached &= np.linalg.norm(error[:, :3], axis=1) < POSITION_TOLERANCE * slacks[:, step]
+        reached &= np.linalg.norm(error[:, 3:], axis=1) < ROTATION_TOLERANCE * slacks[:, step]
         history.append(q)
     joined = np.stack(history, axis=1)
     return [joined[i, : len(path)] for i, path in enumerate(paths)], reached.tolist()

@@ -9,7 +9,7 @@ import sapien
 import torch
 from mani_skill.envs.sapien_env import BaseEnv
 from mani_skill.sensors.camera import CameraConfig
-from mani_skill.utils.structs import Articulation, Pose
+from mani_skill.utils.structs import Articulation
 from mani_skill.utils.structs.types import SceneConfig, SimConfig
 from numpy.typing import NDArray
 
@@ -18,16 +18,18 @@ from stages.contracts.errors import InputError
 from stages.geometry.frames import apply, inverse, rigid
 from stages.simulation.kinematics import Array
 from stages.simulation.loading import ParsedAsset, load_asset, physics_scene, soften
+from stages.simulation.poses import to_poses
 from stages.simulation.rendering import render_backend
 from stages.simulation.robot import GRIPPER_OPEN, REST, AcdcPanda, ActionScale
 from stages.simulation.room import Room
 from stages.simulation.target import Target, descends, read_target
 from stages.tasks.cameras import Camera, film_camera, shoulder
-from stages.tasks.initial_state import base_pose, draw_initial_state, object_motion, variant_scale
+from stages.tasks.initial_state import base_pose, draw_initial_state, nominal_root, object_motion, variant_scale
+from stages.tasks.movable import Movable
 from stages.tasks.observation import Eyes, Observation
 from stages.tasks.task import Task
 
-SIMULATION_FREQUENCY = 100
+SIMULATION_FREQUENCY = 100  # steps per second; a task may have a multiple of it
 OFFICIAL_SUCCESS = 0.1  # of the range of any joint (official code)
 LARGEST_ID = 30_000  # of an entity: a picture holds 16 bits of it, and every change of scale takes new ones
 
@@ -51,6 +53,8 @@ class OpenTaskEnv(BaseEnv):
     SUPPORTED_ROBOTS = ["acdc_panda"]
     SUPPORTED_REWARD_MODES = ("sparse", "none")
     task: ClassVar[Task]
+    simulation_frequency: ClassVar[int] = SIMULATION_FREQUENCY
+    robot_shift: ClassVar[tuple[float, float, float]] = (0.0, 0.0, 0.0)  # metres: out from the front, y, up
     agent: AcdcPanda
 
     def __init__(
@@ -96,7 +100,7 @@ class OpenTaskEnv(BaseEnv):
     @property
     def _default_sim_config(self) -> SimConfig:
         return SimConfig(
-            sim_freq=SIMULATION_FREQUENCY,
+            sim_freq=self.simulation_frequency,
             control_freq=self.options.control_frequency,
             scene_config=SceneConfig(solver_position_iterations=15, solver_velocity_iterations=1, contact_offset=0.02),
         )
@@ -210,10 +214,9 @@ class OpenTaskEnv(BaseEnv):
         bases, roots, qpos = [], [], []
         for index, seed in zip(indices, seeds, strict=True):
             setup, target = draw_initial_state(seed, self.options), self.targets[index]
-            # The nominal object stands with its box centre above the origin and its box on z = 0.
-            box = np.array([self.asset.box_min, self.asset.box_max]) * self.scales[index]
-            nominal = np.array([*-box[:, :2].mean(axis=0), -box[0, 2]])
-            bases.append(base_pose(target.reference + nominal, target.side, setup, self.options, target.flap))
+            nominal = nominal_root(self.asset, self.scales[index])
+            handle = np.add(target.reference + nominal, self.robot_shift)
+            bases.append(base_pose(handle, target.side, setup, self.options, target.flap))
             roots.append(object_motion(setup) @ rigid(np.eye(3), nominal))
             if self.room:
                 bases[-1], roots[-1] = self.room.stand(bases[-1]), self.room.world_from_nominal @ roots[-1]
@@ -274,6 +277,10 @@ class OpenTaskEnv(BaseEnv):
     def _get_obs_extra(self, info: dict[str, Any]) -> dict[str, torch.Tensor]:
         return {"tcp_pose": self.agent.tcp.pose.raw_pose, "opened": info["opened"][:, None]}
 
+    def movable(self) -> Movable | None:
+        """What Pick and Place move, in the first environment; None if the task has nothing of the kind."""
+        return None
+
     def obstacles(self) -> Array:
         """(N, 3) points on what stands about besides the object, in the robot base frame: a skill keeps clear of it."""
         if self.room is None:
@@ -286,13 +293,3 @@ class OpenTaskEnv(BaseEnv):
         base = self.agent.robot.pose.sp if self.num_envs == 1 else self.agent.robot.pose[index].sp
         root = self.object.pose.sp if self.num_envs == 1 else self.object.pose[index].sp
         return np.asarray(inverse(base.to_transformation_matrix()) @ root.to_transformation_matrix(), dtype=float)
-
-
-def to_poses(matrices: Array) -> Pose:
-    """(N, 4, 4) -> a batched pose."""
-    return Pose.create(torch.as_tensor(np.stack([_raw(m) for m in matrices]), dtype=torch.float32))
-
-
-def _raw(matrix: Array) -> Array:
-    pose = sapien.Pose(matrix)
-    return np.concatenate([pose.p, pose.q])

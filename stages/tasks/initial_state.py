@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.config.task import TaskConfig
+from stages.contracts.library import Asset
 from stages.geometry.frames import rigid, yaw_matrix
 
 Array = NDArray[np.float64]
@@ -55,6 +56,12 @@ def base_pose(handle: Array, side: float, setup: InitialState, options: TaskConf
     if flap:
         nominal = np.array([options.flap_base[0], options.flap_base[1], -options.flap_base[2]])
     return rigid(yaw_matrix(np.pi + setup.base_yaw), handle + nominal + setup.base_offset)
+
+
+def nominal_root(asset: Asset, scale: Array) -> Array:
+    """(3,) where the root of an asset at a scale (3,) nominally is: the box's centre above the origin, it on z = 0."""
+    box = np.array([asset.box_min, asset.box_max]) * scale
+    return np.array([*-box[:, :2].mean(axis=0), -box[0, 2]])
 
 
 def object_motion(setup: InitialState) -> Array:

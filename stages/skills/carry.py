@@ -1,0 +1,67 @@
+"""What Pick and Place share: the object, how much room it takes in the hand, which plan to follow."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import trimesh
+
+from stages.geometry.frames import apply, inverse
+from stages.simulation.kinematics import Array
+from stages.skills.attempts import RetryingSkill
+from stages.skills.clearance import surface_points
+from stages.skills.motion import OPEN, Motion
+from stages.skills.rollout import Stretch, first_feasible
+from stages.tasks.movable import Movable
+
+HELD_POINTS, HELD_RADIUS = 60, 0.004  # spheres on a held object, metres
+BATCH, BATCHES = 32, 4  # candidates that are rolled out together, and how often
+ON_THE_WAY = 4.0  # slack of the poses that are only passed
+CARRYING = 0.035  # how far ahead the hand aims with an object in it, metres: faster, it swings
+SLIPPED = 0.05  # metres that an object may shift in the hand
+
+
+def shifted(pose: Array, by: Array) -> Array:
+    """The pose (4, 4) moved by a vector (3,)."""
+    moved = pose.copy()
+    moved[:3, 3] += by
+    return moved
+
+
+def held_spheres(mesh: trimesh.Trimesh, hand_from_object: Array) -> Array:
+    """(M, 4) centre in the tool frame and radius of spheres on an object that the hand holds."""
+    points = apply(hand_from_object, surface_points(mesh, HELD_POINTS))
+    return np.column_stack([points, np.full(len(points), HELD_RADIUS)])
+
+
+class CarrySkill(RetryingSkill):
+    """Does something with the movable object of a task."""
+
+    final = ("no_grasp", "no_place", "no_plan", "dropped", "timeout")
+
+    def movable(self) -> Movable:
+        """The object, as it stands."""
+        item = self.task.env.movable()
+        assert item is not None, "the task has nothing to carry"
+        return item
+
+    def holds(self, hand_from_object: Array) -> bool:
+        """Whether the hand still has the object about where it had it, at the pose (4, 4)."""
+        now = inverse(self.task.hand()) @ self.movable().base_from_object
+        return bool(np.linalg.norm(now[:3, 3] - hand_from_object[:3, 3]) < SLIPPED)
+
+    def first(self, plans: Sequence[Sequence[Stretch]]) -> Sequence[Stretch] | None:
+        """The first plan that the arm can follow without touching anything; None if none of the first ones can."""
+        task, surroundings = self.task, self.surroundings()
+        for start in range(0, min(len(plans), BATCH * BATCHES), BATCH):
+            batch = plans[start : start + BATCH]
+            index = first_feasible(task.chain, task.joints()[:7], batch, task.env.base_from_asset(), surroundings)
+            if index is not None:
+                return batch[index]
+        return None
+
+    def reach(self, motion: Motion, stretches: Sequence[Stretch], gripper: float, name: str) -> str:
+        """Follow stretches as one path; returns `name` if it cannot be followed to its end, or 'timeout'."""
+        path = np.concatenate([stretches[0].path, *[stretch.path[1:] for stretch in stretches[1:]]])
+        lookahead = self.options.approach_lookahead if gripper == OPEN else CARRYING
+        cause, _ = motion.reach(path, lookahead, gripper)
+        return name if cause == "stall" else cause

@@ -1,0 +1,59 @@
+"""Where an object may be put: predicates of another object's surface, met by rejection sampling (paper A.4)."""
+
+from collections.abc import Callable
+
+import numpy as np
+import trimesh
+
+from stages.geometry.frames import inverse, rigid, yaw_matrix
+from stages.simulation.kinematics import Array
+from stages.simulation.region import Region
+
+BESIDE = 0.01  # metres between an object and the walls around it
+DROP = (0.012, 0.1)  # metres above the surface at which it is let go: a deep drawer has no room for the hand
+FALL = 8.0  # radians of turn that a metre of fall counts for
+FOOT = 0.01  # metres above its lowest point that belong to what an object stands on
+TURN = 1.6  # radians, the largest turn of the hand about the vertical that is tried
+
+
+def inside(region: Region, mesh: trimesh.Trimesh) -> Array:
+    """(N, 3) places for an upright object's axis on the region, where no part of it reaches past the region's walls."""
+    return region.places(_radius(mesh.vertices) + BESIDE)
+
+
+def on_top(region: Region, mesh: trimesh.Trimesh) -> Array:
+    """(N, 3) places for an upright object's axis on the region, where all that it stands on is supported."""
+    vertices = mesh.vertices
+    return region.places(_radius(vertices[vertices[:, 2] < mesh.bounds[0, 2] + FOOT]))
+
+
+PREDICATES: dict[str, Callable[[Region, trimesh.Trimesh], Array]] = {"inside": inside, "on_top": on_top}
+
+
+def sample_placements(
+    places: Array, mesh: trimesh.Trimesh, hand: Array, hand_from_object: Array, count: int, seed: int
+) -> Array:
+    """(count, 4, 4) poses of the hand that put a held object upright at one of the places; least turn and fall first.
+
+    Args:
+        places: (N, 3) where the object's axis may meet the surface, in a frame whose z is up.
+        hand: (4, 4) present pose, same frame.
+        hand_from_object: (4, 4) how the object is held.
+        seed: of places and turns.
+    """
+    if len(places) == 0:
+        return np.zeros((0, 4, 4))
+    rng = np.random.default_rng(seed)
+    now = hand @ hand_from_object
+    tipped = now[:3, 2]  # the object may have tilted between the fingers: it is set upright again
+    yaw = np.arctan2(now[1, 0], now[0, 0]) if abs(tipped[2]) > 0.5 else 0.0
+    turns, drops = rng.uniform(-TURN, TURN, count), rng.uniform(*DROP, count)
+    chosen = places[rng.integers(len(places), size=count)]
+    chosen[:, 2] += drops - float(mesh.bounds[0, 2])
+    order = np.argsort(np.abs(turns) + FALL * drops)
+    objects = [rigid(yaw_matrix(yaw + turns[i]), chosen[i]) for i in order]
+    return np.stack(objects) @ inverse(hand_from_object)
+
+
+def _radius(vertices: Array) -> float:
+    return float(np.linalg.norm(vertices[:, :2], axis=1).max())

@@ -1,0 +1,68 @@
+"""The bowl: an asset folder, procedural unless one is given, and how large it may be to go into a drawer."""
+
+import hashlib
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import trimesh
+
+from stages.articulated.asset_folder import Description, read_model, write_asset
+from stages.procedural.folder import LICENCE
+from stages.procedural.model import WOOD, Model
+from stages.procedural.robot import robot_of
+from stages.procedural.vessels import hollow
+from stages.simulation.kinematics import Array
+from stages.simulation.region import Region, headroom, level_region
+from stages.simulation.robot import cache_folder
+from stages.simulation.target import Target
+
+RADIUS, HEIGHT, WALL = 0.065, 0.05, 0.012  # of the default bowl, metres: as of wood, as PhysX lets go of thin walls
+PROFILE = [(0.6 * RADIUS, 0.0), (0.92 * RADIUS, 0.4 * HEIGHT), (RADIUS, HEIGHT)]  # (radius, z) of its outside
+COLOUR = [0.72, 0.45, 0.22]
+SCALE = (0.85, 1.15)  # of the bowl, uniform
+AROUND, ABOVE = 0.04, 0.015  # metres kept free beside a bowl in a drawer, and above it
+
+
+@cache
+def default_bowl() -> Path:
+    """Folder of the bowl that is used unless another is given; made once and kept between runs."""
+    key = hashlib.sha256(repr((PROFILE, WALL, COLOUR, WOOD)).encode()).hexdigest()[:16]
+    folder = cache_folder() / f"bowl-{key}"
+    if not (folder / "asset.json").exists():
+        model = Model(hollow(PROFILE, WALL, COLOUR, COLOUR, WOOD), symmetry="full", placement="object")
+        write_asset(robot_of(model, "bowl"), folder, Description("bowl", "bowl", LICENCE, "procedural"))
+    return folder
+
+
+@cache
+def bowl_mesh(folder: Path) -> trimesh.Trimesh:
+    """What is seen of a bowl, in its own frame at its own size; what collides is in pieces, with faces inside."""
+    visuals = [visual.mesh for link in read_model(folder).links.values() for visual in link.visuals]
+    mesh = trimesh.util.concatenate(visuals)
+    assert isinstance(mesh, trimesh.Trimesh)
+    return mesh
+
+
+def drawn_scale(extents: Array) -> float:
+    """The scale of a bowl beside an object with these extents (3,): the same object, the same bowl."""
+    entropy = [round(1e4 * extent) for extent in extents]
+    return float(np.random.default_rng((*entropy, 47)).uniform(*SCALE))
+
+
+def fitting_scale(extents: Array, floor: Region, target: Target) -> float:
+    """The largest scale at which a bowl with these extents (3,) goes through an opened drawer and fits into it shut.
+
+    Args:
+        floor: of the drawer.
+        target: the drawer's joint.
+    """
+    across = 2 * float(floor.room.max()) - AROUND
+    along = 0.9 * (target.upper - target.lower) - 2 * AROUND
+    up = headroom(floor, target.fixed) - ABOVE
+    return min(min(across, along) / float(extents[:2].max()), up / float(extents[2]))
+
+
+def drawer_floor(target: Target) -> Region | None:
+    """The floor of a drawer, in the asset frame with the drawer shut; None if it has none that is level."""
+    return level_region(target.moving)

@@ -1,0 +1,169 @@
+"""The environment of Putting Away Bowl: a cabinet with a drawer and, before it, a bowl on a stand."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import sapien
+import torch
+import trimesh
+from mani_skill.utils.structs import Actor
+from numpy.typing import NDArray
+
+from stages.contracts.errors import InputError
+from stages.geometry.frames import apply, inverse, rigid, yaw_matrix
+from stages.simulation.kinematics import Array
+from stages.simulation.loading import ParsedAsset
+from stages.simulation.poses import to_poses
+from stages.simulation.region import Region
+from stages.skills.clearance import surface_points
+from stages.tasks.cameras import WRIST, Camera, other_shoulder, shoulder
+from stages.tasks.environment import OpenTaskEnv
+from stages.tasks.initial_state import nominal_root
+from stages.tasks.movable import Movable
+from stages.tasks.put_away_bowl import TASK
+from stages.tasks.put_away_bowl.bowl import bowl_mesh, default_bowl, drawer_floor, drawn_scale, fitting_scale
+
+SHUT = 0.1  # of the drawer's range: this far or less it counts as shut again
+CLEARANCE = 0.07  # metres that the drawer is opened further than the bowl is wide
+SINK, RISE = 0.01, 0.04  # metres around the height at which the bowl stands on the drawer's floor
+STAND = (((0.17, 0.17, 0.02), 0.0), ((0.06, 0.06, 0.5), -0.02))  # boxes: size, height of their tops
+STAND_POINTS = np.concatenate(
+    [np.add(surface_points(trimesh.creation.box(size), 400), (0, 0, top - size[2] / 2)) for size, top in STAND]
+)
+BEFORE, BESIDE, BELOW = 0.45, 0.42, 0.12  # of the stand's top: out from the closed handle, to the robot's left, lower
+STAND_XY, STAND_Z, BOWL_XY = 0.04, 0.05, 0.015  # uniform +/- metres, of the stand and of the bowl on it
+
+
+class PutAwayBowlEnv(OpenTaskEnv):
+    """The bowl is to lie in the target drawer, the drawer to be shut again, the gripper to have let go of the bowl.
+
+    Args:
+        bowl: folder of a bowl, hollow to physics; default: a procedural one. It is made smaller as need be for the
+            drawer to hold it.
+    """
+
+    task = TASK
+    simulation_frequency = 200  # at 100 the fingers sink 2 mm into what they hold, and a thin wall slips out
+    robot_shift = (0.07, 0.0, 0.12)  # room for the hand before the handle of the opened drawer, and above the drawer
+
+    def __init__(self, *args: Any, bowl: str | Path | None = None, **kwargs: Any) -> None:
+        self.bowl_folder = Path(bowl) if bowl else default_bowl()
+        super().__init__(*args, **kwargs)
+
+    def cameras(self) -> Sequence[Camera]:
+        return [shoulder(self.options), other_shoulder(self.options), WRIST]
+
+    def seen_ids(self, index: int = 0) -> NDArray[np.int16]:
+        """Entity ids of what the cloud shows: the bowl, and the drawer or by `task.cloud` the whole cabinet."""
+        bowl = self.bowl._objs[index].per_scene_id
+        return np.append(super().seen_ids(index), np.int16(bowl))
+
+    def _load_scene(self, options: dict[str, Any]) -> None:
+        self._parsed_bowl: ParsedAsset | None = None
+        super()._load_scene(options)
+        stand = self.scene.create_actor_builder()
+        look = sapien.render.RenderMaterial(base_color=[0.35, 0.33, 0.31, 1.0])
+        for size, top in STAND:
+            pose, half = sapien.Pose([0, 0, top - size[2] / 2]), np.array(size) / 2
+            stand.add_box_collision(pose, half)
+            stand.add_box_visual(pose, half, material=look)
+        stand.initial_pose = sapien.Pose([0, -5, 0])
+        self.stand: Actor = stand.build_kinematic("stand")
+
+    def _load_object(self, scales: Array) -> None:
+        """The asset, and a bowl that its drawer can hold, in every environment."""
+        super()._load_object(scales)
+        self._parsed_bowl = self._parsed_bowl or self._parse_bowl()
+        mesh = bowl_mesh(self.bowl_folder)
+        self.floors: list[Region] = []
+        self.bowl_meshes: list[trimesh.Trimesh] = []
+        bowls = []
+        for index, (target, scale) in enumerate(zip(self.targets, scales, strict=True)):
+            floor = drawer_floor(target)
+            if floor is None:
+                raise InputError(self.asset_folder, f"'{self.joint_name}' is no drawer with a level floor.")
+            drawn = drawn_scale(np.array(self.asset.size) * scale)
+            factor = round(min(drawn, fitting_scale(mesh.extents, floor, target)), 3)
+            self.floors.append(floor)
+            self.bowl_meshes.append(mesh.copy().apply_scale(factor))
+            builder = self._parsed_bowl.builder(np.full(3, factor))
+            builder.initial_pose = sapien.Pose([0, 5, 0])
+            builder.set_scene_idxs([index])
+            bowls.append(builder.build(name="bowl" if len(scales) == 1 else f"bowl_{index}"))
+        self.bowl: Actor = bowls[0] if len(bowls) == 1 else Actor.merge(bowls, name="bowl")
+
+    def _parse_bowl(self) -> ParsedAsset:
+        loader = self.scene.create_urdf_loader()
+        loader.name = "bowl"
+        return ParsedAsset(loader, self.bowl_folder, fixed=False)
+
+    def _exchange_object(self, scales: Array) -> None:
+        self.scene.remove_from_state_dict_registry(self.bowl)
+        for entity in self.bowl._objs:  # ManiSkill's remove_actor asks an entity for its entity
+            self.scene.sub_scenes[0].remove_entity(entity)
+        del self.scene.actors[self.bowl.name]
+        super()._exchange_object(scales)
+
+    def _initialize_episode(self, env_idx: torch.Tensor, options: dict[str, Any]) -> None:
+        super()._initialize_episode(env_idx, options)
+        stands, bowls = [], []
+        for index in env_idx.tolist():
+            rng = np.random.default_rng((int(self._episode_seed[index]), 23))
+            x, y, z = rng.uniform(-1, 1, 3) * [STAND_XY, STAND_XY, STAND_Z]
+            handle = self.targets[index].reference + nominal_root(self.asset, self.scales[index])
+            stand = rigid(np.eye(3), np.add(handle, (BEFORE + x, -BESIDE + y, -BELOW + z)))
+            stand = self.room.world_from_nominal @ stand if self.room else stand
+            shift = [*rng.uniform(-BOWL_XY, BOWL_XY, 2), 1e-3 - float(self.bowl_meshes[index].bounds[0, 2])]
+            stands.append(stand)
+            bowls.append(stand @ rigid(yaw_matrix(rng.uniform(-np.pi, np.pi)), shift))
+        self.stand.set_pose(to_poses(np.stack(stands)))
+        self.bowl.set_pose(to_poses(np.stack(bowls)))
+        for set_velocity in (self.bowl.set_linear_velocity, self.bowl.set_angular_velocity):
+            set_velocity(torch.zeros(3, device=self.device))
+
+    def success_opening(self, index: int = 0) -> float:
+        """The fraction of its range to which the drawer is opened for the bowl."""
+        wide = float(self.bowl_meshes[index].extents[:2].max()) + CLEARANCE
+        return min(0.95, wide / (self.targets[index].upper - self.targets[index].lower))
+
+    def inside(self) -> torch.Tensor:
+        """(N,) whether the bowl stands in the drawer: its middle over the floor, its foot at the floor's height."""
+        local = (self.object.pose.inv() * self.bowl.pose).p
+        lows, highs, axes = [], [], []
+        for target, floor, mesh in zip(self.targets, self.floors, self.bowl_meshes, strict=True):
+            foot = float(mesh.bounds[0, 2])
+            lows.append(np.subtract(floor.low, (0, 0, SINK + foot)))
+            highs.append(np.add(floor.high, (0, 0, RISE - foot)))
+            axes.append(target.axis * (target.upper - target.lower))
+        travel = self.opened()[:, None] * torch.as_tensor(np.array(axes), dtype=local.dtype, device=local.device)
+        low, high = (torch.as_tensor(np.array(ends), dtype=local.dtype, device=local.device) for ends in (lows, highs))
+        return ((local - travel > low) & (local - travel < high)).all(dim=1)
+
+    def succeeded(self) -> torch.Tensor:
+        """(N,) in, shut, and let go of."""
+        there = self.inside() & (self.opened() <= SHUT)
+        return there & ~self.agent.is_grasping(self.bowl) if bool(there.any()) else there
+
+    def movable(self) -> Movable:
+        """The bowl, which belongs inside the drawer."""
+        target = self.target
+        value = target.lower + float(self.opened()[0]) * (target.upper - target.lower)
+        return Movable(
+            self.bowl_meshes[0],
+            self._in_base(self.bowl),
+            "inside",
+            self.floors[0],
+            self.base_from_asset() @ target.motions(np.array([value]))[0],
+            bool(self.inside()[0]),
+        )
+
+    def obstacles(self) -> Array:
+        """(N, 3) points on the stand, and on what else stands about, in the robot base frame."""
+        return np.concatenate([super().obstacles(), apply(self._in_base(self.stand), STAND_POINTS)])
+
+    def _in_base(self, actor: Actor) -> Array:
+        """(4, 4) pose of an actor of the first environment in the robot base frame."""
+        base = self.agent.robot.pose[0].sp.to_transformation_matrix()
+        return np.asarray(inverse(base) @ actor.pose[0].sp.to_transformation_matrix(), dtype=float)
