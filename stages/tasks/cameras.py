@@ -1,10 +1,11 @@
 """The depth cameras of a task (paper B.3): on the robot's base or on its hand, jittered by episode."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 import sapien
+from mani_skill.render import PREBUILT_SHADER_CONFIGS
 from mani_skill.sensors.camera import CameraConfig
 from scipy.spatial.transform import Rotation
 
@@ -13,6 +14,7 @@ from stages.geometry.frames import rigid
 from stages.simulation.depth_shaders import depth_shaders
 from stages.simulation.kinematics import Array
 from stages.simulation.robot import AcdcPanda
+from stages.simulation.shaders import skyless
 
 Place = tuple[float, float, float]
 
@@ -87,5 +89,5 @@ def film_camera(robot: AcdcPanda) -> CameraConfig:
         near=0.05,
         far=10.0,
         mount=robot.robot.root,
-        shader_pack="default",
+        shader_config=replace(PREBUILT_SHADER_CONFIGS["default"], shader_pack=skyless("default")),
     )

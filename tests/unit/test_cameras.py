@@ -84,11 +84,14 @@ def test_every_camera_adds_points_of_the_target_where_it_is(folder: Path) -> Non
 def test_gym_make_alone(folder: Path) -> None:
     with pytest.raises(InputError, match="has no drawer"):
         gymnasium.make("ACDC-OpenDrawer-v1", asset_folder=folder)
-    env = gymnasium.make("ACDC-OpenDoor-v1", asset_folder=folder, options=OPTIONS)
+    env = gymnasium.make("ACDC-OpenDoor-v1", asset_folder=folder, options=OPTIONS, render_mode="rgb_array")
     assert env.unwrapped.joint_name in ("door_0_joint", "door_1_joint")
     seen, _ = env.reset(seed=3)
     assert env.observation_space.contains({key: value.numpy() for key, value in seen.items()})
     assert {key: tuple(value.shape) for key, value in seen.items()} == {"point_cloud": (1, 256, 4), "proprio": (1, 9)}
+    picture = env.render()[0].numpy()
+    assert picture.shape == (320, 320, 3) and picture.dtype == np.uint8
+    assert len(np.unique(picture.reshape(-1, 3), axis=0)) > 60
     _, reward, terminated, truncated, info = env.step(env.action_space.sample() * 0)
     assert reward.item() == 0.0 and not (terminated | truncated).item() and not info["official_success"].item()
     env.unwrapped.object.set_qpos(env.unwrapped.object.get_qlimits()[..., 1])
