@@ -160,6 +160,21 @@ def test_outlines_walls_camera_and_what_is_wrong(opened: tuple[Any, Session]) ->
     hand.key("3")
     page.wait_for_function("() => document.querySelector('#objects button').textContent.includes('1.22 m')")
 
+    bowl = room.truth.objects[4]
+    below = np.array(bowl.position) - [0, 0, bowl.size[2] / 2]
+    beside = np.cross(below - room.eye, [0, 0, 1.0])
+    beside *= bowl.size[0] / 2 / np.linalg.norm(beside)
+    hand.key("r")
+    page.locator("#next-on").select_option("floor")
+    page.locator("#view").focus()
+    for point in (below - beside, below + beside, bowl.position):
+        hand.click(point)
+    hand.fill("What it is", "bowl")
+    page.locator("#faces").select_option("left")
+    drawn = _saved(page, session)
+    assert drawn.objects[1].round and drawn.objects[1].faces == "left" and len(drawn.objects[1].points) == 3
+    hand.key("Escape", "p")  # back to the cabinet
+
     page.locator("#on").select_option("wall_1")
     hand.key("Escape")
     assert _saved(page, session).objects[0].on == "wall_1"
@@ -167,6 +182,8 @@ def test_outlines_walls_camera_and_what_is_wrong(opened: tuple[Any, Session]) ->
     page.wait_for_selector("#written:not([hidden])")
     said = read_json(Annotations, session.folder / "annotations.json")
     assert [item.label for item in said.objects] == ["cabinet"] and said.walls
+    assert page.locator("#ids").text_content() == "cabinet_1"
+    assert "bowl: not in the picture" in page.locator("#doubts").text_content()  # its floor lies behind the wall
     low = page.evaluate(CONTRAST)
     assert [line for line in low if not line.startswith("text ")] == []  # names in the picture have a dark outline
     page.get_by_role("button", name="Done").click()

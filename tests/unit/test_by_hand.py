@@ -188,6 +188,9 @@ def test_depth_and_masks_show_the_nearest(tmp_path: Path) -> None:
         assert painted.masks[round(v), round(u)] == painted.values[name]
         point = np.append(VIEW.rays((round(u), round(v))), 1)[:3] * painted.depth[round(v), round(u)] + [0, 0, 1.5]
         assert point[1] == pytest.approx(front.center[1] - front.size[1] / 2, abs=0.03), name  # type: ignore[index]
+    sparse = paint(drawing, solve(drawing), 3)
+    np.testing.assert_array_equal(sparse.masks, painted.masks[::3, ::3])
+    np.testing.assert_allclose(sparse.depth, painted.depth[::3, ::3])
     assert painted.masks[235, 160] == 4 and painted.masks[5, 160] == 5
     outline = _pixels([[-0.7, 2.9, 0.1], [-0.5, 2.9, 0.1], [-0.5, 2.9, 0.4], [-0.7, 2.9, 0.4]])
     drawing.objects[0].outline = outline

@@ -196,6 +196,8 @@ def test_any_known_length_gives_the_scale(scale: Scale) -> None:
     for name, true in {"mug": mug, "cabinet": BOX, "hung": hung}.items():
         assert np.linalg.norm(np.subtract(solved.boxes[name].center, true.center)) < 0.03, name
     assert support_at(drawing, solved, _seen(mug, 0)[0]) == "cabinet"
+    u, v = VIEW.project([0.6, 2.95, 0.9])  # the front edge of the top, missed by four pixels, then by more
+    assert support_at(drawing, solved, (u, v + 4)) == "cabinet" != support_at(drawing, solved, (u, v + 20))
     assert support_at(drawing, solved, (400, 590)) == "floor"
     assert support_at(drawing, solved, _seen(hung, 5)[0]) == "back"
 

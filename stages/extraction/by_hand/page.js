@@ -103,6 +103,7 @@ async function write() {
   await save();
   try {
     const answer = await ask('write', state.project);
+    get('ids').textContent = Object.values(answer.ids).join(', ');
     get('command').textContent = answer.command;
     get('doubts').replaceChildren(...answer.notes.map((text) => { const entry = document.createElement('li'); entry.className = 'note'; entry.textContent = text; return entry; }));
     get('preview').src = `preview.jpg?${Date.now()}`;

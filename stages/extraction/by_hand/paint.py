@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.extraction.by_hand.metrology import View
-from stages.extraction.by_hand.project import DrawnObject, Pixel, Project
+from stages.extraction.by_hand.project import Pixel, Project
 from stages.extraction.by_hand.solve import Solved
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.frames import yaw_matrix
@@ -31,14 +31,15 @@ def mask_values(project: Project) -> dict[str, int]:
     return {name: value for value, name in enumerate(names, start=1)}
 
 
-def _bounds(view: View, box: UprightBox) -> tuple[slice, slice]:
-    """Rows and columns that a box can reach; all of them if it reaches behind the camera."""
+def _bounds(view: View, box: UprightBox, stride: int) -> tuple[slice, slice]:
+    """Rows and columns, of every `stride`-th, that a box can reach; all if it reaches behind the camera."""
     pixels = view.project(corners(box))
     if not np.isfinite(pixels).all():
-        return slice(0, view.height), slice(0, view.width)
+        return slice(None), slice(None)
     low, high = np.floor(pixels.min(axis=0)).astype(int), np.ceil(pixels.max(axis=0)).astype(int) + 1
     low, high = np.maximum(low, 0), np.maximum(high, 0)
-    return slice(low[1], min(high[1], view.height)), slice(low[0], min(high[0], view.width))
+    low, high = low // stride, -(-high // stride)
+    return slice(low[1], high[1]), slice(low[0], high[0])
 
 
 def box_depth(view: View, box: UprightBox, rays: Depth) -> Depth:
@@ -60,10 +61,14 @@ def polygon(points: list[Pixel], shape: tuple[int, int]) -> NDArray[np.bool_]:
     return filled > 0
 
 
-def paint(project: Project, solved: Solved) -> Painted:
-    """Depth and masks. An outline says which pixels show an object; without one all of its box does."""
+def paint(project: Project, solved: Solved, stride: int = 1) -> Painted:
+    """Depth and masks of every `stride`-th pixel.
+
+    An outline says which pixels show an object; without one all of its box does.
+    """
     view, values = solved.view, mask_values(project)
-    rays = view.rays(np.stack(np.meshgrid(np.arange(view.width), np.arange(view.height)), axis=-1))
+    columns, rows = np.arange(0, view.width, stride), np.arange(0, view.height, stride)
+    rays = view.rays(np.stack(np.meshgrid(columns, rows), axis=-1))
     with np.errstate(divide="ignore", invalid="ignore"):
         depth = np.where(rays[..., 2] < 0, -view.above / rays[..., 2], np.inf)
         masks = np.full(depth.shape, values["floor"], dtype=np.uint16)
@@ -74,18 +79,19 @@ def paint(project: Project, solved: Solved) -> Painted:
             depth = np.minimum(depth, reach)
     outlined = [item for item in project.objects if item.id in solved.boxes and len(item.outline) > 2]
     for item in (entry for entry in project.objects if entry.id in solved.boxes and entry not in outlined):
-        rows, columns = _bounds(view, solved.boxes[item.id])
-        reach = box_depth(view, solved.boxes[item.id], rays[rows, columns])
-        nearer = reach < depth[rows, columns]
-        depth[rows, columns][nearer] = reach[nearer]
-        masks[rows, columns][nearer] = values[item.id]
-    _paint_outlined(outlined, solved, rays, depth, masks, values)
+        part = _bounds(view, solved.boxes[item.id], stride)
+        reach = box_depth(view, solved.boxes[item.id], rays[part])
+        nearer = reach < depth[part]
+        depth[part][nearer] = reach[nearer]
+        masks[part][nearer] = values[item.id]
+    outlines = {item.id: polygon(item.outline, (view.height, view.width))[::stride, ::stride] for item in outlined}
+    _paint_outlined(outlines, solved, rays, depth, masks, values)
     unseen = depth > FARTHEST
     return Painted(np.where(unseen, 0, depth).astype(np.float32), np.where(unseen, 0, masks).astype(np.uint16), values)
 
 
 def _paint_outlined(
-    items: list[DrawnObject],
+    outlines: dict[str, NDArray[np.bool_]],
     solved: Solved,
     rays: Depth,
     depth: Depth,
@@ -94,8 +100,8 @@ def _paint_outlined(
 ) -> None:
     """Outlines lie over everything else; where two overlap, the nearer one is seen."""
     taken = np.full(depth.shape, np.inf)
-    for item in items:
-        reach = box_depth(solved.view, solved.boxes[item.id], rays)
-        shown = polygon(item.outline, depth.shape) & (reach < taken)
+    for name, outline in outlines.items():
+        reach = box_depth(solved.view, solved.boxes[name], rays)
+        shown = outline & (reach < taken)
         taken[shown] = depth[shown] = reach[shown]
-        masks[shown] = values[item.id]
+        masks[shown] = values[name]

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field, replace
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,9 +18,10 @@ from stages.extraction.by_hand.metrology import (
 )
 from stages.extraction.by_hand.perspective import fit_view
 from stages.extraction.by_hand.project import DrawnObject, Project, Scale
-from stages.geometry.boxes import UprightBox
+from stages.geometry.boxes import UprightBox, corners
 
 NEAREST, FARTHEST = 0.05, 30.0  # metres: a camera is nowhere else above the floor
+EDGE = 6.0  # pixels beside the top of an object that still count as on it
 SIDES = {"width": 0, "depth": 1, "height": 2}
 
 
@@ -150,7 +152,10 @@ def solve(project: Project) -> Solved:
 
 
 def support_at(project: Project, solved: Solved, pixel: tuple[float, float]) -> str:
-    """What a pixel shows that something may stand or hang on: the top of an object, a wall, else the floor."""
+    """What a pixel shows that something may stand or hang on: the top of an object, a wall, else the floor.
+
+    What stands at the front edge of a top has its lower corners there, and is easily marked some pixels below it.
+    """
     ray, eye = solved.view.rays(pixel), np.array([0, 0, solved.view.above])
     best, nearest = "floor", np.inf
     if ray[2] < 0:
@@ -162,7 +167,9 @@ def support_at(project: Project, solved: Solved, pixel: tuple[float, float]) -> 
     for name, box in solved.boxes.items():
         if ray[2] < 0 and box.top < eye[2]:
             reach = (box.top - eye[2]) / ray[2]
-            if reach < nearest and _over(box, eye + reach * ray):
+            top = solved.view.project(corners(box)[4:])
+            inside = np.isfinite(top).all() and cv2.pointPolygonTest(top.astype(np.float32), pixel, True) > -EDGE
+            if reach < nearest and inside:
                 best, nearest = name, reach
     return best
 

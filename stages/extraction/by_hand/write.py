@@ -22,6 +22,7 @@ from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import apply, inverse, rounded, wrap_angle, yaw_of_matrix
 from stages.geometry.planes import Plane
 
+SPARSE = 4  # every so many pixels tell the scale of given depth: it is asked for with every movement
 LEAST_DEPTH = 30  # pixels on which given depth and floor must agree to find the scale
 SIDES = {"front": -np.pi / 2, "right": 0.0, "rear": np.pi / 2, "left": np.pi}  # from the x axis of a drawn box
 TINTS = np.array([(230, 120, 60), (70, 140, 220), (90, 190, 110), (200, 90, 180), (220, 190, 60), (80, 190, 200)])
@@ -66,7 +67,7 @@ def with_scale_of(depth: NDArray[np.float32], project: Project) -> Project:
     """
     unit = project.model_copy(update={"scale": project.scale.model_copy(update={"kind": "camera", "metres": 1.0})})
     flat = unit.model_copy(update={"objects": [item.model_copy(update=_UNTYPED) for item in unit.objects]})
-    painted = paint(flat, solve(flat))
+    painted, depth = paint(flat, solve(flat), SPARSE), depth[::SPARSE, ::SPARSE]
     floor = (painted.masks == painted.values["floor"]) & (depth > 0) & (painted.depth > 0)
     if floor.sum() < LEAST_DEPTH:
         what = "shows too little of the floor to tell the scale."
