@@ -79,7 +79,11 @@ def run(
     with tempfile.TemporaryDirectory(prefix="acdc-room-") as cache:
         studio = Studio(ROOM_LIGHT)
         for path, made in read.items():
-            one, taken = in_one(path, made, object, library, Path(cache), setting)
+            try:
+                one, taken = in_one(path, made, object, library, Path(cache), setting)
+            except InputError as error:  # a model that this task cannot use
+                about = {"scene": made.scene, "variant": made.variant, "rank": made.rank}
+                one, taken = SceneDemonstration(**about, asset="", status="failed", reason=str(error)[:900]), None
             found.append(one)
             if one.film and taken:
                 pictures = studio.film(taken.recording, FRAMES * 2)

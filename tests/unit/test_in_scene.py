@@ -68,7 +68,7 @@ def library(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_one_demonstration_per_scene_or_the_reason_for_none(library: Path, tmp_path: Path) -> None:
     beside = block("chest_1", (1.9, 0.6, 0.35), (0.4, 0.45, 0.7))
     wall_of_boxes = block("chest_1", (1.2, -0.5, 0.6), (0.9, 1.4, 1.2))  # where the robot would stand
-    made = [scene(1, beside), scene(2, wall_of_boxes), scene(3, target="shelf")]
+    made = [scene(1, beside), scene(2, wall_of_boxes), scene(3, target="shelf"), scene(4, target="gone")]
     paths = []
     for number, each in enumerate(made, 1):
         paths.append(tmp_path / f"scene_{number}.json")
@@ -76,10 +76,11 @@ def test_one_demonstration_per_scene_or_the_reason_for_none(library: Path, tmp_p
     given = {"library": library, "object": "cabinet_1", "task": "door", "task_options": json.dumps(TASK), "seed": 1}
     run(scenes=tuple(paths), out=tmp_path / "out", **given)
     found = read_json(SceneDemonstrations, tmp_path / "out" / "in_scene.json")
-    good, blocked, shelf = found.demonstrations
+    good, blocked, shelf, gone = found.demonstrations
     assert good.status == "ok" and good.joint == "door_0_joint" and good.film and good.film.opened > 0.5
     assert blocked.status == "failed" and "chest_1 is in the robot's place" in blocked.reason
     assert shelf.reason == "cabinet_1 is shelf, which has no door that the robot can open"
+    assert gone.status == "failed" and "'gone', which the library does not have" in gone.reason
     assert [film.role for film in read_films(tmp_path / "out" / "films" / "films.json").films] == ["rank_1"]
     assert (tmp_path / "out" / "films" / "film.png").is_file()
 
