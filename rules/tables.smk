@@ -48,7 +48,7 @@ rule tables:
     output:
         table2="results/tables/table2.csv",
         table3="results/tables/table3.csv",
-        differences="results/tables/table3_differences.csv",
+        more=expand("results/tables/table3_{what}.csv", what=["differences", "claims", "stability"]),
         html2=shown("results/tables/table2.html", "tables"),
         html3=shown("results/tables/table3.html", "tables"),
         tex=expand("results/tables/{table}.tex", table=["table2", "table3"]),

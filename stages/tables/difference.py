@@ -30,11 +30,11 @@ def paired_interval(ours: Successes, baseline: Successes, confidence: float) -> 
     squares, with their correlation. It keeps its width at 0/n against 0/n, where a bootstrap has none.
 
     Args:
-        ours, baseline: (runs, states) successes in {0, 1}; column s is the same initial state in both. States are what
-            is counted: several runs from one state are one observation, their mean.
+        ours, baseline: (runs, states) successes in {0, 1}; column s is the same initial state in both.
     """
-    states = ours.shape[1]
-    ends = [(float(side.mean()), *wilson_of_rate(float(side.mean()), states, confidence)) for side in (ours, baseline)]
+    ends = [
+        (float(side.mean()), *wilson_of_rate(float(side.mean()), side.size, confidence)) for side in (ours, baseline)
+    ]
     (p, p_low, p_high), (q, q_low, q_high) = ends
     phi = correlation(ours, baseline)
 
@@ -62,8 +62,8 @@ def difference_interval(ours: Successes, baseline: Successes, confidence: float,
     """Interval of mean(ours) - mean(baseline), both (runs, states).
 
     With one run a side it is the paired score interval, and speaks of these trained policies, not of training again.
-    With more it is widened to the bootstrap over runs and states, so that runs which differ widen it and runs which
-    agree at 0 or 1 do not close it.
+    With more it is the bootstrap over runs and states, but never narrower than the score interval of all episodes, so
+    that runs which agree at 0 or 1 do not close it.
     """
     score = paired_interval(ours, baseline, confidence)
     if len(ours) == len(baseline) == 1:

@@ -107,6 +107,18 @@ def latex_escape(text: str) -> str:
     return "".join(LATEX.get(sign, sign) for sign in str(text))
 
 
+def markdown(table: Table) -> str:
+    """A table in Markdown, in cells as in HTML: our value, the remark, the paper's value."""
+
+    def text(cell: Cell) -> str:
+        paper = f"*paper {cell.published}*" if cell.published else ""
+        return "<br>".join(part for part in (cell.value, cell.remark, paper) if part).replace("|", "\\|")
+
+    lines = [f"**{table.caption}**", "", f"| {' | '.join(table.columns)} |", "|---" * len(table.columns) + "|"]
+    lines += [f"| {' | '.join(text(cell) for cell in row.cells)} |" for row in table.rows]
+    return "\n".join([*lines, "", *(f"{note}\n" for note in table.notes)])
+
+
 @cache
 def environment() -> jinja2.Environment:
     """Templates beside this module; HTML is escaped, an undefined name is an error."""

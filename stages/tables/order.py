@@ -3,7 +3,9 @@
 import re
 
 TASKS = {"door": "Door opening", "drawer": "Drawer opening", "bowl": "Putting away bowl"}
+TASKS |= {"door_object": "Door, whole object"}  # of config/study
 NAMES = {"all": "all assets", "trained": "training assets"}
+CLOUDS = {"target_link": "cloud of the target link", "object": "cloud of the whole object"}
 VARIANTS = {
     "a": "encoder model, VLM orientation",
     "b": "encoder model, encoder orientation",

@@ -36,38 +36,50 @@ def tested(pooled: pd.DataFrame) -> pd.DataFrame:
 def figure4(pooled: pd.DataFrame, published: pd.DataFrame) -> Figure:
     """Success against the distance of the test asset from the twin: a panel per task that was run, a line per set.
 
-    Bars are Wilson intervals over all episodes of a cell.
+    Our bars are Wilson intervals over all episodes of a cell. Below stands the paper's figure, its bars the standard
+    deviation over runs; its distances are under another encoder.
     """
     pooled = tested(pooled)
     tasks = _tasks(pooled, published)
+    rows = 2 if len(pooled) and published["task"].isin(tasks).any() else 1
     width = max(4.6, 3.4 * len(tasks))
-    figure, axes = plt.subplots(1, len(tasks), figsize=(width, 3.4), squeeze=False, layout="constrained")
-    for column, (task, panel) in enumerate(zip(tasks, axes[0], strict=True)):
+    figure, axes = plt.subplots(rows, len(tasks), figsize=(width, 3.4 * rows), squeeze=False, layout="constrained")
+    for column, task in enumerate(tasks):
         cells = pooled[pooled["task"] == task].sort_values("dino_distance")
-        rate_axis(panel, column == 0)
-        panel.set_title(title(task), loc="left", pad=38 if len(cells) else None)
-        panel.set_xlabel("distance of the test asset from the twin")
-        panel.grid(False, axis="x")
-        if cells.empty:
-            not_run(panel)
-            panel.set_xticks([])
-            continue
-        sets = sorted(cells["training_set"].unique(), key=set_key)
-        extent = cells["dino_distance"].max() - cells["dino_distance"].min() or 1.0
-        panel.set_xlim(cells["dino_distance"].min() - 0.06 * extent, cells["dino_distance"].max() + 0.06 * extent)
-        for index, name in enumerate(sets):
-            line = cells[cells["training_set"] == name]
-            shift = 0.015 * extent * (index - (len(sets) - 1) / 2)  # keeps the bars of different sets apart
-            panel.errorbar(
-                line["dino_distance"] + shift, 100 * line["mean"], yerr=_bars(line, line["low"], line["high"]),
-                color=colour(name), marker=MARKERS.get(name, "x"), markersize=5, linewidth=1.8, elinewidth=1,
-                capsize=2.5, label=legend_name(name),
-            )  # fmt: skip
-        _mark_assets(panel, cells)
-    handles, labels = _legend(axes[0])
+        _distances(axes[0, column], cells, column == 0, title(task))
+        if rows == 2:
+            theirs = published[published["task"] == task].sort_values("dino_distance")
+            ends = [(theirs["mean"] + sign * theirs["std"]).clip(0, 1) for sign in (-1, 1)]
+            theirs = theirs.assign(low=ends[0], high=ends[1])
+            _distances(axes[1, column], theirs, column == 0, f"{title(task)}, paper")
+    handles, labels = _legend(axes.ravel())
     if handles:
         figure.legend(handles, labels, loc="outside lower center", ncols=2 if len(tasks) == 1 else 5)
     return figure
+
+
+def _distances(panel: Axes, cells: pd.DataFrame, first: bool, name: str) -> None:
+    """One panel of Figure 4."""
+    rate_axis(panel, first)
+    panel.set_title(name, loc="left", pad=38 if len(cells) else None)
+    panel.set_xlabel("distance of the test asset from the twin")
+    panel.grid(False, axis="x")
+    if cells.empty:
+        not_run(panel, "not run" if "paper" not in name else "not in the paper")
+        panel.set_xticks([])
+        return
+    sets = sorted(cells["training_set"].unique(), key=set_key)
+    extent = cells["dino_distance"].max() - cells["dino_distance"].min() or 1.0
+    panel.set_xlim(cells["dino_distance"].min() - 0.06 * extent, cells["dino_distance"].max() + 0.06 * extent)
+    for index, training_set in enumerate(sets):
+        line = cells[cells["training_set"] == training_set]
+        shift = 0.015 * extent * (index - (len(sets) - 1) / 2)  # keeps the bars of different sets apart
+        panel.errorbar(
+            line["dino_distance"] + shift, 100 * line["mean"], yerr=_bars(line, line["low"], line["high"]),
+            color=colour(training_set), marker=MARKERS.get(training_set, "x"), markersize=5, linewidth=1.8,
+            elinewidth=1, capsize=2.5, label=legend_name(training_set),
+        )  # fmt: skip
+    _mark_assets(panel, cells)
 
 
 def _mark_assets(panel: Axes, cells: pd.DataFrame) -> None:

@@ -9,7 +9,8 @@ from markupsafe import Markup
 
 from stages.config.tables import TablesConfig
 from stages.contracts.files import read_options, read_text, write_text
-from stages.tables import formatting, table2, table3
+from stages.tables import claims, formatting, table2, table3
+from stages.tables.claim_tables import claims_table, stability_table
 from stages.tables.figures import named
 from stages.tables.markup import Table, environment, number, percent
 from stages.tables.order import title as name_title
@@ -27,22 +28,15 @@ MAX_BYTES = 12_000_000
 TIMES_PAGE = "times.html"
 STAGES = ["assets", "scenes", "extraction", "matching", "generation", "experiment"]
 STAGES += ["demonstrations", "training", "evaluation", "tables"]
-TEXT = [
-    "scene",
-    "variant",
-    "task",
-    "cloud",
-    "test_asset",
-    "training_set",
-    "baseline",
-    "run",
-    "checkpoint",
-    "asset",
-    "status",
-]
-WHOLE = re.compile(r".*_correct|(published_)?n_.*|(baseline_)?runs|states|episodes|(official_)?successes|seed")
+TEXT = ["scene", "variant", "task", "cloud", "claim", "verdict", "test_asset", "training_set", "baseline", "run"]
+TEXT += ["checkpoint", "asset", "status"]
+WHOLE = re.compile(
+    r".*_correct|(published_)?n_.*|((baseline|published)_)?runs|(published_)?collapsed|states|episodes"
+    r"|(official_)?successes|seed"
+)
 FIGURES = {
-    "figure4": "Figure 4: success against the distance of the test asset from the twin, with Wilson intervals.",
+    "figure4": "Figure 4: success against the distance of the test asset from the twin, with Wilson intervals; below, "
+    "the paper's, with standard deviations.",
     "figure9": "Figure 9: success on the test assets for every training set; the paper's values are dashed.",
 }
 
@@ -56,18 +50,23 @@ def _table(path: Path | None, columns: list[str]) -> pd.DataFrame | None:
 
 def _tables(
     files: RunFiles, published: Path, options: TablesConfig
-) -> tuple[list[Table], dict[str, pd.DataFrame | None]]:
-    """Tables to show, and the data behind the headline."""
+) -> tuple[list[Table], dict[str, pd.DataFrame | None], Table | None]:
+    """Tables to show, the data behind the headline, and the paper's claims."""
     scenes = _table(files.one("tables/table2.csv"), table2.ALL_COLUMNS)
     runs = _table(files.one("tables/table3.csv"), table3.ALL_COLUMNS)
     gains = _table(files.one("tables/table3_differences.csv"), table3.DIFFERENCE_COLUMNS)
+    answers = _table(files.one("tables/table3_claims.csv"), claims.COLUMNS)
+    stable = _table(files.one("tables/table3_stability.csv"), claims.STABILITY)
     shown = [formatting.scenes_table(scenes, options)] if scenes is not None else []
     if runs is not None:
         shown.append(formatting.policies_table(runs, published_policies(published), options))
+    if stable is not None and len(stable):
+        shown.append(stability_table(stable))
     if gains is not None and len(gains):
         shown.append(formatting.differences_table(gains, options))
     pooled = None if runs is None else table3.pool(runs, options.confidence)
-    return shown, {"scenes": scenes, "pooled": pooled, "gains": gains}
+    said = None if answers is None or answers.empty else claims_table(answers, options)
+    return shown, {"scenes": scenes, "pooled": pooled, "gains": gains}, said
 
 
 def _page(
@@ -78,7 +77,7 @@ def _page(
     width: int,
 ) -> str:
     album = Album(width, options.picture_quality)
-    shown, data = _tables(files, published, options)
+    shown, data, claimed = _tables(files, published, options)
     models, tasks, made = library.collect(files, album), policies.collect(files, album), rooms.collect(files, album)
     of_tasks = [room for task in tasks for room in made if room.name == task.scene]
     drawn = {name: (files.one(f"figures/{name}.svg"), alt) for name, alt in FIGURES.items()}
@@ -94,6 +93,7 @@ def _page(
             library=models,
             tasks=tasks,
             tables=shown,
+            claimed=claimed,
             figures={
                 name: (inline(read_text(path), alt) if path else None, alt) for name, (path, alt) in drawn.items()
             },

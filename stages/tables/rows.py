@@ -70,12 +70,17 @@ def published_scenes(folder: Path) -> pd.DataFrame:
     return table.set_index(["scene", "variant"])
 
 
+def published_runs(folder: Path) -> pd.DataFrame:
+    """Table 3 of the paper, a row per cell and run: `PUBLISHED_3` and `rate`, the success in [0, 1]."""
+    table = read_table(folder / "table3.csv", PUBLISHED_3, text=["task", "test_asset", "training_set"])
+    return table.assign(rate=table["success_percent"] / 100)
+
+
 def published_policies(folder: Path) -> pd.DataFrame:
     """Table 3 of the paper: one row per cell (task, test_asset, training_set) with mean and std over its runs.
 
-    Columns: the three keys, `runs`, `mean` and `std` (sample) of the success rate in [0, 1].
+    Columns: the three keys, `dino_distance`, `runs`, `mean` and `std` (sample) of the success rate in [0, 1].
     """
-    table = read_table(folder / "table3.csv", PUBLISHED_3, text=["task", "test_asset", "training_set"])
-    table["rate"] = table["success_percent"] / 100
-    cells = table.groupby(["task", "test_asset", "training_set"], sort=False)["rate"]
-    return cells.agg(runs="count", mean="mean", std="std").reset_index()
+    cells = published_runs(folder).groupby(["task", "test_asset", "training_set"], sort=False)
+    columns = {"dino_distance": ("dino_distance", "first"), "runs": ("rate", "count")}
+    return cells.agg(**columns, mean=("rate", "mean"), std=("rate", "std")).reset_index()

@@ -83,7 +83,8 @@ def test_paired_interval_is_narrower_than_an_unpaired_one() -> None:
 
 def test_several_runs_never_close_the_interval_and_widen_it_where_they_differ() -> None:
     nothing = np.zeros((3, 16))
-    assert difference_interval(nothing, nothing, 0.95, 500, 0) == pytest.approx((-0.1936, 0.1936), abs=1e-4)
+    closed = difference_interval(nothing, nothing, 0.95, 500, 0)
+    assert closed == pytest.approx((-0.0741, 0.0741), abs=1e-4)  # as wide as Wilson's interval of 0/48
     ends = np.array([[1.0] * 16, [0.0] * 16])  # one policy always, one never: training again may give either
     apart = difference_interval(ends, nothing, 0.95, 500, 3)
     assert apart.low <= 0 and apart.high >= 1 and apart == difference_interval(ends, nothing, 0.95, 500, 3)
@@ -207,7 +208,8 @@ def test_verb_writes_the_tables_with_fixed_columns_and_the_same_bytes(tmp_path: 
         run(out=tmp_path / out, scores=(scores,), rollouts=(episodes,), published=PUBLISHED)
     names = sorted(path.name for path in (tmp_path / "one").iterdir())
     assert names == sorted(
-        [f"table{k}.{s}" for k in (2, 3) for s in ("csv", "html", "tex")] + ["table3_differences.csv"]
+        [f"table{k}.{s}" for k in (2, 3) for s in ("csv", "html", "tex")]
+        + [f"table3_{what}.csv" for what in ("claims", "differences", "stability")]
     )
     for name in names:
         assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes()

@@ -58,10 +58,10 @@ def test_the_study_is_the_protocol_of_the_paper(folder: Path) -> None:
     jobs = planned(dry_run(folder, "evaluation", *study).stdout)
     sets, candidates = {"door": 5, "drawer": 5}, 3
     assert jobs["choose"] == sum(sets.values())
-    of_object = 2 * 3  # training sets x seeds, one hyper-parameter set: nothing to choose
-    assert jobs["train"] == jobs["trial"] == candidates * sum(sets.values()) + of_object
-    assert jobs["gather"] == sum(sets.values()) + 2 and jobs["rollout"] == of_object  # the others wait for `choose`
-    assert jobs["demonstrate"] == 2 * (1 + 8 + 1) + 1 + 8
+    more = 2 * 3 + 2 * 5  # whole object and bowl: training sets x seeds, one hyper-parameter set: nothing to choose
+    assert jobs["train"] == jobs["trial"] == candidates * sum(sets.values()) + more
+    assert jobs["gather"] == sum(sets.values()) + 4 and jobs["rollout"] == more  # the others wait for `choose`
+    assert jobs["demonstrate"] == 2 * (1 + 8 + 1) + 2 * (1 + 8)
     cells = [f"results/evaluation/policies/door/{name}/rollouts.csv" for name in ("twin", "cousins_8")]
     first = planned(dry_run(folder, *cells, *study).stdout)
     assert first["choose"] == 2 and first["train"] == 2 * candidates and first["demonstrate"] == 1 + 8

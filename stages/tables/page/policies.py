@@ -17,6 +17,7 @@ from stages.tables.page.files import RunFiles
 from stages.tables.page.films import FilmedAsset, read_films
 from stages.tables.page.pictures import Album, Picture
 from stages.tables.page.snapshots import Snapshots
+from stages.tables.roles import kind_of, known_kinds
 
 STEPS = ("step", "steps", "update", "iteration", "epoch")
 SIZE = 132  # pixels of an asset's picture
@@ -35,12 +36,16 @@ class Demonstrations:
 
 @dataclass(frozen=True)
 class Line:
-    """An asset of the experiment (None: not in its list) and its demonstrations (None: not collected)."""
+    """An asset of the experiment (None: not in its list) and its demonstrations (None: not collected).
+
+    known: whether some demonstrated asset has such a handle.
+    """
 
     role: str
     asset: TaskAsset | None
     picture: Picture | None
     demonstrations: Demonstrations | None
+    known: bool
 
 
 @dataclass(frozen=True)
@@ -160,13 +165,19 @@ def _task(files: RunFiles, task: str, chosen: Path | None, album: Album, snapsho
         view = snapshots.picture(known[role].asset) if role in known else None
         return album.put(view, f"{known[role].asset}, {title(role)}", SIZE) if view else None
 
+    handles = known_kinds(assets, done) if assets else set()
+
+    def line(role: str) -> Line:
+        asset = known.get(role)
+        return Line(role, asset, picture(role), done.get(role), asset is not None and kind_of(asset) in handles)
+
     roles = [*known, *sorted(set(done) - set(known), key=set_key)]
     return TaskPart(
         task=task,
         title=title(task),
         scene=assets.scene if assets else "",
         source=f"{title(assets.object)} of {title(assets.scene)}" if assets else "",
-        lines=[Line(role, known.get(role), picture(role), done.get(role)) for role in roles],
+        lines=[line(role) for role in roles],
         curves=_curves(files, task),
         rollouts=_rollouts(files, task, album),
         in_scenes=_in_scenes(files, task, album),

@@ -1,0 +1,142 @@
+"""The paper's claims on made-up rollouts: they hold where they should, fail where they should, else nothing is said."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from stages.config.tables import TablesConfig
+from stages.contracts.policies import Rollout
+from stages.tables import claims, table3
+from stages.tables.claim_tables import claims_table, stability_table
+from stages.tables.markup import markdown
+from stages.tables.rows import published_policies, published_runs
+from tests.unit.tables_results import rollout
+
+PUBLISHED = Path(__file__).parents[2] / "report" / "published"
+OPTIONS = TablesConfig(bootstrap_samples=400)
+ASSETS = ("twin", "cousin_2", "cousin_6", "dissimilar")
+STATES = 40
+Rates = dict[str, list[tuple[float, ...]]]  # training set -> per run the success on the four test assets
+
+
+def rolled(rates: Rates) -> list[Rollout]:
+    """Rollouts with exactly these rates: states are the same for all, and hard ones are hard for all."""
+    order = np.random.default_rng(1).permutation(STATES)
+    return [
+        rollout(n, bool(order[n] < round(rate * STATES)), training_set=name, seed=seed, test_asset=asset)
+        for name, runs in rates.items()
+        for seed, run in enumerate(runs)
+        for asset, rate in zip(ASSETS, run, strict=True)
+        for n in range(STATES)
+    ]
+
+
+def answers(rates: Rates) -> pd.DataFrame:
+    frame = pd.DataFrame([row.model_dump() for row in rolled(rates)])
+    return claims.answer(frame, published_runs(PUBLISHED), OPTIONS).set_index("claim")
+
+
+AS_PAPER: Rates = {
+    "twin": [
+        (0.95, 0.7, 0.6, 0.3), (0.9, 0.5, 0.7, 0.2), (0.95, 0.8, 0.4, 0.5),
+        (0.9, 0.6, 0.5, 0.2), (0.95, 0.9, 0.7, 0.4), (0.9, 0.6, 0.4, 0.3),
+    ],
+    "cousins_2": [(0.9, 0.9, 0.9, 0.9)] * 6,
+    "cousins_8": [
+        (0.95, 0.95, 0.9, 0.85), (0.95, 0.9, 0.9, 0.85), (0.925, 0.95, 0.9, 0.875),
+        (0.95, 0.95, 0.875, 0.85), (0.95, 0.925, 0.9, 0.85), (0.925, 0.95, 0.9, 0.9),
+    ],
+    "all": [(0.7, 0.6, 0.6, 0.6), (0.75, 0.6, 0.55, 0.6), (0.7, 0.55, 0.6, 0.6)] * 2,
+}  # fmt: skip
+
+
+def test_all_claims_hold_where_the_rollouts_are_like_the_papers() -> None:
+    table = answers(AS_PAPER)
+    assert table["verdict"].to_dict() == dict.fromkeys(claims.CLAIMS, "holds")
+    assert set(table["training_set"]) == {"cousins_8"}  # most cousins
+    mean = {name: np.mean(runs, axis=0) for name, runs in AS_PAPER.items()}
+    ours, theirs = mean["cousins_8"], mean["twin"]
+    assert list(table.loc["equal", ["ours", "theirs"]]) == pytest.approx([ours[0], theirs[0]])
+    assert table.loc["unseen", "difference"] == pytest.approx(ours[1:].mean() - theirs[1:].mean())
+    assert table.loc["flat", "theirs"] == pytest.approx(theirs[1:].mean() - theirs[0])  # what the twin loses
+    assert table.loc["steady", "theirs"] == pytest.approx(-np.sqrt(np.var(AS_PAPER["twin"], axis=0, ddof=1).mean()))
+    assert table.loc["all", "theirs"] == pytest.approx(mean["all"].mean()) and table.loc["all", "baseline"] == "all"
+    assert (table["low"] < table["difference"]).all() and (table["difference"] < table["high"]).all()
+
+
+def test_all_claims_fail_where_the_rollouts_say_the_opposite() -> None:
+    worse: Rates = {
+        "twin": [(0.95, 0.9, 0.95, 0.9)] * 6,
+        "cousins_8": [(0.6, 0.2, 0.5, 0.1), (0.5, 0.1, 0.3, 0.3), (0.7, 0.4, 0.1, 0.2)] * 2,
+        "all": [(0.9, 0.9, 0.9, 0.9)] * 6,
+    }
+    assert answers(worse)["verdict"].to_dict() == dict.fromkeys(claims.CLAIMS, "does not hold")
+
+
+def test_nothing_is_said_where_training_sets_are_alike_or_runs_too_few() -> None:
+    alike: Rates = {name: [(0.5, 0.5, 0.6, 0.4), (0.6, 0.5, 0.5, 0.5), (0.4, 0.5, 0.4, 0.6)] * 2 for name in AS_PAPER}
+    table = answers(alike)
+    assert set(table["verdict"]) == {"cannot be said"}
+    assert (table["low"] <= 0).all() and (table["high"] >= 0).all()
+    one = answers({name: runs[:1] for name, runs in AS_PAPER.items()})
+    assert set(one["verdict"]) == {"cannot be said"} and one["low"].isna().all()
+    two = answers({name: runs[:2] for name, runs in AS_PAPER.items()})["verdict"].to_dict()
+    assert two["unseen"] == "holds" and two["steady"] == "cannot be said"
+
+
+def test_a_claim_needs_its_training_sets() -> None:
+    assert list(answers({"twin": AS_PAPER["twin"], "cousins_2": AS_PAPER["cousins_2"]}).index) == [
+        "equal", "unseen", "flat", "steady",
+    ]  # fmt: skip
+    assert answers({"twin": AS_PAPER["twin"], "all": AS_PAPER["all"]}).empty
+
+
+def test_as_well_as_the_twin_allows_ten_points() -> None:
+    equal = claims.CLAIMS["equal"]
+    assert [claims.verdict(equal, low, high, 6) for low, high in ((-0.09, 0.02), (-0.2, 0.1), (-0.3, -0.11))] == [
+        "holds", "cannot be said", "does not hold",
+    ]  # fmt: skip
+    unseen = claims.CLAIMS["unseen"]
+    assert [claims.verdict(unseen, low, high, 6) for low, high in ((0.01, 0.3), (-0.01, 0.3), (-0.3, -0.01))] == [
+        "holds", "cannot be said", "does not hold",
+    ]  # fmt: skip
+
+
+def test_the_papers_own_numbers_stand_beside_ours() -> None:
+    table = answers(AS_PAPER)
+    assert list(table.loc["equal", ["published_ours", "published_theirs"]]) == pytest.approx([0.9317, 0.9], abs=1e-3)
+    assert (table["published_difference"] > 0).all()  # in the paper all five hold for doors
+    shown = claims_table(table.reset_index(), OPTIONS)
+    assert shown.rows[1].cells[1].value == (
+        "On assets that neither was trained on, policies trained on 8 cousins do better than those trained on the twin"
+    )
+    assert shown.rows[0].cells[3].remark == "94 % against 92 %" and "paper" in markdown(shown)
+    few = claims_table(answers({name: runs[:1] for name, runs in AS_PAPER.items()}).reset_index(), OPTIONS)
+    assert few.rows[0].cells[2].remark == "1 run a side, 2 needed"
+
+
+def build(rows: list[Rollout]) -> pd.DataFrame:
+    frame = pd.DataFrame([row.model_dump() for row in rows])
+    return table3.build(frame, published_policies(PUBLISHED), OPTIONS)
+
+
+def test_collapsed_runs_are_counted_on_the_assets_of_the_training() -> None:
+    rows = rolled({"twin": [(0.9, 0.1, 0, 0), (0.1, 0.9, 0, 0)], "cousins_4": [(0.1, 0.5, 0.4, 0.4)]})
+    published = published_runs(PUBLISHED)
+    table = claims.stability(build(rows), published).set_index("training_set")
+    assert table["collapsed"].to_dict() == {"twin": 1, "cousins_4": 1}  # on the twin, for want of anything better
+    assert table.loc["twin", "spread"] == pytest.approx(np.sqrt(0.32 / 2))
+    for name, seed, good in (("twin", 0, 36), ("twin", 1, 4), ("cousins_4", 0, 30)):
+        rows += [rollout(n, n < good, training_set=name, seed=seed, test_asset="trained") for n in range(STATES)]
+    assert table["spread"].isna().tolist() == [False, True]
+    table = claims.stability(build(rows), published)
+    assert table.set_index("training_set")["collapsed"].to_dict() == {"twin": 1, "cousins_4": 0}
+    assert "1 of 2" in markdown(stability_table(table))
+
+
+def test_six_drawer_policies_of_the_paper_collapsed() -> None:
+    cells = claims.published_cells(published_runs(PUBLISHED))
+    drawer = {name: rates["twin"] for (task, name), rates in cells.items() if task == "drawer"}
+    assert claims._collapsed(drawer) == {"twin": 1, "cousins_2": 1, "cousins_4": 2, "cousins_8": 0, "all": 2}

@@ -1,0 +1,108 @@
+"""What a study found, while it is still running: cells that are there, cells that are not, and how it was made."""
+
+import shutil
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from stages.config.model import Config
+from stages.contracts.errors import InputError
+from stages.contracts.files import write_json
+from stages.contracts.policies import ChosenRuns, RunScore
+from stages.tables import results
+from tests.unit.tables_results import rollout, write_rows, write_run
+
+ROOT = Path(__file__).parents[2]
+PUBLISHED = ROOT / "report" / "published"
+STUDY = """
+seed: 7
+experiment:
+  rooms: [room_1]
+  tasks: {door: {scene: room_1, object: cabinet_1}, drawer: null}
+  training_sets: [twin, cousins_4, cousins_8]
+  runs: [lite, lite_slow]
+  best_runs: 1
+  seeds: [0, 3]
+training: {runs: {lite_slow: {learning_rate: 0.001}}}
+evaluation: {test_assets: [twin, cousin_2, trained], rollouts: 10}
+"""
+
+
+@pytest.fixture
+def study(tmp_path: Path) -> Path:
+    """A study of which the twin's policies, one of `cousins_4`, and none of `cousins_8` are there."""
+    root = write_run(tmp_path / "run")
+    shutil.rmtree(root / "results/evaluation")
+    (root / "study.yaml").write_text(STUDY)
+    policies = [("twin", "lite", 0), ("twin", "lite", 3), ("cousins_4", "lite_slow", 0)]
+    policies += [("twin", "old", 0), ("twin", "lite", 9), ("all", "lite", 0)]  # of another study: not asked for
+    for name, run, seed in policies:
+        same = {"training_set": name, "run": run, "seed": seed}
+        rows = [
+            rollout(n, n < 8, official_success=n < 9, test_asset=asset, **same)
+            for asset in ("twin", "cousin_2", "trained")
+            for n in range(10)
+        ]
+        write_rows(root / f"results/evaluation/policies/door/{name}/{run}/seed_{seed}/rollouts.csv", list(rows))
+    scores = [
+        RunScore(run=run, checkpoint="best", successes=k, episodes=15) for run, k in (("lite", 9), ("lite_slow", 7))
+    ]
+    chosen = ChosenRuns(task="door", training_set="twin", runs=["lite"], scores=scores)
+    folder = root / "results/evaluation/trials/door/twin"
+    folder.mkdir(parents=True)
+    write_json(folder / "chosen.json", chosen)
+    return root
+
+
+def write(study: Path, out: Path, **flags: object) -> str:
+    folders = {"results": study / "results", "benchmarks": study / "benchmarks", "published": PUBLISHED}
+    results.run(out=out, configs=(ROOT / "config.yaml", study / "study.yaml"), **(folders | flags))  # type: ignore[arg-type]
+    return (out / "table3.md").read_text()
+
+
+def test_what_is_there_is_told_and_what_is_not_is_said_to_be_so(study: Path, tmp_path: Path) -> None:
+    text = write(study, tmp_path / "out", machine="2 cores, a test", commit="abc1234")
+    table = pd.read_csv(tmp_path / "out/table3.csv")
+    ran = table[table["status"] == "run"]
+    keys = ["task", "test_asset", "training_set", "run", "seed"]
+    assert len(ran) == len(ran.drop_duplicates(keys)) == 3 * 3
+    assert (
+        set(ran["run"]) == {"lite", "lite_slow"} and set(ran["seed"]) == {0, 3} and set(ran["cloud"]) == {"target_link"}
+    )
+    assert set(ran["episodes"]) == {10} and set(ran["successes"]) == {8} and set(ran["official_successes"]) == {9}
+    lacking = table[(table["task"] == "door") & (table["status"] == "not run")]
+    assert {("cousins_8", "trained"), ("cousins_8", "twin")} <= set(
+        zip(lacking["training_set"], lacking["test_asset"], strict=True)
+    )
+    for words in (
+        "Machine: 2 cores, a test", "Commit: `abc1234`", "Seeds: 0, 3 of training; 7 of everything else",
+        "90 episodes of 3 policies, 10 per test asset", "not run", "official 90 %", "*paper 90 ± 4 %*",
+        "lite 9/15, lite_slow 7/15", "bar, hinge", "cannot be said", "1 run a side", "| all | ", "figure9.svg",
+        "cloud of the target link", "0 of 2",
+    ):  # fmt: skip
+        assert words in text, words
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {
+        "table3.md", "table3.csv", *(f"figure{n}.{s}" for n in (4, 9) for s in ("svg", "png")),
+    }  # fmt: skip
+
+
+def test_nothing_but_the_study_is_looked_at_and_it_is_the_same_again(study: Path, tmp_path: Path) -> None:
+    one, two = (write(study, tmp_path / name, machine="x") for name in ("one", "two"))
+    assert one == two
+    shutil.rmtree(study / "results")
+    shutil.rmtree(study / "benchmarks")
+    empty = write(study, tmp_path / "none", machine="x")
+    assert "0 episodes of 0 policies" in empty and set(pd.read_csv(tmp_path / "none/table3.csv")["status"]) == {
+        "not run"
+    }
+
+
+def test_configs_are_merged_as_the_workflow_merges_them(tmp_path: Path) -> None:
+    (tmp_path / "a.yaml").write_text("experiment: {seeds: [1], episodes: 9}")
+    (tmp_path / "b.yaml").write_text("experiment: {seeds: [2]}")
+    config: Config = results.read_config((tmp_path / "a.yaml", tmp_path / "b.yaml"))
+    assert (config.experiment.seeds, config.experiment.episodes) == ([2], 9)
+    (tmp_path / "c.yaml").write_text("[1")
+    with pytest.raises(InputError, match="is not YAML"):
+        results.read_config((tmp_path / "c.yaml",))
