@@ -15,8 +15,10 @@ class ActingOptions(Section):
         description="best: as `training` selected; rollouts: of the checkpoints that `training: keep` left, the "
         "one with most successes in its trial on the twin (the paper's way)",
     )
-    action: Literal["sample", "most_likely"] = Field(
-        "most_likely", description="mode of the mixture to act by: drawn by weight (official), or the heaviest"
+    action: Literal["sample", "sharpened", "most_likely"] = Field(
+        "sharpened",
+        description="mode of the mixture to act by: drawn by its weight (official), by the square of its weight, or "
+        "the heaviest; docs/training.md has figures",
     )
     vary_scale: bool = Field(
         False, description="rescale the test asset at random as in the demonstrations (official: no)"

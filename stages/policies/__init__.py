@@ -12,7 +12,7 @@ from stages.config.training import TrainingRun
 from stages.plugins import load
 
 Float = NDArray[np.float32]
-Choice = Literal["sample", "most_likely"]
+Choice = Literal["sample", "sharpened", "most_likely"]
 
 
 class ActorProtocol(Protocol):

@@ -88,6 +88,9 @@ def test_mixture_density_and_choices() -> None:
     # the first mode has weight 1 / (1 + e^2) = 0.119
     assert torch.allclose(mixture.sample(torch.tensor([0.11])), torch.full((1, 7), 0.1))
     assert torch.allclose(mixture.sample(torch.tensor([0.13])), torch.full((1, 7), -0.4))
+    # squared it has 1 / (1 + e^4) = 0.018
+    assert torch.allclose(mixture.sample(torch.tensor([0.017]), power=2.0), torch.full((1, 7), 0.1))
+    assert torch.allclose(mixture.sample(torch.tensor([0.019]), power=2.0), torch.full((1, 7), -0.4))
 
 
 def test_paper_sizes() -> None:
@@ -124,6 +127,21 @@ def test_actor_acts_as_the_network_on_the_last_steps() -> None:
         with torch.no_grad():
             mixture = policy(*(torch.from_numpy(o[first:])[None] for o in observations))
         assert np.allclose(actions[slot], mixture.most_likely()[0, -1].clamp(-1, 1).numpy(), atol=1e-5)
+
+
+def test_the_sharper_the_choice_the_rarer_the_lighter_mode() -> None:
+    """Of two modes with weights 1/3 and 2/3 the lighter one is drawn in 1/3, in 1/5 and in none of the steps."""
+    policy = Policy(TrainingRun(network=NetworkConfig(points=40, gmm_modes=2))).eval()
+    with torch.no_grad():
+        policy.head.weight.zero_()
+        policy.head.bias.copy_(torch.tensor([0.0, np.log(2.0), *[-1.0] * 7, *[1.0] * 7, *[0.0] * 14]))
+    observations = clouds(1, 40).numpy(), np.zeros((1, 9), np.float32)
+    shares = []
+    for choose in ("sample", "sharpened", "most_likely"):
+        actor = Actor(policy, horizon=1, slots=1, choose=choose)
+        actor.reset(0, 1)
+        shares.append(np.mean([actor.act([0], *observations)[0, 0] < 0 for _ in range(400)]))
+    assert shares == pytest.approx([1 / 3, 1 / 5, 0], abs=0.06)
 
 
 def test_actor_repeats_itself_after_reset() -> None:

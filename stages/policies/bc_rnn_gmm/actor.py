@@ -1,12 +1,14 @@
 """A policy in closed loop on several environments: one forward pass per control step for all of them."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
 from torch import Tensor
+
+from stages.policies import Choice
 
 if TYPE_CHECKING:
     from stages.policies.bc_rnn_gmm.network import BcRnnGmm
@@ -21,10 +23,11 @@ class Actor:
     starts anywhere in an episode with an empty memory.
 
     Args:
-        choose: 'sample' a mode of the mixture by its weight (robomimic), or take the 'most_likely'.
+        choose: 'sample' a mode of the mixture by its weight (robomimic), or by the square of its weight ('sharpened'),
+            or take the 'most_likely'.
     """
 
-    def __init__(self, policy: "BcRnnGmm", horizon: int, slots: int, choose: Literal["sample", "most_likely"]) -> None:
+    def __init__(self, policy: "BcRnnGmm", horizon: int, slots: int, choose: Choice) -> None:
         self.policy, self.horizon, self.choose = policy, horizon, choose
         self.device = policy.proprio_mean.device
         self.past: list[list[Tensor]] = [[] for _ in range(slots)]
@@ -49,7 +52,8 @@ class Actor:
             actions = mixture.most_likely()
         else:
             draws = [self.random[slot].random() for slot in slots]
-            actions = mixture.sample(torch.tensor(draws, device=self.device, dtype=torch.float32))
+            power = 2.0 if self.choose == "sharpened" else 1.0
+            actions = mixture.sample(torch.tensor(draws, device=self.device, dtype=torch.float32), power)
         return actions.clamp(-1, 1).cpu().numpy().astype(np.float32)
 
     def _subset(self, slot: int, cloud: Float) -> Float:

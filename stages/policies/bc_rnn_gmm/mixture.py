@@ -32,12 +32,12 @@ class Mixture:
         """Mean (..., A) of the mode with the largest weight."""
         return self._mean_of(self.logits.argmax(-1))
 
-    def sample(self, draws: Tensor) -> Tensor:
-        """Means (..., A) of modes drawn by weight; `draws` (...) are uniform in [0, 1).
+    def sample(self, draws: Tensor, power: float = 1.0) -> Tensor:
+        """Means (..., A) of modes drawn by their weight to a power; `draws` (...) are uniform in [0, 1).
 
         Robomimic adds noise of 1e-4 to it in rollouts (`low_noise_eval`), 5 micrometres: left out.
         """
-        reached = self.logits.softmax(-1).cumsum(-1) > draws.unsqueeze(-1)
+        reached = (power * self.logits).softmax(-1).cumsum(-1) > draws.unsqueeze(-1)
         return self._mean_of(reached.float().argmax(-1))  # no mode reached (rounding): argmax of zeros is mode 0
 
     def _mean_of(self, mode: Tensor) -> Tensor:
