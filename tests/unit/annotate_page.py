@@ -100,6 +100,7 @@ class Hand:
         """One box; the page finds out itself what it stands on, unless `on` says so."""
         said = self.room.said[item.mask]
         points, left, right = self.room.front(item)
+        before = self.page.locator("#objects button").count()
         self.key("b")
         self.page.locator("#next-on").select_option(on)
         self.page.locator("#view").focus()
@@ -116,6 +117,8 @@ class Hand:
                 self.page.keyboard.up("Shift")
             self.click((points[left + 4] + points[right + 4]) / 2)
         self.click(self.room.rear(item))
+        drawn = f"document.querySelectorAll('#objects button').length === {before + 1}"
+        self.page.wait_for_function(f"() => {drawn} && document.activeElement.id === 'label'")
         self.fill("What it is", said.label)
         for name, count in (("Doors", said.doors), ("Drawers", said.drawers)):
             if count:

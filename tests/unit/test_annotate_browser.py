@@ -169,6 +169,7 @@ def test_outlines_walls_camera_and_what_is_wrong(opened: tuple[Any, Session]) ->
     page.locator("#view").focus()
     for point in (below - beside, below + beside, bowl.position):
         hand.click(point)
+    page.wait_for_function("() => document.activeElement.id === 'label'")
     hand.fill("What it is", "bowl")
     page.locator("#faces").select_option("left")
     drawn = _saved(page, session)

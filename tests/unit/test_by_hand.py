@@ -330,6 +330,34 @@ def test_hostile_drawings_are_refused_in_a_line(served: tuple[PageServer, Sessio
     assert [path.name for path in session.folder.iterdir()] == [PROJECT]
 
 
+def test_no_drawing_breaks_the_answer(tmp_path: Path) -> None:
+    """Pixels anywhere, lines of no length, walls through the camera: an answer in plain JSON all the same."""
+    rng = np.random.default_rng(0)
+    Image.fromarray(_noise()).save(tmp_path / "a.png")
+    session = Session(read_photo(tmp_path / "a.png"), "a.png", tmp_path / "a")
+
+    def pixel() -> tuple[float, float]:
+        scale = 10 ** rng.uniform(2, 6)
+        return (160.0, 120.0) if rng.random() < 0.1 else tuple(rng.uniform(-scale, scale, 2).tolist())
+
+    for _ in range(20):
+        names = [f"object_{k}" for k in range(6)]
+        drawing = _drawing(
+            walls=[DrawnWall(id=name, a=pixel(), b=pixel(), free=rng.random() < 0.5) for name in ("back", "left")],
+            objects=[
+                DrawnObject(
+                    id=name,
+                    on=str(rng.choice(["floor", "back", "left", *names])),
+                    points=[pixel() for _ in range(rng.integers(2, 5))],
+                    round=bool(rng.random() < 0.3),
+                )
+                for name in names
+            ],
+            scale=Scale(kind="floor", metres=10 ** rng.uniform(-3, 1), points=(pixel(), pixel())),
+        )
+        json.dumps(session.solve(drawing.model_dump(mode="json")), allow_nan=False)
+
+
 def test_a_saved_drawing_is_opened_again_or_refused(tmp_path: Path) -> None:
     Image.fromarray(_noise()).save(tmp_path / "a.png")
     session = Session(read_photo(tmp_path / "a.png"), "a.png", tmp_path / "a")

@@ -214,6 +214,11 @@ def test_what_has_no_place_does_not_stop_the_rest() -> None:
     low = DrawnObject(id="low", points=_seen(BOX, 0, 1, 4))
     bent = _drawn("bent", BOX)
     bent.points[3] = _seen(BOX, 0)[0][0], 590.0
+    hung = UprightBox([-0.6, 3.82, 1.6], [0.9, 0.36, 0.7], 0.0)
+    off = DrawnObject(id="off", on="back", points=[*_seen(hung, 0, 5), (400, 300)])
+    a, b = VIEW.project([[-1, 4, 0], [1, 4, 0]]).tolist()
+    wall = DrawnWall(id="back", a=tuple(a), b=tuple(b))
+    assert solve(_project(objects=[off], walls=[wall])).boxes["off"].size[2] > 0.3  # type: ignore[index]
     beside = _drawn("beside", BOX._replace(center=[-1.5, 3.2, 1.1], size=[0.2, 0.2, 0.2]), "low")
     guessed = solve(_project(objects=[low, bent, beside]))
     assert "depth is guessed" in guessed.notes["low"] and "beside" in guessed.notes["beside"]

@@ -241,6 +241,8 @@ def hanging_box(
     depth = sizes[1] or 0.03
     if sizes[1] is None and len(pixels) > 2:
         trials = DEPTHS[DEPTHS * view.above < -0.9 * wall.offset] * view.above
+        if not len(trials):
+            raise RearCornerError("its wall is as near as the camera itself")
         faces = np.array([_face(view, wall, trial, pixels) for trial in trials])
         alongs = faces @ along
         rear = wall.offset * wall.normal + np.zeros((len(trials), 4, 3))
@@ -248,6 +250,8 @@ def hanging_box(
             rear[:, corner] += alongs[:, i, None] * along
             rear[:, corner, 2] = faces[:, j, 2]
         misses = np.linalg.norm(view.project(rear) - np.asarray(pixels[2]), axis=-1).min(axis=1)
+        if not np.isfinite(misses).any():
+            raise RearCornerError("its rear corner does not lie on that wall")
         depth = float(trials[int(np.nanargmin(misses))])
     face = _face(view, wall, depth, pixels)
     (left, right), (low, high) = np.sort(face @ along), np.sort(face[:, 2])

@@ -94,12 +94,10 @@ def read_photo(path: Path) -> Photo:
     if panorama or max(width, height) > WIDEST * min(width, height):
         mend = "cut out a part with an ordinary field of view"
         raise InputError(path, f"is a panorama ({width}x{height}), which has no single perspective.", mend)
+    focal, shrunk = exif_focal(exif, width, height), max(1.0, max(width, height) / LONGEST)
+    if shrunk > 1:
+        size = round(width / shrunk), round(height / shrunk)
+        rgb = np.asarray(cv2.resize(rgb, size, interpolation=cv2.INTER_AREA), dtype=np.uint8)
     if float(rgb.std(axis=(0, 1)).max()) < FLAT:
         raise InputError(path, "shows nothing: it is all of one colour.", "take another photograph")
-    focal = exif_focal(exif, width, height)
-    shrunk = max(width, height) / LONGEST
-    if shrunk <= 1:
-        return Photo(rgb, focal, 1.0)
-    size = round(width / shrunk), round(height / shrunk)
-    small = np.asarray(cv2.resize(rgb, size, interpolation=cv2.INTER_AREA), dtype=np.uint8)
-    return Photo(small, None if focal is None else focal / shrunk, shrunk)
+    return Photo(rgb, None if focal is None else focal / shrunk, shrunk)

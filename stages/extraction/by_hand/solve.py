@@ -17,7 +17,7 @@ from stages.extraction.by_hand.metrology import (
     wall_plane,
 )
 from stages.extraction.by_hand.perspective import fit_view
-from stages.extraction.by_hand.project import DrawnObject, Project, Scale
+from stages.extraction.by_hand.project import DrawnObject, Pixel, Project, Scale
 from stages.geometry.boxes import UprightBox, corners
 
 NEAREST, FARTHEST = 0.05, 30.0  # metres: a camera is nowhere else above the floor
@@ -68,21 +68,23 @@ class _Room:
             self.notes[item.id] = "stands on itself: choose what it stands on"
             return
         try:
-            sizes = item.sizes if self.typed else (None, None, None)
-            if item.on in self.walls:
-                self.boxes[item.id] = hanging_box(self.view, self.walls[item.on], item.points[:3], sizes)
-                return
-            ground = self._ground(item, above)
-            if item.round:
-                self.boxes[item.id] = round_box(self.view, ground, item.points, sizes)
-                return
             try:
-                self.boxes[item.id] = standing_box(self.view, ground, item.points, sizes, item.free)
+                self.boxes[item.id] = self._box(item, item.points, above)
             except RearCornerError as error:
-                self.boxes[item.id] = standing_box(self.view, ground, item.points[:3], sizes, item.free)
+                seen = item.points[: 2 if item.on in self.walls else 3]
+                self.boxes[item.id] = self._box(item, seen, above)
                 self.notes[item.id] = f"{error}; its depth is guessed"
         except MetrologyError as error:
             self.notes.setdefault(item.id, str(error))
+
+    def _box(self, item: DrawnObject, points: list[Pixel], above: tuple[str, ...]) -> UprightBox:
+        sizes = item.sizes if self.typed else (None, None, None)
+        if item.on in self.walls:
+            return hanging_box(self.view, self.walls[item.on], points[:3], sizes)
+        ground = self._ground(item, above)
+        if item.round:
+            return round_box(self.view, ground, points, sizes)
+        return standing_box(self.view, ground, points, sizes, item.free)
 
     def _ground(self, item: DrawnObject, above: tuple[str, ...]) -> float:
         if item.on == "floor":

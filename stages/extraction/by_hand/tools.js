@@ -68,6 +68,10 @@ async function click(at, shift) {
   solve();
 }
 
+// One after the other: the first click of a box waits for the server to say what is there.
+let clicks = Promise.resolve();
+const clicked = (at, shift) => { clicks = clicks.then(() => click(at, shift)); };
+
 // Keep the first `count` points of the draft as what the tool draws.
 function finish(count) {
   const { tool, draft } = state;
@@ -118,7 +122,7 @@ svg.addEventListener('pointerdown', (event) => {
   svg.setPointerCapture(event.pointerId);
   press = { x: event.clientX, y: event.clientY, at, moved: false, handle: null, pan: event.button === 1 };
   if (event.button !== 0) return;
-  if (state.tool !== 'select') { click(at, event.shiftKey); return; }
+  if (state.tool !== 'select') { clicked(at, event.shiftKey); return; }
   const item = event.target.closest('[data-object]')?.dataset.object;
   state.handle = name ?? null;
   if (name) press.handle = name;
@@ -140,10 +144,11 @@ svg.addEventListener('pointermove', (event) => {
   }
 });
 svg.addEventListener('pointerup', (event) => {
-  if (press?.moved && state.draft && !press.pan) click(pixel(event), event.shiftKey);
+  if (press?.moved && state.draft && !press.pan) clicked(pixel(event), event.shiftKey);
   press = null;
 });
 svg.addEventListener('wheel', (event) => { event.preventDefault(); zoom(Math.exp(event.deltaY / 500), pixel(event)); }, { passive: false });
+svg.addEventListener('mousedown', (event) => event.preventDefault()); // else it takes the focus from the label
 svg.addEventListener('contextmenu', (event) => event.preventDefault());
 
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
@@ -183,7 +188,7 @@ document.addEventListener('keydown', (event) => {
   if (TOOLS[key]) choose(TOOLS[key]);
   else if (NUMBERS[key]) step(NUMBERS[key]);
   else if (key === 'Escape') cancel();
-  else if (key === 'Enter' && state.draft) finish(state.draft.points.length - 1);
+  else if (key === 'Enter' && state.draft) clicks = clicks.then(() => state.draft && finish(state.draft.points.length - 1));
   else if (key === 'Backspace' && state.draft) { if (state.draft.points.length > 2) { state.draft.points.splice(-2, 1); changed(); solve(); } else cancel(); }
   else if (key === 'Delete' || key === 'Backspace') erase();
   else if (ARROWS[key] && state.handle) {
