@@ -16,7 +16,7 @@ from sapien.physx import PhysxArticulation
 from sapien.physx import PhysxArticulationLinkComponent as Link
 
 from stages.geometry.frames import rigid
-from stages.simulation.loading import load_asset, remove
+from stages.simulation.loading import load_asset, move, remove
 from stages.simulation.rendering import RenderCamera, add_block, instance_id, make_scene
 from stages.simulation.robot import PANDA
 from stages.simulation.room import Body, Room
@@ -41,6 +41,15 @@ class Moment:
     robot_joints: Mapping[str, float]
     asset: Array
     asset_joints: Mapping[str, float]
+    props: Sequence[Array] = ()
+
+
+@dataclass(frozen=True)
+class Prop:
+    """A rigid thing of a task besides robot and asset: its asset folder and scale (3,)."""
+
+    folder: Path
+    scale: Array
 
 
 @dataclass(frozen=True)
@@ -53,6 +62,7 @@ class Recording:
     side: float
     moments: Sequence[Moment]
     room: Room | None = None
+    props: Sequence[Prop] = ()
 
 
 class Studio:
@@ -71,20 +81,24 @@ class Studio:
         """`frames` pictures (HEIGHT, WIDTH, 3), evenly over the recording, from a camera that sees all of it."""
         moments = pick(recording.moments, frames)
         asset = load_asset(self.scene, recording.folder, sapien.Pose(moments[0].asset), True, "asset", recording.scale)
-        self._put(asset, moments[0])
+        props = [
+            load_asset(self.scene, prop.folder, sapien.Pose(pose), True, f"prop_{number}", prop.scale)
+            for number, (prop, pose) in enumerate(zip(recording.props, moments[0].props, strict=True))
+        ]
+        self._put(asset, props, moments[0])
         feet = [_bounds(asset.links), _bounds(self.robot.links[:1])]
         low = min(bounds[0, 2] for bounds in feet)
         about = self._in_room(recording.room, feet[1]) if recording.room else self._alone(feet, low)
         corners = [] if recording.room else [_corners(np.array([[*box[0, :2], low], box[1]])) for box in feet]
         for moment in moments:
-            self._put(asset, moment)
+            self._put(asset, props, moment)
             corners += [_corners(_bounds([link])) for body in (asset, self.robot) for link in _solid(body.links)]
         world_from_camera = self._view(recording, asset, np.concatenate(corners))
         pictures = []
         for moment in moments:
-            self._put(asset, moment)
+            self._put(asset, props, moment)
             pictures.append(self.camera.render(world_from_camera).rgb)
-        for body in (asset, *about):
+        for body in (asset, *props, *about):
             remove(self.scene, body)
         return pictures
 
@@ -120,7 +134,9 @@ class Studio:
         directions = [turn @ (view_direction(recording.side) * scale) for scale in scales]
         return max((frame_all(_corners(around), each / np.linalg.norm(each)) for each in directions), key=seen)
 
-    def _put(self, asset: PhysxArticulation, moment: Moment) -> None:
+    def _put(self, asset: PhysxArticulation, props: Sequence[Body], moment: Moment) -> None:
+        for prop, place in zip(props, moment.props, strict=True):
+            move(prop, sapien.Pose(place))
         poses = (asset, moment.asset, moment.asset_joints), (self.robot, moment.robot, moment.robot_joints)
         for body, pose, joints in poses:
             body.set_root_pose(sapien.Pose(pose))

@@ -186,11 +186,14 @@ class TaskEnv:
             dict(zip((joint.name for joint in body.active_joints), body.get_qpos()[0].tolist(), strict=True))
             for body in (env.agent.robot, env.object)
         ]
-        return Moment(poses[0], joints[0], poses[1], joints[1])
+        return Moment(poses[0], joints[0], poses[1], joints[1], [pose for _, pose in env.props()])
 
     def recording(self, moments: Sequence[Moment]) -> Recording:
         """Moments of this episode with the asset at its size; to be filmed before `close`."""
-        return Recording(self.env.asset_folder, self.env.scales[0], self.env.target.side, moments, self.room)
+        env = self.env
+        props = [prop for prop, _ in env.props()]
+        side = -1.0 if props else env.target.side  # what stands to the robot's left is seen from there
+        return Recording(env.asset_folder, env.scales[0], side, moments, self.room, props)
 
     def close(self) -> None:
         """Free the simulator."""

@@ -22,6 +22,7 @@ from stages.simulation.poses import to_poses
 from stages.simulation.rendering import render_backend
 from stages.simulation.robot import GRIPPER_OPEN, REST, AcdcPanda, ActionScale
 from stages.simulation.room import Room
+from stages.simulation.studio import Prop
 from stages.simulation.target import Target, descends, read_target
 from stages.tasks.cameras import Camera, film_camera, shoulder
 from stages.tasks.initial_state import base_pose, draw_initial_state, nominal_root, object_motion, variant_scale
@@ -280,6 +281,10 @@ class OpenTaskEnv(BaseEnv):
     def movable(self) -> Movable | None:
         """What Pick and Place move, in the first environment; None if the task has nothing of the kind."""
         return None
+
+    def props(self) -> list[tuple[Prop, Array]]:
+        """What films show besides robot and asset, with its pose (4, 4) in the world."""
+        return []
 
     def obstacles(self) -> Array:
         """(N, 3) points on what stands about besides the object, in the robot base frame: a skill keeps clear of it."""

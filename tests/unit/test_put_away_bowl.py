@@ -17,7 +17,8 @@ from stages.simulation.region import headroom, level_region
 from stages.skills.pick.grasps import by_turn, object_cloud, sample_grasps, turn_between
 from stages.skills.place.predicates import DROP, FALL, inside, on_top, sample_placements
 from stages.tasks.api import TaskEnv, make_task
-from stages.tasks.put_away_bowl.bowl import bowl_mesh, default_bowl
+from stages.tasks.put_away_bowl.bowl import default_bowl, seen_mesh
+from stages.tasks.put_away_bowl.environment import with_stand_in_view
 from tests.unit.demo_assets import cabinet
 
 OPTIONS = TaskConfig(scale_variants=1, scale_range=(1.0, 1.0))
@@ -84,7 +85,7 @@ def test_grasps_are_ordered_by_the_turn_of_the_hand_and_taken_the_near_way_round
 
 
 def test_placements_are_upright_inside_the_walls_and_turn_and_fall_least_first() -> None:
-    region, bowl = level_region(tray()), bowl_mesh(default_bowl())
+    region, bowl = level_region(tray()), seen_mesh(default_bowl())
     assert region is not None
     places = inside(region, bowl)
     radius = bowl.extents[0] / 2
@@ -149,6 +150,24 @@ def test_the_bowl_fits_into_the_drawer(tmp_path: Path) -> None:
     cabinet(tmp_path / "door")
     with pytest.raises(InputError, match="has no drawer joint"):
         make_task("put_away_bowl", tmp_path / "door", "door_0_joint", None, OPTIONS, render=False)
+
+
+def test_films_show_bowl_and_stand(task: TaskEnv) -> None:
+    task.place(2)
+    moment = task.moment()
+    recording = task.recording([moment])
+    assert [prop.folder.name.partition("-")[0] for prop in recording.props] == ["bowl", "stand"]
+    assert recording.props[0].scale == pytest.approx(
+        task.env.bowl_meshes[0].extents / seen_mesh(default_bowl()).extents
+    )
+    bowl, stand = moment.props
+    assert 0 < bowl[2, 3] - stand[2, 3] < 0.01 and np.abs(bowl[:2, 3] - stand[:2, 3]).max() < 0.05
+
+
+def test_the_bowl_is_in_view() -> None:
+    wide = with_stand_in_view(TaskConfig(workspace_max=(1.2, 0.5, 0.9)))
+    assert wide.workspace_min == (0.05, -0.6, 0.05) and wide.workspace_max == (1.2, 0.6, 0.95)
+    assert wide.camera_fov == 1.4
 
 
 def test_the_bowl_is_put_away(task: TaskEnv) -> None:

@@ -9,8 +9,9 @@ import trimesh
 
 from stages.articulated.asset_folder import Description, read_model, write_asset
 from stages.procedural.folder import LICENCE
-from stages.procedural.model import WOOD, Model
+from stages.procedural.model import WOOD, Model, Part
 from stages.procedural.robot import robot_of
+from stages.procedural.shapes import slab
 from stages.procedural.vessels import hollow
 from stages.simulation.kinematics import Array
 from stages.simulation.region import Region, headroom, level_region
@@ -20,6 +21,8 @@ from stages.simulation.target import Target
 RADIUS, HEIGHT, WALL = 0.065, 0.05, 0.012  # of the default bowl, metres: as of wood, as PhysX lets go of thin walls
 PROFILE = [(0.6 * RADIUS, 0.0), (0.92 * RADIUS, 0.4 * HEIGHT), (RADIUS, HEIGHT)]  # (radius, z) of its outside
 COLOUR = [0.72, 0.45, 0.22]
+STAND = (((0.17, 0.17, 0.02), 0.0), ((0.06, 0.06, 0.5), -0.02))  # boxes: size, height of their tops
+STAND_COLOUR = (0.35, 0.33, 0.31)
 SCALE = (0.85, 1.15)  # of the bowl, uniform
 AROUND, ABOVE = 0.04, 0.015  # metres kept free beside a bowl in a drawer, and above it
 
@@ -27,17 +30,29 @@ AROUND, ABOVE = 0.04, 0.015  # metres kept free beside a bowl in a drawer, and a
 @cache
 def default_bowl() -> Path:
     """Folder of the bowl that is used unless another is given; made once and kept between runs."""
-    key = hashlib.sha256(repr((PROFILE, WALL, COLOUR, WOOD)).encode()).hexdigest()[:16]
-    folder = cache_folder() / f"bowl-{key}"
+    return _made("bowl", hollow(PROFILE, WALL, COLOUR, COLOUR, WOOD))
+
+
+@cache
+def stand() -> Path:
+    """Folder of what the bowl stands on: a plate on a column, its top at z = 0."""
+    boxes = [slab((0, 0, top - size[2] / 2), size) for size, top in STAND]
+    return _made("stand", [Part(box, STAND_COLOUR) for box in boxes])
+
+
+def _made(name: str, parts: list[Part]) -> Path:
+    """Folder of an asset of these parts, in the cache; its name is a key of them."""
+    shapes = [(part.mesh.vertices.round(6).tolist(), part.colour, part.density) for part in parts]
+    folder = cache_folder() / f"{name}-{hashlib.sha256(repr(shapes).encode()).hexdigest()[:16]}"
     if not (folder / "asset.json").exists():
-        model = Model(hollow(PROFILE, WALL, COLOUR, COLOUR, WOOD), symmetry="full", placement="object")
-        write_asset(robot_of(model, "bowl"), folder, Description("bowl", "bowl", LICENCE, "procedural"))
+        model = Model(parts, placement="object")
+        write_asset(robot_of(model, name), folder, Description(name, name, LICENCE, "procedural"))
     return folder
 
 
 @cache
-def bowl_mesh(folder: Path) -> trimesh.Trimesh:
-    """What is seen of a bowl, in its own frame at its own size; what collides is in pieces, with faces inside."""
+def seen_mesh(folder: Path) -> trimesh.Trimesh:
+    """What is seen of an asset of one body, in its own frame at its own size; what collides may have faces inside."""
     visuals = [visual.mesh for link in read_model(folder).links.values() for visual in link.visuals]
     mesh = trimesh.util.concatenate(visuals)
     assert isinstance(mesh, trimesh.Trimesh)

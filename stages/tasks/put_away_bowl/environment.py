@@ -11,29 +11,38 @@ import trimesh
 from mani_skill.utils.structs import Actor
 from numpy.typing import NDArray
 
+from stages.config.task import TaskConfig
 from stages.contracts.errors import InputError
 from stages.geometry.frames import apply, inverse, rigid, yaw_matrix
 from stages.simulation.kinematics import Array
 from stages.simulation.loading import ParsedAsset
 from stages.simulation.poses import to_poses
 from stages.simulation.region import Region
+from stages.simulation.studio import Prop
 from stages.skills.clearance import surface_points
 from stages.tasks.cameras import WRIST, Camera, other_shoulder, shoulder
 from stages.tasks.environment import OpenTaskEnv
 from stages.tasks.initial_state import nominal_root
 from stages.tasks.movable import Movable
 from stages.tasks.put_away_bowl import TASK
-from stages.tasks.put_away_bowl.bowl import bowl_mesh, default_bowl, drawer_floor, drawn_scale, fitting_scale
+from stages.tasks.put_away_bowl.bowl import default_bowl, drawer_floor, drawn_scale, fitting_scale, seen_mesh
+from stages.tasks.put_away_bowl.bowl import stand as stand_folder
 
 SHUT = 0.1  # of the drawer's range: this far or less it counts as shut again
 CLEARANCE = 0.07  # metres that the drawer is opened further than the bowl is wide
 SINK, RISE = 0.01, 0.04  # metres around the height at which the bowl stands on the drawer's floor
-STAND = (((0.17, 0.17, 0.02), 0.0), ((0.06, 0.06, 0.5), -0.02))  # boxes: size, height of their tops
-STAND_POINTS = np.concatenate(
-    [np.add(surface_points(trimesh.creation.box(size), 400), (0, 0, top - size[2] / 2)) for size, top in STAND]
-)
-BEFORE, BESIDE, BELOW = 0.45, 0.42, 0.12  # of the stand's top: out from the closed handle, to the robot's left, lower
+SEEN = ((0.05, -0.6, 0.05), (1.0, 0.6, 0.95))  # workspace in the base frame that has the stand in it
+FIELD_OF_VIEW = 1.4  # radians, with the stand in view of both shoulders' cameras
+STAND_POINTS = 800  # that skills keep clear of
+BEFORE, BESIDE, BELOW = 0.44, 0.38, 0.12  # of the stand's top: out from the closed handle, to the robot's left, lower
 STAND_XY, STAND_Z, BOWL_XY = 0.04, 0.05, 0.015  # uniform +/- metres, of the stand and of the bowl on it
+
+
+def with_stand_in_view(options: TaskConfig) -> TaskConfig:
+    """The options with cameras and workspace as wide as the stand beside the robot needs."""
+    low, high = np.minimum(options.workspace_min, SEEN[0]), np.maximum(options.workspace_max, SEEN[1])
+    wide = {"workspace_min": tuple(low.tolist()), "workspace_max": tuple(high.tolist())}
+    return options.model_copy(update={**wide, "camera_fov": max(options.camera_fov, FIELD_OF_VIEW)})
 
 
 class PutAwayBowlEnv(OpenTaskEnv):
@@ -48,9 +57,15 @@ class PutAwayBowlEnv(OpenTaskEnv):
     simulation_frequency = 200  # at 100 the fingers sink 2 mm into what they hold, and a thin wall slips out
     robot_shift = (0.07, 0.0, 0.12)  # room for the hand before the handle of the opened drawer, and above the drawer
 
-    def __init__(self, *args: Any, bowl: str | Path | None = None, **kwargs: Any) -> None:
+    def __init__(
+        self,
+        *args: Any,
+        bowl: str | Path | None = None,
+        options: TaskConfig | dict[str, Any] | None = None,
+        **kwargs: Any,
+    ) -> None:
         self.bowl_folder = Path(bowl) if bowl else default_bowl()
-        super().__init__(*args, **kwargs)
+        super().__init__(*args, options=with_stand_in_view(TaskConfig.model_validate(options or {})), **kwargs)
 
     def cameras(self) -> Sequence[Camera]:
         return [shoulder(self.options), other_shoulder(self.options), WRIST]
@@ -63,22 +78,19 @@ class PutAwayBowlEnv(OpenTaskEnv):
     def _load_scene(self, options: dict[str, Any]) -> None:
         self._parsed_bowl: ParsedAsset | None = None
         super()._load_scene(options)
-        stand = self.scene.create_actor_builder()
-        look = sapien.render.RenderMaterial(base_color=[0.35, 0.33, 0.31, 1.0])
-        for size, top in STAND:
-            pose, half = sapien.Pose([0, 0, top - size[2] / 2]), np.array(size) / 2
-            stand.add_box_collision(pose, half)
-            stand.add_box_visual(pose, half, material=look)
-        stand.initial_pose = sapien.Pose([0, -5, 0])
-        self.stand: Actor = stand.build_kinematic("stand")
+        builder = self._parse("stand", stand_folder(), fixed=True).builder()
+        builder.initial_pose = sapien.Pose([0, -5, 0])
+        self.stand: Actor = builder.build_kinematic("stand")
+        self._stand_points = surface_points(seen_mesh(stand_folder()), STAND_POINTS)
 
     def _load_object(self, scales: Array) -> None:
         """The asset, and a bowl that its drawer can hold, in every environment."""
         super()._load_object(scales)
-        self._parsed_bowl = self._parsed_bowl or self._parse_bowl()
-        mesh = bowl_mesh(self.bowl_folder)
+        self._parsed_bowl = self._parsed_bowl or self._parse("bowl", self.bowl_folder, fixed=False)
+        mesh = seen_mesh(self.bowl_folder)
         self.floors: list[Region] = []
         self.bowl_meshes: list[trimesh.Trimesh] = []
+        self.bowl_scales: list[float] = []
         bowls = []
         for index, (target, scale) in enumerate(zip(self.targets, scales, strict=True)):
             floor = drawer_floor(target)
@@ -87,6 +99,7 @@ class PutAwayBowlEnv(OpenTaskEnv):
             drawn = drawn_scale(np.array(self.asset.size) * scale)
             factor = round(min(drawn, fitting_scale(mesh.extents, floor, target)), 3)
             self.floors.append(floor)
+            self.bowl_scales.append(factor)
             self.bowl_meshes.append(mesh.copy().apply_scale(factor))
             builder = self._parsed_bowl.builder(np.full(3, factor))
             builder.initial_pose = sapien.Pose([0, 5, 0])
@@ -94,10 +107,10 @@ class PutAwayBowlEnv(OpenTaskEnv):
             bowls.append(builder.build(name="bowl" if len(scales) == 1 else f"bowl_{index}"))
         self.bowl: Actor = bowls[0] if len(bowls) == 1 else Actor.merge(bowls, name="bowl")
 
-    def _parse_bowl(self) -> ParsedAsset:
+    def _parse(self, name: str, folder: Path, fixed: bool) -> ParsedAsset:
         loader = self.scene.create_urdf_loader()
-        loader.name = "bowl"
-        return ParsedAsset(loader, self.bowl_folder, fixed=False)
+        loader.name = name
+        return ParsedAsset(loader, folder, fixed)
 
     def _exchange_object(self, scales: Array) -> None:
         self.scene.remove_from_state_dict_registry(self.bowl)
@@ -161,7 +174,17 @@ class PutAwayBowlEnv(OpenTaskEnv):
 
     def obstacles(self) -> Array:
         """(N, 3) points on the stand, and on what else stands about, in the robot base frame."""
-        return np.concatenate([super().obstacles(), apply(self._in_base(self.stand), STAND_POINTS)])
+        return np.concatenate([super().obstacles(), apply(self._in_base(self.stand), self._stand_points)])
+
+    def props(self) -> list[tuple[Prop, Array]]:
+        """Bowl and stand."""
+        return [
+            (Prop(folder, np.full(3, scale)), np.asarray(actor.pose[0].sp.to_transformation_matrix(), dtype=float))
+            for folder, scale, actor in (
+                (self.bowl_folder, self.bowl_scales[0], self.bowl),
+                (stand_folder(), 1.0, self.stand),
+            )
+        ]
 
     def _in_base(self, actor: Actor) -> Array:
         """(4, 4) pose of an actor of the first environment in the robot base frame."""
