@@ -46,9 +46,10 @@ rule export_policy:
     params:
         command=command("training", "export"),
         code=lambda wildcards: code("training", "export", *modules(CONFIG.training.runs[wildcards.run], "policy")),
+        action=CONFIG.evaluation.action,
         policy=subpath(input.policy, parent=True),
     shell:
-        "{params.command} --policy {params.policy:q} --out {output.folder:q} 2>&1 | tee {log:q}"
+        "{params.command} --policy {params.policy:q} --action {params.action} --out {output.folder:q} 2>&1 | tee {log:q}"
 
 
 rule exports:

@@ -9,6 +9,7 @@ from stages.contracts.errors import InputError
 from stages.contracts.files import atomic, write_json
 from stages.contracts.policy_folder import read_config
 from stages.plugins import qualified
+from stages.policies import Choice
 from stages.policies.checkpoint import load_policy, save_weights
 
 LAYOUT = {
@@ -18,13 +19,14 @@ LAYOUT = {
 }
 
 
-def run(*, policy: Path, out: Path, checkpoint: str = "best") -> None:
+def run(*, policy: Path, out: Path, checkpoint: str = "best", action: Choice = "sharpened") -> None:
     """Write weights.safetensors, policy.json and loader.py, which needs torch and safetensors alone.
 
     Args:
         policy: folder of the policy (training train).
         out: folder to write.
         checkpoint: best, last, or the name of one of `checkpoints` in config.json.
+        action: by which mode of the mixture it acts, as in `evaluation.action`.
     """
     config = read_config(policy)
     module = qualified("policies", config.run.policy)
@@ -32,7 +34,7 @@ def run(*, policy: Path, out: Path, checkpoint: str = "best") -> None:
     if source(f"{module}.portable") is None:
         raise InputError(policy, f"a policy '{config.run.policy}' has no portable form.", f"write {module}.portable")
     code = importlib.import_module(f"{module}.portable")
-    weights, about = code.portable(load_policy(policy, checkpoint))
+    weights, about = code.portable(load_policy(policy, checkpoint), action)
     options = config.task_options
     about |= {
         "layout": LAYOUT,

@@ -14,6 +14,7 @@ from stages.config.training import NetworkConfig, TrainingRun
 from stages.contracts import InputError, write_json
 from stages.contracts.trained import TrainedPolicy, TrainingStore
 from stages.policies.bc_rnn_gmm import Policy
+from stages.policies.bc_rnn_gmm.loader import PortablePolicy
 from stages.policies.checkpoint import load_policy, save_weights
 from stages.training.export import run
 
@@ -45,6 +46,8 @@ def trained(folder: Path, run: TrainingRun) -> Path:
     policy.proprio_std.uniform_(0.5, 2, generator=random)
     policy.cloud_mean.normal_(generator=random)
     policy.cloud_std.fill_(0.3)
+    with torch.no_grad():
+        policy.head.bias[0] += 0.8  # a mode that is heavier than the others
     for name in ("policy", "last"):
         save_weights(folder / f"{name}.safetensors", policy.state_dict())
     parameters = sum(parameter.numel() for parameter in policy.parameters())
@@ -66,7 +69,7 @@ def test_the_loader_acts_as_our_actor(tmp_path: Path) -> None:
     for number, network in enumerate(NETWORKS):
         folder = trained(tmp_path / f"policy_{number}", TrainingRun(network=network, rnn_horizon=3))
         exported.append(tmp_path / f"out_{number}")
-        run(policy=folder, out=exported[-1])
+        run(policy=folder, out=exported[-1], action="most_likely")
         actor = load_policy(folder, "best").actor(1, "most_likely")
         actor.reset(0, 0)
         ours.append([actor.act([0], [cloud], [own])[0] for cloud, own in zip(clouds, proprio, strict=True)])
@@ -75,6 +78,23 @@ def test_the_loader_acts_as_our_actor(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     assert np.array(json.loads(done.stdout)) == pytest.approx(np.array(ours), abs=1e-5)
     assert np.ptp(ours, axis=1).min() > 1e-4, "actions that change say more"
+
+
+def test_modes_are_drawn_by_the_square_of_their_weight_unless_told_otherwise(tmp_path: Path) -> None:
+    network = NetworkConfig(points=40, gmm_modes=2)
+    folder = trained(tmp_path / "policy", TrainingRun(network=network))
+    cloud, proprio = torch.rand(40, 4).round(decimals=1), torch.zeros(9)
+    with torch.no_grad():
+        mixture = load_policy(folder, "best")(cloud[None, None], proprio[None, None])  # type: ignore[operator]
+    torch.manual_seed(0)
+    for action, power in (("sharpened", 2.0), ("sample", 1.0)):
+        run(policy=folder, out=tmp_path / action, **({} if power == 2.0 else {"action": action}))  # type: ignore[arg-type]
+        policy = PortablePolicy(str(tmp_path / action))
+        drawn = []
+        for _ in range(400):
+            policy.past.clear()
+            drawn.append(torch.allclose(policy(cloud, proprio), mixture.means[0, 0, 0], atol=1e-4))
+        assert np.mean(drawn) == pytest.approx(float((power * mixture.logits[0, 0]).softmax(0)[0]), abs=0.06)
 
 
 def test_the_loader_is_short_and_names_what_it_reads(tmp_path: Path) -> None:

@@ -27,4 +27,4 @@ class PortablePolicy:
         x = self.lstm(torch.stack(self.past))[0][-1]
         for i in range(self.about["head_layers"]):
             x = linear(relu(x) if i else x, self.weights[f"head.{i}.weight"], self.weights[f"head.{i}.bias"])
-        return x[self.about["modes"] :].view(-1, 7)[x[: self.about["modes"]].argmax()].tanh()  # of the likeliest mode
+        return x[(n := self.about["modes"]) :].view(-1, 7)[torch.multinomial(x[:n].softmax(0), 1)[0]].tanh()  # a mode

@@ -5,12 +5,18 @@ from typing import Any
 import torch
 from torch import Tensor, nn
 
+from stages.policies import Choice
 from stages.policies.bc_rnn_gmm.network import ACTION, BcRnnGmm
 
+POWERS: dict[Choice, float] = {"sample": 1.0, "sharpened": 2.0, "most_likely": 1e4}  # of the weights of the modes
 
-def portable(policy: BcRnnGmm) -> tuple[dict[str, Tensor], dict[str, Any]]:
-    """Weights by name, and the sizes and conventions that the loader reads. Standard deviations are left out: the
-    loader takes the mean of the likeliest mode."""
+
+def portable(policy: BcRnnGmm, choose: Choice) -> tuple[dict[str, Tensor], dict[str, Any]]:
+    """Weights by name, and the sizes and conventions that the loader reads.
+
+    The loader draws a mode by its weight and takes its mean: standard deviations are left out, and the power to which
+    weights are raised is folded into the last layer, as a factor of their logits.
+    """
     network, points = policy.network, policy.pointnet
     head = [stage[0] for stage in policy.mlp.children() if isinstance(stage, nn.Sequential)] + [policy.head]
     weights = {f"lstm.{name}": tensor for name, tensor in policy.lstm.state_dict().items()}
@@ -26,7 +32,9 @@ def portable(policy: BcRnnGmm) -> tuple[dict[str, Tensor], dict[str, Any]]:
             weights |= {f"{name}.{i}.weight": layer.weight, f"{name}.{i}.bias": layer.bias}
     kept = network.gmm_modes * (1 + ACTION)
     for kind in ("weight", "bias"):
-        weights[f"head.{len(head) - 1}.{kind}"] = weights[f"head.{len(head) - 1}.{kind}"][:kept]
+        last = weights[f"head.{len(head) - 1}.{kind}"][:kept].detach().clone()
+        last[: network.gmm_modes] *= POWERS[choose]
+        weights[f"head.{len(head) - 1}.{kind}"] = last
     return {name: tensor.detach().clone() for name, tensor in weights.items()}, {
         "points": network.points,
         "gripper_frame": float(network.cloud_frame == "gripper"),
