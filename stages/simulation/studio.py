@@ -183,7 +183,7 @@ def _solid(links: Sequence[Link]) -> list[Link]:
 
 def _bounds(links: Sequence[Link]) -> Array:
     """(2, 3) lowest and highest corner of a box around links, in the world."""
-    boxes = np.array([link.compute_global_aabb_tight() for link in _solid(links)])
+    boxes = np.array([link.get_global_aabb_fast() for link in _solid(links)])  # the tight ones err on stretched hulls
     return np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
 
 
