@@ -12,6 +12,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from stages.articulated.asset_folder import read_asset
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.config.task import TaskConfig
@@ -19,33 +21,14 @@ from stages.contracts import Library, read_json
 from stages.demonstrations.attempt import Recorder
 from stages.demonstrations.film import write_demonstration_films
 from stages.plugins import load
-from stages.tasks.api import Size, TaskEnv, make_task
+from stages.tasks.api import Size, make_task
 
-FIELDS = [
-    "asset",
-    "category",
-    "joint",
-    "handle",
-    "hinge",
-    "seed",
-    "success",
-    "cause",
-    "retries",
-    "steps",
-    "opened",
-    "seconds",
-]
-FIRST_SEED = 900_000  # nothing else uses these
+FIELDS = ("asset", "category", "joint", "handle", "hinge", "seed", "success", "cause", "retries", "steps", "opened")
 
 
-def hinge_of(task: TaskEnv) -> str:
-    """Where the hinge is, seen from the front; 'slide' for a drawer."""
-    target = task.env.target
-    if not target.revolute:
-        return "slide"
-    if abs(target.axis[2]) > 0.5:
-        return "left" if target.side > 0 else "right"
-    return "bottom" if target.origin[2] < target.reference[2] else "top"
+def seeds(asset: str, count: int) -> list[int]:
+    """Initial states of an asset, others than those of any other."""
+    return np.random.default_rng((900, *asset.encode())).integers(0, 2**31, count).tolist()
 
 
 def joints(folder: Path, task: str) -> list[str]:
@@ -58,21 +41,21 @@ def joints(folder: Path, task: str) -> list[str]:
 
 
 def attempts(
-    folder: Path, task: str, joint: str, size: Size | None, seeds: list[int], options: DemonstrationsConfig
+    folder: Path, task: str, joint: str, size: Size | None, states: list[int], options: DemonstrationsConfig
 ) -> Iterator[Any]:
     """A line of the ledger per seed."""
     asset = read_asset(folder)
     world = make_task(task, folder, joint, size, TaskConfig(), render=False)
-    handle = next(item.handle for item in asset.joints if item.name == joint)
+    opened = next(item for item in asset.joints if item.name == joint)
     recorder = Recorder(world, options)
-    for seed in seeds:
+    for seed in states:
         episode, outcome = recorder.attempt(seed)
         yield {
             "asset": asset.id,
             "category": asset.category,
             "joint": joint,
-            "handle": handle,
-            "hinge": hinge_of(world),
+            "handle": opened.handle,
+            "hinge": opened.panel.hinge if opened.panel else "",
             "seed": seed,
             "success": int(outcome.success),
             "cause": outcome.cause,
@@ -143,9 +126,8 @@ def main() -> None:
                 continue
             folder = given.library.parent / entry.folder
             for joint in joints(folder, given.task):
-                seeds = [FIRST_SEED + number for number in range(given.attempts)]
-                seeds = [seed for seed in seeds if (entry.id, joint, seed) not in seen]
-                for row in attempts(folder, given.task, joint, size, seeds, options) if seeds else ():
+                states = [seed for seed in seeds(entry.id, given.attempts) if (entry.id, joint, seed) not in seen]
+                for row in attempts(folder, given.task, joint, size, states, options) if states else ():
                     writer.writerow(row)
                     file.flush()
     rows = list(csv.DictReader(ledger.open()))

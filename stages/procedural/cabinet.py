@@ -12,6 +12,7 @@ from stages.procedural.panels import Front, control_panel, pulled_panel
 from stages.procedural.shapes import box, rod
 
 GAP = 0.004  # between neighbouring fronts: siblings collide in PhysX
+SWING = 2.9  # so much more does a door swing out that is stretched by 1.25 in depth and by 0.75 in width
 FRONTS = {"door", "drawer", "flap"}
 
 
@@ -25,7 +26,7 @@ def cabinet(size: Size, parameters: Parameters) -> Model:
     p = p.model_copy(update={"protrusion": out})
     has_panel = any("panel" in line for line in p.layout)
     out = max(out, 0.02 if has_panel else 0.0)
-    overhang = min(p.top, 0.1 * width, out + thick)
+    overhang = min(p.top, 0.1 * width, out + thick) if p.handle != "edge" else 0.0  # would leave no room above the edge
     base = min(p.base_height, 0.3 * height) if p.base != "none" else 0.0
     top = 0.6 * p.top_thickness if overhang else 0.0
     x_front = depth / 2 - out  # front face of the panels
@@ -76,6 +77,9 @@ def _moving(cell: FrontCell, p: CabinetRecipe, x: float, thick: float, x_back: f
         parts = pulled_panel(front, p, "flap", 0.0, glass=p.window)
         origin = (x, sum(front.y) / 2, front.z[0])
         return Moving(f"door_{number}", "door", parts, origin, (0.0, 1.0, 0.0), np.pi / 2, handle)
+    # The rear free corner of a thick door swings beyond its edge, by more if it is stretched: room for it.
+    room = max(0.0, SWING * thick**2 / (2 * front.width) - GAP) / 2
+    front = front._replace(y=(front.y[0] + room * (cell.hinge > 0), front.y[1] - room * (cell.hinge < 0)))
     parts = pulled_panel(front, p, "door", -cell.hinge, glass=p.window)
     edge = front.y[1] if cell.hinge > 0 else front.y[0]
     origin = (x, edge, sum(front.z) / 2)  # front outer edge: the panel never turns into its neighbour

@@ -15,6 +15,7 @@ from stages.config.assets import COUNTS
 from stages.contracts.errors import InputError
 from stages.contracts.library import Recipe
 from stages.procedural import build, generate
+from stages.procedural.cabinet import cabinet
 from stages.procedural.cabinet_recipe import CabinetRecipe
 from stages.procedural.catalogue import CATEGORIES, sample
 from stages.procedural.families import FOUNDERS
@@ -22,6 +23,7 @@ from stages.procedural.front_cells import cells
 from stages.procedural.model import bounds
 from stages.procedural.robot import mass_properties
 from stages.procedural.shapes import bounds_of, cushion, rod, shell_pieces, slab
+from tests.unit.demo_assets import PARAMETERS
 
 CABINETS = ["bottom_cabinet", "wall_cabinet", "sideboard", "wardrobe"]
 SIZES = [None, (0.5, 0.9, 0.7), (1.3, 0.35, 0.4), (0.21, 0.2, 1.9)]
@@ -253,3 +255,17 @@ def test_opened_frames_follow_the_contract(tmp_path: Path) -> None:
     closed, opened = link_frames(robot)[joint.link], link_frames(robot, 1.0)[joint.link]
     turn = closed[:3, :3].T @ opened[:3, :3]
     assert np.degrees(np.arccos((np.trace(turn) - 1) / 2)) == pytest.approx(90, abs=0.1)
+
+
+def test_thick_doors_swing_clear_of_each_other_and_a_top_leaves_room_above_edges() -> None:
+    recipe = {name: value for name, value in PARAMETERS.items() if name != "size"}
+    thick, scale = 0.05, np.array([1.25, 0.75])  # the worst scale of an episode, in depth and width
+    doors = cabinet((0.7, 0.75, 1.7), recipe | {"layout": [["door"], ["door"]], "front_thickness": thick}).moving
+    low, high = sorted(
+        [bounds_of([piece.mesh for piece in door.parts[:1]])[:, 1] * scale[1] for door in doors], key=min
+    )
+    width = high[1] - high[0]
+    farthest = np.hypot(width, thick * scale[0])  # of the rear free corner from the hinge at the front
+    assert high[0] - low[1] > farthest - width
+    flush = cabinet((0.5, 0.75, 0.8), recipe | {"handle": "edge", "top": 0.03})
+    assert len(flush.base) == len(cabinet((0.5, 0.75, 0.8), recipe | {"handle": "edge", "top": 0.0}).base)
