@@ -4,7 +4,7 @@ Every claim compares one number of the policies trained on most cousins with tha
 the interval of the difference lies on its side, it does not hold if it lies on the other, else it cannot be said.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -140,7 +140,7 @@ def published_cells(published: pd.DataFrame) -> dict[tuple[str, str], Rates]:
     return dict(found)
 
 
-def most_cousins(sets: Mapping[str, Any]) -> str | None:
+def most_cousins(sets: Iterable[str]) -> str | None:
     """The training set with most cousins."""
     return max((name for name in sets if name.startswith("cousins_")), key=set_key, default=None)
 

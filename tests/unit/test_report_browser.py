@@ -140,6 +140,17 @@ def test_the_first_screen_holds_pictures_and_the_result(opened: tuple[Any, list[
         assert box["y"] + box["height"] < 900, part
 
 
+def test_claims_stand_with_their_verdicts_where_policies_begin(opened: tuple[Any, list[str]]) -> None:
+    page, _ = opened
+    claims = page.locator("#policies #table3_claims tbody tr")
+    verdicts = [
+        row.locator("td").first.locator("span").first.evaluate("(e) => e.firstChild.data") for row in claims.all()
+    ]
+    assert claims.count() == 4 and verdicts == ["cannot be said", "holds", "cannot be said", "cannot be said"]
+    table = page.locator("#table3_claims .scroll")
+    assert table.evaluate("(e) => e.scrollWidth <= e.clientWidth")  # nothing of it is out of sight
+
+
 def test_ranks_and_slider_by_keyboard(opened: tuple[Any, list[str]]) -> None:
     page, complaints = opened
     compare = page.locator("#compare-first")

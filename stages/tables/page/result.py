@@ -6,6 +6,7 @@ from typing import Any
 import pandas as pd
 from markupsafe import Markup
 
+from stages.tables.claims import most_cousins
 from stages.tables.markup import points, span
 from stages.tables.order import set_key, task_key, title
 from stages.tables.page.charts import success_chart
@@ -15,7 +16,7 @@ from stages.tables.table3 import BASELINE, TRAINED, UNSEEN
 
 @dataclass(frozen=True)
 class Result:
-    """Of one task: a chart, and a sentence per training set that was compared with the twin."""
+    """Of one task: a chart, and a sentence on the training set of most cousins against the twin."""
 
     title: str
     chart: Markup
@@ -52,7 +53,9 @@ def results(pooled: pd.DataFrame | None, gains: pd.DataFrame | None) -> list[Res
         counts = _counts(cells)
         rows = [] if gains is None else records(gains[(gains["task"] == task) & (gains["test_asset"] == UNSEEN)])
         rows = [row for row in rows if row["training_set"] in counts and BASELINE in counts]
-        verdicts = [verdict(row, counts) for row in sorted(rows, key=lambda row: set_key(row["training_set"]))]
+        rows = sorted(rows, key=lambda row: set_key(row["training_set"]))
+        most = most_cousins([row["training_set"] for row in rows])  # the others stand in the tables
+        verdicts = [verdict(row, counts) for row in rows if row["training_set"] == most or most is None]
         label = f"{title(task)}: success by test asset and training set, with intervals; the numbers are in Table 3"
         made.append(Result(title(task), success_chart(cells, label), verdicts))
     return made
