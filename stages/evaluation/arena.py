@@ -52,10 +52,14 @@ class Arena:
     def test(
         self, network: TrainablePolicy, assets: list[TaskAsset], states: list[int], reel: Reel | None = None
     ) -> Played:
-        """One episode per initial state, the assets taking turns; of the first one some are filmed on the `reel`."""
+        """One episode per initial state, the assets taking turns; of the first one some are filmed on the `reel`.
+
+        Of more assets than states some are left out, evenly over the list.
+        """
+        turns = min(len(assets), len(states))
         played: dict[int, tuple[TaskAsset, RolloutEpisode]] = {}
-        for turn, asset in enumerate(assets[: len(states)]):
-            shared = states[turn :: len(assets)]
+        for turn in range(turns):
+            asset, shared = assets[turn * len(assets) // turns], states[turn::turns]
             episodes = self.episodes(network, asset, shared, None if turn else reel)
             played |= {state: (asset, episode) for state, episode in zip(shared, episodes, strict=True)}
         return [played[state] for state in states]

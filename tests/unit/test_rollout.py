@@ -9,6 +9,7 @@ import pytest
 from PIL import Image
 from pydantic import BaseModel
 
+from stages.config.evaluation import RolloutOptions
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json, read_rows, write_json
 from stages.contracts.films import Films
@@ -194,6 +195,14 @@ def test_the_assets_of_the_training_take_turns(folder: Path, tmp_path: Path, rol
     assert {row["dino_distance"] for row in rows} == {"0.0", "7.25"}
     films = read_json(Films, tmp_path / "films" / "films.json").films
     assert {(film.role, film.asset) for film in films} == {("trained", "a")}
+
+
+@pytest.mark.usefixtures("toy_simulator")
+def test_of_more_assets_than_rollouts_some_are_left_out_evenly(folder: Path) -> None:
+    stage = arena.Arena(folder / "policy", folder / "task.json", folder / "library.json", RolloutOptions(envs=2), "cpu")
+    many = [stage.plan.assets[0].model_copy(update={"distance": float(number)}) for number in range(7)]
+    played = stage.test(stage.network("last"), many, [1, 2, 3])
+    assert [asset.distance for asset, _ in played] == [0.0, 2.0, 4.0] and [e.seed for _, e in played] == [1, 2, 3]
 
 
 @pytest.mark.usefixtures("toy_simulator")
