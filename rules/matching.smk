@@ -43,6 +43,7 @@ rule match:
         image=scene_image,
         library=rules.library.output.library,
         features=lambda wildcards: features_of(wildcards.variant),
+        snapshots=expand(rules.snapshots.output.images, shard=SHARDS),
     output:
         cousins="results/matching/{variant}/{scene}/cousins.json",
     log:
@@ -61,7 +62,8 @@ rule match:
         options=options("matching", "match"),
     shell:
         "({params.command} --objects {input.objects:q} --image {input.image:q} --library {input.library:q} "
-        "--features {input.features:q} --options {params.options:q} --out {output.cousins:q} && "
+        "--features {input.features:q} --snapshots {input.snapshots:q} --options {params.options:q} "
+        "--out {output.cousins:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
 
 

@@ -7,7 +7,10 @@ from typing import Any
 from pydantic import Field, model_validator
 
 from stages.config.base import OWN, Section
+from stages.config.vlm import VlmConfig
 from stages.plugins import short
+
+WORDLESS = {"distance", "votes"}  # judges that ask no language model
 
 
 class HogConfig(Section):
@@ -111,12 +114,14 @@ class MatchingConfig(ComparisonOptions):
     model_selection: str = Field(
         "distance",
         json_schema_extra={"kind": "judges"},
-        description="What ranks the models: embedding distance (A.6, B.1) or votes (A.6, official code).",
+        description="What ranks the models: embedding distance (A.6, B.1), votes (A.6, official code), or a "
+        "language model among the k_model nearest (B.1).",
     )
     orientation_selection: str = Field(
         "distance",
         json_schema_extra={"kind": "judges"},
-        description="What ranks the orientations: embedding distance (B.1) or votes (official code).",
+        description="What ranks the orientations: embedding distance (B.1), votes (official code), or a language model "
+        "among the k_ori nearest (B.1).",
     )
     articulated_only: bool = Field(True, description="Seek articulated objects among articulated assets only (A.7).")
     count_threshold: int | None = Field(
@@ -126,7 +131,9 @@ class MatchingConfig(ComparisonOptions):
         "Widened, and noted, if no asset is left. null: off.",
     )
     clip: PretrainedConfig = Field(PretrainedConfig(), description="The text encoder `clip`.")
+    vlm: VlmConfig = Field(VlmConfig(), description="The judge `vlm`: a language model (docs/vlm.md).")
 
     def unread(self) -> set[str]:
-        """The options of encoders that are not used."""
-        return super().unread() | {"clip"} - {self.text_encoder}
+        """The options of encoders and judges that are not used; a judge of the user's may ask a language model, too."""
+        silent = {self.model_selection, self.orientation_selection} <= WORDLESS
+        return super().unread() | {"clip"} - {self.text_encoder} | ({"vlm"} if silent else set())

@@ -24,4 +24,5 @@ def outside(config: Config) -> list[str]:
 
 
 def _weights(options: MatchingConfig) -> list[str]:
-    return [path for path in (options.dinov2.path, options.clip.path) if path]
+    used = [options.dinov2.path, options.clip.path, "" if "vlm" in options.unread() else options.vlm.ledger]
+    return [path for path in used if path]

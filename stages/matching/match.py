@@ -13,6 +13,7 @@ from stages.matching.encoders import PatchEncoder, make_encoder, settings_digest
 from stages.matching.judges import Judges
 from stages.matching.ranking import make_query, rank_cousins
 from stages.matching.scene import Scene
+from stages.matching.snapshots import Snapshots
 from stages.matching.store import FeatureStore
 from stages.matching.text_encoders import TextEncoder, make_text_encoder
 
@@ -24,6 +25,7 @@ def run(
     library: Path,
     features: list[Path],
     out: Path,
+    snapshots: tuple[Path, ...] = (),
     options: str = "{}",
 ) -> None:
     """Write cousins.json.
@@ -34,6 +36,7 @@ def run(
         library: library.json of the assets stage.
         features: feature stores of all shards (.npy).
         out: cousins.json to write.
+        snapshots: shards of snapshots (.h5), for judges that look at pictures.
         options: JSON of the config section `matching`.
     """
     settings = read_options(MatchingConfig, options)
@@ -42,13 +45,16 @@ def run(
     assets = read_library(library, store)
     scene = Scene(objects, image)
     text = make_text_encoder(settings)
-    judges = Judges(settings, library)
-    entries = [
-        match_object(item, scene, assets, store, encoder, text, judges, settings)
-        for item in progress(scene.objects.objects, "objects matched", len(scene.objects.objects))
-    ]
+    with Snapshots(snapshots) as pictures:
+        judges = Judges(settings, library, pictures)
+        entries = [
+            match_object(item, scene, assets, store, encoder, text, judges, settings)
+            for item in progress(scene.objects.objects, "objects matched", len(scene.objects.objects))
+        ]
     result = Cousins(scene=scene.objects.scene, encoder=settings.encoder, objects=entries)
     write_json(out, result)
+    for line in judges.summaries():
+        print(line)
 
 
 def read_library(path: Path, store: FeatureStore) -> Library:
@@ -81,7 +87,8 @@ def match_object(
     candidates = find_candidates(item, library, text, options)
     if not candidates.assets:
         return _failed(item, "no candidate: the library has no asset with doors or drawers")
-    return rank_cousins(query, candidates, item, view, store, judges, options)
+    question = judges.question(view, item.label, f"{scene.objects.scene}/{item.id}")
+    return rank_cousins(query, candidates, item, question, store, judges, options)
 
 
 def _failed(item: SceneObject, reason: str) -> ObjectCousins:

@@ -1,7 +1,6 @@
 """`cousins.png`: each object's crop beside its cousins in the orientation chosen for them."""
 
 from collections.abc import Sequence
-from contextlib import ExitStack
 from pathlib import Path
 
 import cv2
@@ -12,7 +11,7 @@ from PIL import Image, ImageDraw, ImageFont
 from stages.contracts import Cousins, InputError, atomic
 from stages.matching.crop import View, cut
 from stages.matching.scene import Scene
-from stages.matching.snapshots import SnapshotFile
+from stages.matching.snapshots import Snapshots
 
 TILE, CAPTION, MARGIN = 128, 32, 6
 SHOWN = 8  # cousins per row
@@ -27,8 +26,7 @@ def write_picture(path: Path, result: Cousins, scene: Scene, snapshots: Sequence
     step_x, step_y = TILE + MARGIN, TILE + CAPTION + MARGIN
     page = Image.new("RGB", (columns * step_x + MARGIN, rows * step_y + MARGIN), PAPER)
     draw, font = ImageDraw.Draw(page), ImageFont.load_default(size=11)
-    with ExitStack() as stack:
-        shards = [stack.enter_context(SnapshotFile(shard)) for shard in snapshots]
+    with Snapshots(snapshots) as shards:
         items = {item.id: item for item in scene.objects.objects}
         for row, entry in enumerate(result.objects):
             y = MARGIN + row * step_y
@@ -43,7 +41,7 @@ def write_picture(path: Path, result: Cousins, scene: Scene, snapshots: Sequence
                 draw.text((MARGIN + step_x, y + TILE // 2), f"failed: {entry.reason}", INK, font)
             for column, cousin in enumerate(entry.cousins[:SHOWN], 1):
                 x = MARGIN + column * step_x
-                tile = _snapshot(shards, cousin.asset, cousin.orientation.yaw)
+                tile = shards.picture(cousin.asset, cousin.orientation.yaw)
                 page.paste(Image.fromarray(_fit(tile)), (x, y))
                 yaw = f"{np.degrees(cousin.orientation.yaw):.0f}°"
                 draw.text((x, y + TILE + 2), f"{cousin.asset}\n{cousin.distance:.3f}  {yaw}", INK, font)
@@ -72,10 +70,3 @@ def _fit(picture: Picture) -> Picture:
 def _counts(doors: int, drawers: int) -> str:
     counts = {"door": doors, "drawer": drawers}
     return ", ".join(f"{number} {name}{'s' if number > 1 else ''}" for name, number in counts.items() if number)
-
-
-def _snapshot(shards: Sequence[SnapshotFile], asset: str, yaw: float) -> Picture:
-    for shard in shards:
-        if asset in shard:
-            return shard.picture(asset, yaw)
-    raise InputError("--snapshots", f"no shard holds {asset}.", "give the snapshots that the features were made from")

@@ -13,11 +13,12 @@ from stages.contracts.objects import SceneObject
 from stages.matching.candidates import Candidates
 from stages.matching.crop import View
 from stages.matching.encoders import PatchEncoder
-from stages.matching.judges import Judges, Question
+from stages.matching.judges import AbstainedError, Judges, Question
 from stages.matching.search import distance_table
 from stages.matching.store import FeatureStore, Snapshot
 from stages.matching.voting import Pick, embedding_distance, vote
 
+BY_DISTANCE = "distance"  # what decides where a judge does not
 DIGITS = 4  # of distances: beyond them backends differ, so what is equal up to here is a tie
 
 
@@ -117,30 +118,43 @@ def rank_cousins(
     query: Query,
     candidates: Candidates,
     item: SceneObject,
-    view: View,
+    question: Question,
     store: FeatureStore,
     judges: Judges,
     options: MatchingConfig,
 ) -> ObjectCousins:
-    """Ranked cousins of one object, each with its own orientation, as the judges decide."""
-    question = Question(view, item.label, judges.library)
+    """Ranked cousins of one object, each with its own orientation, as the judges decide, or by distance."""
+    notes = [candidates.note] if candidates.note else []
+    decided_by, orientation_decided_by = judges.model_name, judges.orientation_name
     by_votes, by_distance = rank_models(query, candidates.assets, store, options)
-    chosen = judges.of_models.models(question, by_votes, by_distance)
+    try:
+        chosen = judges.of_models.models(question, by_votes, by_distance)
+    except AbstainedError as abstained:
+        chosen = abstained.chosen + [one for one in by_distance if one not in abstained.chosen]
+        decided_by = decided_by if abstained.chosen else BY_DISTANCE
+        notes.append(f"models from {len(abstained.chosen) + 1} on by distance: {abstained.reason}")
     cousins = []
     for number, candidate in enumerate(chosen[: options.k_cousins], 1):
-        rankings = rank_orientations(query, candidate.asset, store, options)
-        orientations = judges.of_orientations.orientations(question, candidate.asset, *rankings)[: options.k_ori]
+        voted, near = rank_orientations(query, candidate.asset, store, options)
+        asked = question._replace(rank=number)
+        try:
+            orientations = judges.of_orientations.orientations(asked, candidate.asset, voted, near)
+        except AbstainedError as abstained:
+            orientations = abstained.chosen + [one for one in near if one not in abstained.chosen]
+            orientation_decided_by = BY_DISTANCE if number == 1 and not abstained.chosen else orientation_decided_by
+            notes.append(f"orientation of {candidate.asset} by distance: {abstained.reason}")
+        orientations = orientations[: options.k_ori]
         cousins.append(
             Cousin(rank=number, **candidate.model_dump(), orientation=orientations[0], orientations=orientations)
         )
     return ObjectCousins(
         id=item.id,
         label=item.label,
-        note=candidates.note,
+        note="; ".join(notes),
         categories=candidates.categories,
         by_votes=by_votes,
         by_distance=by_distance,
-        decided_by=options.model_selection,
-        orientation_decided_by=options.orientation_selection,
+        decided_by=decided_by,
+        orientation_decided_by=orientation_decided_by,
         cousins=cousins,
     )

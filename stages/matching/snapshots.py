@@ -1,11 +1,14 @@
 """Reading the snapshots of the assets stage."""
 
+from collections.abc import Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
 
 import numpy as np
 from numpy.typing import NDArray
 
+from stages.contracts import InputError
 from stages.contracts.arrays import readable
 from stages.contracts.snapshot_file import AGAIN, open_snapshots
 from stages.matching.crop import View
@@ -46,6 +49,49 @@ class SnapshotFile:
         with readable(self.path, "snapshot file", AGAIN):
             picture: NDArray[np.uint8] = self._rgb[self._position[asset], int(np.abs(gap).argmin())]
         return picture
+
+
+class Snapshots:
+    """All shards of a library, each opened when it is first looked into: `with Snapshots(paths) as snapshots`."""
+
+    def __init__(self, paths: Sequence[Path]) -> None:
+        self._paths = list(paths)
+        self._open: list[SnapshotFile] = []
+        self._stack = ExitStack()
+
+    def __enter__(self) -> "Snapshots":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._stack.close()
+
+    def picture(self, asset: str, yaw: float) -> NDArray[np.uint8]:
+        """The snapshot (H, W, 3) of an asset nearest to a yaw in radians."""
+        return self._holding(asset).picture(asset, yaw)
+
+    def views(self, asset: str) -> list[View]:
+        """All views of an asset: the yaws, then the representative."""
+        return self._holding(asset).views(asset)
+
+    def _holding(self, asset: str) -> SnapshotFile:
+        """The shard that holds an asset.
+
+        Raises:
+            InputError: none does.
+        """
+        for shard in self._open:
+            if asset in shard:
+                return shard
+        while self._paths:
+            shard = self._stack.enter_context(SnapshotFile(self._paths.pop(0)))
+            self._open.append(shard)
+            if asset in shard:
+                return shard
+        raise InputError(
+            "--snapshots", f"no shard holds {asset}.", "give the snapshots that the features were made from"
+        )
 
 
 def up_of_camera(elevation: float | None) -> NDArray[np.float64] | None:

@@ -1,6 +1,7 @@
 """A small library of ray-traced boxes with panels, their snapshots and a scene: no simulator needed."""
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -159,13 +160,14 @@ class World:
             features(snapshots=snapshots, out=out, options=encoding)
         self.objects = write_scene(folder / "scene", SHOWN)
 
-    def match(self, out: Path, **options: Any) -> Cousins:
+    def match(self, out: Path, snapshots: Sequence[Path] = (), **options: Any) -> Cousins:
         match(
             objects=self.objects,
             image=self.objects.parent / "rgb.png",
             library=self.library,
             features=self.features,
             out=out,
+            snapshots=tuple(snapshots),
             options=json.dumps(self.options | options),
         )
         return read_json(Cousins, out)

@@ -8,6 +8,7 @@ parser = argparse.ArgumentParser()
 for flag in ("--objects", "--image", "--library", "--options", "--out"):
     parser.add_argument(flag, required=True)
 parser.add_argument("--features", nargs="+")
+parser.add_argument("--snapshots", nargs="+")
 given = parser.parse_args()
 scene, library = (json.loads(Path(path).read_text()) for path in (given.objects, given.library))
 

@@ -1,0 +1,75 @@
+"""From the reply of a chat endpoint to a checked answer."""
+
+from typing import Any, TypeVar
+
+from pydantic import BaseModel, ValidationError
+
+from stages.contracts.files import first_error
+
+LONGEST = 20_000  # characters of an answer
+A = TypeVar("A", bound=BaseModel)
+
+
+class UnusableError(Exception):
+    """An answer that says nothing, or nothing that was asked."""
+
+
+def text_of(reply: dict[str, Any]) -> str:
+    """The text of a reply.
+
+    Raises:
+        UnusableError: it was cut off, filtered, refused, or is empty.
+    """
+    try:
+        choice = reply["choices"][0]
+        message = choice["message"]
+        content = message.get("content")
+        refusal, reason = message.get("refusal"), choice.get("finish_reason")
+    except (KeyError, IndexError, TypeError, AttributeError):
+        raise UnusableError("the reply holds no choice with a message") from None
+    if refusal:
+        raise UnusableError("the model declines to answer")
+    if reason == "length":
+        raise UnusableError("the answer is cut off at the largest number of tokens")
+    if reason == "content_filter":
+        raise UnusableError("the server's filter took the answer")
+    if isinstance(content, list):
+        content = "".join(str(part.get("text", "")) for part in content if isinstance(part, dict))
+    if not isinstance(content, str) or not content.strip():
+        raise UnusableError("the answer is empty")
+    if len(content) > LONGEST:
+        raise UnusableError(f"the answer has {len(content)} characters")
+    return content
+
+
+def parsed(text: str, answer: type[A]) -> A:
+    """The JSON object in a text (in a fence or after thoughts, as some models write), checked by its model.
+
+    Raises:
+        UnusableError: there is none, or it is none that was asked for.
+    """
+    said = text.rpartition("</think>")[2]
+    start, end = said.find("{"), said.rfind("}")
+    if start < 0 or end < start:
+        raise UnusableError("the answer holds no JSON object")
+    try:
+        return answer.model_validate_json(said[start : end + 1], strict=True)
+    except ValidationError as error:
+        raise UnusableError(f"the answer's JSON: {first_error(error)}") from None
+
+
+def usage_of(reply: dict[str, Any]) -> tuple[int, int] | None:
+    """Tokens sent and received, if the server counts."""
+    usage = reply.get("usage")
+    counts = [usage.get(name) for name in ("prompt_tokens", "completion_tokens")] if isinstance(usage, dict) else []
+    sent, received = counts or (None, None)
+    valid = all(isinstance(count, int) and not isinstance(count, bool) and count >= 0 for count in (sent, received))
+    return (sent, received) if valid and sent is not None and received is not None else None
+
+
+def response_format(kind: str, answer: type[BaseModel]) -> dict[str, Any] | None:
+    """How a server is told to answer in JSON; None: by words alone."""
+    if kind == "json_schema":
+        schema = {"name": "answer", "strict": True, "schema": answer.model_json_schema()}
+        return {"type": kind, "json_schema": schema}
+    return {"type": kind} if kind == "json_object" else None

@@ -1,0 +1,38 @@
+"""Verb `diff`: where two models answered the same questions otherwise."""
+
+from pathlib import Path
+
+from stages.contracts.errors import InputError
+from stages.vlm.ledger import Entry, Ledger
+
+
+def run(*, models: tuple[str, str], ledger: Path = Path("ledger"), other: Path | None = None) -> None:
+    """Print the questions on which two models differ, and how often they agree.
+
+    Args:
+        models: the two, as they are named in the ledger.
+        ledger: folder of the ledger (vlm.ledger).
+        other: folder of the second model's, if it is another.
+    """
+    first, second = _by_question(ledger, models[0]), _by_question(other or ledger, models[1])
+    shared = [question for question in first if question in second]
+    if not shared:
+        raise InputError(ledger, f"{models[0]} and {models[1]} were asked nothing in common.", "see `cost` for models")
+    pairs = [(first[question], second[question]) for question in shared]
+    differ = [(one, two) for one, two in pairs if said(one) != said(two)]
+    for one, two in sorted(differ, key=lambda pair: pair[0].about):
+        print(f"{one.about}: {said(one)} | {said(two)}")
+    print(f"{len(shared) - len(differ)} of {len(shared)} answers agree; {models[0]} | {models[1]}")
+
+
+def _by_question(folder: Path, model: str) -> dict[str, Entry]:
+    """A model's entries by what was asked; the last by key, should its options differ."""
+    return {entry.question: entry for entry in Ledger(folder).entries() if entry.model == model}
+
+
+def said(entry: Entry) -> str:
+    """An answer in a few words: reasons left out, choices by what they stand for."""
+    if entry.answer is None:
+        return f"({entry.problem or 'no answer'})"
+    values = {name: entry.names.get(str(value), value) for name, value in entry.answer.items() if name != "reason"}
+    return ", ".join(str(value) for value in values.values())

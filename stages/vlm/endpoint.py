@@ -1,0 +1,171 @@
+"""One request to a chat endpoint, sent again while the server is busy; what cannot be mended by waiting is said."""
+
+import json
+import os
+import time
+from collections.abc import Callable
+from datetime import UTC, datetime
+from email.message import Message
+from email.utils import parsedate_to_datetime
+from http.client import HTTPException
+from typing import Any
+from urllib.error import HTTPError
+from urllib.request import HTTPRedirectHandler, Request, build_opener
+
+from stages.config.vlm import VlmConfig
+from stages.contracts.errors import InputError
+
+LARGEST = 1_000_000  # bytes of a reply; answers are short
+BUSY = {408, 409, 425, 429, 500, 502, 503, 504, 529}
+SHOWN = 300  # characters of what a server says
+
+
+class UnreachedError(Exception):
+    """The server gave no reply, however often it was asked."""
+
+
+class RefusedError(Exception):
+    """The server does not take this request (400, 413, 422 ...)."""
+
+    def __init__(self, status: int, message: str) -> None:
+        self.status, self.message = status, message
+        super().__init__(f"HTTP {status}: {message}")
+
+
+class OversizedError(Exception):
+    """The reply is longer than any answer."""
+
+
+class _NoRedirect(HTTPRedirectHandler):
+    """A redirect would carry the key to another host."""
+
+    def redirect_request(self, *_: Any) -> None:
+        return None
+
+
+class Endpoint:
+    """`url`/chat/completions, with the key of the environment."""
+
+    def __init__(self, options: VlmConfig, sleep: Callable[[float], None] = time.sleep) -> None:
+        self.options, self._sleep = options, sleep
+        self._opener = build_opener(_NoRedirect)
+
+    def key(self) -> str:
+        """The key; empty if none is asked for.
+
+        Raises:
+            InputError: the variable is not set, or holds what cannot be sent.
+        """
+        name = self.options.key_env
+        key = os.environ.get(name, "").strip() if name else ""
+        where = f"environment variable {name}"
+        if name and not key:
+            mend = "export it; or vlm.key_env: '' for a server without keys, or vlm.mode: replay"
+            raise InputError(where, "is not set, and the ledger lacks a call.", mend)
+        if not (key.isascii() and key.isprintable()):
+            raise InputError(where, "holds characters that no key has.", "set it to the key and nothing else")
+        return key
+
+    def post(self, body: dict[str, Any], allow: Callable[[], None]) -> dict[str, Any]:
+        """The reply to a request; `allow` is called before every attempt, and may raise.
+
+        Raises:
+            UnreachedError, RefusedError, OversizedError: see there.
+            InputError: key, model or address are wrong, or the account is empty: no other request would do better.
+        """
+        why, wanted = "", None
+        for attempt in range(self.options.attempts):
+            if attempt:
+                self._sleep(self._pause(attempt, wanted))
+            allow()
+            wanted = None
+            try:
+                return self._once(body)
+            except HTTPError as error:
+                said = self._said(error)
+                self._give_up(error.code, said)
+                wanted, why = _asked_for(error.headers), f"HTTP {error.code}: {said}".rstrip(": ")
+            except TimeoutError:
+                why = f"no reply within {self.options.timeout:g} s"
+            except (OSError, HTTPException, ValueError) as error:
+                why = f"{type(error).__name__}: {self.hidden(str(getattr(error, 'reason', error)))}"[:SHOWN]
+        raise UnreachedError(why)
+
+    def _once(self, body: dict[str, Any]) -> dict[str, Any]:
+        """One attempt."""
+        headers = {"Content-Type": "application/json", "Accept": "application/json"}
+        if key := self.key():
+            headers["Authorization"] = f"Bearer {key}"
+        data = json.dumps(body, ensure_ascii=False).encode()
+        request = Request(f"{self.options.url}/chat/completions", data, headers, method="POST")
+        end = time.monotonic() + self.options.timeout
+        content = b""
+        with self._opener.open(request, timeout=self.options.timeout) as response:
+            while chunk := response.read1(1 << 16):
+                content += chunk
+                if len(content) > LARGEST:
+                    raise OversizedError(f"a reply of more than {LARGEST} bytes")
+                if time.monotonic() > end:
+                    raise TimeoutError
+            if len(content) < int(response.headers.get("Content-Length") or 0):
+                raise HTTPException("the reply is cut off")
+        try:
+            reply = json.loads(content)
+        except (ValueError, RecursionError):
+            raise HTTPException("the reply is no JSON") from None
+        if not isinstance(reply, dict):
+            raise HTTPException("the reply is no JSON object")
+        return reply
+
+    def _give_up(self, status: int, said: str) -> None:
+        """Say what waiting does not mend."""
+        where, key = self.options.url, f"the key in {self.options.key_env}" if self.options.key_env else "a key"
+        if status in (401, 403):
+            raise InputError(where, f"refuses {key} (HTTP {status}).", "set another, see vlm.key_env") from None
+        if status in (404, 405):
+            raise InputError(where, f"HTTP {status}: {said}", "correct vlm.url or vlm.model") from None
+        if status == 402 or "insufficient_quota" in said:
+            raise InputError(where, f"HTTP {status}: the account has nothing left.", "pay, or use another") from None
+        if 300 <= status < 400:
+            raise InputError(where, f"answers with a redirect (HTTP {status}).", "give its target as vlm.url") from None
+        if status not in BUSY:
+            raise RefusedError(status, said) from None
+
+    def _pause(self, attempt: int, wanted: float | None) -> float:
+        """Seconds before an attempt: what the server asks for, or twice the last pause."""
+        pause = self.options.wait * 2 ** (attempt - 1) if wanted is None else wanted
+        return min(pause, self.options.longest_wait)
+
+    def _said(self, error: HTTPError) -> str:
+        """What the server says of an error, in one line."""
+        try:
+            text = error.read(1 << 16).decode("utf-8", "replace")
+        except (OSError, HTTPException):
+            return ""
+        try:
+            content = json.loads(text)
+            told = content.get("error", content)
+            if isinstance(told, dict):
+                told = " ".join(str(told[name]) for name in ("code", "message") if told.get(name))
+            text = str(told)
+        except (ValueError, AttributeError, RecursionError):
+            pass
+        return " ".join(self.hidden(text).split())[:SHOWN]
+
+    def hidden(self, text: str) -> str:
+        """Text without the key, should a server repeat it."""
+        key = os.environ.get(self.options.key_env, "").strip() if self.options.key_env else ""
+        return text.replace(key, "***") if key else text
+
+
+def _asked_for(headers: Message) -> float | None:
+    """Seconds that a server asks to wait: `Retry-After` as a number or a date."""
+    text = headers.get("Retry-After", "")
+    try:
+        return max(0.0, float(text)) if text else None
+    except ValueError:
+        pass
+    try:
+        return max(0.0, (parsedate_to_datetime(text) - datetime.now(UTC)).total_seconds())
+    except (ValueError, TypeError):
+        return None

@@ -1,0 +1,125 @@
+"""The ledger: one JSON file per question and model, named by what was asked. What is in it is never asked again."""
+
+import fcntl
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, Literal, NamedTuple
+
+from stages.contracts.errors import InputError
+from stages.contracts.files import Contract, Document, read_json, write_json
+from stages.contracts.types import Count, NonNegative, Text
+
+AGAIN = "delete the file, and it is asked again"
+
+
+class Exchange(Contract):
+    """One request that was replied to, or a run of those that were not."""
+
+    requests: Count  # sent, with those to a busy server
+    text: str = ""  # of the answer, cut to a readable length
+    problem: str = ""  # why it cannot be used; empty: it can
+    served_by: str = ""  # the model that the server names
+    tokens_in: Count = 0
+    tokens_out: Count = 0
+    estimated: bool = False  # the tokens, by us: the server told none
+
+
+class Entry(Document):
+    """What one model was asked, what it said, and what that cost."""
+
+    key: Text
+    question: Text  # digest of `asked`, equal for all models
+    model: Text
+    settings: dict[str, Any]
+    about: str = ""  # for people
+    names: dict[str, str] = {}  # what the choices stand for
+    asked: list[str]
+    exchanges: list[Exchange]
+    outcome: Literal["answered", "unusable", "unreached", "open"]  # open: it was stopped in the middle
+    answer: dict[str, Any] | None = None
+    cost: NonNegative
+
+    @property
+    def requests(self) -> int:
+        """Requests sent."""
+        return sum(exchange.requests for exchange in self.exchanges)
+
+    @property
+    def tokens(self) -> tuple[int, int]:
+        """Tokens sent and received."""
+        return sum(one.tokens_in for one in self.exchanges), sum(one.tokens_out for one in self.exchanges)
+
+    @property
+    def problem(self) -> str:
+        """Why there is no answer."""
+        return self.exchanges[-1].problem if self.exchanges else ""
+
+
+class Spent(NamedTuple):
+    """Requests and their cost."""
+
+    requests: int
+    cost: float
+
+
+class Ledger:
+    """A folder of entries, which several processes may write into."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self._seen: dict[str, tuple[tuple[int, int], Spent]] = {}
+
+    def find(self, key: str) -> Entry | None:
+        """The entry of a key.
+
+        Raises:
+            InputError: its file is damaged, or is about something else.
+        """
+        path = self.path(key)
+        if not path.is_file():
+            return None
+        entry = read_json(Entry, path, AGAIN)
+        if entry.key != key:
+            raise InputError(path, "holds another call than its name says.", AGAIN)
+        return entry
+
+    @contextmanager
+    def asking(self, key: str) -> Iterator[None]:
+        """Held while a key is looked up and asked, so that no two jobs pay for the same call."""
+        self.folder.mkdir(parents=True, exist_ok=True)
+        with (self.folder / ".lock").open("wb") as file:
+            fcntl.lockf(file, fcntl.LOCK_EX, 1, int(key[:12], 16))  # one byte per key; freed with the file
+            yield
+
+    def write(self, entry: Entry) -> None:
+        """Keep an entry, in the place of what was known of its key."""
+        write_json(self.path(entry.key), entry)
+
+    def path(self, key: str) -> Path:
+        """File of a key."""
+        return self.folder / f"{key}.json"
+
+    def entries(self) -> Iterator[Entry]:
+        """All entries, by key."""
+        for path in sorted(self.folder.glob("[0-9a-f]*.json")):
+            yield read_json(Entry, path, AGAIN)
+
+    def spent(self) -> Spent:
+        """Sums over the whole ledger; files that did not change are not read again."""
+        if not self.folder.is_dir():
+            return Spent(0, 0.0)
+        with os.scandir(self.folder) as files:
+            found = sorted((file.name, file.stat()) for file in files if _is_entry(file.name))
+        for name, stat in found:
+            stamp = (stat.st_mtime_ns, stat.st_size)
+            if name not in self._seen or self._seen[name][0] != stamp:
+                entry = read_json(Entry, self.folder / name, AGAIN)
+                self._seen[name] = (stamp, Spent(entry.requests, entry.cost))
+        sums = [self._seen[name][1] for name, _ in found]
+        return Spent(sum(one.requests for one in sums), sum(one.cost for one in sums))
+
+
+def _is_entry(name: str) -> bool:
+    return name.endswith(".json") and not name.startswith(".")
