@@ -77,6 +77,7 @@ rule score:
     """Compare the generated scenes of one room with its truth."""
     input:
         scenes=rules.generate.output.scenes,
+        cousins=rules.match.output.cousins,
         objects=rules.extract.output.objects,
         truth=rules.room.output.truth,
         library=rules.library.output.library,
@@ -97,7 +98,7 @@ rule score:
         check=check(scores="scores"),
     shell:
         "({params.command} --scenes {input.scenes:q} --objects {input.objects:q} --truth {input.truth:q} "
-        "--library {input.library:q} --out {output.scores:q} && "
+        "--library {input.library:q} --cousins {input.cousins:q} --out {output.scores:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
 
 

@@ -177,3 +177,5 @@ class SceneScore(Contract):
     iou: Overlap | None
     oriented_iou: Overlap | None
     stable: bool | None
+    model_judge: str = Field("", description="what chose the model; empty: nothing was matched, or nobody told")
+    orientation_judge: str = Field("", description="what chose the orientation, likewise")

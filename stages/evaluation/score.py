@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from stages.contracts import GeneratedScene, InputError, Library, Objects, Truth, atomic, read_json
+from stages.contracts import Cousins, GeneratedScene, InputError, Library, Objects, Truth, atomic, read_json
 from stages.contracts.policies import SceneScore
 from stages.evaluation.scoring import score_scene
 
@@ -20,7 +20,26 @@ def check_same_scene(scenes: list[GeneratedScene], objects: Objects, truth: Trut
         raise InputError("--scenes, --objects, --truth", f"are of different scenes: {', '.join(sorted(names))}.")
 
 
-def run(*, scenes: tuple[Path, ...], objects: Path, truth: Path, library: Path, out: Path) -> None:
+def judges(cousins: Path | None, scene: str) -> dict[str, dict[str, str]]:
+    """Who decided on model and orientation of each object, as columns of its row.
+
+    Raises:
+        InputError: the cousins are those of another scene.
+    """
+    if cousins is None:
+        return {}
+    found = read_json(Cousins, cousins)
+    if found.scene != scene:
+        raise InputError(cousins, f"is of scene {found.scene}, not of {scene}.")
+    return {
+        item.id: {"model_judge": item.decided_by, "orientation_judge": item.orientation_decided_by}
+        for item in found.objects
+    }
+
+
+def run(
+    *, scenes: tuple[Path, ...], objects: Path, truth: Path, library: Path, out: Path, cousins: Path | None = None
+) -> None:
     """Score the scenes of one room.
 
     Args:
@@ -29,6 +48,7 @@ def run(*, scenes: tuple[Path, ...], objects: Path, truth: Path, library: Path, 
         truth: truth.json of the room.
         library: library.json; the true models must be in it.
         out: scores.csv.
+        cousins: cousins.json that the scenes were made from: it says who decided.
     """
     generated = [read_json(GeneratedScene, path) for path in scenes]
     seen, true = read_json(Objects, objects), read_json(Truth, truth)
@@ -37,7 +57,10 @@ def run(*, scenes: tuple[Path, ...], objects: Path, truth: Path, library: Path, 
     strangers = sorted({item.asset for item in true.objects} - known)
     if strangers:
         raise InputError(truth, f"has assets that {library} lacks: {', '.join(strangers)}.", "render the room again")
-    rows = [row.model_dump() for scene in generated for row in score_scene(scene, seen, true)]
+    decided = judges(cousins, true.scene)
+    rows = [
+        row.model_dump() | decided.get(row.object, {}) for scene in generated for row in score_scene(scene, seen, true)
+    ]
     table = pd.DataFrame(rows, columns=list(SceneScore.model_fields))
     with atomic(out) as path:
         table.to_csv(path, index=False, float_format="%.6g")

@@ -44,17 +44,18 @@ def scenes_table(table: pd.DataFrame, options: TablesConfig) -> Table:
     """Table 2, laid out as in the paper."""
     rows = []
     for row in records(table):
-        head = [Cell(title(row["scene"])), Cell(f"({row['variant']})"), Cell(number(row["scale_m"], 2))]
+        judge = row["judge"] if row["status"] == "run" else ""
+        head = [Cell(title(row["scene"])), Cell(f"({row['variant']})"), Cell(judge), Cell(number(row["scale_m"], 2))]
         kind = "total" if row["scene"] == TOTAL else "" if row["status"] == "run" else "not-run"
         rows.append(Row(head + _score_cells(row), kind))
     variants = ", ".join(variant_title(name) for name in sorted(table["variant"].unique()))
     return Table(
         name="table2",
         caption="Table 2: scene reconstruction in the sim-to-sim setting, scenes of nearest cousins.",
-        columns=["Scene", "Variant", "Scale (m)", "Objects", "Category", "Model", "L2 (cm)", "Ori. (rad)", "Box IoU",
-                 "Oriented IoU"],
+        columns=["Scene", "Variant", "Judge", "Scale (m)", "Objects", "Category", "Model", "L2 (cm)", "Ori. (rad)",
+                 "Box IoU", "Oriented IoU"],
         rows=rows,
-        headers=2,
+        headers=3,
         notes=[
             "Mean ± sample standard deviation over the objects of a scene, "
             f"[{_level(options)} t interval of the mean]. A missed or failed object counts as not correct and has no "

@@ -28,8 +28,8 @@ MAX_BYTES = 12_000_000
 TIMES_PAGE = "times.html"
 STAGES = ["assets", "scenes", "extraction", "matching", "generation", "experiment"]
 STAGES += ["demonstrations", "training", "evaluation", "tables"]
-TEXT = ["scene", "variant", "task", "cloud", "claim", "verdict", "test_asset", "training_set", "baseline", "run"]
-TEXT += ["checkpoint", "asset", "status"]
+TEXT = ["scene", "variant", "judge", "task", "cloud", "claim", "verdict", "test_asset", "training_set", "baseline"]
+TEXT += ["run", "checkpoint", "asset", "status"]
 WHOLE = re.compile(
     r".*_correct|(published_)?n_.*|((baseline|published)_)?runs|(published_)?collapsed|states|episodes"
     r"|(official_)?successes|seed"

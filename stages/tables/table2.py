@@ -13,7 +13,7 @@ from stages.tables.statistics import mean, std, t_interval
 METRICS = ["l2_cm", "orientation_rad", "iou", "oriented_iou"]
 COUNTS = ["category_correct", "model_correct"]
 MOMENTS = [f"{metric}_{moment}" for metric in METRICS for moment in ("mean", "std")]
-COLUMNS = ["scene", "scale_m", "variant", "n_objects", *COUNTS, *MOMENTS]
+COLUMNS = ["scene", "scale_m", "variant", "judge", "n_objects", *COUNTS, *MOMENTS]
 INTERVALS = ["l2_cm_low", "l2_cm_high", "iou_low", "iou_high"]
 PUBLISHED = [f"published_{name}" for name in ["n_objects", *COUNTS, *MOMENTS]]
 ALL_COLUMNS = [*COLUMNS, *INTERVALS, "n_scenes", "n_placed", "n_oriented", "n_stable", *PUBLISHED, "status"]
@@ -29,6 +29,7 @@ def _measured(scores: pd.DataFrame, confidence: float) -> dict[str, Any]:
         "n_oriented": int(scores["orientation_rad"].notna().sum()),
         "n_stable": int((scores["stable"] == True).sum()),  # noqa: E712, None is neither
         "status": "run",
+        "judge": _judge(scores),
     }
     for name in COUNTS:
         cell[name] = int(scores[name].sum())
@@ -38,6 +39,20 @@ def _measured(scores: pd.DataFrame, confidence: float) -> dict[str, Any]:
         ends = np.clip(t_interval(scores[metric], confidence), 0.0, highest)  # no distance is negative
         cell[f"{metric}_low"], cell[f"{metric}_high"] = map(float, ends)
     return cell
+
+
+def _judge(scores: pd.DataFrame) -> str:
+    """Who decided on models and orientations; with counts where several did, as where a judge abstained."""
+    sides = [_counted(scores[f"{what}_judge"]) for what in ("model", "orientation")]
+    return sides[0] if sides[0] == sides[1] else f"{sides[0]}; orientation: {sides[1]}"
+
+
+def _counted(deciders: "pd.Series[str]") -> str:
+    known = deciders[deciders != ""]
+    counts = known.value_counts().sort_index(kind="stable").sort_values(ascending=False, kind="stable")
+    if len(counts) < 2:
+        return "".join(counts.index)
+    return ", ".join(f"{name} {count}/{len(known)}" for name, count in counts.items())
 
 
 def _published_total(rows: list[dict[str, Any]]) -> dict[str, Any]:

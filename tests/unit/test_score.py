@@ -6,8 +6,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from stages.contracts import GeneratedScene, InputError, Library, Objects, Truth, write_json
+from stages.contracts import Cousins, GeneratedScene, InputError, Library, Objects, Truth, write_json
 from stages.contracts.__main__ import main as check_contract
+from stages.contracts.cousins import Cousin, ObjectCousins, Orientation
 from stages.contracts.generated import PlacedObject, Plausibility
 from stages.contracts.library import LibraryEntry
 from stages.contracts.objects import Box, Mounting, SceneObject
@@ -171,6 +172,24 @@ def test_the_table_holds_all_ranks_and_meets_its_contract(tmp_path: Path) -> Non
     assert set(table["rank"]) == {1, 2}
     assert table.l2_cm.isna().sum() == 4
     assert check_contract(["scores", str(tmp_path / "scores.csv")]) == 0
+
+
+def test_rows_say_who_decided(tmp_path: Path) -> None:
+    files = _write(tmp_path)
+    view = Orientation(yaw=0, distance=0)
+    best = Cousin(rank=1, asset="a", category="c", distance=0, votes=None, orientation=view, orientations=[view])
+    judged = ObjectCousins(
+        id="chair_1", label="chair", decided_by="vlm toy", orientation_decided_by="distance", cousins=[best]
+    )
+    write_json(tmp_path / "cousins.json", Cousins(scene="room_t", encoder="hog", objects=[judged]))
+    run(**files, cousins=tmp_path / "cousins.json")
+    table = pd.read_csv(tmp_path / "scores.csv", keep_default_na=False).set_index(["rank", "object"])
+    assert table.loc[(2, "chair_1"), ["model_judge", "orientation_judge"]].tolist() == ["vlm toy", "distance"]
+    assert table.loc[(1, "lamp_1"), "model_judge"] == ""
+    assert check_contract(["scores", str(tmp_path / "scores.csv")]) == 0
+    write_json(tmp_path / "cousins.json", Cousins(scene="other", encoder="hog", objects=[]))
+    with pytest.raises(InputError, match="is of scene other, not of room_t"):
+        run(**files, cousins=tmp_path / "cousins.json")
 
 
 def test_files_of_different_rooms_are_refused(tmp_path: Path) -> None:

@@ -160,6 +160,22 @@ def test_table2_says_not_run_and_knows_other_scenes_and_variants() -> None:
     assert not ((table["scene"] == "kitchen") & (table["status"] == "not run")).any()
 
 
+def test_table2_names_the_judge_of_every_row() -> None:
+    rows = [score(number=n, variant="d", model_judge="vlm toy", orientation_judge="distance") for n in (1, 2)]
+    lost = score(number=4, variant="d", status="failed")  # nobody judged it
+    rows += [lost, score(number=3, variant="d", model_judge="distance", orientation_judge="distance")]
+    rows += [score("room_2", variant="c", model_judge="vlm toy", orientation_judge="vlm toy"), score("room_3")]
+    table = scene_cells(rows)
+    mixed = "vlm toy 2/3, distance 1/3; orientation: distance"
+    for scene in ("room_1", "total"):
+        assert cell(table, scene=scene, variant="d")["judge"] == mixed
+    assert cell(table, scene="room_2", variant="c")["judge"] == "vlm toy"
+    assert cell(table, scene="room_3", variant="b")["judge"] == ""
+    shown = formatting.scenes_table(table, OPTIONS)
+    judges = {row.cells[2].value for row in shown.rows}
+    assert judges == {mixed, "vlm toy", ""}  # rows that were not run have none
+
+
 # Table 3 -------------------------------------------------------------------------------------------------------------
 
 
@@ -231,9 +247,12 @@ def test_verb_without_any_rows_says_not_run(tmp_path: Path) -> None:
     ("text", "complaint"),
     [
         ("", "lacks the column"),
-        ("HEADER\nroom_1,b,one,3.68,o,ok,a,a,True,True,1,1,1,1,True\n", "breaks the SceneScore contract at rank"),
-        ("HEADER\nroom_1,b,1,3.68,o,lost,a,a,True,True,1,1,1,1,True\n", ":2: breaks the SceneScore contract at status"),
-        ("HEADER\nroom_1,b,1,3.68,o,ok,a,a,True,True,1,1,1,1,True,9,9\n", "more or fewer cells than the header"),
+        ("HEADER\nroom_1,b,one,3.68,o,ok,a,a,True,True,1,1,1,1,True,,\n", "breaks the SceneScore contract at rank"),
+        (
+            "HEADER\nroom_1,b,1,3.68,o,lost,a,a,True,True,1,1,1,1,True,,\n",
+            "csv:2: breaks the SceneScore contract at status",
+        ),
+        ("HEADER\nroom_1,b,1,3.68,o,ok,a,a,True,True,1,1,1,1,True,,,9,9\n", "more or fewer cells than the header"),
     ],
 )
 def test_bad_rows_are_named_by_file_line_and_field(tmp_path: Path, text: str, complaint: str) -> None:
