@@ -26,7 +26,9 @@ class VlmConfig(Section):
         "written nowhere.",
     )
     options: dict[str, Any] = Field(
-        {"temperature": 0, "max_tokens": 500}, description="Sent with every request, as they are."
+        {"temperature": 0, "max_tokens": 500},
+        description="Sent with every request, as they are; null: not sent. "
+        "Some models want max_completion_tokens in the place of max_tokens.",
     )
     detail: Literal["auto", "low", "high"] = Field("auto", description="How closely the model looks at a picture.")
     image_size: int = Field(512, ge=32, description="Longest side of the pictures sent; larger ones are reduced.")
@@ -74,4 +76,4 @@ class VlmConfig(Section):
     def _not_ours(cls, options: dict[str, Any]) -> dict[str, Any]:
         if taken := sorted(OURS & set(options)):
             raise ValueError(f"sets {', '.join(taken)}, which the client sets itself")
-        return options
+        return {name: value for name, value in options.items() if value is not None}

@@ -323,6 +323,12 @@ def test_a_damaged_entry_is_named(tmp_path: Path) -> None:
                 ask(asker(tmp_path, server.url))
 
 
+def test_an_option_can_be_taken_out(tmp_path: Path) -> None:
+    with serving(chooses("1")) as server:
+        ask(asker(tmp_path, server.url, options={"max_tokens": None, "max_completion_tokens": 90}))
+        assert "max_tokens" not in server.requests[0] and server.requests[0]["max_completion_tokens"] == 90
+
+
 def test_pictures_are_reduced(tmp_path: Path) -> None:
     with serving(chooses("1")) as server:
         ask(asker(tmp_path, server.url, image_size=32))
