@@ -101,8 +101,8 @@ CASES = [
         "experiment.tasks.door.options.camera_eyes: unknown key. Fix: did you mean 'camera_eye'?",
     ),
     (
-        "experiment: {tasks: {door: {options: {points: 256}}}}",
-        "training.runs.lite.network.points: 384 of experiment.tasks.door.options.points = 256",
+        "experiment: {tasks: {door: {options: {points: 128}}}}",
+        "training.runs.lite.network.points: 192 of experiment.tasks.door.options.points = 128",
     ),
     (
         "experiment: {tasks: {door: {options: {finger_points: 512}}}}",

@@ -38,7 +38,7 @@ def stages(stage: str, verb: str, command: str, *code: str) -> str:
             "matching", "match", "match.sh", ("matching", "generation"),
             {"match", "draw_cousins", "generate", "draw_scenes"},
         ),
-        ("generation", "generate", "generate.py", ("all",), {"all", "select", *SCENES, *POLICIES}),
+        ("generation", "generate", "generate.py", ("all",), {"all", "select", "draw_roles", *SCENES, *POLICIES}),
     ],
     ids=["extraction", "matching", "matching in shell", "generation"],
 )  # fmt: skip
