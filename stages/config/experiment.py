@@ -78,7 +78,9 @@ class ExperimentConfig(Section):
         description="How many of `runs` are trained with all seeds, per task and training set: if there are more, "
         "each is trained with the first seed and tried on the twin, and the best are chosen (paper: 2).",
     )
-    seeds: list[Count] = Field([0], description="Training seeds. The paper: best two hyper-parameter sets x 3 seeds.")
+    seeds: list[Count] = Field(
+        [0, 1], description="Training seeds. The paper: best two hyper-parameter sets x 3 seeds."
+    )
     in_scene: int = Field(
         2,
         ge=0,

@@ -30,6 +30,8 @@ def sentence(row: dict[str, Any]) -> str:
 
 def _sides(claim: str, ours: float, theirs: float) -> str:
     """The two numbers that a claim compares: rates, what is lost away from the twin, or deviations over runs."""
+    if pd.isna(ours) or pd.isna(theirs):
+        return ""
     if claim == "flat":
         return f"{points(ours)} against {points(theirs)}"
     if claim == "steady":
@@ -45,7 +47,9 @@ def why_open(row: dict[str, Any]) -> str:
 
 
 def evidence(row: dict[str, Any]) -> str:
-    """The difference with its interval."""
+    """The difference with its interval; nothing if it cannot be computed (deviations of a single run)."""
+    if pd.isna(row["difference"]):
+        return "–"
     interval = f" [{span(row['low'], row['high'])}]" if row["low"] == row["low"] else ""
     return points(row["difference"]) + interval
 

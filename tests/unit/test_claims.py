@@ -115,6 +115,8 @@ def test_the_papers_own_numbers_stand_beside_ours() -> None:
     assert shown.rows[0].cells[3].remark == "94 % against 92 %" and "paper" in markdown(shown)
     few = claims_table(answers({name: runs[:1] for name, runs in AS_PAPER.items()}).reset_index(), OPTIONS)
     assert few.rows[0].cells[2].remark == "1 run a side, 2 needed"
+    steady = next(row for row in few.rows if "differ less" in row.cells[1].value)
+    assert steady.cells[3].value == "–" and "nan" not in markdown(few)
 
 
 def build(rows: list[Rollout]) -> pd.DataFrame:

@@ -41,7 +41,7 @@ def test_a_task_may_have_rows_with_training_sets_and_options_of_their_own(folder
     far: {task: door, options: {base_xy: 0.01}, training_sets: [cousins_2, all], seeds: [0, 1, 2], episodes: 7}
     drawer: {scene: room_2, object: chest_of_drawers_1, training_sets: [twin]}
     """
-    (folder / "rows.yaml").write_text(f"experiment:\n  training_sets: [twin, cousins_2]\n  tasks:{rows}")
+    (folder / "rows.yaml").write_text(f"experiment:\n  training_sets: [twin, cousins_2]\n  seeds: [0]\n  tasks:{rows}")
     done = dry_run(folder, "evaluation", "-p", "--configfile", "rows.yaml")
     jobs = planned(done.stdout)
     assert jobs["select"] == 3 and jobs["demonstrate"] == 3 + 3 + 1, done.stdout
