@@ -135,7 +135,8 @@ def test_success_is_the_bowl_in_the_drawer_and_the_drawer_shut(task: TaskEnv) ->
         (0.05, np.add(middle, (0, 0.4, 0)), False),
     ):
         put(task, opened, at)
-        assert env.evaluate()["success"].item() is expected
+        found = env.evaluate()  # an open drawer alone, the official criterion of opening, is no success
+        assert found["success"].item() is found["official_success"].item() is expected
     put(task, 0.8, middle)
     assert env.inside().item()  # it moves with the drawer
 

@@ -159,6 +159,11 @@ class PutAwayBowlEnv(OpenTaskEnv):
         there = self.inside() & (self.opened() <= SHUT)
         return there & ~self.agent.is_grasping(self.bowl) if bool(there.any()) else there
 
+    def evaluate(self) -> dict[str, torch.Tensor]:
+        """Success; the official code has no such task, so its criterion (any joint past 10 %) says nothing here."""
+        found = super().evaluate()
+        return found | {"official_success": found["success"]}
+
     def movable(self) -> Movable:
         """The bowl, which belongs inside the drawer."""
         target = self.target
