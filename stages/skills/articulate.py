@@ -1,5 +1,6 @@
 """What Open and Close share (paper A.4): Approach, Converge, Grasp, Articulate, Ungrasp, and again after a miss."""
 
+from abc import abstractmethod
 from dataclasses import dataclass
 
 import numpy as np
@@ -87,17 +88,17 @@ class ArticulateSkill(RetryingSkill):
 
     final = ("no_handle", "no_plan", "timeout", "ungrasp")
 
+    @abstractmethod
     def goal(self, target: Target) -> float:
         """Joint value to move towards."""
-        raise NotImplementedError
 
+    @abstractmethod
     def enough(self) -> bool:
         """Whether the joint has been moved far enough to let go."""
-        raise NotImplementedError
 
+    @abstractmethod
     def done(self) -> bool:
         """Whether the joint is, after letting go, where it was to be."""
-        raise NotImplementedError
 
     def attempt(self, motion: Motion, number: int) -> str:
         """One go from where everything stands; returns what failed or ''."""

@@ -1,5 +1,6 @@
 """The base of our skills: tries once, and again after a miss while there is time."""
 
+from abc import ABC, abstractmethod
 from typing import ClassVar
 
 import numpy as np
@@ -12,7 +13,7 @@ from stages.skills.motion import Motion
 from stages.tasks.api import TaskEnv
 
 
-class RetryingSkill:
+class RetryingSkill(ABC):
     """A subclass says what one attempt is; `final` are the causes after which another is no use."""
 
     final: ClassVar[tuple[str, ...]] = ()
@@ -21,9 +22,9 @@ class RetryingSkill:
         self.task, self.options = task, options
         self._sampled: Surroundings | None = None
 
+    @abstractmethod
     def attempt(self, motion: Motion, number: int) -> str:
         """One go from where everything stands, after `number` others; returns what failed or ''."""
-        raise NotImplementedError
 
     def done(self) -> bool:
         """Whether it has come about after all, though an attempt failed: a flap that goes on by itself."""
