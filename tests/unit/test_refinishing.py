@@ -1,0 +1,34 @@
+"""Another finish changes what is seen of a model and nothing else."""
+
+import numpy as np
+import pytest
+
+from stages.procedural import generate
+from stages.procedural.catalogue import CATEGORIES, sample
+from stages.procedural.model import bounds, parts_of
+from stages.procedural.refinishing import is_colour, refinished
+
+
+@pytest.mark.parametrize("category", sorted(CATEGORIES))
+def test_another_finish_keeps_the_geometry(category: str) -> None:
+    recipe = sample(category, 0, 0)
+    other = refinished(recipe, np.random.default_rng(1))
+    assert other == refinished(recipe, np.random.default_rng(1))
+    changed = {key for key, value in recipe.parameters.items() if other.parameters[key] != value}
+    assert changed == {key for key in recipe.parameters if is_colour(key)}
+    model, painted = generate(recipe), generate(other)
+    assert (bounds(model) == bounds(painted)).all()
+    assert model.symmetry == painted.symmetry
+    parts = list(zip(parts_of(model), parts_of(painted), strict=True))
+    assert all((a.mesh.vertices == b.mesh.vertices).all() and a.density == b.density for a, b in parts)
+    assert any(a.colour != b.colour for a, b in parts)
+
+
+def test_what_was_of_one_colour_stays_so_and_shades_stay_shades() -> None:
+    recipe = sample("bowl", 0, 0)
+    recipe.parameters.update(colour=[0.2, 0.4, 0.6], inside=[0.2, 0.4, 0.6])
+    other = refinished(recipe, np.random.default_rng(0)).parameters
+    assert other["colour"] == other["inside"] != [0.2, 0.4, 0.6]
+    recipe.parameters.update(inside=[0.1, 0.2, 0.3])
+    other = refinished(recipe, np.random.default_rng(0)).parameters
+    assert np.allclose(np.array(other["inside"]) * 2, other["colour"], atol=2e-3)  # type: ignore[arg-type]
