@@ -24,7 +24,7 @@ from stages.contracts.types import (
     check_view,
 )
 
-Symmetry = Literal["none", "half_turn", "quarter_turn", "full"]
+Symmetry = Literal["none", "half_turn", "third_turn", "quarter_turn", "full"]
 Placement = Literal["floor", "object", "wall"]
 HandleKind = Literal["bar", "arch", "knob", "edge"]
 HingeSide = Literal["left", "right", "bottom", "top", "slide"]
@@ -86,7 +86,7 @@ class Asset(Document):
     doors: Panels = 0
     drawers: Panels = 0
     symmetry: Symmetry = Field(
-        "none", description="rotational symmetry about z; all but none are left out of orientation scores"
+        "none", description="rotational symmetry about z: orientation is scored modulo that turn; full has none"
     )
     placement: Placement = "floor"
     recipe: Recipe | None = None

@@ -173,7 +173,8 @@ class SceneScore(Contract):
     category_correct: bool
     model_correct: bool
     l2_cm: NonNegative | None
-    orientation_rad: Angle | None = Field(description="null for symmetric objects")
+    orientation_rad: Angle | None = Field(description="modulo the object's period; null for full symmetry")
+    orientation_paper_rad: Angle | None = Field(description="as the paper counts: null for all symmetric objects")
     iou: Overlap | None
     oriented_iou: Overlap | None
     stable: bool | None

@@ -1,10 +1,9 @@
 """Contracts of the `scenes` stage: what a camera sees (`input/`) and, apart from it, the truth."""
 
-from typing import Literal
-
 from pydantic import Field, model_validator
 
 from stages.contracts.files import Contract, Document
+from stages.contracts.library import Symmetry
 from stages.contracts.objects import Box
 from stages.contracts.types import (
     Angle,
@@ -95,7 +94,7 @@ class TrueObject(Contract):
     position: Position = Field(description="box centre in the room's world frame, metres")
     yaw: Angle = Field(description="rotation of the asset about z, radians")
     size: Size = Field(description="box extents along the asset's axes, metres")
-    symmetry: Literal["none", "half_turn", "quarter_turn", "full"]
+    symmetry: Symmetry
     support: str = Field(description="'floor', 'wall' or the mask value of the object beneath, as text")
 
 

@@ -32,18 +32,21 @@ def score_object(
             "model_correct": False,
             "l2_cm": None,
             "orientation_rad": None,
+            "orientation_paper_rad": None,
             "iou": None,
             "oriented_iou": None,
             "stable": None,
         }
     box, truth = box_in_world(placed, transform), UprightBox(true.position, true.size, true.yaw)
+    turn = angle_difference(box.yaw, truth.yaw, true.symmetry)
     return {
         "status": "ok",
         "asset": placed.asset,
         "category_correct": placed.category == true.category,
         "model_correct": placed.asset == true.asset,
         "l2_cm": 100 * float(np.linalg.norm(np.asarray(box.center) - np.asarray(truth.center))),
-        "orientation_rad": angle_difference(box.yaw, truth.yaw) if true.symmetry == "none" else None,
+        "orientation_rad": turn if true.symmetry != "full" else None,
+        "orientation_paper_rad": turn if true.symmetry == "none" else None,
         "iou": axis_aligned_iou(box, truth),
         "oriented_iou": oriented_iou(box, truth),
         "stable": stable,

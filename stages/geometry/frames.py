@@ -5,7 +5,13 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
 # Smallest turn about z that maps an object onto itself, by `Asset.symmetry`.
-SYMMETRY_PERIOD = {"none": 2 * np.pi, "half_turn": np.pi, "quarter_turn": np.pi / 2, "full": 0.0}
+SYMMETRY_PERIOD = {
+    "none": 2 * np.pi,
+    "half_turn": np.pi,
+    "third_turn": 2 * np.pi / 3,
+    "quarter_turn": np.pi / 2,
+    "full": 0.0,
+}
 
 
 def rounded(vector: ArrayLike) -> tuple[float, float, float]:

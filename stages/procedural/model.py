@@ -13,7 +13,7 @@ from stages.procedural.shapes import bounds_of
 
 Size = tuple[float, float, float]
 Colour = Sequence[float]
-Symmetry = Literal["none", "half_turn", "quarter_turn", "full"]
+Symmetry = Literal["none", "half_turn", "third_turn", "quarter_turn", "full"]
 Placement = Literal["floor", "object", "wall"]
 Parameters = dict[str, Any]  # flat: see contracts.library.Recipe
 

@@ -14,7 +14,8 @@ from stages.contracts.files import read_text
 
 PUBLISHED_2 = [
     "scene", "n_objects", "scale_m", "variant", "category_correct", "model_correct", "l2_cm_mean", "l2_cm_std",
-    "orientation_rad_mean", "orientation_rad_std", "iou_mean", "iou_std", "oriented_iou_mean", "oriented_iou_std",
+    "orientation_paper_rad_mean", "orientation_paper_rad_std", "iou_mean", "iou_std", "oriented_iou_mean",
+    "oriented_iou_std",
 ]  # fmt: skip
 PUBLISHED_3 = ["task", "test_asset", "dino_distance", "training_set", "run", "success_percent"]
 

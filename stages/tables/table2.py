@@ -10,13 +10,15 @@ from stages.tables.order import natural
 from stages.tables.rows import records
 from stages.tables.statistics import mean, std, t_interval
 
-METRICS = ["l2_cm", "orientation_rad", "iou", "oriented_iou"]
+METRICS = ["l2_cm", "orientation_rad", "orientation_paper_rad", "iou", "oriented_iou"]
 COUNTS = ["category_correct", "model_correct"]
 MOMENTS = [f"{metric}_{moment}" for metric in METRICS for moment in ("mean", "std")]
+PUBLISHED_MOMENTS = [name for name in MOMENTS if not name.startswith("orientation_rad")]
 COLUMNS = ["scene", "scale_m", "variant", "judge", "n_objects", *COUNTS, *MOMENTS]
 INTERVALS = ["l2_cm_low", "l2_cm_high", "iou_low", "iou_high"]
-PUBLISHED = [f"published_{name}" for name in ["n_objects", *COUNTS, *MOMENTS]]
-ALL_COLUMNS = [*COLUMNS, *INTERVALS, "n_scenes", "n_placed", "n_oriented", "n_stable", *PUBLISHED, "status"]
+PUBLISHED = [f"published_{name}" for name in ["n_objects", *COUNTS, *PUBLISHED_MOMENTS]]
+ORIENTED = ["n_oriented", "n_oriented_paper"]
+ALL_COLUMNS = [*COLUMNS, *INTERVALS, "n_scenes", "n_placed", *ORIENTED, "n_stable", *PUBLISHED, "status"]
 TOTAL = "total"
 
 
@@ -27,6 +29,7 @@ def _measured(scores: pd.DataFrame, confidence: float) -> dict[str, Any]:
         "n_objects": len(scores),
         "n_placed": int(scores["l2_cm"].notna().sum()),
         "n_oriented": int(scores["orientation_rad"].notna().sum()),
+        "n_oriented_paper": int(scores["orientation_paper_rad"].notna().sum()),
         "n_stable": int((scores["stable"] == True).sum()),  # noqa: E712, None is neither
         "status": "run",
         "judge": _judge(scores),

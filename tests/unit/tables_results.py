@@ -92,7 +92,8 @@ def score(scene: str = "room_1", number: int = 1, **changes: object) -> SceneSco
     values = {
         "scene": scene, "variant": "b", "rank": 1, "scale_m": 3.68, "object": f"object_{number}", "status": "ok",
         "true_asset": f"asset_{number}", "asset": f"asset_{number}", "category_correct": True, "model_correct": True,
-        "l2_cm": 4.0 + number, "orientation_rad": 0.05, "iou": 0.7, "oriented_iou": 0.6, "stable": True,
+        "l2_cm": 4.0 + number, "orientation_rad": 0.05, "orientation_paper_rad": 0.05,
+        "iou": 0.7, "oriented_iou": 0.6, "stable": True,
     }  # fmt: skip
     return SceneScore.model_validate(values | changes)
 
@@ -219,13 +220,14 @@ def write_run(root: Path) -> Path:
 
     scenes = results / "evaluation" / "scenes" / "b"
     lost = {"status": "missed", "asset": "", "category_correct": False, "model_correct": False}
-    lost |= dict.fromkeys(["l2_cm", "orientation_rad", "iou", "oriented_iou", "stable"])
+    lost |= dict.fromkeys(["l2_cm", "orientation_rad", "orientation_paper_rad", "iou", "oriented_iou", "stable"])
     write_rows(
         scenes / "room_1" / "scores.csv",
         [score(number=1), score(number=2, model_correct=False), score(number=3, **lost)],
     )
     write_rows(
-        scenes / "room_2" / "scores.csv", [score("room_2", n, scale_m=3.42, orientation_rad=None) for n in (1, 2)]
+        scenes / "room_2" / "scores.csv",
+        [score("room_2", n, scale_m=3.42, orientation_rad=None, orientation_paper_rad=None) for n in (1, 2)],
     )
     write_rows(results / "evaluation" / "policies" / "door" / "rollouts.csv", rollouts())
 

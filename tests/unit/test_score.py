@@ -119,17 +119,29 @@ def test_a_cousin_a_little_off() -> None:
     assert row.category_correct
     assert not row.model_correct
     assert row.l2_cm == pytest.approx(5.0)
-    assert row.orientation_rad == pytest.approx(0.2)
+    assert row.orientation_rad == row.orientation_paper_rad == pytest.approx(0.2)
     assert row.iou is not None
     assert row.oriented_iou is not None
     assert 0.5 < row.oriented_iou < 0.9
     assert row.stable is False
 
 
-def test_symmetric_objects_have_no_orientation() -> None:
+def test_what_any_turn_maps_onto_itself_has_no_orientation() -> None:
     row = rows()["bowl_1"]
-    assert row.orientation_rad is None
+    assert row.orientation_rad is None and row.orientation_paper_rad is None
     assert not row.category_correct
+
+
+@pytest.mark.parametrize(("symmetry", "turn", "off"), [("third_turn", 2.2, 0.1056), ("half_turn", 3.0, 0.1416)])
+def test_orientation_is_modulo_the_period_and_the_papers_count_leaves_it_out(
+    symmetry: str, turn: float, off: float
+) -> None:
+    scene, seen = scene_and_objects()
+    first = true(1, "cabinet_0", (0.3, 0.0, 0.4), symmetry=symmetry)
+    turned = scene.model_copy(update={"objects": [placed("cabinet_1", first, "cabinet_0", turn=turn)]})
+    row = score_scene(turned, seen, TRUTH.model_copy(update={"objects": [first]}))[0]
+    assert row.orientation_rad == pytest.approx(off, abs=1e-3)
+    assert row.orientation_paper_rad is None
 
 
 def test_missed_and_failed_objects_count_as_wrong() -> None:

@@ -121,7 +121,7 @@ def test_published_policies() -> None:
 
 def test_table2_counts_lost_objects_as_wrong_and_leaves_them_out_of_means() -> None:
     lost = {"status": "missed", "category_correct": False, "model_correct": False, "asset": ""}
-    nothing = dict.fromkeys(["l2_cm", "orientation_rad", "iou", "oriented_iou", "stable"])
+    nothing = dict.fromkeys(["l2_cm", "orientation_rad", "orientation_paper_rad", "iou", "oriented_iou", "stable"])
     other_rank = score(number=4, rank=2, l2_cm=500)
     invented = score(number=5, true_asset="", l2_cm=900)
     table = scene_cells([score(number=1), score(number=3), score(number=9, **lost, **nothing), other_rank, invented])
@@ -132,10 +132,16 @@ def test_table2_counts_lost_objects_as_wrong_and_leaves_them_out_of_means() -> N
     assert row["published_l2_cm_mean"] == 5.27 and row["status"] == "run"
 
 
-def test_table2_symmetric_objects_have_no_orientation() -> None:
-    table = scene_cells([score(number=1, orientation_rad=0.3), score(number=2, orientation_rad=None)])
-    row = cell(table, scene="room_1", variant="b")
-    assert row["orientation_rad_mean"] == pytest.approx(0.3) and row["n_oriented"] == 1
+def test_table2_counts_orientation_twice_modulo_the_period_and_as_the_paper() -> None:
+    scores = [
+        score(number=1, orientation_rad=0.3, orientation_paper_rad=0.3),
+        score(number=2, orientation_rad=0.1, orientation_paper_rad=None),
+        score(number=3, orientation_rad=None, orientation_paper_rad=None),
+    ]
+    row = cell(scene_cells(scores), scene="room_1", variant="b")
+    assert row["orientation_rad_mean"] == pytest.approx(0.2) and row["n_oriented"] == 2
+    assert row["orientation_paper_rad_mean"] == pytest.approx(0.3) and row["n_oriented_paper"] == 1
+    assert row["published_orientation_paper_rad_mean"] == pytest.approx(0.07)
 
 
 def test_table2_total_pools_objects_and_compares_with_the_same_scenes() -> None:

@@ -30,7 +30,7 @@ def rows() -> tuple[list[SceneScore], list[Rollout]]:
         SceneScore(
             scene="room_3", variant="b", rank=1, scale_m=2.91, object=f"cabinet_{k}", status="ok", true_asset=f"a{k}",
             asset=f"a{k}", category_correct=True, model_correct=k > 1, l2_cm=3.0 + k, orientation_rad=0.05 * k,
-            iou=0.7, oriented_iou=0.65, stable=True,
+            orientation_paper_rad=None, iou=0.7, oriented_iou=0.65, stable=True,
         )
         for k in range(1, 6)
     ]  # fmt: skip
