@@ -58,6 +58,8 @@ def index_of(assets: list[Asset]) -> Library:
             folder=f"models/{asset.id}",
             doors=asset.doors,
             drawers=asset.drawers,
+            size=asset.size,
+            placement=asset.placement,
             checksum=asset.checksum,
         )
         for asset in sorted(assets, key=lambda asset: asset.id)

@@ -63,6 +63,9 @@ class EncoderOptions(Section):
         json_schema_extra={"kind": "encoders"},
         description="Patch features. hog: needs no weights. dinov2: the paper's; give dinov2.path.",
     )
+    coverage: float = Field(
+        0.5, gt=0, le=1, description="Least share of a patch that the mask covers for it to be compared."
+    )
     hog: HogConfig = Field(HogConfig(), description="The encoder `hog`.")
     dinov2: Dinov2Config = Field(Dinov2Config(), description="The encoder `dinov2`.")
     own: dict[str, dict[str, Any]] = OWN
@@ -76,8 +79,10 @@ class EncoderOptions(Section):
         given = getattr(self, self.encoder, None)
         if not isinstance(given, Section):
             name = short(self.encoder)
-            return {"encoder": self.encoder, "own": {name: self.own[name]} if name in self.own else {}}
-        return {"encoder": self.encoder, self.encoder: given.model_dump(mode="json", exclude=given.unread())}
+            own: dict[str, Any] = {"own": {name: self.own[name]} if name in self.own else {}}
+        else:
+            own = {self.encoder: given.model_dump(mode="json", exclude=given.unread())}
+        return {"encoder": self.encoder, "coverage": self.coverage} | own
 
     def store(self) -> str:
         """Name of the feature store: two variants share one if it holds the same for both."""
@@ -123,12 +128,42 @@ class MatchingConfig(ComparisonOptions):
         description="What ranks the orientations: embedding distance (B.1), votes (official code), or a language model "
         "among the k_ori nearest (B.1).",
     )
+    symmetric: float = Field(
+        0.0,
+        ge=0,
+        le=1,
+        description="Share, in a distance, of the way back from the picture's patches to the object's (paper: 0).",
+    )
+    colour: float = Field(
+        0.0, ge=0, description="Weight of the patches' colours (Lab, a difference of 30 counts as 1; paper: 0)."
+    )
+    label_weight: float = Field(
+        0.0, ge=0, description="What the distance between label and category adds to a model's distance (paper: 0)."
+    )
+    size_weight: float = Field(
+        0.0, ge=0, description="What a model's own size adds: mean |log ratio| to the object's box (paper: 0)."
+    )
+    place_weight: float = Field(
+        0.0,
+        ge=0,
+        description="What it adds if the object hangs on a wall and the model does not belong there, or the other way "
+        "round, or if furniture would stand on furniture (paper: 0).",
+    )
+    count_weight: float = Field(
+        0.0, ge=0, description="What every door and drawer adds that an articulated model has more or less (paper: 0)."
+    )
     articulated_only: bool = Field(True, description="Seek articulated objects among articulated assets only (A.7).")
     count_threshold: int | None = Field(
         2,
         ge=0,
         description="Largest |d doors| + |d drawers| between an articulated object and its cousin (A.7; paper: 2). "
-        "Widened, and noted, if no asset is left. null: off.",
+        "Widened, and noted, if fewer than least_candidates are left. null: off.",
+    )
+    least_candidates: int = Field(
+        10,
+        ge=1,
+        description="So many candidates an object has if the library has them: else count_threshold is widened, and "
+        "the next nearest categories come in (paper: 1).",
     )
     clip: PretrainedConfig = Field(PretrainedConfig(), description="The text encoder `clip`.")
     vlm: VlmConfig = Field(VlmConfig(), description="The judge `vlm`: a language model (docs/vlm.md).")

@@ -18,11 +18,14 @@ class CategoryMatch(Contract):
 
 
 class Candidate(Contract):
-    """An asset compared with the object by its representative snapshot (paper A.6)."""
+    """An asset compared with the object (paper A.6)."""
 
     asset: Id
     category: Id
     distance: NonNegative = Field(description="DINO distance: mean nearest-patch L2 distance without the worst 10 %")
+    parts: dict[str, NonNegative] = Field(
+        {}, description="what distance is the sum of, by name, if more than patches count: patches, label, size, ..."
+    )
     votes: Count | None = Field(None, description="patches won in its voting round; null: not among the top k_model")
 
 
@@ -41,6 +44,7 @@ class Cousin(Contract):
     asset: Id
     category: Id
     distance: NonNegative
+    parts: dict[str, NonNegative] = {}
     votes: Count | None
     orientation: Orientation
     orientations: list[Orientation] = Field(description="the k_ori nearest views, best first")

@@ -125,6 +125,8 @@ class LibraryEntry(Contract):
     folder: RelativePath = Field(description="asset folder relative to library.json")
     doors: Panels
     drawers: Panels
+    size: tuple[Extent, Extent, Extent] | None = Field(None, description="its closed box; null: not known")
+    placement: Placement | None = Field(None, description="where it belongs; null: not known")
     checksum: str
 
 

@@ -11,39 +11,53 @@ from stages.matching.text_encoders import TextEncoder, nearest_categories
 
 
 class Candidates(NamedTuple):
-    """Assets to compare, the categories they come from, and what had to be relaxed to find any."""
+    """Assets to compare, the categories they come from, and what had to be relaxed to find enough."""
 
     assets: list[LibraryEntry]
     categories: list[CategoryMatch]
     note: str
 
 
+def count_gap(item: SceneObject, entry: LibraryEntry) -> int:
+    """|d doors| + |d drawers| (A.7)."""
+    return abs(entry.doors - item.doors) + abs(entry.drawers - item.drawers)
+
+
 def find_candidates(item: SceneObject, library: Library, text: TextEncoder, options: MatchingConfig) -> Candidates:
     """All assets of the k_cat nearest categories that suit the object.
 
-    An articulated object is sought among assets with doors or drawers, and among those whose counts
-    differ by at most `count_threshold` in all. A threshold that leaves nothing is widened until something
-    is left, which the note says; assets without joints never come in that way.
+    An articulated object is sought among assets with doors or drawers, and among those whose counts differ by at most
+    `count_threshold` in all. Where this leaves fewer than `least_candidates`, the threshold is widened step by step,
+    then the next nearest categories come in, and the note says so; assets without joints never come in that way.
     """
     by_counts = item.articulated and options.count_threshold is not None
     jointed = by_counts or (item.articulated and options.articulated_only)
     pool = [entry for entry in library.assets if not jointed or entry.doors + entry.drawers > 0]
-    nearest = nearest_categories(item.label, [entry.category for entry in pool], options.k_cat, text)
-    categories = [CategoryMatch(category=name, distance=distance) for name, distance in nearest]
-    names = {category.category for category in categories}
-    notes = []
-    if not names and pool:
-        notes.append(f"label '{item.label}' resembles no category, so all were searched")
-        names = {entry.category for entry in pool}
-    assets = [entry for entry in pool if entry.category in names]
-    if not by_counts or not assets:
-        return Candidates(assets, categories, "; ".join(notes))
+    near = nearest_categories(item.label, [entry.category for entry in pool], len(pool), text)
+    ordered = [CategoryMatch(category=name, distance=distance) for name, distance in near]
+    categories = ordered[: options.k_cat]
+    if pool and not categories:
+        note = f"label '{item.label}' resembles no category, so all were searched"
+        assets, notes = _with_counts(item, pool, options) if by_counts else (pool, [])
+        return Candidates(assets, categories, "; ".join([note, *notes]))
+    while len(_of(pool, categories)) < options.least_candidates and len(categories) < len(ordered):
+        categories = ordered[: len(categories) + 1]
+    more = [f"categories widened from {options.k_cat} to {len(categories)}"] if len(categories) > options.k_cat else []
+    assets, notes = _with_counts(item, _of(pool, categories), options) if by_counts else (_of(pool, categories), [])
+    return Candidates(assets, categories, "; ".join(more + notes))
 
-    def gap(entry: LibraryEntry) -> int:
-        return abs(entry.doors - item.doors) + abs(entry.drawers - item.drawers)
 
+def _of(pool: list[LibraryEntry], categories: list[CategoryMatch]) -> list[LibraryEntry]:
+    names = {match.category for match in categories}
+    return [entry for entry in pool if entry.category in names]
+
+
+def _with_counts(
+    item: SceneObject, assets: list[LibraryEntry], options: MatchingConfig
+) -> tuple[list[LibraryEntry], list[str]]:
+    """Assets within `count_threshold`, widened until `least_candidates` are left or all of them; and what to note."""
+    gaps = sorted(count_gap(item, entry) for entry in assets)
     asked = options.count_threshold or 0
-    threshold = max(asked, min(gap(entry) for entry in assets))
-    if threshold > asked:
-        notes.append(f"count_threshold widened from {asked} to {threshold}")
-    return Candidates([entry for entry in assets if gap(entry) <= threshold], categories, "; ".join(notes))
+    threshold = max([asked, *gaps[: options.least_candidates][-1:]])
+    notes = [f"count_threshold widened from {asked} to {threshold}"] if threshold > asked else []
+    return [entry for entry in assets if count_gap(item, entry) <= threshold], notes

@@ -60,7 +60,7 @@ def patch_positions(rows: int, columns: int) -> NDArray[np.float32]:
     return np.stack(np.meshgrid(x, y), axis=-1).astype(np.float32)
 
 
-def foreground(coverage: NDArray[np.float32], rows: int, columns: int) -> NDArray[np.bool_]:
-    """Patches (rows, columns) that the mask covers by half or more; if there are none, those it touches at all."""
+def foreground(coverage: NDArray[np.float32], rows: int, columns: int, least: float = 0.5) -> NDArray[np.bool_]:
+    """Patches (rows, columns) that the mask covers by a share of `least`; if there are none, those it touches."""
     share = cv2.resize(coverage, (columns, rows), interpolation=cv2.INTER_AREA)
-    return share >= 0.5 if (share >= 0.5).any() else share > 0
+    return share >= least if (share >= least).any() else share > 0

@@ -7,7 +7,7 @@ import numpy as np
 from stages.config.matching import ComparisonOptions
 from stages.contracts import Cousins, read_json, read_options, write_json
 from stages.contracts.distances import Distances
-from stages.matching.encoders import make_encoder, settings_digest
+from stages.matching.encoders import column_weights, make_encoder, settings_digest
 from stages.matching.match import read_library
 from stages.matching.ranking import Query, rank, weighted
 from stages.matching.store import FeatureStore, Snapshot
@@ -33,7 +33,7 @@ def run(*, cousins: Path, object: str, library: Path, features: list[Path], out:
     assets = [entry.id for entry in read_library(library, store).assets if entry.doors + entry.drawers]
     matched = read_json(Cousins, cousins)
     item = next((entry for entry in matched.objects if entry.id == object), None)
-    weights = encoder.weights(True)
+    weights = column_weights(encoder, depth=True)
     articulated = set(assets)
     rows = {
         cousin.asset: distances_to(cousin.asset, assets, store, weights, settings)

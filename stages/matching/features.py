@@ -2,13 +2,11 @@
 
 from pathlib import Path
 
-import numpy as np
-
 from stages.cli import progress
 from stages.config.matching import EncoderOptions
 from stages.contracts import read_options
 from stages.contracts.features import FeatureIndex
-from stages.matching.encoders import make_encoder, settings_digest
+from stages.matching.encoders import encode_rows, make_encoder, settings_digest
 from stages.matching.snapshots import SnapshotFile
 from stages.matching.store import write_store
 
@@ -29,9 +27,9 @@ def run(*, snapshots: Path, out: Path, options: str = "{}", batch: int = 0) -> N
     rows, starts = [], [0]
     with SnapshotFile(snapshots) as shard:
         for asset in progress(shard.sidecar.assets, "assets encoded", len(shard.sidecar.assets)):
-            for patches in encoder.encode(shard.views(asset)):
-                rows.append(patches.rows.astype(np.float16))
-                starts.append(starts[-1] + len(rows[-1]))
+            for patches in encode_rows(encoder, shard.views(asset)):
+                rows.append(patches)
+                starts.append(starts[-1] + len(patches))
         index = FeatureIndex(
             encoder=settings.encoder,
             settings=settings_digest(settings, encoder),

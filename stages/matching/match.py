@@ -81,7 +81,7 @@ def match_object(
     if item.status == "failed":
         return _failed(item, f"extraction: {item.reason}")
     view = scene.view(item)
-    query = make_query(view if store.upright else replace(view, up=None), encoder)
+    query = make_query(view if store.upright else replace(view, up=None), encoder, options.colour)
     if query is None:
         return _failed(item, f"no foreground patch: mask {item.mask} has no pixel in masks.png")
     candidates = find_candidates(item, library, text, options)

@@ -8,12 +8,12 @@ from numpy.typing import NDArray
 
 from stages.config.matching import ComparisonOptions, MatchingConfig
 from stages.contracts.cousins import Candidate, Cousin, ObjectCousins, Orientation
-from stages.contracts.library import LibraryEntry
 from stages.contracts.objects import SceneObject
 from stages.matching.candidates import Candidates
 from stages.matching.crop import View
-from stages.matching.encoders import PatchEncoder
+from stages.matching.encoders import PatchEncoder, column_weights, encode_rows
 from stages.matching.judges import AbstainedError, Judges, Question
+from stages.matching.priors import addends
 from stages.matching.search import distance_table
 from stages.matching.store import FeatureStore, Snapshot
 from stages.matching.voting import Pick, embedding_distance, vote
@@ -47,11 +47,14 @@ def weighted(rows: NDArray[np.floating], weights: NDArray[np.float32]) -> NDArra
     return rows[:, used].astype(np.float32) * weights[used]
 
 
-def make_query(view: View, encoder: PatchEncoder) -> Query | None:
-    """Encode an object; normals count if half of its pixels or more have depth. None: it has no foreground patch."""
+def make_query(view: View, encoder: PatchEncoder, colour: float = 0.0) -> Query | None:
+    """Encode an object; normals count if half of its pixels or more have depth. None: it has no foreground patch.
+
+    `colour`: the weight of the patches' colours.
+    """
     known = 0 if view.depth is None else np.count_nonzero(view.depth[view.mask])
-    weights = encoder.weights(bool(2 * known >= np.count_nonzero(view.mask)))
-    rows = encoder.encode([view])[0].rows.astype(np.float16)  # as the other side is stored
+    weights = column_weights(encoder, bool(2 * known >= np.count_nonzero(view.mask)), colour)
+    rows = encode_rows(encoder, [view])[0]  # as the other side is stored
     return Query(weighted(rows, weights), weights) if len(rows) else None
 
 
@@ -62,20 +65,29 @@ def rank(
     store: FeatureStore,
     options: ComparisonOptions,
     rounds: int,
+    symmetric: float = 0.0,
 ) -> Ranking:
-    """Compare the query with snapshots that are grouped, e.g. by model: a group is as near as its nearest snapshot."""
+    """Compare the query with snapshots that are grouped, e.g. by model: a group is as near as its nearest snapshot.
+
+    `symmetric`: share of the way back, from the snapshot's patches to the query's, in a distance.
+    """
     owner = np.asarray(groups, dtype=np.intp)
     nearest = rounds * int(np.bincount(owner).max())  # entries per patch that some round of voting can look at
-    table = distance_table(
+    both_ways = distance_table(
         query.patches,
         lambda number: weighted(store.rows(snapshots[number]), query.weights),
         len(snapshots),
         options.search,
         nearest,
+        both=symmetric > 0,
     )
+    single = (1 - symmetric) * embedding_distance(both_ways.table, options.exclude_worst)
+    if symmetric:
+        back = [embedding_distance(way[:, None], options.exclude_worst)[0] for way in both_ways.backward]
+        single += symmetric * np.array(back)
     distances = np.full(int(owner.max()) + 1, np.inf)
-    np.minimum.at(distances, owner, embedding_distance(table, options.exclude_worst))
-    return Ranking(distances.round(DIGITS), vote(table, owner, rounds))
+    np.minimum.at(distances, owner, single)
+    return Ranking(distances.round(DIGITS), vote(both_ways.table, owner, rounds))
 
 
 def compared_views(store: FeatureStore, options: MatchingConfig) -> list[int]:
@@ -85,19 +97,27 @@ def compared_views(store: FeatureStore, options: MatchingConfig) -> list[int]:
 
 
 def rank_models(
-    query: Query, assets: Sequence[LibraryEntry], store: FeatureStore, options: MatchingConfig
+    query: Query, candidates: Candidates, item: SceneObject, store: FeatureStore, options: MatchingConfig
 ) -> tuple[list[Candidate], list[Candidate]]:
-    """Candidates by votes (the top k_model) and by distance (all of them)."""
-    views = compared_views(store, options)
+    """Candidates by votes (the top k_model) and by distance (all of them), to which priors may add."""
+    views, assets = compared_views(store, options), candidates.assets
     snapshots = [Snapshot(entry.id, view) for entry in assets for view in views]
     groups = [number for number in range(len(assets)) for _ in views]
-    ranking = rank(query, snapshots, groups, store, options, options.k_model)
+    ranking = rank(query, snapshots, groups, store, options, options.k_model, options.symmetric)
     votes = dict(ranking.picks)
-    candidates = [
-        Candidate(asset=entry.id, category=entry.category, distance=float(distance), votes=votes.get(number))
-        for number, (entry, distance) in enumerate(zip(assets, ranking.distances, strict=True))
+    compared = [
+        Candidate(
+            asset=entry.id,
+            category=entry.category,
+            distance=round(float(distance) + sum(more.values()), DIGITS),
+            parts={"patches": float(distance)} | more if more else {},
+            votes=votes.get(number),
+        )
+        for number, (entry, distance, more) in enumerate(
+            zip(assets, ranking.distances, addends(item, candidates, options), strict=True)
+        )
     ]
-    return [candidates[group] for group, _ in ranking.picks], [candidates[group] for group in ranking.nearest]
+    return [compared[group] for group, _ in ranking.picks], sorted(compared, key=lambda one: one.distance)
 
 
 def rank_orientations(
@@ -105,7 +125,8 @@ def rank_orientations(
 ) -> tuple[list[Orientation], list[Orientation]]:
     """Views of an asset by votes (the top k_ori) and by distance (all of them)."""
     views = range(len(store.yaws))
-    ranking = rank(query, [Snapshot(asset, view) for view in views], views, store, options, options.k_ori)
+    snapshots = [Snapshot(asset, view) for view in views]
+    ranking = rank(query, snapshots, views, store, options, options.k_ori, options.symmetric)
     votes = dict(ranking.picks)
     orientations = [
         Orientation(yaw=store.yaws[view], distance=float(ranking.distances[view]), votes=votes.get(view))
@@ -126,7 +147,7 @@ def rank_cousins(
     """Ranked cousins of one object, each with its own orientation, as the judges decide, or by distance."""
     notes = [candidates.note] if candidates.note else []
     decided_by, orientation_decided_by = judges.model_name, judges.orientation_name
-    by_votes, by_distance = rank_models(query, candidates.assets, store, options)
+    by_votes, by_distance = rank_models(query, candidates, item, store, options)
     try:
         chosen = judges.of_models.models(question, by_votes, by_distance)
     except AbstainedError as abstained:

@@ -6,6 +6,7 @@ is an arg-min over the columns that remain, and the embedding distance is a mean
 """
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,29 +14,61 @@ from numpy.typing import NDArray
 from stages.plugins import load
 
 Rows = Callable[[int], NDArray[np.float32]]  # candidate picture -> its patches (P, D)
-# Squared distance (Q, C) of each query patch (Q, D) to the nearest patch of each of C candidate pictures
-Search = Callable[[NDArray[np.float32], Rows, int], NDArray[np.float32]]
+Backward = list[NDArray[np.float32]]
+# search(query patches (Q, D), rows, C, both ways?): squared distance (Q, C) of each query patch to the nearest patch of
+# each of C candidate pictures; and if both are asked, per picture that (P,) of each of its patches to the nearest of
+# the query, else []
+Search = Callable[[NDArray[np.float32], Rows, int, bool], tuple[NDArray[np.float32], Backward]]
 
 TIE = 1e-5  # above the error of a squared distance in float32 (about 1e-6), relative to the squared lengths
 DECIMALS = 9
 
 
+class Distances(NamedTuple):
+    """L2 distances, both ways.
+
+    table: T (Q, C), of every query patch to the nearest patch of every candidate picture. backward: per picture (P,),
+    of each of its patches to the nearest query patch; [] if it was not asked for.
+    """
+
+    table: NDArray[np.float64]
+    backward: list[NDArray[np.float64]]
+
+
 def distance_table(
-    queries: NDArray[np.float32], rows: Rows, count: int, search: str, nearest: int | None = None
-) -> NDArray[np.float64]:
-    """T (Q, count): L2 distance of every query patch (Q, D) to the nearest patch of every candidate picture.
+    queries: NDArray[np.float32],
+    rows: Rows,
+    count: int,
+    search: str,
+    nearest: int | None = None,
+    both: bool = False,
+) -> Distances:
+    """Distances between the query's patches (Q, D) and those of `count` candidate pictures, from one product each.
 
     Float32 rounding differs between backends and could swap near ties. Entries among the `nearest` of a
     patch (default: all) that lie so close together are computed again in float64, and so is what is next
     to 0: all backends then make the same picks, equal pictures tie exactly, a picture has distance 0 to itself.
     """
     squared: Search = load("searches", search)
-    table = np.maximum(squared(queries, rows, count).astype(np.float64), 0.0)
-    doubtful = _doubtful(table, TIE * float((queries.astype(np.float64) ** 2).sum(1).max()), nearest)
+    forward, backward = squared(queries, rows, count, both)
+    table = np.maximum(forward.astype(np.float64), 0.0)
+    tie = TIE * float((queries.astype(np.float64) ** 2).sum(1).max())
+    doubtful = _doubtful(table, tie, nearest)
     for candidate in np.flatnonzero(doubtful.any(axis=0)).tolist():
         again = doubtful[:, candidate]
         table[again, candidate] = _float64_minimum(queries[again], rows(candidate))
-    return np.sqrt(table)
+    return Distances(np.sqrt(table), [_lengths(way, tie, rows(number), queries) for number, way in enumerate(backward)])
+
+
+def _lengths(
+    squared: NDArray[np.float32], tie: float, patches: NDArray[np.float32], queries: NDArray[np.float32]
+) -> NDArray[np.float64]:
+    """Distances (P,) of patches to the query from their squares; those next to 0 are computed again in float64."""
+    exact = np.maximum(squared.astype(np.float64), 0.0)
+    again = exact <= tie
+    if again.any():
+        exact[again] = _float64_minimum(patches[again], queries)
+    return np.sqrt(exact)
 
 
 def _doubtful(table: NDArray[np.float64], tie: float, nearest: int | None) -> NDArray[np.bool_]:

@@ -156,7 +156,9 @@ def test_encoder_text_encoder_search_and_judge(package: Path, tmp_path: Path) ->
     assert [cousin.asset for cousin in first.cousins] == sorted(cousin.asset for cousin in first.cousins)
     assert {category.category for category in first.categories} == {"cabinet"}
     nearest = first.by_distance[0]
-    assert nearest.asset == "cabinet_00" and np.load(world.features[0]).shape[1] == 5
+    assert (
+        nearest.asset == "cabinet_00" and np.load(world.features[0]).shape[1] == 5 + 3
+    )  # and the colour that every row has
 
 
 def test_source(package: Path, tmp_path: Path) -> None:

@@ -90,9 +90,8 @@ LIBRARY = Library(
 def found(item: dict, **options: object) -> Candidates:
     base = {"id": "x_1", "label": "cabinet", "mask": 1}
     text_distance = make_text_encoder(MatchingConfig())
-    return find_candidates(
-        SceneObject.model_validate(base | item), LIBRARY, text_distance, MatchingConfig.model_validate(options)
-    )
+    settings = MatchingConfig.model_validate({"least_candidates": 1} | options)
+    return find_candidates(SceneObject.model_validate(base | item), LIBRARY, text_distance, settings)
 
 
 def names(candidates: Candidates) -> list[str]:
@@ -119,6 +118,17 @@ def test_a_threshold_without_candidates_is_widened_visibly_but_never_to_assets_w
     assert names(many) == ["cabinet_1"] and many.note == "count_threshold widened from 1 to 5"
     table = found({"label": "table", "articulated": True, "drawers": 1})
     assert "table_0" not in names(table) and "resembles no category" in table.note
+
+
+def test_candidates_that_are_too_few_grow_by_counts_and_by_categories_in_order() -> None:
+    two_doors = {"articulated": True, "doors": 2, "drawers": 0}
+    more = found(two_doors, least_candidates=2, k_cat=1)
+    assert names(more) == ["cabinet_0", "cabinet_1"] and more.note == "count_threshold widened from 2 to 4"
+    plain = found({"label": "table cabinet"}, least_candidates=4, k_cat=1)
+    assert [match.category for match in plain.categories] == ["cabinet", "table"]
+    assert names(plain) == ["cabinet_0", "cabinet_1", "cabinet_2", "table_0"]
+    assert plain.note == "categories widened from 1 to 2"
+    assert "table_0" not in names(found(two_doors, least_candidates=10))
 
 
 def test_unknown_label_searches_everything_and_says_so() -> None:

@@ -46,7 +46,7 @@ def test_dinov2_encodes_patches_of_saved_weights(tiny_dinov2: Path) -> None:
     query = make_query(views[0], encoder)
     assert query is not None and query.patches.shape[1] == 16  # position has weight 0: left out
     empty = encoder.encode([replace(views[0], mask=np.zeros_like(views[0].mask))])[0]
-    assert empty.rows.shape == (0, 18)
+    assert empty.features.shape == (0, 16)
 
 
 def test_dinov2_checks_its_weights(tiny_dinov2: Path, tmp_path: Path) -> None:

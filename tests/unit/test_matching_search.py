@@ -44,11 +44,21 @@ def literal_distance(query: NDArray[np.float32], candidate: NDArray[np.float32])
 def test_one_pass_equals_the_literal_loop(search: str) -> None:
     for seed in range(3):
         query, candidates = patches(seed)
-        table = distance_table(query, candidates.__getitem__, len(candidates), search)
+        table = distance_table(query, candidates.__getitem__, len(candidates), search).table
         picks = vote(table, np.arange(len(candidates)), 8)
         assert [tuple(pick) for pick in picks] == literal_votes(query, candidates, 8)
         expected = [literal_distance(query, candidate) for candidate in candidates]
         np.testing.assert_allclose(embedding_distance(table, 0.1), expected, rtol=1e-5)
+
+
+@pytest.mark.parametrize("search", available("searches"))
+def test_the_way_back_is_the_way_there_with_the_parts_swapped(search: str) -> None:
+    query, candidates = patches(4)
+    found = distance_table(query, candidates.__getitem__, len(candidates), search, both=True)
+    for patch, back in zip(candidates, found.backward, strict=True):
+        swapped = distance_table(patch, [query].__getitem__, 1, search).table[:, 0]
+        np.testing.assert_allclose(back, swapped, rtol=1e-5)
+    assert distance_table(query, candidates.__getitem__, len(candidates), search).backward == []
 
 
 def test_backends_agree_pick_for_pick_under_near_ties() -> None:
@@ -57,16 +67,17 @@ def test_backends_agree_pick_for_pick_under_near_ties() -> None:
     rng = np.random.default_rng(6)
     shift = np.float32(3.0)
     copies = [c + shift + rng.normal(size=c.shape).astype(np.float32) * np.float32(3e-7) for c in candidates * 5]
-    plain = [load("searches", name)(query + shift, copies.__getitem__, len(copies)) for name in ("torch", "faiss")]
+    rows, count = copies.__getitem__, len(copies)
+    plain = [load("searches", name)(query + shift, rows, count, False)[0] for name in ("torch", "faiss")]
     assert (plain[0].argmin(axis=1) != plain[1].argmin(axis=1)).any(), "the case is no test: plain float32 agrees"
-    tables = [distance_table(query + shift, copies.__getitem__, len(copies), name) for name in ("torch", "faiss")]
+    tables = [distance_table(query + shift, rows, count, name).table for name in ("torch", "faiss")]
     groups = np.arange(len(copies))
     assert vote(tables[0], groups, 10) == vote(tables[1], groups, 10)
 
 
 def test_equal_pictures_tie_and_the_first_wins() -> None:
     query, candidates = patches(7, candidates=3)
-    table = distance_table(query, [*candidates, *candidates].__getitem__, 6, "torch")
+    table = distance_table(query, [*candidates, *candidates].__getitem__, 6, "torch").table
     np.testing.assert_array_equal(table[:, :3], table[:, 3:])
     assert vote(table, np.arange(6), 1)[0].group < 3
 
@@ -74,8 +85,9 @@ def test_equal_pictures_tie_and_the_first_wins() -> None:
 def test_distance_to_itself_is_exactly_zero() -> None:
     query, candidates = patches(8)
     for search in available("searches"):
-        table = distance_table(query, [query * 7, query, *candidates].__getitem__, 3, search, nearest=1)
-        assert embedding_distance(table, 0.1)[1] == 0.0
+        found = distance_table(query, [query * 7, query, *candidates].__getitem__, 3, search, nearest=1, both=True)
+        assert embedding_distance(found.table, 0.1)[1] == 0.0
+        assert not found.backward[1].any()
 
 
 def test_a_group_wins_once_and_takes_all_its_pictures_along() -> None:

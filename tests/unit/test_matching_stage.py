@@ -35,7 +35,7 @@ def test_models_and_orientations_are_found(world: World, tmp_path: Path, decides
 
 def test_models_are_compared_by_representatives_if_asked(world: World, tmp_path: Path) -> None:
     """The paper's way; distances are then those to the last view, which no orientation has."""
-    result = world.match(tmp_path / "cousins.json", views=0)
+    result = world.match(tmp_path / "cousins.json", views=0, least_candidates=1)
     first = result.objects[0]
     assert {candidate.asset for candidate in first.by_distance} == {"cabinet_00", "cabinet_02", "cabinet_03"}
     assert all(cousin.distance != cousin.orientation.distance for cousin in first.cousins)

@@ -1,4 +1,4 @@
-"""What a patch encoder is; the encoders lie beside this file (paper A.6)."""
+"""What a patch encoder is, and the rows that are stored of its patches; the encoders lie beside this file (A.6)."""
 
 import hashlib
 import json
@@ -8,8 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.config.matching import EncoderOptions
+from stages.matching.colours import colour_weights, patch_colours
 from stages.matching.crop import View
 from stages.plugins import load
+
+COLUMNS = ["features", "position", "colour"]  # of a stored row
 
 
 class Patches(NamedTuple):
@@ -18,21 +21,19 @@ class Patches(NamedTuple):
     features: NDArray[np.float32]
     positions: NDArray[np.float32]
 
-    @property
-    def rows(self) -> NDArray[np.float32]:
-        """What is stored: (P, D + 2)."""
-        return np.concatenate([self.features, self.positions], axis=1)
-
 
 class PatchEncoder(Protocol):
-    """Made from the options of `matching`. Patches are compared by the L2 distance of their weighted rows."""
+    """Made from the options of `matching`. Patches are compared by the L2 distance of their weighted rows.
+
+    `options.coverage` is what `foreground` of `stages/matching/crop.py` is to be told.
+    """
 
     def settings(self) -> dict[str, Any]:
         """What the stored rows depend on, as plain data: another answer makes another feature store."""
         ...
 
     def weights(self, depth: bool) -> NDArray[np.float32]:
-        """Factor (D + 2,) on each column of the rows; `depth`: both sides have depth. Columns with 0 are left out."""
+        """Factor (D + 2,) on features and position; `depth`: both sides have depth. Columns with 0 are left out."""
         ...
 
     def encode(self, views: list[View]) -> list[Patches]:
@@ -46,7 +47,22 @@ def make_encoder(options: EncoderOptions) -> PatchEncoder:
     return encoder
 
 
+def encode_rows(encoder: PatchEncoder, views: list[View]) -> list[NDArray[np.float16]]:
+    """What is stored of every view: rows (P, D + 5) of features, position, and colour, whatever their weights."""
+    return [
+        np.concatenate(
+            [found.features, found.positions, patch_colours(view, found.positions)], axis=1, dtype=np.float16
+        )
+        for view, found in zip(views, encoder.encode(views), strict=True)
+    ]
+
+
+def column_weights(encoder: PatchEncoder, depth: bool, colour: float = 0.0) -> NDArray[np.float32]:
+    """Factor (D + 5,) on each column of the stored rows; `colour`: that of the colours."""
+    return np.concatenate([encoder.weights(depth), colour_weights(colour)], dtype=np.float32)
+
+
 def settings_digest(options: EncoderOptions, encoder: PatchEncoder) -> str:
     """16 hex digits that name the encoder with all that its stored rows depend on."""
-    text = json.dumps([options.encoder, encoder.settings()], sort_keys=True)
+    text = json.dumps([options.encoder, encoder.settings(), options.coverage, COLUMNS], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:16]

@@ -20,7 +20,7 @@ class Encoder:
     """DINOv2 on the masked crop, resized without regard to its aspect ratio as in the official code."""
 
     def __init__(self, options: EncoderOptions) -> None:
-        self.options = options.dinov2
+        self.options, self.coverage = options.dinov2, options.coverage
         self.model = load_pretrained(Dinov2Model, self.options, "dinov2")
         patch = self.model.config.patch_size
         height, width = self.options.height, self.options.width
@@ -52,5 +52,5 @@ class Encoder:
         with torch.inference_mode():
             tokens = self.model(torch.from_numpy(pixels).permute(0, 3, 1, 2)).last_hidden_state[:, 1:]
         features = tokens.reshape(len(views), *grid, -1).numpy()
-        kept = [foreground(coverage, *grid) for _, coverage in crops]
+        kept = [foreground(coverage, *grid, self.coverage) for _, coverage in crops]
         return [Patches(item[keep], patch_positions(*grid)[keep]) for item, keep in zip(features, kept, strict=True)]

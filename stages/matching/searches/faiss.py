@@ -3,14 +3,17 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.matching.search import Rows
+from stages.matching.search import Backward, Rows
 
 
-def search(queries: NDArray[np.float32], rows: Rows, count: int) -> NDArray[np.float32]:
+def search(queries: NDArray[np.float32], rows: Rows, count: int, both: bool) -> tuple[NDArray[np.float32], Backward]:
     """The same by faiss (the paper's search library)."""
     import faiss
 
-    table = np.empty((len(queries), count), np.float32)
+    table, backward = np.empty((len(queries), count), np.float32), []
     for candidate in range(count):
-        table[:, candidate] = faiss.knn(queries, rows(candidate), 1)[0][:, 0]
-    return table
+        patches = rows(candidate)
+        table[:, candidate] = faiss.knn(queries, patches, 1)[0][:, 0]
+        if both:
+            backward.append(faiss.knn(patches, queries, 1)[0][:, 0])
+    return table, backward
