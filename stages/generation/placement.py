@@ -73,7 +73,8 @@ def place(
     yaw = final_yaw(
         matched_yaw(cousin, extracted, camera, touched, options), item.box, cloud, touched, asset.articulated, options
     )
-    box = measured_box(cloud, extracted, sight_yaw(extracted, camera) if is_round else yaw, camera, options.trim)
+    axes = sight_yaw(extracted, camera) if is_round else yaw
+    box = measured_box(cloud, extracted, axes, camera, options.trim, options.depth_error)
     for wall in touched:
         box = against_wall(box, wall, options.min_extent)
     if is_round:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stages.generation.extents import measured_box, near_end
+from stages.generation.extents import measured_box, near_face
 from stages.generation.pose import rear_at_wall, rectangularity, turned_to, view_yaw, wall_axes
 from stages.generation.sizing import believable_box, round_box, sight_yaw
 from stages.geometry.boxes import UprightBox
@@ -69,14 +69,29 @@ def test_a_noisy_face_is_where_it_is_densest():
     face = rng.normal(2.0, 0.02, 4000)  # the front, 2 m away, seen along the axis
     side = rng.uniform(2.0, 2.6, 1000)
     values = np.concatenate([face, side])
-    assert near_end(values, -1, 0.08, 0.005) == pytest.approx(2.0, abs=0.01)
+    assert near_face(values, -1, 0.02, 0.005) == pytest.approx(2.0, abs=0.01)
     assert np.quantile(values, 0.005) < 1.96  # what the plain quantile makes of it
-    assert near_end(-values, 1, 0.08, 0.005) == pytest.approx(-2.0, abs=0.01)
+    assert near_face(-values, 1, 0.02, 0.005) == pytest.approx(-2.0, abs=0.01)
 
 
-def test_without_a_face_the_end_is_a_quantile():
-    values = np.random.default_rng(2).uniform(0, 1, 5000)
-    assert near_end(values, -1, 0.08, 0.01) == pytest.approx(0.01, abs=0.005)
+def test_a_face_far_away_is_looked_for_as_far_as_noise_reaches():
+    rng = np.random.default_rng(1)
+    values = np.concatenate([rng.normal(11.0, 0.2, 4000), rng.uniform(11.0, 12.5, 1000) + rng.normal(0, 0.2, 1000)])
+    assert near_face(values, -1, 0.2, 0.005) == pytest.approx(11.0, abs=0.05)
+
+
+def test_a_top_seen_from_above_has_no_face():
+    assert near_face(np.random.default_rng(2).uniform(0, 1, 5000), -1, 0.02, 0.01) is None
+
+
+def test_noise_does_not_make_a_table_longer():
+    rng, camera = np.random.default_rng(4), np.array([0, 0, 1.6])
+    top = np.array([8.0, 0, 0.7]) + rng.uniform([-0.5, -0.5, 0], [0.5, 0.5, 0], (8000, 3))
+    noisy = top + rng.normal(0, 0.1, (8000, 1)) * (top - camera) / np.linalg.norm(top - camera, axis=1, keepdims=True)
+    seen = UprightBox((8.0, 0, 0.35), (1.0, 1.0, 0.7), 0.0)
+    as_in_the_paper = measured_box(noisy, seen, 0.0, camera, 0.005, None)
+    assert as_in_the_paper.size[0] > 1.2
+    assert measured_box(noisy, seen, 0.0, camera, 0.005, (0.004, 0.0015)).size[0] == pytest.approx(1.1, abs=0.1)
 
 
 def _faces(size, yaw, center, camera, count=3000):
@@ -97,7 +112,7 @@ def test_measured_box_in_the_assets_own_axes(quarter):
     size, center, camera = np.array([0.6, 1.2, 0.8]), np.array([3.0, 0.5, 0.4]), np.array([0, 0, 1.6])
     cloud = _faces(size, 0.4, center, camera)
     seen = UprightBox(center, size, 0.4)
-    box = measured_box(cloud, seen, 0.4 + quarter * np.pi / 2, camera, 0.001)
+    box = measured_box(cloud, seen, 0.4 + quarter * np.pi / 2, camera, 0.001, (0.003, 0.0015))
     expected = size[[1, 0, 2]] if quarter % 2 else size
     assert np.asarray(box.size) == pytest.approx(expected, abs=0.02)
     assert np.asarray(box.center) == pytest.approx(center, abs=0.02)
@@ -105,7 +120,7 @@ def test_measured_box_in_the_assets_own_axes(quarter):
 
 def test_heights_are_those_of_extraction():
     cloud = _faces((0.4, 0.4, 0.4), 0.0, np.array([2, 0, 0.8]), np.array([0, 0, 1.6]))
-    box = measured_box(cloud, UprightBox((2, 0, 0.5), (0.4, 0.4, 1.0), 0.0), 0.2, (0, 0, 1.6), 0.0)
+    box = measured_box(cloud, UprightBox((2, 0, 0.5), (0.4, 0.4, 1.0), 0.0), 0.2, (0, 0, 1.6), 0.0, None)
     assert box.size[2] == 1.0
     assert box.center[2] == 0.5
 
