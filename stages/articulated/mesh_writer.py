@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from trimesh import Trimesh
 
 from stages.articulated.mesh_reader import has_texture
-from stages.articulated.model import Visual
+from stages.articulated.model import Texture, Visual
 
 SHARP = np.radians(35)  # edges sharper than this stay sharp
 
@@ -32,36 +32,67 @@ def is_box(mesh: Trimesh) -> bool:
 
 
 class Surface(NamedTuple):
-    """Triangles: vertices (V, 3), faces (F, 3) that index them, and where they are to be seen normals (V, 3)."""
+    """Triangles: vertices (V, 3), faces (F, 3) that index them, and where they are to be seen normals (V, 3), where
+    they carry a texture its coordinates at the corners of every face (3 F, 2)."""
 
     vertices: NDArray[np.float64]
     faces: NDArray[np.int64]
     normals: NDArray[np.float64] | None = None
+    uv: NDArray[np.float64] | None = None
 
 
 def shaded(visual: Visual) -> Surface:
     """The mesh with vertices split where edges are to look sharp."""
     if not visual.flat:
         mesh = trimesh.graph.smooth_shade(visual.mesh, angle=SHARP)
-        return Surface(mesh.vertices, mesh.faces, mesh.vertex_normals)
+        return Surface(mesh.vertices, mesh.faces, mesh.vertex_normals, _uv(visual, mesh.vertices[mesh.faces]))
     corners = np.asarray(visual.mesh.vertices)[np.asarray(visual.mesh.faces)]
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 1])
     across /= np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-30)
-    return Surface(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3), np.repeat(across, 3, axis=0))
+    faces = np.arange(3 * len(corners)).reshape(-1, 3)
+    return Surface(corners.reshape(-1, 3), faces, np.repeat(across, 3, axis=0), _uv(visual, corners))
 
 
-def write_obj(path: Path, surfaces: list[Surface]) -> None:
-    """Several surfaces as one OBJ."""
+def _uv(visual: Visual, corners: NDArray[np.float64]) -> NDArray[np.float64] | None:
+    """Where the texture's picture lies on faces with these corners (F, 3, 3): seen along the axis that a face looks
+    along most, the picture's grain along the longest extent of the mesh that is seen."""
+    if visual.texture is None:
+        return None
+    across = np.abs(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 1]))
+    by_extent = np.argsort(-np.ptp(corners.reshape(-1, 3), axis=0).round(6), kind="stable")
+    plane = np.array([[axis for axis in by_extent if axis != facing] for facing in range(3)])
+    uv = np.take_along_axis(corners, plane[across.argmax(axis=1)][:, None, :], axis=2)
+    return np.asarray((uv / visual.texture.repeat + visual.start).reshape(-1, 2))
+
+
+def write_obj(path: Path, surfaces: list[Surface], texture: Texture | None = None) -> None:
+    """Several surfaces as one OBJ, with a texture that lies beside it (`write_texture`)."""
     starts = np.cumsum([1, *(len(surface.vertices) for surface in surfaces)])
     faces = np.concatenate([surface.faces + start for surface, start in zip(surfaces, starts, strict=False)])
     text = _lines("v %g %g %g\n", np.concatenate([surface.vertices for surface in surfaces]).round(5) + 0.0)
+    if texture is not None:
+        text = f"mtllib {texture.name}.mtl\nusemtl {texture.name}\n{text}"
+        text += _lines(
+            "vt %g %g\n", np.concatenate([surface.uv for surface in surfaces if surface.uv is not None]).round(4)
+        )
     normals = [surface.normals for surface in surfaces if surface.normals is not None]
-    if normals:
+    if texture is not None:
+        corners = np.arange(1, 3 * len(faces) + 1).reshape(-1, 3)
+        text += _lines("vn %g %g %g\n", np.concatenate(normals).round(4) + 0.0)
+        text += _lines("f %d/%d/%d %d/%d/%d %d/%d/%d\n", np.stack([faces, corners, faces], axis=2))
+    elif normals:
         text += _lines("vn %g %g %g\n", np.concatenate(normals).round(4) + 0.0)
         text += _lines("f %d//%d %d//%d %d//%d\n", faces.repeat(2, axis=1))
     else:
         text += _lines("f %d %d %d\n", faces)
     path.write_text(text, encoding="ascii")
+
+
+def write_texture(folder: Path, texture: Texture) -> None:
+    """The picture and the material that OBJs beside it name."""
+    (folder / f"{texture.name}.jpg").write_bytes(texture.image)
+    material = f"newmtl {texture.name}\nKd 1 1 1\nKs 0 0 0\nmap_Kd {texture.name}.jpg\n"
+    (folder / f"{texture.name}.mtl").write_text(material, encoding="ascii")
 
 
 def _lines(line: str, rows: NDArray[Any]) -> str:

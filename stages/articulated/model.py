@@ -4,7 +4,7 @@ Metres, radians, kilograms; every link's meshes lie in its own frame, as in a UR
 """
 
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 import trimesh
@@ -20,14 +20,24 @@ JointType = Literal["fixed", "revolute", "prismatic"]
 Role = Literal["door", "drawer"]
 
 
+class Texture(NamedTuple):
+    """A tileable picture (JPEG), told apart by its name, and the metres that it covers along a part and across."""
+
+    name: str
+    image: bytes
+    repeat: tuple[float, float]
+
+
 @dataclass(frozen=True)
 class Visual:
     """A mesh to see. `colour` None: the mesh carries its own looks. `flat`: every edge looks sharp, else only those
-    that are."""
+    that are. `texture`: drawn on it instead of the colour, along its longest extent, from `start` (shares) on."""
 
     mesh: Trimesh
     colour: RGBA | None = None
     flat: bool = False
+    texture: Texture | None = None
+    start: tuple[float, float] = (0.0, 0.0)
 
     def moved(self, transform: Matrix) -> "Visual":
         """A transformed copy."""

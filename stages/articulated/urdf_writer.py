@@ -1,7 +1,7 @@
 """Write a `RobotModel` as model.urdf and meshes/.
 
-What has one colour becomes one OBJ per link and colour, what carries its own looks one GLB per link; boxes and
-convex OBJs collide.
+What has one colour or texture becomes one OBJ per link and colour, what carries its own looks one GLB per link; boxes
+and convex OBJs collide.
 """
 
 import re
@@ -12,7 +12,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 from trimesh import Trimesh
 
-from stages.articulated.mesh_writer import Surface, is_box, numbers, shaded, write_glb, write_obj
+from stages.articulated.mesh_writer import Surface, is_box, numbers, shaded, write_glb, write_obj, write_texture
 from stages.articulated.model import JointModel, Link, Matrix, RobotModel
 
 REVOLUTE_DAMPING, PRISMATIC_DAMPING, FRICTION = 2.0, 2.0, 0.1  # N m s, N s / m, and SAPIEN's friction coefficient
@@ -59,16 +59,20 @@ def _add_link(root: ET.Element, folder: Path, link: Link, stem: str) -> None:
 
 
 def _add_visuals(element: ET.Element, folder: Path, link: Link, stem: str) -> None:
-    colours = dict.fromkeys(visual.colour for visual in link.visuals if visual.colour is not None)
-    for number, colour in enumerate(colours):
+    looks = dict.fromkeys((visual.colour, visual.texture) for visual in link.visuals if visual.colour is not None)
+    for number, (colour, texture) in enumerate(looks):
         name = f"{stem}_{number}"
-        write_obj(folder / f"meshes/{name}.obj", [shaded(visual) for visual in link.visuals if visual.colour == colour])
+        alike = [shaded(visual) for visual in link.visuals if (visual.colour, visual.texture) == (colour, texture)]
+        write_obj(folder / f"meshes/{name}.obj", alike, texture)
         visual = ET.SubElement(element, "visual", name=name)
         _add_mesh(visual, f"meshes/{name}.obj")
-        ET.SubElement(ET.SubElement(visual, "material", name=name), "color", rgba=numbers(colour))
-    looks: list[Trimesh] = [visual.mesh for visual in link.visuals if visual.colour is None]
-    if looks:
-        write_glb(folder / f"meshes/{stem}.glb", looks)
+        if texture is None:
+            ET.SubElement(ET.SubElement(visual, "material", name=name), "color", rgba=numbers(colour or ()))
+        else:
+            write_texture(folder / "meshes", texture)
+    own: list[Trimesh] = [visual.mesh for visual in link.visuals if visual.colour is None]
+    if own:
+        write_glb(folder / f"meshes/{stem}.glb", own)
         _add_mesh(ET.SubElement(element, "visual", name=stem), f"meshes/{stem}.glb")
 
 

@@ -5,19 +5,14 @@ from typing import Any
 import numpy as np
 
 from stages.procedural.cabinet_recipe import CabinetRecipe
-from stages.procedural.colours import METALS, PAINTS, WOODS, pick, shade
+from stages.procedural.colours import APPLIANCE, METALS, PAINTS, STONES, TILES, WOODS, Palette, pick
+from stages.procedural.finishes import brightness, shade
 from stages.procedural.handles import PROTRUSION
 from stages.procedural.model import Draw, Size
 
 HANDLES = ["bar", "square_bar", "knob", "arch", "edge"]
 HANDLE_SHARES = [0.3, 0.2, 0.2, 0.2, 0.1]
 PANELS = ["flat", "frame", "raised", "planks"]
-APPLIANCE: list[tuple[float, float, float]] = [
-    (0.80, 0.81, 0.82),
-    (0.52, 0.53, 0.55),
-    (0.10, 0.10, 0.11),
-    (0.62, 0.20, 0.16),
-]
 
 Rng = np.random.Generator
 Layout = list[list[str]]  # of kinds of cells; the recipe checks them
@@ -28,7 +23,7 @@ def _size(rng: Rng, x: tuple[float, float], y: tuple[float, float], z: tuple[flo
     return (a, b, c)
 
 
-def _recipe(rng: Rng, layout: Layout, **changes: Any) -> CabinetRecipe:
+def _recipe(rng: Rng, layout: Layout, tops: Palette = WOODS, **changes: Any) -> CabinetRecipe:
     """A recipe for the layout; `changes` overrule the draw."""
     front = pick(rng, PAINTS, WOODS)
     body = shade(front, 0.82) if rng.random() < 0.6 else pick(rng, PAINTS, WOODS)
@@ -60,7 +55,7 @@ def _recipe(rng: Rng, layout: Layout, **changes: Any) -> CabinetRecipe:
         "front_colour": front,
         "field_colour": shade(front, float(rng.choice([0.72, 0.85, 1.2]))),
         "handle_colour": pick(rng, METALS),
-        "top_colour": pick(rng, WOODS, METALS),
+        "top_colour": pick(rng, tops),
         "base_colour": pick(rng, METALS, WOODS),
         "inside_colour": [0.62, 0.52, 0.38],
         "panel_colour": [0.20, 0.20, 0.22],
@@ -93,7 +88,7 @@ def bottom_cabinet(rng: Rng, index: int) -> Draw:
                 layout[0] = [*stack, "door"]
     width = rng.uniform(0.38, 0.52) * max(len(line) if major == "rows" else len(layout) for line in layout)
     size = _size(rng, (0.42, 0.66), (float(width), float(width) + 0.08), (0.62, 1.0))
-    return _draw(size, _recipe(rng, layout, major=major))
+    return _draw(size, _recipe(rng, layout, WOODS + STONES + TILES, major=major))
 
 
 def wall_cabinet(rng: Rng, index: int) -> Draw:
@@ -104,7 +99,13 @@ def wall_cabinet(rng: Rng, index: int) -> Draw:
         layout = [["door", "open"] for _ in range(columns)]
     width = float(rng.uniform(0.32, 0.45) * columns)
     size = _size(rng, (0.30, 0.42), (width, width + 0.06), (0.5, 0.85))
-    changes = {"base": "none", "top": 0.0, "placement": "wall", "handle_at": -0.8, "window": bool(rng.random() < 0.3)}
+    changes: dict[str, Any] = {
+        "base": "none",
+        "top": 0.0,
+        "placement": "wall",
+        "handle_at": -0.8,
+        "window": bool(rng.random() < 0.3),
+    }
     return _draw(size, _recipe(rng, layout, **changes))
 
 
@@ -147,8 +148,8 @@ def chest_of_drawers(rng: Rng, index: int) -> Draw:
 def _appliance(rng: Rng, layout: Layout, **changes: Any) -> CabinetRecipe:
     """A recipe in metal or glass, with a handle that is seen before the front."""
     front = pick(rng, APPLIANCE)
-    handle = METALS[2] if sum(front) > 1.2 else METALS[0]
-    plain = {
+    handle = METALS[2] if brightness(front) > 0.4 else METALS[0]
+    plain: dict[str, Any] = {
         "panel": "flat",
         "handle": str(rng.choice(["bar", "square_bar"])),
         "inset_front": False,

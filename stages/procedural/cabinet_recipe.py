@@ -2,14 +2,21 @@
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from stages.contracts.library import Placement
+from stages.procedural.finishes import finish_of
 from stages.procedural.front_cells import CellKind
 from stages.procedural.handles import Style
 from stages.procedural.model import WOOD
 
-Colour = Annotated[list[Annotated[float, Field(ge=0, le=1)]], Field(min_length=3, max_length=3)]
+
+def _known(surface: str | list[float]) -> str | list[float]:
+    finish_of(surface)
+    return surface
+
+
+Coating = Annotated[str | list[float], AfterValidator(_known)]  # a material in a colour: see `finishes`
 Weight = Annotated[float, Field(gt=0)]
 Length = Annotated[float, Field(gt=0, le=10)]
 Share = Annotated[float, Field(gt=0, le=1)]
@@ -42,14 +49,14 @@ class CabinetRecipe(BaseModel):
     reach: Share = Field(description="share of the depth that drawers come out")
     shelves: int = Field(ge=0, le=50, description="behind every door and in every open cell")
     buttons: int = Field(3, ge=1, le=50, description="of a control panel")
-    body_colour: Colour
-    front_colour: Colour
-    field_colour: Colour
-    handle_colour: Colour
-    top_colour: Colour
-    base_colour: Colour
-    inside_colour: Colour
-    panel_colour: Colour
+    body_colour: Coating
+    front_colour: Coating
+    field_colour: Coating
+    handle_colour: Coating
+    top_colour: Coating
+    base_colour: Coating
+    inside_colour: Coating
+    panel_colour: Coating
     placement: Placement = "floor"
     column_weights: list[Weight] | None = Field(None, description="shares of the width; default: alike")
     density: Annotated[float, Field(gt=0, le=20000)] = Field(WOOD, description="of the fronts, kg / m^3")

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from stages.procedural.colours import GLAZES, METALS, PAINTS, WOODS, pick
+from stages.procedural.finishes import made_of
 from stages.procedural.model import STEEL, Draw, Model, Part, Size, part
 from stages.procedural.shapes import beam, box, cushion, hull, rod
 
@@ -116,8 +117,8 @@ def draw_picture(rng: Rng, index: int) -> Draw:
         "mat": round(float(rng.choice([0.0, rng.uniform(0.03, 0.08)])), 3),
         "motif": ["bands", "circle", "grid", "diagonal"][index % 4],
         "frame_colour": pick(rng, WOODS, METALS),
-        "colour_1": pick(rng, PAINTS),
-        "colour_2": pick(rng, GLAZES),
-        "colour_3": pick(rng, GLAZES),
+        "colour_1": made_of("card", pick(rng, PAINTS)),
+        "colour_2": made_of("card", pick(rng, GLAZES)),
+        "colour_3": made_of("card", pick(rng, GLAZES)),
     }
     return Draw("picture", (0.035, round(y, 3), round(z, 3)), p)

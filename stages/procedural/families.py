@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from stages.procedural.cabinet_draws import APPLIANCE, HANDLE_SHARES, HANDLES, PANELS
+from stages.procedural.cabinet_draws import HANDLE_SHARES, HANDLES, PANELS
 from stages.procedural.cabinet_recipe import CabinetRecipe
-from stages.procedural.colours import METALS, PAINTS, WOODS, pick, shade
+from stages.procedural.colours import APPLIANCE, METALS, PAINTS, WOODS, pick
+from stages.procedural.finishes import shade
 from stages.procedural.handles import PROTRUSION
 from stages.procedural.model import Draw, Size
 

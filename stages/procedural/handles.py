@@ -5,7 +5,8 @@ from typing import Literal
 import numpy as np
 
 from stages.contracts.library import HandleKind
-from stages.procedural.model import METAL, Colour, Part, part
+from stages.procedural.finishes import Surface
+from stages.procedural.model import METAL, Part, part
 from stages.procedural.shapes import hull, lathe, rod, rotated, slab, translated
 
 Style = Literal["bar", "square_bar", "knob", "arch", "edge", "none"]
@@ -23,7 +24,7 @@ def handle_parts(
     along: Literal["y", "z"],
     length: float,
     protrusion: float,
-    colour: Colour,
+    colour: Surface,
 ) -> list[Part]:
     """Parts of a handle on a panel that faces +x.
 
@@ -42,7 +43,7 @@ def handle_parts(
     return [part(translated(p.mesh, at), colour, p.density, p.smooth) for p in parts]
 
 
-def _bar(length: float, out: float, colour: Colour) -> list[Part]:
+def _bar(length: float, out: float, colour: Surface) -> list[Part]:
     radius = 0.0055
     x, inset = out - radius, length * 0.38
     posts = [rod((-0.004, 0, z), (x, 0, z), 0.004) for z in (-inset, inset)]
@@ -50,7 +51,7 @@ def _bar(length: float, out: float, colour: Colour) -> list[Part]:
     return [part(mesh, colour, METAL, smooth=True) for mesh in (bar, *posts)]
 
 
-def _square_bar(length: float, out: float, colour: Colour) -> list[Part]:
+def _square_bar(length: float, out: float, colour: Surface) -> list[Part]:
     thickness, width = 0.010, 0.013
     middle = (out - 0.003) / 2 - 0.002
     bar = slab((out - thickness / 2, 0, 0), (thickness, width, length))
@@ -58,12 +59,12 @@ def _square_bar(length: float, out: float, colour: Colour) -> list[Part]:
     return [part(mesh, colour, METAL) for mesh in (bar, *posts)]
 
 
-def _edge(length: float, out: float, colour: Colour) -> list[Part]:
+def _edge(length: float, out: float, colour: Surface) -> list[Part]:
     """A profile along the panel that two fingers take hold of from either side."""
     return [part(slab(((out - 0.004) / 2, 0, 0), (out + 0.004, 0.010, length)), colour, METAL)]
 
 
-def _knob(length: float, out: float, colour: Colour) -> list[Part]:
+def _knob(length: float, out: float, colour: Surface) -> list[Part]:
     head = lathe(
         [(0, out * 0.45), (0.009, out * 0.45), (0.015, out * 0.68), (0.015, out * 0.82), (0.010, out), (0, out)], 16
     )
@@ -71,7 +72,7 @@ def _knob(length: float, out: float, colour: Colour) -> list[Part]:
     return [part(mesh, colour, METAL, smooth=True) for mesh in meshes]
 
 
-def _arch(length: float, out: float, colour: Colour) -> list[Part]:
+def _arch(length: float, out: float, colour: Surface) -> list[Part]:
     half, thickness, width = length / 2, 0.010, 0.014
     angles = np.linspace(0, np.pi, 9)
     outline = np.column_stack([out * np.sin(angles) ** 0.7, -half * np.cos(angles)])

@@ -4,18 +4,13 @@ from typing import Any
 
 import numpy as np
 
-from stages.procedural.colours import GLAZES, METALS, Palette, pick
-from stages.procedural.model import CERAMIC, METAL, STEEL, WOOD, Draw, Model, Part, Size, part, rgb
+from stages.procedural.colours import GLAZES, METALS, SHADES, pick
+from stages.procedural.finishes import finish_of
+from stages.procedural.model import CERAMIC, METAL, STEEL, WOOD, Draw, Model, Part, Size, part
 from stages.procedural.shapes import hull, lathe, rod
 
 Rng = np.random.Generator
 LAMPSHADE = 40.0  # kg / m^3: mostly air
-SHADES: Palette = [
-    (0.86, 0.80, 0.66),
-    (0.80, 0.80, 0.78),
-    (0.25, 0.28, 0.32),
-    (0.62, 0.30, 0.20),
-]
 
 
 def lamp(size: Size, p: dict[str, Any]) -> Model:
@@ -51,7 +46,7 @@ def lamp(size: Size, p: dict[str, Any]) -> Model:
             hull(lathe([(0, a[1]), a, b, (0, b[1])], 12).vertices)
             for a, b in zip(outline[::3], outline[3::3], strict=False)
         )
-        parts.append(Part(mesh, rgb(p["foot_colour"]), CERAMIC, pieces, True))
+        parts.append(Part(mesh, finish_of(p["foot_colour"]), CERAMIC, pieces, True))
         stem_low = 0.88 * start
     else:
         parts.append(
@@ -84,7 +79,7 @@ def lamp(size: Size, p: dict[str, Any]) -> Model:
     else:
         mesh = lathe([(0, start), (radius, start), (tip * radius, z), (0, z)], 32)
     parts.append(part(mesh, p["shade_colour"], LAMPSHADE, smooth=True))
-    return Model(parts, symmetry="none" if p["foot"] == "tripod" else "full", placement=p["placement"])
+    return Model(parts, symmetry="third_turn" if p["foot"] == "tripod" else "full", placement=p["placement"])
 
 
 def _lamp(rng: Rng, index: int, size: Size, share: float, feet: list[str], placement: str) -> Draw:

@@ -1,6 +1,6 @@
 """A procedural model before it is written: parts with colour and density, some of them on joints."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from trimesh import Trimesh
 
 from stages.contracts.library import HandleKind
+from stages.procedural.finishes import RGB, Finish, Surface, finish_of
 from stages.procedural.shapes import bounds_of
 
 Size = tuple[float, float, float]
-Colour = Sequence[float]
 Symmetry = Literal["none", "half_turn", "third_turn", "quarter_turn", "full"]
 Placement = Literal["floor", "object", "wall"]
 Parameters = dict[str, Any]  # flat: see contracts.library.Recipe
@@ -24,13 +24,18 @@ FOAM, PLASTIC, PAPER = 60.0, 1000.0, 700.0
 
 @dataclass(frozen=True)
 class Part:
-    """One solid of one colour. `collisions` are its convex pieces; None: the mesh is convex itself; (): none."""
+    """One solid of one finish. `collisions` are its convex pieces; None: the mesh is convex itself; (): none."""
 
     mesh: Trimesh
-    colour: tuple[float, float, float]
+    finish: Finish
     density: float = WOOD
     collisions: tuple[Trimesh, ...] | None = None
     smooth: bool = False
+
+    @property
+    def colour(self) -> RGB:
+        """Linear rgb."""
+        return self.finish.colour
 
     @property
     def pieces(self) -> tuple[Trimesh, ...]:
@@ -73,15 +78,9 @@ class Draw:
     parameters: Parameters
 
 
-def rgb(colour: Colour) -> tuple[float, float, float]:
-    """A colour of a recipe as a tuple."""
-    r, g, b = colour
-    return (float(r), float(g), float(b))
-
-
-def part(mesh: Trimesh, colour: Colour, density: float = WOOD, smooth: bool = False, solid: bool = True) -> Part:
+def part(mesh: Trimesh, surface: Surface, density: float = WOOD, smooth: bool = False, solid: bool = True) -> Part:
     """A convex part; `solid=False`: seen, but not touched."""
-    return Part(mesh, rgb(colour), density, None if solid else (), smooth)
+    return Part(mesh, finish_of(surface), density, None if solid else (), smooth)
 
 
 def parts_of(model: Model) -> Iterable[Part]:

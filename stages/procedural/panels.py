@@ -3,8 +3,9 @@
 from typing import Literal, NamedTuple
 
 from stages.procedural.cabinet_recipe import CabinetRecipe
+from stages.procedural.finishes import Surface
 from stages.procedural.handles import handle_parts
-from stages.procedural.model import GLASS, METAL, PLASTIC, WOOD, Colour, Part, part
+from stages.procedural.model import GLASS, METAL, PLASTIC, WOOD, Part, part
 from stages.procedural.shapes import box, rod
 
 DARK = (0.05, 0.05, 0.06)
@@ -30,7 +31,7 @@ class Front(NamedTuple):
         return self.z[1] - self.z[0]
 
 
-def panel_parts(front: Front, style: str, colour: Colour, second: Colour, density: float = WOOD) -> list[Part]:
+def panel_parts(front: Front, style: str, colour: Surface, second: Surface, density: float = WOOD) -> list[Part]:
     """A panel as `flat`, `frame` (raised rim), `glass` (dark window), `planks` (grooves) or `raised` (raised field)."""
     (y0, y1), (z0, z1) = front.y, front.z
     x1, x0 = front.x, front.x - front.thickness

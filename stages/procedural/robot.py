@@ -7,9 +7,12 @@ from stages.articulated.mesh_writer import is_box
 from stages.articulated.model import JointModel, Link, Matrix, RobotModel, Visual
 from stages.geometry.frames import rigid
 from stages.procedural.model import Model, Moving, Part
+from stages.procedural.textures import texture_of
 
 BASE = "base"
 MINIMUM_INERTIA = 1e-7
+SLIM = 0.03  # metres: a part that is no wider in two directions shows its colour alone
+TURN = 0.618034
 
 
 def robot_of(model: Model, name: str) -> RobotModel:
@@ -21,13 +24,21 @@ def robot_of(model: Model, name: str) -> RobotModel:
 
 def _link(name: str, parts: list[Part], origin: Matrix) -> Link:
     mass, center, inertia = mass_properties(parts)
-    visuals = [Visual(_shifted(part.mesh, origin), (*part.colour, 1.0), flat=not part.smooth) for part in parts]
+    visuals = [_visual(part, origin, number) for number, part in enumerate(parts)]
     pieces = [
         visual.mesh if piece is part.mesh else _shifted(piece, origin)
         for part, visual in zip(parts, visuals, strict=True)
         for piece in part.pieces
     ]
     return Link(name, visuals, pieces, mass, center - origin, inertia)
+
+
+def _visual(part: Part, origin: Matrix, number: int) -> Visual:
+    """What is seen of a part; no two neighbours show the same piece of their texture."""
+    slim = np.sort(part.mesh.extents)[1] < SLIM
+    start = (number * TURN % 1, number * TURN**2 % 1)
+    texture = None if slim else texture_of(part.finish)
+    return Visual(_shifted(part.mesh, origin), (*part.colour, 1.0), not part.smooth, texture, start)
 
 
 def _joint(moving: Moving) -> JointModel:

@@ -153,7 +153,9 @@ def stool(size: Size, p: dict[str, Any]) -> Model:
             part(rod(a, b, 0.009), p["leg_colour"], smooth=True)
             for a, b in zip(feet, [*feet[1:], feet[0]], strict=True)
         ]
-    return Model(parts, symmetry="quarter_turn" if count == 4 else "none" if p["seat"] == "square" else "full")
+    if p["seat"] == "round":
+        return Model(parts, symmetry="third_turn" if count == 3 else "quarter_turn" if count == 4 else "full")
+    return Model(parts, symmetry="quarter_turn" if count == 4 else "none")
 
 
 def draw_stool(rng: Rng, index: int) -> Draw:

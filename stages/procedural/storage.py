@@ -5,7 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from stages.procedural.colours import CARDBOARD, FABRICS, GLAZES, METALS, PAINTS, WOODS, pick, shade
+from stages.procedural.colours import CARDBOARD, FABRICS, GLAZES, METALS, PAINTS, WOODS, pick
+from stages.procedural.finishes import made_of, shade
 from stages.procedural.model import PAPER, Draw, Model, Part, Size, part
 from stages.procedural.shapes import box
 
@@ -57,7 +58,11 @@ def _row(rng: Rng, x: tuple[float, float], y: tuple[float, float], z: float, hei
             return parts
         tall, deep = height * float(rng.uniform(0.6, 0.9)), (x[1] - x[0]) * float(rng.uniform(0.6, 0.85))
         parts.append(
-            part(box((x[0], x[0] + deep), (at, at + wide - 0.001), (z, z + tall)), pick(rng, FABRICS, GLAZES), PAPER)
+            part(
+                box((x[0], x[0] + deep), (at, at + wide - 0.001), (z, z + tall)),
+                made_of("paint", pick(rng, FABRICS, GLAZES)),
+                PAPER,
+            )
         )
         at += wide
 
@@ -134,7 +139,7 @@ def draw_box(rng: Rng, index: int) -> Draw:
 def book(size: Size, p: dict[str, Any]) -> Model:
     """A lying stack of books, spines towards +x.
 
-    Parameters: books (1 or more), shrink (per book), colours (flat rgb list).
+    Parameters: books (1 or more), shrink (per book), colours (of each).
     """
     count = int(p["books"])
     thick = size[2] / count
@@ -143,7 +148,7 @@ def book(size: Size, p: dict[str, Any]) -> Model:
     for k in range(count):
         share = 1.0 - float(p["shrink"]) * k
         x, y, low = share * size[0] / 2, share * size[1] / 2, k * thick
-        colour = p["colours"][3 * k : 3 * k + 3]
+        colour = p["colours"][k]
         front = size[0] / 2 - 0.01 * (k % 2) * size[0]
         back = front - 2 * x
         parts.append(
@@ -165,7 +170,7 @@ def book(size: Size, p: dict[str, Any]) -> Model:
 def draw_book(rng: Rng, index: int) -> Draw:
     """One to four books."""
     count = 1 + index % 4
-    colours = [channel for _ in range(count) for channel in pick(rng, GLAZES, FABRICS)]
+    colours = [made_of("card", pick(rng, GLAZES, FABRICS)) for _ in range(count)]
     thick = count * float(rng.uniform(0.025, 0.045))
     size = (round(float(rng.uniform(0.15, 0.22)), 3), round(float(rng.uniform(0.21, 0.3)), 3), round(thick, 3))
     return Draw("book", size, {"books": count, "shrink": 0.08, "colours": colours})

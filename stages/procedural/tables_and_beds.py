@@ -4,7 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from stages.procedural.colours import FABRICS, METALS, PAINTS, WOODS, pick
+from stages.procedural.colours import FABRICS, METALS, PAINTS, STONES, TILES, WOODS, pick
+from stages.procedural.finishes import finish_of
 from stages.procedural.model import FOAM, METAL, Draw, Model, Part, Size, part
 from stages.procedural.shapes import beam, box, cushion, lathe, rod
 
@@ -78,7 +79,7 @@ def _supports(style: str, ax: float, ay: float, top: float, leg: float, colour: 
 
 
 def _draw(rng: Rng, size: Size, legs: str, top: str, shelf: float) -> Draw:
-    colour = pick(rng, WOODS, PAINTS[:2])
+    colour = pick(rng, WOODS, WOODS, PAINTS[:2], STONES[:2], TILES[:1])
     p = {
         "top": top,
         "legs": legs,
@@ -87,7 +88,9 @@ def _draw(rng: Rng, size: Size, legs: str, top: str, shelf: float) -> Draw:
         "apron": round(float(rng.choice([0.0, rng.uniform(0.05, 0.1)])), 3),
         "shelf": round(shelf, 3),
         "top_colour": colour,
-        "leg_colour": colour if rng.random() < 0.5 else pick(rng, WOODS, METALS),
+        "leg_colour": colour
+        if rng.random() < 0.5 and finish_of(colour).material in ("wood", "paint")
+        else pick(rng, WOODS, METALS),
     }
     return Draw("table", size, p)
 

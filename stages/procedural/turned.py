@@ -5,8 +5,9 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from stages.procedural.colours import GLAZES, pick, shade
-from stages.procedural.model import Draw, Model, Part, Size, rgb
+from stages.procedural.colours import GLAZES, pick
+from stages.procedural.finishes import finish_of, shade
+from stages.procedural.model import Draw, Model, Part, Size
 from stages.procedural.shapes import hull, lathe
 
 Rng = np.random.Generator
@@ -33,7 +34,7 @@ def turned_vessel(size: Size, p: dict[str, Any]) -> Model:
             for a, b in zip(outline[::4], [*outline[4::4], outline[-1]], strict=False)
             if b[1] > a[1]
         )
-        parts.append(Part(mesh, rgb(colour), float(p["density"]), pieces, True))
+        parts.append(Part(mesh, finish_of(colour), float(p["density"]), pieces, True))
     return Model(parts, symmetry="full", placement="object")
 
 

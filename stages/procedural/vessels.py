@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 
 from stages.procedural.colours import GLAZES, METALS, pick
-from stages.procedural.model import CERAMIC, METAL, PLASTIC, Draw, Model, Part, Size, part, rgb
+from stages.procedural.finishes import finish_of
+from stages.procedural.model import CERAMIC, METAL, PLASTIC, Draw, Model, Part, Size, part
 from stages.procedural.shapes import cushion, hull, lathe, rod, shell_pieces, translated
 
 Rng = np.random.Generator
@@ -24,7 +25,7 @@ def hollow(outer: Profile, wall: float, colour: list[float], inside: list[float]
     pieces = shell_pieces([outer[k] for k in coarse], [inner[k] for k in coarse])
     base = lathe([(0, 0), (outer[0][0], 0), (floor, wall), (0, wall)], 16)
     lining = lathe([(0, wall), *[(0.999 * r, z + 2e-4) for r, z in inner], *[(0.97 * r, z) for r, z in inner[::-1]]])
-    parts = [Part(body, rgb(colour), density, (base, *pieces), True)]
+    parts = [Part(body, finish_of(colour), density, (base, *pieces), True)]
     return parts if inside == colour else [*parts, part(lining, inside, 1.0, smooth=True, solid=False)]
 
 
@@ -73,7 +74,7 @@ def mug(size: Size, p: dict[str, Any]) -> Model:
     parts = [
         Part(
             translated(a.mesh, shift),
-            a.colour,
+            a.finish,
             a.density,
             None if a.collisions is None else tuple(translated(c, shift) for c in a.collisions),
             a.smooth,

@@ -19,6 +19,7 @@ from stages.procedural.cabinet import cabinet
 from stages.procedural.cabinet_recipe import CabinetRecipe
 from stages.procedural.catalogue import CATEGORIES, sample
 from stages.procedural.families import FOUNDERS
+from stages.procedural.finishes import finish_of
 from stages.procedural.front_cells import cells
 from stages.procedural.model import bounds
 from stages.procedural.robot import mass_properties
@@ -148,8 +149,8 @@ def test_handles_are_on_the_free_side_and_keep_their_size() -> None:
                 assert away > 1.2 * half, f"{name} {moving.name}: handle on the hinge side"
                 thickness = np.sort(foremost.mesh.extents)[:2]
                 assert 0.008 < thickness[1] < 0.034, f"{name} {moving.name}: {thickness}"
-                pull = tuple(recipe.parameters["handle_colour"])
-                panel_front = max(part.mesh.bounds[1][0] for part in moving.parts if part.colour != pull)
+                pull = finish_of(str(recipe.parameters["handle_colour"]))
+                panel_front = max(part.mesh.bounds[1][0] for part in moving.parts if part.finish != pull)
                 assert 0.028 < box[1][0] - panel_front < 0.055, name
 
 
@@ -217,7 +218,7 @@ def test_bad_recipes_are_refused(tmp_path: Path) -> None:
         ("bottom_cabinet", {"shelves": 10**9}, "parameter shelves: "),
         ("bottom_cabinet", {"buttons": 0}, "parameter buttons: "),
         ("bottom_cabinet", {"front_colour": [0.1, 0.2]}, "parameter front_colour: "),
-        ("bottom_cabinet", {"front_colour": [128.0, 0.2, 0.1]}, "parameter front_colour.0: "),
+        ("bottom_cabinet", {"front_colour": [128.0, 0.2, 0.1]}, "parameter front_colour: .* colours go from 0 to 1"),
         ("bottom_cabinet", {"column_weights": [1.0, 1.0, 1.0, 1.0, 1.0, 1.0]}, "its parameters make no model"),
         ("bottom_cabinet", {"protrusion": None}, "parameter protrusion: Field required"),
         ("bottom_cabinet", {"size": None}, "size None is not three numbers"),

@@ -9,7 +9,7 @@ import trimesh
 
 from stages.articulated.asset_folder import Description, read_model, write_asset
 from stages.procedural.folder import LICENCE
-from stages.procedural.model import WOOD, Model, Part
+from stages.procedural.model import WOOD, Model, Part, part
 from stages.procedural.robot import robot_of
 from stages.procedural.shapes import slab
 from stages.procedural.vessels import hollow
@@ -36,8 +36,7 @@ def default_bowl() -> Path:
 @cache
 def stand() -> Path:
     """Folder of what the bowl stands on: a plate on a column, its top at z = 0."""
-    boxes = [slab((0, 0, top - size[2] / 2), size) for size, top in STAND]
-    return _made("stand", [Part(box, STAND_COLOUR) for box in boxes])
+    return _made("stand", [part(slab((0, 0, top - size[2] / 2), size), STAND_COLOUR) for size, top in STAND])
 
 
 def _made(name: str, parts: list[Part]) -> Path:
