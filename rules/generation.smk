@@ -1,6 +1,7 @@
 # Scenes made of cousins: placement, support, walls, collisions, settling (paper A.3, A.7).
 # Reads:  objects, cousins, library.
-# Writes: results/generation/<variant>/<scene>/scene_<rank>.json, and for people scene_<rank>.{png,glb} and comparison.png.
+# Writes: results/generation/<variant>/<scene>/scene_<rank>.json, and for people scene_<rank>.{png,glb}, comparison.png
+#         and look.json.
 
 
 rule generate:
@@ -35,14 +36,18 @@ rule generate:
 
 
 rule draw_scenes:
-    """Draw the generated scenes of one room beside its picture, and export them as GLB."""
+    """Draw the generated scenes of one room beside its picture, in its light and colours, and export them as GLB."""
     input:
         scenes=rules.generate.output.scenes,
+        objects=rules.extract.output.objects,
+        masks=rules.extract.output.masks,
+        depth=rules.extract.output.depth,
         image=scene_image,
         library=rules.library.output.library,
     output:
         previews=[f"results/generation/{{variant}}/{{scene}}/scene_{rank}.png" for rank in RANKS],
         exports=[f"results/generation/{{variant}}/{{scene}}/scene_{rank}.glb" for rank in RANKS],
+        look="results/generation/{variant}/{scene}/look.json",
         comparison=report(
             "results/generation/{variant}/{scene}/comparison.png",
             caption="../report/captions/scene.rst",
@@ -64,8 +69,8 @@ rule draw_scenes:
         width=CONFIG.generation.preview_width,
         out=subpath(output.comparison, parent=True),
     shell:
-        "{params.command} --scenes {input.scenes:q} --image {input.image:q} --library {input.library:q} "
-        "--width {params.width} --out {params.out:q} 2>&1 | tee {log:q}"
+        "{params.command} --scenes {input.scenes:q} --objects {input.objects:q} --image {input.image:q} "
+        "--library {input.library:q} --width {params.width} --out {params.out:q} 2>&1 | tee {log:q}"
 
 
 rule generation:

@@ -2,51 +2,55 @@
 
 from pathlib import Path
 
-import numpy as np
 from PIL import Image
 
 from stages.articulated.asset_folder import read_asset
 from stages.cli import progress
-from stages.contracts import GeneratedScene, InputError, Library, atomic, read_json
+from stages.contracts import GeneratedScene, InputError, Library, Objects, atomic, read_json, write_json
+from stages.contracts.extracted import read_metres, read_object_masks
+from stages.contracts.images import check_size, read_rgb
 from stages.contracts.objects import Mounting
 from stages.generation.export import write_glb
-from stages.generation.pictures import preview, read_picture, side_by_side
+from stages.generation.painting import furnished, look_of
+from stages.generation.pictures import preview, resized_to, side_by_side
 from stages.generation.placed import Placed
-from stages.generation.settling import load_items
 from stages.geometry.boxes import UprightBox
 from stages.procedural.resize import resized
-from stages.simulation.backdrop import add_backdrop
-from stages.simulation.rendering import make_scene
 
-LIGHT = (0.55, -0.5, -1.0)  # over the photographer's shoulder: x of the floor frame is the viewing direction
 STANDING = Mounting(type=2)  # for scenes that do not say
 
 
-def run(*, scenes: tuple[Path, ...], image: Path, library: Path, out: Path, width: int = 640) -> None:
-    """Draw the scenes that `generate` wrote for one picture, ours or another's.
+def run(*, scenes: tuple[Path, ...], objects: Path, image: Path, library: Path, out: Path, width: int = 640) -> None:
+    """Draw the scenes that `generate` wrote for one picture, ours or another's, in its light and colours.
 
     Args:
         scenes: scene_<rank>.json files.
-        image: the input picture, for the comparison.
+        objects: objects.json of the picture, with masks.png beside it; depth.npz is used if it is there.
+        image: the input picture.
         library: library.json.
-        out: folder; gets a .png and a .glb for each scene, comparison.png, and in assets/ resized models it lacks.
+        out: folder; gets a .png and a .glb for each scene, comparison.png, look.json, and in assets/ resized models it
+            lacks.
         width: of the pictures, pixels.
     """
     folders = {entry.id: library.parent / entry.folder for entry in read_json(Library, library).assets}
-    pictures = [("input", read_picture(image, width))]
+    extracted, rgb = read_json(Objects, objects), read_rgb(image)
+    check_size(image, rgb, extracted.width, extracted.height, objects.name)
+    seen = rgb, read_object_masks(objects, extracted), read_metres(objects, extracted)
+    pictures = [("input", resized_to(rgb, width))]
+    look = None
     for path in progress(scenes, "scenes drawn", len(scenes)):
         made = read_json(GeneratedScene, path)
         items, sized = placed_items(made, folders, out / "assets", path)
-        scene = make_scene(light=LIGHT)
-        add_backdrop(scene, [item.box for item in items], made.walls, np.array(made.floor_from_camera)[:3, 3])
-        load_items(scene, items, sized)
-        picture = preview(scene, made, width)
+        look = look or look_of(extracted, seen, made, items, sized)
+        picture = preview(furnished(made, items, sized, look), made, width)
         with atomic(out / f"{path.stem}.png") as temporary:
             Image.fromarray(picture).save(temporary)
         write_glb(items, sized, out / f"{path.stem}.glb")
         pictures.append((f"rank {made.rank}", picture))
     with atomic(out / "comparison.png") as temporary:
         side_by_side(pictures).save(temporary)
+    if look is not None:
+        write_json(out / "look.json", look)
 
 
 def placed_items(

@@ -1,14 +1,11 @@
 """Previews from the input camera, and the comparison picture: input beside the scenes of every rank."""
 
-from pathlib import Path
-
 import numpy as np
 import sapien
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from stages.contracts import GeneratedScene
-from stages.contracts.images import read_rgb
 from stages.simulation.rendering import RenderCamera
 
 TITLE, COLUMNS, GAP = 34, 3, 6
@@ -26,9 +23,9 @@ def preview(scene: sapien.Scene, made: GeneratedScene, width: int) -> NDArray[np
     return np.asarray(Image.fromarray(picture.rgb).resize((width, height), Image.Resampling.BOX))
 
 
-def read_picture(path: Path, width: int) -> NDArray[np.uint8]:
-    """An RGB image, resized to a width."""
-    image = Image.fromarray(read_rgb(path))
+def resized_to(rgb: NDArray[np.uint8], width: int) -> NDArray[np.uint8]:
+    """A picture (H, W, 3), resized to a width."""
+    image = Image.fromarray(rgb)
     return np.asarray(image.resize((width, round(image.height * width / image.width)), Image.Resampling.LANCZOS))
 
 

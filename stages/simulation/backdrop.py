@@ -1,41 +1,79 @@
 """Floor and walls of a generated scene, as blocks in the simulator."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import sapien
 from numpy.typing import NDArray
 
+from stages.contracts.look import Colour, Look
 from stages.contracts.objects import Wall
 from stages.geometry.boxes import UprightBox, corners
 from stages.simulation.rendering import add_block
 
 THICKNESS, WALL_HEIGHT, BEYOND = 0.1, 2.8, 1.5
 FLOOR_COLOUR, WALL_COLOUR = (0.62, 0.57, 0.50), (0.86, 0.85, 0.82)
+Array = NDArray[np.float64]
 
 
-def add_backdrop(
-    scene: sapien.Scene, boxes: Sequence[UprightBox], walls: Sequence[Wall], camera: NDArray[np.float64]
-) -> list[sapien.Entity]:
-    """Add the floor and the walls as far as the furniture in `boxes` reaches and a little beyond.
+@dataclass(frozen=True)
+class Block:
+    """A box of one colour (linear RGB), turned by `yaw` about z; metres."""
+
+    name: str
+    center: tuple[float, float, float]
+    size: tuple[float, float, float]
+    yaw: float
+    colour: Colour
+
+
+def backdrop(
+    boxes: Sequence[UprightBox], walls: Sequence[Wall], camera: Array, look: Look | None = None
+) -> list[Block]:
+    """Floor and walls as far as the furniture in `boxes` reaches and a little beyond, or as far as the picture shows.
 
     A wall that has furniture behind it is left out: a plane says nothing of where a wall ends.
+
+    Args:
+        camera: its position, which stands on the floor too.
+        look: colours and bounds of what is seen; what it does not name has colours of its own.
     """
+    seen = {surface.id: surface for surface in look.surfaces} if look else {}
     points = np.concatenate([corners(box) for box in boxes] + [camera[None]])
-    low, high = points.min(axis=0) - BEYOND, points.max(axis=0) + BEYOND
-    center, size = (low + high) / 2, high - low
-    floor_center, floor_size = [center[0], center[1], -THICKNESS / 2], [size[0], size[1], THICKNESS]
-    blocks = [add_block(scene, floor_center, floor_size, FLOOR_COLOUR, "floor")]
+    standing, feet = [], []
     for wall in walls:
         normal = np.asarray(wall.normal)
         if any(np.asarray(box.center) @ normal < wall.offset for box in boxes):
             continue
         tangent = np.array([-normal[1], normal[0], 0.0])
         along = points @ tangent
-        left, right = along.min() - BEYOND, along.max() + BEYOND
-        middle = normal * (wall.offset - THICKNESS / 2) + tangent * (left + right) / 2 + [0, 0, WALL_HEIGHT / 2]
+        left, right, height, colour = along.min() - BEYOND, along.max() + BEYOND, WALL_HEIGHT, WALL_COLOUR
+        if wall.id in seen:
+            (left, _), (right, height), colour = seen[wall.id].low, seen[wall.id].high, seen[wall.id].colour
+            feet.append(wall.offset * normal[None, :2] + np.outer([left, right], tangent[:2]))
+        center = normal * (wall.offset - THICKNESS / 2) + tangent * (left + right) / 2 + [0, 0, height / 2]
         yaw = float(np.arctan2(normal[1], normal[0]))
-        blocks.append(
-            add_block(scene, middle.tolist(), [THICKNESS, right - left, WALL_HEIGHT], WALL_COLOUR, wall.id, yaw)
-        )
-    return blocks
+        standing.append(_block(wall.id, center, [THICKNESS, right - left, height], yaw, colour))
+    low, high = points[:, :2].min(axis=0) - BEYOND, points[:, :2].max(axis=0) + BEYOND
+    colour = FLOOR_COLOUR
+    if "floor" in seen:
+        colour = seen["floor"].colour
+        low = np.min([low, seen["floor"].low, *(foot.min(axis=0) for foot in feet)], axis=0)
+        high = np.max([high, seen["floor"].high, *(foot.max(axis=0) for foot in feet)], axis=0)
+    floor = _block("floor", [*(low + high) / 2, -THICKNESS / 2], [*(high - low), THICKNESS], 0.0, colour)
+    return [floor, *standing]
+
+
+def _block(name: str, center: Sequence[float] | Array, size: Sequence[float], yaw: float, colour: Colour) -> Block:
+    x, y, z = (float(value) for value in center)
+    a, b, c = (float(value) for value in size)
+    return Block(name, (x, y, z), (a, b, c), yaw, colour)
+
+
+def add_backdrop(
+    scene: sapien.Scene, boxes: Sequence[UprightBox], walls: Sequence[Wall], camera: Array, look: Look | None = None
+) -> list[sapien.Entity]:
+    """Add the blocks of `backdrop` to a scene."""
+    blocks = backdrop(boxes, walls, camera, look)
+    return [add_block(scene, block.center, block.size, block.colour, block.name, block.yaw) for block in blocks]

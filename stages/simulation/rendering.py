@@ -18,6 +18,7 @@ from stages.simulation.shaders import Pack, use
 SAPIEN_FROM_OPENCV = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
 NEAR, FAR = 0.02, 60.0
 BACKGROUND = (0.82, 0.82, 0.84)
+SHADED, BEFORE = 8.0, 2.0  # metres: radius of what casts shadows if nothing is said, and depth of the map beyond it
 _alive: list[sapien.Scene] = []  # the last scene made; while one lives, the next need not compile shaders again (0.1 s)
 
 
@@ -41,12 +42,16 @@ class RenderedImage:
 
 
 def make_scene(
-    timestep: float = 0.01, shadows: bool = True, light: Sequence[float] = (-0.5, -0.6, -1.0)
+    timestep: float = 0.01,
+    shadows: bool = True,
+    light: Sequence[float] = (-0.5, -0.6, -1.0),
+    shaded: tuple[Sequence[float], float] = ((0.0, 0.0, 0.0), SHADED),
 ) -> sapien.Scene:
     """A scene with CPU physics, a renderer, and one key light, one fill light and ambient light.
 
     Args:
         light: direction in which the key light shines, world frame.
+        shaded: centre and radius (metres) of what casts shadows.
 
     Raises:
         InputError: there is no Vulkan device to render with.
@@ -61,7 +66,11 @@ def make_scene(
     scene.timestep = timestep
     scene.set_ambient_light([0.42, 0.42, 0.44])
     key = np.asarray(light, dtype=float)
-    scene.add_directional_light(key.tolist(), [1.55, 1.5, 1.42], shadow=shadows, shadow_scale=8.0, shadow_map_size=2048)
+    center, radius = shaded
+    scene.add_directional_light(
+        key.tolist(), [1.55, 1.5, 1.42], shadow=shadows, position=list(center), shadow_scale=radius,
+        shadow_near=-radius - BEFORE, shadow_far=radius + BEFORE, shadow_map_size=2048,
+    )  # fmt: skip
     scene.add_directional_light([-key[0], -key[1], -1.4], [0.35, 0.37, 0.42])
     _alive[:] = [scene]
     return scene

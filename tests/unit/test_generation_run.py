@@ -105,6 +105,7 @@ def scene(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     )
     write_json(folder / "cousins.json", cousins)
     Image.new("RGB", (WIDTH, HEIGHT), (9, 9, 9)).save(folder / "rgb.png")
+    Image.fromarray(np.zeros((HEIGHT, WIDTH), np.uint16)).save(folder / "masks.png")
     return {
         "cousins": folder / "cousins.json",
         "objects": folder / "objects.json",
@@ -122,7 +123,8 @@ def make(scene: dict[str, Path], out: Path, ranks: int) -> Path:
     """Scenes, and the pictures of them."""
     run(**scene, variant="v", out=out, options=f'{{"ranks": {ranks}}}')
     image = scene["objects"].parent / "rgb.png"
-    draw(scenes=tuple(sorted(out.glob("*.json"))), image=image, library=scene["library"], out=out, width=128)
+    scenes = tuple(sorted(out.glob("scene_*.json")))
+    draw(scenes=scenes, objects=scene["objects"], image=image, library=scene["library"], out=out, width=128)
     return out
 
 

@@ -1,0 +1,33 @@
+"""`look.json`: how the room of a picture looks, as `generation draw` estimates it and the exports read it."""
+
+from typing import Literal
+
+from pydantic import Field, model_validator
+
+from stages.contracts.files import Contract, Document
+from stages.contracts.types import Coordinate, Finite, Fraction, Id, UnitVector, check_unique
+
+Colour = tuple[Fraction, Fraction, Fraction]
+
+
+class Surface(Contract):
+    """Floor or wall: its base colour (linear RGB), and the part of it that the picture shows."""
+
+    id: Id = Field(description="'floor', or the id of a wall")
+    colour: Colour
+    low: tuple[Coordinate, Coordinate] = Field(description="floor: least x and y; wall: left along its tangent, and 0")
+    high: tuple[Coordinate, Coordinate] = Field(description="floor: largest x and y; wall: right, and height")
+
+
+class Look(Document):
+    """Floor, walls and key light of a room, in the floor frame. What the picture does not show is not in it."""
+
+    light: UnitVector = Field(description="direction in which the key light shines")
+    light_from: Literal["shadows", "default"] = Field(description="what the direction was taken from")
+    shadow_correlation: Finite = Field(description="of predicted shadows with dark places of the picture, -1 to 1")
+    surfaces: list[Surface]
+
+    @model_validator(mode="after")
+    def _once(self) -> "Look":
+        check_unique("surfaces: ids", [surface.id for surface in self.surfaces])
+        return self

@@ -1,0 +1,109 @@
+"""The look of a room's picture: light by its shadows, colours such that a rendering has those of the picture."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+import sapien
+import trimesh
+from numpy.typing import NDArray
+from trimesh import Trimesh
+
+from stages.contracts.generated import GeneratedScene
+from stages.contracts.look import Look, Surface
+from stages.contracts.objects import Objects
+from stages.generation.look import DEFAULT_LIGHT, LEAST_CORRELATION, Seen, grid_of, light_of, reach, surfaces_seen
+from stages.generation.meshes import collision_pieces
+from stages.generation.placed import Placed
+from stages.generation.settling import load_items
+from stages.geometry.boxes import corners
+from stages.geometry.frames import rigid, yaw_matrix
+from stages.simulation.backdrop import add_backdrop
+from stages.simulation.rendering import RenderCamera, instance_id, make_scene
+
+GAMMA = 2.2  # of pictures; base colours are linear
+FITS = 2  # renderings, each with colours mended by the one before
+DARKEST = 0.02  # base colour
+SHADOWS_REACH = 1.5  # metres beyond the furniture
+
+
+def furnished(made: GeneratedScene, items: list[Placed], folders: Mapping[str, Path], look: Look) -> sapien.Scene:
+    """The scene in its look, to be rendered: floor, walls, furniture, and a light whose shadows reach all of it."""
+    points = np.concatenate([corners(item.box) for item in items])
+    center = (points.min(axis=0) + points.max(axis=0)) / 2
+    radius = float(np.linalg.norm(points - center, axis=1).max()) + SHADOWS_REACH
+    scene = make_scene(light=look.light, shaded=(center.tolist(), radius))
+    add_backdrop(scene, [item.box for item in items], made.walls, np.array(made.floor_from_camera)[:3, 3], look)
+    load_items(scene, items, folders)
+    return scene
+
+
+def look_of(
+    objects: Objects,
+    pictures: tuple[NDArray[np.uint8], NDArray[np.uint16], NDArray[np.float32] | None],
+    made: GeneratedScene,
+    items: list[Placed],
+    folders: Mapping[str, Path],
+) -> Look:
+    """The look of a picture, its furniture told by one scene made of it.
+
+    Args:
+        pictures: colours, masks and depth as `surfaces_seen` takes them.
+    """
+    seen = surfaces_seen(*pictures, objects)
+    direction, correlation = light_of(seen, merged(items, folders))
+    told = correlation >= LEAST_CORRELATION
+    light = direction if told else np.array(DEFAULT_LIGHT) / np.linalg.norm(DEFAULT_LIGHT)
+    surfaces = []
+    for name, one in seen.items():
+        low, high = reach(name, one)
+        surfaces.append(Surface(id=name, colour=(0.5, 0.5, 0.5), low=low, high=high))
+    look = Look(
+        light=(round(light[0], 6), round(light[1], 6), round(light[2], 6)),
+        light_from="shadows" if told else "default",
+        shadow_correlation=round(correlation, 4),
+        surfaces=surfaces,
+    )
+    scene = furnished(made, items, folders, look)
+    for _ in range(FITS):
+        look.surfaces = _mended(scene, look.surfaces, seen, objects)
+    return look
+
+
+def _mended(
+    scene: sapien.Scene, surfaces: Sequence[Surface], seen: Mapping[str, Seen], objects: Objects
+) -> list[Surface]:
+    """Surfaces in colours nearer to the picture's, by how far a rendering misses their medians; the scene has them."""
+    step, intrinsics = grid_of(objects)
+    camera = RenderCamera(scene, intrinsics, -(-objects.width // step), -(-objects.height // step))
+    picture = camera.render(objects.floor_from_camera)
+    camera.close()
+    blocks = {entity.name: entity for entity in scene.entities}
+    mended = []
+    for surface in surfaces:
+        rows, columns = seen[surface.id].rows, seen[surface.id].columns
+        block = blocks.get(surface.id)
+        both = picture.segmentation[rows, columns] == (instance_id(block) if block else -1)
+        if block is not None and both.any():
+            wanted = np.median(seen[surface.id].rgb[both], axis=0)
+            drawn = np.median(picture.rgb[rows[both], columns[both]] / 255.0, axis=0)
+            colour = np.array(surface.colour) * (wanted / np.maximum(drawn, 0.01)) ** GAMMA
+            r, g, b = np.clip(colour, DARKEST, 1.0).round(4).tolist()
+            surface = surface.model_copy(update={"colour": (r, g, b)})
+            material = block.find_component_by_type(sapien.render.RenderBodyComponent).render_shapes[0].material
+            material.base_color = [r, g, b, 1.0]
+        mended.append(surface)
+    return mended
+
+
+def merged(items: list[Placed], folders: Mapping[str, Path]) -> Trimesh:
+    """All that collides in a scene, in its place, as one mesh."""
+    meshes = []
+    for item in items:
+        middle, turn = (np.array(item.asset.box_min) + np.array(item.asset.box_max)) / 2, yaw_matrix(item.box.yaw)
+        for piece in collision_pieces(folders[item.id]):
+            mesh = Trimesh(piece.vertices, piece.faces, process=False)
+            meshes.append(mesh.apply_transform(rigid(turn, item.center - turn @ middle)))
+    whole = trimesh.util.concatenate(meshes)
+    assert isinstance(whole, Trimesh)
+    return whole
