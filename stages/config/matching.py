@@ -10,7 +10,7 @@ from stages.config.base import OWN, Section
 from stages.config.vlm import VlmConfig
 from stages.plugins import short
 
-WORDLESS = {"distance", "votes"}  # judges that ask no language model
+WORDLESS = {"distance", "votes", "geometry", "rerender"}  # judges that ask no language model
 
 
 class HogConfig(Section):
@@ -101,6 +101,26 @@ class ComparisonOptions(EncoderOptions):
     )
 
 
+class GeometryConfig(Section):
+    """Analysis by synthesis: what counts when a candidate, rendered in the object's place, is compared with it."""
+
+    resolution: int = Field(96, ge=32, description="Cells along the longer side of the compared pictures.")
+    outline: float = Field(1.0, ge=0, description="Weight of the overlap of the outlines, 0 to 1.")
+    depth: float = Field(1.0, ge=0, description="Weight of the agreement of depth, 0 to 1.")
+    lines: float = Field(1.0, ge=0, description="Weight of the agreement of lines: doors, drawers, handles; 0 to 1.")
+    colour: float = Field(0.0, ge=0, description="Weight of the agreement of colours, 0 to 1.")
+    proportions: float = Field(
+        0.2, ge=0, description="Taken off for stretching axes unlike: per unit of the logarithms' range."
+    )
+    distance: float = Field(1.0, ge=0, description="Taken off per unit of a model's distance.")
+
+
+class RerenderConfig(Section):
+    """Views that are rendered again, rescaled and from the object's own direction (paper B.1)."""
+
+    resolution: int = Field(192, ge=32, description="Pixels along the longer side of these views.")
+
+
 class MatchingConfig(ComparisonOptions):
     """From objects to ranked models of the library, each with its orientation."""
 
@@ -119,14 +139,14 @@ class MatchingConfig(ComparisonOptions):
     model_selection: str = Field(
         "distance",
         json_schema_extra={"kind": "judges"},
-        description="What ranks the models: embedding distance (A.6, B.1), votes (A.6, official code), or a "
-        "language model among the k_model nearest (B.1).",
+        description="What ranks the models: embedding distance (A.6, B.1), votes (A.6, official code), or, among the "
+        "k_model nearest, geometry (renderings in place) or a language model (B.1).",
     )
     orientation_selection: str = Field(
         "distance",
         json_schema_extra={"kind": "judges"},
-        description="What ranks the orientations: embedding distance (B.1), votes (official code), or a language model "
-        "among the k_ori nearest (B.1).",
+        description="What ranks the orientations: embedding distance, votes (official code), rerender (the same to "
+        "views rendered again, B.1), geometry (renderings in place), or a language model among k_ori (B.1).",
     )
     symmetric: float = Field(
         0.0,
@@ -166,9 +186,14 @@ class MatchingConfig(ComparisonOptions):
         "the next nearest categories come in (paper: 1).",
     )
     clip: PretrainedConfig = Field(PretrainedConfig(), description="The text encoder `clip`.")
+    geometry: GeometryConfig = Field(
+        GeometryConfig(), description="The judge `geometry`: candidates rendered in place."
+    )
+    rerender: RerenderConfig = Field(RerenderConfig(), description="The judge `rerender`: views rendered again (B.1).")
     vlm: VlmConfig = Field(VlmConfig(), description="The judge `vlm`: a language model (docs/vlm.md).")
 
     def unread(self) -> set[str]:
         """The options of encoders and judges that are not used; a judge of the user's may ask a language model, too."""
-        silent = {self.model_selection, self.orientation_selection} <= WORDLESS
-        return super().unread() | {"clip"} - {self.text_encoder} | ({"vlm"} if silent else set())
+        judges = {self.model_selection, self.orientation_selection}
+        silent = {"geometry", "rerender"} - judges | ({"vlm"} if judges <= WORDLESS else set())
+        return super().unread() | {"clip"} - {self.text_encoder} | silent

@@ -10,7 +10,7 @@ from stages.contracts import Cousins, InputError, Library, Objects, read_json
 from stages.contracts.cousins import Cousin, ObjectCousins
 from stages.contracts.extracted import read_clouds
 from stages.contracts.objects import SceneObject
-from stages.generation.pose import view_angle
+from stages.geometry.viewing import view_angle
 
 
 @dataclass(frozen=True)

@@ -11,10 +11,11 @@ from stages.generation.collisions import out_of_walls
 from stages.generation.extents import measured_box
 from stages.generation.mounting import against_wall, on_supports
 from stages.generation.placed import Placed
-from stages.generation.pose import rear_at_wall, rectangularity, turned_to, view_yaw, wall_axes
+from stages.generation.pose import rear_at_wall, rectangularity, turned_to, wall_axes
 from stages.generation.sizing import believable_box, round_box, sight_yaw
 from stages.generation.support import sorted_by_height, support_tree
 from stages.geometry.boxes import UprightBox
+from stages.geometry.viewing import view_yaw
 
 
 def walls_of(mounting: Mounting, walls: list[Wall]) -> list[Wall]:

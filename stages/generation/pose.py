@@ -13,21 +13,6 @@ OUTLINE_TOLERANCE = 0.02  # metres by which the outline of a cloud is smoothed, 
 OUTLINE_ANGLE = np.deg2rad(12)  # a side that is turned less than this runs along an axis
 
 
-def view_yaw(camera: ArrayLike, center: ArrayLike, psi: float) -> float:
-    """Yaw in the floor frame of an asset that looks to the camera as it does at snapshot yaw `psi`.
-
-    At psi = 0 the asset's front (+x) faces the camera; the direction is that to the object, not the
-    optical axis, so that things at the border of the picture are turned rightly as well.
-    """
-    away = np.asarray(center, dtype=float)[:2] - np.asarray(camera, dtype=float)[:2]
-    return wrap_angle(float(np.arctan2(-away[1], -away[0])) + psi)
-
-
-def view_angle(camera: ArrayLike, center: ArrayLike, yaw: float) -> float:
-    """Snapshot yaw psi at which an asset of this yaw in the floor frame is seen; the inverse of `view_yaw`."""
-    return wrap_angle(yaw - view_yaw(camera, center, 0.0))
-
-
 def turned_to(yaw: float, axes: float, limit: float | None = None) -> float:
     """`yaw` turned by the smallest angle that lays the asset's x or y axis along the frame at angle `axes`.
 

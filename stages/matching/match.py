@@ -87,7 +87,7 @@ def match_object(
     candidates = find_candidates(item, library, text, options)
     if not candidates.assets:
         return _failed(item, "no candidate: the library has no asset with doors or drawers")
-    question = judges.question(view, item.label, f"{scene.objects.scene}/{item.id}")
+    question = judges.question(view, item, scene.objects)
     return rank_cousins(query, candidates, item, question, store, judges, options)
 
 

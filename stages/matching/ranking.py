@@ -1,6 +1,6 @@
 """Rank models and orientations for one object by patch voting and by embedding distance (paper A.6, B.1)."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -58,6 +58,30 @@ def make_query(view: View, encoder: PatchEncoder, colour: float = 0.0) -> Query 
     return Query(weighted(rows, weights), weights) if len(rows) else None
 
 
+def compare(
+    query: Query,
+    rows: Callable[[int], NDArray[np.floating]],
+    count: int,
+    options: ComparisonOptions,
+    nearest: int | None = None,
+    symmetric: float = 0.0,
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The table T (Q, count) of `distance_table` for `count` pictures of unweighted rows, and their distances (count,).
+
+    `symmetric`: share of the way back, from a picture's patches to the query's, in a distance.
+    """
+
+    def vectors(number: int) -> NDArray[np.float32]:
+        return weighted(rows(number), query.weights)
+
+    both_ways = distance_table(query.patches, vectors, count, options.search, nearest, both=symmetric > 0)
+    distances = (1 - symmetric) * embedding_distance(both_ways.table, options.exclude_worst)
+    if symmetric:
+        back = [embedding_distance(way[:, None], options.exclude_worst)[0] for way in both_ways.backward]
+        distances += symmetric * np.array(back)
+    return both_ways.table, distances
+
+
 def rank(
     query: Query,
     snapshots: Sequence[Snapshot],
@@ -73,21 +97,12 @@ def rank(
     """
     owner = np.asarray(groups, dtype=np.intp)
     nearest = rounds * int(np.bincount(owner).max())  # entries per patch that some round of voting can look at
-    both_ways = distance_table(
-        query.patches,
-        lambda number: weighted(store.rows(snapshots[number]), query.weights),
-        len(snapshots),
-        options.search,
-        nearest,
-        both=symmetric > 0,
+    table, single = compare(
+        query, lambda number: store.rows(snapshots[number]), len(snapshots), options, nearest, symmetric
     )
-    single = (1 - symmetric) * embedding_distance(both_ways.table, options.exclude_worst)
-    if symmetric:
-        back = [embedding_distance(way[:, None], options.exclude_worst)[0] for way in both_ways.backward]
-        single += symmetric * np.array(back)
     distances = np.full(int(owner.max()) + 1, np.inf)
     np.minimum.at(distances, owner, single)
-    return Ranking(distances.round(DIGITS), vote(both_ways.table, owner, rounds))
+    return Ranking(distances.round(DIGITS), vote(table, owner, rounds))
 
 
 def compared_views(store: FeatureStore, options: MatchingConfig) -> list[int]:

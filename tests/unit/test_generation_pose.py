@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 from stages.generation.extents import measured_box, near_face
-from stages.generation.pose import rear_at_wall, rectangularity, turned_to, view_yaw, wall_axes
+from stages.generation.pose import rear_at_wall, rectangularity, turned_to, wall_axes
 from stages.generation.sizing import believable_box, round_box, sight_yaw
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import wrap_angle, yaw_matrix
+from stages.geometry.viewing import view_yaw
 
 DEGREE = np.pi / 180
 

@@ -5,7 +5,9 @@ from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
 from stages.config.matching import MatchingConfig
+from stages.contracts import Objects
 from stages.contracts.cousins import Candidate, Orientation
+from stages.contracts.objects import SceneObject
 from stages.matching.crop import View
 from stages.matching.snapshots import Snapshots
 from stages.plugins import load
@@ -14,8 +16,8 @@ from stages.plugins import load
 class Question(NamedTuple):
     """What a judge may look at: the object as the camera sees it, its label, and the models.
 
-    library: library.json; snapshots: pictures of the models; name: scene and object, for people; rank: of the cousin
-    whose orientation is asked for.
+    library: library.json, asset folders beside it; snapshots: pictures of the models; name: scene and object, no two
+    alike; rank: of the cousin whose orientation is asked for; item, scene: what extraction found of the object, of all.
     """
 
     view: View
@@ -24,6 +26,8 @@ class Question(NamedTuple):
     snapshots: Snapshots
     name: str = ""
     rank: int = 1
+    item: SceneObject | None = None
+    scene: Objects | None = None
 
 
 class AbstainedError(Exception):
@@ -68,9 +72,10 @@ class Judges:
         self.model_name = getattr(self.of_models, "name", options.model_selection)
         self.orientation_name = getattr(self.of_orientations, "name", options.orientation_selection)
 
-    def question(self, view: View, label: str, name: str) -> Question:
+    def question(self, view: View, item: SceneObject, scene: Objects) -> Question:
         """What is asked about one object."""
-        return Question(view, label, self.library, self.snapshots, name)
+        name = f"{scene.scene}/{item.id}"
+        return Question(view, item.label, self.library, self.snapshots, name, item=item, scene=scene)
 
     def summaries(self) -> list[str]:
         """What judges have to tell in the log when all is done (`summary`, if they have one)."""

@@ -1,0 +1,54 @@
+"""Judge `geometry`: analysis by synthesis, with no model at all (paper A.6 and B.1 ask a language model instead).
+
+The `k_model` nearest models by distance are fitted into the object's place, turned each way that it can stand, and
+ordered by how well what is then seen agrees with the picture. The others follow by distance.
+"""
+
+from collections.abc import Sequence
+
+from stages.config.matching import MatchingConfig
+from stages.contracts.cousins import Candidate, Orientation
+from stages.geometry.frames import wrap_angle
+from stages.matching.judges import Question
+from stages.matching.synthesis.fits import Fit
+from stages.matching.synthesis.workbench import Workbench
+
+DIGITS = 4  # of scores: what is equal up to here is a tie
+
+
+class Judge:
+    """Weights and size of the pictures: `geometry` of the options."""
+
+    def __init__(self, options: MatchingConfig) -> None:
+        self.options, self.weights = options, options.geometry
+        self.workbench = Workbench("geometry", options.geometry.resolution)
+
+    def models(self, question: Question, by_votes: list[Candidate], by_distance: list[Candidate]) -> list[Candidate]:
+        """The k_model nearest by their best fit, ties by distance; then the others."""
+        near, rest = by_distance[: self.options.k_model], by_distance[self.options.k_model :]
+
+        def value(candidate: Candidate) -> float:
+            best = self._fits(question, candidate.asset)[0].score(self.weights)
+            return round(best - self.weights.distance * candidate.distance, DIGITS)
+
+        return sorted(near, key=value, reverse=True) + rest
+
+    def orientations(
+        self, question: Question, asset: str, by_votes: list[Orientation], by_distance: list[Orientation]
+    ) -> list[Orientation]:
+        """By fit: turned along the wall or the object's box, and, away from walls, as in the k_ori nearest views."""
+        views = [] if self.workbench.fitter(question).touches else by_distance[: self.options.k_ori]
+        fits = self._fits(question, asset, [view.yaw for view in views])
+        return [nearest(fit.yaw, by_distance).model_copy(update={"yaw": fit.yaw}) for fit in fits]
+
+    def _fits(self, question: Question, asset: str, views: Sequence[float] = ()) -> list[Fit]:
+        """Best first."""
+        fitter = self.workbench.fitter(question)
+        yaws = fitter.aligned() + [fitter.floor_yaw(view) for view in views]
+        fits = fitter.fit(self.workbench.solid(question, asset), yaws)
+        return sorted(fits, key=lambda fit: round(fit.score(self.weights), DIGITS), reverse=True)
+
+
+def nearest(yaw: float, views: list[Orientation]) -> Orientation:
+    """The view whose yaw is nearest."""
+    return min(views, key=lambda view: abs(wrap_angle(view.yaw - yaw)))

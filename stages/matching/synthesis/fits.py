@@ -1,0 +1,95 @@
+"""Candidates fitted to one object: every way that one may stand, rendered in place and compared."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from stages.config.matching import GeometryConfig
+from stages.contracts import Objects
+from stages.contracts.objects import SceneObject, Wall
+from stages.geometry.boxes import UprightBox
+from stages.geometry.frames import SYMMETRY_PERIOD, wrap_angle
+from stages.geometry.viewing import view_angle, view_yaw
+from stages.matching.crop import View
+from stages.matching.synthesis.fitting import laid_over, measured_box
+from stages.matching.synthesis.observation import observe
+from stages.matching.synthesis.picture import Picture, render
+from stages.matching.synthesis.solid import Solid
+from stages.matching.synthesis.terms import Terms, compare, line_field
+
+SAME = np.deg2rad(2)  # ways to stand that differ by less are one
+QUARTERS = np.arange(4) * np.pi / 2
+
+
+class Fit(NamedTuple):
+    """A candidate in the object's place. yaw: of the view, as in cousins.json; box: floor frame."""
+
+    asset: str
+    yaw: float
+    box: UprightBox
+    picture: Picture
+    terms: Terms
+
+    def score(self, weights: GeometryConfig) -> float:
+        """Weighted sum of the terms: more is better."""
+        terms = self.terms
+        return (
+            weights.outline * terms.outline
+            + weights.depth * terms.depth
+            + weights.lines * terms.lines
+            + weights.colour * terms.colour
+            - weights.proportions * terms.proportions
+        )
+
+
+class Fitter:
+    """Fits models of a library to one object that has depth, intrinsics and a box."""
+
+    def __init__(self, view: View, item: SceneObject, scene: Objects, resolution: int) -> None:
+        assert item.box is not None
+        self.box = item.box
+        self.seen = observe(view, np.array(scene.floor_from_camera, dtype=float), resolution)
+        self.lines = line_field(self.seen.rgb)
+        middle, height = item.box.center[2], item.box.size[2]
+        self.heights = (middle - height / 2, middle + height / 2)
+        wall = touched_wall(item, scene)
+        self.touches = wall is not None
+        self.axes = item.box.yaw if wall is None else float(np.arctan2(wall.normal[1], wall.normal[0]))
+
+    def fit(self, solid: Solid, yaws: Sequence[float]) -> list[Fit]:
+        """The model at several yaws of the floor frame, those left out that its symmetry makes equal."""
+        fits = []
+        for yaw in distinct(yaws, SYMMETRY_PERIOD[solid.asset.symmetry]):
+            box = self.box_of(solid, yaw)
+            picture = render(solid, box, self.seen)
+            terms = compare(self.seen, picture, box.size, solid.asset.size, self.lines)
+            fits.append(Fit(solid.asset.id, view_angle(self.seen.eye, self.box.center, yaw), box, picture, terms))
+        return fits
+
+    def box_of(self, solid: Solid, yaw: float) -> UprightBox:
+        """The box of a model that stands at a yaw of the floor frame in the object's place."""
+        return laid_over(solid, measured_box(self.seen.cloud, self.heights, yaw), self.seen)
+
+    def aligned(self) -> list[float]:
+        """Yaws at which a model stands along the wall that the object touches, else along its box."""
+        return [wrap_angle(self.axes + quarter) for quarter in QUARTERS]
+
+    def floor_yaw(self, view: float) -> float:
+        """Yaw in the floor frame of a model that is seen at the yaw of a view."""
+        return view_yaw(self.seen.eye, self.box.center, view)
+
+
+def touched_wall(item: SceneObject, scene: Objects) -> Wall | None:
+    """The wall that an object touches, the dominant one if there are more."""
+    names = item.mounting.walls if item.mounting is not None and item.mounting.type != 2 else []
+    return next((wall for wall in scene.walls if wall.id in names[:1]), None)
+
+
+def distinct(yaws: Sequence[float], period: float) -> list[float]:
+    """The yaws, but those that equal an earlier one modulo the period (0: all are equal)."""
+    kept: list[float] = []
+    for yaw in yaws:
+        if not kept or (period and all(abs(wrap_angle(yaw - other, period)) > SAME for other in kept)):
+            kept.append(yaw)
+    return kept

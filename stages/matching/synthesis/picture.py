@@ -1,0 +1,51 @@
+"""A candidate in an object's place, rendered on the cells of the object's observation."""
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from stages.geometry.boxes import UprightBox
+from stages.matching.crop import View
+from stages.matching.synthesis.observation import Observation
+from stages.matching.synthesis.solid import Solid
+
+SAMPLES = 2  # rays per cell and direction: thin lines do not break
+AMBIENT, DIFFUSE = 0.5, 0.55
+TO_LIGHT = np.array([-0.42, 0.32, 0.85])  # floor frame: over the photographer's shoulder
+GAMMA = 2.2
+
+
+@dataclass(frozen=True)
+class Picture:
+    """What is seen of a candidate in each cell (h, w): colour (h, w, 3) 0 to 1, the share that it covers, depth where
+    it covers anything."""
+
+    rgb: NDArray[np.float32]
+    cover: NDArray[np.float32]
+    depth: NDArray[np.float32]
+
+    def view(self, seen: Observation, up: NDArray[np.float64] | None) -> View:
+        """The picture as a patch encoder takes it."""
+        there = self.cover >= 0.5
+        intrinsics = seen.intrinsics.copy()
+        intrinsics[:2] /= seen.step
+        intrinsics[:2, 2] = (seen.intrinsics[:2, 2] - seen.corner + 0.5) / seen.step - 0.5
+        depth = np.where(there, self.depth, 0)
+        return View((self.rgb * 255).round().astype(np.uint8), there, depth.astype(np.float32), intrinsics, up)
+
+
+def render(solid: Solid, box: UprightBox, seen: Observation) -> Picture:
+    """Render a model in a box under one light; colours as in the model's materials."""
+    rays = seen.rays(SAMPLES)
+    look = solid.look(seen.eye, rays.reshape(-1, 3), box)
+    shade = AMBIENT + DIFFUSE * np.clip(look.normals @ TO_LIGHT, 0, None)
+    rgb = np.clip(look.colour * shade[:, None], 0, 1) ** (1 / GAMMA)
+    there = look.depth > 0
+    values = np.concatenate([rgb * there[:, None], there[:, None], look.depth[:, None]], axis=1).astype(np.float32)
+    h, w = seen.mask.shape
+    cells = cv2.resize(values.reshape(*rays.shape[:2], 5), (w, h), interpolation=cv2.INTER_AREA).astype(np.float32)
+    cover = cells[..., 3]
+    mean = np.asarray(cells / np.maximum(cover, 1e-6)[..., None], np.float32)
+    return Picture(mean[..., :3], cover, mean[..., 4])

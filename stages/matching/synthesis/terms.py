@@ -1,0 +1,106 @@
+"""How well a rendered candidate agrees with the object, term by term: outline, depth, lines, colour, proportions."""
+
+from typing import NamedTuple
+
+import cv2
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stages.matching.synthesis.observation import Observation
+from stages.matching.synthesis.picture import Picture
+
+DEPTH_SCALE, DEPTH_NOISE = 0.06, 0.003  # of the object's diagonal; 1 / m: a difference that counts as wholly wrong
+BINS, BLUR, AROUND = 6, 1.2, 6.0  # directions of lines; cells by which lines may be off; cells that set the contrast
+FAINT = 0.03  # lines weaker than this are noise
+COLOUR_SCALE, LIGHTNESS = 0.3, 0.5
+Array = NDArray[np.float32]
+
+
+class Terms(NamedTuple):
+    """Agreement in [0, 1], 1 best, but for `proportions`: how unlike the stretches of the three axes are, 0 best."""
+
+    outline: float
+    depth: float
+    lines: float
+    colour: float
+    proportions: float
+
+
+def compare(seen: Observation, shown: Picture, size: ArrayLike, native: ArrayLike, given: Array) -> Terms:
+    """Compare a candidate of extents `size` (3,), `native` in the library; `given`: `line_field` of the object."""
+    covered = shown.cover >= 0.5
+    both = seen.mask & covered
+    known = both & (seen.depth > 0)
+    if not known.any():
+        return Terms(0, 0, 0, 0, distortion(size, native))
+    ratio = float(np.median(seen.depth[known] / shown.depth[known]))  # the fit's distance, and the error of depth's
+    outline = outline_agreement(seen, shown, ratio)
+    tolerance = DEPTH_SCALE * np.linalg.norm(np.asarray(size)) + DEPTH_NOISE * seen.depth[known] ** 2
+    off = np.abs(seen.depth[known] - ratio * shown.depth[known]) / tolerance
+    shared = inner(both)
+    return Terms(
+        outline,
+        1 - float(np.minimum(off, 1).mean()),
+        line_agreement(given, line_field(shown.rgb), shared),
+        colour_agreement(seen.rgb[both], shown.rgb[both]),
+        distortion(size, native),
+    )
+
+
+def outline_agreement(seen: Observation, shown: Picture, ratio: float) -> float:
+    """Intersection over union of the outlines, over the cells where the candidate could be seen."""
+    visible = ~((shown.cover > 0) & seen.hides(shown.depth * ratio))
+    mask = seen.mask.astype(np.float32)
+    union = np.maximum(mask, shown.cover)[visible].sum()
+    return float(np.minimum(mask, shown.cover)[visible].sum() / union) if union else 0.0
+
+
+def inner(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Cells whose gradient no outline touches."""
+    return cv2.erode(mask.astype(np.uint8), np.ones((5, 5), np.uint8), borderValue=0) > 0
+
+
+def line_field(rgb: Array) -> Array:
+    """Gradients (h, w, 2) of a picture, x and y, in the Lab channel that changes most; compressed."""
+    lab = cv2.cvtColor(np.ascontiguousarray(rgb), cv2.COLOR_RGB2LAB) / 100
+    field = np.zeros((*lab.shape, 2), np.float32)
+    field[:, 1:-1, :, 0] = (lab[:, 2:] - lab[:, :-2]) / 2
+    field[1:-1, :, :, 1] = (lab[2:] - lab[:-2]) / 2
+    strength = np.linalg.norm(field, axis=-1)
+    chosen = strength.argmax(axis=-1)[..., None]
+    strongest = np.take_along_axis(field, chosen[..., None], axis=2)[:, :, 0]
+    return strongest / np.sqrt(np.maximum(np.take_along_axis(strength, chosen, axis=2), 1e-12))
+
+
+def line_agreement(given: Array, shown: Array, where: NDArray[np.bool_]) -> float:
+    """Cosine of two line fields by direction, each against the contrast around it; dark to bright or bright to dark."""
+    a, b = _by_direction(given, where), _by_direction(shown, where)
+    length = np.sqrt(float((a**2).sum()) * float((b**2).sum()))
+    return float((a * b).sum()) / length if length > 0 else 0.0
+
+
+def _by_direction(field: Array, where: NDArray[np.bool_]) -> Array:
+    strength = np.linalg.norm(field, axis=-1) * where
+    at = np.arctan2(field[..., 1], field[..., 0]) % np.pi / np.pi * BINS
+    below = np.floor(at).astype(int) % BINS
+    share = at - np.floor(at)
+    channels = np.zeros((*where.shape, BINS), np.float32)
+    rows, columns = np.indices(where.shape)
+    channels[rows, columns, below] = strength * (1 - share)
+    channels[rows, columns, (below + 1) % BINS] += strength * share
+    channels = cv2.GaussianBlur(channels, (0, 0), BLUR)
+    contrast = np.sqrt(cv2.GaussianBlur((channels**2).sum(axis=-1), (0, 0), AROUND))
+    return np.asarray(channels / (contrast + FAINT)[..., None] * where[..., None], np.float32)
+
+
+def colour_agreement(given: Array, shown: Array) -> float:
+    """Agreement of colours (N, 3); the lightness of the whole does not count, nor does half of that of its parts."""
+    a, b = (cv2.cvtColor(np.ascontiguousarray(rgb[None]), cv2.COLOR_RGB2LAB)[0] / 100 for rgb in (given, shown))
+    off = a - b
+    off[:, 0] = LIGHTNESS * (off[:, 0] - np.median(off[:, 0]))
+    return 1 - float(np.minimum(np.linalg.norm(off, axis=1) / COLOUR_SCALE, 1).mean())
+
+
+def distortion(size: ArrayLike, native: ArrayLike) -> float:
+    """Range of the logarithms of the three axes' scales: 0 if the model keeps its proportions."""
+    return float(np.ptp(np.log(np.maximum(np.asarray(size), 1e-4) / np.maximum(np.asarray(native), 1e-4))))

@@ -1,0 +1,55 @@
+"""What the judges that render share: the object at hand, ready to be fitted to, and the models read so far."""
+
+from stages.contracts import Library, read_json
+from stages.matching.judges import AbstainedError, Question
+from stages.matching.synthesis.fits import Fitter
+from stages.matching.synthesis.solid import Solid
+
+SMALLEST = 40  # pixels of a mask: fewer show nothing that models differ in
+KNOWN = 0.5  # of them, with depth
+MODELS = 300  # kept in memory
+
+
+class Workbench:
+    """Made once per judge."""
+
+    def __init__(self, judge: str, resolution: int) -> None:
+        self.judge, self.resolution = judge, resolution
+        self._folders: dict[str, str] = {}
+        self._solids: dict[str, Solid] = {}
+        self._object: tuple[str, Fitter] | None = None
+
+    def fitter(self, question: Question) -> Fitter:
+        """The object, made ready once.
+
+        Raises:
+            AbstainedError: too little is known of it to put anything in its place.
+        """
+        if self._object is None or self._object[0] != question.name:
+            view, item, scene = question.view, question.item, question.scene
+            if item is None or scene is None or item.box is None:
+                raise AbstainedError(f"{self.judge}: extraction gives no box")
+            pixels = int(view.mask.sum())
+            if pixels < SMALLEST:
+                raise AbstainedError(f"{self.judge}: the object has {pixels} pixels, fewer than {SMALLEST}")
+            if view.depth is None or view.intrinsics is None or (view.depth[view.mask] > 0).mean() < KNOWN:
+                raise AbstainedError(f"{self.judge}: less than half of the object has depth")
+            self._object = (question.name, Fitter(view, item, scene, self.resolution))
+        return self._object[1]
+
+    def solid(self, question: Question, asset: str) -> Solid:
+        """A model of the library.
+
+        Raises:
+            AbstainedError: the library has no asset folders, only pictures.
+        """
+        if not self._folders:
+            self._folders = {entry.id: entry.folder for entry in read_json(Library, question.library).assets}
+        if asset not in self._solids:
+            folder = question.library.parent / self._folders[asset]
+            if not folder.is_dir():
+                raise AbstainedError(f"{self.judge}: there is no {folder.name} beside {question.library.name}")
+            while len(self._solids) >= MODELS:
+                self._solids.pop(next(iter(self._solids)))
+            self._solids[asset] = Solid(folder)
+        return self._solids[asset]

@@ -1,0 +1,186 @@
+"""Matching by renderings in the object's place: what is laid over, seen, compared, and when nobody can tell."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from stages.articulated.asset_folder import Description, write_asset
+from stages.articulated.model import Link, RobotModel, Visual
+from stages.config.matching import MatchingConfig
+from stages.contracts import Library, Objects, write_json
+from stages.contracts.cousins import Candidate, Orientation
+from stages.contracts.library import LibraryEntry
+from stages.contracts.objects import Box, Mounting, SceneObject
+from stages.geometry.boxes import UprightBox
+from stages.geometry.cameras import intrinsics_from_fov, look_at
+from stages.geometry.frames import rigid, wrap_angle, yaw_matrix
+from stages.matching.crop import View
+from stages.matching.judges import AbstainedError, Question
+from stages.matching.judges.geometry import Judge as Geometry
+from stages.matching.judges.rerender import Judge as Rerender
+from stages.matching.snapshots import Snapshots
+from stages.matching.synthesis.fitting import laid_over, measured_box
+from stages.matching.synthesis.observation import free_sides, observe
+from stages.matching.synthesis.picture import render
+from stages.matching.synthesis.solid import Solid
+from stages.matching.synthesis.terms import outline_agreement
+from tests.unit.matching_data import trace_box
+
+SIZE = (0.4, 1.0, 0.8)
+SIDE, EYE = 160, (3.0, 0.3, 1.2)
+POSE = look_at(EYE, [0, 0, 0])
+INTRINSICS = intrinsics_from_fov(SIDE, SIDE, 0.6)
+
+
+def write_model(folder: Path, panels: tuple[int, int], size: Sequence[float] = SIZE) -> None:
+    """A box with a dark front on which light panels stand, as `trace_box` draws it."""
+    body = trimesh.creation.box(size)
+    pieces = [Visual(body, (0.2, 0.2, 0.2, 1.0))]
+    width, height = size[1] / panels[0], size[2] / panels[1]
+    dark = trimesh.creation.box((0.002, size[1], size[2]), rigid(np.eye(3), np.array([size[0] / 2, 0, 0])))
+    pieces.append(Visual(dark, (0.03, 0.03, 0.03, 1.0)))
+    for column in range(panels[0]):
+        for row in range(panels[1]):
+            at = [size[0] / 2 + 0.002, (column + 0.5) * width - size[1] / 2, (row + 0.5) * height - size[2] / 2]
+            plate = trimesh.creation.box((0.002, 0.88 * width, 0.88 * height), rigid(np.eye(3), np.array(at)))
+            pieces.append(Visual(plate, (0.3, 0.3, 0.3, 1.0)))
+    link = Link("body", pieces, [body], 5.0, np.zeros(3), np.eye(3))
+    write_asset(RobotModel(folder.name, {"body": link}), folder, Description(folder.name, "cabinet", "CC0-1.0", "test"))
+
+
+@pytest.fixture(scope="module")
+def library(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("models")
+    models = {"two": (2, 1), "three": (3, 1), "stack": (1, 4)}
+    for name, panels in models.items():
+        write_model(folder / name, panels)
+    entries = [LibraryEntry(id=n, category="cabinet", folder=n, doors=0, drawers=0, checksum="0") for n in models]
+    entries.append(LibraryEntry(id="unseen", category="cabinet", folder="unseen", doors=0, drawers=0, checksum="0"))
+    write_json(folder / "library.json", Library(assets=entries))
+    return folder / "library.json"
+
+
+def question(library: Path, yaw: float, panels: tuple[int, int] = (2, 1), **changes: object) -> Question:
+    """A box of SIZE at the origin, turned by `yaw`; the floor frame is the world."""
+    rgb, depth = trace_box(SIZE, yaw, panels, POSE, INTRINSICS, SIDE, SIDE)
+    view = View(rgb, depth > 0, depth, INTRINSICS, POSE[:3, :3].T @ np.array([0.0, 0.0, 1.0]))
+    box = Box(center=(0, 0, 0), size=SIZE, yaw=wrap_angle(yaw, np.pi / 2))
+    item = SceneObject(id="cabinet_1", label="cabinet", mask=1, box=box, mounting=Mounting(type=2))
+    scene = Objects(
+        scene="test",
+        width=SIDE,
+        height=SIDE,
+        intrinsics=INTRINSICS.tolist(),
+        floor_from_camera=POSE.tolist(),
+        walls=[],
+        objects=[item],
+    )
+    view = replace(view, **changes)  # type: ignore[arg-type]
+    return Question(view, "cabinet", library, Snapshots(()), f"test/{yaw}/{panels}", item=item, scene=scene)
+
+
+def candidates(*names: str) -> list[Candidate]:
+    return [Candidate(asset=name, category="cabinet", distance=1.0) for name in names]
+
+
+def views(*yaws: float) -> list[Orientation]:
+    return [Orientation(yaw=yaw, distance=1.0) for yaw in yaws]
+
+
+TOWARDS = float(np.arctan2(EYE[1], EYE[0]))  # of a model whose front faces the camera
+
+
+def test_a_model_is_seen_where_it_stands(library: Path) -> None:
+    """Rays against the ray tracer: the same outline, the same depth."""
+    yaw = 0.4
+    asked = question(library, yaw)
+    seen = observe(asked.view, POSE, SIDE)
+    shown = render(Solid(library.parent / "two"), UprightBox((0, 0, 0), SIZE, yaw), seen)
+    assert outline_agreement(seen, shown, 1.0) > 0.97
+    both = seen.mask & (shown.cover == 1)
+    np.testing.assert_allclose(shown.depth[both], seen.depth[both], atol=0.02)
+
+
+def test_a_box_is_laid_over_the_object(library: Path) -> None:
+    """From a box that is far too small and off its place to the outline, as far as its sides are seen."""
+    seen = observe(question(library, 0.4).view, POSE, SIDE)
+    solid = Solid(library.parent / "two")
+    small = UprightBox(np.array([0.05, -0.04, 0.03]), np.array(SIZE) * 0.85, 0.4)
+    fitted = laid_over(solid, small, seen)
+    before, after = (outline_agreement(seen, render(solid, box, seen), 1.0) for box in (small, fitted))
+    assert before < 0.8 < 0.94 < after
+
+
+@pytest.mark.parametrize("yaw", [0.3, 1.0, -0.8, 0.3 + np.pi])
+def test_a_box_fits_best_at_its_own_yaw(library: Path, yaw: float) -> None:
+    """Also seen from behind: no panels there."""
+    judge = Geometry(MatchingConfig())
+    best, *rest = judge.orientations(question(library, yaw), "two", [], views(0.0, 2.0))
+    assert wrap_angle(best.yaw - (yaw - TOWARDS)) == pytest.approx(0, abs=0.03)
+    assert len(rest) == 5  # three quarter turns, and two views
+
+
+def test_panels_tell_models_apart(library: Path) -> None:
+    judge = Geometry(MatchingConfig(k_model=3))
+    given = candidates("stack", "three", "two", "unseen")
+    for name, panels in (("two", (2, 1)), ("three", (3, 1)), ("stack", (1, 4))):
+        ranked = judge.models(question(library, 0.3, panels), [], given)
+        assert ranked[0].asset == name
+        assert ranked[-1].asset == "unseen"  # beyond k_model: by distance
+
+
+def test_what_is_hidden_or_cut_off_does_not_count(library: Path) -> None:
+    """Something nearer covers the left third: the outline is compared where it can be seen, that side is not fitted."""
+    asked = question(library, 0.3)
+    columns = np.flatnonzero(asked.view.mask.any(axis=0))
+    covered = np.zeros_like(asked.view.mask)
+    covered[:, : columns[0] + len(columns) // 3] = True
+    assert asked.view.depth is not None
+    view = replace(asked.view, mask=asked.view.mask & ~covered, depth=np.where(covered, 1.0, asked.view.depth))
+    assert view.depth is not None
+    assert free_sides(view.mask, view.depth).tolist() == [False, True, True, True]
+    solid, box = Solid(library.parent / "two"), UprightBox((0, 0, 0), SIZE, 0.3)
+    seen = observe(view, POSE, SIDE)
+    assert outline_agreement(seen, render(solid, box, seen), 1.0) > 0.95
+    open_space = observe(replace(view, depth=np.where(covered, 9.0, view.depth)), POSE, SIDE)
+    assert outline_agreement(open_space, render(solid, box, open_space), 1.0) < 0.85
+
+
+@pytest.mark.parametrize("judge", [Geometry, Rerender])
+def test_nobody_decides_without_depth_pixels_or_models(library: Path, judge: type) -> None:
+    asked = question(library, 0.3)
+    assert asked.view.depth is not None
+    few = np.zeros_like(asked.view.mask)
+    few[80:84, 80:84] = True
+    for changed, reason in (
+        (asked._replace(view=replace(asked.view, depth=None)), "depth"),
+        (asked._replace(view=replace(asked.view, depth=np.zeros_like(asked.view.depth))), "depth"),
+        (asked._replace(view=replace(asked.view, mask=few)), "16 pixels"),
+        (asked._replace(item=None), "no box"),
+    ):
+        with pytest.raises(AbstainedError, match=reason):
+            judge(MatchingConfig()).orientations(changed, "two", [], views(0.0))
+    with pytest.raises(AbstainedError, match=r"no unseen beside library\.json"):
+        judge(MatchingConfig()).orientations(asked, "unseen", [], views(0.0))
+
+
+def test_views_are_rendered_again_and_ordered_by_their_distance(library: Path) -> None:
+    """Only the k_ori nearest; the right one is nearest to the object once it has its shape and its direction."""
+    yaw = 0.3
+    right = wrap_angle(yaw - TOWARDS)
+    given = views(right + np.pi, right + np.pi / 2, right, right - np.pi / 2, right + 0.1)
+    answer = Rerender(MatchingConfig(k_ori=4)).orientations(question(library, yaw), "two", [], given)
+    assert answer[0].yaw == right and len(answer) == 4
+    assert answer[0].distance < 0.8 * answer[1].distance
+    assert Rerender(MatchingConfig()).models(question(library, yaw), [], candidates("three", "two"))[0].asset == "three"
+
+
+def test_the_measured_box_lies_along_its_axes() -> None:
+    corners = np.array([(x, y, z) for x in (-1, 1) for y in (-2, 2) for z in (0, 1)], float) / 2
+    box = measured_box(corners @ yaw_matrix(0.5).T + [1, 2, 0], (0.0, 0.5), 0.5)
+    np.testing.assert_allclose(box.size, [1, 2, 0.5], atol=0.05)
+    np.testing.assert_allclose(box.center, [1, 2, 0.25], atol=0.05)
