@@ -36,6 +36,7 @@ from benchmarks.alternatives import (
     scipy_inliers,
     sklearn_dbscan,
 )
+from benchmarks.tables import table
 from stages.config.extraction import DepthNoiseConfig, ExtractionConfig
 from stages.contracts import Truth, read_json
 from stages.extraction import clouds, room
@@ -246,13 +247,6 @@ def import_rows() -> Iterator[Row]:
             after = resource.getrusage(resource.RUSAGE_CHILDREN)
             runs.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
         yield [module, f"{min(runs):.2f}"]
-
-
-def table(heading: list[str], rows: Iterator[Row]) -> None:
-    """Print as Markdown, row by row."""
-    print("\n| " + " | ".join(heading) + " |\n|" + "---|" * len(heading), flush=True)
-    for row in rows:
-        print("| " + " | ".join(map(str, row)) + " |", flush=True)
 
 
 def main() -> None:
