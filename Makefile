@@ -9,9 +9,9 @@ STAMP := .venv/.installed
 STUDY := -$(BIN)/snakemake --cores $(CORES) --keep-going --configfile config.yaml config/study/table3.yaml --
 cells = $(foreach task,$(1),$(foreach set,$(2),results/evaluation/policies/$(task)/$(set)/rollouts.csv))
 
-.PHONY: help setup all study test lint types config lock containers clean
+.PHONY: help setup all study table2 test lint types config lock containers clean
 help: ## list the verbs
-	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 14
+	@grep -hE '^[a-z0-9]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 14
 
 setup: $(STAMP) ## create .venv from the pinned requirements, make sure a Vulkan device exists
 	@$(BIN)/python -m stages.doctor --mend
@@ -30,6 +30,9 @@ study: setup ## Table 3 on two cores, overnight; the cells that tell most come f
 	$(STUDY) $(call cells,door drawer,cousins_4 all cousins_2)
 	$(STUDY) all
 	$(BIN)/python -m stages.tables results --configs config.yaml config/study/table3.yaml --out docs/results
+
+table2: setup ## Table 2 and Figure 6 with every row, on the eight rooms and on rooms met otherwise
+	$(BIN)/snakemake --cores $(CORES) --keep-going --configfile config.yaml config/study/table2.yaml -- table2
 
 test: setup lint types ## lint, types and all tests; Chromium for those of the report page
 	@bash envs/chromium.sh

@@ -38,6 +38,7 @@ os.environ.update(ACDC_OUTSIDE="\n".join(outside(CONFIG)))  # containers/podman-
 EXPERIMENT = CONFIG.experiment
 ROOMS = EXPERIMENT.rooms
 SCORED_ROOMS = [room for room in ROOMS if room not in EXPERIMENT.inputs]
+MET = EXPERIMENT.met()
 VARIANTS = list(EXPERIMENT.variants)
 TASKS = list(EXPERIMENT.tasks)
 SHARDS = list(range(CONFIG.assets.shards))
@@ -47,7 +48,7 @@ GPUS = 1 if CONFIG.device == "cuda" else 0
 
 
 wildcard_constraints:
-    scene=r"[A-Za-z0-9-]+(_[A-Za-z0-9-]+)*",
+    scene=r"[A-Za-z0-9-]+(_[A-Za-z0-9-]+)*(\.(" + "|".join(EXPERIMENT.protocols) + r")\.\d+)?",
     variant=r"[A-Za-z0-9_-]+",
     store=r"[A-Za-z0-9_]+-[0-9a-f]{8}",
     task="|".join(TASKS) or "-",

@@ -73,13 +73,33 @@ rule gather:
         "{params.check}) 2>&1 | tee {log:q}"
 
 
+rule leave_out:
+    """Name the true models of a room, for matching to do without."""
+    input:
+        truth=truth_of,
+    output:
+        assets="results/evaluation/left_out/{scene}.json",
+    log:
+        "logs/evaluation/left_out_{scene}.log",
+    container:
+        CONFIG.containers.learning
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        command=command("evaluation", "leave_out"),
+        code=code("evaluation", "leave_out"),
+    shell:
+        "{params.command} --truth {input.truth:q} --out {output.assets:q} 2>&1 | tee {log:q}"
+
+
 rule score:
     """Compare the generated scenes of one room with its truth."""
     input:
         scenes=rules.generate.output.scenes,
         cousins=rules.match.output.cousins,
         objects=rules.extract.output.objects,
-        truth=rules.room.output.truth,
+        truth=truth_of,
         library=rules.library.output.library,
     output:
         scores="results/evaluation/scenes/{variant}/{scene}/scores.csv",
@@ -96,9 +116,12 @@ rule score:
         command=command("evaluation", "score"),
         code=code("evaluation", "score"),
         check=check(scores="scores"),
+        protocol=lambda wildcards: EXPERIMENT.meeting(wildcards.scene).name,
+        draw=seed_of,
     shell:
         "({params.command} --scenes {input.scenes:q} --objects {input.objects:q} --truth {input.truth:q} "
-        "--library {input.library:q} --cousins {input.cousins:q} --out {output.scores:q} && "
+        "--library {input.library:q} --cousins {input.cousins:q} --protocol {params.protocol:q} --draw {params.draw} "
+        "--out {output.scores:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
 
 

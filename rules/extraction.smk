@@ -26,10 +26,11 @@ rule extract:
         code=code("extraction", "extract", *modules(CONFIG.extraction, "source")),
         check=check(objects="objects"),
         options=options("extraction", "extract"),
-        seed=CONFIG.seed,
+        name=room_of,
+        seed=seed_of,
         folder=subpath(input.rgb, parent=True),
     shell:
-        "({params.command} --input {params.folder:q} --scene {wildcards.scene} --options {params.options:q} "
+        "({params.command} --input {params.folder:q} --scene {params.name} --options {params.options:q} "
         "--seed {params.seed} --out {output.objects:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
 

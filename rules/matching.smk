@@ -44,6 +44,7 @@ rule match:
         library=rules.library.output.library,
         features=lambda wildcards: features_of(wildcards.variant),
         snapshots=expand(rules.snapshots.output.images, shard=SHARDS),
+        without=left_out,
     output:
         cousins="results/matching/{variant}/{scene}/cousins.json",
     log:
@@ -62,8 +63,8 @@ rule match:
         options=options("matching", "match"),
     shell:
         "({params.command} --objects {input.objects:q} --image {input.image:q} --library {input.library:q} "
-        "--features {input.features:q} --snapshots {input.snapshots:q} --options {params.options:q} "
-        "--out {output.cousins:q} && "
+        "--features {input.features:q} --snapshots {input.snapshots:q} --without {input.without:q} "
+        "--options {params.options:q} --out {output.cousins:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
 
 

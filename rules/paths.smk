@@ -7,15 +7,9 @@ def features_of(variant):
     return [f"results/matching/features/{store}/shard_{shard}.npy" for shard in SHARDS]
 
 
-def own_room(wildcards):
-    """The flag that names the file of a room of the user's."""
-    path = CONFIG.room_files().get(wildcards.scene)
-    return "" if path is None or path in series() else f"--room {shlex.quote(str(path))}"
-
-
 def recipes_digest(wildcards):
     """Digest of what a room is made by: its own recipe and, for ours, those before it."""
-    path, ours = CONFIG.room_files().get(wildcards.scene), series()
+    path, ours = CONFIG.room_files().get(room_of(wildcards)), series()
     used = ours[: ours.index(path) + 1] if path in ours else [path] if path else []
     return sha256(b"\0".join(file.read_bytes() for file in used)).hexdigest()[:12]
 
@@ -34,7 +28,7 @@ def filmed(stage, verb, folder, **labels):
 def scene_inputs(wildcards):
     """The files of a scene's input folder: rendered for rooms, the user's own for `experiment.inputs`."""
     own = EXPERIMENT.inputs.get(wildcards.scene)
-    folder = own or f"results/scenes/{wildcards.scene}/input"
+    folder = own or f"results/scenes/{pictured(wildcards)}/input"
     return {
         "rgb": f"{folder}/rgb.png",
         "camera": f"{folder}/camera.json",

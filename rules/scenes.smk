@@ -1,7 +1,7 @@
 # Sim-to-sim rooms: what a camera sees, and apart from it the truth (paper B.1, Table 2).
 # Reads:  the library.
-# Writes: results/scenes/<room>/input/{rgb.png,camera.json,depth.npz,masks.png,annotations.json}
-#         and results/scenes/<room>/truth.json, which only `evaluation` reads.
+# Writes: results/scenes/<scene>/input/{rgb.png,camera.json,depth.npz,masks.png,annotations.json}
+#         and results/scenes/<scene>/truth.json, which only `evaluation` reads.
 
 
 rule room:
@@ -29,12 +29,13 @@ rule room:
         code=code("scenes", "render"),
         check=check(camera="camera", annotations="annotations", truth="truth"),
         options=options("scenes", "render"),
-        room=own_room,
+        name=room_of,
+        room=room_flags,
         recipes=recipes_digest,
         seed=CONFIG.seed,
         out=subpath(output.truth, parent=True),
     shell:
-        "({params.command} --library {input.library:q} --scene {wildcards.scene} --options {params.options:q} "
+        "({params.command} --library {input.library:q} --scene {params.name} --options {params.options:q} "
         "--seed {params.seed} {params.room} --out {params.out:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
 

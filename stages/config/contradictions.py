@@ -35,6 +35,7 @@ def _names(config: "Config") -> Iterator[Mistake]:
     named: dict[str, Iterable[str]] = {
         "experiment.inputs": experiment.inputs,
         "experiment.variants": experiment.variants,
+        "experiment.protocols": experiment.protocols,
         "experiment.tasks": experiment.tasks,
         "training.runs": config.training.runs,
     }
@@ -44,9 +45,22 @@ def _names(config: "Config") -> Iterator[Mistake]:
                 yield Mistake(key, f"'{name}' is no name", "letters, digits, - and single _ inside")
     for key in ("rooms", "training_sets", "held_out", "runs", "seeds"):
         yield from _twice(f"experiment.{key}", getattr(experiment, key))
+    for key, chosen in (
+        ("placements", experiment.placements),
+        *((f"protocols.{name}.variants", protocol.variants or []) for name, protocol in experiment.protocols.items()),
+    ):
+        for variant in chosen:
+            if variant not in experiment.variants:
+                mend = f"one of {', '.join(experiment.variants)}"
+                yield Mistake(f"experiment.{key}", f"'{variant}' is not one of experiment.variants", mend)
+    for variant, changes in experiment.placements.items():
+        if "ranks" in changes:
+            yield Mistake(f"experiment.placements.{variant}.ranks", "is one for all variants", "set generation.ranks")
     for task, target in experiment.tasks.items():
         for key in ("training_sets", "runs", "seeds"):
             yield from _twice(f"experiment.tasks.{task}.{key}", getattr(target, key) or ())
+    for name, protocol in experiment.protocols.items():
+        yield from _twice(f"experiment.protocols.{name}.seeds", protocol.seeds)
     yield from _twice("evaluation.test_assets", config.evaluation.test_assets)
 
 

@@ -33,6 +33,40 @@ class TaskPlan(NamedTuple):
     episodes: int
 
 
+class Protocol(Section):
+    """Rooms met otherwise than for Table 2: rows of its companion `table2_robustness.csv`."""
+
+    seeds: list[Count] = Field(
+        [0],
+        min_length=1,
+        description="Every room is met once with each: the seed of the depth noise and of what is drawn below.",
+    )
+    layout: Literal["recipe", "drawn"] = Field(
+        "recipe", description="drawn: places, camera, colours and models of the room are drawn by chance."
+    )
+    finish: Literal["library", "other"] = Field(
+        "library",
+        description="other: the room's models are painted, lit and scaled otherwise than the library's snapshots.",
+    )
+    unknown: bool = Field(False, description="The true models of the room are taken out of the library at matching.")
+    scale_error: bool = Field(True, description="false: no global factor on the depth (extraction.noise.scale: 0).")
+    variants: list[str] | None = Field(None, min_length=1, description="null: all of `variants`.")
+
+    @property
+    def pictured(self) -> bool:
+        """Whether its rooms need pictures of their own."""
+        return self.layout == "drawn" or self.finish == "other"
+
+
+class Meeting(NamedTuple):
+    """A room as one job meets it; `name` is '' and `seed` None where no protocol is followed."""
+
+    room: str
+    name: str
+    seed: int | None
+    protocol: Protocol
+
+
 class ExperimentConfig(Section):
     """Rooms, variants and policies of this run."""
 
@@ -54,6 +88,14 @@ class ExperimentConfig(Section):
         min_length=1,
         description="Variants of matching that exist side by side (the rows of Table 2): name -> keys of `matching` "
         "that differ. The paper's (b) lets the patch encoder choose model and orientation.",
+    )
+    placements: dict[str, dict[str, Any]] = Field(
+        {}, description="How variants are placed, where that differs: name of a variant -> keys of `generation`."
+    )
+    protocols: dict[str, Protocol] = Field(
+        {},
+        description="Rooms met otherwise, for table2_robustness: name -> {seeds, layout: drawn, finish: other, "
+        "unknown: true, scale_error: false, variants}, as far as they differ (docs/scenes.md).",
     )
     policy_variant: str = Field("b", description="The variant whose cousins the policy experiment uses.")
     tasks: dict[str, TaskTarget] = Field(
@@ -90,6 +132,23 @@ class ExperimentConfig(Section):
     training_threads: int = Field(
         1, ge=1, description="CPU threads per training job; 1 lets two policies train at once."
     )
+
+    def meeting(self, scene: str) -> Meeting:
+        """What a scene is: `<room>`, or `<room>.<protocol>.<seed>`."""
+        room, *met = scene.split(".")
+        if not met:
+            return Meeting(room, "", None, Protocol())
+        return Meeting(room, met[0], int(met[1]), self.protocols[met[0]])
+
+    def met(self) -> dict[str, list[str]]:
+        """The scenes of all protocols, each with its variants."""
+        scored = [room for room in self.rooms if room not in self.inputs]
+        return {
+            f"{room}.{name}.{seed}": protocol.variants or list(self.variants)
+            for name, protocol in self.protocols.items()
+            for seed in protocol.seeds
+            for room in scored
+        }
 
     def plan(self, name: str) -> TaskPlan:
         """What is asked of one task."""

@@ -66,6 +66,11 @@ class Config(Section):
         changed = merged(self.matching.model_dump(), self.experiment.variants[variant])
         return resolved(MatchingConfig.model_validate(changed), self.plugins, f"experiment.variants.{variant}")
 
+    def generation_of(self, variant: str) -> GenerationSection:
+        """The placing of one variant: that of `generation` with what differs, key by key."""
+        changes = self.experiment.placements.get(variant, {})
+        return GenerationSection.model_validate(merged(self.generation.model_dump(), changes))
+
     def task_of(self, name: str) -> TaskConfig:
         """The task options of one row of the policy experiment: those of `task` with what it changes, key by key."""
         return TaskConfig.model_validate(merged(self.task.model_dump(), self.experiment.tasks[name].options))
@@ -110,6 +115,12 @@ def load(config: dict[str, Any]) -> Config:
         else:
             continue
         valid.experiment.variants[variant] = {}
+    for variant in list(valid.experiment.placements):
+        try:
+            valid.generation_of(variant)
+        except ValidationError as error:
+            mistakes += mistakes_of(GenerationSection, error, f"experiment.placements.{variant}.")
+            valid.experiment.placements[variant] = {}
     for name, target in valid.experiment.tasks.items():
         try:
             valid.task_of(name)

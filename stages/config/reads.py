@@ -30,19 +30,24 @@ READS: dict[tuple[str, str], type[Section]] = {
     ("training", "train"): TrainingRun,
     ("evaluation", "trial"): TrialOptions,
     ("evaluation", "rollout"): RolloutOptions,
-    ("tables", "tables"): TablesConfig,
+    ("tables", "scenes"): TablesConfig,
+    ("tables", "policies"): TablesConfig,
     ("tables", "figures"): TablesConfig,
     ("tables", "report"): TablesConfig,
 }
 
 
 def section_of(config: Config, stage: str, wildcards: dict[str, str]) -> Section:
-    """The section that a stage's verbs read: that of a variant or a run where there are several."""
+    """The section that a stage's verbs read: that of a variant, run or protocol where there are several."""
     if "variant" in wildcards and stage == "matching":
         return config.matching_of(wildcards["variant"])
+    if "variant" in wildcards and stage == "generation":
+        return config.generation_of(wildcards["variant"])
     if stage == "training":
         return config.training.runs[wildcards["run"]]
     section: Section = getattr(config, stage)
+    if isinstance(section, ExtractionConfig) and not config.experiment.meeting(wildcards["scene"]).protocol.scale_error:
+        return section.model_copy(update={"noise": section.noise.model_copy(update={"scale": 0.0})})
     return section
 
 

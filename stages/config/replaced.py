@@ -16,8 +16,8 @@ VERBS = {
     "experiment": ("select", "draw"),
     "demonstrations": ("collect", "scene", "export"),
     "training": ("train", "export"),
-    "evaluation": ("trial", "choose", "rollout", "gather", "score"),
-    "tables": ("tables", "figures", "report"),
+    "evaluation": ("trial", "choose", "rollout", "gather", "leave_out", "score"),
+    "tables": ("scenes", "policies", "figures", "report"),
 }
 
 

@@ -12,7 +12,7 @@ from stages.contracts.files import (
     write_text,
 )
 from stages.contracts.generated import GeneratedScene
-from stages.contracts.library import Asset, Library, SnapshotShard
+from stages.contracts.library import Asset, LeftOut, Library, SnapshotShard
 from stages.contracts.objects import Objects
 from stages.contracts.policies import Attempt, Rollout, SceneScore, TaskAssets
 from stages.contracts.scenes import Annotations, Camera, Truth
@@ -26,6 +26,7 @@ __all__ = [
     "Cousins",
     "GeneratedScene",
     "InputError",
+    "LeftOut",
     "Library",
     "Objects",
     "Rollout",

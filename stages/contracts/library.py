@@ -117,6 +117,12 @@ class Asset(Document):
         return self.doors + self.drawers > 0
 
 
+class LeftOut(Document):
+    """Models that matching does without: the true ones of a room (protocol `unknown`)."""
+
+    assets: list[Id]
+
+
 class LibraryEntry(Contract):
     """One line of the library's index: what matching needs without opening the asset."""
 

@@ -161,7 +161,7 @@ Overlap = Annotated[Finite, Field(ge=0, le=1.000001)]
 class SceneScore(Contract):
     """A row of `scores.csv`: one object of one generated scene against the truth (paper B.1)."""
 
-    once: ClassVar = ("scene", "variant", "rank", "object")
+    once: ClassVar = ("scene", "variant", "rank", "object", "protocol", "draw")
     scene: Id
     variant: Id
     rank: Rank
@@ -178,5 +178,16 @@ class SceneScore(Contract):
     iou: Overlap | None
     oriented_iou: Overlap | None
     stable: bool | None
+    shift_cm: NonNegative | None = Field(None, description="how far it moved in the settling test")
+    penetration_cm: NonNegative | None = Field(None, description="deepest of its scene, between any two objects")
+    chamfer: NonNegative | None = Field(
+        None, description="mean distance of the two models' surfaces in the box of the true one, over its diagonal"
+    )
+    shape_iou: Overlap | None = Field(None, description="of what both models fill of that box")
+    panels_correct: bool | None = Field(None, description="as many doors and drawers; null: the true object has none")
+    handle_correct: bool | None = Field(None, description="the same kinds of handles, likewise")
+    hinge_correct: bool | None = Field(None, description="doors hung on the same sides, likewise")
+    protocol: str = Field("", description="how the room was met: one of experiment.protocols; empty: as for Table 2")
+    draw: Seed = Field(0, description="the seed with which it was met")
     model_judge: str = Field("", description="what chose the model; empty: nothing was matched, or nobody told")
     orientation_judge: str = Field("", description="what chose the orientation, likewise")

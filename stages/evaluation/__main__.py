@@ -9,6 +9,7 @@ main(
         "choose": "choose hyper-parameter sets by their trials",
         "rollout": "roll a policy out on the test assets",
         "gather": "put the rollouts of a training set into one table",
+        "leave_out": "name the true models of a room, for matching to do without",
         "score": "compare generated scenes with the truth",
     },
 )

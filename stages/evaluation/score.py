@@ -38,7 +38,15 @@ def judges(cousins: Path | None, scene: str) -> dict[str, dict[str, str]]:
 
 
 def run(
-    *, scenes: tuple[Path, ...], objects: Path, truth: Path, library: Path, out: Path, cousins: Path | None = None
+    *,
+    scenes: tuple[Path, ...],
+    objects: Path,
+    truth: Path,
+    library: Path,
+    out: Path,
+    cousins: Path | None = None,
+    protocol: str = "",
+    draw: int = 0,
 ) -> None:
     """Score the scenes of one room.
 
@@ -49,17 +57,22 @@ def run(
         library: library.json; the true models must be in it.
         out: scores.csv.
         cousins: cousins.json that the scenes were made from: it says who decided.
+        protocol: how the room was met, if otherwise than for Table 2.
+        draw: the seed with which it was met.
     """
     generated = [read_json(GeneratedScene, path) for path in scenes]
     seen, true = read_json(Objects, objects), read_json(Truth, truth)
     check_same_scene(generated, seen, true)
-    known = {entry.id for entry in read_json(Library, library).assets}
-    strangers = sorted({item.asset for item in true.objects} - known)
+    folders = {entry.id: library.parent / entry.folder for entry in read_json(Library, library).assets}
+    strangers = sorted({item.asset for item in true.objects} - set(folders))
     if strangers:
         raise InputError(truth, f"has assets that {library} lacks: {', '.join(strangers)}.", "render the room again")
     decided = judges(cousins, true.scene)
+    met = {"protocol": protocol, "draw": draw}
     rows = [
-        row.model_dump() | decided.get(row.object, {}) for scene in generated for row in score_scene(scene, seen, true)
+        row.model_dump() | decided.get(row.object, {}) | met
+        for scene in generated
+        for row in score_scene(scene, seen, true, folders)
     ]
     table = pd.DataFrame(rows, columns=list(SceneScore.model_fields))
     with atomic(out) as path:

@@ -1,13 +1,19 @@
 """One generated scene against the truth, object by object (paper B.1, Table 2)."""
 
+from collections.abc import Mapping
+from pathlib import Path
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stages.contracts import GeneratedScene, Objects, SceneScore, Truth
 from stages.contracts.generated import PlacedObject
 from stages.contracts.scenes import TrueObject
+from stages.evaluation.shapes import likeness
 from stages.geometry.boxes import UprightBox, axis_aligned_iou, oriented_iou
 from stages.geometry.frames import angle_difference, apply, inverse, yaw_of_matrix
+
+MEASURED = ["asset", "l2_cm", "orientation_rad", "orientation_paper_rad", "iou", "oriented_iou", "stable"]
 
 
 def world_from_floor(world_from_camera: ArrayLike, floor_from_camera: ArrayLike) -> NDArray[np.float64]:
@@ -21,24 +27,13 @@ def box_in_world(item: PlacedObject, transform: NDArray[np.float64]) -> UprightB
 
 
 def score_object(
-    true: TrueObject, placed: PlacedObject | None, transform: NDArray[np.float64], stable: bool | None
+    true: TrueObject, placed: PlacedObject, transform: NDArray[np.float64], folders: Mapping[str, Path]
 ) -> dict[str, object]:
-    """The measured columns of one row. What is not there, or failed, counts as wrong and has no distances."""
-    if placed is None or placed.status == "failed":
-        return {
-            "status": "missed" if placed is None else "failed",
-            "asset": None,
-            "category_correct": False,
-            "model_correct": False,
-            "l2_cm": None,
-            "orientation_rad": None,
-            "orientation_paper_rad": None,
-            "iou": None,
-            "oriented_iou": None,
-            "stable": None,
-        }
+    """The measured columns of one row."""
     box, truth = box_in_world(placed, transform), UprightBox(true.position, true.size, true.yaw)
     turn = angle_difference(box.yaw, truth.yaw, true.symmetry)
+    known = true.asset in folders and placed.asset in folders
+    alike = likeness(folders[true.asset], folders[placed.asset])._asdict() if known else {}
     return {
         "status": "ok",
         "asset": placed.asset,
@@ -49,22 +44,43 @@ def score_object(
         "orientation_paper_rad": turn if true.symmetry == "none" else None,
         "iou": axis_aligned_iou(box, truth),
         "oriented_iou": oriented_iou(box, truth),
-        "stable": stable,
+        **alike,
     }
 
 
-def score_scene(scene: GeneratedScene, objects: Objects, truth: Truth) -> list[SceneScore]:
-    """One row per true object, in the order of the truth; an object is known by its value in the masks."""
+def settled(scene: GeneratedScene, placed: PlacedObject) -> dict[str, object]:
+    """The columns of the settling test, if there was one."""
+    check = scene.plausibility
+    if check is None or not check.seconds:
+        return {}
+    return {
+        "stable": placed.id not in check.fallen,
+        "shift_cm": None if placed.settled_shift is None else 100 * placed.settled_shift,
+        "penetration_cm": 100 * check.max_penetration,
+    }
+
+
+def score_scene(
+    scene: GeneratedScene, objects: Objects, truth: Truth, folders: Mapping[str, Path] | None = None
+) -> list[SceneScore]:
+    """One row per true object, in the order of the truth; an object is known by its value in the masks.
+
+    Args:
+        folders: asset folders by id, for the likeness of shapes.
+
+    What is not there, or failed, counts as wrong and has no distances.
+    """
     transform = world_from_floor(truth.world_from_camera, scene.floor_from_camera)
     by_id = {item.id: item for item in scene.objects}
     id_of = {item.mask: item.id for item in objects.objects}
-    check = scene.plausibility
     rows = []
     for true in truth.objects:
         name = id_of.get(true.mask)
         placed = by_id.get(name) if name else None
-        stable = None if check is None or not check.seconds else name not in check.fallen
-        columns = score_object(true, placed, transform, stable)
+        columns: dict[str, object] = dict.fromkeys(MEASURED)
+        columns |= {"category_correct": False, "model_correct": False, "status": "failed" if placed else "missed"}
+        if placed and placed.status == "ok":
+            columns |= score_object(true, placed, transform, folders or {}) | settled(scene, placed)
         rows.append(
             SceneScore.model_validate(
                 {

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from stages.cli import progress
 from stages.config.matching import MatchingConfig
-from stages.contracts import Cousins, InputError, Library, read_json, read_options, write_json
+from stages.contracts import Cousins, InputError, LeftOut, Library, read_json, read_options, write_json
 from stages.contracts.cousins import ObjectCousins
 from stages.contracts.objects import SceneObject
 from stages.matching.candidates import find_candidates
@@ -26,6 +26,7 @@ def run(
     features: list[Path],
     out: Path,
     snapshots: tuple[Path, ...] = (),
+    without: tuple[Path, ...] = (),
     options: str = "{}",
 ) -> None:
     """Write cousins.json.
@@ -37,12 +38,13 @@ def run(
         features: feature stores of all shards (.npy).
         out: cousins.json to write.
         snapshots: shards of snapshots (.h5), for judges that look at pictures.
+        without: files that name models not to be used.
         options: JSON of the config section `matching`.
     """
     settings = read_options(MatchingConfig, options)
     encoder = make_encoder(settings)
     store = FeatureStore(features, settings_digest(settings, encoder))
-    assets = read_library(library, store)
+    assets = without_models(read_library(library, store), without)
     scene = Scene(objects, image)
     text = make_text_encoder(settings)
     with Snapshots(snapshots) as pictures:
@@ -65,6 +67,12 @@ def read_library(path: Path, store: FeatureStore) -> Library:
         what = f"{len(missing)} of {len(library.assets)} assets have no features, e.g. {missing[0]}."
         raise InputError(path, what, "give the feature stores of all shards of this library")
     return library
+
+
+def without_models(library: Library, files: tuple[Path, ...]) -> Library:
+    """The library without the models that the files name."""
+    gone = {name for file in files for name in read_json(LeftOut, file).assets}
+    return library.model_copy(update={"assets": [entry for entry in library.assets if entry.id not in gone]})
 
 
 def match_object(

@@ -29,7 +29,14 @@ def read_models(library: Path) -> dict[str, Asset]:
     return {entry.id: read_json(Asset, library.parent / entry.folder / "asset.json") for entry in index.assets}
 
 
-def _draw(room: Room, models: dict[str, Asset], free: set[str], rng: np.random.Generator, library: Path) -> list[Asset]:
+def founders(models: dict[str, Asset]) -> set[str]:
+    """Ids of the models that may furnish rooms: near relatives of others play no part."""
+    return {name for name, asset in models.items() if asset.recipe is None or asset.recipe.variation_of is None}
+
+
+def choose_models(
+    room: Room, models: dict[str, Asset], free: set[str], rng: np.random.Generator, library: Path
+) -> list[Asset]:
     """One model per item, all different.
 
     Raises:
@@ -65,11 +72,11 @@ def cast(rooms: Sequence[Room], models: dict[str, Asset], seed: int, library: Pa
         InputError: a category is short, or its models are too large for the room.
     """
     rng = np.random.default_rng(np.random.SeedSequence((seed, SALT)))
-    free = {name for name, asset in models.items() if asset.recipe is None or asset.recipe.variation_of is None}
+    free = founders(models)
     result = {}
     for room in rooms:
         for _ in range(ATTEMPTS):
-            assets = _draw(room, models, free, rng, library)
+            assets = choose_models(room, models, free, rng, library)
             layout = arrange(room, {item.name: asset.size for item, asset in zip(room.items, assets, strict=True)})
             if layout is not None:
                 break

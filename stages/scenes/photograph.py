@@ -1,6 +1,7 @@
 """Build a cast room in the simulator and take its picture."""
 
 import zlib
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from stages.config.scenes import ScenesConfig
 from stages.contracts import Library, read_json
 from stages.scenes.casting import CastRoom
 from stages.scenes.recipe import Room
+from stages.scenes.repaint import AS_IS, Look
 from stages.simulation.loading import load_asset, root_pose
 from stages.simulation.rendering import RenderCamera, add_block, instance_id, make_scene
 
@@ -57,16 +59,21 @@ def _shell(scene: sapien.Scene, room: Room, half_width: float, length: float, se
 
 
 def furnish(
-    scene: sapien.Scene, cast_room: CastRoom, library: Path, fixed: bool
+    scene: sapien.Scene, cast_room: CastRoom, library: Path, fixed: bool, made: Mapping[str, Path] | None = None
 ) -> dict[str, sapien.Entity | sapien.physx.PhysxArticulation]:
-    """Load every item at its place. `fixed`: all of them; else only what hangs on a wall."""
+    """Load every item at its place.
+
+    Args:
+        fixed: all of them are; else only what hangs on a wall.
+        made: folders of models, by item, that stand in for the library's.
+    """
     folders = {entry.id: library.parent / entry.folder for entry in read_json(Library, library).assets}
     bodies = {}
     for name, standing in cast_room.layout.standing.items():
         asset = cast_room.assets[name]
         pose = root_pose(asset, np.asarray(standing.box.center, dtype=float).tolist(), standing.box.yaw)
         held = fixed or standing.support == "wall"
-        bodies[name] = load_asset(scene, folders[asset.id], pose, held, name)
+        bodies[name] = load_asset(scene, (made or {}).get(name, folders[asset.id]), pose, held, name)
     return bodies
 
 
@@ -77,14 +84,15 @@ def photograph(
     world_from_camera: NDArray[np.float64],
     options: ScenesConfig,
     seed: int,
+    look: Look = AS_IS,
 ) -> Photograph:
     """The picture of a room from one camera; colours are smoothed by `supersampling`, depth and masks are not."""
     room = cast_room.room
     side = 1.0 if "right" in room.walls and "left" not in room.walls else -1.0  # light comes over the open side
-    scene = make_scene(shadows=options.shadows, light=(-0.55, 0.5 * side, -1.0))
+    scene = make_scene(shadows=options.shadows, light=look.light or (-0.55, 0.5 * side, -1.0))
     length = float(world_from_camera[0, 3]) + 1.0
     shell = _shell(scene, room, cast_room.layout.half_width, length, seed)
-    bodies = furnish(scene, cast_room, library, fixed=True)
+    bodies = furnish(scene, cast_room, library, fixed=True, made=look.folders)
 
     groups = [[instance_id(body)] for body in bodies.values()]
     groups += [[instance_id(entity) for entity in part] for part in shell]
@@ -100,4 +108,6 @@ def photograph(
         fine[:2, 2] += (n - 1) / 2  # pixel centres are at integers
         large = RenderCamera(scene, fine, n * options.width, n * options.height).render(world_from_camera).rgb
         rgb = np.asarray(cv2.resize(large, (options.width, options.height), interpolation=cv2.INTER_AREA))
+    if look.gain is not None:
+        rgb = np.clip(rgb * look.gain, 0, 255).astype(np.uint8)
     return Photograph(rgb, plain.depth, masks)

@@ -1,6 +1,7 @@
 """Verb `render`: one room -> what a camera sees of it (`input/`) and, apart from it, the truth."""
 
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import cv2
 import numpy as np
@@ -10,9 +11,11 @@ from stages.contracts import Annotations, Camera, InputError, Truth, atomic, rea
 from stages.contracts.scenes import Annotation, TrueObject
 from stages.geometry.boxes import corners
 from stages.scenes.casting import CastRoom, cast, read_models
+from stages.scenes.chance import draw_room
 from stages.scenes.framing import frame
 from stages.scenes.layout import scale_of
 from stages.scenes.photograph import photograph
+from stages.scenes.repaint import AS_IS, repainted
 from stages.scenes.rooms import read_room, room_files, series
 
 
@@ -67,7 +70,17 @@ def annotations_of(cast_room: CastRoom) -> Annotations:
     )
 
 
-def run(*, library: Path, scene: str, out: Path, options: str = "{}", seed: int = 0, room: Path | None = None) -> None:
+def run(
+    *,
+    library: Path,
+    scene: str,
+    out: Path,
+    options: str = "{}",
+    seed: int = 0,
+    room: Path | None = None,
+    layout_seed: int | None = None,
+    finish_seed: int | None = None,
+) -> None:
     """Furnish and photograph one room.
 
     Args:
@@ -77,16 +90,26 @@ def run(*, library: Path, scene: str, out: Path, options: str = "{}", seed: int 
         options: JSON of the config section `scenes`.
         seed: decides which models are used.
         room: YAML file of a room of your own, which draws its models from the whole library; default: ours.
+        layout_seed: draw places, camera, colours and models of the room by chance.
+        finish_seed: draw finish and size of every model, colours and light by chance.
     """
     config = read_options(ScenesConfig, options)
     if room is None and scene not in room_files():
         raise InputError("--scene", f"no room is called '{scene}'.", f"one of {', '.join(room_files())}")
     names = [path.stem for path in series()]
     rooms = [read_room(room)] if room else [read_room(path) for path in series()[: names.index(scene) + 1]]
-    cast_room = cast(rooms, read_models(library), seed, library)[scene]
-    points = np.concatenate([corners(standing.box) for standing in cast_room.layout.standing.values()])
-    intrinsics, world_from_camera = frame(points, cast_room.room.camera, config.width, config.height, config.margin)
-    picture = photograph(cast_room, library, intrinsics, world_from_camera, config, seed)
+    models = read_models(library)
+    if layout_seed is None:
+        cast_room = cast(rooms, models, seed, library)[scene]
+    else:
+        cast_room = draw_room(rooms[-1], models, layout_seed, library, config)
+    with TemporaryDirectory() as made:
+        look = AS_IS
+        if finish_seed is not None:
+            cast_room, look = repainted(cast_room, library, Path(made), finish_seed)
+        points = np.concatenate([corners(standing.box) for standing in cast_room.layout.standing.values()])
+        intrinsics, world_from_camera = frame(points, cast_room.room.camera, config.width, config.height, config.margin)
+        picture = photograph(cast_room, library, intrinsics, world_from_camera, config, seed, look)
 
     folder = out / "input"
     with atomic(folder / "rgb.png") as path:

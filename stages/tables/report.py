@@ -9,9 +9,8 @@ from markupsafe import Markup
 
 from stages.config.tables import TablesConfig
 from stages.contracts.files import read_options, read_text, write_text
-from stages.tables import claims, formatting, table2, table3
+from stages.tables import claims, formatting, robustness, table2, table3
 from stages.tables.claim_tables import claims_table, stability_table
-from stages.tables.figures import named
 from stages.tables.markup import Table, environment, number, percent
 from stages.tables.order import title as name_title
 from stages.tables.order import variant_title
@@ -23,13 +22,14 @@ from stages.tables.page.headline import rate, tiles
 from stages.tables.page.pictures import Album
 from stages.tables.page.result import results
 from stages.tables.rows import published_policies, read_table
+from stages.tables.scenes import named
 
 MAX_BYTES = 12_000_000
 TIMES_PAGE = "times.html"
 STAGES = ["assets", "scenes", "extraction", "matching", "generation", "experiment"]
 STAGES += ["demonstrations", "training", "evaluation", "tables"]
-TEXT = ["scene", "variant", "judge", "task", "cloud", "claim", "verdict", "test_asset", "training_set", "baseline"]
-TEXT += ["run", "checkpoint", "asset", "status"]
+TEXT = ["scene", "protocol", "variant", "judge", "task", "cloud", "claim", "verdict", "test_asset", "training_set"]
+TEXT += ["baseline", "run", "checkpoint", "asset", "status"]
 WHOLE = re.compile(
     r".*_correct|(published_)?n_.*|((baseline|published)_)?runs|(published_)?collapsed|states|episodes"
     r"|(official_)?successes|seed"
@@ -58,6 +58,8 @@ def _tables(
     answers = _table(files.one("tables/table3_claims.csv"), claims.COLUMNS)
     stable = _table(files.one("tables/table3_stability.csv"), claims.STABILITY)
     shown = [formatting.scenes_table(scenes, options)] if scenes is not None else []
+    met = _table(files.one("tables/table2_robustness.csv"), robustness.COLUMNS)
+    shown += [formatting.robustness_table(met)] if met is not None and len(met) else []
     if runs is not None:
         shown.append(formatting.policies_table(runs, published_policies(published), options))
     if stable is not None and len(stable):

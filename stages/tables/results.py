@@ -19,10 +19,11 @@ from stages.tables.drawing import look, save
 from stages.tables.markup import Cell, Row, Table, markdown, number
 from stages.tables.order import title
 from stages.tables.page.benchmarks import by_stage, duration, read_jobs
+from stages.tables.policies import ONE_TEST
 from stages.tables.policy_figures import figure4, figure9
 from stages.tables.roles import roles_table
 from stages.tables.rows import published_policies, published_runs, read_rows
-from stages.tables.tables import ONE_TEST, as_csv
+from stages.tables.writing import as_csv
 
 STAGES = ["demonstrations", "training", "evaluation"]
 

@@ -32,7 +32,7 @@ def _measured(scores: pd.DataFrame, confidence: float) -> dict[str, Any]:
         "n_oriented_paper": int(scores["orientation_paper_rad"].notna().sum()),
         "n_stable": int((scores["stable"] == True).sum()),  # noqa: E712, None is neither
         "status": "run",
-        "judge": _judge(scores),
+        "judge": judge(scores),
     }
     for name in COUNTS:
         cell[name] = int(scores[name].sum())
@@ -44,7 +44,7 @@ def _measured(scores: pd.DataFrame, confidence: float) -> dict[str, Any]:
     return cell
 
 
-def _judge(scores: pd.DataFrame) -> str:
+def judge(scores: pd.DataFrame) -> str:
     """Who decided on models and orientations; with counts where several did, as where a judge abstained."""
     sides = [_counted(scores[f"{what}_judge"]) for what in ("model", "orientation")]
     return sides[0] if sides[0] == sides[1] else f"{sides[0]}; orientation: {sides[1]}"
@@ -77,14 +77,15 @@ def build(scores: pd.DataFrame, published: pd.DataFrame, options: TablesConfig) 
     """One row per (scene, variant) with `ALL_COLUMNS`, and a row `total` per variant that was run.
 
     Args:
-        scores: rows of `SceneScore`; rank 1 (the nearest cousins) is used, and rows of true objects only.
+        scores: rows of `SceneScore`; rank 1 (the nearest cousins) is used, rows of true objects only, and of rooms met
+            as they are.
         published: Table 2 of the paper, indexed by (scene number, variant).
 
     An object that was missed or that failed counts as not correct and has no distance, orientation or IoU. Standard
     deviations are sample ones. Cells of the configured grid without rows have the status `not run`. The total pools
     the objects of all scenes that were run; published totals are over the same scenes.
     """
-    scores = scores[(scores["rank"] == 1) & (scores["true_asset"] != "")]
+    scores = scores[(scores["rank"] == 1) & (scores["true_asset"] != "") & (scores["protocol"] == "")]
     scales = scores.groupby("scene")["scale_m"].first()
     scenes = [*options.scenes, *sorted(set(scores["scene"]) - set(options.scenes), key=natural)]
     variants = [*options.variants, *sorted(set(scores["variant"]) - set(options.variants))]

@@ -239,9 +239,11 @@ def _evaluation(root: Path) -> None:
     _json(folder / "chosen.json", task="door", training_set="twin", runs=["lite"], scores=scores)
     (folder / "scores.csv").write_text(
         "scene,variant,rank,scale_m,object,status,true_asset,asset,category_correct,model_correct,l2_cm,"
-        "orientation_rad,orientation_paper_rad,iou,oriented_iou,stable,model_judge,orientation_judge\n"
-        "room,b,1,3.68,cabinet_1,ok,cabinet_0,cabinet_0,True,True,2.1,0.01,0.01,0.9,0.9,True,vlm toy,distance\n"
-        "room,b,1,3.68,lamp_1,failed,lamp_0,,False,False,,,,,,,,\n"
+        "orientation_rad,orientation_paper_rad,iou,oriented_iou,stable,shift_cm,penetration_cm,chamfer,shape_iou,"
+        "panels_correct,handle_correct,hinge_correct,protocol,draw,model_judge,orientation_judge\n"
+        "room,b,1,3.68,cabinet_1,ok,cabinet_0,cabinet_0,True,True,"
+        "2.1,0.01,0.01,0.9,0.9,True,0.1,0,0.01,0.9,True,True,False,,0,vlm toy,distance\n"
+        "room,b,1,3.68,lamp_1,failed,lamp_0,,False,False,,,,,,,,,,,,,,,0,,\n"
     )
 
 

@@ -160,7 +160,7 @@ class World:
             features(snapshots=snapshots, out=out, options=encoding)
         self.objects = write_scene(folder / "scene", SHOWN)
 
-    def match(self, out: Path, snapshots: Sequence[Path] = (), **options: Any) -> Cousins:
+    def match(self, out: Path, snapshots: Sequence[Path] = (), without: Sequence[Path] = (), **options: Any) -> Cousins:
         match(
             objects=self.objects,
             image=self.objects.parent / "rgb.png",
@@ -168,6 +168,7 @@ class World:
             features=self.features,
             out=out,
             snapshots=tuple(snapshots),
+            without=tuple(without),
             options=json.dumps(self.options | options),
         )
         return read_json(Cousins, out)

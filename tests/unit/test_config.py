@@ -56,7 +56,7 @@ def test_code_digest_follows_imports_but_not_other_stages() -> None:
     assert "stages.contracts.cousins" in modules
     assert not any(module.startswith("stages.training") for module in modules)
     assert "stages.contracts.policies" not in modules  # re-exports of stages.contracts are followed by name
-    assert code_digest("stages.matching.match") != code_digest("stages.tables.tables")
+    assert code_digest("stages.matching.match") != code_digest("stages.tables.policies")
 
 
 def test_code_digest_follows_what_a_registry_names_as_text(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

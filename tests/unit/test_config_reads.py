@@ -37,7 +37,7 @@ LISTED = {  # keys that do not simply run the one verb of their section again
     "evaluation.test_assets": {"rollout"},
     "evaluation.rollouts": {"rollout"},
     "evaluation.film_frames": {"rollout"},
-    "tables": {"tables", "figures", "report"},
+    "tables": {"scenes", "policies", "figures", "report"},
 }
 ONE = {"assets": {"snapshots"}, "matching": {"match"}}  # the verb of the other keys of a section
 CONFIG = Config()
@@ -65,7 +65,7 @@ def digests(config: Config) -> dict[str, str]:
     """What each verb is told of a config, as text."""
     made = {}
     for stage, verb in READS:
-        wildcards = {"variant": "b", "run": "lite"}
+        wildcards = {"variant": "b", "run": "lite", "scene": "room_1"}
         if verb == "features":
             made[verb] = repr(sorted(stores(config)))
             continue
@@ -80,6 +80,7 @@ KEYS = [key for stage in dict(READS) if stage[0] != "training" for key in leaves
 def test_a_key_runs_again_what_reads_it(key: str, monkeypatch: pytest.MonkeyPatch) -> None:
     other = changed(CONFIG, key.split("."))
     monkeypatch.setattr(Config, "matching_of", lambda self, variant: self.matching)  # any value will do
+    monkeypatch.setattr(Config, "generation_of", lambda self, variant: self.generation)
     before, after = digests(CONFIG), digests(other)
     listed = [LISTED[prefix] for prefix in (key, key.rpartition(".")[0], key.partition(".")[0]) if prefix in LISTED]
     stage = key.partition(".")[0]

@@ -95,7 +95,8 @@ COMMANDS = {
     "evaluation score": "--scenes generation/scene_1.json --objects extraction/objects.json --truth truth.json "
     "--library library/library.json --out out/scores.csv",
     "training train": "--episodes demonstrations/episodes.h5 --per-store 2 --out out/policy",
-    "tables tables": "--scores evaluation/scores.csv --rollouts evaluation/rollouts.csv --out out",
+    "tables scenes": "--scores evaluation/scores.csv --out out",
+    "tables policies": "--rollouts evaluation/rollouts.csv --out out",
 }
 
 
@@ -129,7 +130,8 @@ def truncated(path: Path) -> None:
         ("evaluation score", "extraction/objects.json", no_json),
         ("evaluation score", "library/library.json", no_json),
         ("training train", "demonstrations/episodes.h5", truncated),
-        ("tables tables", "evaluation/scores.csv", truncated), ("tables tables", "evaluation/rollouts.csv", truncated),
+        ("tables scenes", "evaluation/scores.csv", truncated),
+        ("tables policies", "evaluation/rollouts.csv", truncated),
     ],
 )  # fmt: skip
 def test_a_stage_ends_with_one_line(

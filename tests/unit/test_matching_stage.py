@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from stages.contracts import InputError
+from stages.contracts import InputError, LeftOut, write_json
 from stages.geometry.frames import angle_difference
 from stages.matching.draw import run as draw
 from stages.matching.features import run as features
@@ -39,6 +39,13 @@ def test_models_are_compared_by_representatives_if_asked(world: World, tmp_path:
     first = result.objects[0]
     assert {candidate.asset for candidate in first.by_distance} == {"cabinet_00", "cabinet_02", "cabinet_03"}
     assert all(cousin.distance != cousin.orientation.distance for cousin in first.cousins)
+
+
+def test_models_can_be_left_out_of_the_library(world: World, tmp_path: Path) -> None:
+    first = world.match(tmp_path / "all.json").objects[0].cousins[0].asset
+    write_json(tmp_path / "without.json", LeftOut(assets=[first]))
+    found = world.match(tmp_path / "cousins.json", without=[tmp_path / "without.json"]).objects[0].cousins
+    assert found and first not in [cousin.asset for cousin in found]
 
 
 def test_one_bad_object_does_not_stop_the_scene(world: World, tmp_path: Path) -> None:

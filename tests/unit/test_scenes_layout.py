@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 import yaml
 
+from stages.config.scenes import ScenesConfig
 from stages.contracts import InputError
-from stages.geometry.boxes import corners, footprint
-from stages.geometry.cameras import project
+from stages.geometry.boxes import UprightBox, corners, footprint
+from stages.geometry.cameras import look_at, project
 from stages.geometry.frames import apply, inverse
 from stages.scenes.casting import CastRoom, cast
+from stages.scenes.chance import all_seen, draw_room
 from stages.scenes.framing import frame
 from stages.scenes.layout import arrange, scale_of
 from stages.scenes.recipe import Against, Beside, Floor, Hung, Item, On, Room
@@ -38,6 +40,27 @@ def test_counts_and_scales_of_table_2(cast_rooms: dict[str, CastRoom]) -> None:
         centers = np.array([standing.box.center for standing in room.layout.standing.values()])
         assert len(centers) == count
         assert scale_of(centers) == pytest.approx(scale, abs=0.01)
+
+
+@pytest.mark.parametrize("room", [ROOMS[2], ROOMS[7]], ids=lambda room: room.name)
+def test_a_room_drawn_by_chance_keeps_its_scale_and_hides_nothing(room: Room) -> None:
+    drawn = [draw_room(room, default_models(0), seed, NOWHERE, ScenesConfig()) for seed in (1, 1, 2)]
+    places = [[tuple(np.round(item.box.center, 6)) for item in one.layout.standing.values()] for one in drawn]
+    assert places[0] == places[1] != places[2]
+    for one in drawn:
+        standing = list(one.layout.standing.values())
+        assert scale_of(np.array([item.box.center for item in standing])) == pytest.approx(room.scale, abs=0.01)
+        points = np.concatenate([corners(item.box) for item in standing])
+        camera = frame(points, one.room.camera, 800, 600, 0.06)
+        assert all_seen([item.box for item in standing], *camera, 800, 600)
+        assert [asset.category for asset in one.assets.values()] == [item.category for item in room.items]
+
+
+def test_what_stands_behind_something_is_not_seen() -> None:
+    camera = np.diag([400.0, 400.0, 1.0]), look_at([4.0, 0.0, 1.0], [0.0, 0.0, 1.0])
+    camera[0][:2, 2] = 400, 300
+    front, back = (UprightBox((x, 0, 1.0), (0.2, 1.0, 1.0), 0.0) for x in (1.0, -1.0))
+    assert all_seen([back], *camera, 800, 600) and not all_seen([front, back], *camera, 800, 600)
 
 
 def test_no_model_stands_in_two_rooms(cast_rooms: dict[str, CastRoom]) -> None:

@@ -76,6 +76,19 @@ def test_photograph_agrees_with_the_truth(photographed: Path) -> None:
     assert np.abs(back[:, 0]).max() < 0.01
 
 
+def test_a_recoloured_room_has_the_same_models_in_other_sizes(
+    library: Path, photographed: Path, tmp_path: Path
+) -> None:
+    run(library=library, scene="room_1", out=tmp_path, options=OPTIONS, finish_seed=1)
+    before, after = (read_json(Truth, folder / "truth.json") for folder in (photographed, tmp_path))
+    for one, other in zip(before.objects, after.objects, strict=True):
+        assert one.asset == other.asset
+        ratio = np.divide(other.size, one.size)
+        assert ratio.min() > 0.84 and ratio.max() < 1.16 and np.ptp(ratio) > 0.01
+    hues = [cv2.imread(str(folder / "input/rgb.png")).mean(axis=(0, 1)) for folder in (photographed, tmp_path)]
+    assert np.abs(hues[0] - hues[1]).max() > 5
+
+
 def test_same_seed_same_bytes(library: Path, photographed: Path, tmp_path: Path) -> None:
     run(library=library, scene="room_1", out=tmp_path, options=OPTIONS)
     files = sorted(path.relative_to(tmp_path) for path in tmp_path.rglob("*") if path.is_file())

@@ -6,17 +6,32 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from stages.contracts import Cousins, GeneratedScene, InputError, Library, Objects, Truth, write_json
+from stages.contracts import (
+    Asset,
+    Cousins,
+    GeneratedScene,
+    InputError,
+    LeftOut,
+    Library,
+    Objects,
+    Truth,
+    read_json,
+    write_json,
+)
 from stages.contracts.__main__ import main as check_contract
 from stages.contracts.cousins import Cousin, ObjectCousins, Orientation
 from stages.contracts.generated import PlacedObject, Plausibility
 from stages.contracts.library import LibraryEntry
 from stages.contracts.objects import Box, Mounting, SceneObject
 from stages.contracts.scenes import TrueObject
+from stages.evaluation import leave_out
 from stages.evaluation.score import run
 from stages.evaluation.scoring import score_scene
+from stages.evaluation.shapes import likeness
 from stages.geometry.cameras import look_at
 from stages.geometry.frames import apply, inverse, yaw_of_matrix
+from stages.procedural import build
+from stages.procedural.catalogue import sample
 
 WORLD_FROM_CAMERA = look_at([5.0, 1.0, 1.6], [0.0, 0.0, 0.6])  # the room's frame
 FLOOR_FROM_CAMERA = look_at([0.0, 0.0, 1.6], [np.hypot(5.0, 1.0), 0.0, 0.6])  # the floor frame of extraction
@@ -160,6 +175,25 @@ def test_missed_and_failed_objects_count_as_wrong() -> None:
     assert len(table) == len(TRUTH.objects)
 
 
+def test_models_are_compared_by_shape_and_by_what_they_offer(tmp_path: Path) -> None:
+    recipe = sample("bottom_cabinet", 0, 0)
+    wide = tuple(np.multiply(recipe.parameters["size"], (1, 1.4, 1)).tolist())
+    true = build(recipe, None, tmp_path / "true", "a_0", "bottom_cabinet")
+    build(recipe, wide, tmp_path / "wide", "a_1", "bottom_cabinet")
+    build(sample("sofa", 0, 0), None, tmp_path / "sofa", "sofa_0", "sofa")
+    same, wider, sofa = (likeness(tmp_path / "true", tmp_path / name) for name in ("true", "wide", "sofa"))
+    assert true.articulated and same == (0, 1, True, True, True)
+    assert wider.chamfer < 0.01 and wider.shape_iou > 0.9 and wider[2:] == (True, True, True)
+    assert sofa.chamfer > 2 * wider.chamfer and sofa.shape_iou < 0.8 and not sofa.panels_correct
+    assert likeness(tmp_path / "sofa", tmp_path / "true")[2:] == (None, None, None)
+
+
+def test_the_true_models_can_be_left_out(tmp_path: Path) -> None:
+    write_json(tmp_path / "truth.json", TRUTH)
+    leave_out.run(truth=tmp_path / "truth.json", out=tmp_path / "out.json")
+    assert read_json(LeftOut, tmp_path / "out.json").assets == sorted(item.asset for item in TRUTH.objects)
+
+
 def _write(folder: Path) -> dict:
     scene, seen = scene_and_objects()
     library = Library(
@@ -168,6 +202,9 @@ def _write(folder: Path) -> dict:
             for t in TRUTH.objects
         ]
     )
+    for true in TRUTH.objects:
+        about = {"id": true.asset, "category": true.category, "licence": "", "provenance": "", "checksum": "0"}
+        write_json(folder / true.asset / "asset.json", Asset(box_min=(0, 0, 0), box_max=true.size, mass=1, **about))
     for name, value in {"scene_1": scene, "objects": seen, "truth": TRUTH, "library": library}.items():
         write_json(folder / f"{name}.json", value)
     write_json(folder / "scene_2.json", scene.model_copy(update={"rank": 2}))

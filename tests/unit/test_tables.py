@@ -9,17 +9,17 @@ import pytest
 from stages.config.tables import TablesConfig
 from stages.contracts.errors import InputError
 from stages.contracts.policies import Rollout, SceneScore
-from stages.tables import formatting, table2, table3
+from stages.tables import formatting, policies, robustness, scenes, table2, table3
 from stages.tables.difference import difference_interval
 from stages.tables.markup import Cell, Row, Table, html, latex, latex_escape, percent, points, span
 from stages.tables.order import natural, set_key
 from stages.tables.rows import published_policies, published_scenes, read_rows
 from stages.tables.statistics import std, t_interval, wilson
-from stages.tables.tables import ONE_SCENE, run
 from tests.unit.tables_results import rollout, rollouts, score, write_rows
 
 PUBLISHED = Path(__file__).parents[2] / "report" / "published"
 OPTIONS = TablesConfig()
+REST = "a,a,True,True,1,1,1,1,1,True,,,,,,,,,0,,"  # of a score, after its status
 
 
 def frame(rows: list) -> pd.DataFrame:
@@ -132,6 +132,23 @@ def test_table2_counts_lost_objects_as_wrong_and_leaves_them_out_of_means() -> N
     assert row["published_l2_cm_mean"] == 5.27 and row["status"] == "run"
 
 
+def test_rooms_met_otherwise_stand_in_the_companion_alone() -> None:
+    rows = [score(number=1), score(number=2, model_correct=False)]
+    for draw, distance in ((1, 2.0), (2, 4.0)):
+        met = {"protocol": "noise", "draw": draw, "l2_cm": distance, "shift_cm": 0.1, "chamfer": 0.02}
+        rows += [score(number=1, **met), score(number=2, **met | {"model_correct": draw == 1, "stable": False})]
+    assert cell(scene_cells(rows), scene="room_1", variant="b")["n_objects"] == 2
+    table = robustness.build(frame(rows))
+    first, noise = (cell(table, protocol=name) for name in ("as shipped", "noise"))
+    assert (first["n_draws"], first["model_correct_mean"]) == (1, 1) and np.isnan(first["model_correct_std"])
+    assert (noise["n_draws"], noise["n_objects"], noise["fallen_mean"]) == (2, 2, 1)
+    assert (noise["model_correct_mean"], noise["l2_cm_mean"]) == (1.5, 3.0)
+    assert noise["l2_cm_std"] == pytest.approx(np.sqrt(2))
+    text = formatting.robustness_table(table).rows[1].cells
+    assert [each.value for each in text[:6]] == ["noise", "(b)", "", "2 × 2", "2.0 ± 0.0 of 2", "1.5 ± 0.7 of 2"]
+    assert robustness.build(frame(rows[:2])).empty
+
+
 def test_table2_counts_orientation_twice_modulo_the_period_and_as_the_paper() -> None:
     scores = [
         score(number=1, orientation_rad=0.3, orientation_paper_rad=0.3),
@@ -224,13 +241,15 @@ def test_table3_pools_what_the_twin_is_not_as_unseen() -> None:
 
 
 def test_verb_writes_the_tables_with_fixed_columns_and_the_same_bytes(tmp_path: Path) -> None:
-    scores = write_rows(tmp_path / "scores.csv", [score(number=1), score(number=2, orientation_rad=None)])
+    scored = write_rows(tmp_path / "scores.csv", [score(number=1), score(number=2, orientation_rad=None)])
     episodes = write_rows(tmp_path / "rollouts.csv", rollouts())
     for out in ("one", "two"):
-        run(out=tmp_path / out, scores=(scores,), rollouts=(episodes,), published=PUBLISHED)
+        scenes.run(out=tmp_path / out, scores=(scored,), published=PUBLISHED)
+        policies.run(out=tmp_path / out, rollouts=(episodes,), published=PUBLISHED)
     names = sorted(path.name for path in (tmp_path / "one").iterdir())
     assert names == sorted(
-        [f"table{k}.{s}" for k in (2, 3) for s in ("csv", "html", "tex")]
+        [f"{name}.{s}" for name in ("table2", "table2_robustness", "table3") for s in ("csv", "html", "tex")]
+        + ["figure6.png", "figure6.svg"]
         + [f"table3_{what}.csv" for what in ("claims", "differences", "stability")]
     )
     for name in names:
@@ -243,7 +262,7 @@ def test_verb_writes_the_tables_with_fixed_columns_and_the_same_bytes(tmp_path: 
 
 
 def test_verb_without_any_rows_says_not_run(tmp_path: Path) -> None:
-    run(out=tmp_path, published=PUBLISHED)
+    scenes.run(out=tmp_path, published=PUBLISHED)
     table = pd.read_csv(tmp_path / "table2.csv")
     assert set(table["status"]) == {"not run"} and len(table) == 32
     assert "total" not in set(table["scene"])
@@ -253,26 +272,23 @@ def test_verb_without_any_rows_says_not_run(tmp_path: Path) -> None:
     ("text", "complaint"),
     [
         ("", "lacks the column"),
-        ("HEADER\nroom_1,b,one,3.68,o,ok,a,a,True,True,1,1,1,1,True,,\n", "breaks the SceneScore contract at rank"),
-        (
-            "HEADER\nroom_1,b,1,3.68,o,lost,a,a,True,True,1,1,1,1,True,,\n",
-            "csv:2: breaks the SceneScore contract at status",
-        ),
-        ("HEADER\nroom_1,b,1,3.68,o,ok,a,a,True,True,1,1,1,1,True,,,9,9\n", "more or fewer cells than the header"),
+        ("HEADER\nroom_1,b,one,3.68,o,ok,REST\n", "breaks the SceneScore contract at rank"),
+        ("HEADER\nroom_1,b,1,3.68,o,lost,REST\n", "csv:2: breaks the SceneScore contract at status"),
+        ("HEADER\nroom_1,b,1,3.68,o,ok,REST,9,9\n", "more or fewer cells than the header"),
     ],
 )
 def test_bad_rows_are_named_by_file_line_and_field(tmp_path: Path, text: str, complaint: str) -> None:
     path = tmp_path / "scores.csv"
-    path.write_text(text.replace("HEADER", ",".join(SceneScore.model_fields)))
+    path.write_text(text.replace("HEADER", ",".join(SceneScore.model_fields)).replace("REST", REST))
     with pytest.raises(InputError, match=complaint) as error:
-        read_rows(SceneScore, [path], ONE_SCENE)
+        read_rows(SceneScore, [path], scenes.ONE_SCENE)
     assert "scores.csv" in str(error.value) and "\n" not in str(error.value)
 
 
 def test_rows_given_twice_are_refused(tmp_path: Path) -> None:
     path = write_rows(tmp_path / "scores.csv", [score()])
     with pytest.raises(InputError, match="same rows"):
-        read_rows(SceneScore, [path, path], ONE_SCENE)
+        read_rows(SceneScore, [path, path], scenes.ONE_SCENE)
     with pytest.raises(InputError, match="no such file"):
         read_rows(Rollout, [tmp_path / "none.csv"], [])
 
@@ -281,7 +297,7 @@ def test_broken_published_values_leave_nothing_behind(tmp_path: Path) -> None:
     (tmp_path / "table2.csv").write_text("scene,variant\n1,a\n")
     (tmp_path / "table3.csv").write_text((PUBLISHED / "table3.csv").read_text())
     with pytest.raises(InputError, match="lacks the column n_objects"):
-        run(out=tmp_path / "out", published=tmp_path)
+        scenes.run(out=tmp_path / "out", published=tmp_path)
     assert not (tmp_path / "out").exists()
 
 

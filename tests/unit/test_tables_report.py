@@ -11,7 +11,7 @@ from PIL import Image
 
 from stages.contracts.errors import InputError
 from stages.contracts.ledgers import read_attempts
-from stages.tables import figures, report, tables
+from stages.tables import figures, policies, report, scenes
 from stages.tables.drawing import spread_out
 from stages.tables.page.benchmarks import by_stage, duration, read_jobs
 from stages.tables.page.charts import line_chart
@@ -31,21 +31,24 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A whole run with its tables, figures and page."""
     root = write_run(tmp_path_factory.mktemp("run"))
     results = root / "results"
-    tables.run(
-        out=results / "tables",
-        scores=tuple(sorted(results.glob("evaluation/scenes/b/*/scores.csv"))),
-        rollouts=(results / "evaluation/policies/door/rollouts.csv",),
-        published=PUBLISHED,
-    )
+    out = results / "tables"
+    rollouts = (results / "evaluation/policies/door/rollouts.csv",)
+    policies.run(out=out, rollouts=rollouts, published=PUBLISHED)
     draw(root, results / "figures")
+    write_scenes(root, out, results / "figures")
     page(root, results / "report" / "index.html")
     return root
 
 
 def draw(root: Path, out: Path) -> None:
+    figures.run(out=out, table3_csv=root / "results" / "tables" / "table3.csv", published=PUBLISHED)
+
+
+def write_scenes(root: Path, out: Path, drawn: Path) -> None:
     results = root / "results"
     pictures = tuple(f"{room}/b={results}/generation/b/{room}/comparison.png" for room in ("room_1", "room_2"))
-    figures.run(out=out, table3_csv=results / "tables" / "table3.csv", comparisons=pictures, published=PUBLISHED)
+    scores = tuple(sorted(results.glob("evaluation/scenes/b/*/scores.csv")))
+    scenes.run(out=out, figures=drawn, scores=scores, comparisons=pictures, published=PUBLISHED)
 
 
 def page(root: Path, out: Path, **flags: object) -> str:
@@ -124,6 +127,7 @@ def test_page_tells_what_happened(made: Path) -> None:
 
 def test_page_and_figures_are_the_same_bytes_again(made: Path, tmp_path: Path) -> None:
     draw(made, tmp_path)
+    write_scenes(made, tmp_path, tmp_path)
     for name in ("figure4", "figure6", "figure9"):
         for suffix in ("svg", "png"):
             again = (tmp_path / f"{name}.{suffix}").read_bytes()
@@ -133,6 +137,7 @@ def test_page_and_figures_are_the_same_bytes_again(made: Path, tmp_path: Path) -
 
 def test_figures_without_results_are_drawn_as_not_run(tmp_path: Path) -> None:
     figures.run(out=tmp_path, published=PUBLISHED)
+    scenes.run(out=tmp_path, published=PUBLISHED)
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(
         f"figure{n}.{suffix}" for n in (4, 6, 9) for suffix in ("png", "svg")
     )
@@ -225,7 +230,7 @@ def test_broken_input_gives_one_line_and_no_page(tmp_path: Path, name: str, text
 
 def test_comparisons_must_name_a_room(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="not room=picture"):
-        figures.run(out=tmp_path, comparisons=("picture.png",), published=PUBLISHED)
+        scenes.run(out=tmp_path, comparisons=("picture.png",), published=PUBLISHED)
 
 
 def test_benchmarks_by_stage(made: Path) -> None:

@@ -67,6 +67,28 @@ def test_the_study_is_the_protocol_of_the_paper(folder: Path) -> None:
     assert first["choose"] == 2 and first["train"] == 2 * candidates and first["demonstrate"] == 1 + 8
 
 
+def test_table_2_trains_nothing_and_meets_rooms_by_protocols(folder: Path) -> None:
+    assert not {"train", "demonstrate"} & set(planned(dry_run(folder, "table2").stdout))
+    (folder / "met.yaml").write_text(
+        "experiment: {rooms: [room_1, room_2], tasks: {door: null}, protocols: {"
+        "drawn: {layout: drawn, seeds: [1, 2]}, "
+        "unscaled: {scale_error: false, seeds: [3]}, unknown: {unknown: true}, "
+        "recoloured: {finish: other, seeds: [4]}}}"
+    )
+    done = dry_run(folder, "table2", "-p", "--configfile", "met.yaml")
+    jobs = planned(done.stdout)
+    assert jobs["room"] == 2 * (1 + 2 + 1) and jobs["match"] == jobs["score"] == 2 * (1 + 2 + 1 + 1 + 1)
+    assert jobs["leave_out"] == 2 and jobs["draw_scenes"] == 2
+    lines = {name: " ".join(re.findall(rf".*{re.escape(name)}.*", done.stdout)) for name in (
+        "results/scenes/room_1.drawn.2", "results/scenes/room_2.recoloured.4", "extraction/room_1.unscaled.3/objects",
+        "results/matching/b/room_1.unknown.0/cousins")}  # fmt: skip
+    drawn, recoloured, unscaled, unknown = lines.values()
+    assert "--scene room_1 " in drawn and "--layout-seed 2" in drawn and "--finish-seed 4" in recoloured
+    assert "--input results/scenes/room_1/input --scene room_1 " in unscaled
+    assert '"scale":0.0' in unscaled.replace(" ", "") and "--seed 3" in unscaled
+    assert "--without results/evaluation/left_out/room_1.unknown.0.json" in unknown
+
+
 def test_mistakes_in_the_config_are_a_line_each(folder: Path, tmp_path: Path) -> None:
     overlay = tmp_path / "mine.yaml"
     overlay.write_text("{maching: {encoder: hog}, experiment: {rooms: [room_9]}, evaluation: {test_assets: [uncle]}}")

@@ -1,0 +1,47 @@
+# Helpers: scenes that are rooms met otherwise, `<room>.<protocol>.<seed>` (experiment.protocols). Nothing here makes a file.
+
+
+def room_of(wildcards):
+    """The room that a scene shows."""
+    return EXPERIMENT.meeting(wildcards.scene).room
+
+
+def pictured(wildcards):
+    """The scene whose picture a scene is seen in: only some protocols take their own."""
+    met = EXPERIMENT.meeting(wildcards.scene)
+    return wildcards.scene if met.protocol.pictured else met.room
+
+
+def seed_of(wildcards):
+    """The seed of the depth noise."""
+    seed = EXPERIMENT.meeting(wildcards.scene).seed
+    return CONFIG.seed if seed is None else seed
+
+
+def truth_of(wildcards):
+    """The truth of a scene, which only `evaluation` may read."""
+    return f"results/scenes/{pictured(wildcards)}/truth.json"
+
+
+def left_out(wildcards):
+    """The file that names the models which matching may not use."""
+    unknown = EXPERIMENT.meeting(wildcards.scene).protocol.unknown
+    return [f"results/evaluation/left_out/{wildcards.scene}.json"] if unknown else []
+
+
+def met(pattern):
+    """The files of `pattern` for all scenes of all protocols."""
+    files = [file for scene, variants in MET.items() for file in expand(pattern, scene=scene, variant=variants)]
+    return list(dict.fromkeys(files))
+
+
+def room_flags(wildcards):
+    """The file of a room of the user's, and the seeds by which the protocol has it drawn."""
+    room, _, seed, protocol = EXPERIMENT.meeting(wildcards.scene)
+    path = CONFIG.room_files().get(room)
+    flags = {
+        "--room": path if path is not None and path not in series() else None,
+        "--layout-seed": seed if protocol.layout == "drawn" else None,
+        "--finish-seed": seed if protocol.finish == "other" else None,
+    }
+    return " ".join(f"{flag} {shlex.quote(str(value))}" for flag, value in flags.items() if value is not None)

@@ -1,0 +1,83 @@
+# The report page: one file that shows this run, exactly the files that its rule names, and one about its times.
+# Reads:  what the other stages wrote, benchmark files.
+# Writes: results/report/{index,times}.html.
+from types import SimpleNamespace
+
+# A command in the place of our verb need not make films.
+DEMO_FILMS = [] if "collect" in CONFIG.stages.get("demonstrations", {}) else trained(rules.demonstrate.output.films)
+SCENE_FILMS = (
+    [] if "scene" in CONFIG.stages.get("demonstrations", {}) else in_scenes(rules.demonstrate_in_scene.output.films)
+)
+ROLLOUT_FILMS = (
+    [] if "rollout" in CONFIG.stages.get("evaluation", {}) else policies(rules.rollout.output.films, first=True)
+)
+# Benchmark files cannot be inputs: those of this run are named to the page, so that it counts no others.
+BENCHMARKS = [
+    rules.library.benchmark,
+    *expand(rules.snapshots.benchmark, shard=SHARDS),
+    *expand(rules.room.benchmark, scene=SCORED_ROOMS),
+    *expand(rules.extract.benchmark, scene=ROOMS),
+    *expand(rules.features.benchmark, store=STORES, shard=SHARDS),
+    *expand(
+        [rules.match.benchmark, rules.generate.benchmark, rules.draw_scenes.benchmark], variant=VARIANTS, scene=ROOMS
+    ),
+    *expand(rules.score.benchmark, variant=VARIANTS, scene=SCORED_ROOMS),
+    *expand(rules.select.benchmark, variant=EXPERIMENT.policy_variant, task=TASKS),
+    *[
+        file
+        for task in TASKS
+        for file in of_target(SimpleNamespace(task=task, variant=EXPERIMENT.policy_variant), rules.distances.benchmark)
+    ],
+    *trained(rules.demonstrate.benchmark),
+    *in_scenes(rules.demonstrate_in_scene.benchmark),
+    *possible_policies([rules.train.benchmark, rules.trial.benchmark, rules.rollout.benchmark]),
+    *met([rules.room.benchmark, rules.extract.benchmark, rules.match.benchmark, rules.generate.benchmark]),
+    *met(rules.score.benchmark),
+    *expand("benchmarks/tables/{table}.tsv", table=["table2", "table3"]),
+    "benchmarks/tables/figures.tsv",
+]
+
+
+rule report_page:
+    """One page that shows this run: what these inputs hold, and nothing else that lies in results/."""
+    input:
+        library=rules.library.output.library,
+        snapshots=expand([*rules.snapshots.output], shard=SHARDS),
+        sheets=rules.draw_snapshots.output.sheets,
+        images=[scene_image(SimpleNamespace(scene=room)) for room in ROOMS],
+        objects=expand(rules.extract.output.objects, scene=ROOMS),
+        overviews=expand(rules.draw_objects.output.overview, scene=ROOMS),
+        cousins=expand(rules.match.output.cousins, variant=VARIANTS, scene=ROOMS),
+        scenes=expand(rules.generate.output.scenes, variant=VARIANTS, scene=ROOMS),
+        previews=expand(rules.draw_scenes.output.previews, variant=VARIANTS, scene=ROOMS),
+        assets=[task_assets(task) for task in TASKS],
+        films=DEMO_FILMS,
+        scene_films=SCENE_FILMS,
+        rollout_films=ROLLOUT_FILMS,
+        in_scene=in_scenes(rules.demonstrate_in_scene.output.in_scene),
+        attempts=trained(rules.demonstrate.output.attempts),
+        metrics=policies(rules.train.output.metrics, first=True),
+        tables=rules.tables.input,
+        figures=rules.figures.output,
+    output:
+        page=shown("results/report/index.html", "report"),
+        times="results/report/times.html",
+    log:
+        "logs/tables/report.log",
+    container:
+        CONFIG.containers.report
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        command=command("tables", "report"),
+        code=code("tables", "report"),
+        options=options("tables", "report"),
+        images=lambda wildcards, input: [f"{room}={image}" for room, image in zip(ROOMS, input.images)],
+        benchmarks=BENCHMARKS,
+        seed=CONFIG.seed,
+        digest=config_digest(),
+    shell:
+        "{params.command} --files {input:q} --images {params.images:q} --benchmarks {params.benchmarks:q} "
+        "--seed {params.seed} --config-digest {params.digest} --options {params.options:q} "
+        "--out {output.page:q} 2>&1 | tee {log:q}"

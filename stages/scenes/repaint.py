@@ -1,0 +1,72 @@
+"""A room painted, lit and scaled otherwise than the library's snapshots (protocol `recoloured`)."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stages.articulated.asset_folder import stretch_asset
+from stages.contracts import Asset, InputError, Library, read_json
+from stages.contracts.library import Vector
+from stages.procedural import build
+from stages.procedural.refinishing import refinished
+from stages.scenes.casting import CastRoom
+from stages.scenes.chance import colours
+from stages.scenes.layout import arrange
+
+ATTEMPTS = 200
+STRETCH = 0.15  # largest relative change of a model's extents, each drawn for itself
+EXPOSURE, TINT = 0.15, 0.06  # largest relative change of all channels, and of one
+SALT = 0xF1715
+Rng = np.random.Generator
+
+
+@dataclass(frozen=True)
+class Look:
+    """Where the models lie by item name (none: in the library), direction of the key light, gain of each channel."""
+
+    folders: dict[str, Path]
+    light: tuple[float, float, float] | None = None
+    gain: NDArray[np.float64] | None = None
+
+
+AS_IS = Look({})
+
+
+def repainted(cast_room: CastRoom, library: Path, out: Path, seed: int) -> tuple[CastRoom, Look]:
+    """The room with models made anew in `out`: other sizes, finishes, walls and light; ids and counts stay.
+
+    Models without a recipe (a user's) keep their finish.
+
+    Raises:
+        InputError: the models fit at no size.
+    """
+    rng = np.random.default_rng(np.random.SeedSequence((seed, SALT)))
+    for _ in range(ATTEMPTS):
+        sizes = {name: _stretched(asset.size, rng) for name, asset in cast_room.assets.items()}
+        layout = arrange(cast_room.room, sizes)
+        if layout is not None:
+            break
+    else:
+        raise InputError(library, f"{cast_room.room.name}: its models fit at no other size.", "change the seed")
+    homes = {entry.id: library.parent / entry.folder for entry in read_json(Library, library).assets}
+    folders = {name: out / name for name in cast_room.assets}
+    assets = {
+        name: _made(asset, homes[asset.id], sizes[name], folders[name], rng) for name, asset in cast_room.assets.items()
+    }
+    room = cast_room.room.model_copy(update=colours(rng))
+    light = (-rng.uniform(0.3, 0.8), rng.uniform(-0.7, 0.7), -1.0)
+    gain = (1 + EXPOSURE * rng.uniform(-1, 1)) * (1 + TINT * rng.uniform(-1, 1, 3))
+    return replace(cast_room, room=room, layout=layout, assets=assets), Look(folders, light, gain)
+
+
+def _stretched(size: Vector, rng: Rng) -> Vector:
+    x, y, z = (np.array(size) * (1 + STRETCH * rng.uniform(-1, 1, 3))).tolist()
+    return x, y, z
+
+
+def _made(asset: Asset, home: Path, size: Vector, out: Path, rng: Rng) -> Asset:
+    if asset.recipe is None:
+        return stretch_asset(home, asset, size, out)
+    return build(refinished(asset.recipe, rng), size, out, asset.id, asset.category)

@@ -1,0 +1,63 @@
+"""The companion of Table 2: rooms met otherwise, a row per protocol and variant, mean and spread over its seeds."""
+
+from typing import Any
+
+import pandas as pd
+
+from stages.tables.rows import records
+from stages.tables.statistics import mean, std
+from stages.tables.table2 import COUNTS, METRICS, judge
+
+SHAPES = ["chamfer", "shape_iou"]
+AFFORDANCES = ["panels_correct", "handle_correct", "hinge_correct"]
+PHYSICS = ["fallen", "shift_cm", "largest_shift_cm", "penetration_cm"]
+MEASURES = [*COUNTS, "l2_cm", "worst_room_l2_cm", *METRICS[1:], *PHYSICS, *SHAPES, *AFFORDANCES]
+MOMENTS = [f"{name}_{moment}" for name in MEASURES for moment in ("mean", "std")]
+COLUMNS = ["protocol", "variant", "judge", "n_draws", "n_rooms", "n_objects", "n_articulated", *MOMENTS]
+AS_SHIPPED = "as shipped"
+
+
+def _measured(scores: pd.DataFrame) -> dict[str, float]:
+    """What one draw gives, over the objects of all rooms."""
+    cell: dict[str, float] = {name: float(scores[name].sum()) for name in COUNTS}
+    for name in ("l2_cm", *METRICS[1:], *SHAPES, "shift_cm"):
+        cell[name] = mean(scores[name])
+    cell["worst_room_l2_cm"] = float(scores.groupby("scene")["l2_cm"].mean().max())
+    cell["fallen"] = float((scores["stable"] == False).sum())  # noqa: E712, None is neither
+    cell["largest_shift_cm"] = float(scores["shift_cm"].max())
+    cell["penetration_cm"] = float(scores["penetration_cm"].max())
+    for name in AFFORDANCES:
+        cell[name] = float((scores[name] == True).sum())  # noqa: E712
+    return cell
+
+
+def build(scores: pd.DataFrame) -> pd.DataFrame:
+    """One row per protocol and variant with `COLUMNS`; empty if no room was met otherwise.
+
+    Args:
+        scores: rows of `SceneScore`; rank 1 is used. Those without protocol are the first rows, `as shipped`.
+
+    Every figure is the mean over draws (seeds) of what a draw gives over the objects of all its rooms; counts, too.
+    The standard deviation, a sample one, is over draws; there is none of one draw.
+    """
+    scores = scores[(scores["rank"] == 1) & (scores["true_asset"] != "")]
+    numbers = ["l2_cm", *METRICS[1:], *SHAPES, "shift_cm", "penetration_cm"]
+    scores = scores.astype(dict.fromkeys(numbers, float))
+    rows: list[dict[str, Any]] = []
+    if (scores["protocol"] != "").any():
+        for (protocol, variant), group in scores.groupby(["protocol", "variant"], sort=False):
+            draws = pd.DataFrame([_measured(part) for _, part in group.groupby("draw")])
+            row = {"protocol": protocol or AS_SHIPPED, "variant": variant, "judge": judge(group), "n_draws": len(draws)}
+            row |= {"n_rooms": group["scene"].nunique(), "n_objects": len(group) // len(draws)}
+            row["n_articulated"] = int(group["panels_correct"].notna().sum()) // len(draws)
+            for name in MEASURES:
+                row |= {f"{name}_mean": mean(draws[name]), f"{name}_std": std(draws[name])}
+            rows.append(row)
+    table = pd.DataFrame(rows, columns=COLUMNS)
+    return table.astype({name: "Int64" for name in COLUMNS if name.startswith("n_")})
+
+
+def ordered(table: pd.DataFrame) -> list[dict[str, Any]]:
+    """The rows as they are shown: by protocol, variants together."""
+    names = list(dict.fromkeys(table["protocol"]))
+    return sorted(records(table), key=lambda row: names.index(row["protocol"]))

@@ -1,0 +1,56 @@
+"""Verb `scenes`: Table 2, its companion and Figure 6, from the scores and pictures of generated scenes."""
+
+from pathlib import Path
+
+from stages.config.tables import TablesConfig
+from stages.contracts.errors import InputError
+from stages.contracts.files import read_options
+from stages.contracts.policies import SceneScore
+from stages.tables import formatting, robustness, table2
+from stages.tables.drawing import look, save
+from stages.tables.rows import published_scenes, read_rows
+from stages.tables.scene_figure import figure6
+from stages.tables.writing import write
+
+ONE_SCENE = ["scene", "variant", "rank", "protocol", "draw"]
+
+
+def named(items: tuple[str, ...], flag: str = "--comparisons") -> dict[tuple[str, str], Path]:
+    """'room_1/b=picture.png' -> {('room_1', 'b'): picture.png}; the part after the slash may be left out."""
+    pictures = {}
+    for item in items:
+        name, sign, path = item.partition("=")
+        if not (name and sign and path):
+            raise InputError(flag, f"'{item}' is not room=picture.", "write e.g. room_1=picture.png")
+        room, _, variant = name.partition("/")
+        pictures[room, variant] = Path(path)
+    return pictures
+
+
+def run(
+    *,
+    out: Path,
+    figures: Path | None = None,
+    scores: tuple[Path, ...] = (),
+    comparisons: tuple[str, ...] = (),
+    published: Path = Path("report/published"),
+    options: str = "",
+) -> None:
+    """Write table2 and table2_robustness (.csv, .html, .tex) into `out`, and figure6 (.svg, .png) into `figures`.
+
+    Args:
+        out: folder to write the tables into.
+        figures: folder to write the figure into; that of the tables if left out.
+        scores: scores.csv files of generated scenes.
+        comparisons: pictures of Figure 6, as room=picture or room/variant=picture.
+        published: folder with the paper's values, table2.csv.
+        options: JSON of the config section `tables`.
+    """
+    settings = read_options(TablesConfig, options)
+    pictures = named(comparisons)
+    rows = read_rows(SceneScore, scores, ONE_SCENE)
+    scenes, companion = table2.build(rows, published_scenes(published), settings), robustness.build(rows)
+    write(out, "table2", scenes, [formatting.scenes_table(scenes, settings)])
+    write(out, "table2_robustness", companion, [formatting.robustness_table(companion)])
+    with look():
+        save(figure6(pictures, list(settings.scenes)), figures or out, "figure6")
