@@ -10,6 +10,7 @@ from stages.config.base import Section
 from stages.config.containers import ContainersConfig
 from stages.config.contradictions import contradictions
 from stages.config.demonstrations import DemonstrationsConfig
+from stages.config.encoder import EncoderConfig
 from stages.config.evaluation import EvaluationConfig
 from stages.config.experiment import ExperimentConfig
 from stages.config.extraction import ExtractionConfig
@@ -44,6 +45,7 @@ class Config(Section):
     scenes: ScenesConfig = Field(ScenesConfig(), description="The sim-to-sim rooms (B.1, Table 2).")
     extraction: ExtractionConfig = Field(ExtractionConfig(), description="From image to objects in space (A.2, A.7).")
     matching: MatchingConfig = Field(MatchingConfig(), description="Digital cousins of every object (A.6, A.7, B.1).")
+    encoder: EncoderConfig = Field(EncoderConfig(), description="Training the encoder `patchnet` (docs/encoders.md).")
     generation: GenerationSection = Field(GenerationSection(), description="Placing the cousins (A.3, A.7).")
     task: TaskConfig = Field(
         TaskConfig(), description="The tasks' environment, the same in demos and evaluation (B.3)."

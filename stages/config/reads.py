@@ -5,6 +5,7 @@ from typing import Any
 from stages.config.assets import LibraryOptions, SnapshotOptions
 from stages.config.base import Section
 from stages.config.demonstrations import DemonstrationsConfig
+from stages.config.encoder import EncoderTrainingOptions, PairOptions
 from stages.config.evaluation import RolloutOptions, TrialOptions
 from stages.config.extraction import ExtractionConfig
 from stages.config.generation import GenerationConfig
@@ -24,6 +25,8 @@ READS: dict[tuple[str, str], type[Section]] = {
     ("matching", "features"): EncoderOptions,
     ("matching", "match"): MatchingConfig,
     ("matching", "distances"): ComparisonOptions,
+    ("encoder", "render"): PairOptions,
+    ("encoder", "train"): EncoderTrainingOptions,
     ("generation", "generate"): GenerationConfig,
     ("demonstrations", "collect"): DemonstrationsConfig,
     ("demonstrations", "scene"): DemonstrationsConfig,

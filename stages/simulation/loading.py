@@ -96,13 +96,20 @@ def _scratch() -> tempfile.TemporaryDirectory[str]:
     return tempfile.TemporaryDirectory(prefix="acdc-stretched-")
 
 
-def load_looks(scene: sapien.Scene, folder: Path, scale: float) -> PhysxArticulation | sapien.Entity:
-    """Add what is seen of an asset, closed and that many times as large; it is fixed and touches nothing."""
+def load_looks(
+    scene: sapien.Scene, folder: Path, scale: float, stretch: NDArray[np.float64] | None = None
+) -> PhysxArticulation | sapien.Entity:
+    """Add what is seen of an asset, closed and that many times as large; it is fixed and touches nothing.
+
+    `stretch` (3,): further factors along its axes; ours have looks that can always be stretched.
+    """
     loader = scene.create_urdf_loader()
     loader.scale = scale
     builder = ParsedAsset(loader, folder, fixed=True).builder()
     for link in getattr(builder, "link_builders", [builder]):
         link.collision_records.clear()
+    if stretch is not None:
+        builder = stretched(builder, stretch) or builder
     builder.initial_pose = sapien.Pose()
     if not hasattr(builder, "link_builders"):
         builder.set_physx_body_type("kinematic")

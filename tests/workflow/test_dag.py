@@ -36,6 +36,11 @@ def test_all_eight_rooms_can_be_asked_for(folder: Path) -> None:
     assert planned(dry_run(folder, "scenes8").stdout)["room"] == 8
 
 
+def test_the_encoder_is_trained_when_asked_for_alone(folder: Path) -> None:
+    jobs = planned(dry_run(folder, "encoder").stdout)
+    assert jobs["encoder_pairs"] == 1 and jobs["encoder"] == 1 and "library" not in jobs
+
+
 def test_a_task_may_have_rows_with_training_sets_and_options_of_their_own(folder: Path) -> None:
     rows = """
     far: {task: door, options: {base_xy: 0.01}, training_sets: [cousins_2, all], seeds: [0, 1, 2], episodes: 7}

@@ -1,0 +1,1 @@
+"""The network of the patch encoder `patchnet`, its weights and its model card. Torch; no simulator."""
