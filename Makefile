@@ -33,6 +33,7 @@ study: setup ## Table 3 on two cores, overnight; the cells that tell most come f
 
 table2: setup ## Table 2 and Figure 6 with every row, on the eight rooms and on rooms met otherwise
 	$(BIN)/snakemake --cores $(CORES) --keep-going --configfile config.yaml config/study/table2.yaml -- table2
+	$(BIN)/python -m stages.tables scene_results --configs config.yaml config/study/table2.yaml --out docs/results
 
 test: setup lint types ## lint, types and all tests; Chromium for those of the report page
 	@bash envs/chromium.sh

@@ -78,7 +78,11 @@ def robustness_table(table: pd.DataFrame) -> Table:
     rows = []
     for row in ordered(table):
         objects, draws = row["n_objects"], row["n_draws"]
-        cells = [Cell(title(row["protocol"])), Cell(f"({row['variant']})"), Cell(row["judge"])]
+        head = [Cell(title(row["protocol"])), Cell(f"({row['variant']})")]
+        if pd.isna(draws):
+            rows.append(Row([*head, Cell(""), Cell(NOT_RUN), *[Cell("")] * 12], "not-run"))
+            continue
+        cells = [*head, Cell(row["judge"])]
         cells.append(Cell(f"{draws} × {objects}"))
         for name in COUNTS:
             cells.append(Cell(f"{_over_draws(row, name, 1)} of {objects}"))

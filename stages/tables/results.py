@@ -1,45 +1,26 @@
 """Verb `results`: what a study found, as Markdown, CSV and figures to be committed; also while it is still running."""
 
-import os
 from collections.abc import Iterator
-from functools import reduce
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
-import yaml
 
-from stages.config.model import Config, load, merged
-from stages.contracts.errors import InputError
-from stages.contracts.files import read_json, read_text, write_text
+from stages.config.model import Config
+from stages.contracts.files import read_json, write_text
 from stages.contracts.policies import ChosenRuns, Rollout, TaskAssets
 from stages.tables import claims, formatting, table3
 from stages.tables.claim_tables import claims_table, stability_table
 from stages.tables.drawing import look, save
 from stages.tables.markup import Cell, Row, Table, markdown, number
 from stages.tables.order import title
-from stages.tables.page.benchmarks import by_stage, duration, read_jobs
 from stages.tables.policies import ONE_TEST
 from stages.tables.policy_figures import figure4, figure9
 from stages.tables.roles import roles_table
 from stages.tables.rows import published_policies, published_runs, read_rows
+from stages.tables.study import cost, facts, read_config
 from stages.tables.writing import as_csv
 
 STAGES = ["demonstrations", "training", "evaluation"]
-
-
-def read_config(paths: tuple[Path, ...]) -> Config:
-    """The config of a run, later files over earlier ones."""
-    parts: list[dict[str, Any]] = []
-    for path in paths:
-        try:
-            content = yaml.safe_load(read_text(path))
-        except yaml.YAMLError as error:
-            raise InputError(path, f"is not YAML ({str(error).splitlines()[0]}).") from None
-        if not isinstance(content, dict):
-            raise InputError(path, "holds no mapping of sections.")
-        parts.append(content)
-    return load(reduce(merged, parts, {}))
 
 
 def rollout_files(config: Config, results: Path) -> Iterator[Path]:
@@ -80,46 +61,16 @@ def _chosen(config: Config, results: Path) -> Table | None:
     return Table("chosen", "Hyper-parameter sets chosen by trials.", columns, rows, headers=2) if rows else None
 
 
-def _cost(benchmarks: Path) -> Table:
-    """Hours by stage."""
-    jobs = read_jobs(benchmarks.glob("*/*.tsv"), benchmarks)
-    rows = [
-        Row(
-            [Cell(item.stage), Cell(str(item.jobs)), Cell(duration(item.seconds)), Cell(duration(item.cpu_seconds))],
-        )
-        for item in by_stage(jobs, STAGES)
-    ]
-    seconds, processor = (sum(v for v in values if v == v) for values in (
-        [job.seconds for job in jobs], [job.cpu_seconds for job in jobs]))  # fmt: skip
-    total = Row([Cell("all"), Cell(str(len(jobs))), Cell(duration(seconds)), Cell(duration(processor))], "total")
-    notes = ["Job time adds up jobs that ran side by side: on two busy cores the clock shows about half of it."]
-    return Table("cost", "Time.", ["Stage", "Jobs", "Job time", "CPU time"], [*rows, total], notes=notes)
-
-
-def cpu() -> str:
-    """Model and number of this machine's cores."""
-    try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-    except OSError:
-        lines = []
-    model = next((line.partition(":")[2].strip() for line in lines if line.startswith("model name")), "unknown")
-    return f"{os.cpu_count()} cores, {model}"
-
-
-def _facts(config: Config, configs: tuple[Path, ...], episodes: pd.DataFrame, machine: str, commit: str) -> str:
-    """How it was made."""
+def _told(config: Config, episodes: pd.DataFrame) -> list[tuple[str, str]]:
+    """Seeds and numbers of rollouts."""
     plans = [config.experiment.plan(task) for task in config.experiment.tasks]
     seeds = sorted({seed for plan in plans for seed in plan.seeds})
-    files = " ".join(map(str, configs))
     policies = episodes.groupby(["task", "training_set", "run", "seed"]).ngroups if len(episodes) else 0
-    facts = {
-        "Command": f"`snakemake --cores {os.cpu_count()} all --configfile {files}`",
-        "Commit": f"`{commit}`" if commit else "",
-        "Machine": machine or cpu(),
-        "Seeds": f"{', '.join(map(str, seeds))} of training; {config.seed} of everything else",
-        "Rollouts": f"{len(episodes)} episodes of {policies} policies, {config.evaluation.rollouts} per test asset",
-    }
-    return "\n".join(f"* {name}: {text}" for name, text in facts.items() if text) + "\n"
+    rollouts = f"{len(episodes)} episodes of {policies} policies, {config.evaluation.rollouts} per test asset"
+    return [
+        ("Seeds", f"{', '.join(map(str, seeds))} of training; {config.seed} of everything else"),
+        ("Rollouts", rollouts),
+    ]
 
 
 def run(
@@ -162,8 +113,8 @@ def run(
             shown.append(
                 roles_table(read_json(TaskAssets, path), roles, f"roles-{task}", f"{title(task)}: the assets.")
             )
-    shown += [each for each in (_chosen(config, results), _cost(benchmarks)) if each]
-    text = ["# Table 3", "", _facts(config, configs, episodes, machine, commit), *map(markdown, shown)]
+    shown += [each for each in (_chosen(config, results), cost(benchmarks, STAGES)) if each]
+    text = ["# Table 3", "", facts("all", configs, commit, machine, _told(config, episodes)), *map(markdown, shown)]
     text += [f"![{name}]({name}.svg)\n" for name in ("figure4", "figure9")]
     text.append("`table3.csv` has a row per task, test asset, training set, run and seed.\n")
     with look():

@@ -1,5 +1,6 @@
 """The companion of Table 2: rooms met otherwise, a row per protocol and variant, mean and spread over its seeds."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import pandas as pd
@@ -31,11 +32,12 @@ def _measured(scores: pd.DataFrame) -> dict[str, float]:
     return cell
 
 
-def build(scores: pd.DataFrame) -> pd.DataFrame:
+def build(scores: pd.DataFrame, asked: Sequence[tuple[str, str]] = ()) -> pd.DataFrame:
     """One row per protocol and variant with `COLUMNS`; empty if no room was met otherwise.
 
     Args:
         scores: rows of `SceneScore`; rank 1 is used. Those without protocol are the first rows, `as shipped`.
+        asked: pairs of protocol and variant that get a row without figures where they were not run.
 
     Every figure is the mean over draws (seeds) of what a draw gives over the objects of all its rooms; counts, too.
     The standard deviation, a sample one, is over draws; there is none of one draw.
@@ -53,6 +55,10 @@ def build(scores: pd.DataFrame) -> pd.DataFrame:
             for name in MEASURES:
                 row |= {f"{name}_mean": mean(draws[name]), f"{name}_std": std(draws[name])}
             rows.append(row)
+    ran = {(row["protocol"], row["variant"]) for row in rows}
+    pairs = [(protocol or AS_SHIPPED, variant) for protocol, variant in asked]
+    rows += [{"protocol": name, "variant": variant} for name, variant in pairs if (name, variant) not in ran]
+    rows.sort(key=lambda row: pairs.index((row["protocol"], row["variant"])) if pairs else 0)
     table = pd.DataFrame(rows, columns=COLUMNS)
     return table.astype({name: "Int64" for name in COLUMNS if name.startswith("n_")})
 

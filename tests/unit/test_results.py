@@ -10,8 +10,8 @@ from stages.config.model import Config
 from stages.contracts.errors import InputError
 from stages.contracts.files import write_json
 from stages.contracts.policies import ChosenRuns, RunScore
-from stages.tables import results
-from tests.unit.tables_results import rollout, write_rows, write_run
+from stages.tables import results, scene_results
+from tests.unit.tables_results import rollout, score, write_rows, write_run
 
 ROOT = Path(__file__).parents[2]
 PUBLISHED = ROOT / "report" / "published"
@@ -106,3 +106,25 @@ def test_configs_are_merged_as_the_workflow_merges_them(tmp_path: Path) -> None:
     (tmp_path / "c.yaml").write_text("[1")
     with pytest.raises(InputError, match="is not YAML"):
         results.read_config((tmp_path / "c.yaml",))
+
+
+def test_a_study_of_table_2_tells_what_is_there_and_counts_whole_draws_alone(tmp_path: Path) -> None:
+    (tmp_path / "study.yaml").write_text(
+        "experiment: {rooms: [room_1, room_2], tasks: {door: null}, training_sets: [], variants: {b: {}, ours: {}}, "
+        "protocols: {noise: {seeds: [1, 2], variants: [b]}, unknown: {unknown: true, variants: [ours]}}}"
+    )
+    scenes = {"room_1": {}, "room_2": {}, "room_1.noise.1": {"draw": 1}, "room_2.noise.1": {"draw": 1}}
+    for scene, met in (scenes | {"room_1.noise.2": {"draw": 2}}).items():  # its room_2 is not there yet
+        room, protocol = scene[:6], "noise" if met else ""
+        path = tmp_path / f"results/evaluation/scenes/b/{scene}/scores.csv"
+        write_rows(path, [score(room, 1, protocol=protocol, **met)])
+    scene_results.run(
+        out=tmp_path / "out", configs=(ROOT / "config.yaml", tmp_path / "study.yaml"), results=tmp_path / "results",
+        benchmarks=tmp_path / "benchmarks", published=PUBLISHED, machine="a test", commit="abc1234",
+    )  # fmt: skip
+    companion = pd.read_csv(tmp_path / "out/table2_robustness.csv").set_index(["protocol", "variant"])
+    assert companion.loc[("noise", "b"), ["n_draws", "n_rooms", "n_objects"]].tolist() == [1, 2, 2]
+    assert companion["n_draws"].isna()[("unknown", "ours")] and companion["n_draws"].isna()[("as shipped", "ours")]
+    text = (tmp_path / "out/table2.md").read_text()
+    for words in ("noise 1 2, unknown 0", "a test", "`abc1234`", "4 scored, 4 obj"):
+        assert words in text, words
