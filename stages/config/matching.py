@@ -167,7 +167,7 @@ class MatchingConfig(ComparisonOptions):
         0.0,
         ge=0,
         description="What it adds if the object hangs on a wall and the model does not belong there, or the other way "
-        "round, or if furniture would stand on furniture (paper: 0).",
+        "round (paper: 0).",
     )
     count_weight: float = Field(
         0.0, ge=0, description="What every door and drawer adds that an articulated model has more or less (paper: 0)."

@@ -12,8 +12,7 @@ from stages.contracts.library import LibraryEntry
 from stages.contracts.objects import SceneObject
 from stages.matching.candidates import Candidates, count_gap
 
-RAISED = 0.2  # metres above the floor from which something stands on something else
-WALL_MOUNTED = 1
+WALL_MOUNTED = 1  # type of mounting (A.2)
 
 
 def addends(item: SceneObject, candidates: Candidates, options: MatchingConfig) -> list[dict[str, float]]:
@@ -46,9 +45,7 @@ def size_gap(item: SceneObject, entry: LibraryEntry) -> float:
 
 
 def misplaced(item: SceneObject, entry: LibraryEntry) -> float:
-    """1 if the object hangs and the model does not, or the reverse, or if furniture would stand on furniture."""
-    if item.mounting is None or item.box is None or entry.placement is None:
+    """1 if the object hangs on a wall and the model does not, or the reverse; 0 where either is not known."""
+    if item.mounting is None or entry.placement is None:
         return 0.0
-    hangs = item.mounting.type == WALL_MOUNTED
-    raised = item.box.center[2] - item.box.size[2] / 2 > RAISED
-    return float(hangs != (entry.placement == "wall") or (raised and not hangs and entry.placement == "floor"))
+    return float((item.mounting.type == WALL_MOUNTED) != (entry.placement == "wall"))
