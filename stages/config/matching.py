@@ -149,7 +149,7 @@ class MatchingConfig(ComparisonOptions):
         "views rendered again, B.1), geometry (renderings in place), or a language model among k_ori (B.1).",
     )
     symmetric: float = Field(
-        0.0,
+        0.5,
         ge=0,
         le=1,
         description="Share, in a distance, of the way back from the picture's patches to the object's (paper: 0).",
@@ -158,19 +158,19 @@ class MatchingConfig(ComparisonOptions):
         0.0, ge=0, description="Weight of the patches' colours (Lab, a difference of 30 counts as 1; paper: 0)."
     )
     label_weight: float = Field(
-        0.0, ge=0, description="What the distance between label and category adds to a model's distance (paper: 0)."
+        0.5, ge=0, description="What the distance between label and category adds to a model's distance (paper: 0)."
     )
     size_weight: float = Field(
-        0.0, ge=0, description="What a model's own size adds: mean |log ratio| to the object's box (paper: 0)."
+        0.2, ge=0, description="What a model's own size adds: mean |log ratio| to the object's box (paper: 0)."
     )
     place_weight: float = Field(
-        0.0,
+        0.2,
         ge=0,
         description="What it adds if the object hangs on a wall and the model does not belong there, or the other way "
         "round (paper: 0).",
     )
     count_weight: float = Field(
-        0.0, ge=0, description="What every door and drawer adds that an articulated model has more or less (paper: 0)."
+        0.02, ge=0, description="What every door and drawer adds that an articulated model has more or less (paper: 0)."
     )
     articulated_only: bool = Field(True, description="Seek articulated objects among articulated assets only (A.7).")
     count_threshold: int | None = Field(

@@ -21,7 +21,7 @@ BOTH = {"model_selection": "vlm", "orientation_selection": "vlm"}
 
 @pytest.fixture(scope="module")
 def world(tmp_path_factory: pytest.TempPathFactory) -> World:
-    return World(tmp_path_factory.mktemp("judged"))
+    return World(tmp_path_factory.mktemp("judged"), least_candidates=1)
 
 
 @pytest.fixture(autouse=True)
@@ -140,5 +140,5 @@ def test_the_overlay_of_the_paper_has_its_variants() -> None:
         name: (loaded.matching_of(name).model_selection, loaded.matching_of(name).orientation_selection)
         for name in "abcd"
     }
-    near, model = "distance", "vlm"
-    assert judges == {"a": (near, model), "b": (near, near), "c": (model, model), "d": (model, near)}
+    near, again, model = "distance", "rerender", "vlm"
+    assert judges == {"a": (near, model), "b": (near, again), "c": (model, model), "d": (model, again)}
