@@ -9,7 +9,9 @@ for flag in ("--objects", "--image", "--library", "--options", "--out"):
     parser.add_argument(flag, required=True)
 parser.add_argument("--features", nargs="+")
 parser.add_argument("--snapshots", nargs="+")
+parser.add_argument("--without", nargs="*")
 given = parser.parse_args()
+gone = {name for path in given.without for name in json.loads(Path(path).read_text())["assets"]}
 scene, library = (json.loads(Path(path).read_text()) for path in (given.objects, given.library))
 
 
@@ -24,7 +26,7 @@ for item in scene["objects"]:
     if item["status"] != "ok":
         entries.append({"id": item["id"], "label": item["label"], "status": "failed", "reason": item["reason"]})
         continue
-    pool = [asset for asset in library["assets"] if not item["doors"] or asset["doors"]]
+    pool = [asset for asset in library["assets"] if (not item["doors"] or asset["doors"]) and asset["id"] not in gone]
     pool = sorted(pool, key=lambda asset: (far(item, asset), asset["id"]))[: json.loads(given.options)["k_cousins"]]
     view = {"yaw": 0.0, "distance": 0.0}
     cousins = [
