@@ -1,4 +1,4 @@
-"""Run the rule `tables` in its container with podman, on rows made for the purpose, and compare with a run on the host.
+"""Run the rule `table3` in its container with podman, on rows made for the purpose, and compare with a run on the host.
 
 Called by containers/check.sh once the report image is built; it is a script because pytest must not need podman.
 """
@@ -10,7 +10,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from stages.contracts import Rollout, SceneScore
+from stages.contracts import Rollout
 
 ROOT = Path(__file__).resolve().parents[2]
 SNAKEMAKE = [
@@ -18,23 +18,15 @@ SNAKEMAKE = [
     "--cores",
     "1",
     "--allowed-rules",
-    "tables",
+    "table3",
     "--quiet",
     "rules",
 ]
 
 
-def rows() -> tuple[list[SceneScore], list[Rollout]]:
+def rows() -> list[Rollout]:
     """A few plausible rows."""
-    scores = [
-        SceneScore(
-            scene="room_3", variant="b", rank=1, scale_m=2.91, object=f"cabinet_{k}", status="ok", true_asset=f"a{k}",
-            asset=f"a{k}", category_correct=True, model_correct=k > 1, l2_cm=3.0 + k, orientation_rad=0.05 * k,
-            orientation_paper_rad=None, iou=0.7, oriented_iou=0.65, stable=True,
-        )
-        for k in range(1, 6)
-    ]  # fmt: skip
-    rollouts = [
+    return [
         Rollout(
             task="door", cloud="object", training_set="twin", run="lite", seed=0, checkpoint="last",
             test_asset="twin", asset="a1", dino_distance=0.0, episode=k, initial_state=k, success=k % 3 > 0,
@@ -42,7 +34,6 @@ def rows() -> tuple[list[SceneScore], list[Rollout]]:
         )
         for k in range(8)
     ]  # fmt: skip
-    return scores, rollouts
 
 
 def write(path: Path, items: list) -> None:
@@ -56,20 +47,19 @@ def write(path: Path, items: list) -> None:
 
 def main() -> int:
     """Exit code 0 if the container's tables equal the host's."""
-    scores, rollouts = rows()
+    rollouts = rows()
     with tempfile.TemporaryDirectory() as folder:
         work = Path(folder) / "workflow"
         passed_over = (".venv", ".git", ".snakemake", "results", "logs", "*.egg-info", "__pycache__")
         shutil.copytree(ROOT, work, symlinks=True, ignore=shutil.ignore_patterns(*passed_over))
         experiment = "{rooms: [room_3], variants: {b: {}}, training_sets: [twin], runs: [lite], seeds: [0]}"
         (work / "one.yaml").write_text(f"experiment: {experiment}\n")
-        write(work / "results/evaluation/scenes/b/room_3/scores.csv", scores)
         write(work / "results/evaluation/policies/door/twin/rollouts.csv", rollouts)
-        base = [*SNAKEMAKE, "--configfile", "config.yaml", "one.yaml", "--", "tables"]
+        base = [*SNAKEMAKE, "--configfile", "config.yaml", "one.yaml", "--", "table3"]
         produced = {}
         for place, extra in (
             ("host", []),
-            ("container", ["--set-resources", "tables:shell_exec=containers/sh-report"]),
+            ("container", ["--set-resources", "table3:shell_exec=containers/sh-report"]),
         ):
             shutil.rmtree(work / "results/tables", ignore_errors=True)
             command = [base[0], *extra, *base[1:]]
@@ -83,7 +73,7 @@ def main() -> int:
             print("containers: the tables of the container differ from those of the host")
             return 1
     count = len(produced["host"])
-    print(f"containers: rule tables ran in its image and wrote {count} files, byte for byte those of the host")
+    print(f"containers: rule table3 ran in its image and wrote {count} files, byte for byte those of the host")
     return 0
 
 

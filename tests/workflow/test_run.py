@@ -51,7 +51,7 @@ def test_another_seed_of_training_keeps_everything_before_it(run: Path, tmp_path
         "trial",
         "choose",
         "gather",
-        "tables",
+        "table3",
         "figures",
         "report_page",
     }  # what is chosen is not known
