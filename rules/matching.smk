@@ -102,7 +102,9 @@ rule draw_cousins:
         cousins=rules.match.output.cousins,
         objects=rules.extract.output.objects,
         masks=rules.extract.output.masks,
+        depth=rules.extract.output.depth,
         image=scene_image,
+        library=rules.library.output.library,
         snapshots=expand(rules.snapshots.output.images, shard=SHARDS),
     output:
         picture=report(
@@ -123,7 +125,7 @@ rule draw_cousins:
         code=code("matching", "draw"),
     shell:
         "{params.command} --cousins {input.cousins:q} --objects {input.objects:q} --image {input.image:q} "
-        "--snapshots {input.snapshots:q} --out {output.picture:q} 2>&1 | tee {log:q}"
+        "--snapshots {input.snapshots:q} --library {input.library:q} --out {output.picture:q} 2>&1 | tee {log:q}"
 
 
 rule matching:

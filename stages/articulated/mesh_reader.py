@@ -38,11 +38,16 @@ def load_meshes(path: Path) -> list[Trimesh]:
     return meshes
 
 
-def has_texture(mesh: Trimesh) -> bool:
-    """Whether the mesh comes with an image."""
+def texture_of(mesh: Trimesh) -> Image.Image | None:
+    """The image that the mesh comes with."""
     material = getattr(mesh.visual, "material", None)
     images = (getattr(material, key, None) for key in ("image", "baseColorTexture"))
-    return any(image is not None and not _is_placeholder(image) for image in images)
+    return next((image for image in images if image is not None and not _is_placeholder(image)), None)
+
+
+def has_texture(mesh: Trimesh) -> bool:
+    """Whether the mesh comes with an image."""
+    return texture_of(mesh) is not None
 
 
 def _is_placeholder(image: Image.Image) -> bool:

@@ -7,14 +7,17 @@ from stages.matching.picture import write_picture
 from stages.matching.scene import Scene
 
 
-def run(*, cousins: Path, objects: Path, image: Path, snapshots: list[Path], out: Path) -> None:
+def run(
+    *, cousins: Path, objects: Path, image: Path, snapshots: list[Path], out: Path, library: Path | None = None
+) -> None:
     """Draw what `match` wrote, ours or another's.
 
     Args:
         cousins: cousins.json.
-        objects: objects.json of extraction, with masks.png beside it.
+        objects: objects.json of extraction, with masks.png and depth.npz beside it.
         image: the scene's picture.
         snapshots: shards of snapshots (.h5).
         out: the picture to write.
+        library: library.json, asset folders beside it: cousins are shown in the object's place, too.
     """
-    write_picture(out, read_json(Cousins, cousins), Scene(objects, image), snapshots)
+    write_picture(out, read_json(Cousins, cousins), Scene(objects, image), snapshots, library)

@@ -12,18 +12,26 @@ from stages.contracts import Cousins, InputError, atomic
 from stages.matching.crop import View, cut
 from stages.matching.scene import Scene
 from stages.matching.snapshots import Snapshots
+from stages.matching.synthesis.shown import InPlace
 
-TILE, CAPTION, MARGIN = 128, 32, 6
+TILE, CAPTION, TERMS, MARGIN = 128, 32, 46, 6
 SHOWN = 8  # cousins per row
 PAPER, INK, PALE = (255, 255, 255), (30, 30, 30), (150, 150, 150)
 Picture = NDArray[np.uint8]
 
 
-def write_picture(path: Path, result: Cousins, scene: Scene, snapshots: Sequence[Path]) -> None:
-    """Write one row per object: its crop, then its first cousins with asset, distance and yaw."""
+def write_picture(
+    path: Path, result: Cousins, scene: Scene, snapshots: Sequence[Path], library: Path | None = None
+) -> None:
+    """Write one row per object: its crop, then its first cousins with asset, distance and yaw.
+
+    With `library` (library.json, asset folders beside it): below each cousin what it looks like in the object's place.
+    """
+    in_place = InPlace(scene, library) if library is not None else None
     rows = max(1, len(result.objects))
     columns = 1 + min(SHOWN, max((len(entry.cousins) for entry in result.objects), default=0))
-    step_x, step_y = TILE + MARGIN, TILE + CAPTION + MARGIN
+    below = TILE + CAPTION + MARGIN
+    step_x, step_y = TILE + MARGIN, below + (TILE + TERMS + MARGIN if in_place else 0)
     page = Image.new("RGB", (columns * step_x + MARGIN, rows * step_y + MARGIN), PAPER)
     draw, font = ImageDraw.Draw(page), ImageFont.load_default(size=11)
     with Snapshots(snapshots) as shards:
@@ -45,6 +53,10 @@ def write_picture(path: Path, result: Cousins, scene: Scene, snapshots: Sequence
                 page.paste(Image.fromarray(_fit(tile)), (x, y))
                 yaw = f"{np.degrees(cousin.orientation.yaw):.0f}°"
                 draw.text((x, y + TILE + 2), f"{cousin.asset}\n{cousin.distance:.3f}  {yaw}", INK, font)
+                placed = in_place.show(item, cousin) if in_place else None
+                if placed:
+                    page.paste(Image.fromarray(_fit(placed[0])), (x, y + below))
+                    draw.text((x, y + below + TILE + 2), placed[1], INK, font)
             draw.line([(MARGIN, y + step_y - 4), (page.width - MARGIN, y + step_y - 4)], PALE)
     with atomic(path) as temporary:
         page.save(temporary)

@@ -3,16 +3,19 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 import trimesh
+from PIL import Image
 
 from stages.articulated.asset_folder import Description, write_asset
 from stages.articulated.model import Link, RobotModel, Visual
 from stages.config.matching import MatchingConfig
 from stages.contracts import Library, Objects, write_json
-from stages.contracts.cousins import Candidate, Orientation
+from stages.contracts.cousins import Candidate, Cousin, Orientation
 from stages.contracts.library import LibraryEntry
 from stages.contracts.objects import Box, Mounting, SceneObject
 from stages.geometry.boxes import UprightBox
@@ -23,9 +26,10 @@ from stages.matching.judges import AbstainedError, Question
 from stages.matching.judges.geometry import Judge as Geometry
 from stages.matching.judges.rerender import Judge as Rerender
 from stages.matching.snapshots import Snapshots
-from stages.matching.synthesis.fitting import laid_over, measured_box
+from stages.matching.synthesis.fitting import Measured, laid_over, measure
 from stages.matching.synthesis.observation import free_sides, observe
 from stages.matching.synthesis.picture import render
+from stages.matching.synthesis.shown import InPlace
 from stages.matching.synthesis.solid import Solid
 from stages.matching.synthesis.terms import outline_agreement
 from tests.unit.matching_data import trace_box
@@ -108,11 +112,12 @@ def test_a_model_is_seen_where_it_stands(library: Path) -> None:
 def test_a_box_is_laid_over_the_object(library: Path) -> None:
     """From a box that is far too small and off its place to the outline, as far as its sides are seen."""
     seen = observe(question(library, 0.4).view, POSE, SIDE)
-    solid = Solid(library.parent / "two")
-    small = UprightBox(np.array([0.05, -0.04, 0.03]), np.array(SIZE) * 0.85, 0.4)
-    fitted = laid_over(solid, small, seen)
-    before, after = (outline_agreement(seen, render(solid, box, seen), 1.0) for box in (small, fitted))
-    assert before < 0.8 < 0.94 < after
+    solid, extents = Solid(library.parent / "two"), np.array(SIZE)
+    ends = np.array([-0.38 * extents, 0.5 * extents])
+    measured = Measured(ends, np.array([0.3 * extents, 0.1 * extents]), 0.4)
+    fitted = laid_over(solid, measured, seen)
+    before, after = (outline_agreement(seen, render(solid, box, seen), 1.0) for box in (measured.box(), fitted))
+    assert before < 0.85 < 0.94 < after
 
 
 @pytest.mark.parametrize("yaw", [0.3, 1.0, -0.8, 0.3 + np.pi])
@@ -179,8 +184,58 @@ def test_views_are_rendered_again_and_ordered_by_their_distance(library: Path) -
     assert Rerender(MatchingConfig()).models(question(library, yaw), [], candidates("three", "two"))[0].asset == "three"
 
 
-def test_the_measured_box_lies_along_its_axes() -> None:
+def test_extents_are_measured_along_the_axes() -> None:
+    """Ends behind the object, noise and a wall further back make errors; noise is taken off along the line of sight."""
     corners = np.array([(x, y, z) for x in (-1, 1) for y in (-2, 2) for z in (0, 1)], float) / 2
-    box = measured_box(corners @ yaw_matrix(0.5).T + [1, 2, 0], (0.0, 0.5), 0.5)
-    np.testing.assert_allclose(box.size, [1, 2, 0.5], atol=0.05)
-    np.testing.assert_allclose(box.center, [1, 2, 0.25], atol=0.05)
+    cloud = corners @ yaw_matrix(0.5).T + [4, 2, 0]
+    away, across = yaw_matrix(0.5)[:, 0], yaw_matrix(0.5)[:, 1]
+    eye = np.array([4, 2, 1]) - 4 * away
+    seen = measure(cloud, (0.0, 0.5), 0.5, eye)
+    box = seen.box()
+    np.testing.assert_allclose(box.size, [1 - 0.1, 2, 0.5], atol=0.03)  # 2 deviations of 0.0015 * 4^2 at either end
+    np.testing.assert_allclose(box.center, [4, 2, 0.25], atol=0.03)
+    assert seen.errors[1, 0] > 2 * seen.errors[0, 0] and abs(seen.errors[0, 1] - seen.errors[1, 1]) < 0.01
+    wall = measure(cloud, (0.0, 0.5), 0.5, eye, (-away, -float(away @ [4, 2, 0]) - 0.9))
+    assert wall.ends[1, 0] - seen.ends[1, 0] == pytest.approx(0.45, abs=0.02)
+    assert wall.errors[1, 0] == pytest.approx(0.1 * 0.9 + 0.225, abs=0.03)
+    assert (wall.ends[:, 1:] == seen.ends[:, 1:]).all() and across @ box.center == pytest.approx(
+        across @ [4, 2, 0], abs=0.03
+    )
+
+
+def test_cousins_are_drawn_in_the_objects_place(library: Path) -> None:
+    asked = question(library, 0.3)
+    scene: Any = SimpleNamespace(view=lambda item: asked.view, objects=asked.scene)
+    in_place = InPlace(scene, library)
+    right, turned = (
+        Cousin(rank=1, **candidates("two")[0].model_dump(), orientation=view, orientations=[view])
+        for view in views(wrap_angle(0.3 - TOWARDS), wrap_angle(0.3 + np.pi - TOWARDS))
+    )
+    assert asked.item is not None
+    shown, other = in_place.show(asked.item, right), in_place.show(asked.item, turned)
+    assert shown is not None and other is not None
+    assert shown[0].dtype == np.uint8 and shown[0].shape == other[0].shape
+    front, back = ((picture < 60).all(axis=-1).sum() for picture, _ in (shown, other))
+    assert front > 2 * back  # the dark gaps between panels
+    assert shown[1].startswith("outl. 0.9") and shown[1] != other[1]
+    assert in_place.show(asked.item, right.model_copy(update={"asset": "unseen"})) is None
+
+
+def test_textures_are_seen_where_they_lie(tmp_path: Path) -> None:
+    """A square with a picture, its upper half white: seen from the front, above is light and below is dark."""
+    body = trimesh.creation.box((0.2, 0.01, 0.2))
+    plate = trimesh.Trimesh(
+        [[0.1, y, z] for y in (-0.5, 0.5) for z in (-0.5, 0.5)], [[0, 2, 1], [1, 2, 3]], process=False
+    )
+    image = Image.fromarray(np.repeat(np.array([[255, 0]], np.uint8).T, 2, axis=1)[..., None].repeat(3, axis=2))
+    uv = np.array([[0.0, 0.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0]])
+    plate.visual = trimesh.visual.TextureVisuals(uv=uv, material=trimesh.visual.material.SimpleMaterial(image=image))
+    link = Link("body", [Visual(plate), Visual(body, (0.5, 0.5, 0.5, 1.0))], [body], 1.0, np.zeros(3), np.eye(3))
+    write_asset(RobotModel("sign", {"body": link}), tmp_path / "sign", Description("sign", "sign", "CC0-1.0", "test"))
+    solid = Solid(tmp_path / "sign")
+    box = UprightBox((0, 0, 0), solid.asset.size, 0.0)
+    rays = np.array([[-2.0, y, z] for z in (0.3, -0.3) for y in (0.2, -0.2)])
+    look = solid.look(np.array([2.0, 0.0, 0.0]), rays, box)
+    np.testing.assert_allclose(look.colour[:, 0], [1, 1, 0, 0], atol=0.02)
+    np.testing.assert_allclose(look.depth, 0.95, atol=0.01)
+    np.testing.assert_allclose(look.normals, [[1, 0, 0]] * 4, atol=1e-5)

@@ -12,7 +12,7 @@ from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import SYMMETRY_PERIOD, wrap_angle
 from stages.geometry.viewing import view_angle, view_yaw
 from stages.matching.crop import View
-from stages.matching.synthesis.fitting import laid_over, measured_box
+from stages.matching.synthesis.fitting import Measured, laid_over, measure
 from stages.matching.synthesis.observation import observe
 from stages.matching.synthesis.picture import Picture, render
 from stages.matching.synthesis.solid import Solid
@@ -55,6 +55,8 @@ class Fitter:
         self.heights = (middle - height / 2, middle + height / 2)
         wall = touched_wall(item, scene)
         self.touches = wall is not None
+        self.behind = None if wall is None else (np.array(wall.normal), wall.offset)
+        self._measured: dict[float, Measured] = {}
         self.axes = item.box.yaw if wall is None else float(np.arctan2(wall.normal[1], wall.normal[0]))
 
     def fit(self, solid: Solid, yaws: Sequence[float]) -> list[Fit]:
@@ -69,7 +71,9 @@ class Fitter:
 
     def box_of(self, solid: Solid, yaw: float) -> UprightBox:
         """The box of a model that stands at a yaw of the floor frame in the object's place."""
-        return laid_over(solid, measured_box(self.seen.cloud, self.heights, yaw), self.seen)
+        if yaw not in self._measured:
+            self._measured[yaw] = measure(self.seen.cloud, self.heights, yaw, self.seen.eye, self.behind)
+        return laid_over(solid, self._measured[yaw], self.seen)
 
     def aligned(self) -> list[float]:
         """Yaws at which a model stands along the wall that the object touches, else along its box."""

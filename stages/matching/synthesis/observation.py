@@ -12,6 +12,7 @@ from stages.geometry.frames import apply, inverse
 from stages.geometry.masks import pixel_bounds
 from stages.matching.crop import View
 
+SAMPLES = 2  # rays per cell and direction: thin lines do not break
 MARGIN = 0.12  # of the object's longer side, around its mask
 BEYOND = 3  # pixels from the mask's edge to what lies beyond it
 EDGE_SHARE = 0.03  # of its extent: the pixels that make up a side of the mask
@@ -51,15 +52,14 @@ class Observation:
         """The camera's pose, inverted."""
         return inverse(self.floor_from_camera)
 
-    def centres(self, per_cell: int = 1) -> tuple[Array, Array]:
-        """Pixel columns and rows of the centres of the cells, or of the `per_cell` ** 2 samples in each."""
+    @cached_property
+    def rays(self) -> Array:
+        """Directions (h * SAMPLES, w * SAMPLES, 3) in the floor frame, 1 along the optical axis."""
         h, w = self.mask.shape
-        x, y = ((np.arange(n * per_cell) + 0.5) / per_cell * self.step - 0.5 for n in (w, h))
-        return self.corner[0] + x, self.corner[1] + y
-
-    def rays(self, per_cell: int = 1) -> Array:
-        """Directions (h * per_cell, w * per_cell, 3) in the floor frame, 1 along the optical axis."""
-        x, y = self.centres(per_cell)
+        x, y = (
+            low + (np.arange(count * SAMPLES) + 0.5) / SAMPLES * self.step - 0.5
+            for low, count in zip(self.corner, (w, h), strict=True)
+        )
         pixels = np.stack([*np.meshgrid(x, y), np.ones((len(y), len(x)))], axis=-1)
         return pixels @ np.linalg.inv(self.intrinsics).T @ self.floor_from_camera[:3, :3].T
 

@@ -9,12 +9,10 @@ from numpy.typing import NDArray
 from stages.geometry.boxes import UprightBox
 from stages.matching.crop import View
 from stages.matching.synthesis.observation import Observation
-from stages.matching.synthesis.solid import Solid
+from stages.matching.synthesis.solid import GAMMA, Solid
 
-SAMPLES = 2  # rays per cell and direction: thin lines do not break
 AMBIENT, DIFFUSE = 0.5, 0.55
 TO_LIGHT = np.array([-0.42, 0.32, 0.85])  # floor frame: over the photographer's shoulder
-GAMMA = 2.2
 
 
 @dataclass(frozen=True)
@@ -38,14 +36,13 @@ class Picture:
 
 def render(solid: Solid, box: UprightBox, seen: Observation) -> Picture:
     """Render a model in a box under one light; colours as in the model's materials."""
-    rays = seen.rays(SAMPLES)
-    look = solid.look(seen.eye, rays.reshape(-1, 3), box)
+    look = solid.look(seen.eye, seen.rays.reshape(-1, 3), box)
     shade = AMBIENT + DIFFUSE * np.clip(look.normals @ TO_LIGHT, 0, None)
     rgb = np.clip(look.colour * shade[:, None], 0, 1) ** (1 / GAMMA)
     there = look.depth > 0
     values = np.concatenate([rgb * there[:, None], there[:, None], look.depth[:, None]], axis=1).astype(np.float32)
     h, w = seen.mask.shape
-    cells = cv2.resize(values.reshape(*rays.shape[:2], 5), (w, h), interpolation=cv2.INTER_AREA).astype(np.float32)
+    cells = cv2.resize(values.reshape(*seen.rays.shape[:2], 5), (w, h), interpolation=cv2.INTER_AREA).astype(np.float32)
     cover = cells[..., 3]
     mean = np.asarray(cells / np.maximum(cover, 1e-6)[..., None], np.float32)
     return Picture(mean[..., :3], cover, mean[..., 4])

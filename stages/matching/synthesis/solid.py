@@ -2,13 +2,16 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import open3d as o3d
 from numpy.typing import NDArray
+from scipy.spatial import ConvexHull
 
 from stages.articulated.asset_folder import read_asset, urdf_of
 from stages.articulated.forward_kinematics import frames_of
+from stages.articulated.mesh_reader import texture_of
 from stages.articulated.model import Visual
 from stages.articulated.urdf_reader import UrdfReader
 from stages.contracts.library import Asset
@@ -16,6 +19,7 @@ from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import apply, yaw_matrix
 
 UNPAINTED = (0.6, 0.6, 0.6)  # linear
+GAMMA = 2.2  # of pictures
 Array = NDArray[np.float64]
 
 
@@ -44,18 +48,22 @@ class Solid:
         points = [(apply(frame, visual.mesh.vertices) - low) / size - 0.5 for frame, visual in pieces]
         faces = [np.asarray(visual.mesh.faces) for _, visual in pieces]
         starts = np.cumsum([0, *map(len, points[:-1])])
-        self.vertices: Array = np.concatenate(points)
+        vertices = np.concatenate(points)
+        self.outermost: Array = vertices[ConvexHull(vertices).vertices]  # of these every outline is made
         triangles = np.concatenate([face + start for face, start in zip(faces, starts, strict=True)])
-        self._colours = np.repeat([colour_of(visual) for _, visual in pieces], [len(face) for face in faces], axis=0)
+        self._piece = np.repeat(np.arange(len(pieces)), [len(face) for face in faces])
+        self._looks = [looks_of(visual) for _, visual in pieces]
+        uvs = [looks.uv[face] for looks, face in zip(self._looks, faces, strict=True)]
+        self._uv = np.concatenate(uvs)
         self._scene = o3d.t.geometry.RaycastingScene(nthreads=1)
         self._scene.add_triangles(
-            o3d.core.Tensor.from_numpy(self.vertices.astype(np.float32)),
+            o3d.core.Tensor.from_numpy(vertices.astype(np.float32)),
             o3d.core.Tensor.from_numpy(triangles.astype(np.uint32)),
         )
 
     def placed(self, box: UprightBox) -> Array:
-        """Its vertices (N, 3) when its box is `box`."""
-        return self.vertices * np.asarray(box.size) @ yaw_matrix(box.yaw).T + np.asarray(box.center)
+        """Its outermost vertices (N, 3) when its box is `box`."""
+        return self.outermost * np.asarray(box.size) @ yaw_matrix(box.yaw).T + np.asarray(box.center)
 
     def look(self, origin: Array, directions: Array, box: UprightBox) -> Seen:
         """What rays from `origin` (3,) along `directions` (N, 3) see of it in the box; nobody is inside the box."""
@@ -70,12 +78,35 @@ class Solid:
         across = hits["primitive_normals"].numpy()[there] / size @ turn.T
         across /= np.linalg.norm(across, axis=1, keepdims=True)
         normals[there] = across * -np.sign((across * directions[there]).sum(axis=1, keepdims=True))
-        colour[there] = self._colours[hits["primitive_ids"].numpy()[there]]
+        colour[there] = self._colours(hits["primitive_ids"].numpy()[there], hits["primitive_uvs"].numpy()[there])
         return Seen(np.where(there, depth, 0).astype(np.float32), normals, colour)
 
+    def _colours(self, triangles: NDArray[np.integer], at: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Colours (N, 3) of triangles at barycentric coordinates (N, 2) of their second and third corner."""
+        corners = np.stack([1 - at.sum(axis=1), at[:, 0], at[:, 1]], axis=1)
+        uv = (self._uv[triangles] * corners[..., None]).sum(axis=1)
+        pieces, colours = self._piece[triangles], np.empty((len(triangles), 3), np.float32)
+        for piece in np.unique(pieces):
+            own, image = pieces == piece, self._looks[piece].image
+            height, width = image.shape[:2]
+            columns, rows = np.floor(uv[own, 0] * width).astype(int), np.floor(-uv[own, 1] * height).astype(int)
+            colours[own] = image[rows % height, columns % width]
+        return colours
 
-def colour_of(visual: Visual) -> tuple[float, float, float]:
-    """The colour of a visual; the mean of its texture, if it has one."""
-    if visual.colour is not None:
-        return visual.colour[:3]
-    return UNPAINTED
+
+class Looks(NamedTuple):
+    """A picture (H, W, 3), linear, one pixel for a plain colour, and texture coordinates (V, 2) of the vertices."""
+
+    image: NDArray[np.float32]
+    uv: NDArray[np.float32]
+
+
+def looks_of(visual: Visual) -> Looks:
+    """Texture or colour of a visual."""
+    picture = texture_of(visual.mesh) if visual.colour is None else None
+    uv = getattr(visual.mesh.visual, "uv", None)
+    if picture is not None and uv is not None:
+        encoded = np.asarray(picture.convert("RGB"), np.float32) / 255
+        return Looks((encoded**GAMMA).astype(np.float32), np.asarray(uv, np.float32))
+    colour = UNPAINTED if visual.colour is None else visual.colour[:3]
+    return Looks(np.array(colour, np.float32)[None, None], np.zeros((len(visual.mesh.vertices), 2), np.float32))

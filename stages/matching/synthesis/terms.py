@@ -10,8 +10,9 @@ from stages.matching.synthesis.observation import Observation
 from stages.matching.synthesis.picture import Picture
 
 DEPTH_SCALE, DEPTH_NOISE = 0.06, 0.003  # of the object's diagonal; 1 / m: a difference that counts as wholly wrong
-BINS, BLUR, AROUND = 6, 1.2, 6.0  # directions of lines; cells by which lines may be off; cells that set the contrast
-FAINT = 0.03  # lines weaker than this are noise
+BINS, BLUR, AROUND = 6, 1.2, 4.0  # directions of lines; cells by which they may be off; cells looked at together
+FAINT = 0.1  # lines weaker than this are noise
+UNDECIDED = 0.5  # of a thing too thin to have an inside
 COLOUR_SCALE, LIGHTNESS = 0.3, 0.5
 Array = NDArray[np.float32]
 
@@ -56,8 +57,8 @@ def outline_agreement(seen: Observation, shown: Picture, ratio: float) -> float:
 
 
 def inner(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Cells whose gradient no outline touches."""
-    return cv2.erode(mask.astype(np.uint8), np.ones((5, 5), np.uint8), borderValue=0) > 0
+    """Cells that do not lie at the outline."""
+    return cv2.erode(mask.astype(np.uint8), np.ones((3, 3), np.uint8), borderValue=0) > 0
 
 
 def line_field(rgb: Array) -> Array:
@@ -73,24 +74,30 @@ def line_field(rgb: Array) -> Array:
 
 
 def line_agreement(given: Array, shown: Array, where: NDArray[np.bool_]) -> float:
-    """Cosine of two line fields by direction, each against the contrast around it; dark to bright or bright to dark."""
+    """Mean agreement of two line fields around each cell, by direction, whichever side of a line is the darker one.
+
+    As in structural similarity: twice the product over the squares' sum, over a window; 1 where neither has lines.
+    """
+    if not where.any():
+        return UNDECIDED
     a, b = _by_direction(given, where), _by_direction(shown, where)
-    length = np.sqrt(float((a**2).sum()) * float((b**2).sum()))
-    return float((a * b).sum()) / length if length > 0 else 0.0
+    product = cv2.GaussianBlur((a * b).sum(axis=-1), (0, 0), AROUND)
+    squares = cv2.GaussianBlur((a * a + b * b).sum(axis=-1), (0, 0), AROUND)
+    agreement = (2 * product + FAINT**2) / (squares + FAINT**2)
+    return float(agreement[where].mean())
 
 
 def _by_direction(field: Array, where: NDArray[np.bool_]) -> Array:
+    """Strengths (h, w, BINS) of lines by direction, each spread over the cells by which it may be off."""
     strength = np.linalg.norm(field, axis=-1) * where
     at = np.arctan2(field[..., 1], field[..., 0]) % np.pi / np.pi * BINS
-    below = np.floor(at).astype(int) % BINS
-    share = at - np.floor(at)
+    below = np.floor(at).astype(int)
+    share = at - below
     channels = np.zeros((*where.shape, BINS), np.float32)
-    rows, columns = np.indices(where.shape)
-    channels[rows, columns, below] = strength * (1 - share)
+    rows, columns = np.arange(where.shape[0])[:, None], np.arange(where.shape[1])
+    channels[rows, columns, below % BINS] = strength * (1 - share)
     channels[rows, columns, (below + 1) % BINS] += strength * share
-    channels = cv2.GaussianBlur(channels, (0, 0), BLUR)
-    contrast = np.sqrt(cv2.GaussianBlur((channels**2).sum(axis=-1), (0, 0), AROUND))
-    return np.asarray(channels / (contrast + FAINT)[..., None] * where[..., None], np.float32)
+    return np.asarray(cv2.GaussianBlur(channels, (0, 0), BLUR), np.float32)
 
 
 def colour_agreement(given: Array, shown: Array) -> float:
