@@ -42,7 +42,7 @@ SHOWN = 4  # ranks of which the workflow makes scenes
 Options = dict[str, Any]
 OFF: Options = {
     "symmetric": 0, "colour": 0, "coverage": 0.5, "label_weight": 0, "size_weight": 0, "place_weight": 0,
-    "count_weight": 0, "count_threshold": None, "least_candidates": 1,
+    "count_weight": 0, "count_threshold": None, "least_candidates": 1, "nearest_views": 1,
 }  # fmt: skip
 DEFAULT = MatchingConfig()
 TEXT = make_text_encoder(DEFAULT)
@@ -121,7 +121,8 @@ class Thing:
             for looks in self.looks([entry.id for entry in candidates.assets])
         ]
         extra = [sum(more.values()) for more in addends(self.item, candidates, options)]
-        distances = [round(each[views].min(), DIGITS) + add for each, add in zip(mixed, extra, strict=True)]
+        nearest = [np.sort(each[views])[: options.nearest_views].mean() for each in mixed]
+        distances = [round(each, DIGITS) + add for each, add in zip(nearest, extra, strict=True)]
         order = np.argsort(np.round(distances, DIGITS), kind="stable")
         ranked = [candidates.assets[number] for number in order]
         turn = self.store.yaws[int(mixed[order[0]][:-1].argmin())]

@@ -136,6 +136,9 @@ class MatchingConfig(ComparisonOptions):
     views: int = Field(
         12, ge=0, description="Yaw views by which a model is compared. 0: its representative snapshot alone (paper)."
     )
+    nearest_views: int = Field(
+        2, ge=1, description="The mean over so many of its nearest views is a model's distance: most stand between two."
+    )
     model_selection: str = Field(
         "distance",
         json_schema_extra={"kind": "judges"},

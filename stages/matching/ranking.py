@@ -90,18 +90,19 @@ def rank(
     options: ComparisonOptions,
     rounds: int,
     symmetric: float = 0.0,
+    counted: int = 1,
 ) -> Ranking:
-    """Compare the query with snapshots that are grouped, e.g. by model: a group is as near as its nearest snapshot.
+    """Compare the query with snapshots that are grouped, e.g. by model: a group is as near as its nearest snapshots.
 
-    `symmetric`: share of the way back, from the snapshot's patches to the query's, in a distance.
+    `symmetric`: share of the way back, from the snapshot's patches to the query's, in a distance. `counted`: the mean
+    of so many of the group's nearest snapshots is its distance.
     """
     owner = np.asarray(groups, dtype=np.intp)
     nearest = rounds * int(np.bincount(owner).max())  # entries per patch that some round of voting can look at
     table, single = compare(
         query, lambda number: store.rows(snapshots[number]), len(snapshots), options, nearest, symmetric
     )
-    distances = np.full(int(owner.max()) + 1, np.inf)
-    np.minimum.at(distances, owner, single)
+    distances = np.array([np.sort(single[owner == group])[:counted].mean() for group in range(int(owner.max()) + 1)])
     return Ranking(distances.round(DIGITS), vote(table, owner, rounds))
 
 
@@ -118,7 +119,7 @@ def rank_models(
     views, assets = compared_views(store, options), candidates.assets
     snapshots = [Snapshot(entry.id, view) for entry in assets for view in views]
     groups = [number for number in range(len(assets)) for _ in views]
-    ranking = rank(query, snapshots, groups, store, options, options.k_model, options.symmetric)
+    ranking = rank(query, snapshots, groups, store, options, options.k_model, options.symmetric, options.nearest_views)
     votes = dict(ranking.picks)
     compared = [
         Candidate(

@@ -18,7 +18,15 @@ from stages.matching.priors import addends, misplaced, size_gap
 from stages.matching.ranking import make_query
 from tests.unit.matching_data import World, view_of_box
 
-OFF = {"symmetric": 0, "colour": 0, "label_weight": 0, "size_weight": 0, "place_weight": 0, "count_weight": 0}
+OFF = {
+    "nearest_views": 1,
+    "symmetric": 0,
+    "colour": 0,
+    "label_weight": 0,
+    "size_weight": 0,
+    "place_weight": 0,
+    "count_weight": 0,
+}
 
 
 def thing(size: tuple[float, float, float], mounting: int = 2, **fields: object) -> SceneObject:
@@ -86,6 +94,19 @@ def test_the_way_back_is_mixed_in_before_the_nearest_view_is_taken(world: World,
     assert there != back
     for asset, distance in both.items():  # no view is nearer both ways than the nearest views of either
         assert distance >= (there[asset] + back[asset]) / 2 - 1e-4
+
+
+def test_the_mean_of_the_nearest_views_is_taken(world: World, tmp_path: Path) -> None:
+    one, two = (
+        {found.asset: found.distance for found in result.objects[0].by_distance}
+        for count in (1, 2)
+        if (result := world.match(tmp_path / f"{count}.json", **OFF | {"nearest_views": count, "views": 16}))
+    )
+    views = world.match(tmp_path / "views.json", **OFF | {"k_ori": 16}).objects[0].cousins
+    for cousin in views:
+        nearest = sorted(view.distance for view in cousin.orientations)
+        assert one[cousin.asset] == pytest.approx(nearest[0], abs=1e-4)
+        assert two[cousin.asset] == pytest.approx(sum(nearest[:2]) / 2, abs=1e-4)
 
 
 def test_colours_are_those_of_the_object_alone() -> None:
