@@ -91,6 +91,69 @@ def bottom_cabinet(rng: Rng, index: int) -> Draw:
     return _draw(size, _recipe(rng, layout, WOODS + STONES + TILES, major=major))
 
 
+def pedestal(p: dict[str, Any]) -> dict[str, Any]:
+    """Parameters of the drawer unit of a desk, from those of the desk."""
+    same = {key: p[key] for key in ("handle", "panel", "front_colour", "body_colour", "handle_colour")}
+    rest = {
+        "layout": [["drawer"] * int(p["drawers"])],
+        "drawer_weight": 1.0,
+        "open_weight": 1.0,
+        "panel_weight": 1.0,
+        "hinge": 1,
+        "handle_length": 0.4,
+        "handle_at": 0.0,
+        "handle_inset": 0.04,
+        "board": 0.016,
+        "front_thickness": 0.018,
+        "base": "plinth",
+        "base_height": 0.04,
+        "top": 0.0,
+        "top_thickness": 0.02,
+        "reach": 0.8,
+        "shelves": 0,
+        "field_colour": shade(p["front_colour"], 0.85),
+        "top_colour": p["front_colour"],
+        "base_colour": p["body_colour"],
+        "inside_colour": [0.62, 0.52, 0.38],
+        "panel_colour": [0.2, 0.2, 0.22],
+        "protrusion": PROTRUSION[p["handle"]],
+    }
+    return same | rest
+
+
+def nightstand(rng: Rng, index: int) -> Draw:
+    """Small, beside a bed: drawers, a door, an open shelf."""
+    layout = [["drawer", "open"], ["drawer", "drawer"], ["drawer", "door"], ["drawer"] * 3, ["open", "drawer"]][
+        index % 5
+    ]
+    size = _size(rng, (0.34, 0.44), (0.38, 0.54), (0.42, 0.64))
+    base = str(rng.choice(["legs", "legs", "feet", "plinth"]))
+    p = _recipe(
+        rng, [layout], base=base, base_height=round(float(rng.uniform(0.08, 0.2)), 3), drawer_weight=0.6, shelves=0
+    )
+    return _draw(size, p)
+
+
+def tv_stand(rng: Rng, index: int) -> Draw:
+    """Long, very low, with open bays for what is beneath the screen."""
+    layouts = [
+        [["open"], ["drawer"]], [["door"], ["open", "open"], ["door"]], [["drawer"], ["open"], ["drawer"]],
+        [["open", "drawer"], ["open", "drawer"]], [["open"], ["open"], ["open"]],
+    ]  # fmt: skip
+    size = _size(rng, (0.36, 0.46), (1.1, 1.9), (0.34, 0.52))
+    base = str(rng.choice(["legs", "feet", "plinth", "none"]))
+    p = _recipe(
+        rng,
+        layouts[index % 5],
+        base=base,
+        base_height=round(float(rng.uniform(0.05, 0.14)), 3),
+        drawer_weight=0.9,
+        shelves=0,
+        open_weight=0.7,
+    )
+    return _draw(size, p)
+
+
 def wall_cabinet(rng: Rng, index: int) -> Draw:
     """Hangs on the wall: shallow, doors, sometimes glazed, sometimes an open shelf."""
     columns = 1 + index % 3

@@ -1,7 +1,7 @@
 """Families of near relatives: variations of a category's first models, the founders (docs/assets.md).
 
-Every other generation is near (the same fronts and kind of handle in other proportions, colours and panels), the others
-are farther: other fronts, handles and hinges.
+Of cabinets every other generation is near (the same fronts and kind of handle in other proportions, colours and panels),
+the others are farther: other fronts, handles and hinges. Relatives of all else are drawn anew in their founder's style.
 """
 
 import math
@@ -20,17 +20,19 @@ Rng = np.random.Generator
 Fronts = tuple[str, list[list[str]]]  # columns or rows of cells, as in a cabinet's recipe
 
 # The first models of a category are drawn freely, and rooms are furnished with them. Later ones are their variations.
-FOUNDERS = {
-    "bottom_cabinet": 24,
-    "wall_cabinet": 9,
-    "sideboard": 7,
-    "wardrobe": 6,
-    "chest_of_drawers": 8,
-    "fridge": 4,
-    "microwave": 4,
-    "oven": 3,
-    "dishwasher": 2,
-}
+CABINETS = {
+    "bottom_cabinet": 24, "wall_cabinet": 9, "sideboard": 7, "wardrobe": 6, "chest_of_drawers": 8, "fridge": 4,
+    "microwave": 4, "oven": 3, "dishwasher": 2,
+}  # fmt: skip
+FOUNDERS = CABINETS | {
+    "table": 5, "coffee_table": 4, "chair": 6, "stool": 3, "sofa": 4, "bed": 3, "bookshelf": 5, "floor_lamp": 3,
+    "table_lamp": 4, "television": 4, "picture": 4, "bowl": 5, "mug": 5, "plate": 3, "cooking_pot": 3, "bottle": 3,
+    "vase": 4, "plant_pot": 4, "box": 4, "book": 3,
+    "armchair": 4, "basket": 4, "bench": 4, "candlestick": 4, "clock": 4, "desk": 4, "jar": 4, "kettle": 4, "laptop": 3,
+    "mirror": 3, "nightstand": 5, "pan": 3, "toaster": 3, "trash_can": 3, "tv_stand": 5, "wall_shelf": 5,
+}  # fmt: skip
+IN_TURN = 24  # models of a category that vary its founders in turn, at least
+ABOUT = 2  # doors and drawers more or less, as matching's count_threshold (A.7)
 APPLIANCES = {"fridge", "microwave", "oven", "dishwasher"}
 
 D, P, O = ["door"], ["drawer"], ["open"]  # noqa: E741
@@ -87,14 +89,20 @@ FRONTS: dict[str, list[Fronts]] = {
 }
 
 
-def founder_of(category: str, index: int) -> int | None:
-    """Number of the model that the `index`-th one of a category is a variation of; None: it is a founder itself."""
-    founders = FOUNDERS.get(category)
-    return None if founders is None or index < founders else index % founders
+def in_turn(category: str, index: int) -> bool:
+    """Whether a relative varies the founder whose turn it is; later ones go where models with such fronts are few."""
+    return category not in FRONTS or index < max(IN_TURN, 3 * FOUNDERS[category] // 2)
 
 
-def relative(category: str, founder: Draw, generation: int, rng: Rng) -> Draw:
-    """A variation of a founder; odd generations are near, even ones farther from it."""
+def fewest(fronts: list[tuple[int, int]], founders: int) -> int:
+    """Which founder has the fewest models with about as many doors and drawers as it; `fronts`: those of all models."""
+    alike = [sum(abs(a - c) + abs(b - d) <= ABOUT for c, d in fronts) for a, b in fronts[:founders]]
+    return alike.index(min(alike))
+
+
+def relative(category: str, founder: Draw, generation: int, rng: Rng, any_fronts: bool = True) -> Draw:
+    """A variation of a founder of the `CABINETS`; odd generations are near, even ones farther from it: with any fronts of
+    their category, or with one cell more or less than it."""
     recipe, far = CabinetRecipe.model_validate(founder.parameters), generation % 2 == 0
     changes: dict[str, Any] = _looks(category, rng)
     # Wider and lower, or narrower and higher: a relative does not fit into its founder's box unchanged.
@@ -110,7 +118,7 @@ def relative(category: str, founder: Draw, generation: int, rng: Rng) -> Draw:
         changes |= {"handle": handle, "protrusion": PROTRUSION[handle], "hinge": int(rng.choice([-1, 1]))}  # type: ignore[index]
         changes["handle_at"] = round(float(rng.uniform(-0.9, 0.9)), 3)
         if category in FRONTS and recipe.column_weights is None:
-            fronts = FRONTS[category]
+            fronts = FRONTS[category] if any_fronts else _resized(recipe)
             major, layout = fronts[int(rng.integers(len(fronts)))]
             across, up = _grid(recipe.major, recipe.layout)
             new_across, new_up = _grid(major, layout)
@@ -133,6 +141,17 @@ def _looks(category: str, rng: Rng) -> dict[str, Any]:
         return looks | {"field_colour": front}
     panel = str(rng.choice(PANELS))
     return looks | {"field_colour": shade(front, float(rng.choice([0.72, 0.85, 1.2]))), "panel": panel}
+
+
+def _resized(recipe: CabinetRecipe) -> list[Fronts]:
+    """The recipe's fronts with one cell more or less in one of its lines."""
+    found: list[Fronts] = []
+    for k, line in enumerate(recipe.layout):
+        for changed in ([*line, line[-1]], line[:-1] if len(line) > 1 else None):
+            if changed is not None:
+                lines = [*recipe.layout[:k], changed, *recipe.layout[k + 1 :]]
+                found.append((recipe.major, [[str(cell) for cell in each] for each in lines]))
+    return found
 
 
 def _grid(major: str, layout: list[Any]) -> tuple[int, int]:

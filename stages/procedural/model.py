@@ -1,6 +1,6 @@
 """A procedural model before it is written: parts with colour and density, some of them on joints."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
@@ -88,6 +88,30 @@ def parts_of(model: Model) -> Iterable[Part]:
     yield from model.base
     for moving in model.moving:
         yield from moving.parts
+
+
+def moved(model: Model, by: Sequence[float], suffix: str = "", turn: float = 0.0) -> Model:
+    """The model turned about z, then moved, so that it can be a part of another; `suffix` goes to its joints' names."""
+    transform = np.eye(4)
+    transform[:2, :2] = [[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]
+    transform[:3, 3] = by
+
+    def move(mesh: Trimesh) -> Trimesh:
+        return Trimesh(mesh.vertices @ transform[:3, :3].T + transform[:3, 3], mesh.faces, process=False)
+
+    def move_part(piece: Part) -> Part:
+        pieces = None if piece.collisions is None else tuple(move(mesh) for mesh in piece.collisions)
+        return replace(piece, mesh=move(piece.mesh), collisions=pieces)
+
+    def move_joint(moving: Moving) -> Moving:
+        x, y, z = (transform[:3, :3] @ moving.origin + transform[:3, 3]).tolist()
+        a, b, c = (transform[:3, :3] @ moving.axis).tolist()
+        parts = [move_part(piece) for piece in moving.parts]
+        return replace(moving, name=f"{moving.name}{suffix}", parts=parts, origin=(x, y, z), axis=(a, b, c))
+
+    return replace(
+        model, base=[move_part(piece) for piece in model.base], moving=[move_joint(moving) for moving in model.moving]
+    )
 
 
 def bounds(model: Model) -> NDArray[np.float64]:

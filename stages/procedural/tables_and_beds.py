@@ -29,7 +29,7 @@ def table(size: Size, p: dict[str, Any]) -> Model:
         parts = [part(box((-x, x), (-y, y), (under, z)), p["top_colour"])]
     reach = 0.62 if round_top else 1.0
     ax, ay = reach * x - leg * 0.9, reach * y - leg * 0.9
-    parts += _supports(p["legs"], ax, ay, under, leg, p["leg_colour"])
+    parts += supports(p["legs"], ax, ay, under, leg, p["leg_colour"])
     legged = p["legs"] in ("square", "round", "tapered", "splayed")
     apron = min(float(p["apron"]), 0.3 * z)
     if apron and legged and not round_top:
@@ -46,7 +46,8 @@ def table(size: Size, p: dict[str, Any]) -> Model:
     return Model(parts, symmetry="quarter_turn" if square and plain else "half_turn")
 
 
-def _supports(style: str, ax: float, ay: float, top: float, leg: float, colour: list[float]) -> list[Part]:
+def supports(style: str, ax: float, ay: float, top: float, leg: float, colour: str) -> list[Part]:
+    """Legs at (+-ax, +-ay) up to `top`; panels, trestle and pedestal where those styles have them."""
     corners = [(sx, sy) for sx in (-1, 1) for sy in (-1, 1)]
     if style == "round":
         return [part(rod((a * ax, b * ay, 0), (a * ax, b * ay, top), leg / 2), colour, smooth=True) for a, b in corners]

@@ -7,8 +7,8 @@ import numpy as np
 
 from stages.procedural.colours import GLAZES, METALS, pick
 from stages.procedural.finishes import finish_of
-from stages.procedural.model import CERAMIC, METAL, PLASTIC, Draw, Model, Part, Size, part
-from stages.procedural.shapes import cushion, hull, lathe, rod, shell_pieces, translated
+from stages.procedural.model import CERAMIC, METAL, PLASTIC, Draw, Model, Part, Size, moved, part
+from stages.procedural.shapes import cushion, hull, lathe, rod, shell_pieces
 
 Rng = np.random.Generator
 Profile = list[tuple[float, float]]  # (radius, z), bottom first
@@ -69,22 +69,12 @@ def mug(size: Size, p: dict[str, Any]) -> Model:
     outer = [(radius * r / shape.max(), height * a) for r, a in zip(shape, t, strict=True)]
     wall = min(float(p["wall"]), 0.2 * min(radius, height))
     parts = hollow(outer, wall, p["colour"], p["inside"], CERAMIC)
-    parts += _ear(radius, reach, float(p["handle"]) * height, 0.52 * height, p["colour"], bool(p["angular"]))
-    shift = [0.0, -reach / 2, 0.0]
-    parts = [
-        Part(
-            translated(a.mesh, shift),
-            a.finish,
-            a.density,
-            None if a.collisions is None else tuple(translated(c, shift) for c in a.collisions),
-            a.smooth,
-        )
-        for a in parts
-    ]
+    parts += ear(radius, reach, float(p["handle"]) * height, 0.52 * height, p["colour"], bool(p["angular"]))
+    parts = moved(Model(parts), (0.0, -reach / 2, 0.0)).base
     return Model(parts, placement="object")
 
 
-def _ear(radius: float, reach: float, height: float, z: float, colour: list[float], angular: bool) -> list[Part]:
+def ear(radius: float, reach: float, height: float, z: float, colour: list[float], angular: bool) -> list[Part]:
     """A bent handle of short convex pieces in the y-z plane."""
     count = 3 if angular else 8
     angles = np.linspace(-np.pi / 2, np.pi / 2, count + 1)
