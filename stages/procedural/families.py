@@ -1,6 +1,6 @@
 """Families of near relatives: variations of a category's first models, the founders (docs/assets.md).
 
-Of cabinets every other generation is near (the same fronts and kind of handle in other proportions, colours and panels),
+Of cabinets every other generation is near (the same fronts and kind of handle in other proportions, finishes, panels),
 the others are farther: other fronts, handles and hinges. Relatives of all else are drawn anew in their founder's style.
 """
 
@@ -101,8 +101,8 @@ def fewest(fronts: list[tuple[int, int]], founders: int) -> int:
 
 
 def relative(category: str, founder: Draw, generation: int, rng: Rng, any_fronts: bool = True) -> Draw:
-    """A variation of a founder of the `CABINETS`; odd generations are near, even ones farther from it: with any fronts of
-    their category, or with one cell more or less than it."""
+    """A variation of a founder of the `CABINETS`; odd generations are near, even ones farther from it: with any
+    fronts of their category, or with one cell more or less than it."""
     recipe, far = CabinetRecipe.model_validate(founder.parameters), generation % 2 == 0
     changes: dict[str, Any] = _looks(category, rng)
     # Wider and lower, or narrower and higher: a relative does not fit into its founder's box unchanged.

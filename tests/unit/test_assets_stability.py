@@ -1,4 +1,4 @@
-"""Every procedural model stands still: 100 physics steps on the floor, no renderer."""
+"""Founders of every category, and its last relative, stand still: 100 physics steps on the floor, no renderer."""
 
 from pathlib import Path
 
@@ -7,6 +7,7 @@ import pytest
 
 from stages.assets.library import make
 from stages.config.assets import AssetsConfig
+from stages.procedural.families import FOUNDERS
 from stages.simulation.loading import add_ground, load_asset, physics_scene, position_of, root_pose
 
 CATEGORIES = sorted(AssetsConfig().counts)
@@ -15,7 +16,7 @@ STEPS, DRIFT, OPENING = 100, 0.01, 0.01
 
 @pytest.mark.parametrize("category", CATEGORIES)
 def test_nothing_explodes(category: str, tmp_path: Path) -> None:
-    for index in range(AssetsConfig().counts[category]):
+    for index in {*range(FOUNDERS[category]), AssetsConfig().counts[category] - 1}:
         asset = make(category, index, 0, tmp_path)
         scene = physics_scene()
         add_ground(scene)

@@ -18,7 +18,8 @@ from stages.procedural import build, generate
 from stages.procedural.cabinet import cabinet
 from stages.procedural.cabinet_recipe import CabinetRecipe
 from stages.procedural.catalogue import CATEGORIES, sample
-from stages.procedural.families import FOUNDERS
+from stages.procedural.families import CABINETS as CABINETS_OF_ROOMS
+from stages.procedural.families import FOUNDERS, FRONTS
 from stages.procedural.finishes import finish_of
 from stages.procedural.front_cells import cells
 from stages.procedural.model import bounds
@@ -65,19 +66,47 @@ def test_same_recipe_same_bytes(tmp_path: Path) -> None:
 
 
 def test_default_library_is_as_large_as_promised() -> None:
-    assert sum(COUNTS.values()) >= 180
-    assert sum(count > 0 for count in COUNTS.values()) >= 15
+    assert sum(COUNTS.values()) >= 250
+    assert sum(count > 0 for count in COUNTS.values()) == len(CATEGORIES) >= 35
     doors, drawers = fronts(COUNTS)
     assert doors >= 80 and drawers >= 50
-    models = [generate(recipe) for _, recipe in recipes([*CABINETS, "chest_of_drawers"])]
+    models = [generate(sample(category, index, 0)) for category in CABINETS for index in range(6)]
     handles = {moving.handle for model in models for moving in model.moving}
     assert handles == {"bar", "knob", "arch", "edge"}
 
 
-def test_the_studys_library_is_as_large_as_promised() -> None:
-    study = yaml.safe_load((Path(__file__).parents[2] / "config/study/table3.yaml").read_text())
-    doors, drawers = fronts(COUNTS | study["assets"]["counts"])
-    assert doors >= 200 and drawers >= 120
+@pytest.mark.parametrize("overlay", ["study/table2", "study/table3", "paper/scenes"])
+def test_the_studys_libraries_are_as_large_as_promised(overlay: str) -> None:
+    study = yaml.safe_load((Path(__file__).parents[2] / f"config/{overlay}.yaml").read_text())
+    counts = COUNTS | study["assets"]["counts"]
+    assert all(count >= COUNTS[category] for category, count in counts.items())
+    assert sum(counts.values()) >= 600
+    doors, drawers = fronts(counts)
+    assert doors >= 190 and drawers >= 120
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_no_founder_is_left_with_few_models_of_about_as_many_doors_and_drawers(seed: int) -> None:
+    for category, founders in FOUNDERS.items():
+        if category not in CABINETS_OF_ROOMS:
+            assert category not in FRONTS
+            continue
+        shapes = [layout_counts(sample(category, index, seed)) for index in range(COUNTS[category])]
+        for doors, drawers in shapes[:founders]:
+            alike = sum(abs(doors - a) + abs(drawers - b) <= 2 for a, b in shapes)
+            assert alike >= 10, f"{category} with {doors} doors, {drawers} drawers: {alike}"
+
+
+def test_relatives_of_plain_things_are_of_their_founders_style() -> None:
+    founder, relative = sample("chair", 3, 0), sample("chair", 3 + FOUNDERS["chair"], 0)
+    assert relative.variation_of == "chair_03"
+    assert founder.parameters["back"] == relative.parameters["back"]
+    assert founder.parameters["size"] != relative.parameters["size"]
+
+
+def layout_counts(recipe: Recipe) -> tuple[int, int]:
+    cells = [cell for line in recipe.parameters["layout"] for cell in line]  # type: ignore[union-attr]
+    return cells.count("door") + cells.count("flap"), cells.count("drawer")
 
 
 def fronts(counts: dict[str, int]) -> tuple[int, int]:
@@ -92,14 +121,14 @@ def fronts(counts: dict[str, int]) -> tuple[int, int]:
 
 def test_near_relatives_keep_what_matters_and_far_ones_differ() -> None:
     """Odd generations have their founder's fronts and handles in other proportions; even ones have others."""
-    founders = FOUNDERS["bottom_cabinet"]
+    founders = FOUNDERS["chest_of_drawers"]
     same, other = 0, 0
     for index in range(3 * founders):
-        recipe, founder = sample("bottom_cabinet", index, 0), sample("bottom_cabinet", index % founders, 0)
+        recipe, founder = sample("chest_of_drawers", index, 0), sample("chest_of_drawers", index % founders, 0)
         if index < founders:
             assert recipe.variation_of is None and recipe == founder
             continue
-        assert recipe.variation_of == f"bottom_cabinet_{index % founders:02d}"
+        assert recipe.variation_of == f"chest_of_drawers_{index % founders:02d}"
         kept = [recipe.parameters[key] == founder.parameters[key] for key in ("layout", "handle")]
         assert recipe.parameters["size"] != founder.parameters["size"]
         if index < 2 * founders:
@@ -109,7 +138,17 @@ def test_near_relatives_keep_what_matters_and_far_ones_differ() -> None:
         else:
             same, other = same + all(kept), other + (not all(kept))
     assert other > 3 * same
-    assert sample("mug", 40, 0).variation_of is None
+    assert sample("mug", 40, 0).variation_of == "mug_00"
+
+
+def test_later_relatives_have_about_the_fronts_of_the_founder_that_has_fewest() -> None:
+    fronts_of = [layout_counts(sample("chest_of_drawers", index, 0)) for index in range(32)]
+    for index in range(24, 32):
+        founder = int(str(sample("chest_of_drawers", index, 0).variation_of).rsplit("_", 1)[1])
+        doors, drawers = fronts_of[founder]
+        assert abs(fronts_of[index][0] - doors) + abs(fronts_of[index][1] - drawers) <= 1
+        alike = [sum(abs(a - c) + abs(b - d) <= 2 for c, d in fronts_of[:index]) for a, b in fronts_of[:8]]
+        assert alike[founder] == min(alike)
 
 
 def test_models_of_a_category_differ() -> None:

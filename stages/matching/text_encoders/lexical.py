@@ -17,6 +17,7 @@ refrigerator fridge freezer icebox
 television tv telly monitor screen
 sofa couch settee loveseat
 shelf bookshelf bookcase rack shelving
+wallshelf wallrack shelfboard
 stool footstool ottoman
 lamp light lantern
 picture painting poster artwork canvas frame photo
@@ -27,17 +28,26 @@ box carton crate package
 rug carpet mat
 stove cooker
 book novel
+nightstand bedsidetable bedsidecabinet nighttable
+tvstand tvcabinet tvunit tvconsole mediaconsole mediaunit
+trashcan bin trashbin trash garbage rubbish wastebasket dustbin garbagecan
+armchair easychair recliner
+kettle teapot teakettle
+pan skillet frypan saucepan
+jar canister
+candlestick candle candleholder candlestand
+laptop computer
 """
 # Kinds of things: a label without a category of its own name finds its kin, not the first of the alphabet.
 KINDS = """
-cabinet wardrobe dresser chest nightstand drawer locker shelf
+cabinet wardrobe dresser chest nightstand tvstand drawer locker shelf wallshelf
 refrigerator oven stove microwave dishwasher washer dryer toaster
 chair stool armchair bench sofa seat
-table desk counter
+table desk counter workbench
 bowl mug plate dish pot pan kettle vase bottle jar glass jug
 television picture mirror clock laptop board
-lamp candle chandelier
-book box basket bin bag
+lamp candlestick chandelier
+book box basket trashcan bag
 plant pot vase tree
 bed sofa crib mattress
 """
