@@ -1,6 +1,6 @@
 """The command line of every stage: `python -m stages.<stage> <verb> --flag value ...`.
 
-A verb is a module `stages/<stage>/<verb>.py` with a typed function `run`; its keyword
+A verb is a module `stages/<stage>/<verb>.py` (`-` is `_` there) with a typed function `run`; its keyword
 arguments are the flags. Only the chosen verb is imported, so that start-up stays cheap.
 """
 
@@ -30,7 +30,7 @@ def main(stage: str, verbs: dict[str, str]) -> None:
     from stages.guard import end_with_workflow
 
     end_with_workflow()
-    run = importlib.import_module(f"stages.{stage}.{argv[0]}").run
+    run = importlib.import_module(f"stages.{stage}.{argv[0].replace('-', '_')}").run
     try:
         tyro.cli(run, args=argv[1:], prog=f"python -m stages.{stage} {argv[0]}")
     except InputError as error:

@@ -2,9 +2,10 @@
 
 import json
 import webbrowser
+from dataclasses import replace
 from pathlib import Path
 
-from stages.contracts import InputError, Library, read_json
+from stages.contracts import Camera, InputError, Library, read_json
 from stages.contracts.depth import read_depth
 from stages.extraction.by_hand.photo import read_photo
 from stages.extraction.by_hand.project import PROJECT
@@ -26,6 +27,7 @@ def run(
     *,
     out: Path | None = None,
     depth: Path | None = None,
+    camera: Path | None = None,
     library: Path | None = None,
     port: int = 0,
     browser: bool = True,
@@ -38,12 +40,16 @@ def run(
         image: the photograph.
         out: folder to write; default: beside the photograph, named as it is.
         depth: depth.npz in metres by a sensor or a network, of the same view; boxes and masks are drawn by hand.
+        camera: camera.json of the picture, whose focal length the drawing starts from, as from EXIF data.
         library: library.json whose categories complete the labels; default: ours.
         port: of this machine; 0: any free one.
         browser: open the page; else its address is only printed.
     """
     photo = read_photo(image)
     height, width = photo.rgb.shape[:2]
+    if camera is not None:
+        known = read_json(Camera, camera)
+        photo = replace(photo, focal=known.intrinsics[0][0] * width / known.width)
     given = None if depth is None else at_size(read_depth(depth)[0], width, height)
     folder = image.with_suffix("") if out is None else out
     if folder.exists() and not folder.is_dir():

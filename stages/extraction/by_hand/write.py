@@ -1,16 +1,14 @@
 """What was drawn as an input folder: rgb.png, camera.json, depth.npz, masks.png, annotations.json."""
 
-import re
 from dataclasses import dataclass
 from pathlib import Path
 
 import cv2
 import numpy as np
-import yaml
 from numpy.typing import NDArray
 
-from stages.config.experiment import ExperimentConfig
-from stages.contracts import Annotations, Camera, InputError, atomic, write_json, write_text
+from stages.config.own_scene import write_config
+from stages.contracts import Annotations, Camera, InputError, atomic, write_json
 from stages.contracts.objects import Box, object_ids
 from stages.contracts.scenes import Annotation
 from stages.extraction.by_hand.metrology import View
@@ -143,10 +141,7 @@ def write_folder(
         walls=[values[wall.id] for wall in project.walls if values[wall.id] in shown],
     )
     write_json(folder / "annotations.json", annotations)
-    tasks = dict.fromkeys(ExperimentConfig().tasks)  # null: the default run's objects are not in this picture
-    scene = re.sub(r"[^A-Za-z0-9_.-]+", "_", folder.resolve().name).lstrip(".-") or "photo"
-    overlay = {"experiment": {"rooms": [scene], "inputs": {scene: folder.as_posix()}, "tasks": tasks}}
-    write_text(folder / "config.yaml", yaml.safe_dump(overlay, sort_keys=False))
+    write_config(folder)
 
     ids = dict(zip((item.id for item in seen), object_ids(item.label for item in annotations.objects), strict=True))
     labels = {item.id: item.label for item in project.objects if item.label}

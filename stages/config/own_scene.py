@@ -1,0 +1,24 @@
+"""The config that makes an input folder a scene of an experiment."""
+
+import re
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from stages.config.experiment import ExperimentConfig
+from stages.contracts import write_text
+
+
+def write_config(folder: Path, **sections: dict[str, Any]) -> Path:
+    """Write `config.yaml` into an input folder: its one scene is that folder, called as it is; no policies.
+
+    `snakemake --configfile folder/config.yaml -- generation` then goes from it to scenes of cousins.
+    `sections`: further keys of the config that fit the folder.
+    """
+    scene = re.sub(r"[^A-Za-z0-9_.-]+", "_", folder.resolve().name).lstrip(".-") or "photo"
+    tasks = dict.fromkeys(ExperimentConfig().tasks)  # null: the default run's objects are not in this picture
+    experiment = {"rooms": [scene], "inputs": {scene: folder.as_posix()}, "tasks": tasks}
+    path = folder / "config.yaml"
+    write_text(path, yaml.safe_dump({"experiment": experiment, **sections}, sort_keys=False))
+    return path

@@ -1,0 +1,94 @@
+"""Verb `from-rgbd`: a frame of an RGB-D camera or data set -> an input folder."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+from stages.contracts import InputError
+from stages.contracts.images import read_rgb
+from stages.scenes.rgbd.cameras import KNOWS, Matrix, of_camera, of_field_of_view, read_intrinsics
+from stages.scenes.rgbd.clusters import clustered
+from stages.scenes.rgbd.depth_files import in_metres, read_raw
+from stages.scenes.rgbd.frame import Frame
+from stages.scenes.rgbd.layouts import read_frame
+from stages.scenes.rgbd.mask_files import read_labelled
+from stages.scenes.rgbd.write import fitted, write_frame
+
+
+def run(
+    *,
+    out: Path,
+    rgb: Path | None = None,
+    depth: Path | None = None,
+    recording: Path | None = None,
+    number: int = 0,
+    unit: str = "auto",
+    intrinsics: Path | None = None,
+    camera: str = "",
+    fov: float = 0.0,
+    masks: Path | None = None,
+    labels: Path | None = None,
+    clusters: bool = False,
+) -> None:
+    """Write an input folder from colour and depth of one view.
+
+    Args:
+        out: the input folder to write (docs/scenes.md).
+        rgb: the colour picture.
+        depth: depth aligned to it, at any size: PNG, TIFF, PGM, EXR, NPZ, NPY.
+        recording: in the place of both, a recording: TUM, Open3D, RealSense, Record3D, NYU (.mat), SUN RGB-D.
+        number: which frame of the recording, from 0.
+        unit: of the depth: auto, m, mm, or the number that stands for one metre.
+        intrinsics: file with the colour camera's intrinsics (JSON, YAML, text).
+        camera: its name, in the place of a file, e.g. realsense_d435.
+        fov: its field of view over the picture's width in degrees, in the place of both.
+        masks: COCO or labelme JSON, or a PNG of indices or colours.
+        labels: names of the PNG's values, as JSON.
+        clusters: make masks by geometry, of what stands on the largest level plane, to be named by you.
+    """
+    if sum((intrinsics is not None, bool(camera), fov > 0)) > 1:
+        raise InputError("--intrinsics, --camera, --fov", "say the same thing.", "give one of them")
+
+    def told(width: int, height: int) -> Matrix:
+        if intrinsics is not None:
+            return read_intrinsics(intrinsics, width, height)
+        return of_camera(camera, width, height) if camera else of_field_of_view(fov, width, height)
+
+    known = intrinsics is not None or bool(camera) or fov > 0
+    if recording is not None:
+        if rgb is not None or depth is not None:
+            raise InputError("--recording", "has its own pictures.", "leave out --rgb and --depth")
+        frame = read_frame(recording, number, told if known else None)
+    elif rgb is None or depth is None:
+        raise InputError("--rgb, --depth", "both are needed.", "or give --recording")
+    elif not known:
+        raise InputError(rgb, "nothing says what camera took it.", f"--intrinsics: {KNOWS}; or --camera, or --fov")
+    else:
+        frame = _of_files(rgb, depth, unit, told)
+    height, width = frame.rgb.shape[:2]
+    if masks is not None:
+        name = "" if rgb is None else rgb.name
+        frame = replace(frame, masks=read_labelled(masks, labels, width, height, name))
+    elif clusters:
+        whole = fitted(frame)
+        frame = replace(whole, masks=clustered(whole.depth, whole.intrinsics))
+    written = write_frame(out, frame)
+    (fx, _, cx), (_, fy, cy), _ = frame.intrinsics
+    print("; ".join([*frame.notes, f"fx {fx:.1f} fy {fy:.1f} cx {cx:.1f} cy {cy:.1f} of {width}x{height} pixels"]))
+    if written is None:
+        print(f"{out}: no masks. Draw boxes: python -m stages.extraction annotate {out / 'rgb.png'} --out {out} "
+              f"--depth {out / 'depth.npz'} --camera {out / 'camera.json'}; or give --masks or --clusters")  # fmt: skip
+        return
+    opens = [item.label for item in written.objects if item.articulated]
+    print(f"{out}: {len(written.objects)} objects, {'a' if written.floor else 'no'} floor, {len(written.walls)} walls")
+    if clusters and masks is None and frame.masks is not None:
+        print(f"{out / 'annotations.json'}: say in it what each object is: they are numbered from left to right")
+    if opens:
+        print(f"{out / 'annotations.json'}: say in it how many doors and drawers there are: {', '.join(opens)}")
+
+
+def _of_files(rgb: Path, depth: Path, unit: str, intrinsics: Callable[[int, int], Matrix]) -> Frame:
+    picture = read_rgb(rgb)
+    metres, line = in_metres(depth, read_raw(depth), unit)
+    height, width = picture.shape[:2]
+    return Frame(picture, metres, intrinsics(width, height), None, [line])

@@ -1,0 +1,141 @@
+"""Intrinsics of a frame: from a file, by the camera's name, or from a field of view."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+from numpy.typing import NDArray
+
+from stages.contracts import InputError
+from stages.contracts.arrays import readable
+
+Matrix = NDArray[np.float64]
+
+# Fields of view of colour cameras in degrees, width and height, by their makers. Pictures that are narrower than the
+# sensor are taken to be cut at the sides, wider ones above and below.
+FIELDS_OF_VIEW = {
+    "azure_kinect": (90.0, 74.3),
+    "kinect_v1": (62.0, 48.6),
+    "kinect_v2": (84.1, 53.8),
+    "realsense_d415": (69.4, 42.5),
+    "realsense_d435": (69.4, 42.5),
+    "realsense_d455": (90.0, 65.0),
+    "realsense_l515": (70.0, 43.0),
+    "xtion": (58.0, 45.0),
+}
+KNOWS = "a file with fx, fy, cx, cy or a 3x3 matrix (JSON, YAML, text), see docs/your-data.md"
+
+
+def matrix(fx: float, fy: float, cx: float, cy: float) -> Matrix:
+    """K (3, 3)."""
+    return np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]])
+
+
+def resized(intrinsics: Matrix, width: float, height: float) -> Matrix:
+    """K after the picture is made `width` and `height` times as large; pixel centres are at integer coordinates."""
+    (fx, _, cx), (_, fy, cy), _ = intrinsics
+    return matrix(fx * width, fy * height, (cx + 0.5) * width - 0.5, (cy + 0.5) * height - 0.5)
+
+
+def of_field_of_view(degrees: float, width: int, height: int) -> Matrix:
+    """K of square pixels with the axis in the middle, from the field of view over the picture's width."""
+    if not 5 <= degrees <= 150:
+        raise InputError("--fov", f"is {degrees:g} degrees.", "5 to 150, over the picture's width")
+    focal = width / 2 / np.tan(np.deg2rad(degrees) / 2)
+    return matrix(focal, focal, (width - 1) / 2, (height - 1) / 2)
+
+
+def of_camera(name: str, width: int, height: int) -> Matrix:
+    """K of a camera by its name, as its maker describes it: about 2 % off, as single cameras differ."""
+    if name not in FIELDS_OF_VIEW:
+        raise InputError("--camera", f"'{name}' is not known.", f"one of {', '.join(FIELDS_OF_VIEW)}; or {KNOWS}")
+    across, up = np.tan(np.deg2rad(FIELDS_OF_VIEW[name]) / 2)
+    focal = max(width / 2 / across, height / 2 / up)
+    return matrix(focal, focal, (width - 1) / 2, (height - 1) / 2)
+
+
+def read_intrinsics(path: Path, width: int, height: int) -> Matrix:
+    """K for a picture of this size, from a file of any usual layout.
+
+    Known: `fx fy cx cy` or nine numbers as text; JSON or YAML with fx, fy, cx, cy (or ppx, ppy), with `intrinsics`,
+    `K`, `camera_matrix` or `intrinsic_matrix` as rows, as nine numbers in either order, or as {data: nine numbers}.
+    Where the file says width and height, K is scaled to the picture.
+
+    Raises:
+        InputError: nothing of the kind, or a camera that cannot have taken a picture of this size.
+    """
+    with readable(path, "file of intrinsics", KNOWS):
+        text = path.read_text(encoding="utf-8-sig")
+    found, size = _parsed(path, text)
+    if size is not None and size != (width, height):
+        if abs(size[0] / size[1] / (width / height) - 1) > 0.02:
+            what = f"is of {size[0]:g}x{size[1]:g} pixels, the picture has {width}x{height}: other proportions."
+            raise InputError(path, what)
+        found = resized(found, width / size[0], height / size[1])
+    return checked(path, found, width, height)
+
+
+def checked(where: object, intrinsics: Matrix, width: int, height: int) -> Matrix:
+    """K, if a camera that took a picture of this size can have it.
+
+    Raises:
+        InputError: it cannot.
+    """
+    (fx, _, cx), (_, fy, cy), _ = intrinsics
+    if not (np.isfinite(intrinsics).all() and 0.2 * width < fx < 20 * width and 0.7 < fx / fy < 1.4):
+        raise InputError(where, f"fx {fx:g}, fy {fy:g} are not those of a picture of {width}x{height} pixels.", KNOWS)
+    if not (0.2 * width < cx < 0.8 * width and 0.2 * height < cy < 0.8 * height):
+        what = f"cx {cx:g}, cy {cy:g} are far from the middle of {width}x{height} pixels: of another picture size?"
+        raise InputError(where, what, "intrinsics of the colour picture, in its pixels")
+    return intrinsics
+
+
+def _parsed(path: Path, text: str) -> tuple[Matrix, tuple[float, float] | None]:
+    words = text.replace(",", " ").replace(";", " ").replace("[", " ").replace("]", " ").split()
+    try:
+        return _matrix_of([float(word) for word in words]), None
+    except (ValueError, TypeError):
+        pass
+    with readable(path, "file of intrinsics", KNOWS):
+        data = json.loads(text) if text.lstrip().startswith("{") else yaml.safe_load(text.replace("%YAML:1.0", ""))
+    if not isinstance(data, dict):
+        raise InputError(path, "holds no intrinsics.", KNOWS)
+    return of_mapping(path, data)
+
+
+def of_mapping(path: Path, data: dict[str, Any]) -> tuple[Matrix, tuple[float, float] | None]:
+    """K and the size of the picture, if it is told, from the contents of a JSON or YAML file.
+
+    Raises:
+        InputError: it holds none.
+    """
+    known = {str(key).lower(): value for key, value in data.items()}
+    for key in ("color", "rgb", "color_intrinsics", "rgb_intrinsics", "intrinsic", "camera"):  # one level deeper
+        if isinstance(known.get(key), dict):
+            known = {str(name).lower(): value for name, value in known[key].items()} | known
+    width, height = (known.get(name, known.get(name[0])) for name in ("width", "height"))
+    size = (float(width), float(height)) if width and height else None
+    try:
+        if "fx" in known:
+            cx, cy = (known.get(name, known.get("pp" + name[1])) for name in ("cx", "cy"))
+            return matrix(float(known["fx"]), float(known["fy"]), float(cx), float(cy)), size  # type: ignore[arg-type]
+        for name in ("intrinsics", "k", "camera_matrix", "intrinsic_matrix", "cam_k"):
+            if name in known:
+                value = known[name]["data"] if isinstance(known[name], dict) else known[name]
+                return _matrix_of(np.asarray(value, dtype=float).ravel().tolist()), size
+    except (ValueError, TypeError, KeyError) as error:
+        raise InputError(path, f"holds intrinsics that cannot be read ({error}).", KNOWS) from None
+    raise InputError(path, "holds no intrinsics.", KNOWS)
+
+
+def _matrix_of(numbers: list[float]) -> Matrix:
+    """Four numbers (fx, fy, cx, cy), or nine, row by row or column by column."""
+    if len(numbers) == 4:
+        return matrix(*numbers)
+    square = np.array(numbers).reshape(3, 3)
+    square = square.T if square[2, 0] > 1 else square
+    if square[2].tolist() != [0.0, 0.0, 1.0]:
+        raise ValueError("the last row is not 0 0 1")
+    return matrix(square[0, 0], square[1, 1], square[0, 2], square[1, 2])

@@ -1,0 +1,89 @@
+"""Masks without any segmenter: what stands on a table or the floor, cut apart by distance."""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import binary_closing, binary_fill_holes, binary_opening
+from scipy.spatial import Delaunay, KDTree
+
+from stages.contracts import InputError
+from stages.geometry.cameras import back_project
+from stages.geometry.clouds import dbscan
+from stages.scenes.rgbd.frame import Labelled
+from stages.scenes.rgbd.ground import FLAT, Level, level_planes, sampled
+
+ABOVE, HIGHEST = 0.010, 0.8  # metres: at 1 m, above the plane; not beyond
+APART = 0.012  # metres at 1 m between two objects
+LOWEST = 0.025  # metres at 1 m: what is nowhere nearer to the plane hangs over it, or stands behind it
+LARGE, LEAST = 0.15, 0.002  # of the largest plane's points, for a table; of all points, for an object
+LABEL = "object"
+
+
+def clustered(depth: NDArray[np.float32], intrinsics: NDArray[np.float64]) -> Labelled:
+    """Objects on the highest large level plane of a depth image (H, W), metres: each an `object`, from left to right.
+
+    Raises:
+        InputError: there is no level plane, or nothing on it.
+    """
+    rng = np.random.default_rng(0)
+    seen = depth > 0
+    cloud = back_project(depth, intrinsics)[seen]
+    sample = sampled(cloud, rng)
+    far = float(np.median(sample[:, 2]))
+    table = _table(level_planes(sample, rng))
+    hull = Delaunay(_across(table, sample[np.abs(table.height(sample)) < FLAT * far]))
+    above = sample[_over(table, hull, sample, far)]
+    if len(above) < 10:
+        raise InputError("--clusters", "nothing stands on the level plane.", "give --masks")
+    spacing = float(np.quantile(KDTree(above).query(above, k=8)[0][:, -1], 0.9))
+    radius = max(APART * far, 1.2 * spacing)
+    clusters = dbscan(above, radius, 8)
+    kept = _standing(table, above, clusters, far, LEAST * len(sample))
+    if not kept:
+        raise InputError("--clusters", "nothing of some size stands on the level plane.", "give --masks")
+    belongs = np.isin(clusters, kept)
+    near, which = KDTree(above[belongs]).query(cloud, distance_upper_bound=radius)
+    own = np.isfinite(near) & _over(table, hull, cloud, far)
+    number = {name: value for value, name in enumerate(kept, 1)}
+    assigned = np.zeros(len(cloud), dtype=np.uint16)
+    assigned[own] = [number[int(clusters[belongs][k])] for k in which[own]]
+    values = np.zeros(depth.shape, dtype=np.uint16)
+    values[seen] = assigned
+    for value in number.values():  # without hairs; the inside of a bowl lies on the table, too, and belongs to it
+        core = binary_opening(values == value, np.ones((3, 3)))
+        mask = binary_fill_holes(binary_closing(core, np.ones((7, 7))))
+        values[(values == value) & ~mask] = 0
+        values[mask & (values == 0)] = value
+    return Labelled(values, dict.fromkeys(number.values(), LABEL))
+
+
+def _table(levels: list[Level]) -> Level:
+    """The highest of the large level planes: a table rather than the floor that it stands on."""
+    if not levels:
+        raise InputError("--clusters", "no level plane was found.", "give --masks")
+    large = [plane for plane in levels if plane.points >= LARGE * levels[0].points]
+    return min(large, key=lambda plane: float(plane.height(np.zeros(3))))
+
+
+def _standing(
+    table: Level, points: NDArray[np.float64], clusters: NDArray[np.int32], far: float, least: float
+) -> list[int]:
+    """Clusters of some size that reach down to the table, from left to right."""
+    names, counts = np.unique(clusters[clusters >= 0], return_counts=True)
+    heights = table.height(points)
+    kept = [
+        int(name)
+        for name, count in zip(names, counts, strict=True)
+        if count >= least and heights[clusters == name].min() < LOWEST * far
+    ]
+    return sorted(kept, key=lambda name: float((points[clusters == name, 0] / points[clusters == name, 2]).mean()))
+
+
+def _across(plane: Level, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Points (N, 2) in the plane."""
+    return np.asarray(points @ np.linalg.svd(plane.up[None])[2][1:].T)
+
+
+def _over(plane: Level, hull: Delaunay, points: NDArray[np.float64], far: float) -> NDArray[np.bool_]:
+    """Points (N,) that lie above the plane, over the part of it that is seen."""
+    height = plane.height(points)
+    return (height > ABOVE * far) & (height < HIGHEST) & (hull.find_simplex(_across(plane, points)) >= 0)

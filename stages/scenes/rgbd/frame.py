@@ -1,0 +1,28 @@
+"""One RGB-D frame as it was found, before it becomes an input folder."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class Labelled:
+    """values (H, W) uint16, 0: nothing; what each value is called, e.g. {1: "mug", 2: "floor"}."""
+
+    values: NDArray[np.uint16]
+    labels: dict[int, str]
+
+
+@dataclass(frozen=True)
+class Frame:
+    """rgb (H, W, 3) uint8; depth (h, w) float32 metres along the optical axis, 0: unknown, of the same view at any
+    size; intrinsics (3, 3) in pixels of `rgb`; masks of the size of `rgb`, if there are any; what was found, in lines.
+    """
+
+    rgb: NDArray[np.uint8]
+    depth: NDArray[np.float32]
+    intrinsics: NDArray[np.float64]
+    masks: Labelled | None = None
+    notes: Sequence[str] = field(default=())

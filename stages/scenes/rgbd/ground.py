@@ -1,0 +1,71 @@
+"""Level planes of a depth image, and which of them things stand on: a table top may be the ground of a frame."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stages.geometry.planes import fit_plane
+
+SAMPLED = 40_000  # points that planes are fitted to
+UP_IN_IMAGE = np.array([0.0, -1.0, 0.0])  # camera frame: y is down
+TILT = np.deg2rad(75)  # largest angle between image-up and a level plane's normal
+FLAT = 0.006  # metres at 1 m, within which a point belongs to a plane
+PARALLEL, LEVELS, LARGE = np.deg2rad(8), 4, 0.1  # further planes: angle to the first, how many, share of its points
+STANDING = 0.03  # metres at 1 m between a plane and the lowest points of what stands on it
+FEET = 0.02  # share of an object's points that are its lowest
+
+
+class Level(NamedTuple):
+    """A level plane, camera frame: up is normal; points p of it have normal . p = offset. How many points it has."""
+
+    up: NDArray[np.float64]
+    offset: float
+    points: int
+
+    def height(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Of points (..., 3) above the plane."""
+        return np.asarray(points @ self.up - self.offset)
+
+
+def sampled(points: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:
+    """At most `SAMPLED` of points (N, 3)."""
+    return points[np.sort(rng.choice(len(points), min(SAMPLED, len(points)), replace=False))]
+
+
+def level_planes(points: NDArray[np.float64], rng: np.random.Generator) -> list[Level]:
+    """Planes in points (N, 3) whose normals point up in the image, largest first, all parallel to that one."""
+    if not len(points):
+        return []
+    threshold = FLAT * float(np.median(points[:, 2]))
+    found: list[Level] = []
+    along, limit = UP_IN_IMAGE, float(np.cos(TILT))
+    for _ in range(LEVELS):
+
+        def level(
+            normals: NDArray[np.float64], along: NDArray[np.float64] = along, limit: float = limit
+        ) -> NDArray[np.bool_]:
+            return np.abs(normals @ along) > limit
+
+        plane = fit_plane(points, threshold, 1000, rng, level)
+        if plane is None or (found and plane.inliers.sum() < LARGE * found[0].points):
+            break
+        sign = float(np.sign(plane.normal @ UP_IN_IMAGE))
+        found.append(Level(sign * plane.normal, sign * plane.offset, int(plane.inliers.sum())))
+        points = points[~plane.inliers]
+        along, limit = found[0].up, float(np.cos(PARALLEL))
+    return found
+
+
+def ground_of(levels: Sequence[Level], objects: Sequence[NDArray[np.float64]]) -> Level | None:
+    """The plane that most objects, as points (N, 3) each, stand on; of equal ones the lowest. None: no plane at all."""
+    if not levels:
+        return None
+
+    def standing(plane: Level) -> int:
+        feet = [(float(np.quantile(plane.height(points), FEET)), float(np.median(points[:, 2]))) for points in objects]
+        return sum(abs(lowest) < STANDING * max(1.0, far) for lowest, far in feet)
+
+    camera = np.zeros(3)
+    return max(levels, key=lambda plane: (standing(plane), float(plane.height(camera))))

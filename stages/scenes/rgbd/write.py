@@ -1,0 +1,121 @@
+"""An RGB-D frame as an input folder: rgb.png, camera.json, depth.npz; with masks masks.png and annotations.json."""
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from stages.config.own_scene import write_config
+from stages.contracts import Annotations, Camera, InputError, atomic, write_json
+from stages.contracts.scenes import Annotation
+from stages.geometry.cameras import back_project
+from stages.scenes.rgbd.cameras import resized
+from stages.scenes.rgbd.frame import Frame, Labelled
+from stages.scenes.rgbd.ground import FLAT, ground_of, level_planes, sampled
+
+LONGEST = 1600  # pixels of the longer side; larger pictures are made smaller
+STRETCHED = 0.02  # by which the proportions of depth and picture may differ
+FLOOR, WALL = {"floor", "ground", "carpet"}, {"wall", "walls"}
+NOTHING = {"", "background", "ceiling", "unknown", "unlabeled", "unlabelled", "void"}
+OPENS = {
+    "cabinet", "cabinets", "chest", "closet", "cupboard", "dishwasher", "drawer", "drawers", "dresser", "fridge",
+    "microwave", "nightstand", "oven", "refrigerator", "sideboard", "wardrobe",
+}  # fmt: skip
+
+
+def fitted(frame: Frame) -> Frame:
+    """The frame at one size, at most `LONGEST` pixels: depth and masks laid on the picture's pixels.
+
+    Raises:
+        InputError: depth has other proportions than the picture, so that it is of another view.
+    """
+    height, width = frame.rgb.shape[:2]
+    if abs(frame.depth.shape[1] / frame.depth.shape[0] / (width / height) - 1) > STRETCHED:
+        what = f"is {frame.depth.shape[1]}x{frame.depth.shape[0]}, the picture {width}x{height}: other proportions."
+        raise InputError("depth", what, "align depth to the colour picture first (every camera's software does)")
+    shrunk = max(1.0, max(width, height) / LONGEST)
+    size = round(width / shrunk), round(height / shrunk)
+    masks = frame.masks and Labelled(_nearest(frame.masks.values, size), frame.masks.labels)
+    rgb = frame.rgb if shrunk == 1 else np.asarray(cv2.resize(frame.rgb, size, interpolation=cv2.INTER_AREA))
+    intrinsics = resized(frame.intrinsics, size[0] / width, size[1] / height)
+    return Frame(rgb.astype(np.uint8), _nearest(frame.depth, size), intrinsics, masks, frame.notes)
+
+
+def _nearest(array: NDArray, size: tuple[int, int]) -> NDArray:  # type: ignore[type-arg]
+    return np.asarray(cv2.resize(array, size, interpolation=cv2.INTER_NEAREST_EXACT), dtype=array.dtype)
+
+
+def annotated(masks: Labelled) -> tuple[NDArray[np.uint16], Annotations]:
+    """masks.png and annotations.json; floor and walls are told by their names, all floors are one.
+
+    Raises:
+        InputError: there is nothing but floor and walls.
+    """
+    values = masks.values.copy()
+    shown = set(np.unique(values).tolist())
+    kinds = {value: label.strip().lower() for value, label in masks.labels.items() if value in shown}
+    floors = [value for value, label in kinds.items() if label in FLOOR]
+    values[np.isin(values, floors[1:])] = floors[0] if floors else 0
+    values[np.isin(values, [value for value, label in kinds.items() if label in NOTHING])] = 0
+    objects = [
+        Annotation(
+            mask=value, label=masks.labels[value].strip(), articulated=bool(OPENS & set(re.split(r"\W+", label)))
+        )
+        for value, label in kinds.items()
+        if label not in FLOOR | WALL | NOTHING
+    ]
+    if not objects:
+        raise InputError("masks", "show no object, only floor and walls.")
+    walls = [value for value, label in kinds.items() if label in WALL]
+    return values, Annotations(objects=objects, floor=floors[0] if floors else None, walls=walls)
+
+
+def with_ground(frame: Frame) -> tuple[Labelled, str] | None:
+    """Masks with a floor: if none is named, the level plane beneath most objects is it, a table top as well.
+
+    Returns: the masks and a line about the ground; None: there is a floor, or no level plane.
+    """
+    masks = frame.masks
+    if masks is None or FLOOR & {label.strip().lower() for label in masks.labels.values()}:
+        return None
+    rng = np.random.default_rng(0)
+    points = back_project(frame.depth, frame.intrinsics)
+    seen = frame.depth > 0
+    levels = level_planes(sampled(points[seen & (masks.values == 0)], rng), rng)
+    others = FLOOR | WALL | NOTHING
+    objects = [
+        points[seen & (masks.values == v)] for v, name in masks.labels.items() if name.strip().lower() not in others
+    ]
+    ground = ground_of(levels, [cloud for cloud in objects if len(cloud)])
+    if ground is None:
+        return None
+    near = np.abs(ground.height(points)) < FLAT * np.maximum(1.0, frame.depth)
+    value = max(masks.labels, default=0) + 1
+    values = np.where(seen & near & (masks.values == 0), np.uint16(value), masks.values)
+    line = f"no floor is named: the ground is the level plane {ground.height(np.zeros(3)):.2f} m below the camera"
+    return Labelled(values.astype(np.uint16), masks.labels | {value: "floor"}), line
+
+
+def write_frame(folder: Path, frame: Frame) -> Annotations | None:
+    """Write the input folder, and `config.yaml` if it is whole; without masks the first three files alone."""
+    frame = fitted(frame)
+    height, width = frame.rgb.shape[:2]
+    if grounded := with_ground(frame):
+        frame = replace(frame, masks=grounded[0])
+        print(f"{folder}: {grounded[1]}")
+    masks = None if frame.masks is None else annotated(frame.masks)
+    with atomic(folder / "rgb.png") as path:
+        cv2.imwrite(str(path), frame.rgb[..., ::-1])
+    with atomic(folder / "depth.npz") as path:
+        np.savez_compressed(path, depth=frame.depth)
+    write_json(folder / "camera.json", Camera(width=width, height=height, intrinsics=frame.intrinsics.tolist()))
+    if masks is None:
+        return None
+    with atomic(folder / "masks.png") as path:
+        cv2.imwrite(str(path), masks[0])
+    write_json(folder / "annotations.json", masks[1])
+    write_config(folder, extraction={"crop": 1.0})  # measured depth is good up to the border
+    return masks[1]

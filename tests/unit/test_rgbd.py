@@ -1,0 +1,434 @@
+"""RGB-D frames of other people's cameras and data sets become input folders (`scenes from-rgbd`)."""
+
+import json
+import os
+import sys
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import cv2
+import h5py
+import numpy as np
+import pytest
+import yaml
+
+from stages.config.extraction import ExtractionConfig
+from stages.contracts import Annotations, Camera, InputError, read_json
+from stages.contracts.scene_input import read_scene_input
+from stages.extraction.observation import read_folder
+from stages.extraction.reconstruct import reconstruct
+from stages.geometry.boxes import UprightBox
+from stages.scenes import from_rgbd
+from stages.scenes.rgbd.cameras import of_camera, read_intrinsics, resized
+from stages.scenes.rgbd.depth_files import in_metres, read_raw
+from stages.scenes.rgbd.mask_files import read_labelled
+from tests.unit.synthetic_room import FLOOR, HEIGHT, INTRINSICS, OBJECT, WIDTH, trace
+
+TABLE = UprightBox([2.5, 0.0, 0.35], [1.8, 2.2, 0.7], 0.0)
+BOX = UprightBox([2.4, 0.4, 0.8], [0.2, 0.3, 0.2], 0.3)
+CAN = UprightBox([2.5, -0.35, 0.85], [0.15, 0.15, 0.3], 0.0)
+DATA = Path(os.environ.get("ACDC_TEST_DATA", "../shared/data"))
+REAL = DATA / "rgbd" / "uois_realsense_tabletop"
+
+
+@pytest.fixture(scope="module")
+def room() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Picture, depth in metres and masks of a table with a box and a can."""
+    depth, masks = trace([TABLE, BOX, CAN], wall=False)
+    rgb = np.stack([masks * 17 % 255, masks * 29 % 255, np.arange(WIDTH) % 255 + 0 * masks], axis=-1).astype(np.uint8)
+    return rgb, depth, masks
+
+
+@pytest.fixture
+def files(tmp_path: Path, room: tuple) -> SimpleNamespace:
+    """The frame as files: colour, depth in millimetres, intrinsics, masks with names."""
+    rgb, depth, masks = room
+    cv2.imwrite(str(tmp_path / "color.png"), rgb[..., ::-1])
+    cv2.imwrite(str(tmp_path / "depth.png"), np.rint(1000 * depth).astype(np.uint16))
+    cv2.imwrite(str(tmp_path / "masks.png"), masks)
+    names = {FLOOR: "floor", OBJECT: "table", OBJECT + 1: "box", OBJECT + 2: "cabinet"}
+    (tmp_path / "names.json").write_text(json.dumps({str(value): name for value, name in names.items()}))
+    (tmp_path / "K.txt").write_text(" ".join(map(str, INTRINSICS.ravel())))
+    return SimpleNamespace(**{path.stem: path for path in tmp_path.iterdir()}, folder=tmp_path)
+
+
+def test_files_become_an_input_folder(files: SimpleNamespace, capsys: pytest.CaptureFixture[str]) -> None:
+    out = files.folder / "mine"
+    from_rgbd.run(
+        out=out, rgb=files.color, depth=files.depth, intrinsics=files.K, masks=files.masks, labels=files.names
+    )
+    given = read_scene_input(out)
+    assert {item.label for item in given.annotations.objects} == {"table", "box", "cabinet"}
+    assert [item.label for item in given.annotations.objects if item.articulated] == ["cabinet"]
+    assert given.annotations.floor == FLOOR and not given.exact
+    assert yaml.safe_load((out / "config.yaml").read_text())["experiment"]["inputs"] == {"mine": str(out)}
+    said = capsys.readouterr().out
+    assert "depth in mm (found by its median" in said and "doors and drawers there are: cabinet" in said
+
+
+def test_depth_of_another_size_is_laid_on_the_picture(files: SimpleNamespace, room: tuple) -> None:
+    small = cv2.resize(room[1], (WIDTH // 3, HEIGHT // 3), interpolation=cv2.INTER_NEAREST)
+    np.save(files.folder / "small.npy", small)
+    options: dict[str, Any] = {"rgb": files.color, "fov": 55.0, "masks": files.masks, "labels": files.names}
+    from_rgbd.run(out=files.folder / "a", depth=files.folder / "small.npy", **options)
+    depth = read_scene_input(files.folder / "a").depth
+    assert depth.shape == (HEIGHT, WIDTH)
+    assert np.median(np.abs(depth - room[1])) < 0.02
+    np.save(files.folder / "square.npy", small[:, : HEIGHT // 3])
+    with pytest.raises(InputError, match="other proportions"):
+        from_rgbd.run(out=files.folder / "b", depth=files.folder / "square.npy", **options)
+    assert not (files.folder / "b").exists()
+
+
+def test_without_masks_the_page_is_named(files: SimpleNamespace, capsys: pytest.CaptureFixture[str]) -> None:
+    out = files.folder / "bare"
+    from_rgbd.run(out=out, rgb=files.color, depth=files.depth, intrinsics=files.K)
+    assert sorted(path.name for path in out.iterdir()) == ["camera.json", "depth.npz", "rgb.png"]
+    assert "annotate" in capsys.readouterr().out
+
+
+def boxes_of(folder: Path) -> dict[str, Any]:
+    image = read_folder(folder)
+    options = ExtractionConfig(depth_noise="none", crop=1.0)
+    found = reconstruct("mine", image, options, np.random.default_rng(0)).objects
+    return {"up": found.floor_from_camera[2][3], **{item.id: item.box for item in found.objects}}
+
+
+def test_clusters_find_what_stands_on_the_table(files: SimpleNamespace) -> None:
+    out = files.folder / "clusters"
+    from_rgbd.run(out=out, rgb=files.color, depth=files.depth, intrinsics=files.K, clusters=True)
+    given = read_scene_input(out)
+    assert [item.label for item in given.annotations.objects] == ["object", "object"]
+    left, right = (item.mask for item in given.annotations.objects)
+    columns = [np.nonzero(given.masks == value)[1].mean() for value in (left, right)]
+    assert columns[0] < columns[1]
+    found = boxes_of(out)
+    assert found["up"] == pytest.approx(1.6 - TABLE.top, abs=0.01)  # the table top is the ground
+    assert sorted(found["object_1"].size) == pytest.approx(sorted(BOX.size), abs=0.03)
+    assert found["object_2"].size[2] == pytest.approx(CAN.size[2], abs=0.03)
+
+
+def test_ground_is_what_the_named_things_stand_on(files: SimpleNamespace) -> None:
+    """Masks of the things on a table alone: not the floor, though it is seen, too."""
+    names = {str(OBJECT + 1): "box", str(OBJECT + 2): "can"}
+    files.names.write_text(json.dumps(names))
+    out = files.folder / "table"
+    from_rgbd.run(
+        out=out, rgb=files.color, depth=files.depth, intrinsics=files.K, masks=files.masks, labels=files.names
+    )
+    assert boxes_of(out)["can_1"].size[2] == pytest.approx(CAN.size[2], abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("scale", "dtype", "unit", "says"),
+    [
+        (1, np.float32, "auto", "depth in m (found"),
+        (1000, np.uint16, "auto", "depth in mm (found"),
+        (1000, np.float64, "auto", "depth in mm (found"),
+        (5000, np.uint16, "5000", "depth in 1/5000 m (as told"),
+        (1000, np.int32, "mm", "depth in mm (as told"),
+    ],
+)
+def test_unit_of_depth(room: tuple, scale: float, dtype: type, unit: str, says: str) -> None:
+    near = np.where(room[1] < 10, room[1], 0)
+    metres, line = in_metres(Path("d.png"), (near * scale).astype(dtype), unit)
+    assert line.startswith(says)
+    assert np.abs(metres - near).max() < 0.002
+
+
+@pytest.mark.parametrize(("factor", "unit"), [(1e-3, "auto"), (1e6, "auto"), (1, "mm"), (1, "zero"), (0, "auto")])
+def test_no_depth_of_a_room(room: tuple, factor: float, unit: str) -> None:
+    with pytest.raises(InputError):
+        in_metres(Path("d.png"), room[1] * factor, unit)
+
+
+def test_holes_and_nonsense_in_depth_are_unknown() -> None:
+    depth = np.full((20, 20), 1.5)
+    depth[0] = [np.nan, np.inf, -1, 0, 500] * 4
+    metres, _ = in_metres(Path("d.npy"), depth)
+    assert (metres[0] == 0).all() and (metres[1:] == np.float32(1.5)).all()
+
+
+@pytest.mark.parametrize("suffix", [".png", ".tiff", ".pgm", ".npz", ".npy"])
+def test_depth_files(tmp_path: Path, room: tuple, suffix: str) -> None:
+    path = tmp_path / f"depth{suffix}"
+    stored = np.rint(1000 * room[1]).astype(np.uint16)
+    if suffix == ".npz":
+        np.savez(path, depth=stored)
+    elif suffix == ".npy":
+        np.save(path, stored)
+    else:
+        cv2.imwrite(str(path), stored)
+    assert np.array_equal(read_raw(path), stored)
+
+
+def test_exr_is_read_by_openexr(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path, pixels = tmp_path / "0.exr", np.full((20, 30), 1.25, np.float32)
+    path.write_bytes(b"v/1\x01")
+
+    class File:
+        def __init__(self, name: str, separate_channels: bool) -> None:
+            assert name == str(path) and separate_channels
+
+        def __enter__(self) -> "File":
+            return self
+
+        def __exit__(self, *_: object) -> None:
+            pass
+
+        def channels(self) -> dict[str, SimpleNamespace]:
+            return {"R": SimpleNamespace(pixels=pixels)}
+
+    monkeypatch.setitem(sys.modules, "OpenEXR", SimpleNamespace(File=File))
+    assert np.array_equal(read_raw(path), pixels)
+    monkeypatch.setitem(sys.modules, "OpenEXR", None)
+    with pytest.raises(InputError, match="pip install OpenEXR"):
+        read_raw(path)
+
+
+def test_a_picture_of_depth_is_refused(tmp_path: Path, room: tuple) -> None:
+    cv2.imwrite(str(tmp_path / "pretty.png"), room[0])
+    with pytest.raises(InputError, match="a picture of depth"):
+        read_raw(tmp_path / "pretty.png")
+
+
+K = [[600.0, 0, 320], [0, 610.0, 240], [0, 0, 1]]
+FLAT = [value for row in K for value in row]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "600 610 320 240",
+        "600, 0, 320\n0, 610, 240\n0, 0, 1",
+        json.dumps({"fx": 600, "fy": 610, "cx": 320, "cy": 240}),
+        json.dumps({"fx": 600, "fy": 610, "ppx": 320, "ppy": 240, "width": 640, "height": 480}),
+        json.dumps({"width": 640, "height": 480, "intrinsic_matrix": np.array(K).T.ravel().tolist()}),
+        json.dumps({"intrinsics": K}),
+        json.dumps({"color": {"K": FLAT}}),
+        yaml.safe_dump({"camera_matrix": {"rows": 3, "cols": 3, "data": FLAT}, "image_width": 640}),
+        json.dumps({"w": 1280, "h": 960, "fx": 1200, "fy": 1220, "cx": 640.5, "cy": 480.5}),  # twice as large
+    ],
+)  # fmt: skip
+def test_intrinsics_files(tmp_path: Path, text: str) -> None:
+    (tmp_path / "K").write_text(text)
+    assert read_intrinsics(tmp_path / "K", 640, 480) == pytest.approx(np.array(K))
+
+
+@pytest.mark.parametrize(
+    "text", ["1 2 3", "600 610 320 2400", "{}", '{"fx": "a", "fy": 1, "cx": 1, "cy": 1}', "\x00", ""]
+)
+def test_broken_intrinsics_are_one_line(tmp_path: Path, text: str) -> None:
+    (tmp_path / "K").write_text(text)
+    with pytest.raises(InputError):
+        read_intrinsics(tmp_path / "K", 640, 480)
+
+
+def test_camera_by_name() -> None:
+    """A real D435 at 640x480 has fx 613; its narrow picture is cut at the sides of a wide sensor."""
+    assert of_camera("realsense_d435", 640, 480)[0, 0] == pytest.approx(613, rel=0.02)
+    assert of_camera("realsense_d435", 1280, 720)[0, 0] == pytest.approx(920, rel=0.02)
+    with pytest.raises(InputError, match="one of azure_kinect"):
+        of_camera("polaroid", 640, 480)
+
+
+def coco(masks: np.ndarray, compressed: bool) -> dict[str, Any]:
+    """COCO of two of the masks: the box as run lengths, the can as a polygon."""
+    bits = (masks == OBJECT + 1).T.ravel()
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], bits.astype(int), [0]])))
+    counts = np.diff(np.concatenate([[0], edges, [bits.size]])).tolist()
+    rle = {"size": [HEIGHT, WIDTH], "counts": _packed(counts) if compressed else counts}
+    contour = cv2.findContours((masks == OBJECT + 2).astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)[0][0]
+    polygons = [contour.ravel().tolist()]
+    return {
+        "images": [{"id": 7, "file_name": "color.png", "width": WIDTH, "height": HEIGHT}, {"id": 8, "file_name": "x"}],
+        "categories": [{"id": 3, "name": "box"}, {"id": 4, "name": "can"}],
+        "annotations": [
+            {"image_id": 7, "category_id": 3, "segmentation": rle, "iscrowd": 1},
+            {"image_id": 7, "category_id": 4, "segmentation": polygons},
+            {"image_id": 8, "category_id": 4, "segmentation": polygons},
+        ],
+    }
+
+
+def _packed(counts: list[int]) -> str:
+    """Run lengths as COCO's tools write them."""
+    text = ""
+    for number, count in enumerate(counts):
+        value, more = count - (counts[number - 2] if number > 2 else 0), True
+        while more:
+            bits, value = value & 31, value >> 5
+            more = not ((value == 0 and not bits & 16) or (value == -1 and bits & 16))
+            text += chr((bits | 32 if more else bits) + 48)
+    return text
+
+
+def labelme(masks: np.ndarray) -> dict[str, Any]:
+    shapes = []
+    for value, name in ((OBJECT + 1, "box"), (OBJECT + 2, "can")):
+        contour = cv2.findContours((masks == value).astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)[0][0]
+        shapes.append({"label": name, "points": contour[:, 0].tolist(), "shape_type": "polygon", "group_id": None})
+    return {"shapes": shapes, "imageWidth": WIDTH, "imageHeight": HEIGHT}
+
+
+@pytest.mark.parametrize("kind", ["coco", "coco_packed", "labelme", "colours"])
+def test_mask_files(tmp_path: Path, room: tuple, kind: str) -> None:
+    masks, labels = room[2], None
+    path = tmp_path / "masks.json"
+    if kind == "colours":
+        path, labels = tmp_path / "masks.png", tmp_path / "names.json"
+        picture = np.zeros((HEIGHT, WIDTH, 3), np.uint8)
+        picture[masks == OBJECT + 1], picture[masks == OBJECT + 2] = (0, 0, 255), (255, 0, 0)
+        cv2.imwrite(str(path), picture)
+        labels.write_text(json.dumps({"#ff0000": "box", "#0000ff": "can"}))
+    else:
+        path.write_text(json.dumps(labelme(masks) if kind == "labelme" else coco(masks, kind == "coco_packed")))
+    found = read_labelled(path, labels, WIDTH, HEIGHT, "color.png")
+    by_name = {name: found.values == value for value, name in found.labels.items()}
+    assert set(by_name) == {"box", "can"}
+    for name, value in (("box", OBJECT + 1), ("can", OBJECT + 2)):
+        true = masks == value
+        assert (by_name[name] & true).sum() / (by_name[name] | true).sum() > 0.99
+
+
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        ({"shapes": []}, "no object"),
+        ({"shapes": [{"label": "a"}]}, "no readable labelme"),
+        ({"annotations": [], "categories": [], "images": [{"id": 1, "width": 5, "height": 5}]}, "5x5 pixels"),
+        ([1, 2], "neither COCO"),
+    ],
+)
+def test_broken_masks_are_one_line(tmp_path: Path, content: object, says: str) -> None:
+    (tmp_path / "m.json").write_text(json.dumps(content))
+    with pytest.raises(InputError, match=says):
+        read_labelled(tmp_path / "m.json", None, WIDTH, HEIGHT, "a.png")
+
+
+def tum(folder: Path, rgb: np.ndarray, depth: np.ndarray, masks: np.ndarray) -> Path:
+    for name in ("rgb", "depth"):
+        (folder / name).mkdir(parents=True)
+    cv2.imwrite(str(folder / "rgb" / "1.000.png"), rgb[..., ::-1])
+    cv2.imwrite(str(folder / "depth" / "1.010.png"), np.rint(depth * 5000).clip(0, 65535).astype(np.uint16))
+    (folder / "rgb.txt").write_text("# color images\n1.000 rgb/1.000.png\n9.000 rgb/9.png\n")
+    (folder / "depth.txt").write_text("# depth maps\n0.5 depth/none.png\n1.010 depth/1.010.png\n")
+    return folder
+
+
+def open3d(folder: Path, rgb: np.ndarray, depth: np.ndarray, masks: np.ndarray) -> Path:
+    for name in ("color", "depth"):
+        (folder / name).mkdir(parents=True)
+    cv2.imwrite(str(folder / "color" / "000000.jpg"), rgb[..., ::-1])
+    cv2.imwrite(str(folder / "depth" / "000000.png"), np.rint(depth * 1000).astype(np.uint16))
+    about = {"width": WIDTH, "height": HEIGHT, "intrinsic_matrix": INTRINSICS.T.ravel().tolist()}
+    (folder / "camera_intrinsic.json").write_text(json.dumps(about))
+    return folder
+
+
+def about_record3d() -> dict[str, Any]:
+    coefficients = [INTRINSICS[0, 0], INTRINSICS[1, 1], INTRINSICS[0, 2], INTRINSICS[1, 2]]
+    size = {"w": WIDTH, "h": HEIGHT, "dw": WIDTH // 2, "dh": HEIGHT // 2}
+    return size | {"K": INTRINSICS.T.ravel().tolist(), "perFrameIntrinsicCoeffs": [coefficients]}
+
+
+def record3d(folder: Path, rgb: np.ndarray, depth: np.ndarray, masks: np.ndarray) -> Path:
+    for name in ("rgb", "depth"):
+        (folder / name).mkdir(parents=True)
+    cv2.imwrite(str(folder / "rgb" / "0.jpg"), rgb[..., ::-1])
+    np.save(folder / "depth" / "0.npy", depth[::2, ::2])
+    (folder / "metadata.json").write_text(json.dumps(about_record3d()))
+    return folder
+
+
+def r3d(folder: Path, rgb: np.ndarray, depth: np.ndarray, masks: np.ndarray) -> Path:
+    folder.mkdir(parents=True)
+    with zipfile.ZipFile(folder / "a.r3d", "w") as archive:
+        archive.writestr("metadata", json.dumps(about_record3d()))
+        archive.writestr("rgbd/0.jpg", cv2.imencode(".jpg", rgb[..., ::-1])[1].tobytes())
+        archive.writestr("rgbd/0.depth", np.ascontiguousarray(depth[::2, ::2]).tobytes())
+    return folder / "a.r3d"
+
+
+def nyu(folder: Path, rgb: np.ndarray, depth: np.ndarray, masks: np.ndarray) -> Path:
+    folder.mkdir(parents=True)
+    names = ["floor", "wall", "box", "table"]
+    classes = np.select([masks == FLOOR, masks == OBJECT, masks > OBJECT], [1, 4, 3], 0).astype(np.uint16)
+    with h5py.File(folder / "nyu.mat", "w") as file:
+        file["images"] = rgb.transpose(2, 1, 0)[None]
+        file["depths"], file["labels"] = depth.T[None], classes.T[None]
+        file["instances"] = np.where(masks > OBJECT, masks - OBJECT, 0).astype(np.uint8).T[None]
+        stored = [file.create_dataset(f"#refs#/{name}", data=np.frombuffer(name.encode(), np.uint8)) for name in names]
+        file["names"] = np.array([[one.ref for one in stored]], dtype=h5py.ref_dtype)
+    return folder / "nyu.mat"
+
+
+def sun(folder: Path, rgb: np.ndarray, depth: np.ndarray, masks: np.ndarray) -> Path:
+    for name in ("image", "depth_bfx", "annotation2Dfinal"):
+        (folder / name).mkdir(parents=True)
+    cv2.imwrite(str(folder / "image" / "a.jpg"), rgb[..., ::-1])
+    stored = np.rint(depth * 1000).astype(np.uint16)
+    cv2.imwrite(str(folder / "depth_bfx" / "a.png"), (stored << 3) | (stored >> 13))
+    (folder / "intrinsics.txt").write_text(" ".join(map(str, INTRINSICS.ravel())))
+    corners = np.array(labelme(masks)["shapes"][0]["points"])
+    polygon = {"object": 0, "x": corners[:, 0].tolist(), "y": corners[:, 1].tolist()}
+    (folder / "annotation2Dfinal" / "index.json").write_text(
+        json.dumps({"objects": [{"name": "box"}], "frames": [{"polygon": [polygon]}]})
+    )
+    return folder
+
+
+@pytest.mark.parametrize("layout", [tum, open3d, record3d, r3d, nyu, sun])
+def test_recordings(tmp_path: Path, room: tuple, layout: Callable[..., Path], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "liblzfse", SimpleNamespace(decompress=bytes))
+    recording, out = layout(tmp_path / "recording", *room), tmp_path / "out"
+    from_rgbd.run(out=out, recording=recording)
+    with np.load(out / "depth.npz") as stored:
+        depth = stored["depth"]
+    close = np.abs(depth - room[1])[(depth > 0) & (room[1] < 8)]
+    assert np.quantile(close, 0.9) < 0.05 and len(close) > 0.5 * depth.size
+    fx = read_json(Camera, out / "camera.json").intrinsics[0][0]
+    theirs = {tum: 525 * WIDTH / 640, nyu: 518.857901}.get(layout, INTRINSICS[0, 0])
+    assert fx == pytest.approx(theirs)
+    if layout in (nyu, sun):
+        labels = [item.label for item in read_json(Annotations, out / "annotations.json").objects]
+        assert sorted(labels) == (["box", "box", "table"] if layout is nyu else ["box"])
+    with pytest.raises(InputError, match="there is no 5"):
+        from_rgbd.run(out=out, recording=recording, number=5)
+
+
+def test_intrinsics_follow_the_size() -> None:
+    half = resized(np.array(K), 0.5, 0.5)
+    assert half[0].tolist() == [300.0, 0.0, 159.75]
+
+
+@pytest.mark.parametrize(
+    ("given", "says"),
+    [
+        ({}, "both are needed"),
+        ({"recording": Path("nothing")}, "no such file"),
+        ({"recording": Path("tests")}, "no recording that is known"),
+        ({"recording": Path("tests"), "rgb": Path("a")}, "has its own pictures"),
+        ({"fov": 50.0, "camera": "xtion"}, "the same thing"),
+        ({"rgb": Path("a.png"), "depth": Path("b.png")}, "what camera took it"),
+    ],
+)
+def test_what_does_not_go_together(tmp_path: Path, given: dict[str, Any], says: str) -> None:
+    with pytest.raises(InputError, match=says):
+        from_rgbd.run(out=tmp_path / "out", **given)
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.skipif(not REAL.is_dir(), reason=f"{REAL} is not there: real RealSense frames are not part of the project")
+def test_a_real_table_top(tmp_path: Path) -> None:
+    """Ten things on a table by a RealSense, apart without masks; a cracker box of 6 x 16 x 21 cm among them."""
+    rgb, depth = REAL / "0000_color.png", REAL / "0000_depth.png"
+    from_rgbd.run(out=tmp_path / "top", rgb=rgb, depth=depth, camera="realsense_d435", clusters=True)
+    found = boxes_of(tmp_path / "top")
+    assert len(found) == 11
+    assert any(
+        sorted(box.size) == pytest.approx([0.06, 0.16, 0.21], abs=0.02) for name, box in found.items() if name != "up"
+    )
