@@ -51,7 +51,7 @@ class ExtractionConfig(Section):
         description="Pixels taken off the border of masks before clouds are made (A.7 gives no number).",
     )
     erosion_keep: float = Field(
-        0.5,
+        0.25,
         ge=0,
         le=1,
         description="Small or thin objects are eroded less, to keep this share of their pixels.",

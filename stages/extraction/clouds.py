@@ -2,6 +2,7 @@
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d
 from scipy.spatial import KDTree
 
 from stages.config.extraction import ExtractionConfig
@@ -12,6 +13,9 @@ from stages.geometry.minimum_box import minimum_box
 MAX_POINTS = 8000
 NEIGHBOURS = 16
 SPACING = 1.5  # DBSCAN's radius is at least so many times the distance to the `dbscan_min_points`-th neighbour,
+LEVEL_BIN, LEVEL_BLUR = 0.005, 0.003  # metres; share of the distance: noise of heights seen from above
+DENSE = 2.0  # times the mean density of heights, from which on one is a level
+ABOVE = 0.1  # share of the points that may lie above the level on which things stand
 SPARSE = 0.95  # taken where points are sparse: faces that the camera sees at a grazing angle
 
 
@@ -38,6 +42,35 @@ def cleaned_cloud(
 def fit_box(points: NDArray[np.float64], options: ExtractionConfig) -> UprightBox:
     """The z-aligned minimum box of a cleaned cloud, its extents as quantiles."""
     return minimum_box(points, options.trim)
+
+
+def level_height(points: NDArray[np.float64], distance: float, trim: float) -> float | None:
+    """Height of the highest level at which many of the points (N, 3) lie; None without one, or if much is above it.
+
+    A table top gives many points of one height. Its highest points are noise, shadows at the edges of what stands
+    on it, and pixels of that: on real depth they are centimetres higher.
+    """
+    heights = points[:, 2]
+    low, high = np.quantile(heights, [trim, 1 - trim])
+    bins = int((high - low) / LEVEL_BIN)
+    if bins < 3:
+        return None
+    counts, edges = np.histogram(heights, bins, (low, high))
+    blur = max(2.0, LEVEL_BLUR * distance / LEVEL_BIN)
+    density = gaussian_filter1d(counts.astype(float), blur, mode="constant")
+    peaks = np.flatnonzero((density >= np.roll(density, 1)) & (density >= np.roll(density, -1)))
+    dense = peaks[density[peaks] > DENSE * len(heights) / bins]
+    if not len(dense):
+        return None
+    level = float(edges[dense[-1]] + edges[dense[-1] + 1]) / 2
+    return level if (heights > level + 2 * blur * LEVEL_BIN).mean() <= ABOVE else None
+
+
+def with_top(box: UprightBox, top: float) -> UprightBox:
+    """The box with its top face moved to height `top`."""
+    center, size = np.array(box.center, dtype=float), np.array(box.size, dtype=float)
+    center[2], size[2] = (top + box.bottom) / 2, top - box.bottom
+    return UprightBox(center, size, box.yaw)
 
 
 def with_bottom(box: UprightBox, bottom: float) -> UprightBox:

@@ -16,6 +16,7 @@ from stages.geometry.frames import yaw_matrix
 BESIDE = 0.05  # metres by which footprints are widened before they are compared
 ON_TOP = 0.5  # share of the upper footprint that lies over the lower one
 THINNEST = 0.01  # metres; noise may put a plate's top below the table's
+JUST_BELOW = 0.15  # metres
 FEET = 3  # image columns in which an object's lowest pixels must reach the ground for it to stand there
 
 
@@ -26,6 +27,12 @@ class Placement:
     mounting: Mounting
     box: UprightBox
     filled: UprightBox
+
+
+def collapsed(seen: UprightBox, placed: Placement, tolerance: float) -> bool:
+    """Whether something of some height, as seen, would be a thin plate on what was found beneath it."""
+    height, left = np.asarray(seen.size)[2], np.asarray(placed.box.size)[2]
+    return bool(left < 1.5 * THINNEST and height > tolerance)
 
 
 def height_beneath(box: UprightBox, carriers: list[UprightBox], tolerance: float) -> float:
@@ -56,9 +63,13 @@ def reaches_down(box: UprightBox, height: float, tolerance: float, view: DepthVi
 
 
 def free_space_beneath(box: UprightBox, height: float, view: DepthView, own: NDArray[np.bool_]) -> float:
-    """Share of the space between the box and `height` that the camera has seen to be empty."""
+    """Share of the space just below the box, down to `height` at most, that the camera has seen to be empty.
+
+    Farther down furniture may stand before it: a picture above a sofa hangs all the same.
+    """
     half = np.asarray(box.size)[:2] / 2
-    local = cell_centres(np.array([*-half, height]), np.array([*half, box.bottom]), (6, 6, 8))
+    low = max(height, box.bottom - JUST_BELOW)
+    local = cell_centres(np.array([*-half, low]), np.array([*half, box.bottom]), (6, 6, 8))
     return view.free_space_share(local @ yaw_matrix(box.yaw).T + [*np.asarray(box.center)[:2], 0.0], own)
 
 

@@ -12,8 +12,8 @@ from stages.contracts.scenes import Annotation
 from stages.contracts.types import LARGEST
 from stages.extraction import masks, room
 from stages.extraction.border import continued_depth
-from stages.extraction.clouds import cleaned_cloud, fit_box
-from stages.extraction.mounting import placement
+from stages.extraction.clouds import cleaned_cloud, fit_box, level_height, with_top
+from stages.extraction.mounting import collapsed, placement
 from stages.extraction.observation import AnnotatedImage
 from stages.extraction.visibility import DepthView
 from stages.geometry.boxes import UprightBox, surface_points
@@ -70,6 +70,25 @@ def _object_cloud(
     if len(cloud) < 3:
         raise ObjectError("its depth is too scattered: no cluster of points")
     return cloud
+
+
+def _fitted(
+    cloud: NDArray[np.float64],
+    mask: NDArray[np.bool_],
+    image: AnnotatedImage,
+    floor_from_camera: NDArray[np.float64],
+    options: ExtractionConfig,
+) -> UprightBox:
+    """The box of a cleaned cloud. What has a level top ends there; what lost its thin top to erosion has it again."""
+    box = fit_box(cloud, options)
+    distance = float(np.linalg.norm(np.asarray(box.center) - floor_from_camera[:3, 3]))
+    level = level_height(cloud, distance, options.trim)
+    whole = np.where(mask, image.depth, 0.0)
+    heights = apply(floor_from_camera, back_project(whole, image.intrinsics)[whole > 0])[:, 2]
+    top = float(np.quantile(heights, 1 - options.trim))
+    if top > box.top + options.tolerance(distance):
+        return with_top(box, top)
+    return box if level is None else with_top(box, level)
 
 
 def _floor_from_camera(
@@ -141,7 +160,7 @@ def reconstruct(
                 cloud = surface_points(box, BOX_POINTS)
             else:
                 cloud = _object_cloud(mask, image, floor_from_camera, options, rng)
-                box = fit_box(cloud, options)
+                box = _fitted(cloud, mask, image, floor_from_camera, options)
             extent = float(np.max(box.size))
             if extent > LARGEST:
                 raise ObjectError(f"{extent:.0f} m large: its depth cannot be right")
@@ -161,6 +180,12 @@ def reconstruct(
         own = image.masks == extracted[name].mask
         known_whole = extracted[name].mask in given
         placed = placement(boxes[name], carriers, others, walls, view, own, options, known_whole)
+        if collapsed(boxes[name], placed, options.tolerance(view.distance(np.asarray(boxes[name].center)))):
+            reason = "its top is found below what carries it: the depth of one of the two is wrong"
+            extracted[name] = extracted[name].model_copy(update={"status": "failed", "reason": reason, "points": 0})
+            clean[clean == extracted[name].mask] = 0
+            del clouds[name]
+            continue
         carriers.append(placed.filled)
         center, size, yaw = placed.box
         fitted = Box(center=rounded(center), size=rounded(np.maximum(size, THINNEST)), yaw=round(yaw, 6))

@@ -56,12 +56,17 @@ class Gap:
 
 
 def gap_to(box: UprightBox, wall: Wall) -> Gap:
-    """The space between a box and the plane of a wall; its depth is negative if they intersect."""
+    """The space between a box and the plane of a wall; its depth is negative if they intersect.
+
+    Along the wall it is as wide as the side of the box that is turned to it: beyond, where the corners of a box
+    stick out whose yaw is a little off, the wall is always seen.
+    """
     normal = np.asarray(wall.normal)
-    points = corners(box)
-    along = points @ [-normal[1], normal[0], 0.0]
-    depth = float((points @ normal).min() - wall.offset)
-    return Gap(normal, wall.offset, (float(along.min()), float(along.max())), (box.bottom, box.top), depth)
+    tangent = np.array([-normal[1], normal[0], 0.0])
+    depth = float((corners(box) @ normal).min() - wall.offset)
+    middle = float(np.asarray(box.center) @ tangent)
+    half = float(np.abs(np.asarray(box.size)[:2] * (tangent @ yaw_matrix(box.yaw))[:2]).max()) / 2
+    return Gap(normal, wall.offset, (middle - half, middle + half), (box.bottom, box.top), depth)
 
 
 def walls_touched(

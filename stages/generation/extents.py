@@ -10,6 +10,7 @@ from stages.geometry.frames import yaw_matrix
 BIN, SMOOTHING = 0.005, 0.015  # metres; densities are smoothed by half the noise as well
 PROMINENT = 2.0  # a face is where points lie so many times denser than on average
 NEAR, REACH = 0.05, 3.0  # metres, standard deviations: how far the outermost points may lie before their face
+FAINT, THICK = 0.05, 4.5  # metres of noise; standard deviations in which nine of ten points of a face lie, and some
 OUTSIDE, MOST = 0.7, 0.25  # standard deviations by which noise moves an end that is no face; share of the length
 
 
@@ -36,6 +37,21 @@ def near_face(values: NDArray[np.float64], sign: float, noise: float, trim: floa
     if outer[peak] < PROMINENT * len(values) / bins:
         return None
     return float(-sign * (edges[peak] + edges[peak + 1]) / 2)
+
+
+def only_noise(
+    cloud: NDArray[np.floating], normal: ArrayLike, camera: ArrayLike, depth_error: tuple[float, float] | None
+) -> bool:
+    """Whether the cloud (N, 3) is no thicker along a wall's normal than one face far away is made by noise."""
+    if depth_error is None:
+        return False
+    ray = np.mean(cloud, axis=0) - np.asarray(camera, dtype=float)
+    distance = float(np.linalg.norm(ray))
+    noise = (
+        abs(float(ray @ np.asarray(normal, dtype=float))) / distance * (depth_error[0] + depth_error[1] * distance**2)
+    )
+    low, high = np.quantile(np.asarray(cloud, dtype=float) @ np.asarray(normal, dtype=float), [0.05, 0.95])
+    return bool(noise > FAINT and high - low < THICK * noise)
 
 
 def measured_box(

@@ -8,14 +8,16 @@ from stages.contracts import Asset, Objects
 from stages.contracts.cousins import Cousin
 from stages.contracts.objects import Box, Mounting, SceneObject, Wall
 from stages.generation.collisions import out_of_walls
-from stages.generation.extents import measured_box
+from stages.generation.extents import measured_box, only_noise
 from stages.generation.mounting import against_wall, on_supports
 from stages.generation.placed import Placed
 from stages.generation.pose import rear_at_wall, rectangularity, turned_to, wall_axes
 from stages.generation.sizing import believable_box, round_box, sight_yaw
 from stages.generation.support import sorted_by_height, support_tree
-from stages.geometry.boxes import UprightBox
+from stages.geometry.boxes import UprightBox, volume
 from stages.geometry.viewing import view_yaw
+
+ON_FURNITURE = 0.05  # metres above the floor
 
 
 def walls_of(mounting: Mounting, walls: list[Wall]) -> list[Wall]:
@@ -50,6 +52,36 @@ def final_yaw(
     return turned_to(yaw, box.yaw, None if limit is None else float(np.deg2rad(limit)))
 
 
+def walls_reached(mounting: Mounting, touched: list[Wall], box: UprightBox, is_round: bool) -> list[Wall]:
+    """The walls that an asset is extended to: not what stands on furniture, nor what is as deep as it is wide."""
+    if mounting.type == 3 and (is_round or box.bottom > ON_FURNITURE):
+        return []
+    return touched
+
+
+def sized(
+    box: UprightBox,
+    cloud: NDArray[np.floating],
+    asset: Asset,
+    mounting: Mounting,
+    reached: list[Wall],
+    camera: NDArray[np.float64],
+    options: GenerationConfig,
+) -> UprightBox:
+    """The box with a believable depth, that of the asset if the cloud tells none.
+
+    What was extended to a wall and is far too deep does not reach it: its front was seen, its rear was not.
+    """
+    if not reached:
+        return believable_box(box, asset.size, camera - np.asarray(box.center), options.aspect_range)
+    normal = np.asarray(reached[0].normal)
+    unknown = only_noise(cloud, normal, camera, options.depth_error)
+    at_wall = believable_box(box, asset.size, -normal, (1, 1) if unknown else options.aspect_range)
+    if mounting.type == 3 and not unknown and volume(at_wall) < volume(box):
+        return believable_box(box, asset.size, normal, options.aspect_range)
+    return at_wall
+
+
 def place(
     item: SceneObject,
     cousin: Cousin,
@@ -70,20 +102,20 @@ def place(
     camera = np.array(scene.floor_from_camera)[:3, 3]
     extracted = UprightBox(item.box.center, item.box.size, item.box.yaw)
     native = options.aspect_prior == "native"
-    is_round = native and asset.symmetry == "full" and not touched
+    reached = walls_reached(mounting, touched, extracted, native and asset.symmetry == "full")
+    is_round = native and asset.symmetry == "full" and not reached
     yaw = final_yaw(
         matched_yaw(cousin, extracted, camera, touched, options), item.box, cloud, touched, asset.articulated, options
     )
     axes = sight_yaw(extracted, camera) if is_round else yaw
     box = measured_box(cloud, extracted, axes, camera, options.trim, options.depth_error)
-    for wall in touched:
+    for wall in reached:
         box = against_wall(box, wall, options.min_extent)
     if is_round:
         box = round_box(box, options.aspect_range)._replace(yaw=yaw)
     elif native:
-        kept = -np.asarray(touched[0].normal) if touched else camera - np.asarray(box.center)
-        box = believable_box(box, asset.size, kept, options.aspect_range)
-    if not touched:
+        box = sized(box, cloud, asset, mounting, reached, camera, options)
+    if not reached:
         box = out_of_walls(box, scene.walls)
     box = box._replace(size=np.maximum(np.asarray(box.size), options.min_extent))
     return Placed(item.id, item.label, asset, box, mounting)

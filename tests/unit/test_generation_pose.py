@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
-from stages.generation.extents import measured_box, near_face
+from stages.contracts.objects import Mounting, Wall
+from stages.generation.extents import measured_box, near_face, only_noise
+from stages.generation.placement import walls_reached
 from stages.generation.pose import rear_at_wall, rectangularity, turned_to, wall_axes
 from stages.generation.sizing import believable_box, round_box, sight_yaw
 from stages.geometry.boxes import UprightBox
@@ -95,6 +97,18 @@ def test_noise_does_not_make_a_table_longer():
     assert measured_box(noisy, seen, 0.0, camera, 0.005, (0.004, 0.0015)).size[0] == pytest.approx(1.1, abs=0.1)
 
 
+@pytest.mark.parametrize(("x", "side", "unknown"), [(10.0, 0.0, True), (10.0, 1.2, False), (3.0, 0.0, False)])
+def test_the_depth_of_a_face_far_away_is_noise(x, side, unknown):
+    """A front, with a side or without; near enough its noise tells nothing wrong."""
+    rng, camera = np.random.default_rng(5), np.array([0, 0, 1.6])
+    front = rng.uniform([x, -0.8, 0], [x, 0.8, 2], (4000, 3))
+    cloud = np.concatenate([front, rng.uniform([x, 0.8, 0], [x + side, 0.8, 2], (3000, 3))])
+    rays = (cloud - camera) / np.linalg.norm(cloud - camera, axis=1, keepdims=True)
+    cloud = cloud + rng.normal(0, 0.003 + 0.0015 * x**2, (len(cloud), 1)) * rays
+    assert only_noise(cloud, (-1, 0, 0), camera, (0.003, 0.0015)) == unknown
+    assert not only_noise(cloud, (-1, 0, 0), camera, None)
+
+
 def _faces(size, yaw, center, camera, count=3000):
     """Points on the two upright faces of a box that a camera sees, and on its top."""
     rng = np.random.default_rng(3)
@@ -160,3 +174,13 @@ def test_round_things_are_as_deep_as_wide():
     assert noisy.center == pytest.approx([0.3, 0, 0.1])
     smeared = round_box(UprightBox((1.0, 0, 0.1), (2.0, 0.4, 0.2), 0.0), (0.5, 2.0))  # background behind it
     assert smeared.center == pytest.approx([0.2, 0, 0.1])
+
+
+def test_what_stands_on_furniture_or_is_round_is_not_extended_to_the_wall():
+    wall = Wall(id="wall_1", normal=(-1, 0, 0), offset=-4.0, points=9)
+    low, high = UprightBox((3.5, 0, 0.4), (0.4, 0.4, 0.8), 0.0), UprightBox((3.5, 0, 1.0), (0.4, 0.4, 0.4), 0.0)
+    stands, hangs = Mounting(type=3, walls=["wall_1"]), Mounting(type=1, walls=["wall_1"])
+    assert walls_reached(stands, [wall], low, False) == [wall]
+    assert walls_reached(stands, [wall], high, False) == []
+    assert walls_reached(stands, [wall], low, True) == []
+    assert walls_reached(hangs, [wall], high, False) == [wall]

@@ -1,0 +1,70 @@
+"""What carries an object: level tops under noise, pictures above furniture, what would be squeezed flat."""
+
+import numpy as np
+import pytest
+
+from stages.config.extraction import ExtractionConfig
+from stages.contracts.objects import Wall
+from stages.extraction.clouds import level_height
+from stages.extraction.mounting import collapsed, placement
+from stages.extraction.visibility import DepthView
+from stages.extraction.walls import gap_to
+from stages.geometry.boxes import UprightBox
+
+LOOKING_ALONG_X = np.array([[0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 1.5], [0, 0, 0, 1.0]])
+WALL = Wall(id="wall_1", normal=(-1, 0, 0), offset=-4.0, points=100)
+
+
+def _table(rng: np.random.Generator, shadows: int) -> np.ndarray:
+    """A top at 0.5 m, its legs, and points that the depth camera put higher at the edges of a box on it."""
+    top, legs = rng.uniform(-0.5, 0.5, (4000, 3)), rng.uniform(-0.5, 0.5, (600, 3))
+    top[:, 2], legs[:, 2] = 0.5 + rng.normal(0, 0.004, 4000), rng.uniform(0, 0.5, 600)
+    raised = rng.uniform(-0.1, 0.1, (shadows, 3))
+    raised[:, 2] = rng.uniform(0.55, 0.6, shadows)
+    return np.concatenate([top, legs, raised])
+
+
+@pytest.mark.parametrize("shadows", [0, 200])
+def test_a_table_is_as_high_as_most_of_its_top(shadows: int) -> None:
+    cloud = _table(np.random.default_rng(0), shadows)
+    assert level_height(cloud, 1.0, 0.01) == pytest.approx(0.5, abs=0.005)
+    if shadows:
+        assert np.quantile(cloud[:, 2], 0.99) > 0.56  # what the quantile makes of it
+
+
+def test_a_seat_under_a_back_is_no_top() -> None:
+    rng = np.random.default_rng(0)
+    seat, back = rng.uniform(0, 0.5, (3000, 3)), rng.uniform(0, 0.5, (1000, 3))
+    seat[:, 2], back[:, 2] = 0.45, rng.uniform(0.45, 0.9, 1000)
+    assert level_height(np.concatenate([seat, back]), 3.0, 0.01) is None
+
+
+def test_a_front_has_no_level() -> None:
+    front = np.random.default_rng(0).uniform(0, 1, (4000, 3))
+    assert level_height(front, 3.0, 0.01) is None
+
+
+@pytest.mark.parametrize(("hidden_up_to", "mounting"), [(1.425, 1), (1.6, 3)])
+def test_a_picture_above_furniture_hangs(hidden_up_to: float, mounting: int) -> None:
+    """A picture at the wall x = 4, 1.5 to 1.9 m high; something 2 m away hides what is below, its lower edge or not."""
+    v, u = np.mgrid[:240, :320]
+    rise = -(v - 120) / 200.0  # of the rays, per metre
+    depth = np.where(1.5 + 2 * rise <= hidden_up_to, 2.0, 4.0).astype(np.float32)
+    view = DepthView(depth, np.array([[200.0, 0, 160], [0, 200.0, 120], [0, 0, 1]]), LOOKING_ALONG_X)
+    own = (np.abs(u - 160) < 15) & (1.5 + 4 * rise > 1.5) & (1.5 + 4 * rise < 1.9) & (depth == 4)
+    picture = UprightBox([3.97, 0, 1.7], [0.05, 0.6, 0.4], 0.0)
+    assert placement(picture, [], [], [WALL], view, own, ExtractionConfig()).mounting.type == mounting
+
+
+def test_what_is_squeezed_flat_is_told() -> None:
+    empty = DepthView(np.full((9, 9), 9.0, np.float32), np.diag([9.0, 9.0, 1.0]), LOOKING_ALONG_X)
+    table = UprightBox([2, 0, 0.3], [1, 1, 0.6], 0.0)  # found 10 cm too high
+    for height, flat in ((0.09, True), (0.03, False), (0.25, False)):  # a box, a plate, a box above it all the same
+        seen = UprightBox([2, 0, 0.5 + height / 2], [0.2, 0.2, height], 0.0)
+        placed = placement(seen, [table], [table], [], empty, np.zeros((9, 9), bool), ExtractionConfig())
+        assert collapsed(seen, placed, 0.06) == flat
+
+
+def test_the_gap_behind_a_box_that_is_a_little_turned_is_as_wide_as_its_rear() -> None:
+    gap = gap_to(UprightBox([3, 0, 0.5], [0.6, 0.8, 1.0], 0.2), WALL)
+    assert gap.along[1] - gap.along[0] == pytest.approx(0.8 * np.cos(0.2), abs=1e-6)
