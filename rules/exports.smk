@@ -1,6 +1,32 @@
-# Demonstrations and policies for people without this workflow; `snakemake exports`, no part of `all`.
-# Reads:  the demonstrations of a training set; a policy.
-# Writes: results/exports/demonstrations/<format>/<task>/<training set>/, results/exports/policies/<task>/.../seed_<n>/.
+# Scenes, demonstrations and policies for people without this workflow; `snakemake exports`, no part of `all`.
+# Reads:  generated scenes; the demonstrations of a training set; a policy.
+# Writes: results/exports/scenes/<format>/<variant>/<scene>/rank_<n>/,
+#         results/exports/demonstrations/<format>/<task>/<training set>/, results/exports/policies/<task>/.../seed_<n>/.
+
+
+rule export_scenes:
+    """The generated scenes of one room in another tool's format."""
+    input:
+        scenes=rules.generate.output.scenes,
+        look=rules.draw_scenes.output.look,
+        library=rules.library.output.library,
+    output:
+        folder=directory("results/exports/scenes/{format}/{variant}/{scene}"),
+    log:
+        "logs/exports/scenes_{format}_{variant}_{scene}.log",
+    benchmark:
+        "benchmarks/exports/scenes_{format}_{variant}_{scene}.tsv"
+    container:
+        CONFIG.containers.simulation
+    threads: 1
+    resources:
+        mem_mb=2000,
+    params:
+        command=command("generation", "export"),
+        code=lambda wildcards: code("generation", "export", f"stages.generation.exports.{wildcards.format}"),
+    shell:
+        "{params.command} --scenes {input.scenes:q} --library {input.library:q} --format {wildcards.format} "
+        "--look {input.look:q} --out {output.folder:q} 2>&1 | tee {log:q}"
 
 
 rule export_demonstrations:
@@ -53,8 +79,9 @@ rule export_policy:
 
 
 rule exports:
-    """All demonstrations and policies of this run, in all formats."""
+    """All scenes, demonstrations and policies of this run, in all formats."""
     input:
+        expand(rules.export_scenes.output.folder, format=["glb", "urdf", "mjcf", "usd"], variant=VARIANTS, scene=ROOMS),
         policies(rules.export_policy.output.folder),
         [
             folder

@@ -12,7 +12,7 @@ VERBS = {
     "scenes": ("render",),
     "extraction": ("extract", "draw"),
     "matching": ("features", "match", "distances", "draw"),
-    "generation": ("generate", "draw"),
+    "generation": ("generate", "draw", "export"),
     "experiment": ("select", "draw"),
     "demonstrations": ("collect", "scene", "export"),
     "training": ("train", "export"),

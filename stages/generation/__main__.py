@@ -7,5 +7,6 @@ main(
     {
         "generate": "place the cousins of every rank: scene_<rank>.json",
         "draw": "the scenes as pictures and as GLB",
+        "export": "a scene as GLB, URDF, MJCF or USD",
     },
 )

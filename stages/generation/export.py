@@ -1,29 +1,38 @@
-"""The scene as one GLB, for viewers and other simulators."""
+"""Verb `export`: generated scenes in the format of another tool."""
 
-from collections.abc import Mapping
+from importlib import import_module
 from pathlib import Path
+from typing import Literal
 
-import numpy as np
-import trimesh
-
-from stages.contracts import atomic
-from stages.generation.meshes import visual_meshes
-from stages.generation.placed import Placed
-from stages.geometry.frames import rigid, yaw_matrix
-
-Y_UP = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])  # glTF's up axis is y
+from stages.contracts import GeneratedScene, Library, read_json
+from stages.contracts.look import Look
+from stages.generation.exports import room_of
+from stages.generation.standing import placed_items
 
 
-def write_glb(items: list[Placed], folders: Mapping[str, Path], out: Path) -> None:
-    """Write every item's visual meshes at its place, one node per object. Units are metres, y is up as glTF wants."""
-    scene = trimesh.Scene()
-    for item in items:
-        middle = (np.asarray(item.asset.box_min) + np.asarray(item.asset.box_max)) / 2
-        turn = yaw_matrix(item.box.yaw)
-        pose = Y_UP @ rigid(turn, item.center - turn @ middle)
-        scene.graph.update(frame_to=item.id, frame_from="world", matrix=pose)
-        for index, mesh in enumerate(visual_meshes(folders[item.id])):
-            name = f"{item.id}_{index}"
-            scene.add_geometry(mesh, node_name=name, geom_name=name, parent_node_name=item.id)
-    with atomic(out) as path:
-        path.write_bytes(scene.export(file_type="glb"))
+def run(
+    *,
+    scenes: tuple[Path, ...],
+    library: Path,
+    format: Literal["glb", "urdf", "mjcf", "usd"],
+    out: Path,
+    look: Path | None = None,
+) -> None:
+    """Write scenes for another tool, each with all that belongs to it into a folder rank_<n>.
+
+    Args:
+        scenes: scene_<rank>.json files.
+        library: library.json.
+        format: glb: scene.glb, to look at; urdf: scene.urdf and a URDF per object; mjcf: scene.xml for MuJoCo; usd:
+            scene.usdc for Isaac Sim and others.
+        out: folder; gets rank_<n>/ of each scene.
+        look: look.json of the picture, for the colours of floor and walls and the light; default: grey.
+    """
+    folders = {entry.id: library.parent / entry.folder for entry in read_json(Library, library).assets}
+    writer = import_module(f"stages.generation.exports.{format}")
+    looks = read_json(Look, look) if look else None
+    for path in scenes:
+        made = read_json(GeneratedScene, path)
+        items, sized = placed_items(made, folders, path.parent / "assets", path)
+        folder = out / f"rank_{made.rank}"
+        writer.write(room_of(made, items, sized, looks), folder / "scene.glb" if format == "glb" else folder)

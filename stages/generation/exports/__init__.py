@@ -1,0 +1,71 @@
+"""A generated scene for other tools: a module per format, with `write(room, out)`, out a file or a folder."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stages.articulated.asset_folder import read_model
+from stages.articulated.forward_kinematics import link_frames
+from stages.articulated.model import JointModel, RobotModel
+from stages.contracts import Asset, GeneratedScene
+from stages.contracts.look import Look
+from stages.generation.look import DEFAULT_LIGHT
+from stages.generation.placed import Placed
+from stages.generation.settling import is_fixed
+from stages.geometry.frames import rigid, yaw_matrix
+from stages.simulation.backdrop import Block, backdrop
+
+Matrix = NDArray[np.float64]
+CAMERA = "input_camera"
+
+
+@dataclass(frozen=True)
+class Body:
+    """A model in its place. `pose`: world_from_root (4, 4); `fixed`: its root does not move, else it is free."""
+
+    id: str
+    label: str
+    asset: Asset
+    model: RobotModel
+    pose: Matrix
+    fixed: bool
+
+    @property
+    def frames(self) -> dict[str, Matrix]:
+        """root_from_link (4, 4) of every link, closed."""
+        return link_frames(self.model)
+
+    @property
+    def moving(self) -> list[JointModel]:
+        """Joints that are not fixed."""
+        return [joint for joint in self.model.joints if joint.type != "fixed"]
+
+
+@dataclass(frozen=True)
+class Room:
+    """A scene to export. World: the floor frame, z up, metres. `blocks`: floor and walls; `light`: its direction."""
+
+    scene: GeneratedScene
+    bodies: list[Body]
+    blocks: list[Block]
+    light: Matrix
+
+    @property
+    def world_from_camera(self) -> Matrix:
+        """Of the input picture (4, 4), OpenCV axes."""
+        return np.array(self.scene.floor_from_camera)
+
+
+def room_of(made: GeneratedScene, items: list[Placed], folders: Mapping[str, Path], look: Look | None) -> Room:
+    """A scene with the models of its items, whose folders are at their sizes."""
+    bodies = []
+    for item in items:
+        middle, turn = (np.array(item.asset.box_min) + np.array(item.asset.box_max)) / 2, yaw_matrix(item.box.yaw)
+        pose, model = rigid(turn, item.center - turn @ middle), read_model(folders[item.id])
+        bodies.append(Body(item.id, item.label, item.asset, model, pose, is_fixed(item)))
+    camera = np.array(made.floor_from_camera)[:3, 3]
+    blocks = backdrop([item.box for item in items], made.walls, camera, look)
+    return Room(made, bodies, blocks, np.array(look.light if look else DEFAULT_LIGHT))

@@ -1,0 +1,75 @@
+"""One binary glTF, y up: a node per object and link (with its joint in `extras`), floor, walls and the input camera."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import trimesh
+from trimesh import Trimesh
+from trimesh.exchange.gltf import export_glb
+
+from stages.articulated.model import JointModel
+from stages.contracts import GeneratedScene, atomic
+from stages.generation.exports import CAMERA, Body, Room
+from stages.generation.exports.surfaces import Surface, surface_of, surfaces
+from stages.geometry.frames import rigid, yaw_matrix
+
+Y_UP = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
+OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])  # of a camera, from OpenCV's axes
+
+
+def write(room: Room, out: Path) -> None:
+    """Write the GLB `out`; doors and drawers are closed."""
+    scene = trimesh.Scene()
+    for block in room.blocks:
+        pose = Y_UP @ rigid(yaw_matrix(block.yaw), block.center)
+        scene.add_geometry(_mesh(surface_of(block)), node_name=block.name, geom_name=block.name, transform=pose)
+    for body in room.bodies:
+        _add(scene, body)
+    made = room.scene
+    fov = np.degrees(2 * np.arctan([made.width / made.intrinsics[0][0] / 2, made.height / made.intrinsics[1][1] / 2]))
+    scene.camera = trimesh.scene.Camera(name=CAMERA, resolution=(made.width, made.height), fov=fov, z_far=100.0)
+    scene.camera_transform = Y_UP @ room.world_from_camera @ OPENGL
+    with atomic(out) as path:
+        path.write_bytes(export_glb(scene, include_normals=True, tree_postprocessor=lambda tree: _wide(tree, made)))
+
+
+def _add(scene: trimesh.Scene, body: Body) -> None:
+    about = {"label": body.label, "asset": body.asset.id, "category": body.asset.category, "fixed": body.fixed}
+    scene.graph.update(frame_to=body.id, frame_from="world", matrix=Y_UP @ body.pose, metadata=about)
+    joints = {joint.child: joint for joint in body.model.joints}
+    for name, link in body.model.links.items():
+        node = f"{body.id}/{name}"
+        scene.graph.update(
+            frame_to=node,
+            frame_from=body.id,
+            matrix=body.frames[name],
+            metadata={"mass": round(link.mass, 4)} | _about(joints.get(name)),
+        )
+        for index, surface in enumerate(surfaces(link)):
+            part = f"{node}/{index}"
+            scene.add_geometry(_mesh(surface), node_name=part, geom_name=part, parent_node_name=node)
+
+
+def _about(joint: JointModel | None) -> dict[str, Any]:
+    """What a viewer needs to move a link; the node stands where the joint is at its lower limit."""
+    if joint is None or joint.type == "fixed":
+        return {}
+    axis = joint.axis.round(6).tolist()
+    return {"joint": joint.type, "axis": axis, "lower": round(joint.lower, 5), "upper": round(joint.upper, 5)}
+
+
+def _wide(tree: dict[str, Any], made: GeneratedScene) -> None:
+    """The camera's aspect is that of the picture (trimesh takes the ratio of the angles)."""
+    tree["cameras"][0]["perspective"]["aspectRatio"] = made.width / made.height
+
+
+def _mesh(surface: Surface) -> Trimesh:
+    material = trimesh.visual.material.PBRMaterial(
+        baseColorFactor=np.array(surface.colour),
+        baseColorTexture=surface.image,
+        metallicFactor=0.0,
+        roughnessFactor=0.8,
+    )
+    looks = trimesh.visual.TextureVisuals(uv=surface.uv, material=material)
+    return Trimesh(surface.vertices, surface.faces, vertex_normals=surface.normals, visual=looks, process=False)

@@ -1,0 +1,103 @@
+"""What is seen of a link, as the formats want it: triangles with normals, one colour, perhaps a texture."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+from PIL import Image
+
+from stages.articulated.mesh_reader import has_texture
+from stages.articulated.mesh_writer import shaded
+from stages.articulated.model import RGBA, Link, Visual
+from stages.simulation.backdrop import Block
+
+Array = NDArray[np.float64]
+GAMMA = 2.2
+
+
+@dataclass(frozen=True)
+class Surface:
+    """vertices and normals (V, 3), faces (F, 3); colour linear; uv (V, 2) where there is an image."""
+
+    vertices: Array
+    faces: NDArray[np.int64]
+    normals: Array
+    colour: RGBA
+    uv: Array | None = None
+    image: Image.Image | None = None
+
+    @property
+    def shown_colour(self) -> RGBA:
+        """The colour as a screen shows it (sRGB, nearly)."""
+        r, g, b = (round(value ** (1 / GAMMA), 4) for value in self.colour[:3])
+        return r, g, b, self.colour[3]
+
+
+def surfaces(link: Link) -> list[Surface]:
+    """What is seen of a link, in its frame; everything of one colour is one surface."""
+    plain: dict[RGBA, list[Surface]] = {}
+    textured = []
+    for visual in link.visuals:
+        if visual.colour is None and has_texture(visual.mesh):
+            textured.append(_textured(visual))
+            continue
+        colour = visual.colour or _colour(visual.mesh.visual)
+        made = shaded(visual)
+        normals = made.normals if made.normals is not None else np.zeros_like(made.vertices)
+        plain.setdefault(colour, []).append(Surface(made.vertices, made.faces, normals, colour))
+    return [_merged(parts) for parts in plain.values()] + textured
+
+
+def surface_of(block: Block) -> Surface:
+    """A block of the backdrop, about its own centre."""
+    made = shaded(Visual(trimesh.creation.box(block.size), flat=True))
+    assert made.normals is not None
+    return Surface(made.vertices, made.faces, made.normals, (*block.colour, 1.0))
+
+
+def write_obj(surface: Surface, path: Path) -> None:
+    """An OBJ with normals and, where there are any, texture coordinates."""
+    lines = [f"v {x:.5f} {y:.5f} {z:.5f}\n" for x, y, z in surface.vertices + 0.0]
+    lines += [f"vn {x:.4f} {y:.4f} {z:.4f}\n" for x, y, z in surface.normals + 0.0]
+    if surface.uv is not None:
+        lines += [f"vt {u:.5f} {v:.5f}\n" for u, v in surface.uv]
+    corner = "{0}/{0}/{0}" if surface.uv is not None else "{0}//{0}"
+    lines += ["f " + " ".join(corner.format(index) for index in face) + "\n" for face in (surface.faces + 1).tolist()]
+    path.write_text("".join(lines), encoding="ascii")
+
+
+def _merged(parts: list[Surface]) -> Surface:
+    starts = np.cumsum([0, *(len(part.vertices) for part in parts)])
+    return Surface(
+        np.concatenate([part.vertices for part in parts]),
+        np.concatenate([part.faces + start for part, start in zip(parts, starts, strict=False)]),
+        np.concatenate([part.normals for part in parts]),
+        parts[0].colour,
+    )
+
+
+def _textured(visual: Visual) -> Surface:
+    mesh = visual.mesh
+    looks: Any = mesh.visual
+    material = looks.material
+    material = material.to_pbr() if hasattr(material, "to_pbr") else material
+    colour = (1.0, 1.0, 1.0, 1.0) if material.baseColorFactor is None else _rgba(material.baseColorFactor)
+    uv = np.asarray(looks.uv, dtype=np.float64)
+    vertices, normals = np.asarray(mesh.vertices), np.asarray(mesh.vertex_normals)
+    return Surface(vertices, np.asarray(mesh.faces), normals, colour, uv, material.baseColorTexture)
+
+
+def _colour(looks: Any) -> RGBA:
+    """The one colour of a mesh that carries its own looks."""
+    material = getattr(looks, "material", looks)
+    given = getattr(material, "baseColorFactor", None)
+    return _rgba(getattr(material, "main_color", (160, 160, 160, 255)) if given is None else given)
+
+
+def _rgba(values: Any) -> RGBA:
+    """From 0 to 255 each."""
+    r, g, b, a = (round(float(value) / 255, 4) for value in values)
+    return r, g, b, a
