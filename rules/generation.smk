@@ -1,7 +1,7 @@
 # Scenes made of cousins: placement, support, walls, collisions, settling (paper A.3, A.7).
 # Reads:  objects, cousins, library.
-# Writes: results/generation/<variant>/<scene>/scene_<rank>.json, and for people scene_<rank>.{png,glb}, comparison.png
-#         and look.json.
+# Writes: results/generation/<variant>/<scene>/scene_<rank>.json, and for people scene_<rank>.{png,glb}, comparison.png,
+#         look.json and view.glb (the first scene, small, for the report).
 
 
 rule generate:
@@ -48,6 +48,7 @@ rule draw_scenes:
         previews=[f"results/generation/{{variant}}/{{scene}}/scene_{rank}.png" for rank in RANKS],
         exports=[f"results/generation/{{variant}}/{{scene}}/scene_{rank}.glb" for rank in RANKS],
         look="results/generation/{variant}/{scene}/look.json",
+        view="results/generation/{variant}/{scene}/view.glb",
         comparison=report(
             "results/generation/{variant}/{scene}/comparison.png",
             caption="../report/captions/scene.rst",

@@ -13,6 +13,8 @@ from stages.generation.painting import furnished, look_of
 from stages.generation.pictures import preview, resized_to, side_by_side
 from stages.generation.standing import placed_items
 
+VIEW_TEXTURE = 128  # pixels: textures of the scene that the report lets turn
+
 
 def run(*, scenes: tuple[Path, ...], objects: Path, image: Path, library: Path, out: Path, width: int = 640) -> None:
     """Draw the scenes that `generate` wrote for one picture, ours or another's, in its light and colours.
@@ -22,8 +24,8 @@ def run(*, scenes: tuple[Path, ...], objects: Path, image: Path, library: Path, 
         objects: objects.json of the picture, with masks.png beside it; depth.npz is used if it is there.
         image: the input picture.
         library: library.json.
-        out: folder; gets a .png and a .glb for each scene, comparison.png, look.json, and in assets/ resized models it
-            lacks.
+        out: folder; gets a .png and a .glb for each scene, view.glb (the first with small textures, for the report),
+            comparison.png, look.json, and in assets/ resized models it lacks.
         width: of the pictures, pixels.
     """
     folders = {entry.id: library.parent / entry.folder for entry in read_json(Library, library).assets}
@@ -39,7 +41,10 @@ def run(*, scenes: tuple[Path, ...], objects: Path, image: Path, library: Path, 
         picture = preview(furnished(made, items, sized, look), made, width)
         with atomic(out / f"{path.stem}.png") as temporary:
             Image.fromarray(picture).save(temporary)
-        glb.write(room_of(made, items, sized, look), out / f"{path.stem}.glb")
+        room = room_of(made, items, sized, look)
+        glb.write(room, out / f"{path.stem}.glb")
+        if path == scenes[0]:
+            glb.write(room, out / "view.glb", VIEW_TEXTURE)
         pictures.append((f"rank {made.rank}", picture))
     with atomic(out / "comparison.png") as temporary:
         side_by_side(pictures).save(temporary)

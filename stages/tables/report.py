@@ -26,6 +26,7 @@ from stages.tables.scenes import named
 
 MAX_BYTES = 12_000_000
 TIMES_PAGE = "times.html"
+SCRIPTS = ("page.js", "viewer.js", "turntable.js")
 STAGES = ["assets", "scenes", "extraction", "matching", "generation", "experiment"]
 STAGES += ["demonstrations", "training", "evaluation", "tables"]
 TEXT = ["scene", "protocol", "variant", "judge", "task", "cloud", "claim", "verdict", "test_asset", "training_set"]
@@ -99,7 +100,7 @@ def _page(
             figures={
                 name: (inline(read_text(path), alt) if path else None, alt) for name, (path, alt) in drawn.items()
             },
-            script=Markup(read_text(Path(__file__).with_name("page") / "page.js")),
+            script=Markup("\n".join(read_text(Path(__file__).with_name("page") / name) for name in SCRIPTS)),
             times_page=TIMES_PAGE,
             number=number,
             percent=percent,

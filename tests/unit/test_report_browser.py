@@ -5,15 +5,24 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
-from stages.tables import figures, report, tables
+from stages.contracts.files import read_json
+from stages.contracts.generated import GeneratedScene
+from stages.contracts.objects import Mounting, Wall
+from stages.generation.exports import glb, room_of
+from stages.generation.placed import Placed
+from stages.geometry.boxes import UprightBox
+from stages.geometry.cameras import look_at
+from stages.tables import figures, policies, report, scenes
+from tests.unit.demo_assets import cabinet
 from tests.unit.tables_results import declared, write_run
 
 PUBLISHED = Path(__file__).parents[2] / "report" / "published"
 WIDTHS = (360, 820, 1440)
 FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking"]
-FLAGS += ["--disable-component-update", "--disable-sync"]
+FLAGS += ["--disable-component-update", "--disable-sync", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 WIDE = """
 () => [...document.querySelectorAll('main *, header *')]
   .filter((e) => e.checkVisibility() && !e.closest('.scroll, pre') && e.getBoundingClientRect().right > innerWidth + 1)
@@ -54,17 +63,27 @@ CONTRAST = """
 """
 
 
+def cabinet_to_turn(folder: Path, out: Path) -> None:
+    """The scene of room_1: a red cabinet with a door, on a floor and at a wall."""
+    asset = cabinet(folder / "cabinet")
+    made = read_json(GeneratedScene, out.with_name("scene_1.json"))
+    made.walls = [Wall(id="wall_1", normal=(-1, 0, 0), offset=-3.0, points=99)]
+    made.floor_from_camera = look_at([0, 0, 1.2], [3, 0, 0.4]).tolist()
+    box = UprightBox((2.7, 0, asset.size[2] / 2), asset.size, np.pi)
+    item = Placed("cabinet_1", "cabinet", asset, box, Mounting(type=3))
+    glb.write(room_of(made, [item], {"cabinet_1": folder / "cabinet"}, None), out, 128)
+
+
 @pytest.fixture(scope="module")
 def address(tmp_path_factory: pytest.TempPathFactory) -> str:
     """The page of a small run."""
     root = write_run(tmp_path_factory.mktemp("browser"))
     results = root / "results"
-    tables.run(
-        out=results / "tables",
-        scores=tuple(sorted(results.glob("evaluation/scenes/b/*/scores.csv"))),
-        rollouts=(results / "evaluation/policies/door/rollouts.csv",),
-        published=PUBLISHED,
-    )
+    cabinet_to_turn(root, results / "generation/b/room_1/view.glb")
+    scores = tuple(sorted(results.glob("evaluation/scenes/b/*/scores.csv")))
+    scenes.run(out=results / "tables", figures=results / "figures", scores=scores, published=PUBLISHED)
+    rollouts = (results / "evaluation/policies/door/rollouts.csv",)
+    policies.run(out=results / "tables", rollouts=rollouts, published=PUBLISHED)
     figures.run(out=results / "figures", table3_csv=results / "tables" / "table3.csv", published=PUBLISHED)
     report.run(out=root / "index.html", published=PUBLISHED, **declared(root))  # type: ignore[arg-type]
     return (root / "index.html").as_uri()
@@ -193,6 +212,64 @@ def test_colours_films_and_large_pictures_by_keyboard(opened: tuple[Any, list[st
     assert not page.locator("#viewer").is_visible()
     page.locator("details summary").first.focus()
     assert complaints == []
+
+
+DRAWN = """
+() => {
+  const canvas = document.querySelector('#turntable canvas');
+  const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext('2d', {willReadFrequently: true});
+  copy.drawImage(canvas, 0, 0);
+  const { data } = copy.getImageData(0, 0, canvas.width, canvas.height);
+  const colours = new Set();
+  let sum = 0;
+  for (let i = 0; i < data.length; i += 28) {
+    const colour = data[i] + 256 * data[i + 1] + 65536 * data[i + 2];
+    colours.add(colour);
+    sum = (sum * 31 + colour) % 1000003;
+  }
+  return {colours: colours.size, sum};
+}
+"""
+
+
+@pytest.mark.parametrize(
+    "opened", [(820, "light", "reduce"), (360, "dark", "reduce")], indirect=True, ids=["screen", "phone"]
+)
+def test_a_scene_turns_by_drag_and_keys_and_its_door_opens(opened: tuple[Any, list[str]]) -> None:
+    page, complaints = opened
+    page.locator("button.turn").first.click()
+    table, canvas = page.locator("#turntable"), page.locator("#turntable canvas")
+    page.wait_for_function("() => document.activeElement.matches('#turntable canvas')")
+    first = page.evaluate(DRAWN)
+    assert first["colours"] > 12  # floor, wall, cabinet, shadow and their edges
+    assert table.bounding_box()["width"] <= page.viewport_size["width"]
+
+    def changed(what: str, before: dict[str, float]) -> dict[str, float]:
+        page.wait_for_timeout(100)
+        now: dict[str, float] = page.evaluate(DRAWN)
+        assert now["sum"] != before["sum"], what
+        return now
+
+    page.keyboard.press("ArrowRight")
+    seen = changed("a key", first)
+    box = canvas.bounding_box()
+    page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    page.mouse.down()
+    page.mouse.move(box["x"] + box["width"] / 2 + 60, box["y"] + box["height"] / 2 + 20, steps=3)
+    page.mouse.up()
+    seen = changed("a drag", seen)
+    page.mouse.wheel(0, -200)
+    seen = changed("the wheel", seen)
+    table.locator("input[type=range]").focus()
+    page.keyboard.press("End")
+    seen = changed("the door", seen)
+    table.locator(".turning").click()
+    assert changed("turning", seen) and table.locator(".turning").get_attribute("aria-pressed") == "true"
+    with page.expect_download() as saved:
+        table.locator("a").click()
+    assert Path(saved.value.path()).read_bytes()[:4] == b"glTF"
+    table.locator(".close").click()
+    assert not table.is_visible() and [line for line in complaints if "GPU stall" not in line] == []
 
 
 @pytest.mark.parametrize("opened", [(820, "light", "reduce")], indirect=True)

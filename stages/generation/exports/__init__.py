@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,7 @@ from stages.contracts.look import Look
 from stages.generation.look import DEFAULT_LIGHT
 from stages.generation.placed import Placed
 from stages.generation.settling import is_fixed
-from stages.geometry.frames import rigid, yaw_matrix
+from stages.geometry.frames import apply, rigid, yaw_matrix
 from stages.simulation.backdrop import Block, backdrop
 
 Matrix = NDArray[np.float64]
@@ -37,6 +38,12 @@ class Body:
     def frames(self) -> dict[str, Matrix]:
         """root_from_link (4, 4) of every link, closed."""
         return link_frames(self.model)
+
+    @property
+    def corners(self) -> Matrix:
+        """Of the closed box (8, 3), in the world."""
+        low, high = self.asset.box_min, self.asset.box_max
+        return apply(self.pose, np.array(list(product(*zip(low, high, strict=True)))))
 
     @property
     def moving(self) -> list[JointModel]:

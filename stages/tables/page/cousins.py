@@ -6,9 +6,10 @@ from pathlib import Path
 from PIL import Image
 
 from stages.contracts.cousins import Cousins, ObjectCousins
-from stages.contracts.objects import Objects, SceneObject
+from stages.contracts.objects import SceneObject
 from stages.tables.page.pictures import Album, Picture, load
 from stages.tables.page.snapshots import Snapshots
+from stages.tables.page.stories import Evidence, Story, story
 
 MOUNTING = {1: "on the wall", 2: "stands free", 3: "stands, touches a wall"}
 SHOWN = 5  # cousins of an object with a picture
@@ -37,12 +38,14 @@ class Match:
     picture: Picture | None
     cousins: list[Relative]
     more: int
+    story: Story | None
 
 
 def matches(
-    found: Cousins, objects: Objects | None, image: Path | None, album: Album, snapshots: Snapshots
+    found: Cousins, evidence: Evidence | None, image: Path | None, album: Album, snapshots: Snapshots
 ) -> list[Match]:
     """The objects that have cousins, in the order of matching."""
+    objects = evidence.objects if evidence else None
     seen = {item.id: item for item in objects.objects} if objects else {}
     whole = load(image, LARGEST) if image and objects else None
     made = []
@@ -50,13 +53,19 @@ def matches(
         if entry.status == "ok":
             item = seen.get(entry.id)
             crop = _crop(whole, item, objects.width) if whole and item and objects else None
+            told = story(entry, item, evidence, album, snapshots) if evidence and item else None
             made.append(_match(entry, item, album.put(crop, f"{entry.id} in the input", SIZE) if crop else None,
-                               album, snapshots))  # fmt: skip
+                               album, snapshots, told))  # fmt: skip
     return made
 
 
 def _match(
-    entry: ObjectCousins, item: SceneObject | None, crop: Picture | None, album: Album, snapshots: Snapshots
+    entry: ObjectCousins,
+    item: SceneObject | None,
+    crop: Picture | None,
+    album: Album,
+    snapshots: Snapshots,
+    told: Story | None,
 ) -> Match:
     deciders = dict.fromkeys(name for name in (entry.decided_by, entry.orientation_decided_by) if name)
     shown = entry.cousins[:SHOWN]
@@ -67,7 +76,7 @@ def _match(
         alt = f"{cousin.asset}, cousin {cousin.rank} of {entry.id}"
         picture = album.put(view, alt, SIZE) if view else None
         relatives.append(Relative(cousin.rank, cousin.asset, cousin.distance, cousin.distance / largest, picture))
-    return Match(entry.id, _about(item), " / ".join(deciders), crop, relatives, len(entry.cousins) - len(shown))
+    return Match(entry.id, _about(item), " / ".join(deciders), crop, relatives, len(entry.cousins) - len(shown), told)
 
 
 def _crop(whole: Image.Image, item: SceneObject, width: int) -> Image.Image | None:

@@ -1,16 +1,22 @@
 """What the page says of each room: input, reconstructions, failures, plausibility."""
 
+import base64
+import gzip
 from dataclasses import dataclass
+from pathlib import Path
 
 from stages.contracts.cousins import Cousins
+from stages.contracts.extracted import read_clouds, read_object_masks
 from stages.contracts.files import read_json
 from stages.contracts.generated import GeneratedScene
+from stages.contracts.images import read_rgb
 from stages.contracts.objects import Objects
 from stages.tables.order import natural, title
 from stages.tables.page.cousins import Match, matches
 from stages.tables.page.files import RunFiles
 from stages.tables.page.pictures import Album, Picture
 from stages.tables.page.snapshots import Snapshots
+from stages.tables.page.stories import Evidence
 
 
 @dataclass(frozen=True)
@@ -33,6 +39,7 @@ class Reconstruction:
     encoder: str
     scenes: list[RebuiltScene]
     matches: list[Match]
+    view: str  # the scene of the first rank to turn round, binary glTF, gzip in base64; empty: the run has none
 
 
 @dataclass(frozen=True)
@@ -63,6 +70,26 @@ def _scene(scene: GeneratedScene, picture: Picture | None) -> RebuiltScene:
     return RebuiltScene(scene.rank, picture, len(placed), moved, physics, check.stable if check else None)
 
 
+def _evidence(
+    files: RunFiles, room: str, objects: Objects, image: Path | None, first: GeneratedScene | None
+) -> Evidence:
+    """What the run has to tell the objects' stories with."""
+    path = files.one(f"extraction/{room}/objects.json")
+    has = {name: path and files.one(f"extraction/{room}/{name}") for name in ("masks.png", "clouds.npz")}
+    rgb = read_rgb(image) if image else None
+    return Evidence(
+        objects,
+        rgb if rgb is not None and rgb.shape[:2] == (objects.height, objects.width) else None,
+        read_object_masks(path, objects) if path and has["masks.png"] else None,
+        read_clouds(path, objects) if path and has["clouds.npz"] else {},
+        {item.id: item for item in first.objects} if first else {},
+    )
+
+
+def _packed(path: Path | None) -> str:
+    return base64.b64encode(gzip.compress(path.read_bytes(), 9, mtime=0)).decode("ascii") if path else ""
+
+
 class _Failures:
     """Objects that failed, each told once, where it failed first."""
 
@@ -89,15 +116,19 @@ def _room(files: RunFiles, name: str, album: Album, snapshots: Snapshots) -> Roo
         found = read_json(Cousins, found_path) if found_path else None
         failures.add(f"matching ({variant})", found.objects if found else [])
         scenes: list[RebuiltScene] = []
+        first: GeneratedScene | None = None
         for place in files.all(f"generation/{variant}/{name}/scene_*.json"):
             scene = read_json(GeneratedScene, place)
-            if not scenes:
+            if first is None:
+                first = scene
                 failures.add(f"generation ({variant})", scene.objects)
             alt = f"Reconstruction of {label} from cousins of rank {scene.rank}"
             drawn = files.one(f"generation/{variant}/{name}/{place.stem}.png")
             scenes.append(_scene(scene, album.maybe(drawn, alt)))
-        pictured = matches(found, objects, image, album, snapshots) if found else []
-        made.append(Reconstruction(variant, found.encoder if found else "", scenes, pictured))
+        evidence = _evidence(files, name, objects, image, first) if objects else None
+        pictured = matches(found, evidence, image, album, snapshots) if found else []
+        view = _packed(files.one(f"generation/{variant}/{name}/view.glb"))
+        made.append(Reconstruction(variant, found.encoder if found else "", scenes, pictured, view))
     return RoomPart(
         name=name,
         title=label.capitalize(),

@@ -1,0 +1,150 @@
+"""The story of an object on the report page: pictures from mask and cloud, facts, rivals, doubts."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from stages.contracts.cousins import Candidate, CategoryMatch, Cousin, ObjectCousins, Orientation
+from stages.contracts.generated import PlacedObject
+from stages.contracts.objects import Box, Mounting, Objects, SceneObject
+from stages.geometry.cameras import intrinsics_from_fov, look_at
+from stages.tables.page.files import RunFiles
+from stages.tables.page.pictures import Album
+from stages.tables.page.snapshots import Snapshots
+from stages.tables.page.stories import SIZE, Evidence, drawn_cloud, masked, story
+
+WIDTH, HEIGHT = 120, 90
+VIEW = Orientation(yaw=0.5, distance=1.0)
+
+
+def thing(**changes: Any) -> SceneObject:
+    fields: dict[str, Any] = {
+        "id": "desk_1", "label": "desk", "mask": 1, "points": 900, "pixels": (20, 30, 60, 80),
+        "box": Box(center=(3.0, 0.0, 0.4), size=(0.6, 1.2, 0.8), yaw=0.0),
+        "mounting": Mounting(type=2),
+    }  # fmt: skip
+    return SceneObject(**(fields | changes))
+
+
+def evidence(item: SceneObject, **changes: Any) -> Evidence:
+    objects = Objects(
+        scene="t",
+        width=WIDTH,
+        height=HEIGHT,
+        intrinsics=intrinsics_from_fov(WIDTH, HEIGHT, 0.9).tolist(),
+        floor_from_camera=look_at([0, 0, 1.4], [3, 0, 0.4]).tolist(),
+        walls=[],
+        objects=[item],
+    )
+    fields: dict[str, Any] = {"objects": objects, "rgb": None, "masks": None, "clouds": {}, "placed": {}}
+    return Evidence(**(fields | changes))
+
+
+def matched(distances: tuple[float, ...] = (1.0, 2.0, 3.0), category: str = "desk", **changes: Any) -> ObjectCousins:
+    names = [f"desk_{number:02d}" for number in range(len(distances))]
+    fields: dict[str, Any] = {
+        "id": "desk_1",
+        "label": "desk",
+        "decided_by": "distance",
+        "orientation_decided_by": "geometry",
+        "categories": [CategoryMatch(category="desk", distance=0.0), CategoryMatch(category="table", distance=0.4)],
+        "by_distance": [
+            Candidate(asset=name, category="desk", distance=distance, parts={"patches": distance}, votes=7)
+            for name, distance in zip(names, distances, strict=True)
+        ],
+        "cousins": [
+            Cousin(rank=rank, asset=names[rank - 1], category=category, distance=distances[rank - 1], votes=7,
+                   orientation=VIEW, orientations=[VIEW]) for rank in (1, 2)
+        ],
+    }  # fmt: skip
+    return ObjectCousins(**(fields | changes))
+
+
+def told(entry: ObjectCousins, item: SceneObject, **changes: Any) -> Any:
+    return story(entry, item, evidence(item, **changes), Album(400, 80), Snapshots(RunFiles([])))
+
+
+def test_it_tells_what_was_seen_compared_chosen_and_placed() -> None:
+    placed = PlacedObject(
+        id="desk_1",
+        label="desk",
+        asset="desk_00",
+        category="desk",
+        size=(0.6, 1.2, 0.8),
+        yaw=np.pi / 2,
+        support="rug_1",
+    )
+    made = told(matched(), thing(), placed={"desk_1": placed})
+    facts = dict(made.facts)
+    assert facts["mounting"] == "stands free" and "900 points" in facts["seen"]
+    assert facts["categories, by distance of the label"] == "desk 0.00, table 0.40"
+    assert facts["model chosen by"] == "distance"
+    assert facts["orientation chosen by"] == "geometry, turned by 29° in the camera's view"
+    assert facts["placed"] == "desk 00 on rug_1, 0.60 × 1.20 × 0.80 m, turned by 90°"
+    assert [(rival.asset, rival.rank, rival.about) for rival in made.rivals] == [
+        ("desk_00", 1, "patches 1.00, 7 votes"), ("desk_01", 2, "patches 2.00, 7 votes"),
+        ("desk_02", 0, "patches 3.00, 7 votes"),
+    ]  # fmt: skip
+    assert made.compared == 3 and made.doubts == [] and made.pictures == []
+
+
+def placed(**changes: Any) -> PlacedObject:
+    fields = {"id": "desk_1", "label": "desk", "asset": "desk_00", "category": "desk", "size": (0.6, 1.2, 0.8)}
+    return PlacedObject(**(fields | changes))
+
+
+@pytest.mark.parametrize(
+    ("entry", "item", "there", "words"),
+    [
+        ({}, {"points": 40}, {}, "only 40 points"),
+        ({}, {"pixels": (0, 30, 60, 80)}, {}, "border"),
+        ({}, {"pixels": (20, 30, 60, HEIGHT)}, {}, "border"),
+        ({"distances": (1.0, 1.04, 3.0)}, {}, {}, "as near: desk 01"),
+        ({"category": "table"}, {}, {}, "nearest to desk, the model is a table"),
+        ({"note": "counts were relaxed"}, {}, {}, "counts were relaxed"),
+        ({}, {}, {"size": (1.2, 1.2, 0.8)}, "another depth or width"),
+        ({}, {}, {"moved": 0.3}, "pushed 30 cm"),
+        ({}, {}, {"settled_shift": 0.04}, "moved 4.0 cm when physics ran"),
+        ({}, {}, {"status": "failed", "reason": "no room"}, "not placed: no room"),
+    ],
+)
+def test_doubts(entry: dict[str, Any], item: dict[str, Any], there: dict[str, Any], words: str) -> None:
+    made = told(matched(**entry), thing(**item), placed={"desk_1": placed(**there)})
+    assert len(made.doubts) == 1 and words in made.doubts[0]
+
+
+def test_a_box_that_is_turned_by_a_quarter_is_the_same_box() -> None:
+    assert told(matched(), thing(), placed={"desk_1": placed(size=(1.2, 0.6, 0.8))}).doubts == []
+
+
+def test_what_the_mask_leaves_out_is_dimmed() -> None:
+    rgb = np.full((HEIGHT, WIDTH, 3), 100, dtype=np.uint8)
+    mask = np.zeros((HEIGHT, WIDTH), dtype=bool)
+    mask[30:50, 40:70] = True
+    cut = np.asarray(masked(rgb, mask))
+    assert cut.shape[0] < 35 and (cut == 100).all(axis=2).sum() == mask.sum() and cut.max() > 180
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.7, -1.4])
+def test_a_cloud_is_drawn_as_the_camera_sees_it(yaw: float) -> None:
+    """What is left and high for the camera is left and high in the picture, however the box's axes are called."""
+    item = thing(box=Box(center=(3.0, 0.0, 0.4), size=(1.0, 1.0, 0.8), yaw=yaw))
+    cloud = np.array([[3.0, 0.3, 0.7]], dtype=np.float32)  # left of the middle (y is left), and above it
+    front = np.asarray(drawn_cloud(cloud, item, evidence(item), (1, 2)))
+    dark = np.argwhere((front == 110).all(axis=2))
+    assert len(dark) == 4 and (dark < SIZE / 2).all()
+    far = np.array([[3.3, 0.0, 0.4]], dtype=np.float32)  # away from the camera: up, seen from above
+    above = np.asarray(drawn_cloud(far, item, evidence(item), (1, 0)))
+    assert np.argwhere((above == 110).all(axis=2))[:, 0].max() < SIZE / 2
+
+
+def test_pictures_need_no_more_than_the_run_has() -> None:
+    item = thing()
+    cloud = np.array([[3.0, 0.3, 0.7]], dtype=np.float32)
+    rgb, masks = np.full((HEIGHT, WIDTH, 3), 9, np.uint8), np.ones((HEIGHT, WIDTH), np.uint16)
+    captions = [caption for _, caption in told(matched(), item, clouds={"desk_1": cloud}).pictures]
+    assert captions == ["cloud from the front", "cloud from above"]
+    both = told(matched(), item, rgb=rgb, masks=masks, clouds={"desk_1": cloud}).pictures
+    assert [caption for _, caption in both] == ["mask", *captions]
+    assert all(picture.source.startswith("data:image/webp") and picture.width <= SIZE for picture, _ in both)
