@@ -10,7 +10,7 @@ compared once per weight of colour, the rest is added up from that. Another cove
 import argparse
 import json
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -78,54 +78,43 @@ def more() -> Options:
     return {name: value for name, value in tried.items() if getattr(DEFAULT, name) == OFF[name]}
 
 
-class Looks(NamedTuple):
-    """Mean patch distances of one object to all views (V,) of one model, there and back."""
-
-    there: NDArray[np.float64]
-    back: NDArray[np.float64]
-
-
 class Thing:
     """One object with what it truly is, compared with models as they are asked for."""
 
     def __init__(self, item: SceneObject, true: TrueObject, yaw: float, query: Query, store: FeatureStore) -> None:
         self.item, self.true, self.yaw, self.query, self.store = item, true, yaw, query, store
-        self._looks: dict[str, Looks] = {}
+        self._looks: dict[Snapshot, tuple[float, float]] = {}
 
-    def looks(self, assets: list[str]) -> list[Looks]:
-        """Distances to every asset; those that are new are computed."""
-        new = [asset for asset in assets if asset not in self._looks]
-        views = range(len(self.store.yaws) + 1)
-        snapshots = [Snapshot(asset, view) for asset in new for view in views]
+    def looks(self, assets: list[str], views: Sequence[int], symmetric: float) -> NDArray[np.float64]:
+        """Distances (assets, views); both ways are computed once."""
+        asked = [Snapshot(asset, view) for asset in assets for view in views]
+        new = [snapshot for snapshot in asked if snapshot not in self._looks]
         if new:
             found = distance_table(
                 self.query.patches,
-                lambda number: weighted(self.store.rows(snapshots[number]), self.query.weights),
-                len(snapshots),
+                lambda number: weighted(self.store.rows(new[number]), self.query.weights),
+                len(new),
                 DEFAULT.search,
                 1,
                 both=True,
             )
             there = embedding_distance(found.table, DEFAULT.exclude_worst)
-            back = np.array([embedding_distance(way[:, None], DEFAULT.exclude_worst)[0] for way in found.backward])
-            pairs = zip(there.reshape(len(new), -1), back.reshape(len(new), -1), strict=True)
-            self._looks |= {asset: Looks(*pair) for asset, pair in zip(new, pairs, strict=True)}
-        return [self._looks[asset] for asset in assets]
+            back = [embedding_distance(way[:, None], DEFAULT.exclude_worst)[0] for way in found.backward]
+            self._looks |= dict(zip(new, zip(there.tolist(), back, strict=True), strict=True))
+        ways = np.array([self._looks[snapshot] for snapshot in asked]).reshape(len(assets), len(views), 2)
+        mixed: NDArray[np.float64] = ways @ np.array([1 - symmetric, symmetric])
+        return mixed
 
     def match(self, library: Library, options: MatchingConfig) -> Row:
         """As `rank_cousins` by distance."""
         candidates = find_candidates(self.item, library, TEXT, options)
-        views = compared_views(self.store, options)
-        mixed = [
-            (1 - options.symmetric) * looks.there + options.symmetric * looks.back
-            for looks in self.looks([entry.id for entry in candidates.assets])
-        ]
+        assets = [entry.id for entry in candidates.assets]
+        seen = np.sort(self.looks(assets, compared_views(self.store, options), options.symmetric), axis=1)
         extra = [sum(more.values()) for more in addends(self.item, candidates, options)]
-        nearest = [np.sort(each[views])[: options.nearest_views].mean() for each in mixed]
-        distances = [round(each, DIGITS) + add for each, add in zip(nearest, extra, strict=True)]
-        order = np.argsort(np.round(distances, DIGITS), kind="stable")
-        ranked = [candidates.assets[number] for number in order]
-        turn = self.store.yaws[int(mixed[order[0]][:-1].argmin())]
+        distances = seen[:, : options.nearest_views].mean(axis=1).round(DIGITS) + extra
+        ranked = [candidates.assets[number] for number in np.argsort(distances.round(DIGITS), kind="stable")]
+        turned = self.looks([ranked[0].id], range(len(self.store.yaws)), options.symmetric)[0]
+        turn = self.store.yaws[int(turned.argmin())]
         return Row(
             ranked[0].category == self.true.category,
             ranked[0].id == self.true.asset,

@@ -131,6 +131,19 @@ def test_a_scene_is_replayed_byte_for_byte(world: World, tmp_path: Path, capsys:
         judged(world, tmp_path, "http://127.0.0.1:9", {"mode": "replay"}, seen=False, **BOTH)
 
 
+def test_nothing_of_ours_counts_in_the_rows_of_the_paper() -> None:
+    """The letter of the paper: in its own overlay, and in row (b) of the study."""
+    default = yaml.safe_load((ROOT / "config.yaml").read_text())
+    paper, study = (
+        load(merged(default, yaml.safe_load((ROOT / "config" / name).read_text()))).matching_of("b")
+        for name in ("paper/scenes.yaml", "study/table2.yaml")
+    )
+    ours = {name for name in type(paper).model_fields if name.endswith("_weight")} | {"symmetric", "colour", "views"}
+    assert all(getattr(paper, name) == 0 for name in ours), ours
+    assert (paper.nearest_views, paper.least_candidates, paper.count_threshold) == (1, 1, None)
+    assert study == paper
+
+
 def test_the_overlay_of_the_paper_has_its_variants() -> None:
     config: dict[str, Any] = {}
     for name in ("config.yaml", "config/paper/scenes.yaml", "config/paper/judged.yaml"):
