@@ -110,7 +110,7 @@ class GeometryConfig(Section):
     lines: float = Field(1.0, ge=0, description="Weight of the agreement of lines: doors, drawers, handles; 0 to 1.")
     colour: float = Field(0.0, ge=0, description="Weight of the agreement of colours, 0 to 1.")
     proportions: float = Field(
-        0.2, ge=0, description="Taken off for stretching axes unlike: per unit of the logarithms' range."
+        0.3, ge=0, description="Taken off for stretching axes unlike: per unit of the logarithms' range."
     )
     distance: float = Field(1.0, ge=0, description="Taken off per unit of a model's distance.")
 
@@ -140,16 +140,16 @@ class MatchingConfig(ComparisonOptions):
         2, ge=1, description="The mean over so many of its nearest views is a model's distance: most stand between two."
     )
     model_selection: str = Field(
-        "distance",
+        "geometry",
         json_schema_extra={"kind": "judges"},
-        description="What ranks the models: embedding distance (A.6, B.1), votes (A.6, official code), or, among the "
-        "k_model nearest, geometry (renderings in place) or a language model (B.1).",
+        description="What ranks the models: distance (of embeddings; A.6, B.1), votes (A.6, official code), or, among "
+        "the k_model nearest, geometry (renderings in place) or vlm (a language model, B.1).",
     )
     orientation_selection: str = Field(
-        "distance",
+        "geometry",
         json_schema_extra={"kind": "judges"},
-        description="What ranks the orientations: embedding distance, votes (official code), rerender (the same to "
-        "views rendered again, B.1), geometry (renderings in place), or a language model among k_ori (B.1).",
+        description="What ranks the orientations: distance (of embeddings), votes (official code), rerender (distance "
+        "to views rendered again, B.1), geometry (renderings in place), or vlm (a language model, B.1).",
     )
     symmetric: float = Field(
         0.5,

@@ -147,10 +147,14 @@ SHOWN: list[tuple[str, float, dict]] = [
 
 
 class World:
-    """Files of one library and one scene; `options`: keys of `matching` that hold for all that is made."""
+    """Files of one library and one scene; `options`: keys of `matching` that hold for all that is made. The models have
+    pictures, no asset folders: distance judges."""
 
     def __init__(self, folder: Path, **options: Any) -> None:
-        self.folder, self.options = folder, options
+        self.folder, self.options = (
+            folder,
+            {"model_selection": "distance", "orientation_selection": "distance"} | options,
+        )
         encoding = json.dumps({key: options[key] for key in ("encoder", "own") if key in options})
         self.library = write_library(folder)
         names = sorted(MODELS)

@@ -27,6 +27,7 @@ LISTED = {  # keys that do not simply run the one verb of their section again
     "matching.hog": {"match", "distances"},  # weights: nothing is encoded anew
     "matching.dinov2": set(),  # not used
     "matching.clip": set(),
+    "matching.rerender": set(),
     "matching.vlm": set(),
     "matching.own": set(),
     "generation.preview_width": set(),  # a parameter of `draw`

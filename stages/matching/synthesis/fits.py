@@ -57,17 +57,23 @@ class Fitter:
         self.touches = wall is not None
         self.behind = None if wall is None else (np.array(wall.normal), wall.offset)
         self._measured: dict[float, Measured] = {}
+        self._fits: dict[tuple[str, float], Fit] = {}
         self.axes = item.box.yaw if wall is None else float(np.arctan2(wall.normal[1], wall.normal[0]))
 
     def fit(self, solid: Solid, yaws: Sequence[float]) -> list[Fit]:
         """The model at several yaws of the floor frame, those left out that its symmetry makes equal."""
-        fits = []
-        for yaw in distinct(yaws, SYMMETRY_PERIOD[solid.asset.symmetry]):
-            box = self.box_of(solid, yaw)
-            picture = render(solid, box, self.seen)
-            terms = compare(self.seen, picture, box.size, solid.asset.size, self.lines)
-            fits.append(Fit(solid.asset.id, view_angle(self.seen.eye, self.box.center, yaw), box, picture, terms))
-        return fits
+        return [self._fit(solid, yaw) for yaw in distinct(yaws, SYMMETRY_PERIOD[solid.asset.symmetry])]
+
+    def _fit(self, solid: Solid, yaw: float) -> Fit:
+        known = self._fits.get((solid.asset.id, yaw))
+        if known is not None:
+            return known
+        box = self.box_of(solid, yaw)
+        picture = render(solid, box, self.seen)
+        terms = compare(self.seen, picture, box.size, solid.asset.size, self.lines)
+        fit = Fit(solid.asset.id, view_angle(self.seen.eye, self.box.center, yaw), box, picture, terms)
+        self._fits[solid.asset.id, yaw] = fit
+        return fit
 
     def box_of(self, solid: Solid, yaw: float) -> UprightBox:
         """The box of a model that stands at a yaw of the floor frame in the object's place."""
