@@ -54,6 +54,12 @@ class GenerationConfig(Section):
     aspect_range: Range = Field(
         (0.5, 2.0), description="Believable scale of the depth, relative to the median scale of the three axes."
     )
+    max_stretch: float | None = Field(
+        2.0,
+        ge=1,
+        description="From rank 2 on, cousins whose size is farther from the library's than by this factor, or "
+        "whose scales along the axes are farther apart, are passed over: a sofa is no stool. null: none (paper).",
+    )
     min_extent: float = Field(0.01, gt=0, description="Smallest extent of a placed asset, metres.")
 
     # Support (A.3)

@@ -1,6 +1,8 @@
 """One scene: every object's cousin placed, resized, stacked and freed from collisions."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import islice
 from pathlib import Path
 
 from stages.config.generation import GenerationConfig
@@ -11,6 +13,7 @@ from stages.generation.inputs import Inputs
 from stages.generation.placed import Placed
 from stages.generation.placement import place, stacked
 from stages.generation.prisms import asset_prisms
+from stages.generation.sizing import fits
 from stages.procedural.resize import resized
 
 
@@ -24,23 +27,34 @@ class Built:
     left: list[tuple[str, str]]
 
 
+def placed_cousins(item: SceneObject, inputs: Inputs, options: GenerationConfig) -> Iterator[Placed]:
+    """An object's cousins at their places and sizes, best first: the first, and of the others those that fit.
+
+    Raises:
+        InputError: the object has no cousin, or the library lacks it.
+    """
+    ranked = inputs.ranked(item)
+    if isinstance(ranked, str):
+        raise InputError(item.id, ranked)
+    for index, cousin in enumerate(ranked):
+        if cousin.asset not in inputs.folders:
+            raise InputError(item.id, f"asset '{cousin.asset}' is not in the library")
+        asset = read_json(Asset, inputs.folders[cousin.asset] / "asset.json")
+        placed = place(item, cousin, asset, inputs.clouds[item.id], inputs.objects, options)
+        if index == 0 or fits(asset.size, placed.box, options.max_stretch):
+            yield placed
+
+
 def placed_and_resized(
     item: SceneObject, rank: int, inputs: Inputs, options: GenerationConfig, cache: Path
 ) -> tuple[Placed, Path]:
-    """One object's cousin at its place and size, and the folder of the asset at that size.
+    """An object's cousin of a rank, the last one if fewer fit, and the folder of the asset at its size.
 
     Raises:
         InputError: the object has no cousin, or the asset is missing or cannot be resized.
     """
-    cousin = inputs.cousin(item, rank)
-    if isinstance(cousin, str):
-        raise InputError(item.id, cousin)
-    if cousin.asset not in inputs.folders:
-        raise InputError(item.id, f"asset '{cousin.asset}' is not in the library")
-    folder = inputs.folders[cousin.asset]
-    asset = read_json(Asset, folder / "asset.json")
-    placed = place(item, cousin, asset, inputs.clouds[item.id], inputs.objects, options)
-    folder = resized(folder, placed.size.tolist(), cache)
+    *_, placed = islice(placed_cousins(item, inputs, options), rank)
+    folder = resized(inputs.folders[placed.asset.id], placed.size.tolist(), cache)
     return replace(placed, asset=read_json(Asset, folder / "asset.json")), folder
 
 

@@ -22,8 +22,8 @@ class Inputs:
     clouds: dict[str, NDArray[np.float32]]
     folders: dict[str, Path]
 
-    def cousin(self, item: SceneObject, rank: int) -> Cousin | str:
-        """The object's cousin of a rank, the last one if it has fewer; or why it has none."""
+    def ranked(self, item: SceneObject) -> list[Cousin] | str:
+        """The object's cousins, best first; or why it has none."""
         matched = self.cousins.get(item.id)
         if item.status == "failed" or item.box is None:
             return f"extraction: {item.reason or 'no box'}"
@@ -32,7 +32,7 @@ class Inputs:
         if item.id not in self.clouds:
             return "extraction: no cloud"
         best_first = sorted(matched.cousins, key=lambda cousin: cousin.rank)
-        return self._facing(item, best_first[min(rank, len(best_first)) - 1])
+        return [self._facing(item, cousin) for cousin in best_first]
 
     def _facing(self, item: SceneObject, cousin: Cousin) -> Cousin:
         """The cousin, turned as the input says if it tells where the front is: then no view needs to be matched."""

@@ -28,8 +28,8 @@ class Settled:
 
 
 def is_fixed(item: Placed) -> bool:
-    """What hangs on a wall, and articulated furniture, is held in place; everything else may fall."""
-    return item.wall_mounted or item.asset.articulated
+    """What hangs on a wall is held in place; everything else may fall."""
+    return item.wall_mounted
 
 
 def load_items(scene: sapien.Scene, items: list[Placed], folders: Mapping[str, Path]) -> dict[str, Body]:

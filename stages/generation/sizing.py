@@ -57,3 +57,13 @@ def believable_box(
     size[depth] += growth
     center = np.asarray(box.center, dtype=float)
     return UprightBox(center - np.sign(along[depth]) * growth / 2 * yaw_matrix(box.yaw)[:, depth], size, box.yaw)
+
+
+def fits(native: ArrayLike, box: UprightBox, limit: float | None) -> bool:
+    """Whether an asset stays what it is in a box: no scale, and no two scales to each other, beyond `limit`.
+
+    A sofa of 2 m is no stool: it would be squeezed to a fifth of its width.
+    """
+    scales = np.asarray(box.size, dtype=float) / np.asarray(native, dtype=float)
+    low, high = float(scales.min()), float(scales.max())
+    return limit is None or (high <= limit * low and 1 / limit <= float(np.median(scales)) <= limit)

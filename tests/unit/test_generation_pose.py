@@ -7,7 +7,7 @@ from stages.contracts.objects import Mounting, Wall
 from stages.generation.extents import measured_box, near_face, only_noise
 from stages.generation.placement import walls_reached
 from stages.generation.pose import rear_at_wall, rectangularity, turned_to, wall_axes
-from stages.generation.sizing import believable_box, round_box, sight_yaw
+from stages.generation.sizing import believable_box, fits, round_box, sight_yaw
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import wrap_angle, yaw_matrix
 from stages.geometry.viewing import view_yaw
@@ -184,3 +184,13 @@ def test_what_stands_on_furniture_or_is_round_is_not_extended_to_the_wall():
     assert walls_reached(stands, [wall], high, False) == []
     assert walls_reached(stands, [wall], low, True) == []
     assert walls_reached(hangs, [wall], high, False) == [wall]
+
+
+@pytest.mark.parametrize(
+    ("size", "stays"),
+    [((0.9, 2.2, 0.8), True), ((1.1, 2.0, 1.0), True), ((0.4, 0.4, 0.5), False), ((0.3, 0.73, 0.27), False)],
+)
+def test_a_sofa_is_no_stool(size, stays):
+    box = UprightBox((0, 0, 0), size, 0.0)
+    assert fits((0.9, 2.2, 0.8), box, 2.0) == stays
+    assert fits((0.9, 2.2, 0.8), box, None)

@@ -1,6 +1,7 @@
 """The verb `generate` on a cabinet with a mug on it: files, places, failures, physics, repeatability."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -204,18 +205,29 @@ def test_collision_and_visual_meshes_fill_the_closed_box(scene: dict[str, Path])
     assert trimesh.util.concatenate(collision_pieces(folder)).extents == pytest.approx(asset.size, abs=0.05)
 
 
-def test_a_floating_mug_has_fallen(scene: dict[str, Path], tmp_path: Path) -> None:
+def test_what_floats_falls_unless_it_hangs_on_a_wall(scene: dict[str, Path], tmp_path: Path) -> None:
     options = GenerationConfig()
     built = build(read_inputs(scene["cousins"], scene["objects"], scene["library"]), 1, options, tmp_path)
-    raised = {"cabinet_1": 0.1, "mug_1": 0.3}  # a cabinet is held in place: the mug falls 20 cm
-    items = [item.shifted([0, 0, raised[item.id]]) for item in built.items]
-    physics = physics_scene()
-    add_ground(physics)
-    settled = settle(physics, load_items(physics, items, built.folders), items, 0, options)
-    assert settled.plausibility.fallen == ["mug_1"]
-    assert not settled.plausibility.stable
-    assert settled.shifts["mug_1"] == pytest.approx(0.2, abs=0.02)
-    assert settled.shifts["cabinet_1"] == 0.0
+    raised = {"cabinet_1": 0.1, "mug_1": 0.3}  # the cabinet falls 10 cm and the mug, that stood 20 cm above it, 30 cm
+    floating = [item.shifted([0, 0, raised[item.id]]) for item in built.items]
+    hung = [replace(item, mounting=Mounting(type=1)) if item.id == "cabinet_1" else item for item in floating]
+    for items, fallen in ((floating, {"cabinet_1": 0.1, "mug_1": 0.3}), (hung, {"mug_1": 0.2})):
+        physics = physics_scene()
+        add_ground(physics)
+        settled = settle(physics, load_items(physics, items, built.folders), items, 0, options)
+        assert settled.plausibility.fallen == sorted(fallen)
+        assert not settled.plausibility.stable
+        assert {name: settled.shifts[name] for name in fallen} == pytest.approx(fallen, abs=0.02)
+
+
+def test_a_cousin_that_would_be_squeezed_is_passed_over(scene: dict[str, Path], tmp_path: Path) -> None:
+    inputs = read_inputs(scene["cousins"], scene["objects"], scene["library"])
+    found = inputs.cousins["mug_1"]
+    large = found.cousins[0].model_copy(update={"asset": "bottom_cabinet_0", "rank": 2})
+    inputs.cousins["mug_1"] = found.model_copy(update={"cousins": [found.cousins[0], large]})
+    for limit, asset in ((2.0, "mug_0"), (None, "bottom_cabinet_0")):
+        built = build(inputs, 2, GenerationConfig(max_stretch=limit), tmp_path)
+        assert next(item.asset.id for item in built.items if item.id == "mug_1") == asset
 
 
 def test_what_has_toppled_has_fallen_however_near_it_lies(scene: dict[str, Path], tmp_path: Path) -> None:
