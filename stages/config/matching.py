@@ -33,6 +33,19 @@ class HogConfig(Section):
         return {"normals", "position", "position_alone"}
 
 
+class PatchNetConfig(Section):
+    """Our own network beside the columns of `hog` (docs/encoders.md); its vectors have weight 1."""
+
+    hog: float = Field(0.5, ge=0, description="Weight of the gradients against the network's vectors.")
+    normals: float = Field(1.0, ge=0, description="Weight of the normals. 0: never used.")
+    position: float = Field(1.0, ge=0, description="Weight of a patch's place in the crop, with normals.")
+    position_alone: float = Field(0.6, ge=0, description="Weight of a patch's place in the crop, without normals.")
+
+    def unread(self) -> set[str]:
+        """Weights, which a feature store does not depend on."""
+        return set(type(self).model_fields)
+
+
 class PretrainedConfig(Section):
     """Weights of a pretrained network, loaded through `transformers`."""
 
@@ -61,18 +74,20 @@ class EncoderOptions(Section):
     encoder: str = Field(
         "hog",
         json_schema_extra={"kind": "encoders"},
-        description="Patch features. hog: needs no weights. dinov2: the paper's; give dinov2.path.",
+        description="Patch features. hog: needs no weights. patchnet: ours, shipped. dinov2: the paper's; give "
+        "dinov2.path.",
     )
     coverage: float = Field(
         0.5, gt=0, le=1, description="Least share of a patch that the mask covers for it to be compared."
     )
     hog: HogConfig = Field(HogConfig(), description="The encoder `hog`.")
+    patchnet: PatchNetConfig = Field(PatchNetConfig(), description="The encoder `patchnet`.")
     dinov2: Dinov2Config = Field(Dinov2Config(), description="The encoder `dinov2`.")
     own: dict[str, dict[str, Any]] = OWN
 
     def unread(self) -> set[str]:
         """The options of encoders that are not used."""
-        return {"hog", "dinov2"} - {self.encoder}
+        return {"hog", "patchnet", "dinov2"} - {self.encoder}
 
     def stored(self) -> dict[str, Any]:
         """The options that the rows of a feature store depend on: weights are laid on them later."""

@@ -42,6 +42,8 @@ class Pairs:
             self._files.append(h5py.File(path, "r"))
         self._counts = [len(file["models"]) for file in self._files]
         self.models = sum(self._counts)
+        names = {name.decode() for file in self._files for name in file["models"]}
+        self.categories = sorted({name.rpartition("_")[0] for name in names})
         self.views = len(self._files[0]["crops"]) // self._counts[0]
 
     def gather(self, model: int, views: NDArray[np.intp]) -> dict[str, NDArray[np.generic]]:

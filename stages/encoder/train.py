@@ -56,8 +56,8 @@ def run(*, pairs: list[Path], out: Path, options: str = "{}", seed: int = 0) -> 
         update(training, draw(data, step, seed, config), config, torch.Generator().manual_seed(seed * 1_000_003 + step))
         if training.step % config.save_every == 0 and training.step < config.steps:
             save_state(training, out / STATE)
-            save_weights(training.average.module, out / "patchnet.safetensors")
-    save_weights(training.average.module, out / "patchnet.safetensors")
+            save_weights(training.average.module, out / "patchnet.safetensors", data.categories)
+    save_weights(training.average.module, out / "patchnet.safetensors", data.categories)
     with atomic(out / "metrics.jsonl") as temporary:
         temporary.write_text("".join(json.dumps(line) + "\n" for line in training.lines), encoding="utf-8")
 
@@ -138,8 +138,9 @@ def resume(training: Run, path: Path) -> None:
     training.step, training.lines = int(content["step"]), content["lines"]
 
 
-def save_weights(network: nn.Module, path: Path) -> None:
-    """The weights and the statistics of batch normalisation as fp16 safetensors."""
+def save_weights(network: nn.Module, path: Path, categories: list[str]) -> None:
+    """The weights and the statistics of batch normalisation as fp16 safetensors, which also tell what was seen."""
     kept = {name: value for name, value in network.state_dict().items() if value.is_floating_point()}
     with atomic(path) as temporary:
-        temporary.write_bytes(save({name: value.half().contiguous() for name, value in sorted(kept.items())}))
+        content = {name: value.half().contiguous() for name, value in sorted(kept.items())}
+        temporary.write_bytes(save(content, {"seen": " ".join(categories)}))

@@ -76,6 +76,14 @@ def normalised(x: Tensor) -> Tensor:
     return x.sub(127.5).div(127.5).contiguous(memory_format=torch.channels_last)
 
 
+def seen_categories(path: Path = WEIGHTS) -> list[str]:
+    """Categories of the models that the weights were trained on."""
+    from safetensors import safe_open
+
+    with safe_open(path, "pt") as file:
+        return str(file.metadata()["seen"]).split()
+
+
 def load(path: Path = WEIGHTS) -> PatchNet:
     """The network with its weights, ready to be used.
 

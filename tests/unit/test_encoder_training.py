@@ -16,7 +16,7 @@ from stages.encoder.loss import losses, same_looks
 from stages.encoder.pairs import NONE, foreground_of, hidden, matches
 from stages.geometry.cameras import back_project, look_at
 from stages.geometry.frames import inverse, rigid, yaw_matrix
-from stages.patchnet.network import GRID, SIZE, PatchNet
+from stages.patchnet.network import GRID, SIZE, PatchNet, seen_categories
 from tests.unit.matching_data import view_of_box
 
 PATCHES = GRID * GRID
@@ -103,6 +103,7 @@ def test_training_learns_and_goes_on_where_it_was(pairs: Path, tmp_path: Path, m
     train(pairs=[pairs], out=tmp_path / "parts", options=options(14), seed=3)
     whole, parts = ((tmp_path / name / "patchnet.safetensors").read_bytes() for name in ("whole", "parts"))
     assert whole == parts and len(whole) < 8e6
+    assert seen_categories(tmp_path / "whole/patchnet.safetensors") == ["noise"]
     match = [json.loads(line)["match"] for line in (tmp_path / "whole/metrics.jsonl").read_text().splitlines()]
     assert len(match) == 14 and min(match[-4:]) < 0.9 * match[0]
     train(pairs=[pairs], out=tmp_path / "parts", options=options(2), seed=4)  # another run does not go on from it
