@@ -7,6 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import trimesh
 from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 from trimesh import Trimesh
 
 from stages.articulated.mesh_reader import has_texture
@@ -44,13 +46,34 @@ class Surface(NamedTuple):
 def shaded(visual: Visual) -> Surface:
     """The mesh with vertices split where edges are to look sharp."""
     if not visual.flat:
-        mesh = trimesh.graph.smooth_shade(visual.mesh, angle=SHARP)
-        return Surface(mesh.vertices, mesh.faces, mesh.vertex_normals, _uv(visual, mesh.vertices[mesh.faces]))
+        mesh = visual.mesh
+        return _smooth(np.asarray(mesh.vertices), np.asarray(mesh.faces))._replace(
+            uv=_uv(visual, mesh.vertices[mesh.faces])
+        )
     corners = np.asarray(visual.mesh.vertices)[np.asarray(visual.mesh.faces)]
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 1])
     across /= np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-30)
     faces = np.arange(3 * len(corners)).reshape(-1, 3)
     return Surface(corners.reshape(-1, 3), faces, np.repeat(across, 3, axis=0), _uv(visual, corners))
+
+
+def _smooth(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> Surface:
+    """Faces that meet at no sharp edge share their vertices and their normals there, the mean by area."""
+    areas = np.cross(vertices[faces[:, 1]] - vertices[faces[:, 0]], vertices[faces[:, 2]] - vertices[faces[:, 1]])
+    normals = areas / np.maximum(np.linalg.norm(areas, axis=1, keepdims=True), 1e-30)
+    edges = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1) @ (len(vertices), 1)
+    order = np.argsort(edges, kind="stable")
+    twins = np.flatnonzero(np.diff(edges[order]) == 0)
+    one, other = order[twins] // 3, order[twins + 1] // 3
+    soft = (normals[one] * normals[other]).sum(axis=1) > np.cos(SHARP)
+    links = coo_array((np.ones(soft.sum()), (one[soft], other[soft])), shape=(len(faces), len(faces)))
+    patch = connected_components(links, directed=False)[1]
+    at, first, corner = np.unique(
+        faces.ravel() * np.int64(len(faces)) + patch.repeat(3), return_index=True, return_inverse=True
+    )
+    total = np.stack([np.bincount(corner, areas[:, axis].repeat(3), len(at)) for axis in range(3)], axis=1)
+    unit = total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-30)
+    return Surface(vertices[faces.ravel()[first]], corner.reshape(-1, 3).astype(np.int64), unit)
 
 
 def _uv(visual: Visual, corners: NDArray[np.float64]) -> NDArray[np.float64] | None:

@@ -6,26 +6,35 @@ from collections.abc import Sequence
 import numpy as np
 import trimesh
 from numpy.typing import ArrayLike, NDArray
+from scipy.spatial import ConvexHull
 from trimesh import Trimesh
 
 SEGMENTS = 24  # of a full circle
+CUBE = trimesh.creation.box()  # of side 1 about the origin
 
 
 def box(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float]) -> Trimesh:
     """Axis-aligned box between the bounds."""
-    bounds = np.sort(np.array([x, y, z], dtype=float), axis=1).T
-    return trimesh.creation.box(bounds=bounds)
+    low, high = np.sort(np.array([x, y, z], dtype=float), axis=1).T
+    return Trimesh((low + high) / 2 + CUBE.vertices * (high - low), CUBE.faces, process=False)
 
 
 def slab(center: ArrayLike, size: ArrayLike) -> Trimesh:
     """Axis-aligned box by its centre and extents."""
-    center, half = np.asarray(center, dtype=float), np.asarray(size, dtype=float) / 2
-    return trimesh.creation.box(bounds=np.array([center - half, center + half]))
+    return Trimesh(
+        np.asarray(center, dtype=float) + CUBE.vertices * np.asarray(size, dtype=float), CUBE.faces, process=False
+    )
 
 
 def hull(points: ArrayLike) -> Trimesh:
     """Convex hull of points (N, 3)."""
-    return trimesh.convex.convex_hull(np.asarray(points, dtype=float))
+    found = ConvexHull(np.asarray(points, dtype=float), qhull_options="QbB Pp Qt")
+    corners = found.points[found.simplices]
+    outward = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    inside = (outward * found.equations[:, :3]).sum(axis=1) < 0
+    faces = np.where(inside[:, None], found.simplices[:, ::-1], found.simplices)
+    used = np.sort(found.vertices)
+    return Trimesh(found.points[used], np.searchsorted(used, faces), process=False)
 
 
 def cushion(low: ArrayLike, high: ArrayLike, edge: float) -> Trimesh:
