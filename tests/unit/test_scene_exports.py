@@ -143,6 +143,7 @@ def test_yourdfpy_reads_the_urdf(room: Room, tmp_path: Path) -> None:
     assert (there.type, there.limit.upper) == (joint.type, pytest.approx(joint.upper, abs=1e-4))
     alone = yourdfpy.URDF.load(str(tmp_path / "models/cabinet_1/model.urdf"))
     assert alone.scene.extents == pytest.approx(body(room, "cabinet_1").asset.size, abs=1e-3)
+    assert (whole.scene.geometry.keys() & alone.scene.geometry.keys()) and not list(tmp_path.glob("meshes"))  # shared
     before = alone.get_transform(joint.child)
     alone.update_cfg({joint.name: joint.upper})
     assert np.abs(alone.get_transform(joint.child) - before).max() > 0.1
@@ -172,6 +173,15 @@ def test_mujoco_compiles_the_mjcf(room: Room, in_mujoco: Any) -> None:
     joint = body(room, "cabinet_1").moving[0]
     assert model.joint(f"cabinet_1/{joint.name}").range == pytest.approx([joint.lower, joint.upper], abs=1e-5)
     assert 16 in model.tex_width[: model.ntex]
+
+
+def test_mujoco_reads_the_urdf_too(room: Room, tmp_path: Path) -> None:
+    mujoco = pytest.importorskip("mujoco", reason="mujoco is missing: make setup")
+    urdf.write(room, tmp_path)
+    alone = mujoco.MjModel.from_xml_path(str(tmp_path / "models/mug_1/model.urdf"))
+    assert alone.ngeom > 0
+    cabinet = mujoco.MjModel.from_xml_path(str(tmp_path / "models/cabinet_1/model.urdf"))
+    assert cabinet.njnt == len(body(room, "cabinet_1").moving)
 
 
 def test_mujoco_sees_through_the_input_camera(room: Room, in_mujoco: Any) -> None:

@@ -25,11 +25,12 @@ CAMERA = "input_camera"
 
 @dataclass(frozen=True)
 class Body:
-    """A model in its place. `pose`: world_from_root (4, 4); `fixed`: its root does not move, else it is free."""
+    """A model in its place. `folder`: its files at its size; `pose`: world_from_root (4, 4); not `fixed`: is free."""
 
     id: str
     label: str
     asset: Asset
+    folder: Path
     model: RobotModel
     pose: Matrix
     fixed: bool
@@ -72,7 +73,7 @@ def room_of(made: GeneratedScene, items: list[Placed], folders: Mapping[str, Pat
     for item in items:
         middle, turn = (np.array(item.asset.box_min) + np.array(item.asset.box_max)) / 2, yaw_matrix(item.box.yaw)
         pose, model = rigid(turn, item.center - turn @ middle), read_model(folders[item.id])
-        bodies.append(Body(item.id, item.label, item.asset, model, pose, is_fixed(item)))
+        bodies.append(Body(item.id, item.label, item.asset, folders[item.id], model, pose, is_fixed(item)))
     camera = np.array(made.floor_from_camera)[:3, 3]
     blocks = backdrop([item.box for item in items], made.walls, camera, look)
     return Room(made, bodies, blocks, np.array(look.light if look else DEFAULT_LIGHT))

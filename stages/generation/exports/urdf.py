@@ -1,99 +1,110 @@
 """A folder of URDFs: scene.urdf is the whole room, models/<id>/ one object, scene.json says where each stands."""
 
 import json
+import shutil
 import xml.etree.ElementTree as ET
-from dataclasses import replace
+from copy import deepcopy
 from pathlib import Path
 
 import numpy as np
-import trimesh
+from numpy.typing import ArrayLike
+from scipy.spatial.transform import Rotation
 
 from stages.articulated.asset_folder import atomic_folder
-from stages.articulated.model import JointModel, Link, RobotModel, Visual
-from stages.articulated.urdf_writer import write_urdf
+from stages.articulated.model import Matrix
 from stages.generation.exports import CAMERA, Body, Room
 from stages.generation.exports.surfaces import GAMMA
 from stages.geometry.frames import quaternion_from_matrix, rigid, yaw_matrix
+from stages.simulation.backdrop import Block
 
 WORLD = "world"
-LIGHTEST = 1e-3  # kg, of a link that nobody weighs
+NAMES = {"link": "name", "joint": "name", "material": "name", "parent": "link", "child": "link", "mimic": "joint"}
 
 
 def write(room: Room, out: Path) -> None:
-    """Write the folder `out`. Free objects hang on the world by joints of type `floating`."""
+    """Write the folder `out`. Free objects hang on the world by joints of type `floating`.
+
+    Colours are as screens show them: viewers of URDF take them so, SAPIEN alone takes them as linear.
+    """
     with atomic_folder(out) as folder:
+        robot = ET.Element("robot", name=f"{room.scene.scene}_rank_{room.scene.rank}")
+        world = ET.SubElement(robot, "link", name=WORLD)
+        for block in room.blocks:
+            _add_block(world, block)
+        ET.SubElement(robot, "link", name=CAMERA)
+        _add_place(robot, CAMERA, CAMERA, "fixed", room.world_from_camera)
         for body in room.bodies:
-            write_urdf(_as_shown(body.model), folder / "models" / body.id)
-        write_urdf(_whole(room), folder)
-        (folder / "model.urdf").rename(folder / "scene.urdf")
-        _free(folder / "scene.urdf", {_link(body, body.model.root) for body in room.bodies if not body.fixed})
-        placed = [
-            {
-                "id": body.id,
-                "urdf": f"models/{body.id}/model.urdf",
-                "label": body.label,
-                "asset": body.asset.id,
-                "category": body.asset.category,
-                "fixed": body.fixed,
-                "position": body.pose[:3, 3].round(6).tolist(),
-                "quaternion_wxyz": quaternion_from_matrix(body.pose[:3, :3]).round(6).tolist(),
-            }
-            for body in room.bodies
-        ]
-        camera = {"intrinsics": room.scene.intrinsics, "world_from_camera": room.scene.floor_from_camera}
-        about = {"scene": room.scene.scene, "rank": room.scene.rank, "camera": camera, "objects": placed}
-        (folder / "scene.json").write_text(json.dumps(about, indent=1) + "\n", encoding="utf-8")
+            model = folder / "models" / body.id
+            shutil.copytree(body.folder, model, ignore=shutil.ignore_patterns("asset.json"))
+            tree = ET.parse(model / body.asset.urdf)
+            for colour in tree.iter("color"):
+                *rgb, alpha = (float(value) for value in colour.get("rgba", "1 1 1 1").split())
+                colour.set("rgba", _text([*_shown(rgb), alpha]))
+            tree.write(model / body.asset.urdf, encoding="unicode")
+            _add_body(robot, body, tree.getroot())
+        ET.indent(robot)
+        (folder / "scene.urdf").write_text(ET.tostring(robot, encoding="unicode") + "\n", encoding="utf-8")
+        (folder / "scene.json").write_text(json.dumps(_index(room), indent=1) + "\n", encoding="utf-8")
 
 
-def _whole(room: Room) -> RobotModel:
-    """Everything as one tree about a link `world`, which carries floor and walls."""
-    visuals, collisions = [], []
-    for block in room.blocks:
-        box = trimesh.creation.box(block.size, transform=rigid(yaw_matrix(block.yaw), block.center))
-        r, g, b = block.colour
-        visuals.append(Visual(box, (r, g, b, 1.0), flat=True))
-        collisions.append(box)
-    links = {WORLD: Link(WORLD, visuals, collisions, 1.0, np.zeros(3), np.eye(3)), CAMERA: _massless(CAMERA)}
-    joints = [JointModel(f"{CAMERA}_joint", "fixed", WORLD, CAMERA, room.world_from_camera)]
-    for body in room.bodies:
-        named = {name: _link(body, name) for name in body.model.links}
-        links |= {named[name]: replace(link, name=named[name]) for name, link in body.model.links.items()}
-        joints.append(JointModel(f"{body.id}__place", "fixed", WORLD, named[body.model.root], body.pose))
-        joints += [
-            replace(joint, name=f"{body.id}__{joint.name}", parent=named[joint.parent], child=named[joint.child])
-            for joint in body.model.joints
-        ]
-    return _as_shown(RobotModel(f"{room.scene.scene}_rank_{room.scene.rank}", links, joints))
+def _index(room: Room) -> dict[str, object]:
+    placed = [
+        {
+            "id": body.id,
+            "urdf": f"models/{body.id}/{body.asset.urdf}",
+            "label": body.label,
+            "asset": body.asset.id,
+            "category": body.asset.category,
+            "fixed": body.fixed,
+            "position": body.pose[:3, 3].round(6).tolist(),
+            "quaternion_wxyz": quaternion_from_matrix(body.pose[:3, :3]).round(6).tolist(),
+        }
+        for body in room.bodies
+    ]
+    camera = {"intrinsics": room.scene.intrinsics, "world_from_camera": room.scene.floor_from_camera}
+    return {"scene": room.scene.scene, "rank": room.scene.rank, "camera": camera, "objects": placed}
 
 
-def _link(body: Body, name: str) -> str:
-    return f"{body.id}__{name}"
+def _add_block(world: ET.Element, block: Block) -> None:
+    for kind in ("visual", "collision"):
+        element = ET.SubElement(world, kind, name=block.name)
+        ET.SubElement(element, "origin", _origin(rigid(yaw_matrix(block.yaw), block.center)))
+        ET.SubElement(ET.SubElement(element, "geometry"), "box", size=_text(block.size))
+        if kind == "visual":
+            material = ET.SubElement(element, "material", name=block.name)
+            ET.SubElement(material, "color", rgba=_text([*_shown(block.colour), 1.0]))
 
 
-def _massless(name: str) -> Link:
-    return Link(name, [], [], LIGHTEST, np.zeros(3), np.eye(3) * 1e-6)
+def _add_place(robot: ET.Element, name: str, child: str, kind: str, pose: Matrix) -> None:
+    joint = ET.SubElement(robot, "joint", name=f"{name}__place", type=kind)
+    ET.SubElement(joint, "parent", link=WORLD)
+    ET.SubElement(joint, "child", link=child)
+    ET.SubElement(joint, "origin", _origin(pose))
 
 
-def _as_shown(model: RobotModel) -> RobotModel:
-    """Colours as screens show them: viewers of URDF take them so, SAPIEN alone takes them as linear."""
+def _add_body(robot: ET.Element, body: Body, model: ET.Element) -> None:
+    """The elements of the model's own URDF, their names headed by the object's, their meshes where it has them."""
+    _add_place(robot, body.id, f"{body.id}__{body.model.root}", "fixed" if body.fixed else "floating", body.pose)
+    for part in model:
+        part = deepcopy(part)
+        for element in part.iter():
+            key = NAMES.get(element.tag, "")
+            if key in element.attrib:
+                element.set(key, f"{body.id}__{element.get(key)}")
+            if "filename" in element.attrib:
+                inside = (Path("models") / body.id / body.asset.urdf).parent / element.attrib["filename"]
+                element.set("filename", inside.as_posix())
+        robot.append(part)
 
-    def shown(visual: Visual) -> Visual:
-        if visual.colour is None:
-            return visual
-        r, g, b, a = visual.colour
-        return replace(visual, colour=(r ** (1 / GAMMA), g ** (1 / GAMMA), b ** (1 / GAMMA), a))
 
-    links = {
-        name: replace(link, visuals=[shown(visual) for visual in link.visuals]) for name, link in model.links.items()
-    }
-    return replace(model, links=links)
+def _shown(colour: ArrayLike) -> list[float]:
+    shown: list[float] = (np.asarray(colour, dtype=float) ** (1 / GAMMA)).tolist()
+    return shown
 
 
-def _free(path: Path, roots: set[str]) -> None:
-    """Let the joints that hold these links be `floating`."""
-    tree = ET.parse(path)
-    for joint in tree.iter("joint"):
-        child = joint.find("child")
-        if child is not None and child.get("link") in roots:
-            joint.set("type", "floating")
-    tree.write(path, encoding="unicode")
+def _origin(pose: Matrix) -> dict[str, str]:
+    return {"xyz": _text(pose[:3, 3]), "rpy": _text(Rotation.from_matrix(pose[:3, :3]).as_euler("xyz"))}
+
+
+def _text(values: ArrayLike) -> str:
+    return " ".join(f"{value + 0.0:.9g}" for value in np.asarray(values, dtype=float).ravel())
