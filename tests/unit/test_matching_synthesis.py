@@ -30,7 +30,7 @@ from stages.matching.synthesis.fitting import Measured, laid_over, measure
 from stages.matching.synthesis.observation import free_sides, observe
 from stages.matching.synthesis.picture import render
 from stages.matching.synthesis.shown import InPlace
-from stages.matching.synthesis.solid import Solid
+from stages.matching.synthesis.solid import Solid, outermost
 from stages.matching.synthesis.terms import outline_agreement
 from tests.unit.matching_data import trace_box
 
@@ -223,7 +223,7 @@ def test_cousins_are_drawn_in_the_objects_place(library: Path) -> None:
 
 def test_textures_are_seen_where_they_lie(tmp_path: Path) -> None:
     """A square with a picture, its upper half white: seen from the front, above is light and below is dark."""
-    body = trimesh.creation.box((0.2, 0.01, 0.2))
+    body = trimesh.creation.box((0.2, 0.01, 0.2))  # behind it
     plate = trimesh.Trimesh(
         [[0.1, y, z] for y in (-0.5, 0.5) for z in (-0.5, 0.5)], [[0, 2, 1], [1, 2, 3]], process=False
     )
@@ -239,3 +239,10 @@ def test_textures_are_seen_where_they_lie(tmp_path: Path) -> None:
     np.testing.assert_allclose(look.colour[:, 0], [1, 1, 0, 0], atol=0.02)
     np.testing.assert_allclose(look.depth, 0.95, atol=0.01)
     np.testing.assert_allclose(look.normals, [[1, 0, 0]] * 4, atol=1e-5)
+
+
+def test_outlines_are_made_of_the_outermost_points() -> None:
+    corners = trimesh.creation.box((1, 2, 3)).vertices
+    assert len(outermost(np.concatenate([corners, 0.5 * corners]))) == 8
+    flat = np.array([[0.0, 0, 0], [0, 1, 0], [0, 0, 1], [0, 1, 1]])
+    assert len(outermost(flat)) == 4  # a poster without thickness

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import open3d as o3d
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull
+from scipy.spatial import ConvexHull, QhullError
 
 from stages.articulated.asset_folder import read_asset, urdf_of
 from stages.articulated.forward_kinematics import frames_of
@@ -49,7 +49,7 @@ class Solid:
         faces = [np.asarray(visual.mesh.faces) for _, visual in pieces]
         starts = np.cumsum([0, *map(len, points[:-1])])
         vertices = np.concatenate(points)
-        self.outermost: Array = vertices[ConvexHull(vertices).vertices]  # of these every outline is made
+        self.outermost = outermost(vertices)
         triangles = np.concatenate([face + start for face, start in zip(faces, starts, strict=True)])
         self._piece = np.repeat(np.arange(len(pieces)), [len(face) for face in faces])
         self._looks = [looks_of(visual) for _, visual in pieces]
@@ -92,6 +92,14 @@ class Solid:
             columns, rows = np.floor(uv[own, 0] * width).astype(int), np.floor(-uv[own, 1] * height).astype(int)
             colours[own] = image[rows % height, columns % width]
         return colours
+
+
+def outermost(points: Array) -> Array:
+    """The points (N, 3) that every outline is made of; all of them if they lie in a plane."""
+    try:
+        return points[ConvexHull(points).vertices]
+    except QhullError:
+        return points
 
 
 class Looks(NamedTuple):
