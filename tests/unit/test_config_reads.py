@@ -132,3 +132,13 @@ def test_dinov2_takes_as_many_pictures_at_once_as_one_likes() -> None:
     more = matching.model_copy(update={"dinov2": matching.dinov2.model_copy(update={"batch": 64})})
     other = matching.model_copy(update={"dinov2": matching.dinov2.model_copy(update={"height": 448})})
     assert matching.store() == more.store() != other.store()
+
+
+def test_row_b_of_the_study_is_the_papers() -> None:
+    names = ("config.yaml", "config/paper/scenes.yaml", "config/study/table2.yaml")
+    default, paper, study = (yaml.safe_load((ROOT / name).read_text(encoding="utf-8")) for name in names)
+    theirs, ours = (load(merged(default, overlay)) for overlay in (paper, study))
+    for variant in ("b", "b-votes"):
+        assert ours.matching_of(variant) == theirs.matching_of(variant)
+        placed = {"ranks": ours.generation.ranks}  # one rank is enough for the table
+        assert ours.generation_of(variant) == theirs.generation.model_copy(update=placed)
