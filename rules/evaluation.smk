@@ -120,7 +120,7 @@ rule score:
         draw=seed_of,
     shell:
         "({params.command} --scenes {input.scenes:q} --objects {input.objects:q} --truth {input.truth:q} "
-        "--library {input.library:q} --cousins {input.cousins:q} --protocol {params.protocol:q} --draw {params.draw} "
+        "--library {input.library:q} --cousins {input.cousins:q} --protocol '{params.protocol}' --draw {params.draw} "
         "--out {output.scores:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
 

@@ -87,6 +87,7 @@ def test_table_2_trains_nothing_and_meets_rooms_by_protocols(folder: Path) -> No
     lines = {name: " ".join(re.findall(rf".*{re.escape(name)}.*", done.stdout)) for name in (
         "results/scenes/room_1.drawn.2", "results/scenes/room_2.recoloured.4", "extraction/room_1.unscaled.3/objects",
         "results/matching/b/room_1.unknown.0/cousins")}  # fmt: skip
+    assert "--protocol '' --draw 0 " in done.stdout and "--protocol 'drawn' --draw 2 " in done.stdout
     drawn, recoloured, unscaled, unknown = lines.values()
     assert "--scene room_1 " in drawn and "--layout-seed 2" in drawn and "--finish-seed 4" in recoloured
     assert "--input results/scenes/room_1/input --scene room_1 " in unscaled
