@@ -1,6 +1,6 @@
 # Digital cousins: nearest categories, models and orientations by patch voting (paper A.6, A.7, B.1).
 # Reads:  the library's snapshots; a scene's objects and picture.
-# Writes: results/matching/features/<store>/shard_<i>.{npy,json} once per library and encoder with its settings,
+# Writes: results/matching/features/<store>/shard_<i>.{npy,json,npz} once per library and encoder with its settings,
 #         results/matching/<variant>/<scene>/cousins.json, and for people cousins.png,
 #         results/matching/<variant>/<scene>/distances/<object>.json for the objects of the policy experiment.
 
@@ -13,6 +13,7 @@ rule features:
     output:
         features="results/matching/features/{store}/shard_{shard}.npy",
         index="results/matching/features/{store}/shard_{shard}.json",
+        companion="results/matching/features/{store}/shard_{shard}.npz",
     log:
         "logs/matching/features_{store}_{shard}.log",
     benchmark:

@@ -80,6 +80,12 @@ class EncoderOptions(Section):
     coverage: float = Field(
         0.5, gt=0, le=1, description="Least share of a patch that the mask covers for it to be compared."
     )
+    dimensions: int = Field(
+        0,
+        ge=0,
+        description="Features are stored as so many principal components of one byte each, e.g. 72: a seventh of the "
+        "disk. 0: as they are.",
+    )
     hog: HogConfig = Field(HogConfig(), description="The encoder `hog`.")
     patchnet: PatchNetConfig = Field(PatchNetConfig(), description="The encoder `patchnet`.")
     dinov2: Dinov2Config = Field(Dinov2Config(), description="The encoder `dinov2`.")
@@ -97,7 +103,7 @@ class EncoderOptions(Section):
             own: dict[str, Any] = {"own": {name: self.own[name]} if name in self.own else {}}
         else:
             own = {self.encoder: given.model_dump(mode="json", exclude=given.unread())}
-        return {"encoder": self.encoder, "coverage": self.coverage} | own
+        return {"encoder": self.encoder, "coverage": self.coverage, "dimensions": self.dimensions} | own
 
     def store(self) -> str:
         """Name of the feature store: two variants share one if it holds the same for both."""
@@ -145,6 +151,12 @@ class MatchingConfig(ComparisonOptions):
         description="How labels are compared with categories. clip: the official code's; give clip.path.",
     )
     k_cat: int = Field(3, ge=1, description="Nearest categories to search.")
+    shortlist: int = Field(
+        0,
+        ge=0,
+        description="Models compared patch by patch: those whose views look nearest as a whole. Pays beyond a "
+        "thousand models. 0: all.",
+    )
     k_model: int = Field(10, ge=1, description="Models taken from them by voting (paper: 10).")
     k_ori: int = Field(4, ge=1, description="Orientations taken from a model's views (paper: 4).")
     k_cousins: int = Field(10, ge=1, description="Ranked cousins per object.")

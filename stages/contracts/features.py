@@ -7,7 +7,12 @@ from stages.contracts.types import Angle, Count, Id, Text, check_unique
 
 
 class FeatureIndex(Document):
-    """`shard_I.json` beside `shard_I.npy` (rows (N, D) float16): which rows belong to which view of which asset."""
+    """`shard_I.json`: which rows belong to which view of which asset.
+
+    Beside it `shard_I.npy`: the rows, (N, D) float16, or (N, K) int8, codes of which a row is
+    mean + (codes * steps) @ components; and `shard_I.npz`: mean (D,), components (K, D) and steps (K,) if there are
+    codes, and wholes (views, W), every view as one vector.
+    """
 
     encoder: Text
     settings: str = Field(description="digest of the encoder's settings; another one makes another store")

@@ -44,7 +44,7 @@ KINDS: dict[str, FileKind] = {
     "library": FileKind(_with_companions("library_folder:check_library")),
     "asset": FileKind(_with_companions("library_folder:check_asset")),
     "snapshots": FileKind(_with_companions("snapshot_file:check_snapshots"), ("{stem}.json", "{stem}.h5")),
-    "features": FileKind(_with_companions("feature_rows:check_features"), ("{stem}.json", "{stem}.npy")),
+    "features": FileKind(_with_companions("feature_rows:check_features"), ("{stem}.json", "{stem}.npy", "{stem}.npz")),
     "camera": FileKind(_with_companions("scene_input:check_camera"), ("rgb.png", "depth.npz")),
     "annotations": FileKind(_with_companions("scene_input:read_annotations"), ("masks.png",)),
     "truth": FileKind(_json(Truth)),

@@ -50,6 +50,6 @@ def distances_to(
 ) -> list[float]:
     """Embedding distance of one asset's representative snapshot to that of each of `assets`; 0 to itself."""
     view = store.representative
-    query = Query(weighted(store.rows(Snapshot(asset, view)), weights), weights)
+    query = Query(weighted(store.rows(Snapshot(asset, view)), weights), weights, store.wholes(asset, [view])[0])
     ranking = rank(query, [Snapshot(other, view) for other in assets], range(len(assets)), store, options, 1)
     return ranking.distances.tolist()

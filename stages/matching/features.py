@@ -2,13 +2,19 @@
 
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
+
 from stages.cli import progress
 from stages.config.matching import EncoderOptions
 from stages.contracts import read_options
 from stages.contracts.features import FeatureIndex
-from stages.matching.encoders import encode_rows, make_encoder, settings_digest
+from stages.matching.codec import learn
+from stages.matching.encoders import BESIDE, PatchEncoder, encode_rows, make_encoder, settings_digest, whole
 from stages.matching.snapshots import SnapshotFile
 from stages.matching.store import write_store
+
+SAMPLE_ASSETS, SAMPLE_VIEWS = 60, 4  # that a codec is learned on
 
 
 def run(*, snapshots: Path, out: Path, options: str = "{}", batch: int = 0) -> None:
@@ -16,7 +22,7 @@ def run(*, snapshots: Path, out: Path, options: str = "{}", batch: int = 0) -> N
 
     Args:
         snapshots: shard_I.h5 of the assets stage, with shard_I.json beside it.
-        out: .npy file to write; its .json index comes beside it.
+        out: .npy file to write; its index (.json) and what goes with it (.npz) come beside it.
         options: JSON of the encoder's keys of the config section `matching`.
         batch: pictures per forward pass of dinov2; 0: as the options say.
     """
@@ -24,11 +30,14 @@ def run(*, snapshots: Path, out: Path, options: str = "{}", batch: int = 0) -> N
     if batch:
         settings = settings.model_copy(update={"dinov2": settings.dinov2.model_copy(update={"batch": batch})})
     encoder = make_encoder(settings)
-    rows, starts = [], [0]
+    rows: list[NDArray[np.float16] | NDArray[np.int8]] = []
+    wholes, starts = [], [0]
     with SnapshotFile(snapshots) as shard:
+        codec = learn(sample_rows(shard, encoder), settings.dimensions, BESIDE) if settings.dimensions else None
         for asset in progress(shard.sidecar.assets, "assets encoded", len(shard.sidecar.assets)):
             for patches in encode_rows(encoder, shard.views(asset)):
-                rows.append(patches)
+                rows.append(codec.encode(patches) if codec else patches)
+                wholes.append(whole(patches))
                 starts.append(starts[-1] + len(patches))
         index = FeatureIndex(
             encoder=settings.encoder,
@@ -38,4 +47,15 @@ def run(*, snapshots: Path, out: Path, options: str = "{}", batch: int = 0) -> N
             yaws=shard.sidecar.yaws,
             starts=starts,
         )
-    write_store(out, index, rows)
+    write_store(out, index, rows, wholes, codec)
+
+
+def sample_rows(shard: SnapshotFile, encoder: PatchEncoder) -> NDArray[np.float16]:
+    """Rows (N, D + 5) of some views of some assets, evenly spaced."""
+    assets = shard.sidecar.assets[:: -(-len(shard.sidecar.assets) // SAMPLE_ASSETS)]
+    found = []
+    for number, asset in enumerate(assets):
+        views = shard.views(asset)
+        step = -(-len(views) // SAMPLE_VIEWS)
+        found += encode_rows(encoder, views[number % step :: step])
+    return np.concatenate(found)

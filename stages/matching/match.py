@@ -11,7 +11,7 @@ from stages.contracts.objects import SceneObject
 from stages.matching.candidates import find_candidates
 from stages.matching.encoders import PatchEncoder, make_encoder, settings_digest
 from stages.matching.judges import Judges
-from stages.matching.ranking import make_query, rank_cousins
+from stages.matching.ranking import make_query, rank_cousins, shortlisted
 from stages.matching.scene import Scene
 from stages.matching.snapshots import Snapshots
 from stages.matching.store import FeatureStore
@@ -96,6 +96,7 @@ def match_object(
     if not candidates.assets:
         return _failed(item, "no candidate: the library has no asset with doors or drawers")
     question = judges.question(view, item, scene.objects)
+    candidates = shortlisted(query, candidates, store, options)
     return rank_cousins(query, candidates, item, question, store, judges, options)
 
 

@@ -11,10 +11,10 @@ from stages.contracts.cousins import Candidate, Cousin, ObjectCousins, Orientati
 from stages.contracts.objects import SceneObject
 from stages.matching.candidates import Candidates
 from stages.matching.crop import View
-from stages.matching.encoders import PatchEncoder, column_weights, encode_rows
+from stages.matching.encoders import PatchEncoder, column_weights, encode_rows, whole, whole_weights
 from stages.matching.judges import AbstainedError, Judges, Question
 from stages.matching.priors import addends
-from stages.matching.search import distance_table
+from stages.matching.search import distance_table, load_search
 from stages.matching.store import FeatureStore, Snapshot
 from stages.matching.voting import Pick, embedding_distance, vote
 
@@ -23,10 +23,12 @@ DIGITS = 4  # of distances: beyond them backends differ, so what is equal up to 
 
 
 class Query(NamedTuple):
-    """Weighted patches (P, D) of one object, and the weights (columns,) that made them, for the other side."""
+    """Weighted patches (P, D) of one object, the weights (columns,) that made them, for the other side, and the
+    object as one vector (W,)."""
 
     patches: NDArray[np.float32]
     weights: NDArray[np.float32]
+    whole: NDArray[np.float16]
 
 
 class Ranking(NamedTuple):
@@ -55,7 +57,7 @@ def make_query(view: View, encoder: PatchEncoder, colour: float = 0.0) -> Query 
     known = 0 if view.depth is None else np.count_nonzero(view.depth[view.mask])
     weights = column_weights(encoder, bool(2 * known >= np.count_nonzero(view.mask)), colour)
     rows = encode_rows(encoder, [view])[0]  # as the other side is stored
-    return Query(weighted(rows, weights), weights) if len(rows) else None
+    return Query(weighted(rows, weights), weights, whole(rows)) if len(rows) else None
 
 
 def compare(
@@ -110,6 +112,22 @@ def compared_views(store: FeatureStore, options: MatchingConfig) -> list[int]:
     """Views by which models are compared: the representative alone (paper), or some evenly spaced yaws."""
     count = min(options.views, len(store.yaws))
     return [round(k * len(store.yaws) / count) for k in range(count)] or [store.representative]
+
+
+def shortlisted(query: Query, candidates: Candidates, store: FeatureStore, options: MatchingConfig) -> Candidates:
+    """The `shortlist` candidates whose views look nearest as a whole, in their order; all if it is 0."""
+    assets = candidates.assets
+    if not options.shortlist or len(assets) <= options.shortlist:
+        return candidates
+    views, factors = compared_views(store, options), whole_weights(query.weights)
+    squared, _ = load_search(options.search)(
+        weighted(query.whole[None], factors),
+        lambda number: weighted(store.wholes(assets[number].id, views), factors),
+        len(assets),
+        False,
+    )
+    nearest = np.sort(np.argsort(squared[0], kind="stable")[: options.shortlist])
+    return candidates._replace(assets=[assets[number] for number in nearest])
 
 
 def rank_models(

@@ -35,6 +35,12 @@ class Distances(NamedTuple):
     backward: list[NDArray[np.float64]]
 
 
+def load_search(name: str) -> Search:
+    """The search that the options name."""
+    found: Search = load("searches", name)
+    return found
+
+
 def distance_table(
     queries: NDArray[np.float32],
     rows: Rows,
@@ -49,8 +55,7 @@ def distance_table(
     patch (default: all) that lie so close together are computed again in float64, and so is what is next
     to 0: all backends then make the same picks, equal pictures tie exactly, a picture has distance 0 to itself.
     """
-    squared: Search = load("searches", search)
-    forward, backward = squared(queries, rows, count, both)
+    forward, backward = load_search(search)(queries, rows, count, both)
     table = np.maximum(forward.astype(np.float64), 0.0)
     tie = TIE * float((queries.astype(np.float64) ** 2).sum(1).max())
     doubtful = _doubtful(table, tie, nearest)

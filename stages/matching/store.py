@@ -1,15 +1,16 @@
-"""The feature store: foreground patches of all snapshots, float16 rows in a memory-mapped .npy with a JSON index."""
+"""The feature store: foreground patches of all snapshots, rows in a memory-mapped .npy with a JSON index."""
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stages.contracts import InputError, atomic, write_json
-from stages.contracts.feature_rows import AGAIN, open_features
+from stages.contracts.feature_rows import AGAIN, open_companion, open_features
 from stages.contracts.features import FeatureIndex
+from stages.matching.codec import Codec
 
 
 class Snapshot(NamedTuple):
@@ -19,17 +20,25 @@ class Snapshot(NamedTuple):
     view: int
 
 
-def write_store(path: Path, index: FeatureIndex, rows: Sequence[NDArray[np.float16]]) -> None:
-    """Write the rows of all views, in the order of `index.starts`, and the index beside them."""
+def write_store(
+    path: Path,
+    index: FeatureIndex,
+    rows: Sequence[NDArray[np.float16] | NDArray[np.int8]],
+    wholes: Sequence[NDArray[np.float16]],
+    codec: Codec | None,
+) -> None:
+    """Write the rows of all views, in the order of `index.starts`, and beside them index, wholes and codec."""
     with atomic(path) as temporary:
         columns = rows[0].shape[1] if rows else 0
         shape = (index.starts[-1], columns)
         if not shape[0]:
             raise InputError(path, "no snapshot has a foreground patch.", "look at the contact sheet of the snapshots")
-        array = np.lib.format.open_memmap(temporary, mode="w+", dtype=np.float16, shape=shape)
+        array = np.lib.format.open_memmap(temporary, mode="w+", dtype=rows[0].dtype, shape=shape)
         for start, block in zip(index.starts, rows, strict=False):
             array[start : start + len(block)] = block
         array.flush()
+    with atomic(path.with_suffix(".npz")) as temporary, temporary.open("wb") as file:
+        np.savez(file, wholes=np.array(wholes), **(codec._asdict() if codec else {}))
     write_json(path.with_suffix(".json"), index)
 
 
@@ -43,7 +52,9 @@ class FeatureStore:
             InputError: a shard is missing, broken, made with other settings, or disagrees with the first one.
         """
         self._where: dict[str, tuple[int, int]] = {}  # asset -> shard, position in it
-        self._arrays: list[NDArray[np.float16]] = []
+        self._arrays: list[NDArray[Any]] = []
+        self._codecs: list[Codec | None] = []
+        self._wholes: list[NDArray[np.float16]] = []
         self._indices: list[FeatureIndex] = []
         for shard, path in enumerate(paths):
             index, array = open_features(path)
@@ -53,6 +64,9 @@ class FeatureStore:
                 raise InputError(path, f"has other views than {paths[0]}.", AGAIN)
             if self._arrays and array.shape[1] != self._arrays[0].shape[1]:
                 raise InputError(path, f"rows: {array.shape[1]} numbers each, {paths[0]} has others.", AGAIN)
+            parts = open_companion(path, index, array)
+            self._codecs.append(Codec(*(parts[name] for name in Codec._fields)) if "mean" in parts else None)
+            self._wholes.append(parts["wholes"])
             self._arrays.append(array)
             self._indices.append(index)
             self._where |= {asset: (shard, position) for position, asset in enumerate(index.assets)}
@@ -69,9 +83,15 @@ class FeatureStore:
         """View number of the representative snapshots."""
         return len(self.yaws)
 
-    def rows(self, snapshot: Snapshot) -> NDArray[np.float16]:
-        """Stored rows (P, D + 2) of one view, still on disk."""
+    def rows(self, snapshot: Snapshot) -> NDArray[np.floating]:
+        """Rows (P, D + 5) of one view: still on disk, or decoded."""
         shard, position = self._where[snapshot.asset]
         at = position * (len(self.yaws) + 1) + snapshot.view
         starts = self._indices[shard].starts
-        return self._arrays[shard][starts[at] : starts[at + 1]]
+        rows, codec = self._arrays[shard][starts[at] : starts[at + 1]], self._codecs[shard]
+        return codec.decode(rows) if codec else rows
+
+    def wholes(self, asset: str, views: Sequence[int]) -> NDArray[np.float16]:
+        """Some views of an asset, each as one vector (V, W)."""
+        shard, position = self._where[asset]
+        return self._wholes[shard][np.array(views) + position * (len(self.yaws) + 1)]

@@ -124,6 +124,7 @@ def _matching(root: Path) -> None:
     _json(root / FILES["features"], encoder="hog", settings="abc", upright=True, assets=["cabinet_0", "bowl_0"],
           yaws=yaws, starts=[0, 2, 4, 6, 8, 10, 12])  # fmt: skip
     np.save(root / "features/shard_0.npy", np.ones((12, 4), np.float16))
+    np.savez(root / "features/shard_0.npz", wholes=np.ones((6, 8), np.float16))
     _json(root / FILES["snapshots"], assets=["cabinet_0", "bowl_0"], yaws=yaws, representative_yaw=-0.5, image_size=16,
           intrinsics=[[20.0, 0.0, 7.5], [0.0, 20.0, 7.5], [0.0, 0.0, 1.0]], elevation=0.3)  # fmt: skip
     with h5py.File(root / "snapshots/shard_0.h5", "w") as file:

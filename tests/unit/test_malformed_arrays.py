@@ -143,7 +143,7 @@ def test_snapshots(bench: Bench, case: str) -> None:
 FEATURES = {
     "fewer rows": (np.ones((11, 4), np.float16), "has shape (11, 4), not (12, D)"),
     "one axis": (np.ones(12, np.float16), "rows: has shape (12,)"),
-    "whole numbers": (np.ones((12, 4), np.int16), "rows: has type int16"),
+    "counts": (np.ones((12, 4), np.uint8), "rows: has type uint8"),
     "NaN": (np.full((12, 4), np.nan, np.float16), "rows: holds NaN"),
     "pickled": (np.array([{}], dtype=object), "is no readable npy file"),
 }
@@ -160,9 +160,37 @@ def test_features(bench: Bench, case: str) -> None:
             FeatureStore([path], "abc")
 
 
+COMPANIONS = {
+    "fewer views": ({"wholes": np.ones((5, 8))}, "wholes: has shape (5, 8), not (6, W)"),
+    "no views": ({"mean": np.ones(4)}, "has no array 'wholes'"),
+    "codec without codes": (
+        {"wholes": np.ones((6, 8)), "mean": np.ones(9), "components": np.ones((4, 9)), "steps": np.ones(4)},
+        "is not the codec of these rows",
+    ),
+    "infinite": ({"wholes": np.full((6, 8), np.inf)}, "wholes: holds NaN or infinity"),
+}
+
+
+@pytest.mark.parametrize("case", list(COMPANIONS))
+def test_what_goes_with_features(bench: Bench, case: str) -> None:
+    arrays, words = COMPANIONS[case]
+    np.savez(bench.root / "features/shard_0.npz", **arrays)
+    bench.refused("features", "shard_0.npz", words)
+
+
+def test_codes_without_a_codec(bench: Bench) -> None:
+    np.save(bench.root / "features/shard_0.npy", np.ones((12, 4), np.int8))
+    bench.refused("features", "shard_0.npz", "is not the codec of these rows")
+    with pytest.raises(InputError, match=r"shard_0\.npz: is not the codec"):
+        FeatureStore([bench.root / "features/shard_0.npy"], "abc")
+    np.savez(bench.root / "features/shard_0.npz", wholes=np.ones((6, 8)), components=np.ones((4, 9)), mean=np.ones(9))
+    bench.refused("features", "shard_0.npz", "has no array 'steps'")
+
+
 def test_feature_stores_that_do_not_belong_together(bench: Bench) -> None:
     path, other = bench.root / "features/shard_0.npy", bench.root / "features/shard_1.npy"
-    shutil.copy(path.with_suffix(".json"), other.with_suffix(".json"))
+    for suffix in (".json", ".npz"):
+        shutil.copy(path.with_suffix(suffix), other.with_suffix(suffix))
     np.save(other, np.ones((12, 5), np.float16))
     with pytest.raises(InputError, match=r"shard_1\.npy: rows: 5 numbers each"):
         FeatureStore([path, other], "abc")

@@ -8,11 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.config.matching import EncoderOptions
-from stages.matching.colours import colour_weights, patch_colours
+from stages.matching.colours import COLOUR_COLUMNS, colour_weights, patch_colours
 from stages.matching.crop import View
 from stages.plugins import load
 
 COLUMNS = ["features", "position", "colour"]  # of a stored row
+BESIDE = 2 + COLOUR_COLUMNS  # columns after the features
 
 
 class Patches(NamedTuple):
@@ -60,6 +61,22 @@ def encode_rows(encoder: PatchEncoder, views: list[View]) -> list[NDArray[np.flo
 def column_weights(encoder: PatchEncoder, depth: bool, colour: float = 0.0) -> NDArray[np.float32]:
     """Factor (D + 5,) on each column of the stored rows; `colour`: that of the colours."""
     return np.concatenate([encoder.weights(depth), colour_weights(colour)], dtype=np.float32)
+
+
+def whole(rows: NDArray[np.floating]) -> NDArray[np.float16]:
+    """A picture as one vector (4 * (D + 1),): over each quarter of the crop, the sums of features and of patches.
+
+    Both as shares of all patches, so that little depends on how many there are.
+    """
+    column, row = (rows[:, -BESIDE : 2 - BESIDE] > 0).T.astype(int)
+    quarters = np.eye(4, dtype=np.float32)[2 * row + column]
+    counted = np.concatenate([rows[:, :-BESIDE], np.ones((len(rows), 1))], axis=1, dtype=np.float32)
+    return (quarters.T @ counted / max(len(rows), 1)).ravel().astype(np.float16)
+
+
+def whole_weights(weights: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Factor on each number of `whole` from those on each column of the rows."""
+    return np.tile(np.append(weights[:-BESIDE], np.float32(1)), 4)
 
 
 def settings_digest(options: EncoderOptions, encoder: PatchEncoder) -> str:
