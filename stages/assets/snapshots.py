@@ -65,6 +65,7 @@ class Turntable:
 
         self.scene = make_scene(shadows=False, light=(-1.0, 0.5, -1.2))
         side = config.image_size
+        self.shape = (side, side)
         self.intrinsics = intrinsics_from_fov(side, side, config.field_of_view)
         self.camera = RenderCamera(self.scene, self.intrinsics, side, side, pack="minimal")
         eye = np.array([config.camera_distance, 0.0, config.camera_height])
@@ -79,13 +80,15 @@ class Turntable:
         asset = read_asset(folder)
         scale = self.unit / largest_extent(asset)
         body = load_looks(self.scene, folder, scale)
-        pictures = []
-        for yaw in yaws:
+        rgb = np.empty((len(yaws), *self.shape, 3), np.uint8)
+        depth = np.empty((len(yaws), *self.shape), np.uint16)
+        for number, yaw in enumerate(yaws):
             move(body, root_pose(asset, (0.0, 0.0, 0.0), yaw, scale))
-            pictures.append(self.camera.render(self.pose))
+            picture = self.camera.render(self.pose)
+            rgb[number] = picture.rgb
+            depth[number] = np.minimum(picture.depth * np.float32(THOUSANDTHS / self.unit), 65535).round()
         remove(self.scene, body)
-        depth = np.stack([picture.depth for picture in pictures]) * (THOUSANDTHS / self.unit)
-        return np.stack([picture.rgb for picture in pictures]), np.minimum(depth, 65535).round().astype(np.uint16)
+        return rgb, depth
 
 
 def largest_extent(asset: Asset) -> float:

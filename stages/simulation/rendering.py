@@ -109,19 +109,17 @@ class RenderCamera:
         self._entity.set_pose(sapien.Pose(pose[:3, 3], quaternion_from_matrix(rotation)))
         self.scene.update_render()
         self._component.take_picture()
-        colour = self._component.get_picture("Color")[..., :3]
+        colour = self._component.get_picture("Color")
         if self._pack == "minimal":
             position = self._component.get_picture("PositionSegmentation")
             entities, forward = position[..., 3].astype(np.int32), position[..., 2] * np.float32(-0.001)
-            rgb = colour.copy()
         else:
             forward = -self._component.get_picture("Position")[..., 2]
             entities = self._component.get_picture("Segmentation")[..., 1].astype(np.int32)
-            rgb = (np.clip(colour, 0.0, 1.0) * 255).round().astype(np.uint8)
+            colour = (np.clip(colour, 0.0, 1.0) * 255).round().astype(np.uint8)
         seen = entities > 0
-        rgb[~seen] = np.round(np.array(BACKGROUND) * 255)
-        depth = np.where(seen, forward, 0.0).astype(np.float32)
-        return RenderedImage(rgb, depth, self._instances(entities))
+        depth = np.where(seen, forward, np.float32(0))
+        return RenderedImage(_on_background(colour, seen), depth, self._instances(entities))
 
     def close(self) -> None:
         """Take the camera out of the scene."""
@@ -135,6 +133,15 @@ class RenderCamera:
             if link is not None:
                 table[entity.per_scene_id] = instance_id(link.articulation)
         return table.astype(np.int32)[entities]
+
+
+def _on_background(rgba: NDArray[np.uint8], seen: NDArray[np.bool_]) -> NDArray[np.uint8]:
+    """Colours (H, W, 3) of pixels (H, W, 4) that show something, elsewhere the background; four bytes at a time."""
+    background = np.array([*BACKGROUND, 0.0]) * 255
+    pixels = np.where(
+        seen, np.ascontiguousarray(rgba).view(np.uint32)[..., 0], background.round().astype("u1").view("u4")
+    )
+    return np.ascontiguousarray(pixels.view(np.uint8).reshape(rgba.shape)[..., :3])
 
 
 def render(
