@@ -1,6 +1,7 @@
 """A generated scene as GLB, URDF, MJCF and USD, each read again by somebody else's reader, and simulated."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -41,21 +42,21 @@ def _painting(folder: Path) -> None:
 
 @pytest.fixture(scope="module")
 def room(tmp_path_factory: pytest.TempPathFactory) -> Room:
-    """A cabinet at the wall x = 3.3 that is held, a mug on it that is free, a painting above."""
+    """A cabinet that is held by the wall x = 3.3, a mug on it that is free, a painting above."""
     folder = tmp_path_factory.mktemp("models")
     for name in ("bottom_cabinet", "mug"):
         build(sample(name, 0, 0), None, folder / name, name, name)
     _painting(folder / "painting")
     cabinet, mug, painting = (read_asset(folder / name) for name in ("bottom_cabinet", "mug", "painting"))
     top, depth = cabinet.size[2], cabinet.size[0]
-    at_wall, hung, loose = Mounting(type=3, walls=["wall_1"]), Mounting(type=1, walls=["wall_1"]), Mounting(type=2)
+    hung, loose = Mounting(type=1, walls=["wall_1"]), Mounting(type=2)
     boxes = (
         UprightBox((3.3 - depth / 2, 0.2, top / 2), cabinet.size, np.pi),
         UprightBox((3.0, 0.3, top + mug.size[2] / 2), mug.size, 0.4),
         UprightBox((3.28, 0.2, 1.8), painting.size, np.pi),
     )
     items = [
-        Placed("cabinet_1", "cabinet", cabinet, boxes[0], at_wall),
+        Placed("cabinet_1", "cabinet", cabinet, boxes[0], hung),
         Placed("mug_1", "mug", mug, boxes[1], loose, "cabinet_1"),
         Placed("picture_1", "picture", painting, boxes[2], hung, "wall"),
     ]
@@ -84,9 +85,13 @@ def files(folder: Path) -> dict[str, bytes]:
     return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
 
 
-def test_what_hangs_or_opens_is_fixed_and_the_rest_free(room: Room) -> None:
-    assert {each.id: each.fixed for each in room.bodies}["picture_1"]
-    assert not body(room, "mug_1").fixed
+def loosened(room: Room) -> Room:
+    """The same with a cabinet that stands by itself."""
+    return replace(room, bodies=[replace(each, fixed=each.id == "picture_1") for each in room.bodies])
+
+
+def test_what_hangs_is_fixed_and_the_rest_free(room: Room) -> None:
+    assert {each.id: each.fixed for each in room.bodies} == {"cabinet_1": True, "mug_1": False, "picture_1": True}
 
 
 def test_trimesh_reads_the_glb(room: Room, tmp_path: Path) -> None:
@@ -218,6 +223,19 @@ def test_nothing_flies_away_in_mujoco_and_doors_open(room: Room, in_mujoco: Any)
         assert data.qpos[there.qposadr[0]] - joint.lower > 0.5 * (joint.upper - joint.lower), joint.name
 
 
+def test_a_cabinet_that_stands_by_itself_stays_where_it_is(room: Room, tmp_path: Path) -> None:
+    mujoco = pytest.importorskip("mujoco", reason="mujoco is missing: make setup")
+    mjcf.write(loosened(room), tmp_path)
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "scene.xml"))
+    assert model.joint("cabinet_1").type[0] == mujoco.mjtJoint.mjJNT_FREE
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    start = data.xpos.copy()
+    for _ in range(round(1 / model.opt.timestep)):
+        mujoco.mj_step(model, data)
+    assert np.linalg.norm(data.xpos - start, axis=1).max() < 0.01
+
+
 def test_pxr_reads_the_usd(room: Room, tmp_path: Path) -> None:
     pxr = pytest.importorskip("pxr.Usd", reason="usd-core is missing: make setup")
     from pxr import UsdGeom, UsdPhysics
@@ -251,6 +269,9 @@ def test_pxr_reads_the_usd(room: Room, tmp_path: Path) -> None:
         prim = stage.GetPrimAtPath(f"/World/cabinet_1/{link}")
         ends.append(cache.GetLocalToWorldTransform(prim).Transform(getattr(there, f"GetLocalPos{side}Attr")().Get()))
     assert np.array(ends[0]) == pytest.approx(np.array(ends[1]), abs=1e-5)  # closed: the frames meet
+    usd.write(loosened(room), tmp_path / "loose")
+    loose = pxr.Stage.Open(str(tmp_path / "loose/scene.usdc"))
+    assert not loose.GetPrimAtPath("/World/cabinet_1/held") and loose.GetPrimAtPath("/World/cabinet_1/base")
     camera = UsdGeom.Camera(stage.GetPrimAtPath("/World/input_camera")).GetCamera().frustum
     window = camera.window
     assert window.GetMax()[0] == pytest.approx((WIDTH - MIDDLE[0] - 0.5) / FOCAL, abs=1e-3)
