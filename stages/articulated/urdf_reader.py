@@ -1,5 +1,6 @@
 """Read a URDF with its meshes: shapes, masses, joints; mesh paths that stay inside a folder."""
 
+import re
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable
 from dataclasses import replace
@@ -15,6 +16,7 @@ from stages.articulated.urdf_tree import UrdfTree
 from stages.contracts.errors import InputError
 
 DENSITY = 500.0  # kg / m^3, for links that say nothing of their mass
+BOARD = 0.018  # metres: what furniture is made of
 MINIMUM_MASS, MINIMUM_INERTIA = 0.01, 1e-7
 HEAVIEST = 1e5  # kg, of one link
 
@@ -63,7 +65,8 @@ class UrdfReader:
         ]
         if not collisions:
             pieces = [piece for visual in visuals for piece in convex_pieces(visual.mesh)]
-        mass, center, inertia = self._inertial(element.find("inertial"), pieces, where)
+        area = sum(float(visual.mesh.area) for visual in visuals)
+        mass, center, inertia = self._inertial(element.find("inertial"), pieces, area, where)
         told = element.find("inertial/mass")
         weighed = told is not None and float(told.get("value", "0")) > 0
         return Link(name, visuals, pieces, mass, center, inertia, weighed)
@@ -126,10 +129,17 @@ class UrdfReader:
             raise InputError(self.path, f'{where}: rgba="{found.get("rgba")}" is above 1.', "colours go from 0 to 1")
         return (r, g, b, a)
 
-    def _inertial(self, element: ET.Element | None, pieces: list[Trimesh], where: str) -> tuple[float, Matrix, Matrix]:
-        """Mass, centre and inertia; what the file does not say, or says impossibly, is that of a solid box."""
+    def _inertial(
+        self, element: ET.Element | None, pieces: list[Trimesh], area: float, where: str
+    ) -> tuple[float, Matrix, Matrix]:
+        """Mass, centre and inertia; what the file does not say, or says impossibly, is that of a solid box.
+
+        Furniture is made of boards: a link of unknown mass weighs what boards of half of its visible `area` do, both
+        sides of which are seen, or what its hulls do if they are smaller.
+        """
         low, high = _box_around(pieces)
-        mass, center = max(sum(abs(piece.volume) for piece in pieces) * DENSITY, MINIMUM_MASS), (low + high) / 2
+        volume = min(sum(abs(piece.volume) for piece in pieces), area / 2 * BOARD)
+        mass, center = max(volume * DENSITY, MINIMUM_MASS), (low + high) / 2
         if element is not None and element.find("mass") is not None:
             given = float(self.tree.numbers(element.find("mass"), "value", "0", 1, f"{where}, <mass>", low=0.0)[0])
             if given > HEAVIEST:
@@ -150,22 +160,29 @@ class UrdfReader:
         return mass, center, mass / 12 * np.diag([y + z, x + z, x + y]) + MINIMUM_INERTIA * np.eye(3)
 
     def _mesh_file(self, name: str, where: str) -> Path:
-        """The mesh file that a URDF names, inside the folder."""
-        relative = name.removeprefix("package://").removeprefix("file://").lstrip("/")
+        """The mesh file that a URDF names, inside the folder.
+
+        It is looked for beside the URDF and in the folders above it; where packages or folders in front of the name are
+        called otherwise than in the file (a package that was renamed, a part of a larger collection), without those.
+        """
+        plain = (
+            re.sub(r"^\$\(find ([^)]*)\)", r"\1", name).removeprefix("package://").removeprefix("file://").lstrip("/")
+        )
+        parts = Path(plain).parts
         outside = InputError(
             self.path, f"{where}: mesh '{name[:200]}' lies outside {self.folder.name}/.", "copy it inside"
         )
         try:
             here = self.path.resolve().parent
-            for base in (here, *here.parents):
-                if not base.is_relative_to(self.folder):
-                    break
-                found = (base / relative).resolve()
-                if found.is_file():
-                    if not found.is_relative_to(self.folder):
-                        raise outside
-                    return found
-            if not (here / relative).resolve().is_relative_to(self.folder):
+            bases = [base for base in (here, *here.parents) if base.is_relative_to(self.folder)]
+            for left_out in range(1 if ".." in parts else len(parts)):
+                for base in bases:
+                    found = base.joinpath(*parts[left_out:]).resolve()
+                    if found.is_file():
+                        if not found.is_relative_to(self.folder):
+                            raise outside
+                        return found
+            if not (here / plain).resolve().is_relative_to(self.folder):
                 raise outside
         except (OSError, RuntimeError, ValueError):  # names that are too long, links in a circle
             pass

@@ -1,6 +1,7 @@
 """Import the user's own models: files of the kinds in `importers`, sorted in folders by category."""
 
 import re
+import shutil
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -14,15 +15,17 @@ from stages.articulated.forward_kinematics import closed_box, rebased
 from stages.articulated.mesh_reader import thickened
 from stages.articulated.model import Matrix, RobotModel
 from stages.articulated.roles import with_roles
+from stages.articulated.sense import doors_and_drawers, front_direction
 from stages.articulated.stretching import stretched
 from stages.articulated.urdf_reader import HEAVIEST
+from stages.assets.discover import Found, discover, numbered_names
 from stages.assets.importers import Axis, Importer
 from stages.cli import progress
 from stages.config.assets import LibraryOptions
 from stages.contracts.errors import InputError
 from stages.contracts.files import Contract, read_json
 from stages.contracts.library import Asset, Placement, Symmetry
-from stages.geometry.frames import rigid
+from stages.geometry.frames import rigid, yaw_matrix
 from stages.plugins import load, short
 
 IMPORTERS = tuple(LibraryOptions().importers)
@@ -35,7 +38,9 @@ class Notes(Contract):
     """Optional `asset.json` beside an imported model: what its geometry does not tell."""
 
     category: str | None = Field(None, description="default: the name of the folder")
-    front: Axis | None = Field(None, description="direction of the front in the file; default +x, or +z where up is +y")
+    front: Axis | None = Field(
+        None, description="direction of the front in the file; default where doors open, else +x, or +z where up is +y"
+    )
     up: Axis | None = Field(None, description="direction up in the file; default +z, for GLB +y (glTF's rule)")
     scale: float = Field(1.0, ge=1e-6, le=1e6, description="metres per unit of the file")
     mass: float | None = Field(None, gt=0, le=HEAVIEST, description="kg; default from the file, or 500 kg / m^3")
@@ -71,27 +76,53 @@ def import_folders(
         importers: their names; of the files in a sub-folder only the first kind that occurs is imported.
 
     Raises:
-        InputError: a folder is missing or empty, two models have one name, or a model is broken (file and element).
+        InputError: a folder is missing or empty, or all of its models are broken (the first: file and element). Single
+            broken models and copies are left out, in one line each.
     """
     kinds = by_suffix(importers)
-    found: list[ModelFile] = []
+    found: list[Found] = []
     for folder in folders:
         if not folder.is_dir():
             raise InputError("assets.folders", f"{folder} is not a folder.")
-        files = [with_notes(path, folder, kinds[suffix(path)]) for path in model_files(folder, kinds)]
-        if not files:
+        models_of = discover(folder, list(kinds))
+        if not models_of:
             raise InputError(
                 folder,
                 f"holds no {' or '.join(kind[1:].upper() for kind in kinds)}.",
                 "expected <folder>/<category>/<model>",
             )
-        found += files
-    names = set(taken)
-    for file in found:  # before anything is written
-        if file.id in names:
-            raise InputError(file.path, f"two models are called '{file.id}'.", "rename one")
-        names.add(file.id)
-    return [import_file(file, models) for file in progress(found, "imports", len(found))]
+        found += models_of
+    files, refused = _with_notes(found, kinds)
+    ids = numbered_names([file.id for file in files], taken)
+    assets: dict[str, Asset] = {}  # by checksum: a copy is the same model
+    for file, name in progress(zip(files, ids, strict=True), "imports", len(files)):
+        try:
+            asset = import_file(file._replace(id=name), models)
+        except InputError as error:
+            refused.append(error)
+            print(f"left out: {error}")
+            continue
+        if asset.checksum in assets:
+            print(f"left out: {file.path}: is a copy of {assets[asset.checksum].id}")
+            shutil.rmtree(models / asset.id)
+            continue
+        assets[asset.checksum] = asset
+    if refused and not assets:
+        raise refused[0]
+    return list(assets.values())
+
+
+def _with_notes(found: Iterable[Found], kinds: dict[str, Importer]) -> tuple[list[ModelFile], list[InputError]]:
+    """Models with the notes beside them, and those whose notes are broken."""
+    files: list[ModelFile] = []
+    refused: list[InputError] = []
+    for one in found:
+        try:
+            files.append(with_notes(one, kinds[suffix(one.path)]))
+        except InputError as error:
+            refused.append(error)
+            print(f"left out: {error}")
+    return files, refused
 
 
 def by_suffix(importers: Sequence[str]) -> dict[str, Importer]:
@@ -104,37 +135,27 @@ def suffix(path: Path) -> str:
     return path.suffix.lower()
 
 
-def model_files(folder: Path, kinds: Iterable[str]) -> list[Path]:
-    """Model files of <folder>/<category>: those lying there, and of each sub-folder those of the first kind it has."""
-    files, kinds = [], list(kinds)
-    for category in sorted(path for path in folder.iterdir() if path.is_dir()):
-        for child in sorted(category.iterdir()):
-            if child.is_file() and suffix(child) in kinds:
-                files.append(child)
-            elif child.is_dir():
-                inside = [path for path in sorted(child.rglob("*")) if path.is_file()]
-                by_kind = [[path for path in inside if suffix(path) == kind] for kind in kinds]
-                files += next((group for group in by_kind if group), [])
-    return files
-
-
-def with_notes(path: Path, folder: Path, importer: Importer) -> ModelFile:
+def with_notes(found: Found, importer: Importer) -> ModelFile:
     """A model file with the notes beside it."""
-    beside = path.parent / "asset.json"
+    beside = found.path.parent / "asset.json"
     notes = read_json(Notes, beside) if beside.exists() else Notes()
-    category = snake_case(notes.category or path.relative_to(folder).parts[0])
-    return ModelFile(path, folder, notes, category, snake_case(f"{category}_{path.stem}"), importer)
+    category = snake_case(notes.category or found.category)
+    return ModelFile(found.path, found.folder, notes, category, snake_case(f"{category}_{found.name}"), importer)
 
 
 def import_model(path: Path, folder: Path, models: Path) -> Asset:
     """Write the asset folder of one model file of a user's folder."""
-    return import_file(with_notes(path, folder, by_suffix(IMPORTERS)[suffix(path)]), models)
+    found = Found(path, folder, path.relative_to(folder).parts[0], path.stem)
+    return import_file(with_notes(found, by_suffix(IMPORTERS)[suffix(path)]), models)
 
 
 def import_file(file: ModelFile, models: Path) -> Asset:
     """Write the asset folder of one model."""
     path, notes = file.path, file.notes
-    robot = with_roles(upright(file.importer.read(path, file.folder), file))
+    robot, doubts = doors_and_drawers(upright(file.importer.read(path, file.folder), file))
+    robot = with_roles(robot)
+    for doubt in doubts:
+        print(f"{path}: {doubt}")
     if notes.mass is not None:
         robot = with_mass(robot, notes.mass)
     check_believable(robot, path)
@@ -196,6 +217,10 @@ def upright(robot: RobotModel, file: ModelFile) -> RobotModel:
         raise InputError(file.notes_path, what, "give two different axes")
     rotation = np.array([x, np.cross(z, x), z])
     robot = rebased(robot, rigid(rotation, np.zeros(3)))
+    if notes.front is None and (told := front_direction(robot)) is not None and told[0][0] < 1:
+        (x, y, _), count = told
+        print(f"{file.path}: turned to face +x, where {count} of its doors and drawers open (asset.json: front)")
+        robot = rebased(robot, rigid(yaw_matrix(-float(np.arctan2(y, x))).round(9), np.zeros(3)))
     return in_metres(robot, notes.scale) if notes.scale != 1.0 else robot
 
 

@@ -10,7 +10,8 @@ from stages.articulated.forward_kinematics import closed_box, link_frames
 from stages.articulated.mesh_reader import convex_pieces
 from stages.articulated.stretching import stretched
 from stages.articulated.urdf_reader import read_urdf
-from stages.assets.imports import import_folders, import_model, model_files, snake_case
+from stages.assets.discover import discover
+from stages.assets.imports import import_folders, import_model, snake_case
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json
 from stages.contracts.library import Asset
@@ -27,7 +28,7 @@ def folder(tmp_path: Path) -> Path:
 
 def test_urdf_is_imported_with_doors_drawers_and_handles(folder: Path, tmp_path: Path) -> None:
     (asset,) = import_folders([folder], tmp_path / "models")
-    assert (asset.id, asset.category, asset.doors, asset.drawers) == ("bottom_cabinet_cab", "bottom_cabinet", 1, 1)
+    assert (asset.id, asset.category, asset.doors, asset.drawers) == ("bottom_cabinet_oak_1", "bottom_cabinet", 1, 1)
     hinge, slide = asset.joints
     assert (hinge.lower, hinge.upper, hinge.axis) == (0.0, 1.5, (0.0, 0.0, 1.0)), "turned round to close at 0"
     assert (hinge.handle, hinge.handle_link) == ("knob", "door_knob")
@@ -97,7 +98,8 @@ def test_meshes_become_one_body_with_notes(tmp_path: Path) -> None:
 def test_model_files_prefers_urdf_over_meshes(folder: Path) -> None:
     trimesh.creation.box().export(folder / "bottom_cabinet" / "Oak 1" / "part.obj")
     trimesh.creation.box().export(folder / "bottom_cabinet" / "single.obj")
-    assert [path.name for path in model_files(folder, [".urdf", ".glb", ".obj"])] == ["cab.urdf", "single.obj"]
+    found = discover(folder, [".urdf", ".glb", ".obj"])
+    assert [(one.path.name, one.name) for one in found] == [("cab.urdf", "Oak 1"), ("single.obj", "single")]
     assert snake_case(" Bottom-Cabinet 3") == "bottom_cabinet_3"
 
 

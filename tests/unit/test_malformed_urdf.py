@@ -270,22 +270,25 @@ def test_a_broken_rigid_mesh_is_one_clear_line(tmp_path: Path) -> None:
         (place / name).unlink()
 
 
-def test_names_are_compared_before_anything_is_written(folder: Path, tmp_path: Path) -> None:
-    again = folder / "bottom_cabinet" / "Oak 2"
-    again.mkdir()
-    (again / "cab.urdf").write_text(CABINET)
-    refused(folder, "two models are called 'bottom_cabinet_cab'. Fix: rename one")
-    (again / "cab.urdf").rename(again / "other.urdf")
-    with pytest.raises(InputError, match="two models are called 'bottom_cabinet_other'"):
-        import_folders([folder], tmp_path / "models", taken=["bottom_cabinet_other"])
-    assert not (tmp_path / "models").exists()
+def test_names_that_are_taken_are_numbered_and_copies_left_out(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for place, text in (("Oak 2", CABINET), ("oak-1", CABINET.replace("0.5 0.3 0.1 1", "0.1 0.1 0.1 1"))):
+        (folder / "bottom_cabinet" / place).mkdir()
+        (folder / "bottom_cabinet" / place / "cab.urdf").write_text(text)
+    assets = import_folders([folder], tmp_path / "models", taken=["bottom_cabinet_oak_1"])
+    assert [asset.id for asset in assets] == ["bottom_cabinet_oak_1_2", "bottom_cabinet_oak_1_3"]
+    assert "Oak 2/cab.urdf: is a copy of bottom_cabinet_oak_1_2" in capsys.readouterr().out
+    assert sorted(path.name for path in (tmp_path / "models").iterdir()) == [asset.id for asset in assets]
 
 
-def test_one_broken_model_leaves_the_others_whole(folder: Path, tmp_path: Path) -> None:
+def test_one_broken_model_leaves_the_others_whole(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     again = folder / "bottom_cabinet" / "Oak 2"
     again.mkdir()
     (again / "door.urdf").write_text(CABINET.replace(BODY_BOX, mesh("gone.obj")))
-    with pytest.raises(InputError, match=r"door\.urdf: link 'body'"):
-        import_folders([folder], tmp_path / "models")
-    assert [path.name for path in (tmp_path / "models").iterdir()] == ["bottom_cabinet_cab"]
-    assert (tmp_path / "models" / "bottom_cabinet_cab" / "asset.json").exists()
+    (asset,) = import_folders([folder], tmp_path / "models")
+    assert "door.urdf: link 'body'" in capsys.readouterr().out
+    assert [path.name for path in (tmp_path / "models").iterdir()] == [asset.id] == ["bottom_cabinet_oak_1"]
+    assert (tmp_path / "models" / asset.id / "asset.json").exists()

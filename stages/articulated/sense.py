@@ -1,0 +1,88 @@
+"""What an articulation that nobody described is: which way its front faces, which joints are doors or drawers."""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from stages.articulated.attributes import moved_by
+from stages.articulated.forward_kinematics import closed_box, link_frames, visual_bounds
+from stages.articulated.model import JointModel, Matrix, RobotModel
+
+ALONG = 0.9  # cosine: a slide goes along a direction, a panel's hinge across it
+SHORTEST, LEAST_TURN = 0.05, np.deg2rad(20)  # metres and radians that a drawer or a door moves at least
+NARROWEST, LOWEST = 0.06, 0.02  # metres: width and height of the smallest front
+THIN = 0.6  # of a door's other horizontal extent: thicker things are no panels
+
+
+class Front(NamedTuple):
+    """A part that a joint moves, closed, in the root frame: bounds (2, 3), where it opens to, area of its face."""
+
+    bounds: Matrix
+    outward: Matrix
+    area: float
+
+
+def front_direction(robot: RobotModel) -> tuple[Matrix, int] | None:
+    """Horizontal axis (a unit vector of the root frame, z up) that most of the fronts face, by area, and how many do.
+
+    A drawer faces where it slides to, a door away from the middle along its thinnest horizontal extent.
+    None: no joint tells.
+    """
+    fronts = [front for joint in robot.joints if (front := _front(robot, joint)) is not None]
+    votes: dict[tuple[float, ...], list[float]] = {}
+    for front in fronts:
+        votes.setdefault(tuple(front.outward.tolist()), []).append(front.area)
+    if not votes:
+        return None
+    best = max(votes, key=lambda direction: (round(sum(votes[direction]), 6), direction))
+    return np.array(best), len(votes[best])
+
+
+def _front(robot: RobotModel, joint: JointModel) -> Front | None:
+    """The part that a joint moves, if it could be a door or a drawer whichever way the model faces."""
+    if joint.type == "fixed":
+        return None
+    frames = link_frames(robot)
+    boxes = [visual_bounds(robot.links[link].visuals, frames[link]) for link in moved_by(joint, robot.joints)]
+    corners = [box for box in boxes if box is not None]
+    if not corners:
+        return None  # a helper link
+    bounds = np.array([np.min(corners, axis=(0, 1)), np.max(corners, axis=(0, 1))])
+    axis = frames[joint.child][:3, :3] @ joint.axis
+    extents = bounds[1] - bounds[0]
+    if joint.type == "prismatic":
+        way = int(np.argmax(np.abs(axis)))
+        if way == 2 or abs(axis[way]) < ALONG or joint.upper - joint.lower < SHORTEST:
+            return None
+        outward = np.zeros(3)
+        outward[way] = np.sign(axis[way])
+    else:
+        way = int(np.argmin(extents[:2]))
+        across = 1 - way
+        if joint.upper - joint.lower < LEAST_TURN or abs(axis[way]) > 0.3 or extents[way] > THIN * extents[across]:
+            return None  # a stove's knob turns about the direction that it faces
+        middle = closed_box(robot).mean(axis=0)
+        outward = np.zeros(3)
+        outward[way] = 1.0 if bounds.mean(axis=0)[way] >= middle[way] else -1.0
+    width, height = extents[1 - way], extents[2]
+    if width < NARROWEST or height < LOWEST:
+        return None
+    return Front(bounds, outward, float(width * height))
+
+
+def doors_and_drawers(robot: RobotModel) -> tuple[RobotModel, list[str]]:
+    """The model (z up, front towards +x) with what is neither door nor drawer fixed where it is, and why, in lines.
+
+    A drawer slides forwards by 5 cm at least, a door hangs on a hinge that lies across the front and turns by at least
+    20 degrees; either moves a front of some size. Helper links, a chair's seat, wheels, knobs and buttons are neither.
+    """
+    joints, doubts = [], []
+    for joint in robot.joints:
+        front = None if joint.type == "fixed" else _front(robot, joint)
+        if joint.type != "fixed" and (front is None or (joint.type == "prismatic" and front.outward[0] != 1.0)):
+            origin = joint.origin @ joint.motion(joint.lower)
+            doubts.append(f"joint '{joint.name}' moves no door or drawer: fixed")
+            joint = replace(joint, type="fixed", origin=origin, lower=0.0, upper=0.0)
+        joints.append(joint)
+    return replace(robot, joints=joints), doubts

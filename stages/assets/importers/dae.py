@@ -1,0 +1,6 @@
+"""COLLADA, rigid; read as its file says which way is up."""
+
+from stages.assets.importers import Importer
+from stages.assets.single_body import read_mesh
+
+IMPORTER = Importer(read_mesh)

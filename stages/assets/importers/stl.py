@@ -1,0 +1,6 @@
+"""STL, rigid, without colours."""
+
+from stages.assets.importers import Importer
+from stages.assets.single_body import read_mesh
+
+IMPORTER = Importer(read_mesh)
