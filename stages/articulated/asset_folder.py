@@ -2,9 +2,10 @@
 
 import hashlib
 import shutil
+import xml.etree.ElementTree as ET
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -62,7 +63,17 @@ def write_asset(robot: RobotModel, out: Path, about: Description) -> Asset:
 def read_model(folder: Path) -> RobotModel:
     """The model of an asset folder, with the roles that its `asset.json` gives to its joints."""
     asset = read_asset(folder)
-    return with_roles_of(read_urdf(urdf_of(folder, asset), folder), asset.joints)
+    urdf = urdf_of(folder, asset)
+    robot = with_roles_of(read_urdf(urdf, folder), asset.joints)
+    return replace(robot, touching=read_srdf(urdf.with_suffix(".srdf")))
+
+
+def read_srdf(path: Path) -> tuple[tuple[str, str], ...]:
+    """Pairs of links that must not collide; none if there is no such file."""
+    if not path.is_file():
+        return ()
+    pairs = ET.parse(path).getroot().findall("disable_collisions")
+    return tuple((pair.get("link1", ""), pair.get("link2", "")) for pair in pairs)
 
 
 def stretch_asset(folder: Path, asset: Asset, size: Vector, out: Path) -> Asset:

@@ -108,11 +108,15 @@ class JointModel:
 
 @dataclass(frozen=True)
 class RobotModel:
-    """Links and joints that form one tree; joints in an order in which parents come before children."""
+    """Links and joints that form one tree; joints in an order in which parents come before children.
+
+    `touching`: pairs of links that touch when everything is closed and must not collide, as in an SRDF.
+    """
 
     name: str
     links: dict[str, Link]
     joints: list[JointModel] = field(default_factory=list)
+    touching: tuple[tuple[str, str], ...] = ()
 
     @property
     def root(self) -> str:

@@ -1,4 +1,4 @@
-"""Write a `RobotModel` as model.urdf and meshes/.
+"""Write a `RobotModel` as model.urdf and meshes/, with model.srdf where links touch when closed.
 
 What has one colour or texture becomes one OBJ per link and colour, what carries its own looks one GLB per link; boxes
 and convex OBJs collide.
@@ -30,6 +30,17 @@ def write_urdf(robot: RobotModel, folder: Path) -> None:
             _add_joint(root, joint_of[link.name])
     ET.indent(root)
     (folder / "model.urdf").write_text(ET.tostring(root, encoding="unicode") + "\n", encoding="utf-8")
+    if robot.touching:
+        write_srdf(robot, folder)
+
+
+def write_srdf(robot: RobotModel, folder: Path) -> None:
+    """Write model.srdf, by which SAPIEN lets links that touch when closed pass through each other."""
+    root = ET.Element("robot", name=robot.name)
+    for one, other in robot.touching:
+        ET.SubElement(root, "disable_collisions", link1=one, link2=other, reason="Default")
+    ET.indent(root)
+    (folder / "model.srdf").write_text(ET.tostring(root, encoding="unicode") + "\n", encoding="utf-8")
 
 
 def _file_stems(links: list[str]) -> list[str]:

@@ -20,6 +20,7 @@ from stages.articulated.stretching import stretched
 from stages.articulated.urdf_reader import HEAVIEST
 from stages.assets.discover import Found, discover, numbered_names
 from stages.assets.importers import Axis, Importer
+from stages.assets.pushing import stuck_joints, touching_when_closed
 from stages.cli import progress
 from stages.config.assets import LibraryOptions
 from stages.contracts.errors import InputError
@@ -169,9 +170,14 @@ def import_file(file: ModelFile, models: Path) -> Asset:
         placement=notes.placement,
     )
     try:
-        return write_asset(robot, models / file.id, about)
+        asset = write_asset(robot, models / file.id, about)
+        if touching := touching_when_closed(models / file.id):
+            asset = write_asset(replace(robot, touching=touching), models / file.id, about)
     except ValidationError as error:
         raise InputError(path, f"makes no asset: {error.errors()[0]['msg']}.") from None
+    for line in stuck_joints(models / file.id):
+        print(f"{path}: {line}")
+    return asset
 
 
 def check_believable(robot: RobotModel, path: Path) -> None:

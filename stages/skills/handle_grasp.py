@@ -23,12 +23,14 @@ FLAP = ((0.0, 1.0), (0.35, 1.0), (0.0, 0.5), (0.7, 1.0), (0.35, 0.5), (0.7, 0.5)
 @dataclass(frozen=True)
 class Grasp:
     """A way to hold a handle: turns of the approach about the closing axis (`tilt`) and from above, about a horizontal
-    handle (`pitch`), in radians; and the share of a door's turn that the hand makes (`follow`)."""
+    handle (`pitch`), in radians; and the share of a door's turn that the hand makes (`follow`). `over`: fingers above
+    and below a knob, not at its sides."""
 
     tilt: float
     pitch: float
     follow: float
     depth: float = MAX_DEPTH
+    over: bool = False
 
 
 def grasps(target: Target, handle: Handle) -> Iterator[Grasp]:
@@ -39,16 +41,20 @@ def grasps(target: Target, handle: Handle) -> Iterator[Grasp]:
         yield from (Grasp(0.0, pitch, follow, FLAP_DEPTH) for pitch, follow in FLAP)
     for follow in (1.0, 0.5, 0.0) if target.revolute else (1.0,):
         yield from (Grasp(tilt, 0.0, follow) for tilt in tilts)
+    if not handle.elongated:  # another knob beside it leaves no room for a finger
+        for follow in (1.0, 0.5, 0.0) if target.revolute else (1.0,):
+            yield from (Grasp(tilt, 0.0, follow, over=True) for tilt in (0.0, 0.35, -0.35, 0.7, -0.7))
 
 
 def grasp_pose(handle: Handle, grasp: Grasp, hand: Array) -> Array:
     """(4, 4) pose of the tool centre point on a handle, asset frame, closed.
 
-    The fingers close across the handle's long direction (sideways on a knob). Of the two ways it is the one nearer to
-    the present pose `hand` (4, 4); for a horizontal bar, which is equally far from both, always the one that takes the
-    last joint away from its limit. A tilt raises the wrist (for a horizontal bar: turns it sideways).
+    The fingers close across the handle's long direction (on a knob sideways, or from above and below). Of the two
+    ways it is the one nearer to the present pose `hand` (4, 4); for a horizontal bar, which is equally far from both,
+    always the one that takes the last joint away from its limit. A tilt raises the wrist (for a horizontal bar: turns
+    it sideways).
     """
-    closing = np.array([0.0, 1.0, 0.0])
+    closing = np.array([0.0, 0.0, 1.0] if grasp.over else [0.0, 1.0, 0.0])
     if handle.elongated:
         closing = np.cross(handle.axis, [1.0, 0.0, 0.0])
     if (closing[2] if abs(closing[2]) > 0.5 else closing @ hand[:3, 1]) < 0:

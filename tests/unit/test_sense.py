@@ -1,16 +1,20 @@
 """What an imported articulation is taken for: front, doors and drawers, masses; PartNet folders as they are."""
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from stages.articulated.asset_folder import read_model
 from stages.articulated.forward_kinematics import link_frames
 from stages.articulated.sense import doors_and_drawers, front_direction
 from stages.articulated.urdf_reader import read_urdf
 from stages.assets.discover import discover, numbered_names
 from stages.assets.imports import import_folders
+from stages.assets.pushing import stuck_joints
+from stages.procedural.resize import resized
 
 FACING = {"+x": 0, "+y": 90, "-x": 180, "-y": 270}
 
@@ -78,6 +82,43 @@ def test_unknown_masses_are_those_of_boards(tmp_path: Path) -> None:
     assert 1.5 < links["door"].mass < 4, "a door of half a metre"
     assert links["drawer"].mass < 10 < 0.4 * 0.5 * 0.8 * 500
     assert 5 < links["body"].mass < 25, "a shell, not 80 kg of solid wood"
+
+
+def rubbing(gap: float) -> str:
+    """Two drawers one above the other, `gap` apart (negative: they overlap)."""
+    parts = "".join(
+        f'<link name="{name}">{box("0.3 0.4 0.2") + box("0.03 0.2 0.02", "0.16 0 0")}</link>' for name in "ab"
+    )
+    joints = joint("low", "prismatic", "a", "1 0 0", 0.2, "0.05 0 0.1") + joint(
+        "high", "prismatic", "b", "1 0 0", 0.2, f"0.05 0 {0.3 + gap}"
+    )
+    return f'<robot name="c"><link name="body">{box("0.02 0.5 0.6", "-0.2 0 0.3")}</link>{parts}{joints}</robot>'
+
+
+@pytest.mark.parametrize(("gap", "pairs"), [(-0.001, [("a", "b")]), (0.01, [])])
+def test_parts_that_touch_when_closed_pass_through_each_other(
+    tmp_path: Path, gap: float, pairs: list[tuple[str, str]]
+) -> None:
+    place = tmp_path / "mine" / "chest_of_drawers" / "rubbing"
+    place.mkdir(parents=True)
+    (place / "a.urdf").write_text(rubbing(gap))
+    (asset,) = import_folders([tmp_path / "mine"], tmp_path / "models")
+    folder = tmp_path / "models" / asset.id
+    assert list(read_model(folder).touching) == pairs
+    assert (folder / "model.srdf").exists() == bool(pairs)
+    sized = resized(folder, (0.5, 0.6, 0.7), tmp_path / "sized")
+    assert list(read_model(sized).touching) == pairs
+    assert stuck_joints(folder) == []
+
+
+def test_a_joint_that_sticks_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    place = tmp_path / "mine" / "chest_of_drawers" / "barred"
+    place.mkdir(parents=True)
+    bar = '<link name="bar">' + box("0.02 0.6 0.2", "0.3 0 0.1") + "</link>"
+    fixed = '<joint name="nailed" type="fixed"><parent link="body"/><child link="bar"/></joint>'
+    (place / "a.urdf").write_text(rubbing(0.01).replace("</robot>", bar + fixed + "</robot>"))
+    import_folders([tmp_path / "mine"], tmp_path / "models")
+    assert re.search(r"a.urdf: drawer 'low' sticks at \d+ % of its range", capsys.readouterr().out)
 
 
 def write_partnet(folder: Path, number: str, text: str, category: str = "StorageFurniture") -> None:

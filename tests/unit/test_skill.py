@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from stages.articulated.handle import Handle
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.config.task import TaskConfig
 from stages.contracts.errors import InputError
@@ -269,3 +270,12 @@ def test_a_heavy_flap_is_opened_from_beside_it(tmp_path: Path) -> None:
     beside = inverse(flap.env.base_from_asset())[:3, 3] - flap.env.target.reference
     assert flap.env.target.flap and abs(beside[1]) > 0.2
     flap.close()
+
+
+def test_a_knob_beside_another_is_held_from_above_and_below() -> None:
+    handle = Handle(np.array([0.3, 0.02, 0.5]), np.array([0.0, 1.0, 0.0]), 0.03, 0.03, 0.03)
+    sideways, over = (grasp_pose(handle, Grasp(0.0, 0.0, 1.0, over=over), np.eye(4)) for over in (False, True))
+    assert np.abs(sideways[:3, 1]) == pytest.approx([0, 1, 0]), "the fingers close along y"
+    assert np.abs(over[:3, 1]) == pytest.approx([0, 0, 1])
+    assert over[:3, 2] == pytest.approx([-1, 0, 0]), "straight in"
+    assert np.linalg.det(over[:3, :3]) == pytest.approx(1.0)

@@ -1,0 +1,70 @@
+"""Doors and drawers of imported models, pushed once: which parts touch when closed, which joints stick."""
+
+from pathlib import Path
+
+import numpy as np
+import sapien
+from sapien.physx import PhysxArticulation
+
+from stages.articulated.asset_folder import read_asset
+from stages.simulation.loading import load_asset, physics_scene
+
+TOUCH = 0.002  # metres: parts that are as near when closed would rub
+MOST_PAIRS = 31  # that SAPIEN tells apart
+FORCE, TORQUE = 20.0, 6.0  # N and N m: less than a gripper pulls with
+SECONDS, TIMESTEP = 4.0, 0.01
+OPEN = 0.9  # of its range, for a joint that does not stick
+
+
+def touching_when_closed(folder: Path) -> tuple[tuple[str, str], ...]:
+    """Pairs of links of an asset that touch when everything is closed, by name; a link and its parent never collide."""
+    body = _loaded(folder, timestep=1e-5)
+    if body is None:
+        return ()
+    scene, _ = body
+    scene.step()
+    pairs = set()
+    for contact in scene.get_contacts():
+        if any(point.separation < TOUCH for point in contact.points):
+            one, other = sorted(component.entity.name for component in contact.bodies)
+            pairs.add((one, other))
+    return tuple(sorted(pairs)[:MOST_PAIRS])
+
+
+def stuck_joints(folder: Path) -> list[str]:
+    """A line for every door or drawer that a steady push does not open."""
+    body = _loaded(folder, timestep=TIMESTEP)
+    if body is None:
+        return []
+    scene, articulation = body
+    closed = articulation.get_qpos().copy()
+    roles = {joint.name: joint.role for joint in read_asset(folder).joints}
+    lines = []
+    for number, joint in enumerate(articulation.get_active_joints()):
+        if joint.name not in roles:
+            continue
+        articulation.set_qpos(closed)
+        articulation.set_qvel(np.zeros_like(closed))
+        push = np.zeros_like(closed)
+        push[number] = FORCE if joint.type.startswith("prismatic") else TORQUE
+        low, high = joint.limits[0].tolist()
+        farthest = low
+        for _ in range(round(SECONDS / TIMESTEP)):
+            articulation.set_qf(push + articulation.compute_passive_force(True, True))
+            scene.step()
+            farthest = max(farthest, float(articulation.get_qpos()[number]))
+            if farthest > low + OPEN * (high - low):
+                break
+        else:
+            share = (farthest - low) / (high - low)
+            lines.append(f"{roles[joint.name]} '{joint.name}' sticks at {100 * share:.0f} % of its range")
+    return lines
+
+
+def _loaded(folder: Path, timestep: float) -> tuple[sapien.Scene, PhysxArticulation] | None:
+    """The asset alone in a scene, fixed and closed; None if nothing of it moves."""
+    if not read_asset(folder).joints:
+        return None
+    scene = physics_scene(timestep)
+    body = load_asset(scene, folder, sapien.Pose(), fixed=True, name="imported")
+    return (scene, body) if isinstance(body, PhysxArticulation) else None
