@@ -13,6 +13,7 @@ from stages.geometry.minimum_box import minimum_box
 MAX_POINTS = 8000
 NEIGHBOURS = 16
 SPACING = 1.5  # DBSCAN's radius is at least so many times the distance to the `dbscan_min_points`-th neighbour,
+BEHIND = 0.3  # metres behind the farthest point of the largest cluster, from which on another is background
 LEVEL_BIN, LEVEL_BLUR = 0.005, 0.003  # metres; share of the distance: noise of heights seen from above
 DENSE = 2.0  # times the mean density of heights, from which on one is a level
 ABOVE = 0.1  # share of the points that may lie above the level on which things stand
@@ -20,12 +21,15 @@ SPARSE = 0.95  # taken where points are sparse: faces that the camera sees at a 
 
 
 def cleaned_cloud(
-    points: NDArray[np.float64], options: ExtractionConfig, rng: np.random.Generator
+    points: NDArray[np.float64], options: ExtractionConfig, rng: np.random.Generator, eye: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Points (M, 3), M <= 8000, without stray ones.
 
     Every DBSCAN cluster of some size is kept, not only the largest: a pole in front of an object
-    cuts its cloud in two.
+    cuts its cloud in two. What lies well behind the largest is seen past the object, or through it.
+
+    Args:
+        eye: (3,) where the camera is.
     """
     if len(points) > MAX_POINTS:
         points = points[np.sort(rng.choice(len(points), MAX_POINTS, replace=False))]
@@ -36,7 +40,12 @@ def cleaned_cloud(
     radius = max(options.dbscan_eps, SPACING * float(np.quantile(distances[:, -1], SPARSE)))
     labels = dbscan(points, radius, options.dbscan_min_points)
     clusters, counts = np.unique(labels[labels >= 0], return_counts=True)
-    return points[np.isin(labels, clusters[counts >= options.dbscan_keep * len(points)])]
+    kept = clusters[counts >= options.dbscan_keep * len(points)]
+    if not len(kept):
+        return points[:0]
+    ranges = np.linalg.norm(points - eye, axis=1)
+    end = ranges[labels == clusters[np.argmax(counts)]].max() + BEHIND
+    return points[np.isin(labels, [cluster for cluster in kept if np.median(ranges[labels == cluster]) <= end])]
 
 
 def fit_box(points: NDArray[np.float64], options: ExtractionConfig) -> UprightBox:

@@ -66,7 +66,7 @@ def _object_cloud(
     cloud = apply(floor_from_camera, back_project(depth, image.intrinsics)[depth > 0])
     if len(cloud) < 3:
         raise ObjectError("no depth on its pixels")
-    cloud = cleaned_cloud(cloud, options, rng)
+    cloud = cleaned_cloud(cloud, options, rng, floor_from_camera[:3, 3])
     if len(cloud) < 3:
         raise ObjectError("its depth is too scattered: no cluster of points")
     return cloud
@@ -110,6 +110,8 @@ def _floor_from_camera(
         raise InputError(
             "depth.npz", "shows no level plane that could be the floor.", "check depth (metres) and intrinsics"
         )
+    if image.annotations.floor is None:
+        print(f"no mask of the floor: taken to be the lowest level plane, {-floor.offset:.2f} m below the camera")
     return room.floor_frame(floor)
 
 

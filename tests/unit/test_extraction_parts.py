@@ -15,6 +15,7 @@ from stages.extraction.visibility import DepthView
 from stages.extraction.walls import walls_touched
 from stages.geometry.boxes import UprightBox
 
+ABOVE = np.array([0.45, 0.0, 2.0])  # where the camera is
 QUIET = DepthNoiseConfig(range_constant=0, range_quadratic=0, bleeding=0, periphery=0, scale=0)
 
 
@@ -91,7 +92,7 @@ def test_cleaning_drops_flyers_and_keeps_both_halves() -> None:
     rng = _rng()
     halves = [rng.uniform([x, 0, 0], [x + 0.3, 0.3, 0.02], (1500, 3)) for x in (0.0, 0.6)]
     flyers = rng.uniform(-2, 2, (30, 3))
-    cloud = cleaned_cloud(np.vstack([*halves, flyers]), ExtractionConfig(), rng)
+    cloud = cleaned_cloud(np.vstack([*halves, flyers]), ExtractionConfig(), rng, ABOVE)
     assert np.abs(cloud).max() < 1.0
     assert (cloud[:, 0] < 0.3).any() and (cloud[:, 0] > 0.6).any()
 
@@ -102,8 +103,20 @@ def test_small_clusters_go(count: int, kept: bool) -> None:
     rng = _rng()
     points = rng.uniform(0, [0.6, 0.6, 0.02], (4000, 3))
     clump = rng.uniform([0.8, 0.3, 0.0], [0.83, 0.33, 0.03], (count, 3))
-    cloud = cleaned_cloud(np.vstack([points, clump]), ExtractionConfig(outlier_deviations=50), rng)
+    cloud = cleaned_cloud(
+        np.vstack([points, clump]), ExtractionConfig(outlier_deviations=50), rng, np.array([0, 0, 2.0])
+    )
     assert bool((cloud[:, 0] > 0.7).any()) == kept
+
+
+@pytest.mark.parametrize(("x", "kept"), [(3.5, True), (4.5, False)])
+def test_what_is_seen_past_an_object_is_not_part_of_it(x: float, kept: bool) -> None:
+    """A front 3 m away, and a clump of a fifth of its points behind: a part of it, or the room behind."""
+    rng = _rng()
+    front = rng.uniform([3.0, -0.5, 0], [3.3, 0.5, 1], (4000, 3))
+    clump = rng.uniform([x, 0.3, 0.0], [x + 0.1, 0.5, 0.5], (800, 3))
+    cloud = cleaned_cloud(np.vstack([front, clump]), ExtractionConfig(outlier_deviations=50), rng, np.zeros(3))
+    assert bool((cloud[:, 0] > 3.4).any()) == kept
 
 
 def test_parts_of_a_wall_are_one_wall() -> None:

@@ -3,14 +3,16 @@
 import numpy as np
 import pytest
 
+from stages.config.generation import GenerationConfig
 from stages.contracts.objects import Mounting, Wall
 from stages.generation.extents import measured_box, near_face, only_noise
-from stages.generation.placement import walls_reached
+from stages.generation.placement import sized, walls_reached
 from stages.generation.pose import rear_at_wall, rectangularity, turned_to, wall_axes
 from stages.generation.sizing import believable_box, fits, round_box, sight_yaw
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import wrap_angle, yaw_matrix
 from stages.geometry.viewing import view_yaw
+from tests.unit.generation_scenes import asset
 
 DEGREE = np.pi / 180
 
@@ -194,3 +196,19 @@ def test_a_sofa_is_no_stool(size, stays):
     box = UprightBox((0, 0, 0), size, 0.0)
     assert fits((0.9, 2.2, 0.8), box, 2.0) == stays
     assert fits((0.9, 2.2, 0.8), box, None)
+
+
+@pytest.mark.parametrize(
+    ("mounting", "front", "size", "x"),
+    [(3, 2.4, 0.5, 2.65), (3, 3.9, 0.5, 3.75), (1, 2.4, 0.5, 3.75), (3, 3.4, 0.6, 3.7)],
+)
+def test_what_is_far_too_deep_to_reach_its_wall_stands_before_it(mounting, front, size, x):
+    """The wall x = 4: too deep, and its front stays; too shallow, and its rear does; what hangs stays at the wall."""
+    wall = Wall(id="wall_1", normal=(-1, 0, 0), offset=-4.0, points=9)
+    box = UprightBox(((front + 4) / 2, 0, 0.5), (4 - front, 1.0, 1.0), np.pi)
+    near = np.array([[front, 0.0, 0.5]])
+    item = asset((0.5, 1.0, 1.0))
+    held = Mounting(type=mounting, walls=["wall_1"])
+    placed = sized(box, near, item, held, [wall], np.array([2.0, 0, 1.6]), GenerationConfig())
+    assert placed.size[0] == pytest.approx(size)
+    assert placed.center[0] == pytest.approx(x)
