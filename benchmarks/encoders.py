@@ -164,9 +164,11 @@ def row(found: list[Answer]) -> str:
 def variants(name: str, dinov2: str) -> dict[str, EncoderOptions]:
     """Rows of an encoder and its options, which differ in weights alone."""
     alone = PatchNetConfig(hog=0, normals=0, position=0, position_alone=0)
+    lighter = PatchNetConfig(hog=0.5, normals=1, position=1, position_alone=0.6)
+    patchnet = {"patchnet: the network alone": alone, "patchnet: lighter hog": lighter, "patchnet": PatchNetConfig()}
     known = {
         "hog": {"hog: gradients alone": HogConfig(normals=0, position_alone=0), "hog": HogConfig()},
-        "patchnet": {"patchnet: the network alone": alone, "patchnet": PatchNetConfig()},
+        "patchnet": patchnet,
         "dinov2": {"dinov2": Dinov2Config(path=dinov2)} if dinov2 else {},
     }
     return {

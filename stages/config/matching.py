@@ -36,10 +36,10 @@ class HogConfig(Section):
 class PatchNetConfig(Section):
     """Our own network beside the columns of `hog` (docs/encoders.md); its vectors have weight 1."""
 
-    hog: float = Field(0.5, ge=0, description="Weight of the gradients against the network's vectors.")
-    normals: float = Field(1.0, ge=0, description="Weight of the normals. 0: never used.")
-    position: float = Field(1.0, ge=0, description="Weight of a patch's place in the crop, with normals.")
-    position_alone: float = Field(0.6, ge=0, description="Weight of a patch's place in the crop, without normals.")
+    hog: float = Field(1.0, ge=0, description="Weight of the gradients against the network's vectors.")
+    normals: float = Field(1.8, ge=0, description="Weight of the normals. 0: never used.")
+    position: float = Field(1.5, ge=0, description="Weight of a patch's place in the crop, with normals.")
+    position_alone: float = Field(2.0, ge=0, description="Weight of a patch's place in the crop, without normals.")
 
     def unread(self) -> set[str]:
         """Weights, which a feature store does not depend on."""
