@@ -20,6 +20,7 @@ LISTED = {  # keys that do not simply run the one verb of their section again
     "assets.shards": set(),  # the number of jobs is a parameter of its own
     "matching.encoder": {"features", "match", "distances"},
     "matching.coverage": {"features", "match", "distances"},
+    "matching.dimensions": {"features", "match", "distances"},
     "matching.search": {"match", "distances"},
     "matching.exclude_worst": {"match", "distances"},
     "matching.hog.image_size": {"features", "match", "distances"},
@@ -132,7 +133,8 @@ def test_variants_with_different_encoder_settings_have_stores_side_by_side() -> 
     assert b == weights != fine
     assert {name: options.hog.grid for name, options in stores(config).items()} == {b: 16, fine: 24}
     told = options_of(config, "matching", "features", {"store": fine})
-    assert told == {"encoder": "hog", "coverage": config.matching.coverage, "hog": {"image_size": 192, "grid": 24}}
+    kept = {"coverage": config.matching.coverage, "dimensions": 0}
+    assert told == {"encoder": "hog", "hog": {"image_size": 192, "grid": 24}} | kept
 
 
 def test_dinov2_takes_as_many_pictures_at_once_as_one_likes() -> None:
