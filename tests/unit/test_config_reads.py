@@ -26,7 +26,8 @@ LISTED = {  # keys that do not simply run the one verb of their section again
     "matching.hog.image_size": {"features", "match", "distances"},
     "matching.hog.grid": {"features", "match", "distances"},
     "matching.hog": {"match", "distances"},  # weights: nothing is encoded anew
-    "matching.dinov2": set(),  # not used
+    "matching.patchnet": set(),  # not used
+    "matching.dinov2": set(),
     "matching.clip": set(),
     "matching.rerender": set(),
     "matching.vlm": set(),
