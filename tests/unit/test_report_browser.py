@@ -242,7 +242,9 @@ def test_a_scene_turns_by_drag_and_keys_and_its_door_opens(opened: tuple[Any, li
     page.wait_for_function("() => document.activeElement.matches('#turntable canvas')")
     first = page.evaluate(DRAWN)
     assert first["colours"] > 12  # floor, wall, cabinet, shadow and their edges
-    assert table.bounding_box()["width"] <= page.viewport_size["width"]
+    whole, below = table.bounding_box(), table.locator(".below").bounding_box()
+    assert whole["width"] <= page.viewport_size["width"] and below["height"] > 20
+    assert below["y"] + below["height"] <= whole["y"] + whole["height"] + 1  # nothing is cut off
 
     def changed(what: str, before: dict[str, float]) -> dict[str, float]:
         page.wait_for_timeout(100)
