@@ -24,7 +24,7 @@ def hollow(outer: Profile, wall: float, colour: list[float], inside: list[float]
     coarse = sorted({0, len(outer) // 2, len(outer) - 1})
     pieces = shell_pieces([outer[k] for k in coarse], [inner[k] for k in coarse])
     base = lathe([(0, 0), (outer[0][0], 0), (floor, wall), (0, wall)], 16)
-    lining = lathe([(0, wall), *[(0.999 * r, z + 2e-4) for r, z in inner], *[(0.97 * r, z) for r, z in inner[::-1]]])
+    lining = lathe([(0, wall), *[(0.985 * r, z + 2e-4) for r, z in inner], *[(0.95 * r, z) for r, z in inner[::-1]]])
     parts = [Part(body, finish_of(colour), density, (base, *pieces), True)]
     return parts if inside == colour else [*parts, part(lining, inside, 1.0, smooth=True, solid=False)]
 
