@@ -25,7 +25,8 @@ def support_tree(items: list[Placed], overlap: float, tolerance: float | None) -
         items: sorted from low to high.
         overlap: share of the smaller footprint that must be exceeded (paper: 0.7).
         tolerance: metres by which the upper bottom may lie below the lower top. Without it (None, as
-            in the paper) a chair that is tucked under a table ends up standing on it.
+            in the paper) a chair that is tucked under a table ends up standing on it. With it, what is found
+            at the height of a top and over its edge stands on that, not on the floor: far away, noise moves it there.
     """
     supports = {}
     for index, item in enumerate(items):
@@ -34,6 +35,11 @@ def support_tree(items: list[Placed], overlap: float, tolerance: float | None) -
             for lower in items[:index]
             if overlap_share(item, lower) > overlap and (tolerance is None or item.bottom >= lower.top - tolerance)
         ]
+        if not carriers and tolerance is not None and item.bottom > tolerance and not item.wall_mounted:
+            level = [
+                low for low in items[:index] if abs(item.bottom - low.top) <= tolerance and overlap_share(item, low)
+            ]
+            carriers = sorted(level, key=lambda low: (overlap_share(item, low), low.id))[-1:]
         supports[item.id] = max(carriers, key=lambda lower: (lower.top, lower.id)).id if carriers else FLOOR
     return supports
 

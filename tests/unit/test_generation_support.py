@@ -25,7 +25,7 @@ def test_a_stack_is_found_whatever_the_order():
 @pytest.mark.parametrize(("y", "support"), [(0.565, "floor"), (0.555, "table")])
 def test_seventy_percent_of_the_smaller_footprint(y, support):
     edge = thing("edge", (2, y, 0.85), (0.2, 0.2, 0.2))  # table ends at y = 0.6: 67.5 and 72.5 % of it are over it
-    assert tree([TABLE, edge])["edge"] == support
+    assert tree([TABLE, edge], tolerance=None)["edge"] == support
 
 
 def test_a_large_thing_on_a_small_one_counts_the_smaller_footprint():
@@ -94,3 +94,10 @@ def test_a_wall_at_an_odd_angle_is_left_alone():
     slanted = Wall(id="w", normal=(-np.sqrt(0.5), np.sqrt(0.5), 0), offset=-3, points=9)
     box = UprightBox((2, 0, 1), (0.1, 1, 1), 0.0)
     assert against_wall(box, slanted, 0.01) is box
+
+
+def test_what_noise_moved_over_the_edge_of_a_cabinet_still_stands_on_it():
+    cabinet, pot = thing("cabinet", (2, 0, 0.4), (0.6, 0.6, 0.8)), thing("pot", (1.65, 0, 0.9), (0.3, 0.3, 0.2))
+    assert support_tree([cabinet, pot], 0.7, 0.15)["pot"] == "cabinet"
+    assert support_tree([cabinet, pot], 0.7, None)["pot"] == "floor"
+    assert support_tree([cabinet, thing("pot", (1.65, 0, 0.1), (0.3, 0.3, 0.2))], 0.7, 0.15)["pot"] == "floor"
