@@ -1,10 +1,11 @@
 """The command line of every stage: `python -m stages.<stage> <verb> --flag value ...`.
 
-A verb is a module `stages/<stage>/<verb>.py` (`-` is `_` there) with a typed function `run`; its keyword
-arguments are the flags. Only the chosen verb is imported, so that start-up stays cheap.
+A verb is a module `stages/<stage>/<verb>.py` (`-` is `_` there; `import`, a word of Python's own, is `import_`) with a
+typed function `run`; its keyword arguments are the flags. Only the chosen verb is imported, which keeps start-up cheap.
 """
 
 import importlib
+import keyword
 import sys
 from collections.abc import Iterable, Iterator
 from typing import TypeVar
@@ -30,7 +31,8 @@ def main(stage: str, verbs: dict[str, str]) -> None:
     from stages.guard import end_with_workflow
 
     end_with_workflow()
-    run = importlib.import_module(f"stages.{stage}.{argv[0].replace('-', '_')}").run
+    module = argv[0].replace("-", "_") + "_" * keyword.iskeyword(argv[0])
+    run = importlib.import_module(f"stages.{stage}.{module}").run
     try:
         tyro.cli(run, args=argv[1:], prog=f"python -m stages.{stage} {argv[0]}")
     except InputError as error:

@@ -65,8 +65,8 @@ class UrdfReader:
         ]
         if not collisions:
             pieces = [piece for visual in visuals for piece in convex_pieces(visual.mesh)]
-        area = sum(float(visual.mesh.area) for visual in visuals)
-        mass, center, inertia = self._inertial(element.find("inertial"), pieces, area, where)
+        estimate = board_mass(pieces, visuals)
+        mass, center, inertia = self._inertial(element.find("inertial"), pieces, estimate, where)
         told = element.find("inertial/mass")
         weighed = told is not None and float(told.get("value", "0")) > 0
         return Link(name, visuals, pieces, mass, center, inertia, weighed)
@@ -130,16 +130,12 @@ class UrdfReader:
         return (r, g, b, a)
 
     def _inertial(
-        self, element: ET.Element | None, pieces: list[Trimesh], area: float, where: str
+        self, element: ET.Element | None, pieces: list[Trimesh], mass: float, where: str
     ) -> tuple[float, Matrix, Matrix]:
-        """Mass, centre and inertia; what the file does not say, or says impossibly, is that of a solid box.
-
-        Furniture is made of boards: a link of unknown mass weighs what boards of half of its visible `area` do, both
-        sides of which are seen, or what its hulls do if they are smaller.
-        """
+        """Mass (the given one, if the file says none), centre and inertia; what the file does not say, or says
+        impossibly, is that of a solid box."""
         low, high = _box_around(pieces)
-        volume = min(sum(abs(piece.volume) for piece in pieces), area / 2 * BOARD)
-        mass, center = max(volume * DENSITY, MINIMUM_MASS), (low + high) / 2
+        center = (low + high) / 2
         if element is not None and element.find("mass") is not None:
             given = float(self.tree.numbers(element.find("mass"), "value", "0", 1, f"{where}, <mass>", low=0.0)[0])
             if given > HEAVIEST:
@@ -187,6 +183,16 @@ class UrdfReader:
         except (OSError, RuntimeError, ValueError):  # names that are too long, links in a circle
             pass
         raise InputError(self.path, f"{where}: there is no mesh '{name[:200]}' in {self.folder.name}/.")
+
+
+def board_mass(pieces: list[Trimesh], visuals: list[Visual]) -> float:
+    """What a link of unknown mass weighs: furniture is made of boards.
+
+    As much as boards of half of the visible area, both sides of which are seen, or as its hulls if they are smaller.
+    """
+    area = sum(float(visual.mesh.area) for visual in visuals)
+    volume = min(sum(abs(piece.volume) for piece in pieces), area / 2 * BOARD)
+    return max(volume * DENSITY, MINIMUM_MASS)
 
 
 def _is_primitive(shape: ET.Element) -> bool:

@@ -17,7 +17,7 @@ from stages.articulated.model import Matrix, RobotModel
 from stages.articulated.roles import with_roles
 from stages.articulated.sense import doors_and_drawers, front_direction
 from stages.articulated.stretching import stretched
-from stages.articulated.urdf_reader import HEAVIEST
+from stages.articulated.urdf_reader import HEAVIEST, board_mass
 from stages.assets.discover import Found, discover, numbered_names
 from stages.assets.importers import Axis, Importer
 from stages.assets.pushing import stuck_joints, touching_when_closed
@@ -44,7 +44,7 @@ class Notes(Contract):
     )
     up: Axis | None = Field(None, description="direction up in the file; default +z, for GLB +y (glTF's rule)")
     scale: float = Field(1.0, ge=1e-6, le=1e6, description="metres per unit of the file")
-    mass: float | None = Field(None, gt=0, le=HEAVIEST, description="kg; default from the file, or 500 kg / m^3")
+    mass: float | None = Field(None, gt=0, le=HEAVIEST, description="kg; default from the file, or that of boards")
     symmetry: Symmetry = "none"
     placement: Placement = "floor"
     licence: str = "unknown"
@@ -98,11 +98,13 @@ def import_folders(
     assets: dict[str, Asset] = {}  # by checksum: a copy is the same model
     for file, name in progress(zip(files, ids, strict=True), "imports", len(files)):
         try:
-            asset = import_file(file._replace(id=name), models)
+            asset, doubts = import_file(file._replace(id=name), models)
         except InputError as error:
             refused.append(error)
             print(f"left out: {error}")
             continue
+        for doubt in doubts:
+            print(f"{file.path}: {doubt}")
         if asset.checksum in assets:
             print(f"left out: {file.path}: is a copy of {assets[asset.checksum].id}")
             shutil.rmtree(models / asset.id)
@@ -127,8 +129,9 @@ def _with_notes(found: Iterable[Found], kinds: dict[str, Importer]) -> tuple[lis
 
 
 def by_suffix(importers: Sequence[str]) -> dict[str, Importer]:
-    """Importers by the suffix that they are named after."""
-    return {f".{short(name)}": load("importers", name) for name in importers}
+    """Importers by the suffix of their files, which most are named after."""
+    loaded = {name: load("importers", name) for name in importers}
+    return {importer.suffix or f".{short(name)}": importer for name, importer in loaded.items()}
 
 
 def suffix(path: Path) -> str:
@@ -147,16 +150,15 @@ def with_notes(found: Found, importer: Importer) -> ModelFile:
 def import_model(path: Path, folder: Path, models: Path) -> Asset:
     """Write the asset folder of one model file of a user's folder."""
     found = Found(path, folder, path.relative_to(folder).parts[0], path.stem)
-    return import_file(with_notes(found, by_suffix(IMPORTERS)[suffix(path)]), models)
+    return import_file(with_notes(found, by_suffix(IMPORTERS)[suffix(path)]), models)[0]
 
 
-def import_file(file: ModelFile, models: Path) -> Asset:
-    """Write the asset folder of one model."""
+def import_file(file: ModelFile, models: Path) -> tuple[Asset, list[str]]:
+    """Write the asset folder of one model; what is doubtful about it, in lines."""
     path, notes = file.path, file.notes
-    robot, doubts = doors_and_drawers(upright(file.importer.read(path, file.folder), file))
+    robot, turned = upright(file.importer.read(path, file.folder), file)
+    robot, fixed = doors_and_drawers(robot)
     robot = with_roles(robot)
-    for doubt in doubts:
-        print(f"{path}: {doubt}")
     if notes.mass is not None:
         robot = with_mass(robot, notes.mass)
     check_believable(robot, path)
@@ -175,9 +177,7 @@ def import_file(file: ModelFile, models: Path) -> Asset:
             asset = write_asset(replace(robot, touching=touching), models / file.id, about)
     except ValidationError as error:
         raise InputError(path, f"makes no asset: {error.errors()[0]['msg']}.") from None
-    for line in stuck_joints(models / file.id):
-        print(f"{path}: {line}")
-    return asset
+    return asset, [*turned, *fixed, *stuck_joints(models / file.id)]
 
 
 def check_believable(robot: RobotModel, path: Path) -> None:
@@ -212,31 +212,30 @@ def snake_case(text: str) -> str:
     return re.sub(r"[^a-z0-9]+", "_", text.lower()).strip("_") or "model"
 
 
-def upright(robot: RobotModel, file: ModelFile) -> RobotModel:
-    """The model with z up, its front towards +x, in metres."""
-    notes = file.notes
+def upright(robot: RobotModel, file: ModelFile) -> tuple[RobotModel, list[str]]:
+    """The model with z up, its front towards +x, in metres; and a line if it was turned without being told."""
+    notes, lines = file.notes, []
     up = notes.up or file.importer.up
     front = notes.front or ("+z" if up == "+y" else "+x")
     x, z = axis_vector(front), axis_vector(up)
     if abs(x @ z) > 0.5:
         what = f"front {front} and up {up} lie along one line."
         raise InputError(file.notes_path, what, "give two different axes")
-    rotation = np.array([x, np.cross(z, x), z])
-    robot = rebased(robot, rigid(rotation, np.zeros(3)))
+    robot = rebased(robot, rigid(np.array([x, np.cross(z, x), z]), np.zeros(3)))
     if notes.front is None and (told := front_direction(robot)) is not None and told[0][0] < 1:
         (x, y, _), count = told
-        print(f"{file.path}: turned to face +x, where {count} of its doors and drawers open (asset.json: front)")
+        lines = [f"turned to face +x, where {count} of its doors and drawers open (asset.json: front)"]
         robot = rebased(robot, rigid(yaw_matrix(-float(np.arctan2(y, x))).round(9), np.zeros(3)))
-    return in_metres(robot, notes.scale) if notes.scale != 1.0 else robot
+    return (in_metres(robot, notes.scale) if notes.scale != 1.0 else robot), lines
 
 
 def in_metres(robot: RobotModel, scale: float) -> RobotModel:
     """The model in metres, `scale` of which are one unit of its file; masses that the file tells are kilograms."""
     robot, volume = stretched(robot, (scale,) * 3), scale**3
-    links = {
-        name: replace(link, mass=link.mass / volume, inertia=link.inertia / volume) if link.weighed else link
-        for name, link in robot.links.items()
-    }
+    links = {}
+    for name, link in robot.links.items():
+        wanted = link.mass / volume if link.weighed else board_mass(link.collisions, link.visuals)
+        links[name] = replace(link, mass=wanted, inertia=link.inertia * (wanted / link.mass))
     return replace(robot, links=links)
 
 

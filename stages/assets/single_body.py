@@ -7,7 +7,7 @@ import trimesh
 
 from stages.articulated.mesh_reader import convex_pieces, load_meshes
 from stages.articulated.model import Link, RobotModel, Visual
-from stages.articulated.urdf_reader import DENSITY, MINIMUM_INERTIA, MINIMUM_MASS
+from stages.articulated.urdf_reader import MINIMUM_INERTIA, board_mass
 
 
 def read_mesh(path: Path, folder: Path) -> RobotModel:
@@ -15,7 +15,7 @@ def read_mesh(path: Path, folder: Path) -> RobotModel:
     meshes = load_meshes(path)
     pieces = [piece for mesh in meshes for piece in convex_pieces(mesh)]
     hull = trimesh.convex.convex_hull(np.concatenate([piece.vertices for piece in pieces]))
-    mass = max(float(hull.volume) * DENSITY, MINIMUM_MASS)
-    inertia = hull.moment_inertia * (mass / hull.volume) + MINIMUM_INERTIA * np.eye(3)
     visuals = [Visual(mesh) for mesh in meshes]
+    mass = board_mass(pieces, visuals)
+    inertia = hull.moment_inertia * (mass / hull.volume) + MINIMUM_INERTIA * np.eye(3)
     return RobotModel(path.stem, {"base": Link("base", visuals, pieces, mass, hull.center_mass, inertia)})

@@ -59,17 +59,19 @@ def test_inertia_of_a_turned_tensor_reaches_the_written_file(tmp_path: Path) -> 
     assert np.allclose(turned.center, [-0.2, 0.1, 0.3])
 
 
-def test_a_link_without_mass_is_a_solid_box(tmp_path: Path) -> None:
+BOARDS = 500 * 0.018 * (0.2 * 0.3 + 0.2 * 0.4 + 0.3 * 0.4)  # kg: half of the area of a box, 18 mm thick
+
+
+def test_a_link_without_mass_weighs_boards_spread_as_in_a_solid_box(tmp_path: Path) -> None:
     robot = read(
         tmp_path,
         '<robot name="r"><link name="body"><visual><origin xyz="0 0 1"/><geometry><box size="0.2 0.3 0.4"/></geometry>'
         "</visual></link></robot>",
     )
     body = robot.links["body"]
-    mass = 500 * 0.2 * 0.3 * 0.4
-    assert body.mass == pytest.approx(mass)
+    assert body.mass == pytest.approx(BOARDS)
     assert np.allclose(body.center, [0, 0, 1])
-    assert np.allclose(body.inertia, mass / 12 * np.diag([0.25, 0.20, 0.13]), atol=2e-7)
+    assert np.allclose(body.inertia, BOARDS / 12 * np.diag([0.25, 0.20, 0.13]), atol=2e-7)
 
 
 def test_rigid_meshes_have_the_inertia_of_their_hull(tmp_path: Path) -> None:
@@ -77,8 +79,8 @@ def test_rigid_meshes_have_the_inertia_of_their_hull(tmp_path: Path) -> None:
 
     trimesh.creation.box([0.2, 0.3, 0.4]).export(tmp_path / "box.obj")
     base = read_mesh(tmp_path / "box.obj", tmp_path).links["base"]
-    assert base.mass == pytest.approx(12.0)
-    assert np.allclose(base.inertia, np.diag([0.25, 0.20, 0.13]), atol=2e-7)
+    assert base.mass == pytest.approx(BOARDS)
+    assert np.allclose(base.inertia, BOARDS / 12 * np.diag([0.25, 0.20, 0.13]), atol=2e-7)
 
 
 def test_a_mass_told_by_hand_scales_mass_and_inertia_of_every_link(tmp_path: Path) -> None:

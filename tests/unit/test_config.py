@@ -98,6 +98,7 @@ def test_only_verbs_that_exist_are_replaced(stages: dict, message: str) -> None:
 FOR_PEOPLE = {
     "annotate",
     "from-rgbd",
+    "import",
     "results",
     "scene_results",
 }  # pages and helpers that no rule calls: there is nothing to replace

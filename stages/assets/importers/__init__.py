@@ -1,4 +1,4 @@
-"""Readers of model files, one per suffix: the importer `glb` reads `.glb`."""
+"""Readers of model files, one per suffix: the importer `glb` reads `.glb`, `mjcf` reads `.xml`."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -15,8 +15,10 @@ class Importer:
     """How a kind of file is read.
 
     read: from the file and the user's folder that it lies in (no path may lead out of it) to a model in the file's own
-    frame and unit. up: direction up in such a file, unless the notes beside it say otherwise.
+    frame and unit. up: direction up in such a file, unless the notes beside it say otherwise. suffix: of such files;
+    None: the importer's name.
     """
 
     read: Callable[[Path, Path], RobotModel]
     up: Axis = "+z"
+    suffix: str | None = None

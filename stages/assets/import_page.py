@@ -1,0 +1,42 @@
+"""The page of the verb `import`: a picture and a few lines per model, one file."""
+
+import base64
+import io
+from collections.abc import Sequence
+from pathlib import Path
+
+import jinja2
+from PIL import Image
+
+from stages.assets.examine import NOTES, Examined
+from stages.contracts.files import write_text
+
+QUALITY = 82
+
+
+def write_page(path: Path, source: Path, models: Sequence[Examined]) -> None:
+    """Write the page; the models in the order of their folders, those that are not used last."""
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("stages.assets", "."), autoescape=True, undefined=jinja2.StrictUndefined,
+        trim_blocks=True, lstrip_blocks=True,
+    )  # fmt: skip
+    page = environment.get_template("import_page.html.jinja").render(
+        source=source.name,
+        notes=NOTES,
+        used=[(model, _place(model, path), _inline(model.picture)) for model in models if model.asset is not None],
+        refused=[(model, _place(model, path)) for model in models if model.asset is None],
+    )
+    write_text(path, page + "\n")
+
+
+def _place(model: Examined, page: Path) -> str:
+    return model.folder.relative_to(page.parent).as_posix()
+
+
+def _inline(picture: Image.Image | None) -> str:
+    """A picture as part of the page."""
+    if picture is None:
+        return ""
+    buffer = io.BytesIO()
+    picture.save(buffer, "WEBP", quality=QUALITY)
+    return "data:image/webp;base64," + base64.b64encode(buffer.getvalue()).decode()

@@ -1,0 +1,72 @@
+"""One picture of an imported model: everything open, its front marked by an arrow on the ground before it."""
+
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageDraw
+from sapien.physx import PhysxArticulation
+
+from stages.articulated.asset_folder import read_asset, read_model
+from stages.articulated.forward_kinematics import link_frames, visual_bounds
+from stages.simulation.loading import load_looks, remove
+from stages.simulation.rendering import RenderCamera, make_scene
+from stages.simulation.studio import FIELD_OF_VIEW, HEIGHT, WIDTH, frame_all
+
+OPEN = 0.6  # of its range
+FROM = np.array([0.8, 0.5, 0.45])  # before it, from its left
+ARROW = (200, 40, 30)
+FINER = 2  # times as many pixels are drawn
+
+
+class Portraits:
+    """The camera; made once, as the first picture of a scene takes seconds."""
+
+    def __init__(self) -> None:
+        self.scene = make_scene(light=(-0.65, -0.35, -1.0))
+        focal = FINER * WIDTH / 2 / np.tan(FIELD_OF_VIEW / 2)
+        self.intrinsics = np.array(
+            [[focal, 0, (FINER * WIDTH - 1) / 2], [0, focal, (FINER * HEIGHT - 1) / 2], [0, 0, 1]]
+        )
+        self.camera = RenderCamera(self.scene, self.intrinsics, FINER * WIDTH, FINER * HEIGHT)
+
+    def take(self, folder: Path) -> Image.Image:
+        """The picture of an asset folder."""
+        asset = read_asset(folder)
+        body = load_looks(self.scene, folder, 1.0)
+        if isinstance(body, PhysxArticulation):
+            limits = body.get_qlimits()
+            body.set_qpos((limits[:, 0] + OPEN * (limits[:, 1] - limits[:, 0])).astype(np.float32))
+        low, high = np.array(asset.box_min), np.array(asset.box_max)
+        reach = 0.35 * float((high - low).max())
+        foot = np.array([high[0] + 0.3 * reach, (low[1] + high[1]) / 2, low[2]])
+        opened = _bounds(folder)
+        foot[0] = max(foot[0], opened[1, 0] + 0.1 * reach)
+        tip = foot + np.array([[reach, -0.3 * reach, 0], [reach, 0.3 * reach, 0]])
+        shown = np.concatenate([_corners(opened), tip])
+        view = frame_all(shown, FROM / np.linalg.norm(FROM))
+        picture = Image.fromarray(self.camera.render(view).rgb)
+        remove(self.scene, body)
+        self._arrow(picture, view, foot, reach)
+        return picture.resize((WIDTH, HEIGHT), Image.Resampling.LANCZOS)
+
+    def _arrow(self, picture: Image.Image, view: NDArray[np.float64], foot: NDArray[np.float64], reach: float) -> None:
+        """Draw an arrow on the ground, towards the front."""
+        outline = [(0, 0.08), (0.6, 0.08), (0.6, 0.24), (1, 0), (0.6, -0.24), (0.6, -0.08), (0, -0.08)]
+        points = np.array([foot + reach * np.array([x, y, 0]) for x, y in outline])
+        seen = (points - view[:3, 3]) @ view[:3, :3] @ self.intrinsics.T
+        ImageDraw.Draw(picture).polygon([tuple(point) for point in (seen[:, :2] / seen[:, 2:]).tolist()], fill=ARROW)
+
+
+def _bounds(folder: Path) -> NDArray[np.float64]:
+    """(2, 3) box around the open model."""
+    robot = read_model(folder)
+    frames = link_frames(robot, OPEN)
+    boxes = [visual_bounds(link.visuals, frames[link.name]) for link in robot.links.values()]
+    corners = np.concatenate([box for box in boxes if box is not None])
+    return np.array([corners.min(axis=0), corners.max(axis=0)])
+
+
+def _corners(bounds: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.array([[bounds[i, 0], bounds[j, 1], bounds[k, 2]] for i, j, k in product((0, 1), repeat=3)])

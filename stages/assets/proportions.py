@@ -1,0 +1,82 @@
+"""Unit and up of a model that does not tell, from the sizes that its category has in our library."""
+
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+
+from stages.articulated.model import Matrix
+from stages.assets.importers import Axis
+from stages.procedural.catalogue import CATEGORIES, sample
+
+UNITS = {1.0: "metres", 0.01: "centimetres", 0.001: "millimetres", 0.0254: "inches"}
+SAMPLES = 8  # models of a category that say how large it is
+SPREAD = np.log(1.5)  # beyond the sizes seen that is still usual
+UNLIKELY = np.log(1.5)  # sum over three extents of how far beyond they are
+BETTER = 3.0  # times less must it be for another guess
+LARGEST_THING = 5.0  # metres: what is larger, in a category that is not known, is not in metres
+
+
+class Usual(NamedTuple):
+    """Logarithms of the least and the largest extents of a category: ground plan's shorter, its longer, height."""
+
+    low: Matrix
+    high: Matrix
+
+    def misfit(self, plan: Matrix, height: float) -> float:
+        """How far extents in metres lie beyond."""
+        extents = np.log([*np.sort(plan), height])
+        return float(np.maximum(0, np.maximum(self.low - SPREAD - extents, extents - self.high - SPREAD)).sum())
+
+    def factor(self, plan: Matrix, height: float) -> float:
+        """What would make it as large as usual, two digits."""
+        extents = np.log([*np.sort(plan), height])
+        return float(f"{np.exp(np.mean((self.low + self.high) / 2 - extents)):.2g}")
+
+    def __str__(self) -> str:
+        low, high = np.exp(self.low) * 100, np.exp(self.high) * 100
+        (a, b, c), (d, e, f) = low.round().astype(int), high.round().astype(int)
+        return f"{a} to {d} by {b} to {e} cm, {c} to {f} cm high"
+
+
+def usual(category: str) -> Usual | None:
+    """The sizes of a category of ours; None: there is no such category."""
+    if category not in CATEGORIES:
+        return None
+    sizes = np.array([sample(category, k, 0).parameters["size"] for k in range(SAMPLES)], dtype=float)
+    extents = np.log(np.c_[np.sort(sizes[:, :2], axis=1), sizes[:, 2]])
+    return Usual(extents.min(axis=0), extents.max(axis=0))
+
+
+def up_and_unit(extents: Matrix, category: str, default: Axis) -> tuple[Axis, float]:
+    """Direction up and metres per unit of a model with these extents (3,) in its file.
+
+    Another than the default (and metres) only if the extents are unlike any in the category and then fit far better.
+    """
+    sizes = usual(category)
+    if sizes is None:
+        fitting = (unit for unit in UNITS if float(extents.max()) * unit <= LARGEST_THING)
+        return default, next(fitting, 1.0)
+    ups: list[Axis] = [default, "+z" if default == "+y" else "+y"]
+    extents = np.maximum(extents, 1e-9)
+
+    def misfit(guess: tuple[Axis, float]) -> float:
+        height = "xyz".index(guess[0][1])
+        return sizes.misfit(np.delete(extents, height) * guess[1], extents[height] * guess[1])
+
+    first = (default, 1.0)
+    best = min(((up, unit) for unit, up in product(UNITS, ups)), key=lambda guess: round(misfit(guess), 6))
+    return best if misfit(first) > max(UNLIKELY, BETTER * misfit(best)) else first
+
+
+def doubt_of_size(size: tuple[float, float, float], category: str) -> str | None:
+    """A line if no model of the category is as large as this one, in metres, z up."""
+    sizes = usual(category)
+    plan, height = np.maximum(size[:2], 1e-9), max(size[2], 1e-9)
+    if sizes is None or sizes.misfit(plan, height) <= UNLIKELY:
+        return None
+    factor = sizes.factor(plan, height)
+    line = f"no {category.replace('_', ' ')} of ours is as large: {sizes}"
+    if sizes.misfit(plan * factor, height * factor) < UNLIKELY:
+        line += f"; {factor:g} times its scale would be usual"
+    return line

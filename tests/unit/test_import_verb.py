@@ -1,0 +1,138 @@
+"""`python -m stages.assets import`: what models are taken for, that corrections count, that the library takes it."""
+
+import io
+import json
+import re
+from base64 import b64decode
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from PIL import Image
+
+from stages.assets.examine import in_file
+from stages.assets.import_ import run
+from stages.assets.importers import Axis
+from stages.assets.imports import axis_vector, import_folders
+from stages.assets.portrait import ARROW
+from stages.assets.proportions import doubt_of_size, up_and_unit
+from stages.contracts.errors import InputError
+from tests.unit.test_sense import box, cabinet, joint, write_partnet
+
+
+@pytest.mark.parametrize(
+    ("extents", "category", "default", "expected"),
+    [
+        ((0.5, 0.45, 0.9), "chair", "+z", ("+z", 1.0)),
+        ((500, 450, 900), "chair", "+z", ("+z", 0.001)),
+        ((45, 90, 50), "chair", "+z", ("+y", 0.01)),
+        ((0.9, 2.2, 0.8), "sofa", "+y", ("+z", 1.0)),
+        ((0.6, 0.6, 0.6), "chair", "+z", ("+z", 1.0)),
+        ((700, 300, 400), "gearbox", "+z", ("+z", 0.001)),
+        ((0.7, 0.3, 0.4), "gearbox", "+y", ("+y", 1.0)),
+    ],
+)
+def test_up_and_unit_by_proportions(
+    extents: tuple[float, float, float], category: str, default: Axis, expected: tuple[str, float]
+) -> None:
+    assert up_and_unit(np.array(extents, dtype=float), category, default) == expected
+
+
+def test_unusual_sizes_are_doubted() -> None:
+    assert doubt_of_size((0.5, 0.45, 0.9), "chair") is None
+    assert doubt_of_size((5.0, 4.5, 9.0), "gearbox") is None
+    doubt = doubt_of_size((0.25, 0.22, 0.45), "chair")
+    assert doubt is not None
+    factor = re.search(r"; ([\d.]+) times its scale would be usual", doubt)
+    assert factor is not None
+    assert 1.6 < float(factor[1]) < 2.5
+
+
+@pytest.mark.parametrize("front", ["+x", "-x", "+y", "-y"])
+def test_directions_go_back_to_the_file(front: Axis) -> None:
+    for up in ("+z", "-z"):
+        assert in_file(np.array([1.0, 0, 0]), front, up) == front
+        left = np.cross(axis_vector(up), axis_vector(front))
+        assert (axis_vector(in_file(np.array([0, 1.0, 0]), front, up)) == left).all()
+
+
+def handleless() -> str:
+    parts = f'<link name="body">{box("0.4 0.5 0.6", "-0.21 0 0.3")}</link><link name="d">{box("0.02 0.5 0.5")}</link>'
+    return f'<robot name="c">{parts}{joint("slide", "prismatic", "d", "1 0 0", 0.3, "0.01 0 0.3")}</robot>'
+
+
+@pytest.fixture(scope="module")
+def imported(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder of five models, and what `import` made of it."""
+    place = tmp_path_factory.mktemp("import")
+    theirs = place / "theirs"
+    write_partnet(theirs, "45132", cabinet(180))
+    write_partnet(theirs, "45133", cabinet(180))
+    write_partnet(theirs, "99", "<robot")
+    (theirs / "chest_of_drawers").mkdir()
+    (theirs / "chest_of_drawers/bare.urdf").write_text(handleless())
+    (theirs / "chair").mkdir()
+    trimesh.creation.box((450, 900, 500)).export(theirs / "chair/plain.stl")
+    run(theirs, out=place / "mine")
+    return place
+
+
+def test_import_writes_notes_that_say_what_it_took_models_for(imported: Path) -> None:
+    def notes(name: str) -> tuple[str, str, float]:
+        told = json.loads((imported / "mine" / name / "asset.json").read_text())
+        return told["front"], told["up"], told["scale"]
+
+    assert notes("bottom_cabinet/45132") == ("-x", "+z", 1.0)
+    assert notes("chair/plain") == ("+z", "+y", 0.001)
+    assert notes("chest_of_drawers/bare") == ("+x", "+z", 1.0)
+    assert not (imported / "mine/bottom_cabinet/45133").exists(), "a copy"
+    assert not (imported / "mine/bottom_cabinet/99").exists(), "cannot be read"
+
+
+def test_the_library_takes_the_folder_as_it_is(imported: Path, tmp_path: Path) -> None:
+    assets = {asset.id: asset for asset in import_folders([imported / "mine"], tmp_path / "converted")}
+    direct = {asset.id: asset for asset in import_folders([imported / "theirs"], tmp_path / "direct")}
+    cabinet_asset = assets["bottom_cabinet_45132"]
+    assert cabinet_asset.size == pytest.approx(direct["bottom_cabinet_45132"].size, abs=1e-5)
+    assert cabinet_asset.mass == pytest.approx(direct["bottom_cabinet_45132"].mass, rel=0.01)
+    assert [joint.handle for joint in cabinet_asset.joints] == ["bar", "bar"]
+    chair = assets["chair_plain"]
+    assert chair.size == pytest.approx((0.5, 0.45, 0.9), abs=1e-6)
+    area = 2 * (0.5 * 0.45 + 0.5 * 0.9 + 0.45 * 0.9)
+    assert chair.mass == pytest.approx(area / 2 * 0.018 * 500, rel=0.01), "boards, though its file is in millimetres"
+
+
+def test_page_shows_every_model_with_its_front_and_doubts(imported: Path) -> None:
+    page = (imported / "mine/index.html").read_text()
+    pictures = re.findall(r'<img src="data:image/webp;base64,([^"]+)"', page)
+    assert len(pictures) == 3
+    for encoded in pictures:
+        shown = np.asarray(Image.open(io.BytesIO(b64decode(encoded))).convert("RGB")).astype(int)
+        assert (np.abs(shown - ARROW).max(axis=2) < 40).sum() > 200, "the arrow"
+    assert "door &#39;hinge&#39;: 166 degrees, hinge left, handle: bar" in page
+    assert "drawer &#39;slide&#39; cannot be grasped" in page
+    assert "is a copy of" in page
+    assert "is not XML" in page
+    assert "http" not in page
+
+
+def test_corrections_count_when_it_is_run_again(imported: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    notes = imported / "mine/chest_of_drawers/bare/asset.json"
+    told = json.loads(notes.read_text()) | {"category": "nightstand", "front": "-x", "mass": 7.0}
+    notes.write_text(json.dumps(told))
+    capsys.readouterr()
+    run(imported / "theirs", out=imported / "mine")
+    assert json.loads(notes.read_text())["category"] == "nightstand"
+    said = re.search(r"bare.urdf: (.*)", capsys.readouterr().out)
+    assert said is not None
+    assert said[1].startswith("nightstand; 50 cm wide, 43 deep, 60 high, 7 kg; front -x")
+    assert "as asset.json says" in said[1]
+
+
+def test_folders_in_one_another_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="lie in one another"):
+        run(tmp_path, out=tmp_path / "mine")
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(InputError, match="holds no models"):
+        run(tmp_path / "empty", out=tmp_path / "mine")
