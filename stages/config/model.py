@@ -18,6 +18,7 @@ from stages.config.generation import GenerationSection
 from stages.config.matching import MatchingConfig
 from stages.config.mistakes import Mistake, mistakes_of, validated, without_removed
 from stages.config.names import resolved
+from stages.config.photo import PhotoConfig
 from stages.config.replaced import Replaced
 from stages.config.scenes import ScenesConfig
 from stages.config.tables import TablesConfig
@@ -43,6 +44,7 @@ class Config(Section):
     experiment: ExperimentConfig = Field(ExperimentConfig(), description="Which cells of the paper's tables are run.")
     assets: AssetsConfig = Field(AssetsConfig(), description="The asset library and its snapshots (A.1).")
     scenes: ScenesConfig = Field(ScenesConfig(), description="The sim-to-sim rooms (B.1, Table 2).")
+    photo: PhotoConfig = Field(PhotoConfig(), description="From one RGB picture to an input folder (A.2, A.7).")
     extraction: ExtractionConfig = Field(ExtractionConfig(), description="From image to objects in space (A.2, A.7).")
     matching: MatchingConfig = Field(MatchingConfig(), description="Digital cousins of every object (A.6, A.7, B.1).")
     encoder: EncoderConfig = Field(EncoderConfig(), description="Training the encoder `patchnet` (docs/encoders.md).")

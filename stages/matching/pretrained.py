@@ -12,7 +12,7 @@ def load_pretrained(model_class: Any, options: PretrainedConfig, key: str) -> An
     """`model_class.from_pretrained` on a local folder, or on a model id if `options.download` is on.
 
     Raises:
-        InputError: no weights there, or others than `options.sha256`; `key` names the config section.
+        InputError: no weights there, or others than `options.sha256`; `key`: config section, e.g. matching.dinov2.
     """
     from safetensors import SafetensorError
 
@@ -27,24 +27,24 @@ def load_pretrained(model_class: Any, options: PretrainedConfig, key: str) -> An
     except (OSError, ValueError, KeyError, RuntimeError, SafetensorError) as error:
         reason = str(error).splitlines()[0] if str(error) else error.__class__.__name__
         what = f"'{options.path}' does not load: {reason}"
-        raise InputError(f"matching.{key}.path", what, "see docs/matching.md") from None
+        raise InputError(f"{key}.path", what, f"it should hold a {model_class.__name__}") from None
     if loaded["missing_keys"]:  # transformers would fill them with random numbers
         what = f"'{options.path}' lacks {len(loaded['missing_keys'])} weights, e.g. {min(loaded['missing_keys'])}."
-        raise InputError(f"matching.{key}.path", what, f"it should hold a {model_class.__name__}")
+        raise InputError(f"{key}.path", what, f"it should hold a {model_class.__name__}")
     return model.eval()
 
 
 def check_folder(options: PretrainedConfig, key: str) -> None:
     """Check that the folder is there with its files, and the weights' sha256 if one is given."""
     folder = Path(options.path)
-    fix = f"put config.json and model.safetensors into a folder and name it in matching.{key}.path"
+    fix = f"put config.json and model.safetensors into a folder and name it in {key}.path"
     if not options.path:
-        raise InputError(f"matching.{key}.path", "is empty, and this encoder needs pretrained weights.", fix)
+        raise InputError(f"{key}.path", "is empty, and nothing works here without pretrained weights.", fix)
     for name in ("config.json", "model.safetensors"):
         if not (folder / name).is_file():
             raise InputError(folder / name, "no such file.", f"{fix}; for a model id set download: true")
     if options.sha256 and (found := weights_sha256(options)) != options.sha256:
-        fix = f"matching.{key}.sha256 asks for {options.sha256}"
+        fix = f"{key}.sha256 asks for {options.sha256}"
         raise InputError(folder / "model.safetensors", f"has sha256 {found}.", fix)
 
 

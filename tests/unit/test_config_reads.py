@@ -34,6 +34,8 @@ LISTED = {  # keys that do not simply run the one verb of their section again
     "encoder.shards": set(),  # a parameter of its rule
     "matching.own": set(),
     "generation.preview_width": set(),  # a parameter of `draw`
+    "photo.depth_pro": set(),  # not used
+    "photo.vlm": set(),
     "extraction.own": set(),
     "evaluation.own": set(),
     "training.runs.lite.own": set(),

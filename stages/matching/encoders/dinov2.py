@@ -21,7 +21,7 @@ class Encoder:
 
     def __init__(self, options: EncoderOptions) -> None:
         self.options, self.coverage = options.dinov2, options.coverage
-        self.model = load_pretrained(Dinov2Model, self.options, "dinov2")
+        self.model = load_pretrained(Dinov2Model, self.options, "matching.dinov2")
         patch = self.model.config.patch_size
         height, width = self.options.height, self.options.width
         if height % patch or width % patch:

@@ -18,7 +18,7 @@ class TextEncoder:
 
     def __init__(self, settings: MatchingConfig) -> None:
         options = settings.clip
-        self.model = load_pretrained(CLIPTextModelWithProjection, options, "clip")
+        self.model = load_pretrained(CLIPTextModelWithProjection, options, "matching.clip")
         fix = "put vocab.json and merges.txt beside model.safetensors"
         folder = Path(options.path)
         if folder.is_dir() and not any((folder / name).is_file() for name in ("vocab.json", "tokenizer.json")):

@@ -1,0 +1,183 @@
+"""Verb `estimate`: one RGB picture -> an input folder, by pretrained networks."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from stages.cli import progress
+from stages.config.own_scene import write_config
+from stages.config.photo import PhotoConfig
+from stages.contracts import Annotations, Camera, InputError, atomic, read_options, write_json
+from stages.contracts.scenes import Annotation
+from stages.extraction.by_hand.photo import Photo, read_photo
+from stages.extraction.by_hand.segments import propose, usual_focal
+from stages.photo.captions import NONE, listed, looked
+from stages.photo.networks import Detection, depth_of, detect, segment
+from stages.procedural.catalogue import CATEGORIES
+from stages.scenes.rgbd.cameras import Matrix, matrix, of_field_of_view
+from stages.scenes.rgbd.frame import Frame, Labelled
+from stages.scenes.rgbd.write import annotated, with_ground
+from stages.vlm.ask import Asker, NoAnswerError
+
+FLOOR, WALL = "floor", "wall"
+ROOM = (FLOOR, WALL)
+
+
+@dataclass(frozen=True)
+class Thing:
+    """A detection with its mask (H, W) and what was said of it."""
+
+    detection: Detection
+    mask: NDArray[np.bool_]
+    articulated: bool | None = None  # None: by its label
+    doors: int = 0
+    drawers: int = 0
+
+
+def run(image: Path, /, *, out: Path, options: str = "", device: str = "cpu") -> None:
+    """Find what a picture shows, where and how far, and write it as an input folder.
+
+    Args:
+        image: the picture.
+        out: the folder to write: rgb.png, camera.json, depth.npz, masks.png, annotations.json, config.yaml.
+        options: JSON of the config section `photo`.
+        device: cpu or cuda.
+    """
+    settings = read_options(PhotoConfig, options)
+    photo = read_photo(image)
+    if photo.shrunk > 1:
+        print(f"{image}: made {photo.shrunk:.2g} times smaller, to {photo.rgb.shape[1]}x{photo.rgb.shape[0]} pixels")
+    asker = Asker(settings.vlm) if settings.captions == "vlm" else None
+    labels = settings.labels or [name.replace("_", " ") for name in CATEGORIES]
+    if asker is not None:
+        try:
+            labels = listed(asker, photo.rgb)
+        except NoAnswerError as error:
+            raise InputError(settings.vlm.url, f"says not what is in the picture ({error}).", _BY_LABEL) from None
+        print(f"{settings.vlm.model} lists {', '.join(labels)}")
+    depth, focal = depth_of(photo.rgb, settings, device)
+    intrinsics, line = camera_of(photo, focal, settings)
+    print(line)
+    things = found_things(photo.rgb, labels, settings, device)
+    if asker is None:
+        print("no language model was asked: what opens is told by its label, doors and drawers are not counted")
+    else:
+        things = recaptioned(asker, photo.rgb, things, labels)
+        print(asker.summary())
+    written = write(out, Frame(photo.rgb, depth, intrinsics), things)
+    print(f"{out}: {len(written.objects)} objects, {'a' if written.floor else 'no'} floor, {len(written.walls)} walls")
+
+
+_BY_LABEL = "photo.captions: labels needs no language model"
+
+
+def camera_of(photo: Photo, estimated: float | None, options: PhotoConfig) -> tuple[Matrix, str]:
+    """K, and a line that says where its focal length is from: config, depth network, EXIF, lines, a usual camera."""
+    height, width = photo.rgb.shape[:2]
+    prior = usual_focal(width, height, photo.focal)
+    if options.field_of_view is not None:
+        focal, source = float(of_field_of_view(options.field_of_view, width, height)[0, 0]), "photo.field_of_view"
+    elif estimated is not None:
+        focal, source = estimated, "Depth Pro"
+    elif photo.focal is not None:
+        focal, source = photo.focal, "EXIF"
+    else:
+        proposed = propose(np.asarray(cv2.cvtColor(photo.rgb, cv2.COLOR_RGB2GRAY), np.uint8), prior)
+        usual = "a usual camera, as nothing tells it: photo.field_of_view sets it"
+        focal, source = proposed.likely_focal, "lines in the picture" if proposed.guides else usual
+    degrees = np.rad2deg(2 * np.arctan(width / 2 / focal))
+    return (
+        matrix(focal, focal, (width - 1) / 2, (height - 1) / 2),
+        f"focal length {focal:.0f} pixels, {degrees:.0f} degrees across: by {source}",
+    )
+
+
+def found_things(rgb: NDArray[np.uint8], labels: list[str], options: PhotoConfig, device: str = "cpu") -> list[Thing]:
+    """What the detector finds, with masks, best first; floor and walls among them.
+
+    Raises:
+        InputError: it finds nothing.
+    """
+    detections = detect(rgb, [*labels, *ROOM], options, device)
+    if all(item.label in ROOM for item in detections):
+        fix = "lower photo.box_threshold, name it in photo.labels, or draw it: python -m stages.extraction annotate"
+        raise InputError("photo", "the detector finds no object in the picture.", fix)
+    things: list[Thing] = []
+    least = max(1.0, options.min_share * rgb.shape[0] * rgb.shape[1])
+    for detection, mask in zip(detections, segment(rgb, detections, options, device), strict=True):
+        if mask.sum() >= least and not any(_overlap(mask, kept.mask) > options.overlap for kept in things):
+            things.append(Thing(detection, mask))
+    return things
+
+
+def _overlap(one: NDArray[np.bool_], other: NDArray[np.bool_]) -> float:
+    return float((one & other).sum() / max(1, (one | other).sum()))
+
+
+def recaptioned(asker: Asker, rgb: NDArray[np.uint8], things: list[Thing], labels: list[str]) -> list[Thing]:
+    """Things as the language model sees them one by one; what it calls none of the labels is left out, and said."""
+    kept = []
+    for number, thing in enumerate(progress(things, "objects"), 1):
+        detection = thing.detection
+        if detection.label in ROOM:
+            kept.append(thing)
+            continue
+        about = f"object {number}, {detection.label}"
+        try:
+            answer = looked(asker, rgb, detection.box, labels, about)
+        except NoAnswerError as error:
+            print(f"{about}: no answer ({error}): the detector's label stays")
+            kept.append(thing)
+            continue
+        if answer.label == NONE:
+            print(f"{about}: is no whole object, says {asker.options.model}: left out")
+            continue
+        if answer.label != detection.label:
+            print(f"{about}: is a {answer.label}, says {asker.options.model}")
+        named = detection._replace(label=answer.label)
+        kept.append(Thing(named, thing.mask, answer.articulated, answer.doors, answer.drawers))
+    return kept
+
+
+def write(folder: Path, frame: Frame, things: list[Thing]) -> Annotations:
+    """Write the five files and `config.yaml`; of masks that overlap the smaller one is on top, the room lies below.
+
+    Raises:
+        InputError: no object is left, or no pixel of one.
+    """
+    height, width = frame.rgb.shape[:2]
+    values = np.zeros((height, width), dtype=np.uint16)
+    order = sorted(enumerate(things, 1), key=lambda each: (each[1].detection.label not in ROOM, -each[1].mask.sum()))
+    for value, thing in order:
+        values[thing.mask] = value
+    labelled = Labelled(values, {value: thing.detection.label for value, thing in enumerate(things, 1)})
+    grounded = with_ground(Frame(frame.rgb, frame.depth, frame.intrinsics, labelled))
+    if grounded is not None:
+        labelled = grounded[0]
+        print(grounded[1])
+    masks, annotations = annotated(labelled)
+    annotations = annotations.model_copy(
+        update={"objects": [_said(item, things[item.mask - 1]) for item in annotations.objects]}
+    )
+    with atomic(folder / "rgb.png") as path:
+        cv2.imwrite(str(path), frame.rgb[..., ::-1])
+    with atomic(folder / "depth.npz") as path:
+        np.savez_compressed(path, depth=frame.depth)
+    write_json(
+        folder / "camera.json", Camera(width=width, height=height, intrinsics=np.asarray(frame.intrinsics).tolist())
+    )
+    with atomic(folder / "masks.png") as path:
+        cv2.imwrite(str(path), masks)
+    write_json(folder / "annotations.json", annotations)
+    write_config(folder)
+    return annotations
+
+
+def _said(item: Annotation, thing: Thing) -> Annotation:
+    if thing.articulated is None:
+        return item
+    said = {"articulated": thing.articulated, "doors": thing.doors, "drawers": thing.drawers}
+    return item.model_copy(update=said)

@@ -1,0 +1,191 @@
+"""One picture by pretrained networks: the real path with tiny random ones, and what is made of a known answer."""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+
+from stages.config.photo import PhotoConfig
+from stages.contracts import InputError
+from stages.contracts.scene_input import read_scene_input
+from stages.extraction.by_hand.photo import Photo
+from stages.extraction.extract import run as extract
+from stages.geometry.boxes import UprightBox
+from stages.photo import estimate, networks
+from stages.photo.networks import Detection, depth_of, detect, segment
+from tests.unit.chat_server import KEY, ChatServer, says, serving
+from tests.unit.synthetic_room import FLOOR, INTRINSICS, OBJECT, WALL, write_room
+from tests.unit.tiny_networks import FOV, depth_anything, save_all
+
+RGB = np.random.default_rng(0).integers(0, 255, (120, 160, 3), dtype=np.uint8)
+BOXES = [UprightBox((3.6, -0.6, 0.45), (0.6, 0.9, 0.9), 0.0), UprightBox((2.6, 0.6, 0.3), (0.5, 0.5, 0.6), 0.3)]
+
+
+@pytest.fixture(scope="module")
+def tiny(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    return save_all(tmp_path_factory.mktemp("weights"))
+
+
+@pytest.fixture(scope="module")
+def room(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write_room(tmp_path_factory.mktemp("rooms") / "room", BOXES, ["cabinet", "box"])
+
+
+def options(tiny: dict[str, Any], **keys: Any) -> PhotoConfig:
+    return PhotoConfig.model_validate(tiny | keys)
+
+
+def test_boxes_are_of_given_labels_and_masks_of_the_picture(tiny: dict[str, Any]) -> None:
+    found = detect(RGB, ["cabinet", "Coffee Table.", "mug", "mug"], options(tiny))
+    assert found and {item.label for item in found} <= {"cabinet", "coffee table", "mug"}
+    assert [item.score for item in found] == sorted((item.score for item in found), reverse=True)
+    boxes = np.array([item.box for item in found])
+    assert (boxes >= 0).all() and (boxes[:, 2] <= 160).all() and (boxes[:, 3] <= 120).all()
+    masks = segment(RGB, found, options(tiny))
+    assert len(masks) == len(found) and all(mask.shape == (120, 160) and mask.dtype == bool for mask in masks)
+    again = detect(RGB, ["cabinet", "coffee table", "mug"], options(tiny))
+    assert found == again
+
+
+def test_many_labels_are_asked_for_in_several_texts(tiny: dict[str, Any]) -> None:
+    tokenizer = networks._tokenizer(options(tiny).detector, "photo.detector")
+    texts = list(networks._texts(tokenizer, ["coffee table", "mug", "cabinet", " "], 8))
+    words = [tokenizer.convert_ids_to_tokens(ids) for ids, _ in texts]
+    assert words == [["[CLS]", "coffee", "table", ".", "mug", ".", "[SEP]"], ["[CLS]", "cabinet", ".", "[SEP]"]]
+    assert [spans for _, spans in texts] == [{"coffee table": (1, 3), "mug": (4, 5)}, {"cabinet": (1, 2)}]
+
+
+def test_depth_is_in_metres_and_depth_pro_tells_the_focal_length(tiny: dict[str, Any], tmp_path: Path) -> None:
+    for kind in ("depth_anything", "depth_pro"):
+        depth, focal = depth_of(RGB, options(tiny, depth=kind))
+        assert depth.shape == (120, 160) and depth.dtype == np.float32 and 0 < depth.min() <= depth.max() <= 100
+        if kind == "depth_pro":
+            assert focal == pytest.approx(80 / np.tan(np.deg2rad(FOV) / 2), rel=0.1)
+        else:
+            assert focal is None
+    depth_anything(tmp_path / "relative", "relative")
+    with pytest.raises(InputError, match="relative depth"):
+        depth_of(RGB, options(tiny, depth_anything={"path": str(tmp_path / "relative")}))
+
+
+def test_a_picture_becomes_an_input_folder_by_saved_weights(tiny: dict[str, Any], tmp_path: Path) -> None:
+    cv2.imwrite(str(tmp_path / "kitchen.png"), RGB)
+    given = json.dumps(tiny | {"labels": ["cabinet", "mug"], "overlap": 1.0})
+    files = []
+    for name in ("one", "two"):
+        estimate.run(tmp_path / "kitchen.png", out=tmp_path / name, options=given)
+        read_scene_input(tmp_path / name)
+        files.append({path.name: path.read_bytes() for path in (tmp_path / name).glob("[!c]*")})
+    assert files[0] == files[1] and {"rgb.png", "depth.npz", "masks.png", "annotations.json"} == set(files[0])
+    assert "one" in (tmp_path / "one/config.yaml").read_text()
+
+
+def test_weights_that_are_not_there_are_one_line(tiny: dict[str, Any], tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"nowhere.config\.json: no such file"):
+        detect(RGB, ["mug"], options(tiny, detector={"path": str(tmp_path / "nowhere")}))
+    with pytest.raises(InputError, match=r"photo\.segmenter\.sha256"):
+        segment(RGB, [], options(tiny, segmenter=tiny["segmenter"] | {"sha256": "0" * 64}))
+
+
+@pytest.fixture
+def known(room: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[list[Detection]]:
+    """Networks that see the synthetic room as it is: two objects, the first found twice, floor and wall."""
+    scene = read_scene_input(room)
+    values = {"cabinet": OBJECT, "box": OBJECT + 1, "shelf": OBJECT, "floor": FLOOR, "wall": WALL}
+    found = []
+    for number, (label, value) in enumerate(values.items()):
+        rows, columns = np.nonzero(scene.masks == value)
+        box = tuple(float(each) for each in (columns.min(), rows.min(), columns.max() + 1, rows.max() + 1))
+        found.append(Detection(label, 0.9 - 0.1 * number, box))  # type: ignore[arg-type]
+    monkeypatch.setattr(estimate, "detect", lambda *_: found)
+    monkeypatch.setattr(estimate, "segment", lambda *_: [scene.masks == values[item.label] for item in found])
+    monkeypatch.setattr(estimate, "depth_of", lambda *_: (scene.depth, float(INTRINSICS[0][0])))
+    yield found
+
+
+def test_what_the_networks_see_is_what_extraction_finds(room: Path, known: list[Detection], tmp_path: Path) -> None:
+    estimate.run(room / "rgb.png", out=tmp_path / "seen")
+    truth, seen = read_scene_input(room), read_scene_input(tmp_path / "seen")
+    assert [item.label for item in seen.annotations.objects] == ["cabinet", "box"]  # no shelf: it is the cabinet
+    assert [item.articulated for item in seen.annotations.objects] == [True, False]
+    for item, value in zip(seen.annotations.objects, (OBJECT, OBJECT + 1), strict=True):
+        np.testing.assert_array_equal(seen.masks == item.mask, truth.masks == value)
+    np.testing.assert_array_equal(seen.masks == seen.annotations.floor, truth.masks == FLOOR)
+    assert len(seen.annotations.walls) == 1
+    np.testing.assert_allclose(seen.camera.intrinsics, INTRINSICS, rtol=1e-6)
+    extract(input=tmp_path / "seen", scene="seen", options="{}", seed=0, out=tmp_path / "found/objects.json")
+    sizes = [item["box"]["size"] for item in json.loads((tmp_path / "found/objects.json").read_text())["objects"]]
+    assert sizes[1][2] == pytest.approx(0.6, abs=0.06)
+
+
+def asked(server: ChatServer, tmp_path: Path, **keys: Any) -> str:
+    vlm = {"url": server.url, "model": "toy", "ledger": str(tmp_path / "ledger"), "wait": 0, "reasks": 0} | keys
+    return json.dumps({"captions": "vlm", "vlm": vlm})
+
+
+def look(label: str, articulated: bool = False, doors: int = 0, drawers: int = 0) -> Any:
+    return says(json.dumps({"label": label, "articulated": articulated, "doors": doors, "drawers": drawers}))
+
+
+def test_a_language_model_names_and_counts(
+    room: Path, known: list[Detection], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any
+) -> None:
+    monkeypatch.setenv("OPENAI_API_KEY", KEY)
+    first = says(json.dumps({"labels": ["Cabinet", "box", "stool", "cabinet"]}))
+    with serving(first, look("cabinet", doors=2, drawers=1), look("stool"), key=KEY) as server:
+        estimate.run(room / "rgb.png", out=tmp_path / "seen", options=asked(server, tmp_path))
+        assert len(server.requests) == 3
+        schema = server.requests[1]["response_format"]["json_schema"]["schema"]
+        assert schema["properties"]["label"]["enum"] == ["cabinet", "box", "stool", "none"]
+    items = read_scene_input(tmp_path / "seen").annotations.objects
+    assert [(item.label, item.articulated, item.doors, item.drawers) for item in items] == [
+        ("cabinet", True, 2, 1), ("stool", False, 0, 0)]  # fmt: skip
+    assert "object 2, box: is a stool, says toy" in capsys.readouterr().out
+    again = asked(server, tmp_path, mode="replay")
+    estimate.run(room / "rgb.png", out=tmp_path / "again", options=again)  # nobody is there to be asked
+    assert (tmp_path / "again/annotations.json").read_bytes() == (tmp_path / "seen/annotations.json").read_bytes()
+
+
+def test_a_language_model_that_is_no_help(
+    room: Path, known: list[Detection], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any
+) -> None:
+    monkeypatch.setenv("OPENAI_API_KEY", KEY)
+    with serving(says(json.dumps({"labels": ["cabinet", "box"]})), look("none"), says("well"), key=KEY) as server:
+        estimate.run(room / "rgb.png", out=tmp_path / "seen", options=asked(server, tmp_path))
+    assert [item.label for item in read_scene_input(tmp_path / "seen").annotations.objects] == ["box"]
+    said = capsys.readouterr().out
+    assert "object 1, cabinet: is no whole object" in said and "object 2, box: no answer" in said
+    with (
+        serving(says("well"), key=KEY) as server,
+        pytest.raises(InputError, match=r"photo\.captions: labels needs no language model"),
+    ):
+        estimate.run(room / "rgb.png", out=tmp_path / "none", options=asked(server, tmp_path, ledger=str(tmp_path)))
+    assert not (tmp_path / "none").exists()
+
+
+def test_the_focal_length_is_the_best_that_is_known() -> None:
+    grey = np.full((120, 160, 3), 90, np.uint8)
+    grey[40:80] = 140
+    known, unknown = Photo(grey, 200.0, 1.0), Photo(grey, None, 1.0)
+    cases = [
+        (known, 150.0, {"field_of_view": 90}, 80.0, "photo.field_of_view"),
+        (known, 150.0, {}, 150.0, "Depth Pro"),
+        (known, None, {}, 200.0, "EXIF"),
+        (unknown, None, {}, 128.0, "a usual camera, as nothing tells it"),
+    ]
+    for photo, estimated, keys, focal, source in cases:
+        intrinsics, line = estimate.camera_of(photo, estimated, PhotoConfig.model_validate(keys))
+        assert intrinsics[0, 0] == pytest.approx(focal) and source in line and intrinsics[0, 2] == 79.5
+
+
+def test_a_picture_of_nothing_that_is_known_is_one_line(
+    room: Path, known: list[Detection], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(estimate, "detect", lambda *_: known[3:])
+    with pytest.raises(InputError, match=r"finds no object in the picture.*annotate"):
+        estimate.run(room / "rgb.png", out=tmp_path / "seen")
+    assert not (tmp_path / "seen").exists()
