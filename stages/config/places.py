@@ -10,8 +10,9 @@ from stages.contracts.objects import object_ids
 from stages.scenes.rooms import read_room, series
 
 INPUT_FILES = ("rgb.png", "camera.json", "depth.npz", "masks.png", "annotations.json")
-DOORS = {"bottom_cabinet", "wall_cabinet", "sideboard", "wardrobe", "fridge", "microwave", "oven", "dishwasher"}
-DRAWERS = {"bottom_cabinet", "sideboard", "wardrobe", "chest_of_drawers", "fridge", "oven"}
+EITHER = {"bottom_cabinet", "fridge", "nightstand", "oven", "sideboard", "tv_stand", "wardrobe"}
+DOORS = EITHER | {"dishwasher", "microwave", "wall_cabinet"}
+DRAWERS = EITHER | {"chest_of_drawers", "desk"}
 Panels = Mapping[str, bool]
 
 

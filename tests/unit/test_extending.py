@@ -81,13 +81,13 @@ def test_names_are_made_loadable_and_wrong_ones_are_explained(package: Path) -> 
         {
             "plugins": ["my_package"],
             "matching": {"encoder": "colours", "own": {"colours": {"grid": 8}}},
-            "assets": {"importers": ["urdf", "stl"]},
+            "assets": {"importers": ["urdf", "off"]},
             "experiment": experiment,
             "training": training,
         }
     )
     assert config.matching.encoder == "my_package.encoders.colours" and config.matching.search == "torch"
-    assert config.assets.importers == ["urdf", "my_package.importers.stl"]
+    assert config.assets.importers == ["urdf", "my_package.importers.off"]
     assert config.matching_of("b").model_selection == "my_package.judges.by_name"
     assert config.training.runs["mine"].policy == "my_package.policies.mean_action"
     for wrong, message in (
@@ -173,11 +173,11 @@ def test_source(package: Path, tmp_path: Path) -> None:
 
 def test_importer(package: Path, tmp_path: Path) -> None:
     (tmp_path / "mine" / "box").mkdir(parents=True)
-    trimesh.creation.box((0.3, 0.4, 0.5)).export(tmp_path / "mine" / "box" / "crate.stl")
+    trimesh.creation.box((0.3, 0.4, 0.5)).export(tmp_path / "mine" / "box" / "crate.off")
     options = {"counts": {}, "folders": [str(tmp_path / "mine")]}
-    with pytest.raises(InputError, match="holds no URDF or GLB or OBJ"):
+    with pytest.raises(InputError, match="holds no URDF or GLB or GLTF or OBJ or DAE or PLY or STL"):
         make_library(out=tmp_path / "library.json", options=json.dumps(options))
-    options["importers"] = ["urdf", "my_package.importers.stl"]
+    options["importers"] = ["urdf", "my_package.importers.off"]
     make_library(out=tmp_path / "library.json", options=json.dumps(options))
     assert [entry.id for entry in read_json(Library, tmp_path / "library.json").assets] == ["box_crate"]
 
@@ -214,7 +214,7 @@ def test_a_run_with_plugins_has_a_dag(tmp_path: Path) -> None:
     write_package(folder)
     (folder / "mine.yaml").write_text(
         "plugins: [my_package]\n"
-        "assets: {importers: [urdf, stl]}\n"
+        "assets: {importers: [urdf, 'off']}\n"
         "extraction: {source: smoothed}\n"
         "matching: {encoder: colours, text_encoder: last_word, search: brute, model_selection: by_name}\n"
         "training: {runs: {micro: {policy: mean_action}}}\n"

@@ -138,7 +138,7 @@ def test_page_and_figures_are_the_same_bytes_again(made: Path, tmp_path: Path) -
 def test_figures_without_results_are_drawn_as_not_run(tmp_path: Path) -> None:
     figures.run(out=tmp_path, published=PUBLISHED)
     scenes.run(out=tmp_path, published=PUBLISHED)
-    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(
+    assert sorted(path.name for path in tmp_path.glob("figure*")) == sorted(
         f"figure{n}.{suffix}" for n in (4, 6, 9) for suffix in ("png", "svg")
     )
     with Image.open(tmp_path / "figure6.png") as drawn:

@@ -43,7 +43,7 @@ def test_votes_order_the_cousins(run: Path, folder: Path) -> None:
         assert [cousin["asset"] for cousin in item["cousins"]][: len(voted)] == voted
         assert all(cousin["votes"] is not None for cousin in item["cousins"][: len(voted)])
     assert [picks(item) for item in objects(folder)] != [picks(item) for item in objects(run)]
-    assert {item["decided_by"] for item in objects(run)} == {"distance"}
+    assert {item["decided_by"] for item in objects(run)} == {"geometry"}
 
 
 def test_faiss_picks_the_same(run: Path, folder: Path) -> None:
