@@ -9,7 +9,7 @@ STAMP := .venv/.installed
 STUDY := -$(BIN)/snakemake --cores $(CORES) --keep-going --configfile config.yaml config/study/table3.yaml --
 cells = $(foreach task,$(1),$(foreach set,$(2),results/evaluation/policies/$(task)/$(set)/rollouts.csv))
 
-.PHONY: help setup all study table2 test lint types config lock containers clean
+.PHONY: help setup all study table2 photo test lint types config lock containers clean
 help: ## list the verbs
 	@grep -hE '^[a-z0-9]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 14
 
@@ -34,6 +34,9 @@ study: setup ## Table 3 on two cores, overnight; the cells that tell most come f
 table2: setup ## Table 2 and Figure 6 with every row, on the eight rooms and on rooms met otherwise
 	$(BIN)/snakemake --cores $(CORES) --keep-going --configfile config.yaml config/study/table2.yaml -- table2
 	$(BIN)/python -m stages.tables scene_results --configs config.yaml config/study/table2.yaml --out docs/results
+
+photo: setup ## a picture of yours, e.g. make photo IMAGE=kitchen.jpg; needs weights: docs/your-data.md
+	$(BIN)/snakemake --cores $(CORES) photo --config image=$(IMAGE)
 
 test: setup lint types ## lint, types and all tests; Chromium for those of the report page
 	@bash envs/chromium.sh

@@ -2,6 +2,7 @@
 #   snakemake --cores 2 all        everything that config.yaml asks for, ending in results/report/index.html
 #   snakemake --cores 2 tables     the tables; likewise: table2, library, scenes, scenes8, extraction, matching, generation,
 #                                  demonstrations, training, evaluation, figures, report; exports: data for other tools
+#   snakemake --cores 2 photo --config image=kitchen.jpg    a picture of yours; fetch: the weights that it needs
 from snakemake.utils import min_version
 
 min_version("9.27")
@@ -18,6 +19,7 @@ include: "rules/protocols.smk"
 include: "rules/paths.smk"
 include: "rules/assets.smk"
 include: "rules/scenes.smk"
+include: "rules/photo.smk"
 include: "rules/extraction.smk"
 include: "rules/encoder.smk"
 include: "rules/matching.smk"

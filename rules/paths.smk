@@ -38,6 +38,23 @@ def scene_inputs(wildcards):
     }
 
 
+def of_picture(pattern):
+    """A function of what Snakemake calls a job's inputs: the files of `pattern` for the picture of this run."""
+
+    def found(wildcards):
+        if not CONFIG.image:
+            raise WorkflowError("image: there is no picture. Fix: snakemake --cores 2 photo --config image=kitchen.jpg")
+        return expand(pattern, variant=VARIANTS, scene=ROOMS)
+
+    return found
+
+
+def weight_files():
+    """The weights of the networks that a picture needs, as far as they lie here."""
+    paths = [Path(network.path) / "model.safetensors" for network in CONFIG.photo.networks().values()]
+    return [str(path) for path in paths if CONFIG.image and path.is_file()]
+
+
 def asset_files():
     """All files of the user's asset folders: a changed one makes the library again."""
     files = (path for folder in CONFIG.assets.folders for path in Path(folder).rglob("*") if path.is_file())

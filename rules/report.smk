@@ -81,3 +81,11 @@ rule report_page:
         "{params.command} --files {input:q} --images {params.images:q} --benchmarks {params.benchmarks:q} "
         "--seed {params.seed} --config-digest {params.digest} --options {params.options:q} "
         "--out {output.page:q} 2>&1 | tee {log:q}"
+
+
+rule photo:
+    """The picture that `--config image=...` names, as scenes of cousins, and the page about them."""
+    input:
+        comparisons=of_picture(rules.draw_scenes.output.comparison),
+        page=of_picture(rules.report_page.output.page),
+    localrule: True

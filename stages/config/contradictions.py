@@ -1,6 +1,7 @@
 """What a config asks for that cannot be: found before anything runs, all at once, each with its mend."""
 
 import re
+import shlex
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -24,9 +25,26 @@ NAME = re.compile(r"[A-Za-z0-9-]+(_[A-Za-z0-9-]+)*")  # becomes part of paths
 def contradictions(config: "Config") -> list[Mistake]:
     """All of them, in the order of config.yaml."""
     checks = (
-        _names, _scenes, _tasks, _training_sets, _test_assets, _library, _matching, _policies, _environment, _stages,
+        _photo, _names, _scenes, _tasks, _training_sets, _test_assets, _library, _matching, _policies, _environment,
+        _stages,
     )  # fmt: skip
     return [found for check in checks for found in check(config)]
+
+
+def _photo(config: "Config") -> Iterator[Mistake]:
+    """The picture, and the weights that find what it shows."""
+    if not config.image:
+        return
+    if not Path(config.image).is_file():
+        yield Mistake("image", f"no file {config.image}", "name a picture")
+    lacking = [
+        f"photo.{name}.path ({network.path})"
+        for name, network in config.photo.networks().items()
+        if not network.download and not (Path(network.path) / "model.safetensors").is_file()
+    ]
+    if lacking and "estimate" not in config.stages.get("photo", {}):
+        mend = "python -m stages.photo fetch, or without weights draw it: python -m stages.extraction annotate"
+        yield Mistake("image", f"there are no weights in {', '.join(lacking)}", f"{mend} {shlex.quote(config.image)}")
 
 
 def _names(config: "Config") -> Iterator[Mistake]:
@@ -88,7 +106,7 @@ def _scenes(config: "Config") -> Iterator[Mistake]:
         key = f"experiment.inputs.{name}"
         if name in files:
             yield Mistake(key, "is the name of a room", "give your scene another name")
-        elif name in experiment.rooms:
+        elif name in experiment.rooms and not config.image:
             for what in places.missing(Path(folder)):
                 yield Mistake(key, what, "docs/scenes.md says what an input folder holds")
     if config.assets.folders:

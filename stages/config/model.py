@@ -18,6 +18,7 @@ from stages.config.generation import GenerationSection
 from stages.config.matching import MatchingConfig
 from stages.config.mistakes import Mistake, mistakes_of, validated, without_removed
 from stages.config.names import resolved
+from stages.config.own_scene import scene_of
 from stages.config.photo import PhotoConfig
 from stages.config.replaced import Replaced
 from stages.config.scenes import ScenesConfig
@@ -34,6 +35,11 @@ class Config(Section):
 
     seed: int = Field(
         0, ge=0, description="Seed of everything random: library, rooms, noise, demonstrations, rollouts."
+    )
+    image: str = Field(
+        "",
+        description="A picture, for the target `photo`: the one scene in the place of `experiment.rooms`, without "
+        'tasks (docs/your-data.md). "": none.',
     )
     plugins: list[str] = Field(
         [],
@@ -131,12 +137,22 @@ def load(config: dict[str, Any]) -> Config:
         except ValidationError as error:
             mistakes += mistakes_of(TaskConfig, error, f"experiment.tasks.{name}.options.")
             valid.experiment.tasks[name] = target.model_copy(update={"options": {}})
+    if valid.image and not mistakes:
+        valid = valid.model_copy(update={"experiment": of_picture(valid)})
     mistakes += [each for each in contradictions(valid) if not any(_overlap(each.key, key) for key in wrong)]
     if mistakes:
         lines = [str(mistake) for mistake in mistakes]
         heading = f"{len(lines)} mistakes:\n  " if len(lines) > 1 else ""
         raise InputError("config", heading + "\n  ".join(lines))
     return valid
+
+
+def of_picture(config: Config) -> ExperimentConfig:
+    """The experiment whose one scene is the picture of `image`, found by `photo estimate`; no tasks, no protocols."""
+    name = scene_of(Path(config.image).with_suffix(""))
+    name = f"{name}-photo" if name in config.room_files() else name
+    only = {"rooms": [name], "inputs": {name: f"results/photo/{name}"}, "tasks": {}, "protocols": {}}
+    return config.experiment.model_copy(update=only)
 
 
 def _packages(names: list[str], mistakes: list[Mistake]) -> list[str]:

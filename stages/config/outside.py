@@ -14,6 +14,7 @@ def outside(config: Config) -> list[str]:
     named = [
         *config.experiment.inputs.values(),
         *config.experiment.room_files,
+        *_of_picture(config),
         *config.assets.folders,
         *(name for own in commands for name in own.code),
         *(path for options in matching for path in _weights(options)),
@@ -21,6 +22,13 @@ def outside(config: Config) -> list[str]:
     ]
     paths = {Path(name).resolve() for name in named if Path(name).exists()}
     return sorted(str(path) for path in paths if not path.is_relative_to(Path.cwd()))
+
+
+def _of_picture(config: Config) -> list[str]:
+    if not config.image:
+        return []
+    ledger = [] if "vlm" in config.photo.unread() else [config.photo.vlm.ledger]
+    return [config.image, *(network.path for network in config.photo.networks().values()), *ledger]
 
 
 def _weights(options: MatchingConfig) -> list[str]:

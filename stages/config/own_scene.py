@@ -10,13 +10,18 @@ from stages.config.experiment import ExperimentConfig
 from stages.contracts import write_text
 
 
+def scene_of(folder: Path) -> str:
+    """The name of the scene in a folder: letters, digits, - and single _ inside."""
+    return "_".join(re.findall(r"[A-Za-z0-9-]+", folder.name)).lstrip("-") or "photo"
+
+
 def write_config(folder: Path, **sections: dict[str, Any]) -> Path:
     """Write `config.yaml` into an input folder: its one scene is that folder, called as it is; no policies.
 
     `snakemake --configfile folder/config.yaml -- generation` then goes from it to scenes of cousins.
     `sections`: further keys of the config that fit the folder.
     """
-    scene = re.sub(r"[^A-Za-z0-9_.-]+", "_", folder.resolve().name).lstrip(".-") or "photo"
+    scene = scene_of(folder.resolve())
     tasks = dict.fromkeys(ExperimentConfig().tasks)  # null: the default run's objects are not in this picture
     experiment = {"rooms": [scene], "inputs": {scene: folder.as_posix()}, "tasks": tasks}
     path = folder / "config.yaml"

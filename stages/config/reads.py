@@ -12,7 +12,7 @@ from stages.config.generation import GenerationConfig
 from stages.config.matching import ComparisonOptions, EncoderOptions, MatchingConfig
 from stages.config.model import Config
 from stages.config.names import kind_of
-from stages.config.photo import PhotoConfig
+from stages.config.photo import FetchOptions, PhotoConfig
 from stages.config.scenes import ScenesConfig
 from stages.config.tables import TablesConfig
 from stages.config.training import TrainingRun
@@ -22,6 +22,7 @@ READS: dict[tuple[str, str], type[Section]] = {
     ("assets", "library"): LibraryOptions,
     ("assets", "snapshots"): SnapshotOptions,
     ("scenes", "render"): ScenesConfig,
+    ("photo", "fetch"): FetchOptions,
     ("photo", "estimate"): PhotoConfig,
     ("extraction", "extract"): ExtractionConfig,
     ("matching", "features"): EncoderOptions,

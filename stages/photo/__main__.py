@@ -2,4 +2,10 @@
 
 from stages.cli import main
 
-main("photo", {"estimate": "a picture as an input folder, by pretrained networks"})
+main(
+    "photo",
+    {
+        "estimate": "a picture as an input folder, by pretrained networks",
+        "fetch": "download their weights, once",
+    },
+)

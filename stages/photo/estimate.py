@@ -37,7 +37,7 @@ class Thing:
     drawers: int = 0
 
 
-def run(image: Path, /, *, out: Path, options: str = "", device: str = "cpu") -> None:
+def run(*, image: Path, out: Path, options: str = "", device: str = "cpu") -> None:
     """Find what a picture shows, where and how far, and write it as an input folder.
 
     Args:

@@ -77,7 +77,7 @@ def test_a_picture_becomes_an_input_folder_by_saved_weights(tiny: dict[str, Any]
     given = json.dumps(tiny | {"labels": ["cabinet", "mug"], "overlap": 1.0})
     files = []
     for name in ("one", "two"):
-        estimate.run(tmp_path / "kitchen.png", out=tmp_path / name, options=given)
+        estimate.run(image=tmp_path / "kitchen.png", out=tmp_path / name, options=given)
         read_scene_input(tmp_path / name)
         files.append({path.name: path.read_bytes() for path in (tmp_path / name).glob("[!c]*")})
     assert files[0] == files[1] and {"rgb.png", "depth.npz", "masks.png", "annotations.json"} == set(files[0])
@@ -108,7 +108,7 @@ def known(room: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[list[Detectio
 
 
 def test_what_the_networks_see_is_what_extraction_finds(room: Path, known: list[Detection], tmp_path: Path) -> None:
-    estimate.run(room / "rgb.png", out=tmp_path / "seen")
+    estimate.run(image=room / "rgb.png", out=tmp_path / "seen")
     truth, seen = read_scene_input(room), read_scene_input(tmp_path / "seen")
     assert [item.label for item in seen.annotations.objects] == ["cabinet", "box"]  # no shelf: it is the cabinet
     assert [item.articulated for item in seen.annotations.objects] == [True, False]
@@ -137,7 +137,7 @@ def test_a_language_model_names_and_counts(
     monkeypatch.setenv("OPENAI_API_KEY", KEY)
     first = says(json.dumps({"labels": ["Cabinet", "box", "stool", "cabinet"]}))
     with serving(first, look("cabinet", doors=2, drawers=1), look("stool"), key=KEY) as server:
-        estimate.run(room / "rgb.png", out=tmp_path / "seen", options=asked(server, tmp_path))
+        estimate.run(image=room / "rgb.png", out=tmp_path / "seen", options=asked(server, tmp_path))
         assert len(server.requests) == 3
         schema = server.requests[1]["response_format"]["json_schema"]["schema"]
         assert schema["properties"]["label"]["enum"] == ["cabinet", "box", "stool", "none"]
@@ -146,7 +146,7 @@ def test_a_language_model_names_and_counts(
         ("cabinet", True, 2, 1), ("stool", False, 0, 0)]  # fmt: skip
     assert "object 2, box: is a stool, says toy" in capsys.readouterr().out
     again = asked(server, tmp_path, mode="replay")
-    estimate.run(room / "rgb.png", out=tmp_path / "again", options=again)  # nobody is there to be asked
+    estimate.run(image=room / "rgb.png", out=tmp_path / "again", options=again)  # nobody is there to be asked
     assert (tmp_path / "again/annotations.json").read_bytes() == (tmp_path / "seen/annotations.json").read_bytes()
 
 
@@ -155,7 +155,7 @@ def test_a_language_model_that_is_no_help(
 ) -> None:
     monkeypatch.setenv("OPENAI_API_KEY", KEY)
     with serving(says(json.dumps({"labels": ["cabinet", "box"]})), look("none"), says("well"), key=KEY) as server:
-        estimate.run(room / "rgb.png", out=tmp_path / "seen", options=asked(server, tmp_path))
+        estimate.run(image=room / "rgb.png", out=tmp_path / "seen", options=asked(server, tmp_path))
     assert [item.label for item in read_scene_input(tmp_path / "seen").annotations.objects] == ["box"]
     said = capsys.readouterr().out
     assert "object 1, cabinet: is no whole object" in said and "object 2, box: no answer" in said
@@ -163,7 +163,9 @@ def test_a_language_model_that_is_no_help(
         serving(says("well"), key=KEY) as server,
         pytest.raises(InputError, match=r"photo\.captions: labels needs no language model"),
     ):
-        estimate.run(room / "rgb.png", out=tmp_path / "none", options=asked(server, tmp_path, ledger=str(tmp_path)))
+        estimate.run(
+            image=room / "rgb.png", out=tmp_path / "none", options=asked(server, tmp_path, ledger=str(tmp_path))
+        )
     assert not (tmp_path / "none").exists()
 
 
@@ -187,5 +189,5 @@ def test_a_picture_of_nothing_that_is_known_is_one_line(
 ) -> None:
     monkeypatch.setattr(estimate, "detect", lambda *_: known[3:])
     with pytest.raises(InputError, match=r"finds no object in the picture.*annotate"):
-        estimate.run(room / "rgb.png", out=tmp_path / "seen")
+        estimate.run(image=room / "rgb.png", out=tmp_path / "seen")
     assert not (tmp_path / "seen").exists()

@@ -95,6 +95,26 @@ def test_table_2_trains_nothing_and_meets_rooms_by_protocols(folder: Path) -> No
     assert "--without results/evaluation/left_out/room_1.unknown.0.json" in unknown
 
 
+def test_a_picture_needs_weights_or_is_drawn(tmp_path: Path) -> None:
+    folder = make(tmp_path)
+    assert "Fix: snakemake --cores 2 photo --config image=kitchen.jpg" in dry_run(folder, "photo").stdout
+    (folder / "my kitchen.v2.jpg").touch()
+    photo = ("photo", "--config", "image=my kitchen.v2.jpg")
+    done = dry_run(folder, *photo)
+    lines = [line for line in done.stdout.splitlines() if "python -m stages.photo fetch" in line]
+    assert done.returncode == 1 and len(lines) == 1 and "Traceback" not in done.stdout
+    assert "weights/sam2" in lines[0] and "stages.extraction annotate 'my kitchen.v2.jpg'" in lines[0]
+    assert planned(dry_run(folder, "fetch").stdout)["fetch"] == 1
+    for name in ("grounding_dino", "sam2", "depth_anything_v2"):
+        (folder / "weights" / name).mkdir(parents=True)
+        (folder / "weights" / name / "model.safetensors").touch()
+    done = dry_run(folder, *photo, "-p")
+    jobs = planned(done.stdout)
+    assert jobs["estimate"] == jobs["draw_scenes"] == jobs["report_page"] == 1 and not {"train", "room"} & set(jobs)
+    assert "--image 'my kitchen.v2.jpg'" in done.stdout and "--out results/photo/my_kitchen_v2 " in done.stdout
+    assert "no file nothing.jpg" in dry_run(folder, "photo", "--config", "image=nothing.jpg").stdout
+
+
 def test_mistakes_in_the_config_are_a_line_each(folder: Path, tmp_path: Path) -> None:
     overlay = tmp_path / "mine.yaml"
     overlay.write_text("{maching: {encoder: hog}, experiment: {rooms: [room_9]}, evaluation: {test_assets: [uncle]}}")

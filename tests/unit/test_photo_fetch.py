@@ -1,0 +1,110 @@
+"""Weights of networks, fetched from a local server that answers as the hub does."""
+
+import hashlib
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from threading import Thread
+from typing import Any
+
+import pytest
+
+from stages.config.photo import FetchOptions, WeightsConfig
+from stages.contracts import InputError
+from stages.photo.fetch import fetched
+
+COMMIT = "c0ffee" * 6 + "cafe"
+FILES = {"config.json": b"{}", "model.safetensors": b"weights " * 1000, "vocab.txt": b"mug", "model.bin": b"no"}
+
+
+class Hub(BaseHTTPRequestHandler):
+    broken = False
+    requests: list[str] = []
+
+    def do_GET(self) -> None:
+        self.requests.append(self.path)
+        path = self.path.partition("?")[0]
+        name = path.rpartition("/")[2]
+        if path.startswith("/api/models/toy/net/revision/"):
+            self.answer(json.dumps({"id": "toy/net", "sha": COMMIT, "siblings": [{"rfilename": n} for n in FILES]}))
+        elif path.startswith("/api/models/toy/net/tree/"):
+            self.answer(json.dumps([{"type": "file", "path": n, "size": len(d), "oid": n} for n, d in FILES.items()]))
+        elif path.startswith(f"/toy/net/resolve/{COMMIT}/") and not (Hub.broken and name == "model.safetensors"):
+            self.answer(FILES[name], ETag=f'"{hashlib.sha1(FILES[name]).hexdigest()}"')
+        else:
+            self.answer("nothing", 404)
+
+    def do_HEAD(self) -> None:
+        self.do_GET()
+
+    def answer(self, text: str | bytes, status: int = 200, **headers: str) -> None:
+        data = text if isinstance(text, bytes) else text.encode()
+        self.send_response(status)
+        for key, value in {"Content-Length": str(len(data)), "X-Repo-Commit": COMMIT, **headers}.items():
+            self.send_header(key, value)
+        self.end_headers()
+        if self.command == "GET":
+            self.wfile.write(data)
+
+    def log_message(self, *_: Any) -> None:
+        pass
+
+
+@pytest.fixture
+def hub() -> Iterator[str]:
+    Hub.requests, Hub.broken = [], False
+    with ThreadingHTTPServer(("127.0.0.1", 0), Hub) as server:
+        Thread(target=server.serve_forever, kwargs={"poll_interval": 0.01}, daemon=True).start()
+        yield f"http://127.0.0.1:{server.server_address[1]}"
+        server.shutdown()
+
+
+def fetch(folder: Path, hub: str, **keys: Any) -> subprocess.CompletedProcess[str]:
+    """The verb in a process of its own: the hub's address is read when its library is imported."""
+    network = {"path": str(folder / "net"), "source": "toy/net"} | keys
+    options = json.dumps(dict.fromkeys(("detector", "segmenter", "depth_anything"), network))
+    command = [sys.executable, "-m", "stages.photo", "fetch", "--options", options, "--out", str(folder / "all.json")]
+    environment = os.environ | {
+        "HF_ENDPOINT": hub,
+        "HF_HOME": str(folder / "home"),
+        "HF_HUB_DISABLE_PROGRESS_BARS": "1",
+    }
+    return subprocess.run(command, env=environment, text=True, capture_output=True)
+
+
+def test_weights_come_once_and_say_what_they_are(hub: str, tmp_path: Path) -> None:
+    Hub.broken = True
+    done = fetch(tmp_path, hub)
+    assert done.returncode == 1 and not (tmp_path / "all.json").exists()
+    assert "photo.detector.source" in done.stderr and "what came stays" in done.stderr
+    assert "Traceback" not in done.stderr
+    Hub.broken, Hub.requests = False, []
+    done = fetch(tmp_path, hub)
+    assert done.returncode == 0, done.stderr
+    assert not [path for path in Hub.requests if path.endswith("/model.bin")]
+    record = json.loads((tmp_path / "all.json").read_text())["detector"]
+    assert record["commit"] == COMMIT and record["sha256"] == hashlib.sha256(FILES["model.safetensors"]).hexdigest()
+    assert (tmp_path / "net/vocab.txt").read_bytes() == b"mug"
+    network = WeightsConfig(path=str(tmp_path / "net"), source="toy/net")
+    assert fetched(network, "photo.detector")["commit"] == COMMIT  # nobody is asked again
+    with pytest.raises(InputError, match=r"photo\.detector\.sha256 asks for 0000"):
+        fetched(network.model_copy(update={"sha256": "0" * 64}), "photo.detector")
+
+
+def test_weights_of_ones_own_stay(tmp_path: Path) -> None:
+    for name in ("config.json", "model.safetensors"):
+        (tmp_path / name).write_bytes(FILES[name])
+    found = fetched(WeightsConfig(path=str(tmp_path), source="toy/other"), "photo.detector")
+    assert found["sha256"] == hashlib.sha256(FILES["model.safetensors"]).hexdigest() and "commit" not in found
+    with pytest.raises(InputError, match=r"photo\.detector\.source: is empty"):
+        fetched(WeightsConfig(path=str(tmp_path / "nowhere")), "photo.detector")
+
+
+def test_only_the_networks_that_are_used_are_fetched() -> None:
+    assert list(FetchOptions().networks()) == ["detector", "segmenter", "depth_anything"]
+    assert list(FetchOptions(depth="depth_pro").networks()) == ["detector", "segmenter", "depth_pro"]
+    assert all(network.source and network.path for network in FetchOptions().networks().values())
