@@ -72,17 +72,20 @@ def _front(robot: RobotModel, joint: JointModel) -> Front | None:
 
 
 def doors_and_drawers(robot: RobotModel) -> tuple[RobotModel, list[str]]:
-    """The model (z up, front towards +x) with what is neither door nor drawer fixed where it is, and why, in lines.
+    """The model (z up, front towards +x) with what is neither door nor drawer fixed where it is; a line says so.
 
     A drawer slides forwards by 5 cm at least, a door hangs on a hinge that lies across the front and turns by at least
     20 degrees; either moves a front of some size. Helper links, a chair's seat, wheels, knobs and buttons are neither.
     """
-    joints, doubts = [], []
+    joints, fixed = [], []
     for joint in robot.joints:
         front = None if joint.type == "fixed" else _front(robot, joint)
         if joint.type != "fixed" and (front is None or (joint.type == "prismatic" and front.outward[0] != 1.0)):
             origin = joint.origin @ joint.motion(joint.lower)
-            doubts.append(f"joint '{joint.name}' moves no door or drawer: fixed")
+            fixed.append(f"'{joint.name}'")
             joint = replace(joint, type="fixed", origin=origin, lower=0.0, upper=0.0)
         joints.append(joint)
-    return replace(robot, joints=joints), doubts
+    if not fixed:
+        return replace(robot, joints=joints), []
+    what = f"joint {fixed[0]} moves" if len(fixed) == 1 else f"joints {', '.join(fixed)} move"
+    return replace(robot, joints=joints), [f"{what} no door or drawer: fixed"]

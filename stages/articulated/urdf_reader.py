@@ -10,6 +10,7 @@ import numpy as np
 import trimesh
 from trimesh import Trimesh
 
+from stages.articulated.inside import OutsideError, find_inside
 from stages.articulated.mesh_reader import convex_pieces, has_texture, load_meshes
 from stages.articulated.model import RGBA, JointModel, Link, Matrix, RobotModel, Visual, moved
 from stages.articulated.urdf_tree import UrdfTree
@@ -134,7 +135,7 @@ class UrdfReader:
     ) -> tuple[float, Matrix, Matrix]:
         """Mass (the given one, if the file says none), centre and inertia; what the file does not say, or says
         impossibly, is that of a solid box."""
-        low, high = _box_around(pieces)
+        low, high = box_around(pieces)
         center = (low + high) / 2
         if element is not None and element.find("mass") is not None:
             given = float(self.tree.numbers(element.find("mass"), "value", "0", 1, f"{where}, <mass>", low=0.0)[0])
@@ -152,37 +153,22 @@ class UrdfReader:
             inertia = rotation @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ rotation.T
             if np.linalg.eigvalsh(inertia).min() > 0:
                 return mass, center, inertia
-        x, y, z = (high - low) ** 2
-        return mass, center, mass / 12 * np.diag([y + z, x + z, x + y]) + MINIMUM_INERTIA * np.eye(3)
+        return mass, center, box_inertia(pieces, mass)
 
     def _mesh_file(self, name: str, where: str) -> Path:
-        """The mesh file that a URDF names, inside the folder.
-
-        It is looked for beside the URDF and in the folders above it; where packages or folders in front of the name are
-        called otherwise than in the file (a package that was renamed, a part of a larger collection), without those.
-        """
+        """The mesh file that a URDF names, inside the folder."""
         plain = (
             re.sub(r"^\$\(find ([^)]*)\)", r"\1", name).removeprefix("package://").removeprefix("file://").lstrip("/")
         )
-        parts = Path(plain).parts
-        outside = InputError(
-            self.path, f"{where}: mesh '{name[:200]}' lies outside {self.folder.name}/.", "copy it inside"
-        )
         try:
-            here = self.path.resolve().parent
-            bases = [base for base in (here, *here.parents) if base.is_relative_to(self.folder)]
-            for left_out in range(1 if ".." in parts else len(parts)):
-                for base in bases:
-                    found = base.joinpath(*parts[left_out:]).resolve()
-                    if found.is_file():
-                        if not found.is_relative_to(self.folder):
-                            raise outside
-                        return found
-            if not (here / plain).resolve().is_relative_to(self.folder):
-                raise outside
-        except (OSError, RuntimeError, ValueError):  # names that are too long, links in a circle
-            pass
-        raise InputError(self.path, f"{where}: there is no mesh '{name[:200]}' in {self.folder.name}/.")
+            found = find_inside(plain, self.path.parent, self.folder)
+        except OutsideError:
+            raise InputError(
+                self.path, f"{where}: mesh '{name[:200]}' lies outside {self.folder.name}/.", "copy it inside"
+            ) from None
+        if found is None:
+            raise InputError(self.path, f"{where}: there is no mesh '{name[:200]}' in {self.folder.name}/.")
+        return found
 
 
 def board_mass(pieces: list[Trimesh], visuals: list[Visual]) -> float:
@@ -195,14 +181,21 @@ def board_mass(pieces: list[Trimesh], visuals: list[Visual]) -> float:
     return max(volume * DENSITY, MINIMUM_MASS)
 
 
+def box_inertia(pieces: list[Trimesh], mass: float) -> Matrix:
+    """Inertia (3, 3) of a solid box around the pieces."""
+    low, high = box_around(pieces)
+    x, y, z = (high - low) ** 2
+    return mass / 12 * np.diag([y + z, x + z, x + y]) + MINIMUM_INERTIA * np.eye(3)
+
+
 def _is_primitive(shape: ET.Element) -> bool:
     """Whether a <visual> or <collision> is a box, sphere, cylinder or capsule: convex as it is."""
     return shape.find("geometry/mesh") is None
 
 
-def _box_around(pieces: list[Trimesh]) -> tuple[Matrix, Matrix]:
-    """Lowest and highest corner of the pieces; of a centimetre around the origin if there are none."""
+def box_around(pieces: list[Trimesh]) -> Matrix:
+    """Lowest and highest corner (2, 3) of the pieces; of a centimetre around the origin if there are none."""
     if not pieces:
-        return np.full(3, -0.005), np.full(3, 0.005)
+        return np.array([[-0.005] * 3, [0.005] * 3])
     corners = np.array([piece.bounds for piece in pieces])
-    return corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)
+    return np.array([corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)])

@@ -7,6 +7,8 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+from stages.assets.mjcf_file import root_tag
+
 # PartNet-Mobility and GAPartNet: <number>/, with the category in meta.json; the first of these files is the model.
 NUMBERED = ("mobility.urdf", "mobility_annotation_gapartnet.urdf")
 CATEGORIES = {  # of PartNet-Mobility, in the words of the library where they differ
@@ -42,7 +44,7 @@ def discover(folder: Path, kinds: Sequence[str]) -> list[Found]:
             found.append(Found(numbered, folder, told_category(child) or folder.name, child.name))
             continue
         for inner in sorted(child.iterdir()):
-            if inner.is_file() and inner.suffix.lower() in kinds:
+            if is_model(inner, kinds):
                 found.append(Found(inner, folder, child.name, inner.stem))
             elif inner.is_dir() and (numbered := numbered_model(inner)):
                 found.append(Found(numbered, folder, told_category(inner) or child.name, inner.name))
@@ -50,7 +52,10 @@ def discover(folder: Path, kinds: Sequence[str]) -> list[Found]:
                 found += [
                     Found(path, folder, child.name, _name(path, inner, n)) for path, n in _first_kind(inner, kinds)
                 ]
-    return found
+    models = [one for one in found if not is_part(one.path)]
+    if len(models) < len(found):
+        print(f"{folder}: {len(found) - len(models)} files are parts that MJCF models include, no models: skipped")
+    return models
 
 
 def numbered_model(folder: Path) -> Path | None:
@@ -69,9 +74,21 @@ def told_category(folder: Path) -> str | None:
     return CATEGORIES.get(told.lower(), re.sub(r"(?<=[a-z])(?=[A-Z])", "_", told))
 
 
-def _first_kind(folder: Path, kinds: Iterable[str]) -> list[tuple[Path, int]]:
+def is_model(path: Path, kinds: Sequence[str]) -> bool:
+    """Whether it is a file of one of the kinds; XML is MJCF, or a part of it, if it says so."""
+    if not path.is_file() or path.suffix.lower() not in kinds:
+        return False
+    return path.suffix.lower() != ".xml" or root_tag(path).startswith("mujoco")
+
+
+def is_part(path: Path) -> bool:
+    """Whether it is MJCF that others include."""
+    return path.suffix.lower() == ".xml" and root_tag(path) != "mujoco"
+
+
+def _first_kind(folder: Path, kinds: Sequence[str]) -> list[tuple[Path, int]]:
     """The files of the first kind that occurs in a model's folder, and how many they are."""
-    inside = [path for path in sorted(folder.rglob("*")) if path.is_file()]
+    inside = [path for path in sorted(folder.rglob("*")) if is_model(path, kinds)]
     groups = ([path for path in inside if path.suffix.lower() == kind] for kind in kinds)
     files = next((group for group in groups if group), [])
     return [(path, len(files)) for path in files]

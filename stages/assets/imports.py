@@ -89,7 +89,7 @@ def import_folders(
         if not models_of:
             raise InputError(
                 folder,
-                f"holds no {' or '.join(kind[1:].upper() for kind in kinds)}.",
+                f"holds no {' or '.join(short(name).upper() for name in importers)}.",
                 "expected <folder>/<category>/<model>",
             )
         found += models_of

@@ -66,9 +66,9 @@ class LibraryOptions(Section):
         "folder that holds one (docs/assets.md).",
     )
     importers: list[str] = Field(
-        ["urdf", "glb", "gltf", "obj", "dae", "ply", "stl"],
+        ["urdf", "mjcf", "glb", "gltf", "obj", "dae", "ply", "stl"],
         json_schema_extra={"kind": "importers"},
-        description="Kinds of files that are imported, by their suffix; of several in one folder the first.",
+        description="Kinds of files that are imported, by suffix (mjcf: .xml); of several in one folder the first.",
     )
 
 

@@ -175,7 +175,7 @@ def test_importer(package: Path, tmp_path: Path) -> None:
     (tmp_path / "mine" / "box").mkdir(parents=True)
     trimesh.creation.box((0.3, 0.4, 0.5)).export(tmp_path / "mine" / "box" / "crate.off")
     options = {"counts": {}, "folders": [str(tmp_path / "mine")]}
-    with pytest.raises(InputError, match="holds no URDF or GLB or GLTF or OBJ or DAE or PLY or STL"):
+    with pytest.raises(InputError, match="holds no URDF or MJCF or GLB or GLTF or OBJ or DAE or PLY or STL"):
         make_library(out=tmp_path / "library.json", options=json.dumps(options))
     options["importers"] = ["urdf", "my_package.importers.off"]
     make_library(out=tmp_path / "library.json", options=json.dumps(options))

@@ -1,0 +1,34 @@
+"""Files that a model's file names, inside the user's folder."""
+
+from pathlib import Path
+
+
+class OutsideError(Exception):
+    """The file exists, or would, outside the folder."""
+
+
+def find_inside(name: str, here: Path, folder: Path) -> Path | None:
+    """The file that a file in `here` names; None: there is none.
+
+    It is looked for in `here` and in the folders above it, up to `folder`; where packages or folders in front of the
+    name are called otherwise than in the file (a package that was renamed, a part of a collection), without those.
+
+    Raises:
+        OutsideError: it lies, or would lie, outside.
+    """
+    folder, parts = folder.resolve(), Path(name).parts
+    try:
+        here = here.resolve()
+        bases = [base for base in (here, *here.parents) if base.is_relative_to(folder)]
+        for left_out in range(1 if ".." in parts else len(parts)):
+            for base in bases:
+                found = base.joinpath(*parts[left_out:]).resolve()
+                if found.is_file():
+                    if not found.is_relative_to(folder):
+                        raise OutsideError
+                    return found
+        if not (here / name).resolve().is_relative_to(folder):
+            raise OutsideError
+    except (OSError, RuntimeError, ValueError):  # names that are too long, links in a circle
+        pass
+    return None

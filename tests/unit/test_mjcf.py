@@ -1,0 +1,129 @@
+"""MJCF by MuJoCo's compiled model: kinematics, what is seen and what collides, masses, files inside a folder."""
+
+import re
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from PIL import Image
+
+from stages.articulated.forward_kinematics import link_frames
+from stages.assets.discover import discover
+from stages.assets.importers.mjcf import read_mjcf
+from stages.assets.imports import import_folders
+from stages.contracts.errors import InputError
+from stages.geometry.frames import apply
+
+mujoco = pytest.importorskip("mujoco")
+
+ASSETS = """<mujocoinclude><asset><texture name="wood" type="2d" file="elsewhere/common/wood.png"/>
+<mesh name="block" file="parts/block.stl" scale="0.1 0.1 0.1"/><material name="oak" texture="wood"/></asset>
+<default><default class="solid"><geom group="3" rgba="1 0 0 0.5"/></default>
+<default class="seen"><geom group="1" contype="0" conaffinity="0"/></default></default></mujocoinclude>"""
+
+CABINET = """<mujoco model="c"><compiler angle="degree" meshdir="../old_name"/>
+<include file="../old_name/parts/assets.xml"/>
+<actuator><position joint="slide"/></actuator>
+<worldbody><light pos="0 0 3"/><geom type="plane" size="5 5 1"/>
+<body name="body" pos="1 2 0.4" euler="0 0 90">
+ <geom class="seen" type="box" size="0.2 0.25 0.4" rgba="0.2 0.4 0.6 1"/>
+ <geom class="solid" type="box" size="0.2 0.25 0.4"/>
+ <body name="door" pos="0.2 0 -0.15"><joint name="hinge" pos="0.01 -0.25 0" axis="0 0 1" range="-100 0"/>
+  <geom class="seen" type="box" pos="0.01 0 0" size="0.01 0.25 0.2" material="oak"/>
+  <geom class="solid" type="box" pos="0.01 0 0" size="0.01 0.25 0.2" mass="2"/>
+  <body name="handle" pos="0.04 0.2 0"><geom class="seen" type="capsule" size="0.008 0.08"/></body></body>
+ <body name="drawer" pos="0.2 0 0.25"><joint name="slide" type="slide" axis="1 0 0" range="0 0.25"/>
+  <inertial mass="3" pos="-0.1 0 0" diaginertia="0.1 0.2 0.3"/>
+  <geom class="seen" type="box" pos="0.01 0 0" size="0.01 0.25 0.1"/>
+  <geom class="seen" type="mesh" mesh="block" pos="0.03 0 0"/></body>
+ <body name="dial" pos="0.2 0.1 0.38"><joint name="turn" axis="1 0 0"/>
+  <geom class="seen" type="cylinder" size="0.02 0.01"/></body>
+</body></worldbody></mujoco>"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """<folder>/bottom_cabinet/oak.xml with its parts beside it; the package has been renamed since."""
+    place = tmp_path / "mine" / "bottom_cabinet"
+    (place / "parts").mkdir(parents=True)
+    (place / "common").mkdir()
+    (place / "oak.xml").write_text(CABINET)
+    (place / "parts/assets.xml").write_text(ASSETS)
+    trimesh.creation.box((0.2, 2, 0.2)).export(place / "parts/block.stl")
+    Image.new("RGB", (4, 4), (128, 64, 0)).save(place / "common/wood.png")
+    return tmp_path / "mine"
+
+
+def test_links_are_where_mujoco_has_them(folder: Path) -> None:
+    robot = read_mjcf(folder / "bottom_cabinet/oak.xml", folder)
+    assert [(joint.name, joint.type) for joint in robot.joints if joint.type != "fixed"] == [
+        ("hinge", "revolute"),
+        ("slide", "prismatic"),
+    ]
+    text = CABINET.replace('<include file="../old_name/parts/assets.xml"/>', "").replace('material="oak"', "")
+    for name in ("seen", "solid"):
+        text = text.replace(f'class="{name}"', "")
+    model = mujoco.MjModel.from_xml_string(text.replace('type="mesh" mesh="block"', 'size="0.1"'))
+    data = mujoco.MjData(model)
+    for share, angle, slide in ((0.0, 0.0, 0.0), (0.5, -50.0, 0.125), (1.0, -100.0, 0.25)):
+        data.joint("hinge").qpos[0], data.joint("slide").qpos[0] = np.deg2rad(angle), slide
+        mujoco.mj_kinematics(model, data)
+        frames = link_frames(robot, share)
+        for body in ("body", "door", "drawer", "handle"):
+            first = int(model.body(body).geomadr[0])
+            centre = robot.links[body].visuals[0].mesh.bounds.mean(axis=0)
+            assert apply(frames[body], centre) == pytest.approx(data.geom_xpos[first], abs=1e-6), (body, share)
+
+
+def test_looks_masses_and_what_collides(folder: Path) -> None:
+    links = read_mjcf(folder / "bottom_cabinet/oak.xml", folder).links
+    assert links["world"].visuals == [], "the ground is none of it"
+    assert links["body"].visuals[0].colour == pytest.approx((0.2, 0.4, 0.6, 1.0))
+    assert len(links["body"].visuals) == len(links["body"].collisions) == 1, "seen and solid are not mixed"
+    assert links["door"].visuals[0].colour == pytest.approx((0.22, 0.048, 0, 1), abs=0.01), "its texture's mean, linear"
+    assert links["drawer"].visuals[1].mesh.extents == pytest.approx((0.02, 0.2, 0.02))
+    assert (links["door"].mass, links["door"].weighed) == (2.0, True)
+    assert (links["drawer"].mass, links["drawer"].center.tolist()) == (3.0, [-0.1, 0, 0])
+    assert np.allclose(links["drawer"].inertia, np.diag([0.1, 0.2, 0.3]))
+    assert not links["body"].weighed
+    assert links["body"].mass < 15, "boards, not 160 kg of water"
+
+
+def test_a_model_is_imported_whole_and_its_parts_are_not(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (asset,) = import_folders([folder], folder.parent / "models")
+    assert (asset.id, asset.doors, asset.drawers) == ("bottom_cabinet_oak", 1, 1)
+    assert asset.size == pytest.approx((0.448, 0.5, 0.8), abs=2e-3)
+    assert [joint.handle is not None for joint in asset.joints] == [True, True]
+    said = capsys.readouterr().out
+    assert "1 files are parts that MJCF models include" in said
+    assert "block" not in said
+    (folder / "bottom_cabinet/package.xml").write_text("<package/>")
+    assert len(discover(folder, [".xml", ".stl"])) == 1, "other XML is no model"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("../old_name/parts/assets.xml", "../../../secret.xml", "no file '../../../secret.xml' in mine/"),
+        ("../old_name/parts/assets.xml", "oak.xml", "include each other without end"),
+        ("</worldbody></mujoco>", "", "is not XML"),
+        ('size="0.02 0.01"', 'size="-1"', "MuJoCo does not take it"),
+        ("<mujoco model", "<!DOCTYPE a><mujoco model", "DOCTYPE"),
+        ("</worldbody>", "<body><freejoint/><geom size='1'/></body>" * 2 + "</worldbody>", "holds 2 free bodies"),
+    ],
+)
+def test_broken_files_are_one_line(folder: Path, old: str, new: str, message: str) -> None:
+    (folder.parent / "secret.xml").write_text(ASSETS)
+    path = folder / "bottom_cabinet/oak.xml"
+    path.write_text(CABINET.replace(old, new))
+    with pytest.raises(InputError, match=re.escape(message)) as told:
+        read_mjcf(path, folder)
+    assert "\n" not in str(told.value)
+
+
+def test_without_mujoco_one_line_says_what_to_install(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    with pytest.raises(InputError, match="pip install mujoco"):
+        read_mjcf(folder / "bottom_cabinet/oak.xml", folder)
