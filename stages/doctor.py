@@ -113,6 +113,21 @@ def check_containers() -> Check:
     return Check("containers", bool(found), ", ".join(found) or "none: rules run in this environment", needed=False)
 
 
+def check_photo() -> Check:
+    """Weights, at their default places, of the networks that find what a picture shows: optional."""
+    try:
+        from stages.config.photo import PhotoConfig
+    except ImportError:
+        return Check("photo", False, "packages are missing", needed=False)
+    files = {name: Path(network.path) / "model.safetensors" for name, network in PhotoConfig().networks().items()}
+    there = [f"{name} {file.stat().st_size / 1e9:.1f} GB" for name, file in files.items() if file.is_file()]
+    lacking = [name for name, file in files.items() if not file.is_file()]
+    said = [f"weights: {', '.join(there)}, one in memory at a time"] if there else []
+    if lacking:
+        said.append(f"no weights of {', '.join(lacking)}: python -m stages.photo fetch, or draw by hand")
+    return Check("photo", not lacking, "; ".join(said), needed=False)
+
+
 Mendable = Callable[[], Check]
 
 # check -> what `--mend` says, and the script that it runs
@@ -136,7 +151,8 @@ def mended(check: Mendable) -> Check:
 def main(arguments: list[str]) -> int:
     """Print all checks; returns the exit code."""
     vulkan, open3d = (mended(check) if "--mend" in arguments else check() for check in (check_vulkan, check_open3d))
-    checks = [check_python(), check_packages(), vulkan, open3d, check_cuda(), check_disk(), check_containers()]
+    checks = [check_python(), check_packages(), vulkan, open3d, check_cuda(), check_disk()]
+    checks += [check_containers(), check_photo()]
     for check in checks:
         mark = "ok  " if check.good else ("MISS" if check.needed else "-   ")
         print(
