@@ -127,3 +127,21 @@ def test_without_mujoco_one_line_says_what_to_install(folder: Path, monkeypatch:
     monkeypatch.setitem(sys.modules, "mujoco", None)
     with pytest.raises(InputError, match="pip install mujoco"):
         read_mjcf(folder / "bottom_cabinet/oak.xml", folder)
+
+
+def test_textures_of_meshes_stay_upright(tmp_path: Path) -> None:
+    picture = np.zeros((8, 8, 3), np.uint8)
+    picture[:4], picture[4:] = (255, 0, 0), (0, 0, 255)
+    Image.fromarray(picture).save(tmp_path / "t.png")
+    corners = "v 0 0 0\nv 0 1 0\nv 0 1 1\nv 1 0 0\nvt 0 0\nvt 1 0\nvt 1 1\n"
+    (tmp_path / "m.obj").write_text(f"{corners}f 1/1 2/2 3/3\nf 4/1 3/3 2/2\nf 4/1 2/2 1/1\nf 4/1 1/1 3/3\n")
+    (tmp_path / "t.xml").write_text(
+        '<mujoco><asset><texture name="t" type="2d" file="t.png"/><material name="t" texture="t"/><mesh name="m" '
+        'file="m.obj"/></asset><worldbody><body><geom type="mesh" mesh="m" material="t"/></body></worldbody></mujoco>'
+    )
+    robot = read_mjcf(tmp_path / "t.xml", tmp_path)
+    (visual,) = robot.links["body_1"].visuals
+    colours = visual.mesh.visual.to_color().vertex_colors
+    top = visual.mesh.vertices[:, 2] > 0.9
+    assert top.any()
+    assert (colours[top, 0] > 200).all() and (colours[~top, 2] > 200).all()
