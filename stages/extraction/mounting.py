@@ -13,7 +13,7 @@ from stages.extraction.walls import filled_to, walls_touched
 from stages.geometry.boxes import UprightBox, footprint
 from stages.geometry.frames import yaw_matrix
 
-BESIDE = 0.05  # metres by which footprints are widened before they are compared
+BESIDE, BESIDE_SMALL = 0.05, 0.25  # metres by which footprints are widened; at most so much of what stands on them
 ON_TOP = 0.5  # share of the upper footprint that lies over the lower one
 THINNEST = 0.01  # metres; noise may put a plate's top below the table's
 JUST_BELOW = 0.15  # metres
@@ -38,10 +38,11 @@ def collapsed(seen: UprightBox, placed: Placement, tolerance: float) -> bool:
 def height_beneath(box: UprightBox, carriers: list[UprightBox], tolerance: float) -> float:
     """Top of the highest carrier below the box, or 0 for the floor."""
     plan = footprint(box)
+    widened = min(BESIDE, BESIDE_SMALL * float(np.min(np.asarray(box.size)[:2])))
     tops = [
         carrier.top
         for carrier in carriers
-        if plan.intersection(footprint(carrier).buffer(BESIDE)).area >= ON_TOP * plan.area
+        if plan.intersection(footprint(carrier).buffer(widened)).area >= ON_TOP * plan.area
         and carrier.top <= box.bottom + 2 * tolerance
         and carrier.top + carrier.bottom < box.top + box.bottom
     ]

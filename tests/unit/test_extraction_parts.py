@@ -8,6 +8,7 @@ from stages.contracts.objects import Wall
 from stages.extraction.border import continued_depth
 from stages.extraction.clouds import cleaned_cloud
 from stages.extraction.masks import central_crop, eroded, without_specks
+from stages.extraction.mounting import height_beneath
 from stages.extraction.noise import noisy_depth, periphery_ramp
 from stages.extraction.reconstruct import object_ids
 from stages.extraction.room import fit_wall, merge_walls
@@ -158,3 +159,14 @@ def test_what_is_behind_a_free_standing_wall_does_not_touch_it(x: float, touched
     box = UprightBox([x, 0, 0.5], [0.6, 0.6, 1.0], 0.0)
     options = ExtractionConfig(max_hidden_depth=0.0)  # what is not seen is not asked here
     assert bool(walls_touched(box, [], [wall], empty, np.zeros((9, 9), bool), options)) == touched
+
+
+def test_a_can_beside_a_bowl_does_not_stand_on_it() -> None:
+    bowl, table = (
+        UprightBox([0.0, 0.0, 0.02], [0.14, 0.14, 0.04], 0.0),
+        UprightBox([0.0, 0.0, -0.3], [1.0, 1.0, 0.6], 0.0),
+    )
+    can = UprightBox([0.11, 0.0, 0.05], [0.065, 0.065, 0.1], 0.0)
+    assert height_beneath(can, [table, bowl], 0.06) == table.top
+    inside = can._replace(center=[0.02, 0.0, 0.07])
+    assert height_beneath(inside, [table, bowl], 0.06) == bowl.top
