@@ -16,9 +16,8 @@ THIN = 0.6  # of a door's other horizontal extent: thicker things are no panels
 
 
 class Front(NamedTuple):
-    """A part that a joint moves, closed, in the root frame: bounds (2, 3), where it opens to, area of its face."""
+    """A part that a joint moves, as it is closed: where it opens to (an axis of the root frame), area of its face."""
 
-    bounds: Matrix
     outward: Matrix
     area: float
 
@@ -29,9 +28,8 @@ def front_direction(robot: RobotModel) -> tuple[Matrix, int] | None:
     A drawer faces where it slides to, a door away from the middle along its thinnest horizontal extent.
     None: no joint tells.
     """
-    fronts = [front for joint in robot.joints if (front := _front(robot, joint)) is not None]
     votes: dict[tuple[float, ...], list[float]] = {}
-    for front in fronts:
+    for front in _fronts(robot).values():
         votes.setdefault(tuple(front.outward.tolist()), []).append(front.area)
     if not votes:
         return None
@@ -39,36 +37,34 @@ def front_direction(robot: RobotModel) -> tuple[Matrix, int] | None:
     return np.array(best), len(votes[best])
 
 
-def _front(robot: RobotModel, joint: JointModel) -> Front | None:
-    """The part that a joint moves, if it could be a door or a drawer whichever way the model faces."""
-    if joint.type == "fixed":
-        return None
-    frames = link_frames(robot)
+def _fronts(robot: RobotModel) -> dict[str, Front]:
+    """By joint, the parts that could be doors or drawers whichever way the model faces."""
+    frames, middle = link_frames(robot), closed_box(robot).mean(axis=0)
+    moving = [joint for joint in robot.joints if joint.type != "fixed"]
+    found = {joint.name: _front(robot, joint, frames, middle) for joint in moving}
+    return {name: front for name, front in found.items() if front is not None}
+
+
+def _front(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix], middle: Matrix) -> Front | None:
     boxes = [visual_bounds(robot.links[link].visuals, frames[link]) for link in moved_by(joint, robot.joints)]
     corners = [box for box in boxes if box is not None]
     if not corners:
         return None  # a helper link
-    bounds = np.array([np.min(corners, axis=(0, 1)), np.max(corners, axis=(0, 1))])
-    axis = frames[joint.child][:3, :3] @ joint.axis
-    extents = bounds[1] - bounds[0]
+    low, high = np.min(corners, axis=(0, 1)), np.max(corners, axis=(0, 1))
+    axis, extents, outward = frames[joint.child][:3, :3] @ joint.axis, high - low, np.zeros(3)
     if joint.type == "prismatic":
         way = int(np.argmax(np.abs(axis)))
         if way == 2 or abs(axis[way]) < ALONG or joint.upper - joint.lower < SHORTEST:
             return None
-        outward = np.zeros(3)
         outward[way] = np.sign(axis[way])
     else:
         way = int(np.argmin(extents[:2]))
         across = 1 - way
         if joint.upper - joint.lower < LEAST_TURN or abs(axis[way]) > 0.3 or extents[way] > THIN * extents[across]:
             return None  # a stove's knob turns about the direction that it faces
-        middle = closed_box(robot).mean(axis=0)
-        outward = np.zeros(3)
-        outward[way] = 1.0 if bounds.mean(axis=0)[way] >= middle[way] else -1.0
+        outward[way] = 1.0 if (low + high)[way] / 2 >= middle[way] else -1.0
     width, height = extents[1 - way], extents[2]
-    if width < NARROWEST or height < LOWEST:
-        return None
-    return Front(bounds, outward, float(width * height))
+    return None if width < NARROWEST or height < LOWEST else Front(outward, float(width * height))
 
 
 def doors_and_drawers(robot: RobotModel) -> tuple[RobotModel, list[str]]:
@@ -77,9 +73,9 @@ def doors_and_drawers(robot: RobotModel) -> tuple[RobotModel, list[str]]:
     A drawer slides forwards by 5 cm at least, a door hangs on a hinge that lies across the front and turns by at least
     20 degrees; either moves a front of some size. Helper links, a chair's seat, wheels, knobs and buttons are neither.
     """
-    joints, fixed = [], []
+    joints, fixed, fronts = [], [], _fronts(robot)
     for joint in robot.joints:
-        front = None if joint.type == "fixed" else _front(robot, joint)
+        front = fronts.get(joint.name)
         if joint.type != "fixed" and (front is None or (joint.type == "prismatic" and front.outward[0] != 1.0)):
             origin = joint.origin @ joint.motion(joint.lower)
             fixed.append(f"'{joint.name}'")

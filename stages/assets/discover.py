@@ -2,8 +2,8 @@
 
 import json
 import re
-from collections import Counter
 from collections.abc import Iterable, Sequence
+from itertools import chain, count
 from pathlib import Path
 from typing import NamedTuple
 
@@ -94,19 +94,16 @@ def _first_kind(folder: Path, kinds: Sequence[str]) -> list[tuple[Path, int]]:
     return [(path, len(files)) for path in files]
 
 
-def _name(path: Path, folder: Path, count: int) -> str:
-    return folder.name if count == 1 or path.stem.lower() in COMMON else path.stem
+def _name(path: Path, folder: Path, models: int) -> str:
+    return folder.name if models == 1 or path.stem.lower() in COMMON else path.stem
 
 
 def numbered_names(names: Iterable[str], taken: Iterable[str]) -> list[str]:
     """The names, with _2, _3, ... after those that are there already."""
-    seen, result = Counter(taken), []
+    used, result = set(taken), []
     for name in names:
-        seen[name] += 1
-        free = name if seen[name] == 1 else f"{name}_{seen[name]}"
-        while seen[free] > (free == name):
-            seen[name] += 1
-            free = f"{name}_{seen[name]}"
-        seen[free] += free != name
+        numbered = (f"{name}_{number}" for number in count(2))
+        free = next(one for one in chain([name], numbered) if one not in used)
+        used.add(free)
         result.append(free)
     return result
