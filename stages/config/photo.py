@@ -57,6 +57,11 @@ class PhotoConfig(FetchOptions):
         "which then names every object again and counts its doors and drawers.",
     )
     labels: list[str] = Field([], description="What is looked for without a language model; []: our categories.")
+    mounting: Literal["geometry", "vlm"] = Field(
+        "vlm",
+        description="Who says what hangs, what stands, and at which wall (A.2). vlm: the language model of `captions: "
+        "vlm`, geometry where it has no usable answer.",
+    )
     box_threshold: float = Field(0.3, gt=0, lt=1, description="Least score of a box (official code: 0.3).")
     overlap: float = Field(
         0.7, gt=0, le=1, description="Of two masks that overlap by more (over their union), the better box's is kept."
@@ -73,4 +78,4 @@ class PhotoConfig(FetchOptions):
 
     def unread(self) -> set[str]:
         """The same, and what the way to captions does not need."""
-        return super().unread() | ({"labels"} if self.captions == "vlm" else {"vlm"})
+        return super().unread() | ({"labels"} if self.captions == "vlm" else {"vlm", "mounting"})

@@ -66,6 +66,8 @@ class SceneObject(Contract):
     points: Count = 0
     box: Box | None = Field(None, description="z-aligned minimum box of the cleaned cloud (null if failed)")
     mounting: Mounting | None = None
+    measured_mounting: Mounting | None = Field(None, description="by geometry, where the input tells the mounting")
+    note: str = Field("", description="what the input says of it that cannot be")
     front: Angle | None = Field(None, description="direction that it faces about z, if the input tells")
 
 
@@ -97,6 +99,7 @@ class Objects(Document):
             if item.status == "ok" and (item.box is None or item.mounting is None):
                 raise ValueError(f"objects: '{item.id}' is ok, but has no box or no mounting")
             check_mounting(item.id, item.mounting, walls)
+            check_mounting(item.id, item.measured_mounting, walls)
             if item.pixels is not None:
                 x0, y0, x1, y1 = item.pixels
                 if not (x0 < x1 <= self.width and y0 < y1 <= self.height):

@@ -1,5 +1,7 @@
 """Contracts of the `scenes` stage: what a camera sees (`input/`) and, apart from it, the truth."""
 
+from typing import Literal
+
 from pydantic import Field, model_validator
 
 from stages.contracts.files import Contract, Document
@@ -23,7 +25,7 @@ from stages.contracts.types import (
     check_view,
 )
 
-__all__ = ["Annotation", "Annotations", "Camera", "Matrix", "TrueObject", "Truth"]
+__all__ = ["Annotation", "Annotations", "Camera", "Held", "Matrix", "TrueObject", "Truth"]
 
 
 class Camera(Document):
@@ -44,6 +46,20 @@ class Camera(Document):
         return self
 
 
+class Held(Contract):
+    """Paper A.2: 1 wall mounted, 2 on the floor or on another object, 3 mixture (stands, and touches a wall)."""
+
+    type: Literal[1, 2, 3]
+    walls: list[MaskValue] = Field([], description="mask values of the walls touched, the dominant one first")
+
+    @model_validator(mode="after")
+    def _at_walls(self) -> "Held":
+        check_unique("mounting.walls", self.walls)
+        if (self.type == 2) == bool(self.walls):
+            raise ValueError("mounting.walls: types 1 and 3 name their walls, type 2 names none")
+        return self
+
+
 class Annotation(Contract):
     """What a captioner would say of one object of the image (paper A.2, A.7)."""
 
@@ -52,6 +68,7 @@ class Annotation(Contract):
     articulated: bool = Field(False, description="whether it opens; what has doors or drawers does")
     doors: Panels = 0
     drawers: Panels = 0
+    mounting: Held | None = Field(None, description="how it is held, if that is known; else geometry tells")
     box: Box | None = Field(
         None, description="where it is known whole, hidden sides too: needs floor_from_camera in camera.json"
     )
@@ -82,6 +99,9 @@ class Annotations(Document):
     @model_validator(mode="after")
     def _values_once(self) -> "Annotations":
         check_unique("mask values", self.values)
+        for item in self.objects:
+            if strangers := set(item.mounting.walls if item.mounting else []) - set(self.walls):
+                raise ValueError(f"objects: mounting.walls of mask {item.mask}: {min(strangers)} is not in walls")
         return self
 
 

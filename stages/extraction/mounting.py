@@ -22,9 +22,10 @@ FEET = 3  # image columns in which an object's lowest pixels must reach the grou
 
 @dataclass(frozen=True)
 class Placement:
-    """How an object is held; its box down to what carries it; and the box with hidden space behind it filled."""
+    """How an object is held, and by geometry alone; its box down to what carries it, and with hidden space filled."""
 
     mounting: Mounting
+    measured: Mounting
     box: UprightBox
     filled: UprightBox
 
@@ -83,6 +84,7 @@ def placement(
     own: NDArray[np.bool_],
     options: ExtractionConfig,
     known: bool = False,
+    stated: Mounting | None = None,
 ) -> Placement:
     """Where one object stands or hangs.
 
@@ -95,19 +97,21 @@ def placement(
         own: the object's pixels (H, W).
         options: tolerances.
         known: the box is known whole, so that nothing hidden has to be guessed.
+        stated: how it is held, if the input says so.
     """
     if known:
         options = options.model_copy(update={"max_hidden_depth": 0.0})
     tolerance = options.tolerance(view.distance(np.asarray(box.center)))
     beneath = height_beneath(box, carriers, tolerance)
     touched = walls_touched(box, others, walls, view, own, options)
-    names = [wall.id for wall in touched]
     hangs = (
         bool(touched)
         and box.bottom - beneath > tolerance
         and (known or not reaches_down(box, beneath, tolerance, view, own))
         and (known or free_space_beneath(box, beneath, view, own) >= options.free_space_share)
     )
-    standing = box if hangs else with_bottom(box, min(beneath, box.top - THINNEST))
-    filled = filled_to(standing, touched[0]) if touched else standing
-    return Placement(Mounting(type=1 if hangs else 3 if touched else 2, walls=names), standing, filled)
+    measured = Mounting(type=1 if hangs else 3 if touched else 2, walls=[wall.id for wall in touched])
+    mounting = stated or measured
+    standing = box if mounting.type == 1 else with_bottom(box, min(beneath, box.top - THINNEST))
+    behind = next((wall for wall in walls if wall.id in mounting.walls[:1]), None)
+    return Placement(mounting, measured, standing, standing if behind is None else filled_to(standing, behind))

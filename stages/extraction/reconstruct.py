@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from stages.config.extraction import ExtractionConfig
 from stages.contracts import InputError, Objects
-from stages.contracts.objects import Box, SceneObject, Wall, object_ids
+from stages.contracts.objects import Box, Mounting, SceneObject, Wall, object_ids
 from stages.contracts.scenes import Annotation
 from stages.contracts.types import LARGEST
 from stages.extraction import masks, room
@@ -15,6 +15,7 @@ from stages.extraction.border import continued_depth
 from stages.extraction.clouds import cleaned_cloud, fit_box, level_height, with_top
 from stages.extraction.mounting import collapsed, placement
 from stages.extraction.observation import AnnotatedImage
+from stages.extraction.stated import ImpossibleError, stated_mounting
 from stages.extraction.visibility import DepthView
 from stages.geometry.boxes import UprightBox, surface_points
 from stages.geometry.cameras import back_project
@@ -122,14 +123,29 @@ def _walls(
     camera_height: float,
     options: ExtractionConfig,
     rng: np.random.Generator,
-) -> list[Wall]:
-    fits = []
+) -> tuple[list[Wall], dict[int, str]]:
+    """The walls, and each one's id by the mask values that show it."""
+    fits, shown = [], []
     for value in image.annotations.walls:
         mask = masks.eroded(usable & (image.masks == value), options.erosion, options.erosion_keep)
         fit = room.fit_wall(points[mask], camera_height, options, rng)
         if fit is not None:
             fits.append(fit)
-    return room.merge_walls(fits, options)
+            shown.append(value)
+    walls, ids = room.merge_walls(fits, options)
+    return walls, dict(zip(shown, ids, strict=True))
+
+
+def _stated(
+    item: Annotation, box: UprightBox, walls: list[Wall], fitted: dict[int, str], options: ExtractionConfig
+) -> tuple[Mounting | None, str]:
+    """How the input says that an object is held, or why that cannot be."""
+    if item.mounting is None:
+        return None, ""
+    try:
+        return stated_mounting(item.mounting, box, walls, fitted, options), ""
+    except ImpossibleError as error:
+        return None, str(error)
 
 
 def reconstruct(
@@ -146,7 +162,7 @@ def reconstruct(
     camera_points = back_project(image.depth, image.intrinsics)
     floor_from_camera = _floor_from_camera(camera_points, image, usable, options, rng)
     points = np.where(usable[..., None], apply(floor_from_camera, camera_points), np.nan)
-    walls = _walls(points, image, usable, float(floor_from_camera[2, 3]), options, rng)
+    walls, fitted = _walls(points, image, usable, float(floor_from_camera[2, 3]), options, rng)
 
     annotations = sorted(image.annotations.objects, key=lambda item: item.mask)
     extracted: dict[str, SceneObject] = {}
@@ -154,7 +170,7 @@ def reconstruct(
     clouds: dict[str, NDArray[np.float32]] = {}
     clean = np.zeros(shape, dtype=np.uint16)
     for name, item in zip(object_ids([item.label for item in annotations]), annotations, strict=True):
-        known = SceneObject(id=name, **item.model_dump(exclude={"box"}))
+        known = SceneObject(id=name, **item.model_dump(exclude={"box", "mounting"}))
         try:
             mask = _object_mask(item, image, crop, options)
             if item.box is not None:
@@ -175,13 +191,16 @@ def reconstruct(
         extracted[name] = known.model_copy(update={"pixels": pixel_bounds(mask), "points": len(cloud)})
 
     view = DepthView(np.where(usable, image.depth, 0), image.intrinsics, floor_from_camera)
-    given = {item.mask for item in annotations if item.box is not None}
+    given = {item.mask: item for item in annotations}
     carriers: list[UprightBox] = []
     for name in sorted(boxes, key=lambda key: boxes[key].bottom):  # what carries comes before what it carries
         others = [other for key, other in boxes.items() if key != name]
         own = image.masks == extracted[name].mask
-        known_whole = extracted[name].mask in given
-        placed = placement(boxes[name], carriers, others, walls, view, own, options, known_whole)
+        item = given[extracted[name].mask]
+        stated, note = _stated(item, boxes[name], walls, fitted, options)
+        if note:
+            print(f"{scene} {name}: {note}: mounting by geometry")
+        placed = placement(boxes[name], carriers, others, walls, view, own, options, item.box is not None, stated)
         if collapsed(boxes[name], placed, options.tolerance(view.distance(np.asarray(boxes[name].center)))):
             reason = "its top is found below what carries it: the depth of one of the two is wrong"
             extracted[name] = extracted[name].model_copy(update={"status": "failed", "reason": reason, "points": 0})
@@ -190,8 +209,14 @@ def reconstruct(
             continue
         carriers.append(placed.filled)
         center, size, yaw = placed.box
-        fitted = Box(center=rounded(center), size=rounded(np.maximum(size, THINNEST)), yaw=round(yaw, 6))
-        extracted[name] = extracted[name].model_copy(update={"box": fitted, "mounting": placed.mounting})
+        extracted[name] = extracted[name].model_copy(
+            update={
+                "box": Box(center=rounded(center), size=rounded(np.maximum(size, THINNEST)), yaw=round(yaw, 6)),
+                "mounting": placed.mounting,
+                "measured_mounting": placed.measured if stated else None,
+                "note": note,
+            }
+        )
     objects = Objects(
         scene=scene,
         width=shape[1],

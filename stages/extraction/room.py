@@ -105,9 +105,15 @@ def fit_wall(
     return normal, offset, int(plane.inliers.sum())
 
 
-def merge_walls(fits: list[tuple[NDArray[np.float64], float, int]], options: ExtractionConfig) -> list[Wall]:
-    """One wall per plane: parts of the same wall, left and right of a cupboard say, count as one."""
+def merge_walls(
+    fits: list[tuple[NDArray[np.float64], float, int]], options: ExtractionConfig
+) -> tuple[list[Wall], list[str]]:
+    """One wall per plane: parts of the same wall, left and right of a cupboard say, count as one.
+
+    Returns: the walls, and the id of the wall that each fit belongs to.
+    """
     merged: list[tuple[NDArray[np.float64], float, int]] = []
+    ids = []
     for normal, offset, count in fits:
         for k, (other, other_offset, other_count) in enumerate(merged):
             same_way = normal @ other > np.cos(np.deg2rad(options.wall_merge_angle))
@@ -118,8 +124,11 @@ def merge_walls(fits: list[tuple[NDArray[np.float64], float, int]], options: Ext
                 merged[k] = (mean / np.linalg.norm(mean), mean_offset, total)
                 break
         else:
+            k = len(merged)
             merged.append((normal, offset, count))
-    return [
+        ids.append(f"wall_{k + 1}")
+    walls = [
         Wall(id=f"wall_{k}", normal=(float(normal[0]), float(normal[1]), 0.0), offset=float(offset), points=count)
         for k, (normal, offset, count) in enumerate(merged, start=1)
     ]
+    return walls, ids

@@ -6,7 +6,7 @@ from typing import Any, Literal
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field, create_model
+from pydantic import BaseModel, ConfigDict, Field, create_model, model_validator
 
 from stages.vlm.ask import Asker, NoAnswerError
 from stages.vlm.prompt import Prompt
@@ -27,6 +27,16 @@ LOOK = (
     "thing, or several things at once. Does it open by doors (hinged) or drawers (sliding)? Count those that you see "
     'of this thing alone. Answer {{"label": "cabinet", "articulated": true, "doors": 2, "drawers": 1}}.'
 )
+HOLD = (
+    "The first picture has a thing in a red box, {label}; in the second the walls of the room are tinted, and numbered "
+    "from 1 to {count}. How is the thing held? 'hangs': it is fixed on a wall, with nothing closely beneath it. "
+    "'stands': it stands on the floor or on another thing and touches no wall. 'stands_at_wall': it is not fixed on a "
+    "wall, but one of its faces touches one, as a bookshelf on the floor or a microwave on a cabinet does. For 'hangs' "
+    "and 'stands_at_wall' name the walls that it touches, the one at its back first. "
+    'Answer {{"held": "stands_at_wall", "walls": [1]}}.'
+)
+TYPES = {"hangs": 1, "stands": 2, "stands_at_wall": 3}
+TINTS = ((230, 60, 60), (60, 110, 230), (50, 170, 80), (230, 160, 30), (160, 70, 200), (30, 180, 190))
 
 
 class Listed(BaseModel):
@@ -44,6 +54,20 @@ class Looked(BaseModel):
     articulated: bool
     doors: int = Field(ge=0, le=20)
     drawers: int = Field(ge=0, le=20)
+
+
+class Hung(BaseModel):
+    """How one thing is held; `walls` by their numbers, and only of what touches one."""
+
+    model_config = ConfigDict(extra="forbid")
+    held: Literal["hangs", "stands", "stands_at_wall"]
+    walls: list[int]
+
+    @model_validator(mode="after")
+    def _at_walls(self) -> "Hung":
+        if (self.held == "stands") == bool(self.walls):
+            raise ValueError("walls: named for what touches a wall, and only for that")
+        return self
 
 
 def listed(asker: Asker, rgb: NDArray[np.uint8]) -> list[str]:
@@ -66,11 +90,52 @@ def looked(asker: Asker, rgb: NDArray[np.uint8], box: Sequence[float], labels: S
     Raises:
         NoAnswerError: there is no answer that can be used.
     """
+    choice: Any = Literal[(*labels, NONE)]
+    answer = create_model("Look", __base__=Looked, label=(choice, ...))
+    found = asker.ask(Prompt(SYSTEM, [boxed(rgb, box), LOOK.format(labels=", ".join(labels))]), answer, about)
+    panels = found.doors + found.drawers > 0
+    return found.model_copy(update={"articulated": found.articulated or panels})
+
+
+def held(
+    asker: Asker,
+    rgb: NDArray[np.uint8],
+    box: Sequence[float],
+    walls: Sequence[NDArray[np.bool_]],
+    label: str,
+    about: str,
+) -> tuple[int, list[int]]:
+    """The mounting type (1, 2, 3) of the thing in a box, and which of the walls it touches, by their places in `walls`.
+
+    Raises:
+        NoAnswerError: there is no answer that can be used, as one that names a wall that was not shown.
+    """
+    number: Any = list[Literal[tuple(range(1, len(walls) + 1))]]  # type: ignore[misc]
+    answer = create_model("Held", __base__=Hung, walls=(number, ...))
+    text = HOLD.format(label=label, count=len(walls))
+    found = asker.ask(Prompt(SYSTEM, [boxed(rgb, box), numbered(rgb, walls), text]), answer, about)
+    return TYPES[found.held], [wall - 1 for wall in dict.fromkeys(found.walls)]
+
+
+def boxed(rgb: NDArray[np.uint8], box: Sequence[float]) -> NDArray[np.uint8]:
+    """The picture with a red box."""
     shown = rgb.copy()
     x0, y0, x1, y1 = (round(value) for value in box)
     cv2.rectangle(shown, (x0, y0), (x1, y1), RED, max(2, round(max(rgb.shape) / 300)))
-    choice: Any = Literal[(*labels, NONE)]
-    answer = create_model("Look", __base__=Looked, label=(choice, ...))
-    found = asker.ask(Prompt(SYSTEM, [shown, LOOK.format(labels=", ".join(labels))]), answer, about)
-    panels = found.doors + found.drawers > 0
-    return found.model_copy(update={"articulated": found.articulated or panels})
+    return shown
+
+
+def numbered(rgb: NDArray[np.uint8], masks: Sequence[NDArray[np.bool_]]) -> NDArray[np.uint8]:
+    """The picture with masks tinted, each with its number, from 1, where it is widest."""
+    shown = rgb.copy()
+    for k, mask in enumerate(masks):
+        shown[mask] = (0.5 * rgb[mask] + 0.5 * np.array(TINTS[k % len(TINTS)])).astype(np.uint8)
+    size = max(0.5, max(rgb.shape) / 500)
+    for k, mask in enumerate(masks):
+        inside = np.pad(mask, 1).astype(np.uint8)
+        _, _, _, (x, y) = cv2.minMaxLoc(cv2.distanceTransform(inside, cv2.DIST_L2, 3))
+        (width, height), _ = cv2.getTextSize(str(k + 1), cv2.FONT_HERSHEY_SIMPLEX, size, round(3 * size))
+        at = (x - 1 - width // 2, y - 1 + height // 2)
+        for colour, thickness in (((0, 0, 0), 5), ((255, 255, 255), 2)):
+            cv2.putText(shown, str(k + 1), at, cv2.FONT_HERSHEY_SIMPLEX, size, colour, round(thickness * size))
+    return shown

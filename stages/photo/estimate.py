@@ -1,7 +1,8 @@
 """Verb `estimate`: one RGB picture -> an input folder, by pretrained networks."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -11,10 +12,10 @@ from stages.cli import progress
 from stages.config.own_scene import write_config
 from stages.config.photo import PhotoConfig
 from stages.contracts import Annotations, Camera, InputError, atomic, read_options, write_json
-from stages.contracts.scenes import Annotation
+from stages.contracts.scenes import Annotation, Held
 from stages.extraction.by_hand.photo import Photo, read_photo
 from stages.extraction.by_hand.segments import propose, usual_focal
-from stages.photo.captions import NONE, listed, looked
+from stages.photo.captions import NONE, held, listed, looked
 from stages.photo.networks import Detection, depth_of, detect, segment
 from stages.procedural.catalogue import CATEGORIES
 from stages.scenes.rgbd.cameras import Matrix, matrix, of_field_of_view
@@ -35,6 +36,7 @@ class Thing:
     articulated: bool | None = None  # None: by its label
     doors: int = 0
     drawers: int = 0
+    mounting: tuple[int, list[int]] | None = None  # type and walls, by their place among the walls; None: by geometry
 
 
 def run(*, image: Path, out: Path, options: str = "", device: str = "cpu") -> None:
@@ -66,6 +68,8 @@ def run(*, image: Path, out: Path, options: str = "", device: str = "cpu") -> No
         print("no language model was asked: what opens is told by its label, doors and drawers are not counted")
     else:
         things = recaptioned(asker, photo.rgb, things, labels)
+        if settings.mounting == "vlm":
+            things = hung(asker, photo.rgb, things)
         print(asker.summary())
     written = write(out, Frame(photo.rgb, depth, intrinsics), things)
     print(f"{out}: {len(written.objects)} objects, {'a' if written.floor else 'no'} floor, {len(written.walls)} walls")
@@ -142,6 +146,25 @@ def recaptioned(asker: Asker, rgb: NDArray[np.uint8], things: list[Thing], label
     return kept
 
 
+def hung(asker: Asker, rgb: NDArray[np.uint8], things: list[Thing]) -> list[Thing]:
+    """Things as the language model says that they are held; geometry tells it where there is no usable answer."""
+    walls = [thing.mask for thing in things if thing.detection.label == WALL]
+    if not walls:
+        print("no wall is found: mounting by geometry")
+        return things
+    found = []
+    for number, thing in enumerate(progress(things, "mountings"), 1):
+        label = thing.detection.label
+        if label not in ROOM:
+            about = f"object {number}, {label}: mounting"
+            try:
+                thing = replace(thing, mounting=held(asker, rgb, thing.detection.box, walls, label, about))
+            except NoAnswerError as error:
+                print(f"{about} by geometry, no answer ({error})")
+        found.append(thing)
+    return found
+
+
 def write(folder: Path, frame: Frame, things: list[Thing]) -> Annotations:
     """Write the five files and `config.yaml`; of masks that overlap the smaller one is on top, the room lies below.
 
@@ -159,9 +182,9 @@ def write(folder: Path, frame: Frame, things: list[Thing]) -> Annotations:
         labelled = grounded[0]
         print(grounded[1])
     masks, annotations = annotated(labelled)
-    annotations = annotations.model_copy(
-        update={"objects": [_said(item, things[item.mask - 1]) for item in annotations.objects]}
-    )
+    walls = [value for value, thing in enumerate(things, 1) if thing.detection.label == WALL]
+    said = [_said(item, things[item.mask - 1], walls, annotations.walls) for item in annotations.objects]
+    annotations = annotations.model_copy(update={"objects": said})
     with atomic(folder / "rgb.png") as path:
         cv2.imwrite(str(path), frame.rgb[..., ::-1])
     with atomic(folder / "depth.npz") as path:
@@ -176,8 +199,16 @@ def write(folder: Path, frame: Frame, things: list[Thing]) -> Annotations:
     return annotations
 
 
-def _said(item: Annotation, thing: Thing) -> Annotation:
-    if thing.articulated is None:
-        return item
-    said = {"articulated": thing.articulated, "doors": thing.doors, "drawers": thing.drawers}
+def _said(item: Annotation, thing: Thing, walls: list[int], shown: list[int]) -> Annotation:
+    """What was said of a thing; of its mounting only if its walls are seen, too. `walls`, `shown`: mask values."""
+    said: dict[str, Any] = {}
+    if thing.articulated is not None:
+        said |= {"articulated": thing.articulated, "doors": thing.doors, "drawers": thing.drawers}
+    if thing.mounting is not None:
+        kind, places = thing.mounting
+        touched = [walls[place] for place in places if walls[place] in shown]
+        if len(touched) < len(places):
+            print(f"{item.label}: mounting by geometry, its wall is all covered")
+        else:
+            said["mounting"] = Held.model_validate({"type": kind, "walls": touched})
     return item.model_copy(update=said)

@@ -73,6 +73,7 @@ def _input(root: Path) -> None:
     Image.fromarray(masks()).save(folder / "masks.png")
     np.savez_compressed(folder / "depth.npz", depth=np.full((HEIGHT, WIDTH), 2.5, np.float32))
     annotations = [{"mask": 1, "label": "cabinet", "doors": 1, "articulated": True}, {"mask": 2, "label": "bowl"}]
+    annotations[0]["mounting"] = {"type": 3, "walls": [4]}
     _json(folder / "annotations.json", objects=annotations, floor=3, walls=[4])
 
 

@@ -36,6 +36,7 @@ LISTED = {  # keys that do not simply run the one verb of their section again
     "generation.preview_width": set(),  # a parameter of `draw`
     "photo.depth_pro": set(),  # not used
     "photo.vlm": set(),
+    "photo.mounting": set(),
     "extraction.own": set(),
     "evaluation.own": set(),
     "training.runs.lite.own": set(),

@@ -12,12 +12,13 @@ import pytest
 
 from stages.contracts import InputError, Objects, read_json
 from stages.contracts.__main__ import main as check_contract
+from stages.contracts.objects import Mounting
 from stages.extraction.draw import run as draw
 from stages.extraction.extract import run
 from stages.extraction.observation import read_folder
 from stages.geometry.boxes import UprightBox, oriented_iou
 from stages.geometry.frames import apply, inverse, wrap_angle, yaw_of_matrix
-from tests.unit.synthetic_room import BACK_WALL, FLOOR, INTRINSICS, OBJECT, WORLD_FROM_CAMERA, write_room
+from tests.unit.synthetic_room import BACK_WALL, FLOOR, INTRINSICS, OBJECT, WALL, WORLD_FROM_CAMERA, write_room
 
 EXACT = json.dumps({"depth_noise": "none"})
 BOXES = {  # label -> box, mounting type
@@ -251,3 +252,25 @@ def test_a_box_has_some_depth_where_its_cloud_has_none(tmp_path: Path) -> None:
 
     (item,) = _extract(_with_depth(tmp_path / "in", "box", sheet), tmp_path / "out").objects
     assert item.box is not None and 0.001 <= min(item.box.size) < 0.003
+
+
+def test_what_the_input_says_of_mounting_counts(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    names = ["cabinet", "wall cabinet", "box", "picture", "mug"]
+    folder = _write(tmp_path / "input", names)
+    said = [(2, []), (3, [WALL]), (1, [WALL]), (3, [WALL]), (3, [77])]  # the box stands 1.4 m before the wall
+    given = json.loads((folder / "annotations.json").read_text())
+    given["walls"].append(77)  # no pixel shows it: no plane
+    for item, (kind, walls) in zip(given["objects"], said, strict=True):
+        item["mounting"] = {"type": kind, "walls": walls}
+    (folder / "annotations.json").write_text(json.dumps(given))
+    found = {item.label: item for item in _extract(folder, tmp_path / "out").objects}
+    types = {label: (item.mounting.type, item.mounting.walls) for label, item in found.items() if item.mounting}
+    assert types["cabinet"] == (2, []) and types["wall cabinet"] == types["picture"] == (3, ["wall_1"])
+    measured = found["cabinet"].measured_mounting, found["wall cabinet"].measured_mounting
+    assert measured == (Mounting(type=3, walls=["wall_1"]), Mounting(type=1, walls=["wall_1"]))
+    stands = found["wall cabinet"].box
+    assert stands is not None and stands.center[2] == pytest.approx(stands.size[2] / 2, abs=0.02)  # down to the floor
+    assert types["box"] == types["mug"] == (2, []) and found["box"].measured_mounting is None
+    assert "m behind it" in found["box"].note and found["mug"].note.startswith("no wall is found in mask 77")
+    said_lines = capsys.readouterr().out.splitlines()
+    assert len([line for line in said_lines if line.endswith(": mounting by geometry")]) == 2

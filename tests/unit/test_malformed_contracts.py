@@ -85,6 +85,9 @@ FIELDS: dict[str, list[tuple]] = {  # kind of file: entry, value, what the line 
     "annotations": [
         ("objects", []), ("objects.0.mask", 0), ("objects.0.mask", 70000), ("objects.0.mask", 1.5),
         ("objects.1.mask", 1, "mask values"), ("floor", 1, "mask values"), ("walls", [4, 4], "mask values"),
+        ("objects.0.mounting", {"type": 1, "walls": []}, "mounting"),
+        ("objects.0.mounting", {"type": 2, "walls": [4]}, "mounting"),
+        ("objects.0.mounting", {"type": 3, "walls": [3]}, "3 is not in walls"),
         ("objects.0.doors", -1), ("objects.0.doors", 10**6), ("objects.0.label", ""), ("objects.0.label", 7),
         ("objects.0.articulated", "yes"),
         ("objects.0.articulated", False), ("objects.0.articulated", DELETE),

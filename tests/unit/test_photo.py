@@ -10,13 +10,16 @@ import numpy as np
 import pytest
 
 from stages.config.photo import PhotoConfig
-from stages.contracts import InputError
+from stages.contracts import InputError, Objects, read_json
+from stages.contracts.objects import Mounting
 from stages.contracts.scene_input import read_scene_input
+from stages.contracts.scenes import Held
 from stages.extraction.by_hand.photo import Photo
 from stages.extraction.extract import run as extract
 from stages.geometry.boxes import UprightBox
-from stages.photo import estimate, networks
+from stages.photo import captions, estimate, networks
 from stages.photo.networks import Detection, depth_of, detect, segment
+from stages.vlm.ask import Asker, NoAnswerError
 from tests.unit.chat_server import KEY, ChatServer, says, serving
 from tests.unit.synthetic_room import FLOOR, INTRINSICS, OBJECT, WALL, write_room
 from tests.unit.tiny_networks import FOV, depth_anything, save_all
@@ -122,9 +125,9 @@ def test_what_the_networks_see_is_what_extraction_finds(room: Path, known: list[
     assert sizes[1][2] == pytest.approx(0.6, abs=0.06)
 
 
-def asked(server: ChatServer, tmp_path: Path, **keys: Any) -> str:
+def asked(server: ChatServer, tmp_path: Path, mounting: str = "geometry", **keys: Any) -> str:
     vlm = {"url": server.url, "model": "toy", "ledger": str(tmp_path / "ledger"), "wait": 0, "reasks": 0} | keys
-    return json.dumps({"captions": "vlm", "vlm": vlm})
+    return json.dumps({"captions": "vlm", "mounting": mounting, "vlm": vlm})
 
 
 def look(label: str, articulated: bool = False, doors: int = 0, drawers: int = 0) -> Any:
@@ -167,6 +170,47 @@ def test_a_language_model_that_is_no_help(
             image=room / "rgb.png", out=tmp_path / "none", options=asked(server, tmp_path, ledger=str(tmp_path))
         )
     assert not (tmp_path / "none").exists()
+
+
+def hold(how: str, *walls: int) -> Any:
+    return says(json.dumps({"held": how, "walls": walls}))
+
+
+def test_a_language_model_says_what_hangs_and_where(
+    room: Path, known: list[Detection], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any
+) -> None:
+    monkeypatch.setenv("OPENAI_API_KEY", KEY)
+    steps = [says(json.dumps({"labels": ["cabinet", "box"]})), look("cabinet"), look("box")]
+    with serving(*steps, hold("hangs", 1), hold("stands_at_wall", 7), key=KEY) as server:
+        estimate.run(image=room / "rgb.png", out=tmp_path / "seen", options=asked(server, tmp_path, "vlm"))
+        question = server.requests[3]
+    assert len([part for part in question["messages"][1]["content"] if part["type"] == "image_url"]) == 2
+    items = question["response_format"]["json_schema"]["schema"]["properties"]["walls"]["items"]
+    assert items.get("enum", [items.get("const")]) == [1]  # there is one wall
+    assert "object 2, box: mounting by geometry, no answer" in capsys.readouterr().out  # it named a seventh wall
+    given = read_scene_input(tmp_path / "seen").annotations
+    assert given.objects[0].mounting == Held(type=1, walls=given.walls) and given.objects[1].mounting is None
+    extract(input=tmp_path / "seen", scene="seen", out=tmp_path / "found/objects.json")
+    cabinet, box = read_json(Objects, tmp_path / "found/objects.json").objects
+    assert cabinet.mounting == Mounting(type=1, walls=["wall_1"])
+    assert cabinet.measured_mounting == Mounting(type=3, walls=["wall_1"]) and box.measured_mounting is None
+
+
+@pytest.mark.parametrize(("how", "walls"), [("stands", [1]), ("hangs", []), ("floats", [1]), ("hangs", [0])])
+def test_mountings_that_cannot_be_are_no_answers(how: str, walls: list[int], tmp_path: Path, monkeypatch: Any) -> None:
+    monkeypatch.setenv("OPENAI_API_KEY", KEY)
+    with serving(hold(how, *walls), key=KEY) as server:
+        asker = Asker(PhotoConfig.model_validate_json(asked(server, tmp_path)).vlm)
+        with pytest.raises(NoAnswerError):
+            captions.held(asker, RGB, (10, 10, 50, 50), [RGB[..., 0] > 100], "mug", "a mug")
+
+
+def test_walls_are_numbered_where_they_are_wide() -> None:
+    masks = [np.zeros((120, 160), bool), np.zeros((120, 160), bool)]
+    masks[0][:, :40], masks[1][40:, 60:] = True, True
+    shown = captions.numbered(np.zeros((120, 160, 3), np.uint8), masks)
+    assert all((shown[mask].max(axis=-1) == 255).sum() > 3 for mask in masks)
+    assert not shown[:, 45:55].any() and (shown[2, 2] == np.array(captions.TINTS[0]) // 2).all()
 
 
 def test_the_focal_length_is_the_best_that_is_known() -> None:

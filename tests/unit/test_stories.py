@@ -77,7 +77,7 @@ def test_it_tells_what_was_seen_compared_chosen_and_placed() -> None:
     )
     made = told(matched(), thing(), placed={"desk_1": placed})
     facts = dict(made.facts)
-    assert facts["mounting"] == "stands free" and "900 points" in facts["seen"]
+    assert facts["mounting"] == "stands free, by geometry" and "900 points" in facts["seen"]
     assert facts["categories, by distance of the label"] == "desk 0.00, table 0.40"
     assert facts["model chosen by"] == "distance"
     assert facts["orientation chosen by"] == "geometry, turned by 29° in the camera's view"
@@ -103,6 +103,8 @@ def placed(**changes: Any) -> PlacedObject:
         ({"distances": (1.0, 1.04, 3.0)}, {}, {}, "as near: desk 01"),
         ({"category": "table"}, {}, {}, "nearest to desk, the model is a table"),
         ({"note": "counts were relaxed"}, {}, {}, "counts were relaxed"),
+        ({}, {"note": "no wall is found in mask 3"}, {}, "mask 3: mounting by geometry"),
+        ({}, {"measured_mounting": Mounting(type=1)}, {}, "geometry finds another mounting: hangs on a wall"),
         ({}, {}, {"size": (1.2, 1.2, 0.8)}, "another depth or width"),
         ({}, {}, {"moved": 0.3}, "pushed 30 cm"),
         ({}, {}, {"settled_shift": 0.04}, "moved 4.0 cm when physics ran"),

@@ -8,7 +8,7 @@ from PIL import Image, ImageDraw
 
 from stages.contracts.cousins import Candidate, ObjectCousins
 from stages.contracts.generated import PlacedObject
-from stages.contracts.objects import Objects, SceneObject
+from stages.contracts.objects import Mounting, Objects, SceneObject
 from stages.geometry.cameras import project
 from stages.geometry.frames import apply, inverse, wrap_angle, yaw_matrix
 from stages.tables.page.pictures import Album, Picture
@@ -143,8 +143,7 @@ def _facts(entry: ObjectCousins, item: SceneObject, placed: PlacedObject | None)
     if item.box is not None:
         facts.append(("box of the cloud", _metres(item.box.size)))
     if item.mounting is not None:
-        walls = f" ({', '.join(item.mounting.walls)})" if item.mounting.walls else ""
-        facts.append(("mounting", MOUNTING[item.mounting.type] + walls))
+        facts.append(("mounting", _mounting(item)))
     if entry.categories:
         told = [f"{one.category.replace('_', ' ')} {one.distance:.2f}" for one in entry.categories[:CATEGORIES]]
         more = len(entry.categories) - CATEGORIES
@@ -165,6 +164,26 @@ def _facts(entry: ObjectCousins, item: SceneObject, placed: PlacedObject | None)
     return facts
 
 
+def _mounting(item: SceneObject) -> str:
+    """How it is held, and whether the input and geometry agree on it."""
+    assert item.mounting is not None
+    if item.measured_mounting is None:
+        return _held(item.mounting) + ", by geometry"
+    agreed = "geometry agrees" if _agree(item) else f"geometry finds: {_held(item.measured_mounting)}"
+    return f"{_held(item.mounting)}, as the input says; {agreed}"
+
+
+def _held(mounting: Mounting) -> str:
+    return MOUNTING[mounting.type] + (f" ({', '.join(mounting.walls)})" if mounting.walls else "")
+
+
+def _agree(item: SceneObject) -> bool:
+    """Whether the input states of the mounting what geometry finds; the order of walls does not count."""
+    said, measured = item.mounting, item.measured_mounting
+    assert said is not None and measured is not None
+    return said.type == measured.type and set(said.walls) == set(measured.walls)
+
+
 def _rival(one: Candidate, entry: ObjectCousins, album: Album, snapshots: Snapshots) -> Rival:
     ranks = {cousin.asset: cousin.rank for cousin in entry.cousins}
     about = [f"{name} {value:.2f}" for name, value in one.parts.items()]
@@ -177,6 +196,10 @@ def _rival(one: Candidate, entry: ObjectCousins, album: Album, snapshots: Snapsh
 def _doubts(entry: ObjectCousins, item: SceneObject, placed: PlacedObject | None, objects: Objects) -> list[str]:
     """What a reader should not take for certain."""
     found = [entry.note] if entry.note else []
+    if item.note:
+        found.append(f"{item.note}: mounting by geometry")
+    if item.measured_mounting is not None and not _agree(item):
+        found.append(f"geometry finds another mounting: {_held(item.measured_mounting)}")
     if item.points < FEW_POINTS:
         found.append(f"only {item.points} points in its cloud")
     if item.pixels is not None:
