@@ -1,4 +1,4 @@
-"""Verb `annotate`: a page in the browser on which one photograph becomes an input folder, by hand."""
+"""Verb `annotate`: a page in the browser on which a photograph becomes an input folder, or a found one is corrected."""
 
 import json
 import webbrowser
@@ -7,6 +7,8 @@ from pathlib import Path
 
 from stages.contracts import Camera, InputError, Library, read_json
 from stages.contracts.depth import read_depth
+from stages.extraction.by_hand.correcting import Correction
+from stages.extraction.by_hand.corrections import CORRECTIONS
 from stages.extraction.by_hand.photo import read_photo
 from stages.extraction.by_hand.project import PROJECT
 from stages.extraction.by_hand.server import PageServer
@@ -35,36 +37,30 @@ def run(
     """Draw camera, room and objects into a photograph; the folder can then be an input of an experiment.
 
     The page saves what is drawn into `project.json` as it goes; started again with the same folder it goes on.
+    Given an input folder in the photograph's place, as `photo` writes it, labels, boxes and masks in it are corrected.
 
     Args:
-        image: the photograph.
-        out: folder to write; default: beside the photograph, named as it is.
+        image: the photograph, or a folder with what was found in one.
+        out: folder to write; default: beside the photograph, named as it is; of a folder: here, <name>_corrected.
         depth: depth.npz in metres by a sensor or a network, of the same view; boxes and masks are drawn by hand.
         camera: camera.json of the picture, whose focal length the drawing starts from, as from EXIF data.
         library: library.json whose categories complete the labels; default: ours.
         port: of this machine; 0: any free one.
         browser: open the page; else its address is only printed.
     """
-    photo = read_photo(image)
-    height, width = photo.rgb.shape[:2]
-    if camera is not None:
-        known = read_json(Camera, camera)
-        photo = replace(photo, focal=known.intrinsics[0][0] * width / known.width)
-    given = None if depth is None else at_size(read_depth(depth)[0], width, height)
-    folder = image.with_suffix("") if out is None else out
-    if folder.exists() and not folder.is_dir():
-        raise InputError(folder, "is a file, not a folder.", "give a folder with --out")
-    session = Session(photo, image.name, folder, _categories(library), given)
-    session.opened()
+    if image.is_dir():
+        for name, given in (("--depth", depth), ("--camera", camera)):
+            if given is not None:
+                raise InputError(name, "is for a picture; the folder has its own.", "leave it out")
+        session: Session | Correction = _found(image, out, library)
+    else:
+        session = _drawn(image, out, depth, camera, library)
     try:
         server = PageServer(session, port)
     except OSError as error:
         raise InputError(f"--port {port}", f"cannot be used ({error.strerror}).", "leave it out") from None
-    if photo.shrunk > 1:
-        print(f"{image}: made {photo.shrunk:.2g} times smaller, to {width}x{height} pixels")
-    print(
-        f"Draw at {server.address}\nEnd it there, or with Ctrl+C: {folder / PROJECT} keeps what is drawn.", flush=True
-    )
+    kept = session.folder / (CORRECTIONS if image.is_dir() else PROJECT)
+    print(f"Draw at {server.address}\nEnd it there, or with Ctrl+C: {kept} keeps what is drawn.", flush=True)
     if browser:
         webbrowser.open(server.address)
     try:
@@ -73,7 +69,39 @@ def run(
         print()
     finally:
         server.server_close()
+    folder = session.folder
     written = folder / "annotations.json"
     if written.is_file():
         count = len(json.loads(written.read_text(encoding="utf-8"))["objects"])
         print(f"{folder}: an input folder with {count} objects; {folder / 'config.yaml'} names it as a scene")
+
+
+def _drawn(image: Path, out: Path | None, depth: Path | None, camera: Path | None, library: Path | None) -> Session:
+    """A photograph that is drawn into."""
+    photo = read_photo(image)
+    height, width = photo.rgb.shape[:2]
+    if photo.shrunk > 1:
+        print(f"{image}: made {photo.shrunk:.2g} times smaller, to {width}x{height} pixels")
+    if camera is not None:
+        known = read_json(Camera, camera)
+        photo = replace(photo, focal=known.intrinsics[0][0] * width / known.width)
+    given = None if depth is None else at_size(read_depth(depth)[0], width, height)
+    session = Session(photo, image.name, _folder(out or image.with_suffix("")), _categories(library), given)
+    session.opened()
+    return session
+
+
+def _found(source: Path, out: Path | None, library: Path | None) -> Correction:
+    """An input folder whose boxes, masks and labels are corrected."""
+    folder = _folder(out or Path(f"{source.resolve().name}_corrected"))
+    if folder.resolve() == source.resolve():
+        raise InputError("--out", "is the folder that is corrected.", "give another: what was found is kept")
+    session = Correction(source, folder, _categories(library))
+    session.opened()
+    return session
+
+
+def _folder(path: Path) -> Path:
+    if path.exists() and not path.is_dir():
+        raise InputError(path, "is a file, not a folder.", "give a folder with --out")
+    return path

@@ -280,7 +280,7 @@ def test_only_its_own_page_and_names_are_answered(served: tuple[PageServer, Sess
     server, session = served
     base = f"/{server.token}/"
     assert server.server_address[0] == "127.0.0.1" and len(server.token) >= 32
-    for name in ("", "page.js", "state.js", "drawing.js", "tools.js", "page.css", "picture.jpg", "start"):
+    for name in ("", "page.js", "state.js", "canvas.js", "drawing.js", "tools.js", "page.css", "picture.jpg", "start"):
         assert _ask(server, "GET", base + name)[0] == 200, name
     strangers = ["/", "/start", "//start", f"/{server.token}", f"/{server.token[:-1]}/start", base + "../server.py"]
     strangers += [

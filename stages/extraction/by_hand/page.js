@@ -1,6 +1,7 @@
 // The panel beside the picture, and the start.
 import { ask, changed, copy, edit, find, freeId, isWall, onChange, redo, remove, save, solve, state, undo, undoable } from './state.js';
-import { begin, draw, fit, zoom } from './drawing.js';
+import { begin, fit, zoom } from './canvas.js';
+import { draw } from './drawing.js';
 import { choose, hint, step } from './tools.js';
 
 const get = (id) => document.getElementById(id);

@@ -13,13 +13,14 @@ from pydantic import ValidationError
 
 from stages.contracts.errors import InputError
 from stages.contracts.files import first_error
+from stages.extraction.by_hand.correcting import Correction
 from stages.extraction.by_hand.session import Session
 
 HERE = Path(__file__).resolve().parent
+SCRIPTS = ("page.js", "state.js", "canvas.js", "drawing.js", "tools.js", "correct.js")
 PAGES = {
-    "": ("page.html", "text/html; charset=utf-8"),
     "page.css": ("page.css", "text/css; charset=utf-8"),
-    **{name: (name, "text/javascript; charset=utf-8") for name in ("page.js", "state.js", "drawing.js", "tools.js")},
+    **{name: (name, "text/javascript; charset=utf-8") for name in SCRIPTS},
 }
 LARGEST = 2_000_000  # bytes of a request: no drawing comes near
 POLICY = (
@@ -68,7 +69,9 @@ class Handler(BaseHTTPRequestHandler):
         """The page, its picture, and what was drawn."""
         name, session = self._name(), self.server.session
         try:
-            if name is not None and name in PAGES:
+            if name == "":
+                self._reply(200, "text/html; charset=utf-8", (HERE / session.page).read_bytes())
+            elif name is not None and name in PAGES:
                 file, kind = PAGES[name]
                 self._reply(200, kind, (HERE / file).read_bytes())
             elif name == "picture.jpg":
@@ -114,7 +117,7 @@ class PageServer(ThreadingHTTPServer):
 
     daemon_threads = True
 
-    def __init__(self, session: Session, port: int = 0) -> None:
+    def __init__(self, session: Session | Correction, port: int = 0) -> None:
         super().__init__(("127.0.0.1", port), Handler)
         self.session = session
         self.token = secrets.token_urlsafe(24)

@@ -18,7 +18,7 @@ from stages.extraction.by_hand.photo import Photo
 from stages.extraction.by_hand.project import PROJECT, Pixel, Project
 from stages.extraction.by_hand.segments import propose, usual_focal
 from stages.extraction.by_hand.solve import Solved, support_at
-from stages.extraction.by_hand.write import finished, preview, write_folder
+from stages.extraction.by_hand.write import finished, tinted, write_folder
 from stages.geometry.boxes import UprightBox, corners
 
 GRID, REACH = 0.5, 8.0  # metres: spacing of the floor's grid, and how far it goes
@@ -37,6 +37,7 @@ class Session:
     categories: list[str] = field(default_factory=list)
     depth: NDArray[np.float32] | None = None
     finished: bool = False
+    page: str = "page.html"
 
     def __post_init__(self) -> None:
         height, width = self.photo.rgb.shape[:2]
@@ -96,12 +97,13 @@ class Session:
 
     def picture(self) -> bytes:
         """The picture as JPEG."""
-        return _jpeg(self.photo.rgb)
+        return jpeg(self.photo.rgb)
 
     def preview(self) -> bytes:
         """The saved drawing's masks over the picture, as JPEG."""
         project, solved = finished(self.opened(), self.depth)
-        return _jpeg(preview(self.photo.rgb, paint(project, solved)))
+        painted = paint(project, solved)
+        return jpeg(tinted(self.photo.rgb, painted.masks, [painted.values[item.id] for item in project.objects]))
 
     def _project(self, body: Any) -> Project:
         project = Project.model_validate(body)
@@ -140,7 +142,7 @@ class Session:
         return {}
 
 
-def _jpeg(rgb: NDArray[np.uint8]) -> bytes:
+def jpeg(rgb: NDArray[np.uint8]) -> bytes:
     done, data = cv2.imencode(".jpg", rgb[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, PICTURE_QUALITY])
     assert done
     return bytes(data)

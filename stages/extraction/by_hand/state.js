@@ -88,7 +88,7 @@ export const undo = () => travel(past, future);
 export const redo = () => travel(future, past);
 export const undoable = () => [past.length > 0, future.length > 0];
 
-export const find = (id) => state.project.objects.find((item) => item.id === id) ?? state.project.walls.find((item) => item.id === id);
+export const find = (id) => state.project.objects.find((item) => item.id === id) ?? state.project.walls?.find((item) => item.id === id);
 export const object = (id, draft) => ({ id, on: draft.on, points: copy(draft.points), free: draft.free, round: draft.round });
 export const wall = (id, draft) => ({ id, a: draft.points[0], b: draft.points[1], free: draft.free });
 export const isWall = (id) => state.project.walls.some((item) => item.id === id);

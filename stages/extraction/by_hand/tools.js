@@ -1,6 +1,7 @@
 // Gestures and keys: what a click, a movement or a key does to the drawing.
 import { ask, changed, copy, edit, find, freeId, isWall, object, redo, remember, remove, save, solve, state, touch, undo, wall } from './state.js';
-import { draw, fit, move, pixel, unit, zoom } from './drawing.js';
+import { fit, move, pixel, zoom } from './canvas.js';
+import { draw } from './drawing.js';
 
 const svg = document.getElementById('view');
 const STEPS = { x: 'camera', y: 'camera', z: 'camera', measure: 'camera', wall: 'walls', box: 'objects', round: 'objects', outline: 'objects' };

@@ -12,7 +12,7 @@ from stages.contracts import Annotations, Camera, InputError, atomic, write_json
 from stages.contracts.objects import Box, object_ids
 from stages.contracts.scenes import Annotation
 from stages.extraction.by_hand.metrology import View
-from stages.extraction.by_hand.paint import Painted, paint
+from stages.extraction.by_hand.paint import paint
 from stages.extraction.by_hand.project import DrawnObject, Project
 from stages.extraction.by_hand.solve import Solved, solve
 from stages.extraction.room import floor_frame
@@ -155,11 +155,14 @@ def _used(seen: list[DrawnObject], project: Project, values: dict[str, int]) -> 
     return [values[name] for name in ["floor", *(item.id for item in seen), *(wall.id for wall in project.walls)]]
 
 
-def preview(rgb: NDArray[np.uint8], painted: Painted) -> NDArray[np.uint8]:
-    """The picture tinted by its masks, for people: what will be taken for what."""
-    tints = TINTS[(painted.masks.astype(int) - 1) % len(TINTS)]
-    objects = (painted.masks > 0) & (painted.masks < painted.values["floor"])
-    strength = np.where(objects, 0.55, np.where(painted.masks > 0, 0.22, 0.0))[..., None]
+def tinted(rgb: NDArray[np.uint8], masks: NDArray[np.uint16], objects: list[int]) -> NDArray[np.uint8]:
+    """The picture tinted by its masks, for people: what will be taken for what.
+
+    Args:
+        objects: mask values of objects; what else has one is floor or wall, and tinted lightly.
+    """
+    tints = TINTS[(masks.astype(int) - 1) % len(TINTS)]
+    strength = np.where(np.isin(masks, objects), 0.55, np.where(masks > 0, 0.22, 0.0))[..., None]
     return np.rint(rgb * (1 - strength) + tints * strength).astype(np.uint8)
 
 

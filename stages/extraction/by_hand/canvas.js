@@ -1,0 +1,41 @@
+// The picture on the page, and how to look at it. Pixel centres are at integers, as in every file.
+import { changed, state } from './state.js';
+
+const svg = document.getElementById('view');
+const SVG = 'http://www.w3.org/2000/svg';
+let box = null;
+
+export function element(name, attributes, children = []) {
+  const made = document.createElementNS(SVG, name);
+  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
+  made.append(...children);
+  return made;
+}
+export const line = ([a, b], kind) => element('line', { x1: a[0], y1: a[1], x2: b[0], y2: b[1], class: kind });
+export const area = (points, kind) => element('polygon', { points: points.map((p) => p.join()).join(' '), class: kind });
+export const unit = () => box.width / Math.max(1, Math.min(svg.clientWidth, (svg.clientHeight * box.width) / box.height));
+
+export function begin() {
+  const { width, height } = state.project;
+  svg.append(element('image', { href: 'picture.jpg', x: -0.5, y: -0.5, width, height }), element('g', { id: 'over' }));
+  fit();
+}
+
+function look() { svg.setAttribute('viewBox', `${box.x} ${box.y} ${box.width} ${box.height}`); }
+export function fit() {
+  const { width, height } = state.project;
+  box = { x: -0.5 - 0.04 * width, y: -0.5 - 0.04 * height, width: 1.08 * width, height: 1.08 * height };
+  look();
+}
+export function zoom(factor, at = [box.x + box.width / 2, box.y + box.height / 2]) {
+  const { width } = state.project;
+  const size = Math.min(20 * width, Math.max(width / 40, box.width * factor)) / box.width;
+  box = { x: at[0] - (at[0] - box.x) * size, y: at[1] - (at[1] - box.y) * size, width: box.width * size, height: box.height * size };
+  look();
+  changed();
+}
+export function move(dx, dy) { box.x += dx; box.y += dy; look(); }
+export function pixel(event) {
+  const point = new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM().inverse());
+  return [Math.round(10 * point.x) / 10, Math.round(10 * point.y) / 10];
+}

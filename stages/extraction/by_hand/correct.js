@@ -1,0 +1,253 @@
+// The page that corrects found boxes, masks and labels: what a click, a drag or a key does, and the panel.
+import { area, begin, element, fit, move, pixel, unit, zoom } from './canvas.js';
+import { ask, changed, edit, find, freeId, onChange, redo, remember, save, solve, state, touch, undo, undoable } from './state.js';
+
+const get = (id) => document.getElementById(id);
+const svg = get('view');
+const ROOM = ['floor', 'wall'];
+const SMALLEST = 4; // pixels of a side, below which a drag is a click
+const HINTS = {
+  select: 'Click what is wrong: name it, drag its box or its corners, delete it. B draws a box around what is missing.',
+  box: 'Press at one corner of the thing, let go at the opposite one.',
+  outline: 'Click around what is seen of it; Enter closes the outline.',
+};
+const chosen = () => (state.chosen ? find(state.chosen) : null);
+const nameOf = (item) => item.label || item.id.replace('_', ' ');
+const boxOf = (item) => item.box ?? state.solved?.regions[item.id]?.box;
+
+function choose(tool) { state.draft = null; state.tool = tool; changed(); svg.focus({ preventScroll: true }); }
+
+function draw() {
+  const over = get('over');
+  svg.classList.toggle('selecting', state.tool === 'select');
+  if (!over || !state.solved) return;
+  const parts = [];
+  const things = [...state.project.objects].sort((one, other) => ROOM.includes(other.label) - ROOM.includes(one.label));
+  for (const item of things) {
+    const region = state.solved.regions[item.id];
+    if (!region) continue;
+    const kind = ['region', ROOM.includes(item.label) ? 'room' : '', state.chosen === item.id ? 'chosen' : ''].join(' ').trim();
+    parts.push(element('g', { class: kind, 'data-object': item.id }, region.outlines.map((points) => area(points, 'face'))));
+    const box = boxOf(item);
+    if (item.label && box) parts.push(element('text', { x: box[0][0], y: box[0][1] + 13 * unit(), 'font-size': 13 * unit() }, [item.label]));
+  }
+  const item = chosen();
+  const box = item && boxOf(item);
+  if (box) {
+    const [[x0, y0], [x1, y1]] = box;
+    parts.push(area([[x0, y0], [x1, y0], [x1, y1], [x0, y1]], 'outline quiet'));
+    [x0, x1].forEach((x, i) => [y0, y1].forEach((y, j) => parts.push(element('circle', { cx: x, cy: y, r: 6 * unit(), class: 'handle', 'data-handle': `${i}${j}` }))));
+  }
+  const points = state.draft?.points ?? [];
+  if (state.draft?.kind === 'frame') {
+    const [[x0, y0], [x1, y1]] = points;
+    parts.push(area([[x0, y0], [x1, y0], [x1, y1], [x0, y1]], 'outline quiet'));
+  } else if (points.length) parts.push(element('polyline', { points: points.map((p) => p.join()).join(' '), class: 'measure quiet' }));
+  over.replaceChildren(...parts);
+}
+
+function heldAs(item) {
+  if (!item.mounting) return '';
+  return item.mounting.type === 2 ? '2' : `${item.mounting.type}/${item.mounting.walls.join('+')}`;
+}
+
+function panel() {
+  get('hint').textContent = HINTS[state.tool];
+  get('trouble').textContent = state.trouble;
+  get('trouble').hidden = !state.trouble;
+  [get('undo').disabled, get('redo').disabled] = undoable().map((possible) => !possible);
+  for (const tool of document.querySelectorAll('[data-tool]')) tool.setAttribute('aria-pressed', String(tool.dataset.tool === state.tool));
+  get('objects').replaceChildren(...state.project.objects.map((item) => {
+    const entry = document.createElement('li'), button = document.createElement('button'), note = document.createElement('span');
+    button.textContent = nameOf(item);
+    button.setAttribute('aria-pressed', String(state.chosen === item.id));
+    button.addEventListener('click', () => { state.chosen = item.id; changed(); });
+    note.className = 'note';
+    note.textContent = state.solved?.notes[item.id] ?? '';
+    entry.append(button, note);
+    return entry;
+  }));
+  const item = chosen();
+  get('object').hidden = !item;
+  if (!item) return;
+  for (const id of ['label', 'doors', 'drawers']) if (document.activeElement !== get(id)) get(id).value = item[id];
+  get('articulated').checked = item.articulated || item.doors + item.drawers > 0;
+  get('thing').hidden = ROOM.includes(item.label);
+  get('found').hidden = item.found === null || (!item.box && !item.outline.length);
+  const walls = state.project.objects.filter((other) => other.label === 'wall');
+  const ways = [['', 'geometry tells'], ['2', 'stands, touches no wall']];
+  for (const { id } of walls) ways.push([`1/${id}`, `hangs on ${id.replace('_', ' ')}`], [`3/${id}`, `stands at ${id.replace('_', ' ')}`]);
+  const held = heldAs(item);
+  if (!ways.some(([value]) => value === held)) ways.push([held, 'as it was found']);
+  get('mounting').replaceChildren(...ways.map(([value, text]) => new Option(text, value)));
+  get('mounting').value = held;
+}
+
+function add(region) {
+  const id = freeId('drawn');
+  edit((project) => project.objects.push({ id, label: '', found: null, box: null, outline: [], articulated: false, doors: 0, drawers: 0, mounting: null, ...region }));
+  state.chosen = id;
+  choose('select');
+  get('label').focus();
+}
+function close() {
+  const { points } = state.draft;
+  if (points.length < 4) { choose('select'); return; } // the last one follows the pointer
+  const outline = points.slice(0, -1);
+  state.draft = null;
+  if (!chosen()) add({ outline });
+  else { edit(() => { chosen().outline = outline; }); choose('select'); }
+}
+function remove() {
+  edit((project) => { project.objects = project.objects.filter((item) => item.id !== state.chosen); });
+  state.chosen = null;
+  changed();
+}
+const round = (value) => Math.round(10 * value) / 10;
+function setBox(item, corners) {
+  item.box = corners.map((corner) => corner.map(round));
+  item.outline = [];
+}
+
+let press = null;
+svg.addEventListener('pointerdown', (event) => {
+  svg.focus({ preventScroll: true });
+  svg.setPointerCapture(event.pointerId);
+  const at = pixel(event);
+  press = { at, x: event.clientX, y: event.clientY, kind: 'pan' };
+  if (event.button !== 0) return;
+  if (state.tool === 'box') { press.kind = 'box'; state.draft = { kind: 'frame', points: [at, at] }; }
+  else if (state.tool === 'outline') {
+    press.kind = 'outline';
+    if (state.draft) state.draft.points.push(at);
+    else state.draft = { kind: 'outline', points: [at, at] };
+  } else {
+    const handle = event.target.dataset?.handle, id = event.target.closest('[data-object]')?.dataset.object;
+    if (handle) Object.assign(press, { kind: 'corner', handle, from: boxOf(chosen()) });
+    else if (id) { Object.assign(press, { kind: state.chosen === id && !ROOM.includes(find(id).label) ? 'body' : 'choose', from: boxOf(find(id)) }); state.chosen = id; }
+  }
+  changed();
+});
+svg.addEventListener('pointermove', (event) => {
+  const at = pixel(event);
+  if (!press) { if (state.draft?.kind === 'outline') { state.draft.points[state.draft.points.length - 1] = at; draw(); } return; }
+  if (press.kind === 'pan') { move(press.at[0] - at[0], press.at[1] - at[1]); return; }
+  if (press.kind === 'box') { state.draft.points[1] = at; draw(); return; }
+  if (!['corner', 'body'].includes(press.kind) || !press.from) return;
+  if (!press.moved && Math.hypot(event.clientX - press.x, event.clientY - press.y) < SMALLEST) return;
+  if (!press.moved) { remember(); press.moved = true; }
+  const [dx, dy] = [at[0] - press.at[0], at[1] - press.at[1]], [i, j] = press.handle ?? '';
+  const moves = (k, l) => press.kind === 'body' || Number(l) === k;
+  setBox(chosen(), press.from.map(([x, y], k) => [x + (moves(k, i) ? dx : 0), y + (moves(k, j) ? dy : 0)]));
+  draw();
+});
+svg.addEventListener('pointerup', () => {
+  const done = press;
+  press = null;
+  if (done?.moved) touch();
+  if (done?.kind !== 'box') return;
+  const [a, b] = state.draft.points;
+  state.draft = null;
+  const box = [[Math.min(a[0], b[0]), Math.min(a[1], b[1])], [Math.max(a[0], b[0]), Math.max(a[1], b[1])]];
+  if (box[1][0] - box[0][0] < SMALLEST || box[1][1] - box[0][1] < SMALLEST) choose('select');
+  else add({ box });
+});
+svg.addEventListener('wheel', (event) => { event.preventDefault(); zoom(Math.exp(event.deltaY / 500), pixel(event)); }, { passive: false });
+svg.addEventListener('mousedown', (event) => event.preventDefault()); // else it takes the focus from the label
+svg.addEventListener('contextmenu', (event) => event.preventDefault());
+
+const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+function next(by) {
+  const { objects } = state.project;
+  if (!objects.length) return;
+  const at = objects.findIndex((item) => item.id === state.chosen);
+  state.chosen = objects[(at + by + objects.length) % objects.length].id;
+  changed();
+}
+document.addEventListener('keydown', (event) => {
+  const key = event.key.length === 1 ? event.key.toLowerCase() : event.key, typing = event.target.matches('input, select');
+  if (event.ctrlKey || event.metaKey) {
+    if (key === 's') { event.preventDefault(); get('write').click(); }
+    else if (typing) return;
+    else if (key === 'z') { event.preventDefault(); (event.shiftKey ? redo : undo)(); }
+    else if (key === 'y') { event.preventDefault(); redo(); }
+    return;
+  }
+  if (typing) {
+    if (key === 'Enter' || key === 'Escape') { event.preventDefault(); event.target.blur(); svg.focus({ preventScroll: true }); }
+    return;
+  }
+  if (event.target.matches('button, summary') && (key === 'Enter' || key === ' ')) return;
+  const item = chosen(), box = item && boxOf(item);
+  if (key === 'b') { state.chosen = null; choose('box'); }
+  else if (key === 'o') choose('outline');
+  else if (key === 'Escape') { if (state.tool === 'select') state.chosen = null; choose('select'); }
+  else if (key === 'Enter' && state.draft?.kind === 'outline') close();
+  else if ((key === 'Delete' || key === 'Backspace') && item) remove();
+  else if (ARROWS[key] && box) {
+    const [dx, dy] = ARROWS[key].map((value) => value * (event.shiftKey ? 10 : 1));
+    edit(() => setBox(item, box.map(([x, y]) => [x + dx, y + dy])));
+  } else if (key === 'n' || key === 'p') next(key === 'n' ? 1 : -1);
+  else if (key === '+' || key === '=') zoom(0.8);
+  else if (key === '-') zoom(1.25);
+  else if (key === '0') { fit(); draw(); }
+  else return;
+  event.preventDefault();
+});
+addEventListener('beforeunload', save);
+
+async function write() {
+  await save();
+  try {
+    const answer = await ask('write', state.project);
+    get('ids').textContent = answer.ids.join(', ');
+    get('command').textContent = answer.command;
+    get('doubts').replaceChildren(...answer.notes.map((text) => { const entry = document.createElement('li'); entry.className = 'note'; entry.textContent = text; return entry; }));
+    get('preview').src = `preview.jpg?${Date.now()}`;
+    get('written').hidden = false;
+    state.trouble = '';
+  } catch (error) {
+    state.trouble = error.message;
+  }
+  changed();
+}
+
+function bind() {
+  for (const tool of document.querySelectorAll('[data-tool]')) tool.addEventListener('click', () => { if (tool.dataset.tool === 'box') state.chosen = null; choose(tool.dataset.tool); });
+  get('undo').addEventListener('click', undo);
+  get('redo').addEventListener('click', redo);
+  get('closer').addEventListener('click', () => zoom(0.8));
+  get('farther').addEventListener('click', () => zoom(1.25));
+  get('fit').addEventListener('click', () => { fit(); draw(); });
+  get('label').addEventListener('change', ({ target }) => edit(() => { chosen().label = target.value.trim(); }));
+  for (const id of ['doors', 'drawers']) get(id).addEventListener('change', ({ target }) => edit(() => { chosen()[id] = target.checkValidity() ? Number(target.value) : 0; }));
+  get('articulated').addEventListener('change', ({ target }) => edit(() => Object.assign(chosen(), { articulated: target.checked }, target.checked ? {} : { doors: 0, drawers: 0 })));
+  get('mounting').addEventListener('change', ({ target }) => edit(() => {
+    const [type, walls] = target.value.split('/');
+    chosen().mounting = type ? { type: Number(type), walls: walls ? walls.split('+') : [] } : null;
+  }));
+  get('found').addEventListener('click', () => edit(() => Object.assign(chosen(), { box: null, outline: [] })));
+  get('delete').addEventListener('click', remove);
+  get('object').addEventListener('submit', (event) => event.preventDefault());
+  get('write').addEventListener('click', write);
+  get('close').addEventListener('click', async () => {
+    await write();
+    if (state.trouble) return;
+    await ask('close', {});
+    get('hint').textContent = 'Done: this page can be closed.';
+  });
+}
+
+async function start() {
+  const answer = await ask('start');
+  state.project = answer.project;
+  get('title').textContent = document.title = answer.project.picture;
+  get('folder').textContent = answer.folder;
+  get('categories').replaceChildren(...answer.categories.map((name) => new Option(name)));
+  begin();
+  bind();
+  onChange(panel);
+  onChange(draw);
+  await solve();
+}
+start().catch((error) => { get('trouble').textContent = error.message; get('trouble').hidden = false; });
