@@ -1,6 +1,6 @@
 # The report page: one file that shows this run, exactly the files that its rule names, and one about its times.
 # Reads:  what the other stages wrote, benchmark files.
-# Writes: results/report/{index,times}.html.
+# Writes: results/report/{index,times}.html, results/report/scenes/<scene>.html.
 from types import SimpleNamespace
 
 # A command in the place of our verb need not make films.
@@ -83,9 +83,48 @@ rule report_page:
         "--out {output.page:q} 2>&1 | tee {log:q}"
 
 
+rule scene_page:
+    """One page about one picture: what was found, cousins, scenes, every object's story, files to save."""
+    input:
+        unpack(scene_inputs),
+        snapshots=expand([*rules.snapshots.output], shard=SHARDS),
+        found=[*rules.extract.output, rules.draw_objects.output.overview],
+        cousins=expand(rules.match.output.cousins, variant=VARIANTS, allow_missing=True),
+        scenes=expand(rules.generate.output.scenes, variant=VARIANTS, allow_missing=True),
+        drawn=expand(
+            [*rules.draw_scenes.output.previews, *rules.draw_scenes.output.exports, rules.draw_scenes.output.view],
+            variant=VARIANTS,
+            allow_missing=True,
+        ),
+    output:
+        page=shown("results/report/scenes/{scene}.html", "report"),
+    log:
+        "logs/tables/scene_page_{scene}.log",
+    container:
+        CONFIG.containers.report
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        command=command("tables", "picture"),
+        code=code("tables", "picture"),
+        options=options("tables", "picture"),
+    shell:
+        "{params.command} --files {input.snapshots:q} {input.found:q} {input.cousins:q} {input.scenes:q} {input.drawn:q} "
+        "--image {input.rgb:q} --camera {input.camera:q} --scene {wildcards.scene} --options {params.options:q} "
+        "--out {output.page:q} 2>&1 | tee {log:q}"
+
+
+rule pages:
+    """A page of its own for every picture of the run."""
+    input:
+        expand(rules.scene_page.output.page, scene=ROOMS),
+    localrule: True
+
+
 rule photo:
     """The picture that `--config image=...` names, as scenes of cousins, and the page about them."""
     input:
         comparisons=of_picture(rules.draw_scenes.output.comparison),
-        page=of_picture(rules.report_page.output.page),
+        page=of_picture(rules.scene_page.output.page),
     localrule: True

@@ -18,7 +18,7 @@ def scene_of(folder: Path) -> str:
 def write_config(folder: Path, **sections: dict[str, Any]) -> Path:
     """Write `config.yaml` into an input folder: its one scene is that folder, called as it is; no policies.
 
-    `snakemake --configfile folder/config.yaml -- generation` then goes from it to scenes of cousins.
+    `snakemake --configfile folder/config.yaml -- pages` then goes from it to scenes of cousins and a page about them.
     `sections`: further keys of the config that fit the folder.
     """
     scene = scene_of(folder.resolve())

@@ -40,6 +40,7 @@ READS: dict[tuple[str, str], type[Section]] = {
     ("tables", "policies"): TablesConfig,
     ("tables", "figures"): TablesConfig,
     ("tables", "report"): TablesConfig,
+    ("tables", "picture"): TablesConfig,
 }
 
 

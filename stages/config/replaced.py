@@ -17,7 +17,7 @@ VERBS = {
     "demonstrations": ("collect", "scene", "export"),
     "training": ("train", "export"),
     "evaluation": ("trial", "choose", "rollout", "gather", "leave_out", "score"),
-    "tables": ("scenes", "policies", "figures", "report"),
+    "tables": ("scenes", "policies", "figures", "report", "picture"),
 }
 
 

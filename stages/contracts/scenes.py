@@ -38,6 +38,8 @@ class Camera(Document):
         None, description="where the camera stands over the floor, if that is known (see Objects); else it is fitted"
     )
 
+    note: str = Field("", max_length=1000, description="for people: where the focal length is from")
+
     @model_validator(mode="after")
     def _plausible(self) -> "Camera":
         check_view(self.width, self.height, self.intrinsics)

@@ -81,7 +81,7 @@ def _drawn(image: Path, out: Path | None, depth: Path | None, camera: Path | Non
     photo = read_photo(image)
     height, width = photo.rgb.shape[:2]
     if photo.shrunk > 1:
-        print(f"{image}: made {photo.shrunk:.2g} times smaller, to {width}x{height} pixels")
+        print(f"{image}: made smaller, to {width}x{height} pixels")
     if camera is not None:
         known = read_json(Camera, camera)
         photo = replace(photo, focal=known.intrinsics[0][0] * width / known.width)

@@ -51,7 +51,7 @@ def run(*, image: Path, out: Path, options: str = "", device: str = "cpu") -> No
     settings = read_options(PhotoConfig, options)
     photo = read_photo(image)
     if photo.shrunk > 1:
-        print(f"{image}: made {photo.shrunk:.2g} times smaller, to {photo.rgb.shape[1]}x{photo.rgb.shape[0]} pixels")
+        print(f"{image}: made smaller, to {photo.rgb.shape[1]}x{photo.rgb.shape[0]} pixels")
     asker = Asker(settings.vlm) if settings.captions == "vlm" else None
     labels = settings.labels or [name.replace("_", " ") for name in CATEGORIES]
     if asker is not None:
@@ -71,7 +71,7 @@ def run(*, image: Path, out: Path, options: str = "", device: str = "cpu") -> No
         if settings.mounting == "vlm":
             things = hung(asker, photo.rgb, things)
         print(asker.summary())
-    written = write(out, Frame(photo.rgb, depth, intrinsics), things)
+    written = write(out, Frame(photo.rgb, depth, intrinsics), things, line)
     print(f"{out}: {len(written.objects)} objects, {'a' if written.floor else 'no'} floor, {len(written.walls)} walls")
 
 
@@ -165,7 +165,7 @@ def hung(asker: Asker, rgb: NDArray[np.uint8], things: list[Thing]) -> list[Thin
     return found
 
 
-def write(folder: Path, frame: Frame, things: list[Thing]) -> Annotations:
+def write(folder: Path, frame: Frame, things: list[Thing], note: str = "") -> Annotations:
     """Write the five files and `config.yaml`; of masks that overlap the smaller one is on top, the room lies below.
 
     Raises:
@@ -190,7 +190,8 @@ def write(folder: Path, frame: Frame, things: list[Thing]) -> Annotations:
     with atomic(folder / "depth.npz") as path:
         np.savez_compressed(path, depth=frame.depth)
     write_json(
-        folder / "camera.json", Camera(width=width, height=height, intrinsics=np.asarray(frame.intrinsics).tolist())
+        folder / "camera.json",
+        Camera(width=width, height=height, intrinsics=np.asarray(frame.intrinsics).tolist(), note=note),
     )
     with atomic(folder / "masks.png") as path:
         cv2.imwrite(str(path), masks)

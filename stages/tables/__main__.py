@@ -11,5 +11,6 @@ main(
         "results": "what a study found, as Markdown, CSV and figures for docs/results",
         "scene_results": "the same of a study of Table 2",
         "report": "one self-contained page about the whole run",
+        "picture": "one self-contained page about one picture and what became of it",
     },
 )

@@ -72,7 +72,7 @@ def test_a_room_is_drawn_and_comes_out_as_it_is(opened: tuple[Any, Session], tmp
     page.get_by_role("button", name="Write the folder").click()
     page.wait_for_selector("#written:not([hidden])")
     page.wait_for_function("() => document.getElementById('preview').naturalWidth > 100")
-    assert "generation" in page.locator("#command").text_content()
+    assert "pages" in page.locator("#command").text_content()
 
     extract(input=session.folder, scene="drawn", out=tmp_path / "out" / "objects.json")
     objects = read_json(Objects, tmp_path / "out" / "objects.json")

@@ -44,7 +44,7 @@ LISTED = {  # keys that do not simply run the one verb of their section again
     "evaluation.test_assets": {"rollout"},
     "evaluation.rollouts": {"rollout"},
     "evaluation.film_frames": {"rollout"},
-    "tables": {"scenes", "policies", "figures", "report"},
+    "tables": {"scenes", "policies", "figures", "report", "picture"},
 }
 ONE = {"assets": {"snapshots"}, "matching": {"match"}}  # the verb of the other keys of a section
 CONFIG = Config()

@@ -110,7 +110,8 @@ def test_a_picture_needs_weights_or_is_drawn(tmp_path: Path) -> None:
         (folder / "weights" / name / "model.safetensors").touch()
     done = dry_run(folder, *photo, "-p")
     jobs = planned(done.stdout)
-    assert jobs["estimate"] == jobs["draw_scenes"] == jobs["report_page"] == 1 and not {"train", "room"} & set(jobs)
+    assert jobs["estimate"] == jobs["draw_scenes"] == jobs["scene_page"] == 1
+    assert not {"train", "room", "report_page"} & set(jobs)
     assert "--image 'my kitchen.v2.jpg'" in done.stdout and "--out results/photo/my_kitchen_v2 " in done.stdout
     assert "no file nothing.jpg" in dry_run(folder, "photo", "--config", "image=nothing.jpg").stdout
 

@@ -138,7 +138,7 @@ class Correction:
         write_json(self.folder / "annotations.json", annotations)
         write_config(self.folder)
         ids = object_ids(item.label for item in annotations.objects)
-        command = f"snakemake --cores 2 --configfile {self.folder / 'config.yaml'} -- generation"
+        command = f"snakemake --cores 2 --configfile {self.folder / 'config.yaml'} -- pages"
         return {"ids": ids, "notes": notes, "command": command, "folder": str(self.folder)}
 
     def close(self, _: Any) -> Answer:

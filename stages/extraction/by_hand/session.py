@@ -133,7 +133,7 @@ class Session:
         project = self._project(body)
         self.save(body)
         written = write_folder(self.folder, self.photo.rgb, project, self.depth)
-        command = f"snakemake --cores 2 --configfile {self.folder / 'config.yaml'} -- generation"
+        command = f"snakemake --cores 2 --configfile {self.folder / 'config.yaml'} -- pages"
         return {"ids": written.ids, "notes": written.notes, "command": command, "folder": str(self.folder)}
 
     def close(self, _: Any) -> Answer:

@@ -1,0 +1,99 @@
+"""The page about one picture, on a small made-up run: what it says, what can be saved from it, how it looks."""
+
+import base64
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from stages.contracts import Camera, InputError, write_json
+from stages.tables import picture
+from stages.tables.page.single import coloured
+from tests.unit.tables_results import CAMERA, declared, write_run
+from tests.unit.test_report_browser import BROKEN, CONTRAST, WIDE, browser, cabinet_to_turn, unfold  # noqa: F401
+from tests.unit.test_tables_report import Checker
+
+NOTE = "focal length 300 pixels, 44 degrees across: by EXIF"
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The page about room_1."""
+    root = write_run(tmp_path_factory.mktemp("run"))
+    results = root / "results"
+    cabinet_to_turn(root, results / "generation/b/room_1/view.glb")
+    (results / "generation/b/room_1/scene_1.glb").write_bytes(b"glTF" * 100)
+    depth = np.full((160, 240), 2.0, np.float32)
+    depth[80:] = 4
+    np.savez_compressed(results / "extraction/room_1/depth.npz", depth=depth)
+    write_json(root / "camera.json", Camera(width=240, height=160, intrinsics=CAMERA, note=NOTE))
+    page(root, "room_1", root / "room_1.html")
+    return root
+
+
+def page(root: Path, scene: str, out: Path, *others: str) -> None:
+    files = [path for path in declared(root)["files"] if {scene, "snapshots", *others} & set(path.parts)]  # type: ignore[attr-defined]
+    image = root / f"results/scenes/{scene}/input/rgb.png"
+    picture.run(files=tuple(files), image=image, camera=root / "camera.json", scene=scene, out=out)
+
+
+def test_it_tells_what_was_found_and_what_became_of_it(made: Path) -> None:
+    text = (made / "room_1.html").read_text()
+    checker = Checker()
+    checker.feed(text)
+    assert checker.open == [] and checker.unnamed == []
+    assert {link[1:] for link in checker.links if link.startswith("#")} <= checker.ids
+    assert not [one for one in (*checker.links, *checker.sources) if not one.startswith(("#", "data:"))]
+    assert NOTE in text and "Distance: dark 2.0 m, bright 4.0 m" in text
+    assert re.search(r"[0-9.]+ m above the floor, tilted (down|up) by \d+°", text)
+    assert "vase 1" not in text and "vase_1 failed in extraction" in text
+    assert "by geometry" in text and text.count('class="match"') >= 2 and "Rank 1:" in text
+
+
+def test_its_files_can_be_saved(made: Path) -> None:
+    text = (made / "room_1.html").read_text()
+    found = dict(re.findall(r'href="data:[^"]*base64,([^"]+)" download="([^"]+)"', text))
+    saved = {name: base64.b64decode(data) for data, name in found.items()}
+    assert saved["room_1_scene_1.glb"] == b"glTF" * 100
+    results = made / "results"
+    assert saved["room_1_objects.json"] == (results / "extraction/room_1/objects.json").read_bytes()
+    assert saved["room_1_scene_1.json"] == (results / "generation/b/room_1/scene_1.json").read_bytes()
+
+
+def test_what_is_too_large_is_named_only(made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("stages.tables.page.single.SAVED", 399)
+    page(made, "room_1", tmp_path / "page.html")
+    text = (tmp_path / "page.html").read_text()
+    assert "generation/b/room_1/scene_1.glb</code>" in text and "download=" not in text
+
+
+def test_it_is_about_one_picture(made: Path, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="are of 2 pictures"):
+        page(made, "room_1", tmp_path / "page.html", "room_2")
+
+
+def test_unknown_depth_is_black() -> None:
+    depth = np.array([[0.0, 1.0, 3.0, 9.0]], np.float32)
+    colours = coloured(depth, 1.0, 3.0)
+    assert (
+        not colours[0, 0].any() and (colours[0, 2] == colours[0, 3]).all() and colours[0, 3].sum() > colours[0, 1].sum()
+    )
+
+
+@pytest.mark.parametrize(("width", "scheme"), [(390, "light"), (1300, "dark")])
+def test_it_is_readable_and_nothing_overflows(made: Path, browser: Any, width: int, scheme: str) -> None:  # noqa: F811
+    context = browser.new_context(viewport={"width": width, "height": 900}, color_scheme=scheme, offline=True)
+    page, complaints = context.new_page(), []
+    page.on("console", lambda line: complaints.append(line.text) if line.type in ("error", "warning") else None)
+    page.on("pageerror", lambda error: complaints.append(str(error)))
+    page.goto((made / "room_1.html").as_uri())
+    unfold(page)
+    page.wait_for_function("() => [...document.images].every((image) => image.complete)")
+    assert page.evaluate("() => document.documentElement.scrollWidth") == width
+    assert page.evaluate(WIDE) == [] and page.evaluate(BROKEN) == [] and page.evaluate(CONTRAST) == []
+    assert complaints == []
+    page.get_by_role("button", name="Turn the scene round").click()
+    page.wait_for_selector("#turntable[open] canvas")
+    context.close()
