@@ -6,7 +6,7 @@ TASKS = {"door": "Door opening", "drawer": "Drawer opening", "bowl": "Putting aw
 TASKS |= {"door_object": "Door, whole object"}  # of config/study
 NAMES = {"all": "all assets", "trained": "training assets"}
 CLOUDS = {"target_link": "cloud of the target link", "object": "cloud of the whole object"}
-VARIANTS = {
+VARIANTS = {  # as the paper has them; what decided in a run stands in cousins.json
     "a": "encoder model, VLM orientation",
     "b": "encoder model, encoder orientation",
     "c": "VLM model, VLM orientation",
@@ -40,8 +40,3 @@ def title(name: str) -> str:
     if name in NAMES:
         return NAMES[name]
     return name.replace("_", " ")
-
-
-def variant_title(variant: str) -> str:
-    """What a variant of Table 2 stands for, as far as the paper names it."""
-    return f"({variant}) {VARIANTS[variant]}" if variant in VARIANTS else variant

@@ -13,7 +13,6 @@ from stages.tables import claims, formatting, robustness, table2, table3
 from stages.tables.claim_tables import claims_table, stability_table
 from stages.tables.markup import Table, environment, number, percent
 from stages.tables.order import title as name_title
-from stages.tables.order import variant_title
 from stages.tables.page import library, policies, rooms
 from stages.tables.page.benchmarks import by_stage, duration, read_jobs
 from stages.tables.page.charts import inline
@@ -106,7 +105,6 @@ def _page(
             percent=percent,
             rate=lambda successes, episodes: rate(successes, episodes, options.confidence),
             name=name_title,
-            variant_title=variant_title,
         )
     )
 

@@ -141,7 +141,7 @@ def _room(results: Path, name: str) -> None:
 
     view = Orientation(yaw=0.2, distance=8.0)
     found = [
-        ObjectCousins(id=item.id, label=item.label, decided_by="distance", cousins=[
+        ObjectCousins(id=item.id, label=item.label, decided_by="geometry", orientation_decided_by="geometry", cousins=[
             Cousin(rank=rank, asset=f"{item.label}_{rank:02d}", category=item.label, distance=6.0 + rank,
                    votes=9 - rank, orientation=view, orientations=[view]) for rank in range(1, 8)])
         for item in seen[:-1]

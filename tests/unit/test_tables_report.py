@@ -99,6 +99,13 @@ def test_page_shows_demonstrations_inside_generated_scenes(made: Path) -> None:
     assert "rank 2: the robot cannot open it: sofa_1 is in its place." in part
 
 
+def test_a_rooms_heading_names_encoder_and_judge_of_the_run(made: Path) -> None:
+    """Whatever the paper's variant of that name is."""
+    text = (made / "results/report/index.html").read_text()
+    assert "<h4>Variant b · encoder hog · judge geometry</h4>" in text
+    assert "(b) encoder model, encoder orientation" not in text[: text.index('id="tables"')]
+
+
 def test_page_is_whole_and_stands_alone(made: Path) -> None:
     text = (made / "results/report/index.html").read_text()
     checker = Checker()

@@ -5,6 +5,8 @@ import gzip
 from dataclasses import dataclass
 from pathlib import Path
 
+import pandas as pd
+
 from stages.contracts.cousins import Cousins
 from stages.contracts.extracted import read_clouds, read_object_masks
 from stages.contracts.files import read_json
@@ -17,6 +19,7 @@ from stages.tables.page.files import RunFiles
 from stages.tables.page.pictures import Album, Picture
 from stages.tables.page.snapshots import Snapshots
 from stages.tables.page.stories import Evidence
+from stages.tables.table2 import judge
 
 
 @dataclass(frozen=True)
@@ -33,10 +36,11 @@ class RebuiltScene:
 
 @dataclass(frozen=True)
 class Reconstruction:
-    """A room under one variant."""
+    """A room under one variant; `judge`: who decided on models and orientations."""
 
     variant: str
     encoder: str
+    judge: str
     scenes: list[RebuiltScene]
     matches: list[Match]
     view: str  # the scene of the first rank to turn round, binary glTF, gzip in base64; empty: the run has none
@@ -101,6 +105,12 @@ class _Failures:
         self.told += [(i.id, stage, i.reason) for i in items if i.status == "failed" and i.id not in gone]
 
 
+def _judge(found: Cousins) -> str:
+    """As in Table 2; objects that nobody decided on say nothing."""
+    deciders = [(item.decided_by, item.orientation_decided_by) for item in found.objects]
+    return judge(pd.DataFrame(deciders, columns=["model_judge", "orientation_judge"]))
+
+
 def _room(files: RunFiles, name: str, album: Album, snapshots: Snapshots) -> RoomPart:
     label = title(name)
     path = files.one(f"extraction/{name}/objects.json")
@@ -128,7 +138,8 @@ def _room(files: RunFiles, name: str, album: Album, snapshots: Snapshots) -> Roo
         evidence = _evidence(files, name, objects, image, first) if objects else None
         pictured = matches(found, evidence, image, album, snapshots) if found else []
         view = _packed(files.one(f"generation/{variant}/{name}/view.glb"))
-        made.append(Reconstruction(variant, found.encoder if found else "", scenes, pictured, view))
+        encoder, decided = (found.encoder, _judge(found)) if found else ("", "")
+        made.append(Reconstruction(variant, encoder, decided, scenes, pictured, view))
     return RoomPart(
         name=name,
         title=label.capitalize(),
