@@ -72,5 +72,5 @@ def build(inputs: Inputs, rank: int, options: GenerationConfig, cache: Path) -> 
         except InputError as error:
             failed[item.id] = error.what
     prisms = {item.id: asset_prisms(folders[item.id]) for item in items}
-    result = resolve(stacked(items, options), prisms, inputs.objects.walls, options)
+    result = resolve(stacked(items, prisms, options), prisms, inputs.objects.walls, options)
     return Built(result.items, folders, failed, result.left)

@@ -14,7 +14,7 @@ from stages.config.generation import GenerationConfig
 from stages.contracts.objects import Wall
 from stages.generation.placed import Placed
 from stages.generation.prisms import Prism, forbidden_shifts, placed_prisms
-from stages.generation.support import related, stack_of
+from stages.generation.support import stack_of
 from stages.geometry.boxes import UprightBox, corners, footprint, volume
 
 HERE = Point(0.0, 0.0)
@@ -49,13 +49,13 @@ class _Scene:
 
 
 def overlapping_pairs(scene: _Scene) -> list[Pair]:
-    """Pairs of unrelated items whose collision shapes overlap by more than `touch`."""
+    """Pairs of items whose collision shapes overlap by more than `touch`; what stands on a seat may be in the back."""
     pairs = []
     for a, b in combinations(sorted(scene.items), 2):
         first, second = scene.items[a], scene.items[b]
         if min(first.top, second.top) - max(first.bottom, second.bottom) <= scene.options.touch:
             continue
-        if not footprint(first.box).intersects(footprint(second.box)) or related(a, b, scene.supports):
+        if not footprint(first.box).intersects(footprint(second.box)):
             continue
         if forbidden_shifts(scene.shapes(a), scene.shapes(b), scene.options.touch).contains(HERE):
             pairs.append((a, b))
@@ -99,12 +99,7 @@ def shortest_push(name: str, scene: _Scene) -> NDArray[np.float64] | None:
     """The shortest shift (2,) that frees an item's stack from everything else; None if none is allowed."""
     stack = sorted(stack_of(name, scene.supports))
     mover = [prism for member in stack for prism in scene.shapes(member)]
-    others = [
-        prism
-        for other in sorted(scene.items)
-        if other not in stack and not any(related(member, other, scene.supports) for member in stack)
-        for prism in scene.shapes(other)
-    ]
+    others = [prism for other in sorted(scene.items) if other not in stack for prism in scene.shapes(other)]
     free = allowed_shifts(name, scene).difference(forbidden_shifts(mover, others, scene.options.touch).buffer(CLEAR))
     if free.is_empty:
         return None
@@ -112,13 +107,17 @@ def shortest_push(name: str, scene: _Scene) -> NDArray[np.float64] | None:
 
 
 def _movers(pair: Pair, scene: _Scene) -> list[str]:
-    """Who gives way, first choice first: what stands free before what touches a wall, small before large."""
+    """Who gives way, first choice first: what stands free before what touches a wall, small before large.
+
+    What carries the other would take it along.
+    """
 
     def weight(name: str) -> tuple[bool, float, str]:
         stack = stack_of(name, scene.supports)
         return scene.items[name].mounting.type == 3, sum(volume(scene.items[n].box) for n in stack), name
 
-    return sorted((name for name in pair if not scene.items[name].wall_mounted), key=weight)
+    free = [name for name in pair if not scene.items[name].wall_mounted]
+    return sorted((name for name in free if not set(pair) <= stack_of(name, scene.supports)), key=weight)
 
 
 def _pushed(name: str, push: NDArray[np.float64], scene: _Scene) -> _Scene:
@@ -143,7 +142,7 @@ def _one_push(scene: _Scene) -> _Scene | None:
 def resolve(
     items: list[Placed], prisms: Mapping[str, list[Prism]], walls: list[Wall], options: GenerationConfig
 ) -> Resolved:
-    """Free all pairs of unrelated items from each other, as far as that goes.
+    """Free all pairs of items from each other, as far as that goes.
 
     Each round frees one stack from everything around it, so that a push makes no new collision.
     What hangs on a wall stays; what touches a wall slides along it.

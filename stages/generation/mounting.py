@@ -6,6 +6,7 @@ import numpy as np
 
 from stages.contracts.objects import Wall
 from stages.generation.placed import FLOOR, WALL, Placed
+from stages.generation.support import Top
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.frames import yaw_matrix
 
@@ -33,7 +34,7 @@ def against_wall(box: UprightBox, wall: Wall, min_extent: float) -> UprightBox:
 
 
 def at_height(item: Placed, support: str, beneath: float) -> Placed:
-    """The item on its support, whose top is at height `beneath`.
+    """The item on its support, whose surface is at height `beneath`.
 
     Type 1 is only lifted out of what is beneath it; types 2 and 3 are put on top of it.
     """
@@ -42,7 +43,7 @@ def at_height(item: Placed, support: str, beneath: float) -> Placed:
     return replace(item.shifted([0, 0, beneath - item.bottom]), support=support)
 
 
-def on_supports(items: list[Placed], supports: dict[str, str]) -> list[Placed]:
+def on_supports(items: list[Placed], supports: dict[str, str], top: Top) -> list[Placed]:
     """Every item at its height, lower ones first, since a support must be in its place before what it carries.
 
     Args:
@@ -52,5 +53,5 @@ def on_supports(items: list[Placed], supports: dict[str, str]) -> list[Placed]:
     done: dict[str, Placed] = {}
     for item in items:
         support = supports[item.id]
-        done[item.id] = at_height(item, support, 0.0 if support == FLOOR else done[support].top)
+        done[item.id] = at_height(item, support, 0.0 if support == FLOOR else top(item, done[support]))
     return list(done.values())

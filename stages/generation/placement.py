@@ -1,5 +1,7 @@
 """From one matched object to a placed asset, and from all of them to a scene (paper 2.1, A.3, A.7)."""
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,6 +14,7 @@ from stages.generation.extents import measured_box, only_noise
 from stages.generation.mounting import against_wall, on_supports
 from stages.generation.placed import Placed
 from stages.generation.pose import rear_at_wall, rectangularity, turned_to, wall_axes
+from stages.generation.prisms import Prism, placed_prisms, surface_beneath
 from stages.generation.sizing import believable_box, round_box, sight_yaw
 from stages.generation.support import sorted_by_height, support_tree
 from stages.geometry.boxes import UprightBox, volume
@@ -121,7 +124,12 @@ def place(
     return Placed(item.id, item.label, asset, box, mounting)
 
 
-def stacked(items: list[Placed], options: GenerationConfig) -> list[Placed]:
-    """Supports found and every item at its height (A.3), from low to high."""
+def stacked(items: list[Placed], prisms: Mapping[str, list[Prism]], options: GenerationConfig) -> list[Placed]:
+    """Supports found and every item at its height (A.3), from low to high. `prisms`: by id, in the asset frame."""
+
+    def top(item: Placed, lower: Placed) -> float:
+        height = surface_beneath(item, placed_prisms(prisms[lower.id], lower))
+        return lower.top if height is None else height
+
     ordered = sorted_by_height(items)
-    return on_supports(ordered, support_tree(ordered, options.support_overlap, options.stack_tolerance))
+    return on_supports(ordered, support_tree(ordered, options.support_overlap, options.stack_tolerance, top), top)

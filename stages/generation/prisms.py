@@ -11,7 +11,11 @@ from shapely.geometry.base import BaseGeometry
 
 from stages.generation.meshes import collision_pieces
 from stages.generation.placed import Placed
+from stages.geometry.boxes import footprint
 from stages.geometry.frames import yaw_matrix
+
+LEVEL = 0.01  # metres: tops that differ by less are one surface
+HOLDS = 0.5  # of half the width of what it is to carry: a narrower surface (a back, a rail) carries nothing
 
 
 class Prism(NamedTuple):
@@ -45,6 +49,35 @@ def placed_prisms(prisms: list[Prism], item: Placed) -> list[Prism]:
         Prism((prism.outline - middle[:2]) @ turn.T + item.center[:2], prism.low + rise, prism.high + rise)
         for prism in prisms
     ]
+
+
+def surface_beneath(item: Placed, support: list[Prism]) -> float | None:
+    """Height of the surface that carries an item: the seat of a chair, not its back.
+
+    Of the surfaces seen from above that are wide enough, the one that most of the item is over, else the nearest one;
+    None: no piece is wide enough.
+    """
+    under, taller = footprint(item.box), Polygon()
+    whole = MultiPoint(np.concatenate([prism.outline for prism in support])).convex_hull if support else taller
+    reach = HOLDS * min(shorter_side(under), shorter_side(whole)) / 2
+    found: list[tuple[float, float, float]] = []
+    left = sorted(support, key=lambda prism: prism.high)
+    while left:
+        height = left[-1].high
+        level = shapely.union_all([Polygon(prism.outline) for prism in left if prism.high > height - LEVEL])
+        left = [prism for prism in left if prism.high <= height - LEVEL]
+        surface, taller = level.difference(taller), taller.union(level)
+        if not surface.buffer(-reach).is_empty:
+            found.append((surface.intersection(under).area, -surface.distance(under), height))
+    return max(found)[2] if found else None
+
+
+def shorter_side(area: BaseGeometry) -> float:
+    """Of the smallest rectangle, turned as may be, around an area."""
+    if not isinstance(area, Polygon) or area.is_empty:
+        return 0.0
+    corner = np.array(area.minimum_rotated_rectangle.exterior.coords)
+    return float(np.linalg.norm(np.diff(corner[:3], axis=0), axis=1).min())
 
 
 def forbidden_shifts(mover: list[Prism], others: list[Prism], touch: float) -> BaseGeometry:

@@ -1,9 +1,11 @@
 """What stands on what: the 70 % rule (paper A.3), with a check that it is on top and not merely in front."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from stages.generation.placed import FLOOR, Placed
 from stages.geometry.boxes import footprint
+
+Top = Callable[[Placed, Placed], float]  # (item, what may carry it): height of the surface that it would stand on
 
 
 def sorted_by_height(items: list[Placed]) -> list[Placed]:
@@ -18,13 +20,13 @@ def overlap_share(upper: Placed, lower: Placed) -> float:
     return float(a.intersection(b).area / smaller) if smaller > 0 else 0.0
 
 
-def support_tree(items: list[Placed], overlap: float, tolerance: float | None) -> dict[str, str]:
+def support_tree(items: list[Placed], overlap: float, tolerance: float | None, top: Top) -> dict[str, str]:
     """The support of every item: 'floor' or the id of the highest one beneath it.
 
     Args:
         items: sorted from low to high.
         overlap: share of the smaller footprint that must be exceeded (paper: 0.7).
-        tolerance: metres by which the upper bottom may lie below the lower top. Without it (None, as
+        tolerance: metres by which the upper bottom may lie below the surface. Without it (None, as
             in the paper) a chair that is tucked under a table ends up standing on it. With it, what is found
             at the height of a top and over its edge stands on that, not on the floor: far away, noise moves it there.
     """
@@ -33,14 +35,18 @@ def support_tree(items: list[Placed], overlap: float, tolerance: float | None) -
         carriers = [
             lower
             for lower in items[:index]
-            if overlap_share(item, lower) > overlap and (tolerance is None or item.bottom >= lower.top - tolerance)
+            if overlap_share(item, lower) > overlap
+            and (tolerance is None or item.bottom >= top(item, lower) - tolerance)
         ]
         if not carriers and tolerance is not None and item.bottom > tolerance and not item.wall_mounted:
             level = [
-                low for low in items[:index] if abs(item.bottom - low.top) <= tolerance and overlap_share(item, low)
+                low
+                for low in items[:index]
+                if overlap_share(item, low) and abs(item.bottom - top(item, low)) <= tolerance
             ]
             carriers = sorted(level, key=lambda low: (overlap_share(item, low), low.id))[-1:]
-        supports[item.id] = max(carriers, key=lambda lower: (lower.top, lower.id)).id if carriers else FLOOR
+        highest = max(((top(item, lower), lower.id) for lower in carriers), default=(0.0, FLOOR))
+        supports[item.id] = highest[1]
     return supports
 
 
@@ -52,8 +58,3 @@ def stack_of(base: str, supports: Mapping[str, str]) -> set[str]:
         if not more:
             return stack
         stack |= more
-
-
-def related(a: str, b: str, supports: Mapping[str, str]) -> bool:
-    """Whether one of the two carries the other, directly or not."""
-    return b in stack_of(a, supports) or a in stack_of(b, supports)

@@ -3,11 +3,15 @@
 import numpy as np
 import pytest
 
+from stages.config.generation import GenerationConfig
 from stages.contracts.objects import Wall
+from stages.generation.collisions import resolve
 from stages.generation.mounting import against_wall, on_supports
-from stages.generation.support import related, sorted_by_height, stack_of, support_tree
+from stages.generation.placement import stacked
+from stages.generation.prisms import Prism, surface_beneath
+from stages.generation.support import sorted_by_height, stack_of, support_tree
 from stages.geometry.boxes import UprightBox, corners
-from tests.unit.generation_scenes import BACK, thing
+from tests.unit.generation_scenes import BACK, solid, thing
 
 TABLE = thing("table", (2, 0, 0.375), (0.8, 1.2, 0.75))
 BOOK = thing("book", (2, 0.2, 0.8), (0.2, 0.3, 0.05))
@@ -15,7 +19,12 @@ CUP = thing("cup", (2, 0.2, 0.87), (0.08, 0.08, 0.1))
 
 
 def tree(items, overlap=0.7, tolerance=0.15):
-    return support_tree(sorted_by_height(items), overlap, tolerance)
+    return support_tree(sorted_by_height(items), overlap, tolerance, flat)
+
+
+def flat(item, lower):
+    """The surface of a thing without a back."""
+    return lower.top
 
 
 def test_a_stack_is_found_whatever_the_order():
@@ -45,17 +54,15 @@ def test_the_highest_support_wins():
     assert tree([low, TABLE, BOOK])["book"] == "table"
 
 
-def test_stacks_and_relations():
+def test_stacks():
     supports = {"table": "floor", "book": "table", "cup": "book", "lamp": "floor"}
     assert stack_of("table", supports) == {"table", "book", "cup"}
-    assert related("cup", "table", supports)
-    assert not related("lamp", "table", supports)
 
 
 def test_heights_follow_the_supports():
     floating = thing("book", (2, 0.2, 0.85), (0.2, 0.3, 0.05))
     sunk = thing("table", (2, 0, 0.35), (0.8, 1.2, 0.75))
-    placed = on_supports([sunk, floating], {"table": "floor", "book": "table"})
+    placed = on_supports([sunk, floating], {"table": "floor", "book": "table"}, flat)
     assert [item.bottom for item in placed] == pytest.approx([0, 0.75])
     assert placed[1].support == "table"
 
@@ -65,7 +72,7 @@ def test_type_1_is_only_lifted():
     clear = thing("clear", (3.85, 0, 1.6), (0.3, 1, 0.6), mounting=1)
     sunk = thing("sunk", (3.85, 0, 1.1), (0.3, 1, 0.6), mounting=1)  # bottom at 0.8
     supports = {"counter": "floor", "clear": "counter", "sunk": "counter"}
-    heights = {item.id: item for item in on_supports([counter, sunk, clear], supports)}
+    heights = {item.id: item for item in on_supports([counter, sunk, clear], supports, flat)}
     assert heights["clear"].bottom == pytest.approx(1.3)
     assert heights["sunk"].bottom == pytest.approx(0.9)
     assert heights["clear"].support == heights["sunk"].support == "wall"
@@ -98,6 +105,38 @@ def test_a_wall_at_an_odd_angle_is_left_alone():
 
 def test_what_noise_moved_over_the_edge_of_a_cabinet_still_stands_on_it():
     cabinet, pot = thing("cabinet", (2, 0, 0.4), (0.6, 0.6, 0.8)), thing("pot", (1.65, 0, 0.9), (0.3, 0.3, 0.2))
-    assert support_tree([cabinet, pot], 0.7, 0.15)["pot"] == "cabinet"
-    assert support_tree([cabinet, pot], 0.7, None)["pot"] == "floor"
-    assert support_tree([cabinet, thing("pot", (1.65, 0, 0.1), (0.3, 0.3, 0.2))], 0.7, 0.15)["pot"] == "floor"
+    assert support_tree([cabinet, pot], 0.7, 0.15, flat)["pot"] == "cabinet"
+    assert support_tree([cabinet, pot], 0.7, None, flat)["pot"] == "floor"
+    assert support_tree([cabinet, thing("pot", (1.65, 0, 0.1), (0.3, 0.3, 0.2))], 0.7, 0.15, flat)["pot"] == "floor"
+
+
+def block(x, y, half_x, half_y, low, high):
+    """A piece of a support, in the asset frame."""
+    corner = np.array([(-half_x, -half_y), (half_x, -half_y), (half_x, half_y), (-half_x, half_y)])
+    return Prism(corner + np.array([x, y]), low, high)
+
+
+CHAIR = thing("chair", (2, 0, 0.45), (0.44, 0.44, 0.9))  # seat at 0.46, back at x = 1.8, 4 cm thick
+PIECES = {"chair": [block(0, 0, 0.22, 0.22, -0.02, 0.01), block(-0.2, 0, 0.02, 0.22, 0.0, 0.45)]}
+PIECES["chair"] += [block(x, y, 0.02, 0.02, -0.45, -0.02) for x in (-0.2, 0.2) for y in (-0.2, 0.2)]
+
+
+@pytest.mark.parametrize("bottom", [0.46, 0.9])  # of a bottle on a chair; on a stool that a chair takes the place of
+@pytest.mark.parametrize("x", [1.8, 1.83, 2.1])  # in the back, half in it, clear of it
+def test_what_stands_on_a_chair_stands_on_its_seat_clear_of_the_back(x, bottom):
+    bottle = thing("bottle", (x, 0.05, bottom + 0.15), (0.08, 0.08, 0.3))
+    prisms = PIECES | {"bottle": solid(bottle)}
+    options = GenerationConfig()
+    result = resolve(stacked([bottle, CHAIR], prisms, options), prisms, [], options)
+    items = {item.id: item for item in result.items}
+    assert items["bottle"].support == "chair" and not result.left
+    assert items["bottle"].bottom == pytest.approx(0.46)
+    assert items["bottle"].center[0] == pytest.approx(max(x, 1.82 + 0.04), abs=0.006)  # touching is no collision
+    assert items["chair"].moved == 0
+
+
+def test_a_wide_board_lies_on_a_narrow_stool():
+    """What is narrow beside its support may still carry something wider."""
+    board = thing("board", (2, 0, 0.9), (1.0, 1.0, 0.1))
+    assert surface_beneath(board, [block(2, 0, 0.15, 0.15, 0.0, 0.4)]) == 0.4
+    assert surface_beneath(board, []) is None
