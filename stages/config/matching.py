@@ -125,6 +125,7 @@ class ComparisonOptions(EncoderOptions):
 class GeometryConfig(Section):
     """Analysis by synthesis: what counts when a candidate, rendered in the object's place, is compared with it."""
 
+    nearest: int = Field(30, ge=1, description="So many models, the nearest by distance, are rendered and compared.")
     resolution: int = Field(96, ge=32, description="Cells along the longer side of the compared pictures.")
     outline: float = Field(1.0, ge=0, description="Weight of the overlap of the outlines, 0 to 1.")
     depth: float = Field(1.0, ge=0, description="Weight of the agreement of depth, 0 to 1.")
@@ -133,7 +134,9 @@ class GeometryConfig(Section):
     proportions: float = Field(
         0.3, ge=0, description="Taken off for stretching axes unlike: per unit of the logarithms' range."
     )
-    distance: float = Field(1.0, ge=0, description="Taken off per unit of a model's distance.")
+    priors: float = Field(
+        1.0, ge=0, description="Taken off per unit of what label, size, place and counts add to a model's distance."
+    )
 
 
 class RerenderConfig(Section):
@@ -170,7 +173,7 @@ class MatchingConfig(ComparisonOptions):
         "geometry",
         json_schema_extra={"kind": "judges"},
         description="What ranks the models: distance (of embeddings; A.6, B.1), votes (A.6, official code), or, among "
-        "the k_model nearest, geometry (renderings in place) or vlm (a language model, B.1).",
+        "the nearest, geometry (renderings in place) or vlm (a language model, B.1).",
     )
     orientation_selection: str = Field(
         "geometry",

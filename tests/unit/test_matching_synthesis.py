@@ -13,7 +13,7 @@ from PIL import Image
 
 from stages.articulated.asset_folder import Description, write_asset
 from stages.articulated.model import Link, RobotModel, Visual
-from stages.config.matching import MatchingConfig
+from stages.config.matching import GeometryConfig, MatchingConfig
 from stages.contracts import Library, Objects, write_json
 from stages.contracts.cousins import Candidate, Cousin, Orientation
 from stages.contracts.library import LibraryEntry
@@ -31,7 +31,7 @@ from stages.matching.synthesis.observation import free_sides, observe
 from stages.matching.synthesis.picture import render
 from stages.matching.synthesis.shown import InPlace
 from stages.matching.synthesis.solid import Solid, outermost
-from stages.matching.synthesis.terms import outline_agreement
+from stages.matching.synthesis.terms import line_agreement, line_field, outline_agreement
 from tests.unit.matching_data import trace_box
 
 SIZE = (0.4, 1.0, 0.8)
@@ -40,7 +40,16 @@ POSE = look_at(EYE, [0, 0, 0])
 INTRINSICS = intrinsics_from_fov(SIDE, SIDE, 0.6)
 
 
-def write_model(folder: Path, panels: tuple[int, int], size: Sequence[float] = SIZE) -> None:
+def striped(plate: trimesh.Trimesh) -> Visual:
+    """The plate with a texture of stripes across."""
+    stripes = np.repeat(np.array([[40, 220] * 8], np.uint8).T, 2, axis=1)[..., None].repeat(3, axis=2)
+    uv = np.stack([plate.vertices[:, 1], plate.vertices[:, 2]], axis=1)
+    material = trimesh.visual.material.SimpleMaterial(image=Image.fromarray(stripes))
+    plate.visual = trimesh.visual.TextureVisuals(uv=uv, material=material)
+    return Visual(plate)
+
+
+def write_model(folder: Path, panels: tuple[int, int], size: Sequence[float] = SIZE, textured: bool = False) -> None:
     """A box with a dark front on which light panels stand, as `trace_box` draws it."""
     body = trimesh.creation.box(size)
     pieces = [Visual(body, (0.2, 0.2, 0.2, 1.0))]
@@ -51,7 +60,7 @@ def write_model(folder: Path, panels: tuple[int, int], size: Sequence[float] = S
         for row in range(panels[1]):
             at = [size[0] / 2 + 0.002, (column + 0.5) * width - size[1] / 2, (row + 0.5) * height - size[2] / 2]
             plate = trimesh.creation.box((0.002, 0.88 * width, 0.88 * height), rigid(np.eye(3), np.array(at)))
-            pieces.append(Visual(plate, (0.3, 0.3, 0.3, 1.0)))
+            pieces.append(striped(plate) if textured else Visual(plate, (0.3, 0.3, 0.3, 1.0)))
     link = Link("body", pieces, [body], 5.0, np.zeros(3), np.eye(3))
     write_asset(RobotModel(folder.name, {"body": link}), folder, Description(folder.name, "cabinet", "CC0-1.0", "test"))
 
@@ -62,6 +71,8 @@ def library(tmp_path_factory: pytest.TempPathFactory) -> Path:
     models = {"two": (2, 1), "three": (3, 1), "stack": (1, 4)}
     for name, panels in models.items():
         write_model(folder / name, panels)
+    write_model(folder / "striped", (2, 1), textured=True)
+    models["striped"] = (2, 1)
     entries = [LibraryEntry(id=n, category="cabinet", folder=n, doors=0, drawers=0, checksum="0") for n in models]
     entries.append(LibraryEntry(id="unseen", category="cabinet", folder="unseen", doors=0, drawers=0, checksum="0"))
     write_json(folder / "library.json", Library(assets=entries))
@@ -130,12 +141,32 @@ def test_a_box_fits_best_at_its_own_yaw(library: Path, yaw: float) -> None:
 
 
 def test_panels_tell_models_apart(library: Path) -> None:
-    judge = Geometry(MatchingConfig(k_model=3))
+    judge = Geometry(MatchingConfig(geometry=GeometryConfig(nearest=3)))
     given = candidates("stack", "three", "two", "unseen")
     for name, panels in (("two", (2, 1)), ("three", (3, 1)), ("stack", (1, 4))):
         ranked = judge.models(question(library, 0.3, panels), [], given)
         assert ranked[0].asset == name
-        assert ranked[-1].asset == "unseen"  # beyond k_model: by distance
+        assert ranked[-1].asset == "unseen"  # beyond the nearest: by distance
+
+
+def test_textures_and_patches_count_for_nothing_priors_do(library: Path) -> None:
+    """The finish of a library's model is not the object's: only its parts may be seen in the lines."""
+    judge, asked = Geometry(MatchingConfig()), question(library, 0.3)
+    near, far = {"patches": 0.5, "size": 0.0}, {"patches": 1.5, "size": 0.0}
+    given = [
+        Candidate(asset="three", category="cabinet", distance=0.5, parts=near),
+        Candidate(asset="striped", category="cabinet", distance=1.5, parts=far),
+    ]
+    assert judge.models(asked, [], given)[0].asset == "striped"
+    unlike = given[1].model_copy(update={"parts": {"patches": 0.5, "size": 1.0}})
+    assert judge.models(asked, [], [given[0], unlike])[0].asset == "three"
+    seen = observe(asked.view, POSE, SIDE)
+    shown = [
+        render(Solid(library.parent / name), UprightBox((0, 0, 0), SIZE, 0.3), seen) for name in ("two", "striped")
+    ]
+    plain, textured = (line_agreement(line_field(seen.rgb), line_field(one.plain), seen.mask) for one in shown)
+    assert textured == pytest.approx(plain, abs=0.03)
+    assert line_agreement(line_field(seen.rgb), line_field(shown[1].rgb), seen.mask) < plain - 0.1
 
 
 def test_what_is_hidden_or_cut_off_does_not_count(library: Path) -> None:
@@ -237,6 +268,7 @@ def test_textures_are_seen_where_they_lie(tmp_path: Path) -> None:
     rays = np.array([[-2.0, y, z] for z in (0.3, -0.3) for y in (0.2, -0.2)])
     look = solid.look(np.array([2.0, 0.0, 0.0]), rays, box)
     np.testing.assert_allclose(look.colour[:, 0], [1, 1, 0, 0], atol=0.02)
+    np.testing.assert_allclose(look.plain, 0.5, atol=0.02)
     np.testing.assert_allclose(look.depth, 0.95, atol=0.01)
     np.testing.assert_allclose(look.normals, [[1, 0, 0]] * 4, atol=1e-5)
 

@@ -1,7 +1,8 @@
 """Judge `geometry`: analysis by synthesis, with no model at all (paper A.6 and B.1 ask a language model instead).
 
-The `k_model` nearest models by distance are fitted into the object's place, turned each way that it can stand, and
-ordered by how well what is then seen agrees with the picture. The others follow by distance.
+The `geometry.nearest` models by distance are fitted into the object's place, turned each way that it can stand, and
+ordered by how well what is then seen agrees with the picture, and by what is known besides (label, size, counts). How
+alike their patches look chose them and counts no more: that sees textures. The others follow by distance.
 """
 
 from collections.abc import Sequence
@@ -24,12 +25,12 @@ class Judge:
         self.workbench = Workbench("geometry", options.geometry.resolution)
 
     def models(self, question: Question, by_votes: list[Candidate], by_distance: list[Candidate]) -> list[Candidate]:
-        """The k_model nearest by their best fit, ties by distance; then the others."""
-        near, rest = by_distance[: self.options.k_model], by_distance[self.options.k_model :]
+        """The nearest by their best fit, ties by distance; then the others."""
+        near, rest = by_distance[: self.weights.nearest], by_distance[self.weights.nearest :]
 
         def value(candidate: Candidate) -> float:
             best = self._fits(question, candidate.asset)[0].score(self.weights)
-            return round(best - self.weights.distance * candidate.distance, DIGITS)
+            return round(best - self.weights.priors * priors(candidate), DIGITS)
 
         return sorted(near, key=value, reverse=True) + rest
 
@@ -47,6 +48,11 @@ class Judge:
         yaws = fitter.aligned() + [fitter.floor_yaw(view) for view in views]
         fits = fitter.fit(self.workbench.solid(question, asset), yaws)
         return sorted(fits, key=lambda fit: round(fit.score(self.weights), DIGITS), reverse=True)
+
+
+def priors(candidate: Candidate) -> float:
+    """What a model's distance is the sum of besides patches."""
+    return sum(part for name, part in candidate.parts.items() if name != "patches")
 
 
 def nearest(yaw: float, views: list[Orientation]) -> Orientation:

@@ -13,6 +13,7 @@ from stages.matching.synthesis.solid import Solid
 TRIM = 0.005  # share of the points left out at each end
 THIN = 0.005  # metres: no box is thinner
 NOISE = 0.0015  # 1 / m: deviation of estimated depth over the square of the distance
+MOST_NOISE = 0.25  # of an extent: no more is taken off it at either end, far away the noise is only guessed
 REACH = 2.0  # deviations by which the outermost points lie beyond a face
 SEEN, UNSEEN = 0.1, 0.3  # of an extent: how far a face may be wrong, across the line of sight and behind the object
 ROUNDS = 3
@@ -51,7 +52,7 @@ def measure(
     distance = float(np.linalg.norm(sight))
     along = sight / max(distance, 1e-6)
     noise = REACH * NOISE * distance**2 * np.abs(along)
-    inset = np.minimum(noise, 0.45 * (level[1] - level[0]))
+    inset = np.minimum(noise, MOST_NOISE * (level[1] - level[0]))
     level += [inset, -inset]
     extent = np.maximum(level[1] - level[0], THIN)
     share = np.array([SEEN + UNSEEN * np.clip(-along, 0, 1), SEEN + UNSEEN * np.clip(along, 0, 1)])

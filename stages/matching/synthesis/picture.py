@@ -17,10 +17,11 @@ TO_LIGHT = np.array([-0.42, 0.32, 0.85])  # floor frame: over the photographer's
 
 @dataclass(frozen=True)
 class Picture:
-    """What is seen of a candidate in each cell (h, w): colour (h, w, 3) 0 to 1, the share that it covers, depth where
-    it covers anything."""
+    """What is seen of a candidate in each cell (h, w): colour (h, w, 3) 0 to 1, the same without textures, the share
+    that it covers, depth where it covers anything."""
 
     rgb: NDArray[np.float32]
+    plain: NDArray[np.float32]
     cover: NDArray[np.float32]
     depth: NDArray[np.float32]
 
@@ -37,12 +38,20 @@ class Picture:
 def render(solid: Solid, box: UprightBox, seen: Observation) -> Picture:
     """Render a model in a box under one light; colours as in the model's materials."""
     look = solid.look(seen.eye, seen.rays.reshape(-1, 3), box)
-    shade = AMBIENT + DIFFUSE * np.clip(look.normals @ TO_LIGHT, 0, None)
-    rgb = np.clip(look.colour * shade[:, None], 0, 1) ** (1 / GAMMA)
-    there = look.depth > 0
-    values = np.concatenate([rgb * there[:, None], there[:, None], look.depth[:, None]], axis=1).astype(np.float32)
-    h, w = seen.mask.shape
-    cells = cv2.resize(values.reshape(*seen.rays.shape[:2], 5), (w, h), interpolation=cv2.INTER_AREA).astype(np.float32)
-    cover = cells[..., 3]
-    mean = np.asarray(cells / np.maximum(cover, 1e-6)[..., None], np.float32)
-    return Picture(mean[..., :3], cover, mean[..., 4])
+    shade = (AMBIENT + DIFFUSE * np.clip(look.normals @ TO_LIGHT, 0, None))[:, None]
+    there = (look.depth > 0)[:, None]
+    rgb, plain = (np.clip(colour * shade, 0, 1) ** (1 / GAMMA) * there for colour in (look.colour, look.plain))
+
+    def cells(values: NDArray[np.floating] | NDArray[np.bool_]) -> NDArray[np.float32]:
+        """Means over the rays of each cell."""
+        grid = values.astype(np.float32).reshape(*seen.rays.shape[:2], -1)
+        means = cv2.resize(grid, seen.mask.shape[::-1], interpolation=cv2.INTER_AREA)
+        return np.asarray(means.reshape(*seen.mask.shape, -1), np.float32)
+
+    cover = cells(there)
+
+    def seen_part(values: NDArray[np.floating]) -> NDArray[np.float32]:
+        """Means over what it covers of each cell."""
+        return np.asarray(cells(values) / np.maximum(cover, 1e-6), np.float32)
+
+    return Picture(seen_part(rgb), seen_part(plain), cover[..., 0], seen_part(look.depth)[..., 0])

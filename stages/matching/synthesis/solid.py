@@ -26,11 +26,12 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True)
 class Seen:
     """What rays (N,) see: depth in units of their directions (0: nothing), unit normals (N, 3) in the frame around the
-    box, towards the eye, and colours (N, 3), linear."""
+    box, towards the eye, and colours (N, 3), linear: of the surface, and with every texture evened out to its mean."""
 
     depth: NDArray[np.float32]
     normals: NDArray[np.float32]
     colour: NDArray[np.float32]
+    plain: NDArray[np.float32]
 
 
 class Solid:
@@ -53,6 +54,7 @@ class Solid:
         triangles = np.concatenate([face + start for face, start in zip(faces, starts, strict=True)])
         self._piece = np.repeat(np.arange(len(pieces)), [len(face) for face in faces])
         self._looks = [looks_of(visual) for _, visual in pieces]
+        self._plain = np.array([looks.image.mean(axis=(0, 1)) for looks in self._looks])
         uvs = [looks.uv[face] for looks, face in zip(self._looks, faces, strict=True)]
         self._uv = np.concatenate(uvs)
         self._scene = o3d.t.geometry.RaycastingScene(nthreads=1)
@@ -74,12 +76,14 @@ class Solid:
         hits = self._scene.cast_rays(o3d.core.Tensor.from_numpy(rays), nthreads=1)
         depth = hits["t_hit"].numpy()
         there = np.isfinite(depth)
-        normals, colour = np.zeros((2, len(rays), 3), np.float32)
+        normals, colour, plain = np.zeros((3, len(rays), 3), np.float32)
         across = hits["primitive_normals"].numpy()[there] / size @ turn.T
         across /= np.linalg.norm(across, axis=1, keepdims=True)
         normals[there] = across * -np.sign((across * directions[there]).sum(axis=1, keepdims=True))
-        colour[there] = self._colours(hits["primitive_ids"].numpy()[there], hits["primitive_uvs"].numpy()[there])
-        return Seen(np.where(there, depth, 0).astype(np.float32), normals, colour)
+        triangles = hits["primitive_ids"].numpy()[there]
+        colour[there] = self._colours(triangles, hits["primitive_uvs"].numpy()[there])
+        plain[there] = self._plain[self._piece[triangles]]
+        return Seen(np.where(there, depth, 0).astype(np.float32), normals, colour, plain)
 
     def _colours(self, triangles: NDArray[np.integer], at: NDArray[np.float32]) -> NDArray[np.float32]:
         """Colours (N, 3) of triangles at barycentric coordinates (N, 2) of their second and third corner."""

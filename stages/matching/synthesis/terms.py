@@ -42,7 +42,7 @@ def compare(seen: Observation, shown: Picture, size: ArrayLike, native: ArrayLik
     return Terms(
         outline,
         1 - float(np.minimum(off, 1).mean()),
-        line_agreement(given, line_field(shown.rgb), shared),
+        line_agreement(given, line_field(shown.plain), shared),
         colour_agreement(seen.rgb[both], shown.rgb[both]),
         distortion(size, native),
     )
