@@ -8,7 +8,6 @@ from stages.config.tables import TablesConfig
 from stages.contracts import InputError
 from stages.contracts.files import read_options, read_text, write_text
 from stages.tables.markup import environment, number
-from stages.tables.order import variant_title
 from stages.tables.page import rooms, single
 from stages.tables.page.files import RunFiles
 from stages.tables.page.pictures import Album
@@ -33,7 +32,6 @@ def _page(files: RunFiles, camera: Path, options: TablesConfig, width: int) -> s
             first=first,
             script=Markup("\n".join(read_text(Path(__file__).with_name("page") / name) for name in SCRIPTS)),
             number=number,
-            variant_title=variant_title,
         )
     )
 

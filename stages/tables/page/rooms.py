@@ -45,6 +45,12 @@ class Reconstruction:
     matches: list[Match]
     view: str  # the scene of the first rank to turn round, binary glTF, gzip in base64; empty: the run has none
 
+    @property
+    def title(self) -> str:
+        """Its name, and what compared and decided in this run."""
+        told = {"encoder": self.encoder, "judge": self.judge}
+        return " · ".join([f"Variant {self.variant}", *(f"{what} {name}" for what, name in told.items() if name)])
+
 
 @dataclass(frozen=True)
 class RoomPart:
