@@ -9,7 +9,9 @@ from stages.config.generation import GenerationConfig
 from stages.contracts import Asset, InputError, read_json
 from stages.contracts.objects import SceneObject
 from stages.generation.collisions import resolve
+from stages.generation.extents import beyond_front
 from stages.generation.inputs import Inputs
+from stages.generation.meshes import visual_meshes
 from stages.generation.placed import Placed
 from stages.generation.placement import place, stacked
 from stages.generation.prisms import asset_prisms
@@ -40,7 +42,8 @@ def placed_cousins(item: SceneObject, inputs: Inputs, options: GenerationConfig)
         if cousin.asset not in inputs.folders:
             raise InputError(item.id, f"asset '{cousin.asset}' is not in the library")
         asset = read_json(Asset, inputs.folders[cousin.asset] / "asset.json")
-        placed = place(item, cousin, asset, inputs.clouds[item.id], inputs.objects, options)
+        beyond = beyond_front(visual_meshes(inputs.folders[cousin.asset])) if options.depth_error else 0.0
+        placed = place(item, cousin, asset, inputs.clouds[item.id], inputs.objects, options, beyond)
         if index == 0 or fits(asset.size, placed.box, options.max_stretch):
             yield placed
 

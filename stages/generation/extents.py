@@ -1,8 +1,11 @@
 """Extents of a cloud along given axes: where its faces are, not where its noise ends."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.ndimage import gaussian_filter1d
+from trimesh import Trimesh
 
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import yaw_matrix
@@ -11,6 +14,7 @@ BIN, SMOOTHING = 0.005, 0.015  # metres; densities are smoothed by half the nois
 PROMINENT = 2.0  # a face is where points lie so many times denser than on average
 NEAR, REACH = 0.05, 3.0  # metres, standard deviations: how far the outermost points may lie before their face
 FAINT, THICK = 0.05, 4.5  # metres of noise; standard deviations in which nine of ten points of a face lie, and some
+FRONT = 0.3  # least share of its outline that a front fills
 OUTSIDE, MOST = 0.7, 0.25  # standard deviations by which noise moves an end that is no face; share of the length
 
 
@@ -39,6 +43,23 @@ def near_face(values: NDArray[np.float64], sign: float, noise: float, trim: floa
     return float(-sign * (edges[peak] + edges[peak + 1]) / 2)
 
 
+def beyond_front(meshes: Sequence[Trimesh]) -> float:
+    """Metres by which a model's box reaches beyond the face that its front shows: its handles, the foot of a screen.
+
+    That face is where most of what faces +x lies, in the front half, and it is what `near_face` finds of the object.
+    """
+    bounds = np.array([mesh.bounds for mesh in meshes])
+    low, high = bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)
+    depths = high[0] - np.concatenate([mesh.triangles_center[:, 0] for mesh in meshes])
+    areas = np.concatenate([mesh.area_faces * np.clip(mesh.face_normals[:, 0], 0, None) for mesh in meshes])
+    half = (high[0] - low[0]) / 2
+    counts, edges = np.histogram(depths, max(1, round(half / BIN)), (0, half), weights=areas)
+    peak = int(np.argmax(counts))
+    if counts[peak] < FRONT * np.prod((high - low)[1:]):
+        return 0.0
+    return float(np.average(depths, weights=areas * (depths >= edges[peak]) * (depths <= edges[peak + 1])))
+
+
 def only_noise(
     cloud: NDArray[np.floating], normal: ArrayLike, camera: ArrayLike, depth_error: tuple[float, float] | None
 ) -> bool:
@@ -61,6 +82,7 @@ def measured_box(
     camera: ArrayLike,
     trim: float,
     depth_error: tuple[float, float] | None,
+    beyond: float = 0.0,
 ) -> UprightBox:
     """The object's box along axes turned by `yaw`, its heights those of `box`, which reaches down to the support.
 
@@ -70,6 +92,7 @@ def measured_box(
         camera: its position, floor frame.
         trim: share of the points left out at an end.
         depth_error: a and b of the noise a + b z^2 of depth, along the line of sight; None: ends are quantiles.
+        beyond: metres by which the model's box reaches beyond the face that it shows towards +x (`beyond_front`).
     """
     turn = yaw_matrix(yaw)[:2, :2]
     center, size = np.array(box.center, dtype=float), np.array(box.size, dtype=float)
@@ -85,7 +108,7 @@ def measured_box(
             near = 1 if along < 0 else 0
             face = near_face(points[:, axis], 2 * near - 1, noise, trim)
             if face is not None:
-                limits[near, axis] = face
+                limits[near, axis] = face + (beyond if axis == 0 and near == 1 else 0.0)
     limits.sort(axis=0)
     center[:2] = turn @ limits.mean(axis=0)
     size[:2] = limits[1] - limits[0]

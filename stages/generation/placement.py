@@ -92,12 +92,14 @@ def place(
     cloud: NDArray[np.floating],
     scene: Objects,
     options: GenerationConfig,
+    beyond: float = 0.0,
 ) -> Placed:
     """One asset with the object's yaw, extents and position, not yet on its support.
 
     Args:
         cloud: the object's points (N, 3), floor frame.
         scene: gives camera and walls.
+        beyond: metres by which the asset's box reaches beyond its front.
     """
     assert item.box is not None
     mounting = item.mounting or Mounting(type=2)
@@ -111,7 +113,7 @@ def place(
         matched_yaw(cousin, extracted, camera, touched, options), item.box, cloud, touched, asset.articulated, options
     )
     axes = sight_yaw(extracted, camera) if is_round else yaw
-    box = measured_box(cloud, extracted, axes, camera, options.trim, options.depth_error)
+    box = measured_box(cloud, extracted, axes, camera, options.trim, options.depth_error, beyond)
     for wall in reached:
         box = against_wall(box, wall, options.min_extent)
     if is_round:

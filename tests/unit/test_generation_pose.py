@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+import trimesh
 
 from stages.config.generation import GenerationConfig
 from stages.contracts.objects import Mounting, Wall
-from stages.generation.extents import measured_box, near_face, only_noise
+from stages.generation.extents import beyond_front, measured_box, near_face, only_noise
 from stages.generation.placement import sized, walls_reached
 from stages.generation.pose import rear_at_wall, rectangularity, turned_to, wall_axes
 from stages.generation.sizing import believable_box, fits, round_box, sight_yaw
@@ -133,6 +134,28 @@ def test_measured_box_in_the_assets_own_axes(quarter):
     expected = size[[1, 0, 2]] if quarter % 2 else size
     assert np.asarray(box.size) == pytest.approx(expected, abs=0.02)
     assert np.asarray(box.center) == pytest.approx(center, abs=0.02)
+
+
+@pytest.mark.parametrize(("quarter", "nearer"), [(2, 0.04), (0, 0.0)])  # its front to the camera, and its rear
+def test_a_handle_stands_before_the_face_that_is_measured(quarter, nearer):
+    size, center, camera = np.array([0.6, 1.2, 0.8]), np.array([3.0, 0.0, 0.4]), np.array([0, 0, 1.6])
+    cloud, seen = _faces(size, 0.0, center, camera), UprightBox(center, size, 0.0)
+    plain, handled = (
+        measured_box(cloud, seen, quarter * np.pi / 2, camera, 0.001, (0.003, 0.0015), beyond) for beyond in (0, 0.04)
+    )
+    assert handled.size[0] - plain.size[0] == pytest.approx(nearer)
+    assert plain.center[0] - handled.center[0] == pytest.approx(nearer / 2)
+    assert (handled.size[1], handled.center[1]) == pytest.approx((plain.size[1], plain.center[1]))
+
+
+def test_how_far_a_model_reaches_beyond_its_front():
+    body, handle = trimesh.creation.box((0.5, 1.0, 0.8)), trimesh.creation.box((0.04, 0.1, 0.02))
+    handle.apply_translation((0.27, 0.3, 0.2))
+    assert beyond_front([body]) == 0
+    assert beyond_front([body, handle]) == pytest.approx(0.04, abs=1e-6)
+    rear, board = trimesh.creation.box((0.02, 1.0, 0.8)), trimesh.creation.box((0.5, 1.0, 0.02))
+    rear.apply_translation((-0.24, 0, 0))
+    assert beyond_front([rear, board, handle]) == 0  # open shelves: nothing fills the front
 
 
 def test_heights_are_those_of_extraction():
