@@ -74,6 +74,11 @@ class PhotoConfig(FetchOptions):
         description="Degrees over the picture's width. null: Depth Pro's if it is used, else by EXIF, by lines in the "
         "picture, or that of a usual camera; which is said.",
     )
+    lens: str | None = Field(
+        None,
+        description="Calibration of the camera (JSON, YAML as OpenCV, ROS, Kalibr write them): the picture is made "
+        "straight first, and its focal length is known.",
+    )
     vlm: VlmConfig = Field(VlmConfig(), description="The language model of `captions: vlm`.")
 
     def unread(self) -> set[str]:

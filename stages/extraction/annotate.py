@@ -9,7 +9,7 @@ from stages.contracts import Camera, InputError, Library, read_json
 from stages.contracts.depth import read_depth
 from stages.extraction.by_hand.correcting import Correction
 from stages.extraction.by_hand.corrections import CORRECTIONS
-from stages.extraction.by_hand.photo import read_photo
+from stages.extraction.by_hand.photo import Photo, read_photo
 from stages.extraction.by_hand.project import PROJECT
 from stages.extraction.by_hand.server import PageServer
 from stages.extraction.by_hand.session import Session
@@ -30,6 +30,7 @@ def run(
     out: Path | None = None,
     depth: Path | None = None,
     camera: Path | None = None,
+    lens: Path | None = None,
     library: Path | None = None,
     port: int = 0,
     browser: bool = True,
@@ -44,17 +45,20 @@ def run(
         out: folder to write; default: beside the photograph, named as it is; of a folder: here, <name>_corrected.
         depth: depth.npz in metres by a sensor or a network, of the same view; boxes and masks are drawn by hand.
         camera: camera.json of the picture, whose focal length the drawing starts from, as from EXIF data.
+        lens: calibration with distortion, as OpenCV, ROS, Kalibr write it: the picture is made straight first.
         library: library.json whose categories complete the labels; default: ours.
         port: of this machine; 0: any free one.
         browser: open the page; else its address is only printed.
     """
     if image.is_dir():
-        for name, given in (("--depth", depth), ("--camera", camera)):
+        for name, given in (("--depth", depth), ("--camera", camera), ("--lens", lens)):
             if given is not None:
                 raise InputError(name, "is for a picture; the folder has its own.", "leave it out")
         session: Session | Correction = _found(image, out, library)
+    elif lens is not None and depth is not None:
+        raise InputError("--lens", "bends the picture, not the depth.", "straighten both before, or leave out one")
     else:
-        session = _drawn(image, out, depth, camera, library)
+        session = _drawn(read_photo(image, lens), image, out, depth, camera, library)
     try:
         server = PageServer(session, port)
     except OSError as error:
@@ -76,9 +80,10 @@ def run(
         print(f"{folder}: an input folder with {count} objects; {folder / 'config.yaml'} names it as a scene")
 
 
-def _drawn(image: Path, out: Path | None, depth: Path | None, camera: Path | None, library: Path | None) -> Session:
+def _drawn(
+    photo: Photo, image: Path, out: Path | None, depth: Path | None, camera: Path | None, library: Path | None
+) -> Session:
     """A photograph that is drawn into."""
-    photo = read_photo(image)
     height, width = photo.rgb.shape[:2]
     if photo.shrunk > 1:
         print(f"{image}: made smaller, to {width}x{height} pixels")

@@ -16,6 +16,7 @@ from stages.contracts.scenes import Annotation, Held
 from stages.extraction.by_hand.photo import Photo, read_photo
 from stages.extraction.by_hand.segments import propose, usual_focal
 from stages.photo.captions import NONE, held, listed, looked
+from stages.photo.level import level_camera
 from stages.photo.networks import Detection, depth_of, detect, segment
 from stages.procedural.catalogue import CATEGORIES
 from stages.scenes.rgbd.cameras import Matrix, matrix, of_field_of_view
@@ -49,7 +50,7 @@ def run(*, image: Path, out: Path, options: str = "", device: str = "cpu") -> No
         device: cpu or cuda.
     """
     settings = read_options(PhotoConfig, options)
-    photo = read_photo(image)
+    photo = read_photo(image, Path(settings.lens) if settings.lens else None)
     if photo.shrunk > 1:
         print(f"{image}: made smaller, to {photo.rgb.shape[1]}x{photo.rgb.shape[0]} pixels")
     asker = Asker(settings.vlm) if settings.captions == "vlm" else None
@@ -84,6 +85,8 @@ def camera_of(photo: Photo, estimated: float | None, options: PhotoConfig) -> tu
     prior = usual_focal(width, height, photo.focal)
     if options.field_of_view is not None:
         focal, source = float(of_field_of_view(options.field_of_view, width, height)[0, 0]), "photo.field_of_view"
+    elif options.lens is not None and photo.focal is not None:
+        focal, source = photo.focal, "photo.lens"
     elif estimated is not None:
         focal, source = estimated, "Depth Pro"
     elif photo.focal is not None:
@@ -182,6 +185,11 @@ def write(folder: Path, frame: Frame, things: list[Thing], note: str = "") -> An
         labelled = grounded[0]
         print(grounded[1])
     masks, annotations = annotated(labelled)
+    pose = level_camera(replace(frame, masks=Labelled(masks, labelled.labels)), annotations.floor)
+    if pose is not None:
+        line = f"no floor is seen: level by lines in the picture, {pose[2, 3]:.2f} m above the lowest point"
+        print(line)
+        note = f"{note}; {line}" if note else line
     walls = [value for value, thing in enumerate(things, 1) if thing.detection.label == WALL]
     said = [_said(item, things[item.mask - 1], walls, annotations.walls) for item in annotations.objects]
     annotations = annotations.model_copy(update={"objects": said})
@@ -191,7 +199,13 @@ def write(folder: Path, frame: Frame, things: list[Thing], note: str = "") -> An
         np.savez_compressed(path, depth=frame.depth)
     write_json(
         folder / "camera.json",
-        Camera(width=width, height=height, intrinsics=np.asarray(frame.intrinsics).tolist(), note=note),
+        Camera(
+            width=width,
+            height=height,
+            intrinsics=np.asarray(frame.intrinsics).tolist(),
+            floor_from_camera=None if pose is None else pose.tolist(),
+            note=note,
+        ),
     )
     with atomic(folder / "masks.png") as path:
         cv2.imwrite(str(path), masks)

@@ -17,8 +17,12 @@ from stages.contracts.scenes import Held
 from stages.extraction.by_hand.photo import Photo
 from stages.extraction.extract import run as extract
 from stages.geometry.boxes import UprightBox
+from stages.geometry.cameras import back_project
+from stages.geometry.frames import apply
 from stages.photo import captions, estimate, networks
+from stages.photo.level import level_camera
 from stages.photo.networks import Detection, depth_of, detect, segment
+from stages.scenes.rgbd.frame import Frame, Labelled
 from stages.vlm.ask import Asker, NoAnswerError
 from tests.unit.chat_server import KEY, ChatServer, says, serving
 from tests.unit.synthetic_room import FLOOR, INTRINSICS, OBJECT, WALL, write_room
@@ -120,6 +124,7 @@ def test_what_the_networks_see_is_what_extraction_finds(room: Path, known: list[
     np.testing.assert_array_equal(seen.masks == seen.annotations.floor, truth.masks == FLOOR)
     assert len(seen.annotations.walls) == 1
     np.testing.assert_allclose(seen.camera.intrinsics, INTRINSICS, rtol=1e-6)
+    assert "by Depth Pro" in seen.camera.note and seen.camera.floor_from_camera is None
     extract(input=tmp_path / "seen", scene="seen", options="{}", seed=0, out=tmp_path / "found/objects.json")
     sizes = [item["box"]["size"] for item in json.loads((tmp_path / "found/objects.json").read_text())["objects"]]
     assert sizes[1][2] == pytest.approx(0.6, abs=0.06)
@@ -213,6 +218,18 @@ def test_walls_are_numbered_where_they_are_wide() -> None:
     assert not shown[:, 45:55].any() and (shown[2, 2] == np.array(captions.TINTS[0]) // 2).all()
 
 
+def test_where_no_floor_is_seen_lines_tell_what_is_level(room: Path) -> None:
+    scene = read_scene_input(room)
+    frame = Frame(scene.rgb, scene.depth, np.asarray(INTRINSICS), Labelled(scene.masks, {FLOOR: "floor"}))
+    assert level_camera(frame, FLOOR) is None  # extraction finds it
+    flat = np.full_like(scene.depth, 3.0)  # as of a bad network: all at one distance
+    pose = level_camera(Frame(np.full_like(scene.rgb, 90), flat, np.asarray(INTRINSICS)), None)
+    assert pose is not None and pose[2, 3] > 0.5
+    assert pose[2, :3] @ [0, -1, 0] > 0.9  # up in the picture is about up
+    heights = apply(pose, back_project(flat, np.asarray(INTRINSICS)))[..., 2]
+    assert np.quantile(heights, 0.01) == pytest.approx(0, abs=1e-3)
+
+
 def test_the_focal_length_is_the_best_that_is_known() -> None:
     grey = np.full((120, 160, 3), 90, np.uint8)
     grey[40:80] = 140
@@ -220,6 +237,7 @@ def test_the_focal_length_is_the_best_that_is_known() -> None:
     cases = [
         (known, 150.0, {"field_of_view": 90}, 80.0, "photo.field_of_view"),
         (known, 150.0, {}, 150.0, "Depth Pro"),
+        (known, 150.0, {"lens": "lens.yaml"}, 200.0, "photo.lens"),
         (known, None, {}, 200.0, "EXIF"),
         (unknown, None, {}, 128.0, "a usual camera, as nothing tells it"),
     ]
@@ -235,3 +253,26 @@ def test_a_picture_of_nothing_that_is_known_is_one_line(
     with pytest.raises(InputError, match=r"finds no object in the picture.*annotate"):
         estimate.run(image=room / "rgb.png", out=tmp_path / "seen")
     assert not (tmp_path / "seen").exists()
+
+
+def _pictures() -> dict[str, bytes]:
+    noise = np.random.default_rng(1).integers(0, 255, (300, 900, 3), dtype=np.uint8)
+    made = {"black.png": np.zeros((90, 120, 3), np.uint8), "panorama.jpg": noise, "tiny.png": noise[:9, :12]}
+    files = {name: cv2.imencode(name[-4:], pixels)[1].tobytes() for name, pixels in made.items()}
+    return files | {"cut.jpg": files["panorama.jpg"][:300], "text.png": b"no picture", "empty.jpg": b""}
+
+
+@pytest.mark.parametrize("name", ["black.png", "panorama.jpg", "tiny.png", "cut.jpg", "text.png", "empty.jpg"])
+def test_pictures_that_cannot_be_read_so_are_one_line(tiny: dict[str, Any], tmp_path: Path, name: str) -> None:
+    (tmp_path / name).write_bytes(_pictures()[name])
+    with pytest.raises(InputError) as raised:
+        estimate.run(image=tmp_path / name, out=tmp_path / "out", options=json.dumps(tiny))
+    assert name in str(raised.value) and "\n" not in str(raised.value) and not (tmp_path / "out").exists()
+
+
+def test_a_tiny_picture_is_read(tiny: dict[str, Any], tmp_path: Path) -> None:
+    coarse = np.random.default_rng(2).integers(0, 255, (9, 12, 3), dtype=np.uint8)
+    cv2.imwrite(str(tmp_path / "a.jpg"), cv2.resize(coarse, (48, 36), interpolation=cv2.INTER_NEAREST))
+    given = json.dumps(tiny | {"labels": ["cabinet"], "overlap": 1.0, "min_share": 0.0, "box_threshold": 0.01})
+    estimate.run(image=tmp_path / "a.jpg", out=tmp_path / "out", options=given)
+    assert read_scene_input(tmp_path / "out").rgb.shape == (36, 48, 3)

@@ -29,7 +29,7 @@ class Hub(BaseHTTPRequestHandler):
         self.requests.append(self.path)
         path = self.path.partition("?")[0]
         name = path.rpartition("/")[2]
-        if path.startswith("/api/models/toy/net/revision/"):
+        if path.startswith("/api/models/toy/net/revision/") and name in ("main", COMMIT):
             self.answer(json.dumps({"id": "toy/net", "sha": COMMIT, "siblings": [{"rfilename": n} for n in FILES]}))
         elif path.startswith("/api/models/toy/net/tree/"):
             self.answer(json.dumps([{"type": "file", "path": n, "size": len(d), "oid": n} for n, d in FILES.items()]))
@@ -68,6 +68,7 @@ def fetch(folder: Path, hub: str, **keys: Any) -> subprocess.CompletedProcess[st
     network = {"path": str(folder / "net"), "source": "toy/net"} | keys
     options = json.dumps(dict.fromkeys(("detector", "segmenter", "depth_anything"), network))
     command = [sys.executable, "-m", "stages.photo", "fetch", "--options", options, "--out", str(folder / "all.json")]
+    command += ["--lock", str(folder / "weights.lock.json")]
     environment = os.environ | {
         "HF_ENDPOINT": hub,
         "HF_HOME": str(folder / "home"),
@@ -87,12 +88,30 @@ def test_weights_come_once_and_say_what_they_are(hub: str, tmp_path: Path) -> No
     assert done.returncode == 0, done.stderr
     assert not [path for path in Hub.requests if path.endswith("/model.bin")]
     record = json.loads((tmp_path / "all.json").read_text())["detector"]
+    (locked,) = json.loads((tmp_path / "weights.lock.json").read_text()).items()
+    assert locked == ("toy/net@main", {"commit": COMMIT, "sha256": record["sha256"]})
+    assert done.stdout.count("from now on; keep the file") == 1  # three networks of one source
     assert record["commit"] == COMMIT and record["sha256"] == hashlib.sha256(FILES["model.safetensors"]).hexdigest()
     assert (tmp_path / "net/vocab.txt").read_bytes() == b"mug"
     network = WeightsConfig(path=str(tmp_path / "net"), source="toy/net")
     assert fetched(network, "photo.detector")["commit"] == COMMIT  # nobody is asked again
     with pytest.raises(InputError, match=r"photo\.detector\.sha256 asks for 0000"):
         fetched(network.model_copy(update={"sha256": "0" * 64}), "photo.detector")
+
+
+def test_the_next_machine_gets_the_same_bytes_or_an_error(hub: str, tmp_path: Path) -> None:
+    lock = tmp_path / "weights.lock.json"
+    sha256 = hashlib.sha256(FILES["model.safetensors"]).hexdigest()
+    lock.write_text(json.dumps({"toy/net@main": {"commit": COMMIT, "sha256": sha256}}))
+    assert fetch(tmp_path, hub).returncode == 0
+    assert any(path.startswith(f"/api/models/toy/net/revision/{COMMIT}") for path in Hub.requests)
+    assert not any("revision/main" in path for path in Hub.requests)
+    lock.write_text(json.dumps({"toy/net@main": {"commit": COMMIT, "sha256": "0" * 64}}))
+    done = fetch(tmp_path, hub)  # what lies here is looked at, too
+    assert done.returncode == 1 and f"has sha256 {sha256}, locked is 0000" in done.stderr
+    lock.write_text('{"toy/net@main": {"commit": "main"}}')
+    done = fetch(tmp_path, hub)
+    assert done.returncode == 1 and "weights.lock.json: is broken at" in done.stderr and "Traceback" not in done.stderr
 
 
 def test_weights_of_ones_own_stay(tmp_path: Path) -> None:

@@ -1,7 +1,7 @@
 """Any photograph, as the page and the input folder use it: upright, 8-bit RGB, of a size that a screen can show."""
 
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import cv2
@@ -11,6 +11,8 @@ from PIL import Image
 
 from stages.contracts.errors import InputError
 from stages.contracts.images import read_rgb
+from stages.scenes.rgbd.cameras import resized
+from stages.scenes.rgbd.lens import read_lens, straightened
 
 LONGEST = 1600  # pixels of the longer side; larger pictures are made smaller
 WIDEST = 2.4  # of a picture's sides: a panorama has no single perspective
@@ -78,8 +80,11 @@ def _exif(path: Path) -> tuple[Image.Exif, bool]:
             return image.getexif(), b"GPano:ProjectionType" in (xmp if isinstance(xmp, bytes) else str(xmp).encode())
 
 
-def read_photo(path: Path) -> Photo:
+def read_photo(path: Path, lens: Path | None = None) -> Photo:
     """Read a photograph.
+
+    Args:
+        lens: calibration of the camera, by which the picture is made straight.
 
     Raises:
         InputError: no picture, a panorama, or one that shows nothing.
@@ -100,4 +105,9 @@ def read_photo(path: Path) -> Photo:
         rgb = np.asarray(cv2.resize(rgb, size, interpolation=cv2.INTER_AREA), dtype=np.uint8)
     if float(rgb.std(axis=(0, 1)).max()) < FLAT:
         raise InputError(path, "shows nothing: it is all of one colour.", "take another photograph")
-    return Photo(rgb, None if focal is None else focal / shrunk, shrunk)
+    focal = None if focal is None else focal / shrunk
+    if lens is not None:
+        known = read_lens(lens, width, height)
+        scaled = resized(known.intrinsics, rgb.shape[1] / width, rgb.shape[0] / height)
+        rgb, focal = straightened(rgb, replace(known, intrinsics=scaled), lens)
+    return Photo(rgb, focal, shrunk)

@@ -1,0 +1,37 @@
+"""Where is down, if depth shows no floor: by the lines in the picture."""
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from stages.config.extraction import ExtractionConfig
+from stages.extraction.by_hand.perspective import fit_view
+from stages.extraction.by_hand.segments import propose, usual_focal
+from stages.extraction.room import find_floor, fit_floor, floor_frame
+from stages.geometry.cameras import back_project
+from stages.geometry.planes import Plane
+from stages.scenes.rgbd.frame import Frame
+
+LOWEST = 0.01  # share of the points that may lie below the floor: depth is noisy
+NEAREST = 0.1  # metres of the camera above the floor
+
+
+def level_camera(frame: Frame, floor: int | None) -> NDArray[np.float64] | None:
+    """`floor_from_camera` (4, 4) with the floor below what is seen, level by lines; None: extraction finds a floor.
+
+    Args:
+        frame: with masks.
+        floor: mask value of the floor.
+    """
+    points = back_project(frame.depth, frame.intrinsics)
+    seen = frame.depth > 0
+    options = ExtractionConfig()
+    on_floor = seen & (frame.masks.values == floor) if frame.masks and floor else np.zeros_like(seen)
+    fitted = fit_floor(points[on_floor], options, np.random.default_rng(0))
+    if fitted is not None or find_floor(points[seen], options, np.random.default_rng(0)) is not None:
+        return None
+    height, width = frame.depth.shape
+    grey = np.asarray(cv2.cvtColor(frame.rgb, cv2.COLOR_RGB2GRAY), np.uint8)
+    up = fit_view(propose(grey, usual_focal(width, height, float(frame.intrinsics[0, 0]))), width, height).rotation[2]
+    lowest = float(np.quantile(points[seen] @ up, LOWEST))
+    return floor_frame(Plane(up, min(lowest, -NEAREST), np.zeros(0, dtype=bool)))

@@ -1,0 +1,34 @@
+"""A picture by tiny networks of random weights, saved and loaded as real ones are: the whole way to its page."""
+
+import json
+import shutil
+from pathlib import Path
+
+from stages.contracts import Annotations, Camera, Objects, read_json
+from tests.unit.tiny_networks import depth_anything, detector, segmenter
+from tests.workflow.workspace import MICRO, ROOT, copy, planned, snakemake
+
+NETWORKS = {"detector": detector, "segmenter": segmenter, "depth_anything": depth_anything}
+
+
+def test_a_picture_goes_all_the_way_to_its_page(run: Path, tmp_path: Path) -> None:
+    folder = copy(run, tmp_path / "run")
+    shutil.copy(ROOT / "tests/data/photographed_room/rgb.jpg", folder / "my kitchen.jpg")
+    options: dict[str, object] = {"labels": ["cabinet", "mug", "coffee table"], "overlap": 1.0}
+    for name, make in NETWORKS.items():
+        make(folder / "weights" / name)
+        options[name] = {"path": f"weights/{name}"}
+    (folder / "mine.yaml").write_text(json.dumps({"photo": options}))
+    photo = ("photo", "--configfile", MICRO[1], "mine.yaml", "--config", "image=my kitchen.jpg")
+    done = snakemake(folder, *photo)
+    assert done.returncode == 0, done.stdout[-4000:]
+    assert "library" not in planned(done.stdout)
+    results = folder / "results"
+    said = read_json(Annotations, results / "photo/my_kitchen/annotations.json")
+    assert {item.label for item in said.objects} <= {"cabinet", "mug", "coffee table"}
+    camera = read_json(Camera, results / "photo/my_kitchen/camera.json")
+    objects = read_json(Objects, results / "extraction/my_kitchen/objects.json")
+    assert len(objects.objects) == len(said.objects)
+    page = (results / "report/scenes/my_kitchen.html").read_text()
+    assert camera.note and camera.note in page and objects.objects[0].id.replace("_", " ") in page
+    assert "Nothing to be done" in snakemake(folder, *photo).stdout
