@@ -1,7 +1,7 @@
 """How often the Open skill succeeds over a whole library, and where it fails: `python -m benchmarks.skill_yield`.
 
 Every asset with a joint for the task is tried with a few seeds, each at its own size, without a camera; flaps as well,
-which the task itself does not choose. attempts.csv has a line per attempt and grows: the same command goes on where it
+which an experiment does not choose. attempts.csv has a line per attempt and grows: the same command goes on where it
 was stopped. summary.md counts by handle, hinge and category; films/ shows failures.
 """
 
@@ -29,15 +29,6 @@ FIELDS = ("asset", "category", "joint", "handle", "hinge", "seed", "success", "c
 def seeds(asset: str, count: int) -> list[int]:
     """Initial states of an asset, others than those of any other."""
     return np.random.default_rng((900, *asset.encode())).integers(0, 2**31, count).tolist()
-
-
-def joints(folder: Path, task: str) -> list[str]:
-    """The joint that the task chooses, and the first flap beside it."""
-    chosen = load("tasks", task).target_joint(folder)
-    names = [chosen.joint] if chosen else []
-    if task == "door" and not names:
-        names += [joint.name for joint in read_asset(folder).joints if joint.role == "door" and joint.handle_link][:1]
-    return names
 
 
 def attempts(
@@ -125,11 +116,13 @@ def main() -> None:
             if not entry.doors + entry.drawers or given.only not in entry.id:
                 continue
             folder = given.library.parent / entry.folder
-            for joint in joints(folder, given.task):
-                states = [seed for seed in seeds(entry.id, given.attempts) if (entry.id, joint, seed) not in seen]
-                for row in attempts(folder, given.task, joint, size, states, options) if states else ():
-                    writer.writerow(row)
-                    file.flush()
+            chosen = load("tasks", given.task).target_joint(folder, flaps=True)
+            if chosen is None:
+                continue
+            states = [seed for seed in seeds(entry.id, given.attempts) if (entry.id, chosen.joint, seed) not in seen]
+            for row in attempts(folder, given.task, chosen.joint, size, states, options) if states else ():
+                writer.writerow(row)
+                file.flush()
     rows = list(csv.DictReader(ledger.open()))
     (given.out / "summary.md").write_text(summary(rows))
     print(summary(rows))

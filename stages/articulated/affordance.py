@@ -10,6 +10,7 @@ from stages.contracts.library import Asset, FrontPanel, HandleKind, HingeSide, J
 Task = Literal["door", "drawer"]
 LARGE = 0.5  # a panel with at least this share of the largest panel's area is as good a target
 SIDES: dict[Task, tuple[HingeSide, ...]] = {"door": ("left", "right"), "drawer": ("slide",)}
+FLAPS: tuple[HingeSide, ...] = ("bottom",)
 
 
 class Affordance(NamedTuple):
@@ -37,23 +38,21 @@ class Affordance(NamedTuple):
         return abs(self.height - other.height) + sum(map(abs, extents))
 
 
-def target_joint(folder: Path, task: Task, like: Affordance | None = None) -> Affordance | None:
+def target_joint(folder: Path, task: Task, like: Affordance | None = None, flaps: bool = False) -> Affordance | None:
     """The joint of the asset in `folder` that the task opens; None if no joint will do.
 
-    A door has an upright hinge (a flap that falls open is another motion), a drawer slides, and either has a handle.
+    A door has an upright hinge (a flap that falls open is another motion: it counts with `flaps`, on an asset with no
+    other door), a drawer slides, and either has a handle.
     For a cousin it is the one most like the twin's (`like`): the same hinge side first, then the same kind of handle,
     then the nearest height and extents. For the twin itself: of the large ones (half of the largest or more) the
     largest, then the one nearest to mid-height, then the first by name.
     """
     asset = read_asset(folder)
-    found = [
-        (joint, joint.panel)
-        for joint in asset.joints
-        if joint.role == task and joint.handle and joint.panel and joint.panel.hinge in SIDES[task]
-    ]
-    if not found:
+    able = _able(asset, task, SIDES[task])
+    if not able and flaps and task == "door":
+        able = _able(asset, task, FLAPS)
+    if not able:
         return None
-    able = [_affordance(asset, joint, panel) for joint, panel in found]
     if like is not None:
 
         def difference(one: Affordance) -> tuple[bool, bool, float, str]:
@@ -67,6 +66,14 @@ def target_joint(folder: Path, task: Task, like: Affordance | None = None) -> Af
         return -round(one.area / largest, 1), round(abs(one.height - 0.5), 3), one.joint
 
     return min((one for one in able if one.area >= LARGE * largest), key=order)
+
+
+def _able(asset: Asset, task: Task, sides: tuple[HingeSide, ...]) -> list[Affordance]:
+    return [
+        _affordance(asset, joint, joint.panel)
+        for joint in asset.joints
+        if joint.role == task and joint.handle and joint.panel and joint.panel.hinge in sides
+    ]
 
 
 def _affordance(asset: Asset, joint: Joint, panel: FrontPanel) -> Affordance:

@@ -108,7 +108,7 @@ def in_one(
         return SceneDemonstration(**about, asset="", status="failed", reason=reason), None
     room = read_room(path, object, library, cache)
     known: Task = load("tasks", setting.task)
-    asset, target = room.target.asset.id, known.target_joint(room.target.folder)
+    asset, target = room.target.asset.id, known.target_joint(room.target.folder, flaps=True)
     if target is None:
         reason = f"{object} is {asset}, which has no {known.role} that the robot can open"
         return SceneDemonstration(**about, asset=asset, status="failed", reason=reason), None
@@ -120,7 +120,7 @@ def in_one(
         task.place(seed)
         obstacle = in_the_way(task, room)
         if obstacle:
-            reasons[f"{obstacle} is in the robot's place"] += 1
+            reasons[obstacle] += 1
             continue
         attempts += 1
         episode, outcome = recorder.attempt(seed)

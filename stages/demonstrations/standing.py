@@ -1,10 +1,11 @@
-"""Where the robot may stand in a room, and what is in its way."""
+"""Where the robot may stand in a room, and what is in the way of it and of what its task needs there."""
 
 import numpy as np
 from sapien.physx import PhysxArticulationLinkComponent
 from scipy.spatial import cKDTree
 
-from stages.geometry.frames import apply
+from stages.articulated.asset_folder import read_asset
+from stages.geometry.frames import apply, inverse
 from stages.simulation.robot import GRIPPER_OPEN
 from stages.simulation.room import Room
 from stages.skills.clearance import arm_spheres
@@ -22,20 +23,26 @@ def places() -> list[tuple[float, float]]:
 
 
 def in_the_way(task: TaskEnv, room: Room) -> str | None:
-    """The name of what the robot, standing as it does, would touch most; None if it stands free."""
+    """What stands where the robot, as it is, or something that the task brings along would have to stand; or None."""
+    things = {name: points for name, points in room.obstacles.items() if name != "floor"}
     base = task.env.agent.robot.pose.sp.to_transformation_matrix()
     frames = task.chain.frames(task.joints()[None, :7])
     centers, radii = arm_spheres(frames, GRIPPER_OPEN)
     plinth = [(0.0, 0.0, -depth) for depth in np.arange(0.1, base[2, 3], 0.1)]
     centers = apply(base, np.concatenate([centers[0], FOOT, np.reshape(plinth, (-1, 3))]))
     radii = np.concatenate([radii, np.full(len(FOOT), FOOT_RADIUS), np.full(len(plinth), PLINTH_RADIUS)])
-    gaps = {
-        name: float((cKDTree(points).query(centers)[0] - radii).min())
-        for name, points in room.obstacles.items()
-        if name != "floor"
-    }
+    gaps = {name: float((cKDTree(points).query(centers)[0] - radii).min()) for name, points in things.items()}
     tightest = min(gaps, key=lambda name: gaps[name], default=None)
-    return tightest if tightest is not None and gaps[tightest] < 0 else None
+    if tightest is not None and gaps[tightest] < 0:
+        return f"{tightest} is in the robot's place"
+    for prop, pose in task.env.props():
+        asset = read_asset(prop.folder)
+        low, high = np.array([asset.box_min, asset.box_max]) * prop.scale
+        for name, points in things.items():
+            local = apply(inverse(pose), points)
+            if ((local > low) & (local < high)).all(axis=1).any():
+                return f"{name} is in the {asset.id}'s place"
+    return None
 
 
 def touched(task: TaskEnv, room: Room) -> set[str]:

@@ -54,6 +54,10 @@ class Chain:
         """(N, J) joints -> (N, 4, 4) end-effector poses in the base."""
         return self.frames(q)[:, -1]
 
+    def margin(self, q: Array) -> Array:
+        """(N, J) joints -> (N, J) radians to the nearer limit."""
+        return np.minimum(q - self.lower, self.upper - q)
+
 
 def jacobian(frames: Array) -> Array:
     """(N, J + 1, 4, 4) frames -> (N, 6, J) geometric Jacobian: velocity, then angular velocity, base axes."""

@@ -8,16 +8,17 @@ import numpy as np
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.geometry.frames import inverse
 from stages.simulation.kinematics import Array, Chain, pose_error
-from stages.simulation.robot import GRIPPER_OPEN
+from stages.simulation.robot import GRIPPER_OPEN, REST
 from stages.simulation.target import Target
 from stages.skills.attempts import RetryingSkill
 from stages.skills.clearance import Surroundings
 from stages.skills.handle_grasp import grasp_pose, grasps
 from stages.skills.motion import CLOSED, OPEN, Motion, Stall
-from stages.skills.path import Pursuit, along, articulation, straight
-from stages.skills.rollout import Stretch, first_feasible
+from stages.skills.path import Pursuit, along, articulation, distance, straight
+from stages.skills.rollout import ON_THE_WAY, Stretch, first_feasible, homing
 
 ABOVE = 0.05  # metres that the hand is higher than a handle at which it may have to come down to it
+ELSEWHERE = 0.15  # path length from the rest pose at which the hand may have to go back there first
 LOST = 0.06  # hand this far off the path of the handle has lost it, metres
 GENTLE = 3  # steps until the pull of a flap has its full speed: being heavy it would stay behind, and leave the fingers
 
@@ -39,12 +40,14 @@ def plan_articulation(
     start: float,
     goal: float,
     options: DemonstrationsConfig,
+    spare: float = 0.0,
 ) -> Plan | None:
     """The first grasp by which the arm can take the target joint from `start` to `goal` without touching anything.
 
     Args:
         joints: (7,) of the arm as it stands.
         start, goal: of the target joint; it stands at `start`.
+        spare: radians that the arm's joints are to keep to their limits, if some grasp does.
 
     Returns:
         None if there is none.
@@ -59,27 +62,32 @@ def plan_articulation(
         motion = base_from_asset @ articulation(target, pose, start, goal, grasp.follow)
         before = motion[0].copy()
         before[:3, 3] -= options.pregrasp * before[:3, 2]
-        for approach in approaches(hand, before):
+        for approach, slack in approaches(chain, joints, before):
             plan = Plan(approach, straight(before, motion[0]), motion)
             plans.append(plan)
             candidates.append(
                 (
-                    Stretch(plan.approach, GRIPPER_OPEN, (start, start)),
+                    Stretch(plan.approach, GRIPPER_OPEN, (start, start), slack=slack),
                     Stretch(plan.converge, GRIPPER_OPEN, (start, start)),
                     Stretch(plan.articulate, None, (start, goal)),
                 )
             )
-    index = first_feasible(chain, joints, candidates, base_from_asset, surroundings)
+    index = first_feasible(chain, joints, candidates, base_from_asset, surroundings, spare)
     return None if index is None else plans[index]
 
 
-def approaches(hand: Array, before: Array) -> list[Array]:
-    """Ways (K, 4, 4) from one pose to another: straight, and from above, where a skill before has left the hand."""
-    ways = [straight(hand, before)]
+def approaches(chain: Chain, joints: Array, before: Array) -> list[tuple[Array, float]]:
+    """Ways (K, 4, 4) from where the arm is to a pose of the hand, with their slack: straight; from where a skill before
+    has left the hand also from above, and through the rest pose."""
+    hand, rest = chain.pose(np.stack([joints, REST]))
+    ways = [(straight(hand, before), 1.0)]
     if hand[2, 3] > before[2, 3] + ABOVE:
         over = before.copy()
         over[2, 3] = hand[2, 3]
-        ways.append(along([hand, over, before]))
+        ways.append((along([hand, over, before]), 1.0))
+    if distance(hand[None], rest[None])[0] > ELSEWHERE:
+        to_rest = homing(chain, joints, hand)
+        ways.append((np.concatenate([to_rest, straight(to_rest[-1], before)[1:]]), ON_THE_WAY))
     return ways
 
 
@@ -87,6 +95,11 @@ class ArticulateSkill(RetryingSkill):
     """Moves the target joint of a task, by its handle, as far as a subclass says; tries again while there is time."""
 
     final = ("no_handle", "no_plan", "timeout", "ungrasp")
+
+    @property
+    def spare(self) -> float:
+        """Radians that the arm's joints are to keep to their limits."""
+        return 0.0
 
     @abstractmethod
     def goal(self, target: Target) -> float:
@@ -114,6 +127,7 @@ class ArticulateSkill(RetryingSkill):
             self.joint(),
             self.goal(target),
             self.options,
+            self.spare,
         )
         if plan is None:
             return "no_plan"

@@ -10,12 +10,11 @@ from stages.simulation.kinematics import Array
 from stages.skills.attempts import RetryingSkill
 from stages.skills.clearance import surface_points
 from stages.skills.motion import OPEN, Motion
-from stages.skills.rollout import Stretch, first_feasible
+from stages.skills.rollout import Stretch, can_be_held, first_feasible
 from stages.tasks.movable import Movable
 
 HELD_POINTS, HELD_RADIUS = 60, 0.004  # spheres on a held object, metres
 BATCH, BATCHES = 32, 4  # candidates that are rolled out together, and how often
-ON_THE_WAY = 4.0  # slack of the poses that are only passed
 CARRYING = 0.035  # how far ahead the hand aims with an object in it, metres: faster, it swings
 SLIPPED = 0.05  # metres that an object may shift in the hand
 
@@ -48,6 +47,13 @@ class CarrySkill(RetryingSkill):
         """Whether the hand still has the object about where it had it, at the pose (4, 4)."""
         now = inverse(self.task.hand()) @ self.movable().base_from_object
         return bool(np.linalg.norm(now[:3, 3] - hand_from_object[:3, 3]) < SLIPPED)
+
+    def held_at(self, poses: Array, fingers: float | None, held: Array | None) -> Array:
+        """(N,) whether the arm can hold the hand, and a `held` object, at poses (N, 4, 4) without touching anything."""
+        task = self.task
+        state = Stretch(poses, fingers, (self.joint(), self.joint()), held)
+        where = (task.env.base_from_asset(), self.surroundings())
+        return can_be_held(task.chain, task.joints()[:7], poses, state, *where)
 
     def first(self, plans: Sequence[Sequence[Stretch]]) -> Sequence[Stretch] | None:
         """The first plan that the arm can follow without touching anything; None if none of the first ones can."""

@@ -19,6 +19,10 @@ FLAP_DEPTH = 0.012  # the same on a flap, whose weight draws its bar towards the
 # better: 20 degrees lever a square bar out of them.
 FLAP = ((0.0, 1.0), (0.35, 1.0), (0.0, 0.5), (0.7, 1.0), (0.35, 0.5), (0.7, 0.5), (0.0, 0.0), (0.35, 0.0), (0.7, 0.0))
 
+# Tilt and pitch for the horizontal bar of a drawer where nothing else will do, or only with the arm at its limits: from
+# above, with the fingertips, as the upper finger comes near the panel.
+FROM_ABOVE = ((0.7, 0.35), (-0.7, 0.35), (0.35, 0.5))
+
 
 @dataclass(frozen=True)
 class Grasp:
@@ -41,6 +45,8 @@ def grasps(target: Target, handle: Handle) -> Iterator[Grasp]:
         yield from (Grasp(0.0, pitch, follow, FLAP_DEPTH) for pitch, follow in FLAP)
     for follow in (1.0, 0.5, 0.0) if target.revolute else (1.0,):
         yield from (Grasp(tilt, 0.0, follow) for tilt in tilts)
+    if not target.revolute and not upright:
+        yield from (Grasp(tilt, pitch, 1.0, 0.0) for tilt, pitch in FROM_ABOVE)
     if not handle.elongated:  # another knob beside it leaves no room for a finger
         for follow in (1.0, 0.5, 0.0) if target.revolute else (1.0,):
             yield from (Grasp(tilt, 0.0, follow, over=True) for tilt in (0.0, 0.35, -0.35, 0.7, -0.7))

@@ -7,11 +7,19 @@ import numpy as np
 
 from stages.geometry.frames import inverse
 from stages.simulation.kinematics import Array, Chain, pose_error, track
-from stages.skills.clearance import Surroundings, arm_spheres
-from stages.skills.path import distance
+from stages.simulation.robot import REST
+from stages.skills.clearance import MARGIN, Surroundings, arm_spheres
+from stages.skills.path import distance, straight
 
 STEP = 0.03  # path length between rolled-out poses
 POSITION_TOLERANCE, ROTATION_TOLERANCE = 0.01, 0.1  # metres and radians the rollout may miss a pose by
+ON_THE_WAY = 4.0  # slack of the poses that are only passed
+HOMING_STEP, HOMING_STEPS = (
+    0.05,
+    80,
+)  # radians of the joint that goes farthest between poses on the way to rest; most poses
+STILL = 0.002  # path length between them at which nothing more comes of it
+SETTLING = 20  # iterations of the IK to a pose far away
 
 
 @dataclass(frozen=True)
@@ -36,8 +44,13 @@ def first_feasible(
     candidates: Sequence[Sequence[Stretch]],
     base_from_asset: Array,
     surroundings: Surroundings,
+    spare: float = 0.0,
 ) -> int | None:
-    """Index of the first candidate that the arm can follow from `joints` (7,) and that touches nothing."""
+    """Index of the first candidate that the arm can follow from `joints` (7,) and that touches nothing.
+
+    Args:
+        spare: radians that every joint is to keep to its limits all the way; if none does, that which keeps most.
+    """
     if not candidates:
         return None
     sketches = [[thin(stretch.path) for stretch in candidate] for candidate in candidates]
@@ -46,8 +59,10 @@ def first_feasible(
         for sketch, candidate in zip(sketches, candidates, strict=True)
     ]
     rollouts, reached = roll_out(chain, joints, [np.concatenate(sketch) for sketch in sketches], slack)
+    best, widest = None, -np.inf
     for index, (candidate, sketch) in enumerate(zip(candidates, sketches, strict=True)):
-        if not reached[index]:
+        margin = chain.margin(rollouts[index]).min()
+        if not reached[index] or margin <= widest:
             continue
         ends = np.cumsum([len(path) for path in sketch])[:-1]
         parts = np.split(rollouts[index], ends)
@@ -55,8 +70,49 @@ def first_feasible(
             _is_clear(chain, part, stretch, base_from_asset, surroundings)
             for part, stretch in zip(parts, candidate, strict=True)
         ):
-            return index
-    return None
+            best, widest = index, margin
+            if margin >= spare:
+                break
+    return best
+
+
+def can_be_held(
+    chain: Chain, joints: Array, poses: Array, stretch: Stretch, base_from_asset: Array, surroundings: Surroundings
+) -> Array:
+    """(N,) whether the arm, near its `joints` (7,), can hold the hand at poses (N, 4, 4) without touching anything.
+
+    Cheap beside a whole candidate: of many poses those that are no use are left out first.
+
+    Args:
+        stretch: the state that robot and object then are in; its path is not looked at.
+    """
+    q = track(chain, np.tile(joints, (len(poses), 1)), poses, SETTLING)
+    error = pose_error(poses, chain.pose(q))
+    reached = np.linalg.norm(error[:, :3], axis=1) < POSITION_TOLERANCE
+    reached &= np.linalg.norm(error[:, 3:], axis=1) < ROTATION_TOLERANCE
+    spheres = arm_spheres(inverse(base_from_asset) @ chain.frames(q), stretch.fingers, stretch.held)
+    gaps = surroundings.gaps(*spheres, np.full(len(poses), stretch.joint[0]))
+    return np.asarray(reached & (gaps > MARGIN).all(axis=1))
+
+
+def homing(chain: Chain, joints: Array, off: Array) -> Array:
+    """(K, 4, 4) poses of a hand that goes straight to `off` (4, 4), from where the joints go to rest, or near it.
+
+    A straight way of the hand would turn some joint to its limit. Nor can the poses be those that the joints pass on a
+    straight way to rest: having a joint more than a pose needs, the arm would come to them bent in another way. So
+    every pose is a step towards rest from the joints with which the arm comes to the one before.
+    """
+    way = list(straight(chain.pose(joints[None])[0], off))
+    for pose in thin(np.stack(way)):
+        joints = track(chain, joints[None], pose[None])[0]
+    for _ in range(HOMING_STEPS):
+        left = REST - joints
+        pose = chain.pose((joints + left * min(1.0, HOMING_STEP / max(np.abs(left).max(), 1e-9)))[None])[0]
+        if distance(pose[None], way[-1][None])[0] < STILL:
+            break
+        way.append(pose)
+        joints = track(chain, joints[None], pose[None])[0]
+    return np.stack(way)
 
 
 def thin(path: Array) -> Array:

@@ -23,9 +23,14 @@ class Task:
     role: Literal["door", "drawer"]
     horizon: int = 100
 
-    def target_joint(self, folder: Path, like: Affordance | None = None) -> Affordance | None:
-        """The joint of the asset in `folder` that the task is about, None if none will do; `like`: that of the twin."""
-        return target_joint(folder, self.role, like)
+    def target_joint(self, folder: Path, like: Affordance | None = None, flaps: bool = False) -> Affordance | None:
+        """The joint of the asset in `folder` that the task is about, None if none will do.
+
+        Args:
+            like: that of the twin.
+            flaps: whether of an asset with no other door a flap will do.
+        """
+        return target_joint(folder, self.role, like, flaps)
 
 
 def register(task: Task) -> Task:

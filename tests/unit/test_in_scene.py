@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from stages.config.task import TaskConfig
 from stages.contracts import InputError, Library, read_json, write_json
 from stages.contracts.episode_store import read_episodes
 from stages.contracts.films import read_films
@@ -49,15 +50,16 @@ def block(name: str, position: tuple[float, float, float], size: tuple[float, fl
 def library(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("library")
     entries = []
-    for name, layout in (("cab", [["door"]]), ("shelf", [["open"]])):
-        asset = cabinet(folder / "models" / name, layout=layout)
+    layouts = {"cab": [["door"]], "shelf": [["open"]], "chest": [["drawer"], ["drawer"]], "oven": [["panel"], ["flap"]]}
+    for name, layout in layouts.items():
+        asset = cabinet(folder / "models" / name, layout=layout, major="rows", handle_length=0.5)
         entries.append(
             LibraryEntry(
                 id=name,
                 category="bottom_cabinet",
                 folder=f"models/{name}",
                 doors=asset.doors,
-                drawers=0,
+                drawers=asset.drawers,
                 checksum=asset.checksum,
             )
         )
@@ -118,10 +120,44 @@ def test_the_robot_stands_before_the_object_and_not_in_the_floor(library: Path, 
     task.close()
 
 
+@pytest.mark.parametrize(
+    ("task", "asset", "joint"),
+    [
+        ("drawer", "chest", "drawer_0_joint"),
+        ("put_away_bowl", "chest", "drawer_0_joint"),
+        ("door", "oven", "door_0_joint"),
+    ],
+)
+def test_every_task_is_demonstrated_in_a_scene(
+    library: Path, tmp_path: Path, task: str, asset: str, joint: str
+) -> None:
+    """A drawer, a bowl into it, and a flap, which an experiment would not choose but a scene may have."""
+    made = scene(1, block("chest_1", (1.9, 0.9, 0.35), (0.4, 0.45, 0.7)), target=asset)
+    write_json(tmp_path / "scene_1.json", made)
+    run(
+        scenes=(tmp_path / "scene_1.json",), object="cabinet_1", task=task, library=library, out=tmp_path / "out",
+        task_options=json.dumps(TASK),
+    )  # fmt: skip
+    (found,) = read_json(SceneDemonstrations, tmp_path / "out" / "in_scene.json").demonstrations
+    assert (found.status, found.joint) == ("ok", joint), found.reason
+
+
+def test_what_a_task_brings_along_does_not_stand_in_furniture(library: Path, tmp_path: Path) -> None:
+    stool = block("stool_1", (1.47, 0.24, 0.3), (0.3, 0.3, 0.6))
+    write_json(tmp_path / "scene_1.json", scene(1, stool, target="chest"))
+    room = read_room(tmp_path / "scene_1.json", "cabinet_1", library, tmp_path)
+    world = TaskConfig.model_validate(TASK)
+    task = make_task(
+        "put_away_bowl", room.target.folder, "drawer_0_joint", None, world, render=False, vary_scale=False, room=room
+    )
+    task.place(0)
+    assert task.env.props()[1][1][:2, 3] == pytest.approx([1.47, 0.24], abs=0.02), "the stand"
+    assert in_the_way(task, room) == "stool_1 is in the stand's place"
+    task.close()
+
+
 def demo_task(room: Room, options: dict[str, object]):  # type: ignore[no-untyped-def]
     """The door task in a room, placed, without a camera."""
-    from stages.config.task import TaskConfig
-
     task = make_task(
         "door", room.target.folder, "door_0_joint", None, TaskConfig.model_validate(options), render=False,
         vary_scale=False, room=room,

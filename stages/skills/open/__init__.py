@@ -3,9 +3,15 @@
 from stages.simulation.target import Target
 from stages.skills.articulate import ArticulateSkill
 
+SPARE = 0.2  # radians to the limits of the arm's joints where another skill begins: at a limit it finds no way
+
 
 class OpenSkill(ArticulateSkill):
     """Opens the target joint of a task as it stands, somewhat further than success needs."""
+
+    @property
+    def spare(self) -> float:
+        return SPARE if len(self.task.task.skills) > 1 else 0.0
 
     def goal(self, target: Target) -> float:
         fraction = min(1.0, self.task.success_opening + self.options.goal_margin)

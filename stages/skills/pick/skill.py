@@ -3,17 +3,16 @@
 import numpy as np
 
 from stages.geometry.frames import apply, inverse
-from stages.simulation.kinematics import Array, track
+from stages.simulation.kinematics import Array
 from stages.simulation.robot import GRIPPER_OPEN, REST
-from stages.skills.carry import ON_THE_WAY, CarrySkill, held_spheres, shifted
+from stages.skills.carry import CarrySkill, held_spheres, shifted
 from stages.skills.motion import CLOSED, OPEN, Motion
 from stages.skills.path import along, straight
 from stages.skills.pick.grasps import by_turn, object_cloud, sample_grasps
-from stages.skills.rollout import Stretch, thin
+from stages.skills.rollout import ON_THE_WAY, Stretch, homing
 from stages.tasks.movable import Movable
 
 LIFT = 0.08  # metres
-HOMING_STEP = 0.03  # radians of the joint that goes farthest, between poses on the way to rest
 
 
 class PickSkill(CarrySkill):
@@ -43,32 +42,20 @@ class PickSkill(CarrySkill):
         hand let go of a handle turn the wrist on to its limits."""
         return np.asarray(self.task.chain.pose(REST[None])[0])
 
-    def _homing(self, off: Array) -> Array:
-        """(K, 4, 4) poses of a hand whose joints go straight to rest from where they are at the pose `off` (4, 4).
-
-        What joints have done, poses can ask for: a straight way of the hand would turn some joint to its limit.
-        """
-        task = self.task
-        start = task.joints()[:7]
-        for pose in thin(straight(task.hand(), off)):
-            start = track(task.chain, start[None], pose[None])[0]
-        steps = max(2, int(np.abs(start - REST).max() / HOMING_STEP))
-        return np.asarray(task.chain.pose(np.linspace(start, REST, steps)))
-
     def _plans(self, grasps: Array, item: Movable) -> list[tuple[Stretch, Stretch, Stretch]]:
         """Move, the last part of it, and Lift, for every grasp (N, 4, 4), base frame: straight there, or backing off
         from a handle first, or from there through the rest pose, where no joint is near its limits."""
         hand, back = self.task.hand(), self.options.pregrasp
         off = shifted(hand, back * self.task.env.base_from_asset()[:3, 0])  # the way that a drawer opens
         joint = (self.joint(), self.joint())
-        homing = np.concatenate([straight(hand, off), self._homing(off)])
+        to_rest = homing(self.task.chain, self.task.joints()[:7], off)
         plans = []
         for grasp in grasps:
             above = shifted(grasp, -back * grasp[:3, 2])
             held = held_spheres(item.mesh, inverse(grasp) @ item.base_from_object)
             down = Stretch(straight(above, grasp), GRIPPER_OPEN, joint)
             lift = Stretch(straight(grasp, shifted(grasp, np.array([0.0, 0.0, LIFT]))), None, joint, held)
-            home = np.concatenate([homing, straight(self.rest, above)[1:]])
+            home = np.concatenate([to_rest, straight(to_rest[-1], above)[1:]])
             for way in (straight(hand, above), along([hand, off, above]), home):
                 plans.append((Stretch(way, GRIPPER_OPEN, joint, slack=ON_THE_WAY), down, lift))
         return plans

@@ -10,7 +10,7 @@ from stages.simulation.kinematics import Array
 from stages.simulation.region import Region
 
 BESIDE = 0.01  # metres between an object and the walls around it
-DROP = (0.012, 0.1)  # metres above the surface at which it is let go: a deep drawer has no room for the hand
+DROP = (0.012, 0.16)  # metres above the surface at which it is let go: a deep drawer has no room for the hand
 FALL = 8.0  # radians of turn that a metre of fall counts for
 FOOT = 0.01  # metres above its lowest point that belong to what an object stands on
 TURN = 1.6  # radians, the largest turn of the hand about the vertical that is tried

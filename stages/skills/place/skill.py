@@ -7,12 +7,11 @@ import numpy as np
 from stages.geometry.frames import apply, inverse
 from stages.simulation.kinematics import Array
 from stages.simulation.robot import GRIPPER_OPEN
-from stages.skills.carry import ON_THE_WAY, CarrySkill, held_spheres, shifted
-from stages.skills.clearance import MARGIN
+from stages.skills.carry import CarrySkill, held_spheres, shifted
 from stages.skills.motion import CLOSED, OPEN, Motion
 from stages.skills.path import along, straight
 from stages.skills.place.predicates import PREDICATES, sample_placements
-from stages.skills.rollout import Stretch
+from stages.skills.rollout import ON_THE_WAY, Stretch
 
 SAMPLES = 300  # placements drawn; most are under the cabinet and rejected at once
 REACH = 0.15  # metres from the tool centre point within which a held object's origin is
@@ -34,7 +33,7 @@ class PlaceSkill(CarrySkill):
         places = apply(item.base_from_region, PREDICATES[item.relation](item.region, item.mesh))
         poses = sample_placements(places, item.mesh, hand, hand_from_object, SAMPLES, number)
         held = held_spheres(item.mesh, hand_from_object)
-        poses = poses[self._free(poses, held)] if len(poses) else poses
+        poses = poses[self.held_at(poses, None, held)] if len(poses) else poses
         if len(poses) == 0:
             return "no_place"
         plan = self.first(self._plans(poses, hand, held))
@@ -44,13 +43,6 @@ class PlaceSkill(CarrySkill):
         if not cause and not self.holds(hand_from_object):
             return "let_go" if self.movable().there else "dropped"
         return cause or ("" if motion.release() else "ungrasp") or self.reach(motion, plan[2:], OPEN, "retreat")
-
-    def _free(self, poses: Array, held: Array) -> Array:
-        """(N,) whether the held object touches nothing where the poses (N, 4, 4) of the hand put it."""
-        asset_from_hand = inverse(self.task.env.base_from_asset()) @ poses
-        centers = np.swapaxes(asset_from_hand[:, :3, :3] @ held[:, :3].T, 1, 2) + asset_from_hand[:, None, :3, 3]
-        values = np.full(len(poses), self.joint())
-        return np.asarray((self.surroundings().gaps(centers, held[:, 3], values) > MARGIN).all(axis=1))
 
     def _plans(self, poses: Array, hand: Array, held: Array) -> list[tuple[Stretch, Stretch, Stretch]]:
         """Move, the last part of it, and Lift, for every placement: over what stands around it, then down."""
@@ -65,8 +57,8 @@ class PlaceSkill(CarrySkill):
             down = Stretch(straight(above, pose), None, joint, held)
             up = shifted(pose, np.array([0.0, 0.0, max(RETREAT, top - pose[2, 3])]))
             retreat = Stretch(straight(pose, up), GRIPPER_OPEN, joint)
-            for way in ([hand, above], [hand, high, above]):
-                plans.append((Stretch(along(way), None, joint, held, ON_THE_WAY), down, retreat))
+            way = along([hand, high, above] if high[2, 3] > hand[2, 3] else [hand, above])
+            plans.append((Stretch(way, None, joint, held, ON_THE_WAY), down, retreat))
         return plans
 
     def _rim(self) -> float:

@@ -1,0 +1,115 @@
+"""Which of many ways a skill takes: joints to spare, by the rest pose, from above; where a hand can be held at all."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stages.config.task import TaskConfig
+from stages.geometry.frames import inverse
+from stages.simulation.kinematics import Chain, track
+from stages.simulation.robot import REST
+from stages.skills.articulate import approaches
+from stages.skills.clearance import Surroundings
+from stages.skills.handle_grasp import FROM_ABOVE, Grasp, grasp_pose, grasps
+from stages.skills.path import distance, straight
+from stages.skills.rollout import Stretch, can_be_held, first_feasible
+from stages.tasks.api import TaskEnv, make_task
+from tests.unit.demo_assets import cabinet
+
+OPTIONS = TaskConfig(scale_variants=1)
+
+
+@pytest.fixture(scope="module")
+def door(tmp_path_factory: pytest.TempPathFactory) -> TaskEnv:
+    folder = tmp_path_factory.mktemp("assets") / "door"
+    cabinet(folder)
+    return make_task("door", folder, "door_0_joint", None, OPTIONS, render=False)
+
+
+def test_of_ways_that_can_be_followed_the_first_with_joints_to_spare_is_taken(door: TaskEnv) -> None:
+    door.place(0)
+    chain, where = door.chain, door.env.base_from_asset()
+    hand = chain.pose(REST[None])[0]
+    goals = [
+        [0.03, 0.0, -0.03],
+        [-0.18, 0.0, 0.0],
+        [-0.05, 0.0, 0.0],
+    ]  # metres from rest, where joint 4 is 0.46 from its limit
+    ways = [
+        [Stretch(straight(hand, hand + np.pad([[x] for x in goal], ((0, 1), (3, 0)))), 0.04, (0.0, 0.0))]
+        for goal in goals
+    ]
+    ends = [chain.margin(joints_at_end(chain, way[0].path)[None]).min() for way in ways]
+    assert ends[0] > 0.4 and ends[1] < 0.2 < ends[2] < ends[0]
+
+    class Free(Surroundings):
+        def clear(self, centers: np.ndarray, radii: np.ndarray, values: np.ndarray) -> bool:
+            return True
+
+    def taken(order: list[int], spare: float) -> int | None:
+        return first_feasible(chain, REST, [ways[i] for i in order], where, Free(door.env.target), spare)
+
+    assert taken([1, 2, 0], 0.0) == 0
+    assert taken([1, 2, 0], 0.2) == 1, "not the one with most, the first with enough"
+    assert taken([1, 0, 2], 1.0) == 1, "none has enough: the one with most"
+
+
+def joints_at_end(chain: Chain, path: np.ndarray) -> np.ndarray:
+    """(7,) joints of an arm that followed a path of the hand from rest."""
+    joints = REST
+    for pose in path:
+        joints = track(chain, joints[None], pose[None])[0]
+    return np.asarray(joints)
+
+
+def test_an_arm_that_is_elsewhere_may_go_through_rest(door: TaskEnv) -> None:
+    chain = door.chain
+    rest = chain.pose(REST[None])[0]
+    before = rest.copy()
+    before[:3, 3] += [0.1, 0.0, -0.1]
+    elsewhere = REST + np.array([0.8, 0.4, -0.3, 0.5, 0.4, -0.6, 0.5])
+    assert len(approaches(chain, REST, before)) == 2  # straight, and from above
+    way, slack = approaches(chain, elsewhere, before)[-1]
+    assert slack > 1.0
+    assert way[0] == pytest.approx(chain.pose(elsewhere[None])[0]) and way[-1] == pytest.approx(before)
+    gaps = distance(way, np.broadcast_to(rest, way.shape))
+    assert gaps.min() < 0.05, "at rest or near it"
+    assert distance(way[1:], way[:-1]).max() < 0.06
+    joints = elsewhere
+    for pose in way[: gaps.argmin() + 1]:
+        joints = track(chain, joints[None], pose[None])[0]
+    assert chain.margin(joints[None]).min() > 0.3, "the arm comes there with no joint at a limit"
+
+
+def test_a_hand_can_be_held_where_the_arm_reaches_and_nothing_is(door: TaskEnv) -> None:
+    door.place(0)
+    where, around = door.env.base_from_asset(), Surroundings(door.env.target)
+    here, far, inside = door.hand(), door.hand(), door.hand()
+    far[:3, 3] += [1.0, 0.0, 0.0]
+    middle = door.env.target.moving.bounds.mean(axis=0)
+    inside[:3, 3] = (where @ np.append(middle, 1.0))[:3]
+    poses = np.stack([here, far, inside])
+    state = Stretch(poses, 0.04, (door.env.target.lower,) * 2)
+    free = can_be_held(door.chain, door.joints()[:7], poses, state, where, around)
+    assert free.tolist() == [True, False, False]
+    on_the_way = np.array([[*(inverse(here) @ np.append((where @ np.append(middle, 1.0))[:3], 1.0))[:3], 0.02]])
+    state = replace(state, held=on_the_way)  # a held thing that reaches into the door
+    assert not can_be_held(door.chain, door.joints()[:7], poses, state, where, around)[0]
+
+
+def test_a_bar_is_held_from_above_only_on_a_drawer_and_last(door: TaskEnv, tmp_path: Path) -> None:
+    cabinet(tmp_path / "drawer", layout=[["drawer", "open"]])
+    drawer = make_task("drawer", tmp_path / "drawer", "drawer_0_joint", None, OPTIONS, render=False)
+    door.place(0)
+    drawer.place(0)
+    for task, last in ((door, []), (drawer, list(FROM_ABOVE))):
+        handle = task.env.target.handle
+        assert handle is not None
+        ways = list(grasps(task.env.target, handle))
+        assert [(way.tilt, way.pitch) for way in ways if way.pitch] == last
+        assert [(way.tilt, way.pitch) for way in ways[len(ways) - len(last) :]] == last
+    over = grasp_pose(handle, Grasp(0.0, 0.5, 1.0, 0.0), np.eye(4))
+    assert over[:3, 2] == pytest.approx([-np.cos(0.5), 0.0, -np.sin(0.5)])
+    drawer.close()
