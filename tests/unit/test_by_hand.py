@@ -249,6 +249,20 @@ def test_a_known_camera_alone_frames_a_picture_without_floor(tmp_path: Path) -> 
     assert objects.objects[0].box is not None and objects.objects[0].box.size[2] == pytest.approx(0.9, abs=0.03)
 
 
+def test_a_foot_marked_too_high_is_put_onto_what_carries_it() -> None:
+    drawing = _drawing()
+    mug = drawing.objects[1]
+    mug.points = [(u, v - 9) for u, v in mug.points[:2]] + list(mug.points[2:3])  # far beyond the cabinet
+    solved = solve(drawing)
+    box, carrier = solved.boxes["mug"], solved.boxes["cabinet"]
+    assert "its foot lay beyond what it stands on" in solved.notes["mug"]
+    assert box.bottom == pytest.approx(carrier.top) and box.top == pytest.approx(BOXES["mug"].top, abs=0.06)
+    away = np.linalg.norm(BOXES["mug"].center)
+    assert np.linalg.norm(np.subtract(box.center, BOXES["mug"].center)) < 0.1 * away
+    mug.points = [(u + 150, v) for u, v in mug.points]  # beside it
+    assert "is that deep enough" in solve(drawing).notes["mug"]
+
+
 # the server
 
 

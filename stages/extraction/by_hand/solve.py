@@ -19,9 +19,11 @@ from stages.extraction.by_hand.metrology import (
 from stages.extraction.by_hand.perspective import fit_view
 from stages.extraction.by_hand.project import DrawnObject, Pixel, Project, Scale
 from stages.geometry.boxes import UprightBox, corners
+from stages.geometry.frames import yaw_matrix
 
 NEAREST, FARTHEST = 0.05, 30.0  # metres: a camera is nowhere else above the floor
 EDGE = 6.0  # pixels beside the top of an object that still count as on it
+NEARER = 0.7  # of its distance at least, at which something that was marked too high is put onto what carries it
 SIDES = {"width": 0, "depth": 1, "height": 2}
 
 
@@ -74,6 +76,8 @@ class _Room:
                 seen = item.points[: 2 if item.on in self.walls else 3]
                 self.boxes[item.id] = self._box(item, seen, above)
                 self.notes[item.id] = f"{error}; its depth is guessed"
+            if item.on in self.boxes:
+                self._onto(item, self.boxes[item.on])
         except MetrologyError as error:
             self.notes.setdefault(item.id, str(error))
 
@@ -85,6 +89,28 @@ class _Room:
         if item.round:
             return round_box(self.view, ground, points, sizes)
         return standing_box(self.view, ground, points, sizes, item.free)
+
+    def _onto(self, item: DrawnObject, carrier: UprightBox) -> None:
+        """Nearer along the line of sight, and smaller by as much, until its rear is over what carries it.
+
+        On a level just below the eye a pixel is many centimetres: a foot that was marked little too high is far beyond.
+        """
+        box, eye = self.boxes[item.id], np.array([0, 0, self.view.above])
+        for share in np.linspace(1, NEARER, 31):
+            sizes = zip(item.sizes if self.typed else (None,) * 3, np.asarray(box.size), strict=True)
+            size = np.array([known or share * seen for known, seen in sizes])
+            center = eye + share * (np.asarray(box.center) - eye)
+            if _over(carrier, center + yaw_matrix(box.yaw) @ [0, size[1] / 2, 0]):
+                break
+        else:
+            self.notes.setdefault(item.id, "stands beside what it should stand on: is that deep enough?")
+            return
+        if share < 1:
+            if item.height is None:
+                size[2] = max(center[2] + size[2] / 2 - carrier.top, size[2] / 2)
+            center[2] = carrier.top + size[2] / 2
+            self.boxes[item.id] = UprightBox(center, size, box.yaw)
+            self.notes.setdefault(item.id, f"its foot lay beyond what it stands on: {1 - share:.0%} nearer")
 
     def _ground(self, item: DrawnObject, above: tuple[str, ...]) -> float:
         if item.on == "floor":
@@ -146,8 +172,6 @@ def solve(project: Project) -> Solved:
         if box is not None and max(np.asarray(box.size)) > FARTHEST:
             room.notes[item.id] = f"would be {max(np.asarray(box.size)):.0f} m large"
             del room.boxes[item.id]
-        elif box is not None and item.on in room.boxes and not _over(room.boxes[item.on], np.asarray(box.center)):
-            room.notes[item.id] = "stands beside what it should stand on: is that deep enough?"
         elif box is not None and (guess := _guessed(item, item.on in room.walls)):
             room.notes.setdefault(item.id, guess)
     return Solved(room.view, room.walls, room.boxes, {**room.notes, **notes})
