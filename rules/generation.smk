@@ -10,6 +10,7 @@ rule generate:
         cousins=rules.match.output.cousins,
         objects=rules.extract.output.objects,
         clouds=rules.extract.output.clouds,
+        masks=rules.extract.output.masks,
         library=rules.library.output.library,
     output:
         scenes=[f"results/generation/{{variant}}/{{scene}}/scene_{rank}.json" for rank in RANKS],

@@ -83,6 +83,7 @@ def measured_box(
     trim: float,
     depth_error: tuple[float, float] | None,
     beyond: float = 0.0,
+    flat: bool = True,
 ) -> UprightBox:
     """The object's box along axes turned by `yaw`, its heights those of `box`, which reaches down to the support.
 
@@ -93,6 +94,7 @@ def measured_box(
         trim: share of the points left out at an end.
         depth_error: a and b of the noise a + b z^2 of depth, along the line of sight; None: ends are quantiles.
         beyond: metres by which the model's box reaches beyond the face that it shows towards +x (`beyond_front`).
+        flat: it has faces; what is round has none, and its near end is where its points end.
     """
     turn = yaw_matrix(yaw)[:2, :2]
     center, size = np.array(box.center, dtype=float), np.array(box.size, dtype=float)
@@ -106,7 +108,7 @@ def measured_box(
             inset = min(OUTSIDE * noise, MOST * float(np.ptp(limits[:, axis])))
             limits[:, axis] += [inset, -inset]
             near = 1 if along < 0 else 0
-            face = near_face(points[:, axis], 2 * near - 1, noise, trim)
+            face = near_face(points[:, axis], 2 * near - 1, noise, trim) if flat else None
             if face is not None:
                 limits[near, axis] = face + (beyond if axis == 0 and near == 1 else 0.0)
     limits.sort(axis=0)

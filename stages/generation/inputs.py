@@ -8,19 +8,23 @@ from numpy.typing import NDArray
 
 from stages.contracts import Cousins, InputError, Library, Objects, read_json
 from stages.contracts.cousins import Cousin, ObjectCousins
-from stages.contracts.extracted import read_clouds
+from stages.contracts.extracted import read_clouds, read_object_masks
 from stages.contracts.objects import SceneObject
 from stages.geometry.viewing import view_angle
 
 
 @dataclass(frozen=True)
 class Inputs:
-    """Everything that the scenes of all ranks share. `clouds`, `cousins`: by object id; `folders`: by asset id."""
+    """Everything that the scenes of all ranks share. `clouds`, `cousins`: by object id; `folders`: by asset id.
+
+    bearings: by object id, the least and the largest level direction (radians, floor frame) in which it is seen.
+    """
 
     objects: Objects
     cousins: dict[str, ObjectCousins]
     clouds: dict[str, NDArray[np.float32]]
     folders: dict[str, Path]
+    bearings: dict[str, tuple[float, float]]
 
     def ranked(self, item: SceneObject) -> list[Cousin] | str:
         """The object's cousins, best first; or why it has none."""
@@ -61,4 +65,20 @@ def read_inputs(cousins: Path, objects: Path, library: Path) -> Inputs:
         cousins={entry.id: entry for entry in matched.objects},
         clouds=read_clouds(objects, extracted),
         folders={entry.id: library.parent / entry.folder for entry in index.assets},
+        bearings=bearings_of(extracted, read_object_masks(objects, extracted)),
     )
+
+
+def bearings_of(objects: Objects, masks: NDArray[np.uint16]) -> dict[str, tuple[float, float]]:
+    """Between which level directions each object is seen, from the outer edges of its pixels."""
+    pose, found = np.array(objects.floor_from_camera), {}
+    turn = pose[:3, :3] @ np.linalg.inv(np.array(objects.intrinsics))
+    for item in objects.objects:
+        rows, columns = np.nonzero(masks == item.mask)
+        if item.box is None or not len(rows):
+            continue
+        middle = np.arctan2(*(np.array(item.box.center)[:2] - pose[:2, 3])[::-1])
+        x, y, _ = turn @ [np.concatenate([columns - 0.5, columns + 0.5]), np.tile(rows, 2), np.ones(2 * len(rows))]
+        off = np.angle(np.exp(1j * (np.arctan2(y, x) - middle)))
+        found[item.id] = (float(middle + off.min()), float(middle + off.max()))
+    return found

@@ -15,7 +15,7 @@ from stages.generation.mounting import against_wall, on_supports
 from stages.generation.placed import Placed
 from stages.generation.pose import rear_at_wall, rectangularity, turned_to, wall_axes
 from stages.generation.prisms import Prism, placed_prisms, surface_beneath
-from stages.generation.sizing import believable_box, round_box, sight_yaw
+from stages.generation.sizing import as_wide_as_seen, believable_box, round_box, sight_yaw
 from stages.generation.support import sorted_by_height, support_tree
 from stages.geometry.boxes import UprightBox, volume
 from stages.geometry.viewing import view_yaw
@@ -93,6 +93,7 @@ def place(
     scene: Objects,
     options: GenerationConfig,
     beyond: float = 0.0,
+    bearings: tuple[float, float] | None = None,
 ) -> Placed:
     """One asset with the object's yaw, extents and position, not yet on its support.
 
@@ -100,6 +101,7 @@ def place(
         cloud: the object's points (N, 3), floor frame.
         scene: gives camera and walls.
         beyond: metres by which the asset's box reaches beyond its front.
+        bearings: level directions between which the object is seen, radians, floor frame.
     """
     assert item.box is not None
     mounting = item.mounting or Mounting(type=2)
@@ -113,10 +115,11 @@ def place(
         matched_yaw(cousin, extracted, camera, touched, options), item.box, cloud, touched, asset.articulated, options
     )
     axes = sight_yaw(extracted, camera) if is_round else yaw
-    box = measured_box(cloud, extracted, axes, camera, options.trim, options.depth_error, beyond)
+    box = measured_box(cloud, extracted, axes, camera, options.trim, options.depth_error, beyond, not is_round)
     for wall in reached:
         box = against_wall(box, wall, options.min_extent)
     if is_round:
+        box = as_wide_as_seen(box, camera, bearings) if bearings else box
         box = round_box(box, options.aspect_range)._replace(yaw=yaw)
     elif native:
         box = sized(box, cloud, asset, mounting, reached, camera, options)

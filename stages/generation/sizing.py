@@ -13,6 +13,24 @@ def sight_yaw(box: UprightBox, camera: ArrayLike) -> float:
     return wrap_angle(float(np.arctan2(away[1], away[0])))
 
 
+def as_wide_as_seen(box: UprightBox, camera: ArrayLike, bearings: tuple[float, float]) -> UprightBox:
+    """The box of a round asset, not narrower than its outline: few points lie at the outline, and they are trimmed.
+
+    Args:
+        box: measured along `sight_yaw`, so that y is width.
+        bearings: level directions between which the object is seen, radians, floor frame.
+    """
+    center, size = np.array(box.center, dtype=float), np.array(box.size, dtype=float)
+    to_center = center[:2] - np.asarray(camera, dtype=float)[:2]
+    distance, (low, high) = float(np.linalg.norm(to_center)), bearings
+    width = 2 * distance * float(np.sin((high - low) / 2))
+    if width <= size[1]:
+        return box
+    size[1] = width
+    center[:2] += distance * yaw_matrix((low + high) / 2)[:2, 0] - to_center
+    return UprightBox(center, size, box.yaw)
+
+
 def round_box(box: UprightBox, believable: tuple[float, float]) -> UprightBox:
     """The box of a round asset: as deep as it is wide.
 

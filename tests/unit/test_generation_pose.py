@@ -5,13 +5,16 @@ import pytest
 import trimesh
 
 from stages.config.generation import GenerationConfig
-from stages.contracts.objects import Mounting, Wall
+from stages.contracts import Objects
+from stages.contracts.objects import Box, Mounting, SceneObject, Wall
 from stages.generation.extents import beyond_front, measured_box, near_face, only_noise
+from stages.generation.inputs import bearings_of
 from stages.generation.placement import sized, walls_reached
 from stages.generation.pose import rear_at_wall, rectangularity, turned_to, wall_axes
-from stages.generation.sizing import believable_box, fits, round_box, sight_yaw
+from stages.generation.sizing import as_wide_as_seen, believable_box, fits, round_box, sight_yaw
 from stages.geometry.boxes import UprightBox
-from stages.geometry.frames import wrap_angle, yaw_matrix
+from stages.geometry.cameras import intrinsics_from_fov, look_at, project
+from stages.geometry.frames import apply, inverse, wrap_angle, yaw_matrix
 from stages.geometry.viewing import view_yaw
 from tests.unit.generation_scenes import asset
 
@@ -146,6 +149,47 @@ def test_a_handle_stands_before_the_face_that_is_measured(quarter, nearer):
     assert handled.size[0] - plain.size[0] == pytest.approx(nearer)
     assert plain.center[0] - handled.center[0] == pytest.approx(nearer / 2)
     assert (handled.size[1], handled.center[1]) == pytest.approx((plain.size[1], plain.center[1]))
+
+
+def test_what_is_round_has_no_face():
+    """Its near end is where its points end: here a front of 4 cm, and behind it a step where most points are."""
+    camera, seen = np.array([0, 0, 0.5]), UprightBox((3, 0, 0.5), (0.4, 0.4, 0.4), 0.0)
+    rng = np.random.default_rng(0)
+    near, step = (rng.uniform(-0.2, 0.2, (count, 3)) + np.array([3, 0, 0.5]) for count in (200, 2000))
+    near[:, 0], step[:, 0] = rng.uniform(2.8, 2.84, 200), 2.84
+    far = np.array([[3.2, 0, 0.5]] * 200)
+    cloud = np.concatenate([near, step, far])
+    ends = [measured_box(cloud, seen, 0.0, camera, 0.001, (0.0, 0.0), flat=flat) for flat in (True, False)]
+    starts = [box.center[0] - box.size[0] / 2 for box in ends]
+    assert starts == pytest.approx([2.84, 2.80], abs=0.006)
+
+
+def test_a_round_thing_is_as_wide_as_its_outline():
+    """A cylinder of radius 0.2 at 45 degrees from a camera beside the origin; its points end short of the outline."""
+    camera, center, yaw = np.array([1.0, 0, 1.5]), np.array([3.0, 2.0, 0.5]), np.pi / 4
+    distance, half = np.sqrt(8), np.arcsin(0.2 / np.sqrt(8))
+    narrow = UprightBox(center + 0.03 * yaw_matrix(yaw)[:, 1], (0.2, 0.34, 1.0), yaw)
+    box = as_wide_as_seen(narrow, camera, (yaw - half, yaw + half))
+    assert box.size == pytest.approx([0.2, 0.4, 1.0], abs=1e-3)
+    assert box.center == pytest.approx(center, abs=2e-3)
+    hidden = as_wide_as_seen(narrow, camera, (yaw - half / 2, yaw + half / 2))
+    assert hidden is narrow and distance > 2
+
+
+def test_bearings_of_an_object_from_its_mask():
+    """A pole 0.2 wide, 4 m ahead along y of a camera that looks down on its middle."""
+    intrinsics, pose = intrinsics_from_fov(400, 300, 1.0), look_at([0, 0, 1.5], [0, 4, 0.5])
+    pixels = project(apply(inverse(pose), np.array([(-0.1, 4, 0.5), (0.1, 4, 0.5)])), intrinsics)
+    masks = np.zeros((300, 400), np.uint16)
+    masks[148:151, round(pixels[:, 0].min() + 0.5) : round(pixels[:, 0].max() + 0.5)] = 7
+    box = Box(center=(0, 4, 0.5), size=(0.2, 0.2, 1), yaw=0)
+    item = SceneObject(id="pole_1", label="pole", mask=7, box=box, mounting=Mounting(type=2))
+    scene = Objects(
+        scene="s", width=400, height=300, intrinsics=intrinsics.tolist(), floor_from_camera=pose.tolist(), walls=[],
+        objects=[item],
+    )  # fmt: skip
+    low, high = bearings_of(scene, masks)["pole_1"]
+    assert (low, high) == pytest.approx((np.pi / 2 - 0.025, np.pi / 2 + 0.025), abs=0.003)
 
 
 def test_how_far_a_model_reaches_beyond_its_front():
