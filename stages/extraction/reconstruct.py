@@ -99,20 +99,24 @@ def _floor_from_camera(
     options: ExtractionConfig,
     rng: np.random.Generator,
 ) -> NDArray[np.float64]:
-    """Floor frame as given, from the floor mask, or from the lowest level plane if there is no mask or it is no use."""
+    """Floor frame as given, from the floor mask, or from the level planes if there is no mask or it is no use."""
     if image.floor_from_camera is not None:
         return image.floor_from_camera
     floor = None
     if image.annotations.floor is not None:
         floor = room.fit_floor(points[usable & (image.masks == image.annotations.floor)], options, rng)
     if floor is None:
-        floor = room.find_floor(points[usable], options, rng)
+        named = [item.mask for item in image.annotations.objects]
+        clouds = [cloud for value in named if len(cloud := points[usable & (image.masks == value)])]
+        rest = points[usable & ~np.isin(image.masks, [*named, *image.annotations.walls])]
+        floor = room.find_floor(rest, clouds, options, rng) or room.find_floor(points[usable], clouds, options, rng)
     if floor is None:
         raise InputError(
             "depth.npz", "shows no level plane that could be the floor.", "check depth (metres) and intrinsics"
         )
     if image.annotations.floor is None:
-        print(f"no mask of the floor: taken to be the lowest level plane, {-floor.offset:.2f} m below the camera")
+        what = "the level plane that most objects stand on" if image.annotations.objects else "the lowest level plane"
+        print(f"no mask of the floor: taken to be {what}, {-floor.offset:.2f} m below the camera")
     return room.floor_frame(floor)
 
 

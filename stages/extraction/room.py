@@ -1,6 +1,6 @@
 """Floor and wall planes, and the floor frame they define (paper 2.1, A.3)."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ UP_IN_IMAGE = np.array([0.0, -1.0, 0.0])  # camera frame: y is down
 MAX_POINTS = 20_000
 FALLBACK_PLANES = 4
 FALLBACK_SHARE = 0.02  # of all points, for a plane to be the floor when no floor mask is given
+FEET, STANDING = 0.02, 0.03  # share of an object's points that are its lowest; metres at 1 m that they may be off
 WALL_TILT = 0.25  # largest |z| of a wall's unit normal, 14 degrees from upright
 
 
@@ -44,19 +45,38 @@ def fit_floor(points: NDArray[np.float64], options: ExtractionConfig, rng: np.ra
     )
 
 
-def find_floor(points: NDArray[np.float64], options: ExtractionConfig, rng: np.random.Generator) -> Plane | None:
-    """Without a floor mask: of the level planes in the picture, the one with the fewest points below it."""
+def find_floor(
+    points: NDArray[np.float64],
+    objects: Sequence[NDArray[np.float64]],
+    options: ExtractionConfig,
+    rng: np.random.Generator,
+) -> Plane | None:
+    """Without a floor mask: of the level planes in the picture, the one that most objects stand on (a table top, too);
+    of equal ones the one with the fewest points below it.
+
+    Args:
+        points: (N, 3) of what is no object, camera frame. objects: (N, 3) of each.
+        options: thresholds.
+        rng: source of RANSAC's hypotheses.
+    """
     rest = points = sampled(points, rng)
-    best, best_below = None, np.inf
+    best, most = None, (-1, -np.inf)
     for _ in range(FALLBACK_PLANES):
         plane = fit_floor(rest, options, rng)
         if plane is None or plane.inliers.sum() < max(3, FALLBACK_SHARE * len(points)):
             break
         below = float((points @ plane.normal - plane.offset < -_threshold(points, options)).mean())
-        if below < best_below:
-            best, best_below = plane, below
+        found = sum(_stands_on(cloud, plane) for cloud in objects), -below
+        if found > most:
+            best, most = plane, found
         rest = rest[~plane.inliers]
     return best
+
+
+def _stands_on(points: NDArray[np.float64], plane: Plane) -> bool:
+    """Whether the lowest of an object's points (N, 3) are at a plane."""
+    far = max(1.0, float(np.median(points[:, 2])))
+    return bool(abs(np.quantile(points @ plane.normal - plane.offset, FEET)) < STANDING * far)
 
 
 def _face_up(plane: Plane | None) -> Plane | None:

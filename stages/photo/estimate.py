@@ -21,7 +21,7 @@ from stages.photo.networks import Detection, depth_of, detect, segment
 from stages.procedural.catalogue import CATEGORIES
 from stages.scenes.rgbd.cameras import Matrix, matrix, of_field_of_view
 from stages.scenes.rgbd.frame import Frame, Labelled
-from stages.scenes.rgbd.write import annotated, with_ground
+from stages.scenes.rgbd.write import annotated
 from stages.vlm.ask import Asker, NoAnswerError
 
 FLOOR, WALL = "floor", "wall"
@@ -180,10 +180,6 @@ def write(folder: Path, frame: Frame, things: list[Thing], note: str = "") -> An
     for value, thing in order:
         values[thing.mask] = value
     labelled = Labelled(values, {value: thing.detection.label for value, thing in enumerate(things, 1)})
-    grounded = with_ground(Frame(frame.rgb, frame.depth, frame.intrinsics, labelled))
-    if grounded is not None:
-        labelled = grounded[0]
-        print(grounded[1])
     masks, annotations = annotated(labelled)
     pose = level_camera(replace(frame, masks=Labelled(masks, labelled.labels)), annotations.floor)
     if pose is not None:

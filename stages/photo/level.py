@@ -28,7 +28,7 @@ def level_camera(frame: Frame, floor: int | None) -> NDArray[np.float64] | None:
     options = ExtractionConfig()
     on_floor = seen & (frame.masks.values == floor) if frame.masks and floor else np.zeros_like(seen)
     fitted = fit_floor(points[on_floor], options, np.random.default_rng(0))
-    if fitted is not None or find_floor(points[seen], options, np.random.default_rng(0)) is not None:
+    if fitted is not None or find_floor(points[seen], [], options, np.random.default_rng(0)) is not None:
         return None
     height, width = frame.depth.shape
     grey = np.asarray(cv2.cvtColor(frame.rgb, cv2.COLOR_RGB2GRAY), np.uint8)

@@ -4,7 +4,9 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from stages.contracts import InputError
+import cv2
+
+from stages.contracts import InputError, atomic
 from stages.contracts.images import read_rgb
 from stages.scenes.rgbd.cameras import KNOWS, Matrix, of_camera, of_field_of_view, read_intrinsics
 from stages.scenes.rgbd.clusters import clustered
@@ -12,7 +14,7 @@ from stages.scenes.rgbd.depth_files import in_metres, read_raw
 from stages.scenes.rgbd.frame import Frame
 from stages.scenes.rgbd.layouts import read_frame
 from stages.scenes.rgbd.mask_files import read_labelled
-from stages.scenes.rgbd.write import fitted, write_frame
+from stages.scenes.rgbd.write import fitted, numbered, write_frame
 
 
 def run(
@@ -80,9 +82,12 @@ def run(
               f"--depth {out / 'depth.npz'} --camera {out / 'camera.json'}; or give --masks or --clusters")  # fmt: skip
         return
     opens = [item.label for item in written.objects if item.articulated]
-    print(f"{out}: {len(written.objects)} objects, {'a' if written.floor else 'no'} floor, {len(written.walls)} walls")
-    if clusters and masks is None and frame.masks is not None:
-        print(f"{out / 'annotations.json'}: say in it what each object is: they are numbered from left to right")
+    floor = "a floor" if written.floor else "no floor named: what most of them stand on is the ground"
+    print(f"{out}: {len(written.objects)} objects, {len(written.walls)} walls, {floor}")
+    if clusters and masks is None:
+        with atomic(out / "numbers.png") as path:
+            cv2.imwrite(str(path), numbered(frame)[..., ::-1])
+        print(f"{out / 'annotations.json'}: say in it what each object is: numbers.png shows which mask it has")
     if opens:
         print(f"{out / 'annotations.json'}: say in it how many doors and drawers there are: {', '.join(opens)}")
 

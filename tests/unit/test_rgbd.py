@@ -102,6 +102,9 @@ def test_clusters_find_what_stands_on_the_table(files: SimpleNamespace) -> None:
     from_rgbd.run(out=out, rgb=files.color, depth=files.depth, intrinsics=files.K, clusters=True)
     given = read_scene_input(out)
     assert [item.label for item in given.annotations.objects] == ["object", "object"]
+    assert given.annotations.floor is None, "extraction finds the ground"
+    shown, plain = (cv2.imread(str(out / name)) for name in ("numbers.png", "rgb.png"))
+    assert (shown != plain)[given.masks > 0].any() and (shown == plain).mean() > 0.9
     left, right = (item.mask for item in given.annotations.objects)
     columns = [np.nonzero(given.masks == value)[1].mean() for value in (left, right)]
     assert columns[0] < columns[1]
@@ -208,6 +211,7 @@ FLAT = [value for row in K for value in row]
         json.dumps({"fx": 600, "fy": 610, "ppx": 320, "ppy": 240, "width": 640, "height": 480}),
         json.dumps({"width": 640, "height": 480, "intrinsic_matrix": np.array(K).T.ravel().tolist()}),
         json.dumps({"intrinsics": K}),
+        json.dumps({"img_width": 1280, "img_height": 960, "fx": 1200, "fy": 1220, "x_offset": 640.5, "ppy": 480.5}),
         json.dumps({"color": {"K": FLAT}}),
         yaml.safe_dump({"camera_matrix": {"rows": 3, "cols": 3, "data": FLAT}, "image_width": 640}),
         json.dumps({"w": 1280, "h": 960, "fx": 1200, "fy": 1220, "cx": 640.5, "cy": 480.5}),  # twice as large

@@ -59,7 +59,7 @@ def of_camera(name: str, width: int, height: int) -> Matrix:
 def read_intrinsics(path: Path, width: int, height: int) -> Matrix:
     """K for a picture of this size, from a file of any usual layout.
 
-    Known: `fx fy cx cy` or nine numbers as text; JSON or YAML with fx, fy, cx, cy (or ppx, ppy), with `intrinsics`,
+    Known: `fx fy cx cy` or nine numbers as text; JSON or YAML with fx, fy, cx, cy (ppx, x_offset), with `intrinsics`,
     `K`, `camera_matrix` or `intrinsic_matrix` as rows, as nine numbers in either order, or as {data: nine numbers}.
     Where the file says width and height, K is scaled to the picture.
 
@@ -115,12 +115,15 @@ def of_mapping(path: Path, data: dict[str, Any]) -> tuple[Matrix, tuple[float, f
     for key in ("color", "rgb", "color_intrinsics", "rgb_intrinsics", "intrinsic", "camera"):  # one level deeper
         if isinstance(known.get(key), dict):
             known = {str(name).lower(): value for name, value in known[key].items()} | known
-    width, height = (known.get(name, known.get(name[0])) for name in ("width", "height"))
+    width, height = (_first(known, name, f"image_{name}", f"img_{name}", name[0]) for name in ("width", "height"))
     size = (float(width), float(height)) if width and height else None
     try:
         if "fx" in known:
-            cx, cy = (known.get(name, known.get("pp" + name[1])) for name in ("cx", "cy"))
-            return matrix(float(known["fx"]), float(known["fy"]), float(cx), float(cy)), size  # type: ignore[arg-type]
+            fx, fy = known["fx"], known["fy"]
+            cx, cy = (_first(known, f"c{axis}", f"pp{axis}", f"{axis}_offset") for axis in "xy")
+            if cx is None or cy is None:
+                raise InputError(path, "says fx, but not cx and cy.", KNOWS)
+            return matrix(float(fx), float(fy), float(cx), float(cy)), size
         for name in ("intrinsics", "k", "camera_matrix", "intrinsic_matrix", "cam_k"):
             if name in known:
                 value = known[name]["data"] if isinstance(known[name], dict) else known[name]
@@ -128,6 +131,11 @@ def of_mapping(path: Path, data: dict[str, Any]) -> tuple[Matrix, tuple[float, f
     except (ValueError, TypeError, KeyError) as error:
         raise InputError(path, f"holds intrinsics that cannot be read ({error}).", KNOWS) from None
     raise InputError(path, "holds no intrinsics.", KNOWS)
+
+
+def _first(known: dict[str, Any], *names: str) -> Any:
+    """What stands under the first of the names that is there."""
+    return next((known[name] for name in names if name in known), None)
 
 
 def _matrix_of(numbers: list[float]) -> Matrix:

@@ -9,7 +9,7 @@ from stages.contracts import InputError
 from stages.geometry.cameras import back_project
 from stages.geometry.clouds import dbscan
 from stages.scenes.rgbd.frame import Labelled
-from stages.scenes.rgbd.ground import FLAT, Level, level_planes, sampled
+from stages.scenes.rgbd.levels import FLAT, Level, level_planes, sampled
 
 ABOVE, HIGHEST = 0.010, 0.8  # metres: at 1 m, above the plane; not beyond
 APART = 0.012  # metres at 1 m between two objects

@@ -1,7 +1,6 @@
 """An RGB-D frame as an input folder: rgb.png, camera.json, depth.npz; with masks masks.png and annotations.json."""
 
 import re
-from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -11,10 +10,8 @@ from numpy.typing import NDArray
 from stages.config.own_scene import write_config
 from stages.contracts import Annotations, Camera, InputError, atomic, write_json
 from stages.contracts.scenes import Annotation
-from stages.geometry.cameras import back_project
 from stages.scenes.rgbd.cameras import resized
 from stages.scenes.rgbd.frame import Frame, Labelled
-from stages.scenes.rgbd.ground import FLAT, ground_of, level_planes, sampled
 
 LONGEST = 1600  # pixels of the longer side; larger pictures are made smaller
 STRETCHED = 0.02  # by which the proportions of depth and picture may differ
@@ -73,39 +70,24 @@ def annotated(masks: Labelled) -> tuple[NDArray[np.uint16], Annotations]:
     return values, Annotations(objects=objects, floor=floors[0] if floors else None, walls=walls)
 
 
-def with_ground(frame: Frame) -> tuple[Labelled, str] | None:
-    """Masks with a floor: if none is named, the level plane beneath most objects is it, a table top as well.
-
-    Returns: the masks and a line about the ground; None: there is a floor, or no level plane.
-    """
-    masks = frame.masks
-    if masks is None or FLOOR & {label.strip().lower() for label in masks.labels.values()}:
-        return None
-    rng = np.random.default_rng(0)
-    points = back_project(frame.depth, frame.intrinsics)
-    seen = frame.depth > 0
-    levels = level_planes(sampled(points[seen & (masks.values == 0)], rng), rng)
-    others = FLOOR | WALL | NOTHING
-    objects = [
-        points[seen & (masks.values == v)] for v, name in masks.labels.items() if name.strip().lower() not in others
-    ]
-    ground = ground_of(levels, [cloud for cloud in objects if len(cloud)])
-    if ground is None:
-        return None
-    near = np.abs(ground.height(points)) < FLAT * np.maximum(1.0, frame.depth)
-    value = max(masks.labels, default=0) + 1
-    values = np.where(seen & near & (masks.values == 0), np.uint16(value), masks.values)
-    line = f"no floor is named: the ground is the level plane {ground.height(np.zeros(3)):.2f} m below the camera"
-    return Labelled(values.astype(np.uint16), masks.labels | {value: "floor"}), line
+def numbered(frame: Frame) -> NDArray[np.uint8]:
+    """The picture with outlines and numbers of its masks, to tell them apart by eye."""
+    picture = frame.rgb.copy()
+    masks = np.zeros((0, 0), np.uint16) if frame.masks is None else frame.masks.values
+    for value in np.unique(masks[masks > 0]).tolist():
+        outlines, _ = cv2.findContours((masks == value).astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+        cv2.drawContours(picture, outlines, -1, (255, 255, 0), 1)
+        y, x = np.nonzero(masks == value)
+        at = int(x.mean()) - 8, int(y.mean()) + 8
+        for colour, thickness in (((0, 0, 0), 4), ((255, 255, 255), 2)):
+            cv2.putText(picture, str(value), at, cv2.FONT_HERSHEY_SIMPLEX, 0.6, colour, thickness, cv2.LINE_AA)
+    return picture
 
 
 def write_frame(folder: Path, frame: Frame) -> Annotations | None:
     """Write the input folder, and `config.yaml` if it is whole; without masks the first three files alone."""
     frame = fitted(frame)
     height, width = frame.rgb.shape[:2]
-    if grounded := with_ground(frame):
-        frame = replace(frame, masks=grounded[0])
-        print(f"{folder}: {grounded[1]}")
     masks = None if frame.masks is None else annotated(frame.masks)
     with atomic(folder / "rgb.png") as path:
         cv2.imwrite(str(path), frame.rgb[..., ::-1])

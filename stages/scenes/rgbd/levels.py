@@ -1,6 +1,5 @@
-"""Level planes of a depth image, and which of them things stand on: a table top may be the ground of a frame."""
+"""Level planes of a depth image: floors and table tops."""
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -13,8 +12,6 @@ UP_IN_IMAGE = np.array([0.0, -1.0, 0.0])  # camera frame: y is down
 TILT = np.deg2rad(75)  # largest angle between image-up and a level plane's normal
 FLAT = 0.006  # metres at 1 m, within which a point belongs to a plane
 PARALLEL, LEVELS, LARGE = np.deg2rad(8), 4, 0.1  # further planes: angle to the first, how many, share of its points
-STANDING = 0.03  # metres at 1 m between a plane and the lowest points of what stands on it
-FEET = 0.02  # share of an object's points that are its lowest
 
 
 class Level(NamedTuple):
@@ -56,16 +53,3 @@ def level_planes(points: NDArray[np.float64], rng: np.random.Generator) -> list[
         points = points[~plane.inliers]
         along, limit = found[0].up, float(np.cos(PARALLEL))
     return found
-
-
-def ground_of(levels: Sequence[Level], objects: Sequence[NDArray[np.float64]]) -> Level | None:
-    """The plane that most objects, as points (N, 3) each, stand on; of equal ones the lowest. None: no plane at all."""
-    if not levels:
-        return None
-
-    def standing(plane: Level) -> int:
-        feet = [(float(np.quantile(plane.height(points), FEET)), float(np.median(points[:, 2]))) for points in objects]
-        return sum(abs(lowest) < STANDING * max(1.0, far) for lowest, far in feet)
-
-    camera = np.zeros(3)
-    return max(levels, key=lambda plane: (standing(plane), float(plane.height(camera))))
