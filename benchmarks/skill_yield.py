@@ -31,6 +31,14 @@ def seeds(asset: str, count: int) -> list[int]:
     return np.random.default_rng((900, *asset.encode())).integers(0, 2**31, count).tolist()
 
 
+def joints(folder: Path, task: str, every: bool) -> list[str]:
+    """The joint that the task chooses; or every one with a handle."""
+    if every:
+        return [joint.name for joint in read_asset(folder).joints if joint.role == task and joint.handle]
+    chosen = load("tasks", task).target_joint(folder, flaps=True)
+    return [] if chosen is None else [chosen.joint]
+
+
 def attempts(
     folder: Path, task: str, joint: str, size: Size | None, states: list[int], options: DemonstrationsConfig
 ) -> Iterator[Any]:
@@ -95,6 +103,7 @@ def main() -> None:
     parser.add_argument("--task", default="door")
     parser.add_argument("--attempts", type=int, default=3, help="seeds per asset")
     parser.add_argument("--recovery", type=float, default=0.0, help="as demonstrations.recovery")
+    parser.add_argument("--every", action="store_true", help="all doors (drawers) with a handle, not one per asset")
     parser.add_argument("--only", default="", help="part of an asset's name")
     parser.add_argument(
         "--size", type=float, nargs=3, help="the box of all of them, metres, as in an experiment; its own"
@@ -110,19 +119,17 @@ def main() -> None:
     seen = {(row["asset"], row["joint"], int(row["seed"])) for row in rows}
     with ledger.open("a", newline="") as file:
         writer = csv.DictWriter(file, FIELDS)
-        if not rows:
+        if file.tell() == 0:
             writer.writeheader()
         for entry in read_json(Library, given.library).assets:
             if not entry.doors + entry.drawers or given.only not in entry.id:
                 continue
             folder = given.library.parent / entry.folder
-            chosen = load("tasks", given.task).target_joint(folder, flaps=True)
-            if chosen is None:
-                continue
-            states = [seed for seed in seeds(entry.id, given.attempts) if (entry.id, chosen.joint, seed) not in seen]
-            for row in attempts(folder, given.task, chosen.joint, size, states, options) if states else ():
-                writer.writerow(row)
-                file.flush()
+            for joint in joints(folder, given.task, given.every):
+                states = [seed for seed in seeds(entry.id, given.attempts) if (entry.id, joint, seed) not in seen]
+                for row in attempts(folder, given.task, joint, size, states, options) if states else ():
+                    writer.writerow(row)
+                    file.flush()
     rows = list(csv.DictReader(ledger.open()))
     (given.out / "summary.md").write_text(summary(rows))
     print(summary(rows))

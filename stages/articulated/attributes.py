@@ -1,6 +1,6 @@
 """What a gripper and a policy meet at a door or drawer: kind of handle, hinge side, place and extents of the front."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 import trimesh
@@ -10,6 +10,7 @@ from stages.articulated.handle import GRID, Handle, find_handle, front_hits
 from stages.articulated.model import JointModel, Matrix, RobotModel, Visual
 from stages.contracts.library import FrontPanel, HandleKind, HingeSide
 
+WIDEST = 0.07  # metres across a handle that a gripper of 8 cm closes on
 AT_EDGE = 0.06  # metres from a side of the panel within which a profile counts as its edge
 MOST_OF_IT = 0.7  # share of the panel's extent that such a profile runs along at least
 BENT = 0.15  # share of an arch's surface that lies deeper than four fifths of how far it stands out; a bar has less
@@ -37,15 +38,17 @@ def front_panel(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix],
 
 
 def measured_handle(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> HandleKind | None:
-    """The kind of handle on what a joint moves, told from its shape alone; None if nothing stands out."""
-    meshes = [
-        _plain(visual, frames[link]) for link in moved_by(joint, robot.joints) for visual in robot.links[link].visuals
-    ]
-    if not meshes:
-        return None
-    mesh: trimesh.Trimesh = trimesh.util.concatenate(meshes)  # type: ignore[assignment]
-    handle = find_handle(mesh)
-    return None if handle is None else _kind(handle, mesh)
+    """The kind of handle on what a joint moves, told from its shape alone; None: nothing stands out that a gripper
+    can close on."""
+    mesh = seen_of(robot, moved_by(joint, robot.joints), frames)
+    handle = None if mesh is None else find_handle(mesh)
+    return None if handle is None or mesh is None or handle.width > WIDEST else _kind(handle, mesh)
+
+
+def seen_of(robot: RobotModel, links: Iterable[str], frames: dict[str, Matrix]) -> trimesh.Trimesh | None:
+    """The shape of what is seen of some links, in the root frame; None: nothing is."""
+    meshes = [_plain(visual, frames[link]) for link in links for visual in robot.links[link].visuals]
+    return trimesh.util.concatenate(meshes) if meshes else None  # type: ignore[return-value]
 
 
 def moved_by(joint: JointModel, joints: Sequence[JointModel]) -> list[str]:

@@ -1,17 +1,21 @@
 """What an articulation that nobody described is: which way its front faces, which joints are doors or drawers."""
 
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
-from stages.articulated.attributes import moved_by
+from stages.articulated.attributes import moved_by, seen_of
 from stages.articulated.forward_kinematics import closed_box, link_frames, visual_bounds
 from stages.articulated.model import JointModel, Matrix, RobotModel
 
 ALONG = 0.9  # cosine: a slide goes along a direction, a panel's hinge across it
 SHORTEST, LEAST_TURN = 0.05, np.deg2rad(20)  # metres and radians that a drawer or a door moves at least
+ASKEW = np.deg2rad(10)  # by which a front may face another way than along an axis
+STAYS = 0.3  # of a slide's way: what leaves its parent's box by less is a sliding door, no drawer
 NARROWEST, LOWEST = 0.06, 0.02  # metres: width and height of the smallest front
+SWINGS = 0.02  # metres: a panel whose middle is nearer to its hinge (seen from the front) swings neither way
 THIN = 0.6  # of a door's other horizontal extent: thicker things are no panels
 
 
@@ -25,63 +29,103 @@ class Front(NamedTuple):
 def front_direction(robot: RobotModel) -> tuple[Matrix, int] | None:
     """Horizontal axis (a unit vector of the root frame, z up) that most of the fronts face, by area, and how many do.
 
-    A drawer faces where it slides to, a door away from the middle along its thinnest horizontal extent.
+    A drawer faces where it slides to, a door where it swings to, along its thinnest horizontal extent.
     None: no joint tells.
     """
     votes: dict[tuple[float, ...], list[float]] = {}
     for front in _fronts(robot).values():
-        votes.setdefault(tuple(front.outward.tolist()), []).append(front.area)
+        if isinstance(front, Front):
+            votes.setdefault(tuple(front.outward.tolist()), []).append(front.area)
     if not votes:
         return None
     best = max(votes, key=lambda direction: (round(sum(votes[direction]), 6), direction))
     return np.array(best), len(votes[best])
 
 
-def _fronts(robot: RobotModel) -> dict[str, Front]:
-    """By joint, the parts that could be doors or drawers whichever way the model faces."""
+def _fronts(robot: RobotModel) -> dict[str, Front | str]:
+    """By moving joint, the part that could be a door or drawer whichever way the model faces, or why it is none."""
     frames, middle = link_frames(robot), closed_box(robot).mean(axis=0)
-    moving = [joint for joint in robot.joints if joint.type != "fixed"]
-    found = {joint.name: _front(robot, joint, frames, middle) for joint in moving}
-    return {name: front for name, front in found.items() if front is not None}
+    return {joint.name: _front(robot, joint, frames, middle) for joint in robot.joints if joint.type != "fixed"}
 
 
-def _front(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix], middle: Matrix) -> Front | None:
-    boxes = [visual_bounds(robot.links[link].visuals, frames[link]) for link in moved_by(joint, robot.joints)]
-    corners = [box for box in boxes if box is not None]
-    if not corners:
-        return None  # a helper link
-    low, high = np.min(corners, axis=(0, 1)), np.max(corners, axis=(0, 1))
-    axis, extents, outward = frames[joint.child][:3, :3] @ joint.axis, high - low, np.zeros(3)
+def _front(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix], middle: Matrix) -> Front | str:
+    links = moved_by(joint, robot.joints)
+    box = _box(robot, links, frames)
+    if box is None:
+        return "moves nothing that is seen"
+    low, high = box
+    frame = frames[joint.child]
+    axis, extents, outward = frame[:3, :3] @ joint.axis, high - low, np.zeros(3)
     if joint.type == "prismatic":
         way = int(np.argmax(np.abs(axis)))
-        if way == 2 or abs(axis[way]) < ALONG or joint.upper - joint.lower < SHORTEST:
-            return None
+        if way == 2 or abs(axis[way]) < ALONG:
+            return "does not slide along a horizontal axis"
+        if joint.upper - joint.lower < SHORTEST:
+            return f"slides by less than {100 * SHORTEST:.0f} cm"
         outward[way] = np.sign(axis[way])
+        around = _box(robot, [joint.parent], frames)
+        if around is not None:
+            front, body = ((box @ outward).max() for box in (np.array([low, high]), around))
+            if front + joint.upper - joint.lower - body < STAYS * (joint.upper - joint.lower):
+                return "slides along what it is in"
     else:
         way = int(np.argmin(extents[:2]))
         across = 1 - way
-        if joint.upper - joint.lower < LEAST_TURN or abs(axis[way]) > 0.3 or extents[way] > THIN * extents[across]:
-            return None  # a stove's knob turns about the direction that it faces
-        outward[way] = 1.0 if (low + high)[way] / 2 >= middle[way] else -1.0
+        if joint.upper - joint.lower < LEAST_TURN:
+            return f"turns by less than {np.rad2deg(LEAST_TURN):.0f} degrees"
+        if abs(axis[way]) > 0.3 or extents[way] > THIN * extents[across]:
+            return "turns no panel about its side"  # a stove's knob turns about the direction that it faces
+        centre = (low + high) / 2
+        swing = float(np.cross(axis, centre - frame[:3, 3])[way])
+        outward[way] = np.sign(swing) if abs(swing) > SWINGS else 1.0 if centre[way] >= middle[way] else -1.0
     width, height = extents[1 - way], extents[2]
-    return None if width < NARROWEST or height < LOWEST else Front(outward, float(width * height))
+    if width < NARROWEST or height < LOWEST:
+        return "moves no front of some size"
+    if (angle := _askew(robot, links, frames, outward)) > ASKEW:
+        return f"stands {np.rad2deg(angle):.0f} degrees askew"
+    return Front(outward, float(width * height))
+
+
+def _box(robot: RobotModel, links: Iterable[str], frames: dict[str, Matrix]) -> Matrix | None:
+    """(2, 3) box around what is seen of some links, closed; None: nothing is."""
+    boxes = [visual_bounds(robot.links[link].visuals, frames[link]) for link in links]
+    corners = [box for box in boxes if box is not None]
+    return np.array([np.min(corners, axis=(0, 1)), np.max(corners, axis=(0, 1))]) if corners else None
+
+
+def _askew(robot: RobotModel, links: Iterable[str], frames: dict[str, Matrix], outward: Matrix) -> float:
+    """Radians between a direction and where the front of some links faces: the middle of its normals, by area."""
+    looks = seen_of(robot, links, frames)
+    if looks is None:
+        return 0.0
+    along, aside = looks.face_normals @ outward, looks.face_normals @ np.cross([0, 0, 1], outward)
+    facing = (np.hypot(along, aside) > ALONG) & (along > 0.5)
+    angles, areas = np.arctan2(aside, along)[facing], looks.area_faces[facing]
+    if not len(angles):
+        return 0.0
+    order = np.argsort(angles)
+    middle = np.searchsorted(np.cumsum(areas[order]), areas.sum() / 2)
+    return float(abs(angles[order][min(middle, len(angles) - 1)]))
 
 
 def doors_and_drawers(robot: RobotModel) -> tuple[RobotModel, list[str]]:
-    """The model (z up, front towards +x) with what is neither door nor drawer fixed where it is; a line says so.
+    """The model (z up, front towards +x) with what is neither door nor drawer fixed where it is; lines say so, and why.
 
-    A drawer slides forwards by 5 cm at least, a door hangs on a hinge that lies across the front and turns by at least
-    20 degrees; either moves a front of some size. Helper links, a chair's seat, wheels, knobs and buttons are neither.
+    A drawer slides forwards by 5 cm at least, out of what it is in, a door swings forwards by 20 degrees at least, on
+    a hinge that lies across the front; either moves a front of some size. Helper links, a chair's seat, sliding doors,
+    wheels, knobs and buttons are neither.
     """
-    joints, fixed, fronts = [], [], _fronts(robot)
+    joints: list[JointModel] = []
+    fixed: dict[str, list[str]] = {}
+    fronts = _fronts(robot)
     for joint in robot.joints:
         front = fronts.get(joint.name)
-        if joint.type != "fixed" and (front is None or (joint.type == "prismatic" and front.outward[0] != 1.0)):
+        if isinstance(front, Front) and front.outward[0] != 1.0:
+            front = "opens to another side than the front"
+        if isinstance(front, str):
+            fixed.setdefault(front, []).append(f"'{joint.name}'")
             origin = joint.origin @ joint.motion(joint.lower)
-            fixed.append(f"'{joint.name}'")
             joint = replace(joint, type="fixed", origin=origin, lower=0.0, upper=0.0)
         joints.append(joint)
-    if not fixed:
-        return replace(robot, joints=joints), []
-    what = f"joint {fixed[0]} moves" if len(fixed) == 1 else f"joints {', '.join(fixed)} move"
-    return replace(robot, joints=joints), [f"{what} no door or drawer: fixed"]
+    lines = [f"fixed, as no door or drawer: {', '.join(names)} ({reason})" for reason, names in fixed.items()]
+    return replace(robot, joints=joints), lines

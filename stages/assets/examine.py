@@ -161,4 +161,5 @@ def ungraspable(joint: Joint) -> str | None:
     """A line if a gripper finds nothing to hold."""
     if joint.handle is not None:
         return None
-    return f"{joint.role} '{joint.name}' cannot be grasped: nothing stands out 12 mm or more from its front"
+    what = "no handle, 12 mm or more out from its front and at most 7 cm wide"
+    return f"{joint.role} '{joint.name}' cannot be grasped: {what}"

@@ -16,6 +16,7 @@ from stages.articulated.mesh_reader import thickened
 from stages.articulated.model import Matrix, RobotModel
 from stages.articulated.roles import with_roles
 from stages.articulated.sense import doors_and_drawers, front_direction
+from stages.articulated.solid_handle import with_solid_handles
 from stages.articulated.stretching import stretched
 from stages.articulated.urdf_reader import HEAVIEST, board_mass
 from stages.assets.discover import Found, discover, numbered_names
@@ -158,7 +159,7 @@ def import_file(file: ModelFile, models: Path) -> tuple[Asset, list[str]]:
     path, notes = file.path, file.notes
     robot, turned = upright(file.importer.read(path, file.folder), file)
     robot, fixed = doors_and_drawers(robot)
-    robot = with_roles(robot)
+    robot, cut = with_solid_handles(with_roles(robot))
     if notes.mass is not None:
         robot = with_mass(robot, notes.mass)
     check_believable(robot, path)
@@ -177,7 +178,7 @@ def import_file(file: ModelFile, models: Path) -> tuple[Asset, list[str]]:
             asset = write_asset(replace(robot, touching=touching), models / file.id, about)
     except ValidationError as error:
         raise InputError(path, f"makes no asset: {error.errors()[0]['msg']}.") from None
-    return asset, [*turned, *fixed, *stuck_joints(models / file.id)]
+    return asset, [*turned, *fixed, *cut, *stuck_joints(models / file.id)]
 
 
 def check_believable(robot: RobotModel, path: Path) -> None:

@@ -5,6 +5,7 @@ import tempfile
 from collections.abc import Sequence
 from copy import copy
 from functools import cache
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,7 @@ from stages.simulation.stretching import stretched
 
 JOINT_FRICTION, JOINT_DAMPING = 0.1, 2.0
 SURFACE_FRICTION = 0.6
+_NUMBERS = count()  # of bodies
 
 
 def physics_scene(timestep: float = 0.01) -> sapien.Scene:
@@ -66,6 +68,14 @@ class ParsedAsset:
 
         In memory; what is askew to the axes is stretched by way of files that last as long as the process.
         """
+        body, number = self._sized(scale), next(_NUMBERS) % 0xFFFF + 1
+        for link in getattr(body, "link_builders", []):
+            # SAPIEN compares the bits of an SRDF within bodies of one number. The robot's is 0: its fingers would pass
+            # through whatever door has the same bit.
+            link.collision_groups = [*link.collision_groups[:3], number]
+        return body
+
+    def _sized(self, scale: NDArray[np.float64] | None) -> Any:
         if scale is None or (scale == 1).all():
             return copy(self._builder)
         ready = stretched(self._builder, scale)

@@ -8,6 +8,7 @@ from stages.simulation.kinematics import Array
 from stages.simulation.target import Target
 
 POINTS = 20_000  # on the moving and on the fixed part of an object; about a centimetre apart on a cabinet
+SMALL, CELL = 0.1, 1e-6  # metres: middle extent of what is filled with points as well, m^3 for each of them
 MARGIN = 0.005  # for the gaps between them
 FAR = 0.1  # metres; what is farther off counts as this far
 
@@ -36,7 +37,7 @@ class Surroundings:
 
     def __init__(self, target: Target, obstacles: Array | None = None) -> None:
         self.target = target
-        self._moving, self._fixed = (_tree(surface_points(mesh)) for mesh in (target.moving, target.fixed))
+        self._moving, self._fixed = (_tree(solid_points(mesh)) for mesh in (target.moving, target.fixed))
         self._obstacles = _tree(obstacles)
 
     def beside(self, obstacles: Array | None) -> "Surroundings":
@@ -65,6 +66,17 @@ def surface_points(mesh: trimesh.Trimesh, count: int = POINTS) -> Array:
     if len(mesh.faces) == 0:
         return np.zeros((0, 3))
     return np.asarray(trimesh.sample.sample_surface(mesh, count, seed=np.random.default_rng(0))[0])
+
+
+def solid_points(mesh: trimesh.Trimesh) -> Array:
+    """Points on the convex pieces of a mesh, and in the small ones: a finger inside a knob is far from its surface."""
+    points = [surface_points(mesh)]
+    for piece in mesh.split() if len(mesh.faces) else []:
+        if np.median(piece.extents) < SMALL:
+            surface = surface_points(piece, int(np.clip(piece.volume / CELL, 10, 500)))
+            share = np.random.default_rng(0).uniform(size=(len(surface), 1)) ** (1 / 3)
+            points.append(piece.centroid + share * (surface - piece.centroid))
+    return np.concatenate(points)
 
 
 def arm_spheres(frames: Array, fingers: float | None, held: Array | None = None) -> tuple[Array, Array]:

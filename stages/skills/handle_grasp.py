@@ -13,6 +13,7 @@ from stages.simulation.target import Target
 
 FINGERTIP = 0.0145  # pad centre to fingertip, and 5 mm of air between fingertip and panel
 MAX_DEPTH = 0.009  # pad centre behind the foremost surface: pads of 18 mm then cover a bar
+DEEPEST = 0.03  # the same on a thick bar, which is held where it is thickest: nearer to its front the pads slip off
 FLAP_DEPTH = 0.012  # the same on a flap, whose weight draws its bar towards the fingertips
 
 # Pitch and follow for a flap, which comes down towards the robot. The less the handle turns between the fingers, the
@@ -69,7 +70,8 @@ def grasp_pose(handle: Handle, grasp: Grasp, hand: Array) -> Array:
     up = np.cross(closing, straight_in)
     lift = np.sign(up[2]) if abs(up[2]) > 0.5 else 1.0
     approach = Rotation.from_rotvec(-closing * grasp.tilt * lift).apply(straight_in)
-    depth = float(np.clip(handle.protrusion - FINGERTIP, 0.0, grasp.depth))
+    middle = min(handle.width / 2, DEEPEST) if handle.elongated else 0.0
+    depth = float(np.clip(handle.protrusion - FINGERTIP, 0.0, max(grasp.depth, middle)))
     rotation = np.stack([np.cross(closing, approach), closing, approach], axis=1)
     from_above = Rotation.from_rotvec([0.0, -grasp.pitch, 0.0]).as_matrix()
     return rigid(from_above @ rotation, handle.position + depth * straight_in)

@@ -6,15 +6,21 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import sapien
+import trimesh
 
 from stages.articulated.asset_folder import read_model
 from stages.articulated.forward_kinematics import link_frames
+from stages.articulated.handle import find_handle
+from stages.articulated.roles import contract_joints, with_roles
 from stages.articulated.sense import doors_and_drawers, front_direction
+from stages.articulated.solid_handle import with_solid_handles
 from stages.articulated.urdf_reader import read_urdf
 from stages.assets.discover import discover, numbered_names
 from stages.assets.imports import import_folders
 from stages.assets.pushing import stuck_joints
 from stages.procedural.resize import resized
+from stages.simulation.loading import load_asset, physics_scene
 
 FACING = {"+x": 0, "+y": 90, "-x": 180, "-y": 270}
 
@@ -66,11 +72,64 @@ def test_front_is_where_doors_and_drawers_open(tmp_path: Path, side: str, turn: 
     assert count == 2, "the tray slides sideways, the button hardly at all"
 
 
+def test_a_door_in_the_back_half_faces_where_it_swings_to(tmp_path: Path) -> None:
+    island = '<link name="island">' + box("0.6 0.5 0.8", "2 0 0.4") + "</link>"
+    beside = '<joint name="beside" type="fixed"><parent link="body"/><child link="island"/></joint>'
+    (tmp_path / "c.urdf").write_text(cabinet().replace("</robot>", island + beside + "</robot>"))
+    found = front_direction(read_urdf(tmp_path / "c.urdf", tmp_path))
+    assert found is not None and found[0] == pytest.approx([1, 0, 0]) and found[1] == 2
+
+
+def test_a_sliding_door_and_one_askew_are_fixed_with_the_reason(tmp_path: Path) -> None:
+    shutter = box("0.25 0.02 0.7") + box("0.02 0.05 0.2", "0.1 0.03 0")
+    wall = '<link name="shutter">' + shutter + "</link>"
+    slide = joint("shut", "prismatic", "shutter", "1 0 0", 0.14, "-0.07 0.26 0.4")
+    askew = cabinet().replace('xyz="0.21 -0.25 0.25"', 'xyz="0.21 -0.25 0.25" rpy="0 0 0.3"')
+    (tmp_path / "c.urdf").write_text(askew.replace("</robot>", wall + slide + "</robot>"))
+    robot, lines = doors_and_drawers(read_urdf(tmp_path / "c.urdf", tmp_path))
+    assert [joint.name for joint in robot.joints if joint.type != "fixed"] == ["slide"]
+    assert "fixed, as no door or drawer: 'shut' (slides along what it is in)" in lines
+    assert "fixed, as no door or drawer: 'hinge' (stands 17 degrees askew)" in lines
+
+
+@pytest.mark.parametrize("own", [True, False], ids=["a box in the file", "one hull"])
+def test_a_handle_that_is_seen_is_solid(tmp_path: Path, own: bool) -> None:
+    """A door with its handle as one mesh: a box or a hull around it would leave nothing to hold."""
+    parts = {(0.02, 0.5, 0.4): (0, 0, 0), (0.012, 0.012, 0.16): (0.045, 0.2, 0)}
+    parts |= {(0.045, 0.012, 0.012): (0.025, 0.2, 0.074), (0.0451, 0.012, 0.012): (0.025, 0.2, -0.074)}
+    boxes = [trimesh.creation.box(size, trimesh.transformations.translation_matrix(at)) for size, at in parts.items()]
+    trimesh.boolean.union(boxes).export(tmp_path / "door.obj")
+    mesh = '<visual><origin xyz="0 0.25 0"/><geometry><mesh filename="door.obj"/></geometry></visual>'
+    door = mesh + (box("0.02 0.5 0.4", "0 0.25 0").replace("visual", "collision") if own else "")
+    before = box("0.02 0.5 0.4", "0 0.25 0") + box("0.03 0.02 0.2", "0.03 0.4 0")
+    (tmp_path / "c.urdf").write_text(cabinet().replace(before, door))
+    robot = with_roles(doors_and_drawers(read_urdf(tmp_path / "c.urdf", tmp_path))[0])
+    solid, lines = with_solid_handles(robot)
+    assert lines == ["door 'hinge': what collides hid its handle: cut anew from what is seen"]
+    handle = find_handle(trimesh.util.concatenate(solid.links["door"].collisions))
+    assert handle is not None and handle.width < 0.02 and handle.position[1] == pytest.approx(0.45, abs=0.005)
+    assert with_solid_handles(solid)[1] == [], "once is enough"
+    assert solid.links["drawer"] is robot.links["drawer"]
+
+
+@pytest.mark.parametrize(("width", "kind"), [(0.05, "bar"), (0.09, None)])
+def test_what_a_gripper_cannot_close_on_is_no_handle(tmp_path: Path, width: float, kind: str | None) -> None:
+    text = cabinet().replace("0.03 0.02 0.2", f"0.03 {width} 0.2").replace("0.03 0.4 0", "0.03 0.3 0")
+    (tmp_path / "c.urdf").write_text(text)
+    robot = with_roles(doors_and_drawers(read_urdf(tmp_path / "c.urdf", tmp_path))[0])
+    assert next(joint.handle for joint in contract_joints(robot) if joint.name == "hinge") == kind
+
+
 def test_only_doors_and_drawers_move(tmp_path: Path) -> None:
     (tmp_path / "c.urdf").write_text(cabinet())
     robot, doubts = doors_and_drawers(read_urdf(tmp_path / "c.urdf", tmp_path))
     assert [joint.name for joint in robot.joints if joint.type != "fixed"] == ["hinge", "slide"]
-    assert doubts == ["joints 'press', 'sideways', 'turn', 'helper' move no door or drawer: fixed"]
+    assert doubts == [
+        "fixed, as no door or drawer: 'press' (slides by less than 5 cm)",
+        "fixed, as no door or drawer: 'sideways' (opens to another side than the front)",
+        "fixed, as no door or drawer: 'turn' (turns no panel about its side)",
+        "fixed, as no door or drawer: 'helper' (moves nothing that is seen)",
+    ]
     before = link_frames(read_urdf(tmp_path / "c.urdf", tmp_path))
     after = link_frames(robot)
     assert all(np.allclose(before[name], after[name]) for name in before), "everything stays where it was, closed"
@@ -109,6 +168,22 @@ def test_parts_that_touch_when_closed_pass_through_each_other(
     sized = resized(folder, (0.5, 0.6, 0.7), tmp_path / "sized")
     assert list(read_model(sized).touching) == pairs
     assert stuck_joints(folder) == []
+
+
+def test_parts_that_touch_pass_through_parts_of_their_own_body_alone(tmp_path: Path) -> None:
+    """SAPIEN tells pairs apart by bits, which other bodies, the robot among them, have as well."""
+    place = tmp_path / "mine" / "chest_of_drawers" / "rubbing"
+    place.mkdir(parents=True)
+    (place / "a.urdf").write_text(rubbing(-0.001))
+    (asset,) = import_folders([tmp_path / "mine"], tmp_path / "models")
+    scene = physics_scene(timestep=1e-5)
+    for x in (0.0, 0.1):
+        load_asset(scene, tmp_path / "models" / asset.id, sapien.Pose([x, 0, 0]), True, f"at {x}")
+    scene.step()
+    touching = [{body.articulation.name for body in contact.bodies} for contact in scene.get_contacts()]
+    assert touching and all(len(bodies) == 2 for bodies in touching)
+    a_and_b = ({body.entity.name for body in contact.bodies} for contact in scene.get_contacts())
+    assert {"a", "b"} in list(a_and_b), "of two bodies"
 
 
 def test_a_joint_that_sticks_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -6,6 +6,7 @@ from pathlib import Path
 import gymnasium
 import numpy as np
 import pytest
+import trimesh
 from scipy.spatial.transform import Rotation
 
 from stages.articulated.handle import Handle
@@ -191,6 +192,26 @@ def test_clearance_sees_the_panel_where_it_is(door: TaskEnv) -> None:
     assert not around.clear(np.repeat(before_the_front, 10, axis=0), radii, swinging)  # it swings by
     assert not around.beside(before_the_front[0] + 0.02).clear(before_the_front, radii, closed)
     assert around.clear(before_the_front, radii, closed)  # the other one is a copy
+
+
+def test_clearance_sees_a_finger_inside_a_knob(door: TaskEnv) -> None:
+    door.place(0)
+    knob = trimesh.creation.icosphere(radius=0.02)
+    knob.apply_translation([1.0, 0.0, 0.0])
+    around = Surroundings(replace(door.env.target, fixed=trimesh.util.concatenate([door.env.target.fixed, knob])))
+    closed = np.array([door.env.target.lower])
+    for x, clear in ((1.0, False), (1.012, False), (1.05, True)):
+        assert around.clear(np.array([[[x, 0.0, 0.0]]]), np.array([0.0075]), closed) is clear
+
+
+def test_a_thick_bar_is_held_at_its_middle(door: TaskEnv) -> None:
+    door.place(0)
+    handle = door.env.target.handle
+    assert handle is not None
+    for width, depth in ((0.012, 0.009), (0.044, 0.022), (0.08, 0.03)):
+        bar = replace(handle, axis=np.array([0.0, 0.0, 1.0]), length=0.3, width=width, protrusion=0.09)
+        held = grasp_pose(bar, Grasp(0.0, 0.0, 1.0), np.eye(4))
+        assert bar.position[0] - held[0, 3] == pytest.approx(depth)
 
 
 def test_doors_and_drawers_are_opened(door: TaskEnv, tmp_path: Path) -> None:

@@ -1,0 +1,60 @@
+"""Handles that are seen but whose gap a convex hull has closed: what collides is cut anew, from what is seen."""
+
+from dataclasses import replace
+
+import numpy as np
+import trimesh
+from trimesh import Trimesh
+
+from stages.articulated.attributes import moved_by, seen_of
+from stages.articulated.forward_kinematics import link_frames
+from stages.articulated.handle import Handle, find_handle
+from stages.articulated.mesh_reader import FLAT
+from stages.articulated.model import RobotModel, moved
+
+OFF = 0.01  # metres that place, width and protrusion of what is seen and what collides may differ by
+# VHACD's: 32 pieces show the handle of a drawer with its box and keep a gripper's clearance; one thread, so that the
+# same mesh gives the same pieces.
+CUT = {"maxConvexHulls": 32, "resolution": 100_000, "maxNumVerticesPerCH": 32, "asyncACD": False}
+
+
+def with_solid_handles(robot: RobotModel) -> tuple[RobotModel, list[str]]:
+    """The model (z up, front towards +x, with roles), every handle that is seen as solid as it looks; a line for each
+    door or drawer whose collision shape hid its handle or lacked it, so that it was cut anew.
+
+    Grasps are planned on what collides. A hull around a panel with its handle is a blunt wedge, and files often give
+    a box for a door.
+    """
+    frames, links, lines = link_frames(robot), dict(robot.links), []
+    for joint in robot.joints:
+        if joint.type == "fixed" or joint.role is None:
+            continue
+        names = moved_by(joint, robot.joints)
+        looks = seen_of(robot, names, frames)
+        solid = [moved(piece, frames[name]) for name in names for piece in links[name].collisions]
+        if looks is None or not solid:
+            continue
+        whole: Trimesh = trimesh.util.concatenate(solid)  # type: ignore[assignment]
+        if _alike(find_handle(looks), find_handle(whole)):
+            continue
+        for name in names:
+            links[name] = replace(links[name], collisions=cut([visual.mesh for visual in links[name].visuals]))
+        lines.append(f"{joint.role} '{joint.name}': what collides hid its handle: cut anew from what is seen")
+    return replace(robot, links=links), lines
+
+
+def cut(meshes: list[Trimesh]) -> list[Trimesh]:
+    """Convex pieces of a shape, its hollows left open."""
+    whole = trimesh.util.concatenate([Trimesh(mesh.vertices, mesh.faces, process=True) for mesh in meshes])
+    pieces = trimesh.decomposition.convex_decomposition(whole, **CUT)
+    return [Trimesh(**piece).convex_hull for piece in pieces if np.ptp(piece["vertices"], axis=0).min() > FLAT]
+
+
+def _alike(seen: Handle | None, solid: Handle | None) -> bool:
+    """Whether a gripper finds what is seen."""
+    if seen is None:
+        return True
+    if solid is None:
+        return False
+    off = [*(seen.position - solid.position), seen.width - solid.width, seen.protrusion - solid.protrusion]
+    return bool(np.abs(off).max() < OFF)
