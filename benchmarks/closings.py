@@ -1,0 +1,157 @@
+"""Where a policy's hand first closes, seen from the handle: why rollouts fail. Two commands:
+
+    python -m benchmarks.closings roll --policies results/training/drawer/*/lite/seed_0 --roles dissimilar \\
+        --assets results/experiment/b/drawer/assets.json --library results/assets/library/library.json --out drawer.csv
+    python -m benchmarks.closings draw drawer.csv door.csv --out closings.png
+
+`roll` repeats rollouts of the workflow (same states, same outcome) without films. Its table has a line per episode:
+where the hand was, relative to the handle, when the gripper was first told to close. `draw` has a panel per test asset
+and training set: the front as the robot sees it, the handle as a grey bar, a point per episode.
+"""
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+import pandas as pd
+from matplotlib.patches import Rectangle
+
+from stages.config.evaluation import EvaluationConfig
+from stages.contracts.policies import TaskAsset
+from stages.evaluation.arena import FIRST_STATE, Arena, initial_states
+from stages.geometry.frames import inverse
+from stages.tasks.api import TaskEnv
+
+COLOURS = {True: "#2a7fb8", False: "#d1495b"}
+
+
+class Watched:
+    """A task that notes where the hand is when it is first told to close."""
+
+    def __init__(self, task: TaskEnv, asset: TaskAsset, notes: dict[tuple[str, int], dict[str, Any]]) -> None:
+        self.task, self.asset, self.notes = task, asset, notes
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.task, name)
+
+    def reset(self, seed: int) -> Any:
+        self.key = (self.asset.asset, seed)
+        return self.task.reset(seed)
+
+    def step(self, action: Any) -> Any:
+        if action[6] < 0 and self.key not in self.notes:
+            self.notes[self.key] = self.closing()
+        return self.task.step(action)
+
+    def closing(self) -> dict[str, Any]:
+        """The hand's place relative to the handle's centre (metres: out of the front, sideways, up), and the handle."""
+        env = self.task.env
+        target, handle = env.target, env.target.handle
+        value = target.lower + self.task.opened * (target.upper - target.lower)
+        asset_from_hand = inverse(env.base_from_asset()) @ self.task.hand()
+        hand = inverse(target.motions(np.array([value]))[0]) @ asset_from_hand
+        out, sideways, up = hand[:3, 3] - handle.position
+        across = abs(handle.axis[1]) > 0.5
+        wide, high = (handle.length, handle.width) if across else (handle.width, handle.length)
+        return {"step": self.task.steps, "out": out, "sideways": sideways, "up": up, "wide": wide, "high": high}
+
+
+class WatchingArena(Arena):
+    """Its tasks are watched."""
+
+    def task(self, asset: TaskAsset) -> TaskEnv:
+        self.notes: dict[tuple[str, int], dict[str, Any]] = self.__dict__.get("notes", {})
+        return Watched(super().task(asset), asset, self.notes)  # type: ignore[return-value]
+
+
+def roll(given: argparse.Namespace) -> None:
+    """Roll the policies out and write a line per episode."""
+    rows = []
+    settings = EvaluationConfig()
+    for folder in given.policies:
+        arena = WatchingArena(folder, given.assets, given.library, settings, "cpu")
+        network = arena.network(given.checkpoint)
+        for role in given.roles:
+            assets = arena.plan.behind(role, given.assets)
+            states = initial_states(FIRST_STATE, given.seed, given.rollouts)
+            for asset, episode in arena.test(network, assets, states):
+                about = {
+                    "task": arena.plan.task,
+                    "training_set": folder.parts[-3],
+                    "policy": "/".join(folder.parts[-2:]),
+                }
+                about |= {"role": role, "asset": asset.asset, "handle": asset.handle, "state": episode.seed}
+                about |= {"success": episode.success, **arena.notes.get((asset.asset, episode.seed), {})}
+                rows.append(
+                    {key: round(value, 4) if isinstance(value, float) else value for key, value in about.items()}
+                )
+        table = pd.DataFrame(rows)
+        table.to_csv(given.out, index=False)
+        print(
+            folder,
+            table[table.policy == "/".join(folder.parts[-2:])]
+            .groupby(["training_set", "role"])
+            .success.sum()
+            .to_dict(),
+        )
+
+
+def draw(given: argparse.Namespace) -> None:
+    """A panel per test asset (rows) and training set (columns)."""
+    table = pd.concat([pd.read_csv(path) for path in given.tables])
+    shown = list(table.groupby(["task", "role"], sort=False))
+    sets = list(table.training_set.unique())
+    figure, panels = plt.subplots(
+        len(shown), len(sets), figsize=(4.2 * len(sets), 2.6 * len(shown)), squeeze=False, layout="constrained"
+    )
+    for row, ((task, role), cell) in zip(panels, shown, strict=True):
+        reach = np.maximum(100 * cell[["sideways", "up"]].abs().max().to_numpy(), 3) + 1
+        for panel, name in zip(row, sets, strict=True):
+            part = cell[cell.training_set == name]
+            for wide, high in part[["wide", "high"]].dropna().drop_duplicates().to_numpy() * 100:
+                panel.add_patch(Rectangle((-wide / 2, -high / 2), wide, high, color="0.78", zorder=0))
+            for success in (True, False):
+                some = part[part.success == success]
+                label = f"{'opened' if success else 'not opened'}: {len(some)}"
+                panel.scatter(100 * some.sideways, 100 * some.up, s=9, alpha=0.6, color=COLOURS[success], label=label)
+            panel.set(xlim=(-reach[0], reach[0]), ylim=(-reach[1], reach[1]), aspect="equal")
+            panel.set_title(f"{task}, {role}: {name}", fontsize=9)
+            panel.legend(loc="upper left", bbox_to_anchor=(1, 1), fontsize=7, frameon=False)
+            panel.tick_params(labelsize=7)
+        row[0].set_ylabel("up, cm", fontsize=8)
+    for panel in panels[-1]:
+        panel.set_xlabel("sideways, cm", fontsize=8)
+    figure.savefig(given.out, dpi=100)
+
+
+def main() -> None:
+    """Command line."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    commands = parser.add_subparsers(required=True)
+    rolling = commands.add_parser("roll")
+    rolling.add_argument("--policies", type=Path, nargs="+", required=True, help="folders of trained policies")
+    rolling.add_argument("--assets", type=Path, required=True, help="assets.json of the experiment")
+    rolling.add_argument("--library", type=Path, required=True, help="library.json")
+    rolling.add_argument(
+        "--roles", nargs="+", default=["dissimilar"], help="test assets; all: those of all_assets in turn"
+    )
+    rolling.add_argument("--rollouts", type=int, default=50, help="episodes per policy and role")
+    rolling.add_argument("--checkpoint", default="last", help="best, last, or a name in config.json")
+    rolling.add_argument("--seed", type=int, default=0, help="of the initial states")
+    rolling.add_argument("--out", type=Path, required=True, help="table to write")
+    rolling.set_defaults(run=roll)
+    drawing = commands.add_parser("draw")
+    drawing.add_argument("tables", type=Path, nargs="+", help="tables that `roll` wrote")
+    drawing.add_argument("--out", type=Path, required=True, help="picture to write")
+    drawing.set_defaults(run=draw)
+    given = parser.parse_args()
+    given.run(given)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,47 @@
+"""Where a hand first closes, in the frame of the handle."""
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import torch
+
+from benchmarks.closings import Watched, draw
+from stages.config.task import TaskConfig
+from stages.contracts.policies import TaskAsset
+from stages.tasks.api import make_task
+from tests.unit.demo_assets import cabinet
+
+
+def test_a_hand_is_noted_where_it_first_closes_wherever_the_joint_then_is(tmp_path: Path) -> None:
+    cabinet(tmp_path / "door")
+    task = make_task("door", tmp_path / "door", "door_0_joint", None, TaskConfig(scale_variants=1), render=False)
+    watched = Watched(task, TaskAsset.model_construct(asset="door"), {})
+    watched.reset(5)
+    still = np.array([0, 0, 0, 0, 0, 0, 1.0])
+    watched.step(still)
+    assert not watched.notes, "an open hand is not noted"
+    watched.step(-still)
+    ((key, note),) = watched.notes.items()
+    target = task.env.target
+    assert target.handle is not None and key == ("door", 5) and note["step"] == 1
+    place = target.handle.position + np.array([note["out"], note["sideways"], note["up"]])
+    where = task.env.base_from_asset() @ np.append(place, 1.0)
+    assert where[:3] == pytest.approx(task.hand()[:3, 3], abs=0.01)
+    assert note["high"] > 5 * note["wide"], "the bar of a door is upright"
+    task.env.object.set_qpos(torch.tensor([[0.7]]))
+    watched.step(-still)
+    assert watched.notes[key] is note, "the first time alone"
+    opened = watched.closing()
+    assert abs(opened["out"] - note["out"]) > 0.05, "the handle has gone, the hand has stayed"
+    task.close()
+
+
+def test_a_panel_for_every_asset_and_set(tmp_path: Path) -> None:
+    row = {"task": "door", "role": "twin", "wide": 0.01, "high": 0.2, "sideways": 0.01, "up": -0.02}
+    rows = [row | {"training_set": name, "success": name == "twin"} for name in ("twin", "cousins_2")]
+    pd.DataFrame([*rows, rows[0] | {"sideways": None, "up": None}]).to_csv(tmp_path / "table.csv", index=False)
+    draw(argparse.Namespace(tables=[tmp_path / "table.csv"], out=tmp_path / "drawn.png"))
+    assert (tmp_path / "drawn.png").read_bytes().startswith(b"\x89PNG")
