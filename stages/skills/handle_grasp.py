@@ -70,8 +70,9 @@ def grasp_pose(handle: Handle, grasp: Grasp, hand: Array) -> Array:
     up = np.cross(closing, straight_in)
     lift = np.sign(up[2]) if abs(up[2]) > 0.5 else 1.0
     approach = Rotation.from_rotvec(-closing * grasp.tilt * lift).apply(straight_in)
-    middle = min(handle.width / 2, DEEPEST) if handle.elongated else 0.0
-    depth = float(np.clip(handle.protrusion - FINGERTIP, 0.0, max(grasp.depth, middle)))
+    thick = handle.elongated and handle.width > 2 * MAX_DEPTH
+    depth = max(grasp.depth, min(handle.width / 2, DEEPEST)) if thick else grasp.depth
+    depth = float(np.clip(handle.protrusion - FINGERTIP, 0.0, depth))
     rotation = np.stack([np.cross(closing, approach), closing, approach], axis=1)
     from_above = Rotation.from_rotvec([0.0, -grasp.pitch, 0.0]).as_matrix()
     return rigid(from_above @ rotation, handle.position + depth * straight_in)

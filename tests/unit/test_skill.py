@@ -212,6 +212,9 @@ def test_a_thick_bar_is_held_at_its_middle(door: TaskEnv) -> None:
         bar = replace(handle, axis=np.array([0.0, 0.0, 1.0]), length=0.3, width=width, protrusion=0.09)
         held = grasp_pose(bar, Grasp(0.0, 0.0, 1.0), np.eye(4))
         assert bar.position[0] - held[0, 3] == pytest.approx(depth)
+        if width < 0.018:
+            by_its_tips = grasp_pose(bar, Grasp(0.0, 0.0, 1.0, 0.0), np.eye(4))
+            assert by_its_tips[0, 3] == pytest.approx(bar.position[0])
 
 
 def test_doors_and_drawers_are_opened(door: TaskEnv, tmp_path: Path) -> None:
