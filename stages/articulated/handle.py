@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 GRID = 0.004  # metres between rays
+MOST = 1000  # rays along a side; a panel that would take more is larger than any
 NEAREST = 0.005  # rays that end this close behind the nearest hit make up the mean handle location (official code)
 FRONT = 0.015  # the foremost slice that tells the handle's direction and extents
 PROTRUSION = 0.012  # a handle sticks out at least this far from its panel
@@ -37,7 +38,8 @@ class Handle:
 def front_hits(mesh: trimesh.Trimesh) -> Array:
     """First hits (N, 3) of rays that fly along -x onto the mesh, on a grid over its y-z extents."""
     low, high = mesh.bounds
-    y, z = (np.arange(low[i] + GRID / 2, high[i], GRID) for i in (1, 2))
+    step = max(GRID, float((high - low).max()) / MOST)
+    y, z = (np.arange(low[i] + step / 2, high[i], step) for i in (1, 2))
     origins = np.stack(np.meshgrid([high[0] + 0.1], y, z, indexing="ij"), axis=-1).reshape(-1, 3)
     directions = np.tile([-1.0, 0.0, 0.0], (len(origins), 1))
     hits, _, _ = mesh.ray.intersects_location(origins, directions, multiple_hits=False)

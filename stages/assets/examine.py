@@ -18,7 +18,7 @@ from stages.articulated.urdf_writer import write_urdf
 from stages.assets.discover import Found
 from stages.assets.importers import Axis, Importer
 from stages.assets.importers.urdf import IMPORTER as URDF
-from stages.assets.imports import ModelFile, Notes, axis_vector, import_file, upright, with_notes
+from stages.assets.imports import ModelFile, Notes, axis_vector, import_file, in_one_line, upright, with_notes
 from stages.assets.proportions import UNITS, doubt_of_size, up_and_unit
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json, write_json
@@ -71,18 +71,20 @@ def examine(found: Found, importer: Importer, place: Path, work: Path, before: S
     """
     model = Examined(found.path, place)
     try:
-        robot = importer.read(found.path, found.folder)
-        theirs = place / NOTES
-        corrected = theirs.is_file()
-        if corrected:
-            notes = read_json(Notes, theirs)
-            model.told.append(f"as {NOTES} says")
-        else:
-            notes, model.told = guessed(robot, with_notes(found, importer))
-        model.notes = notes
-        write_model(robot, place, notes)
-        as_written = Found(place / "model.urdf", place.parent.parent, place.parent.name, place.name)
-        asset, model.doubts = import_file(with_notes(as_written, URDF), work)
+        with in_one_line(found.path):
+            file = with_notes(found, importer)
+            robot = importer.read(found.path, found.folder)
+            theirs = place / NOTES
+            corrected = theirs.is_file()
+            if corrected:
+                notes = read_json(Notes, theirs)
+                model.told.append(f"as {NOTES} says")
+            else:
+                notes, model.told = guessed(robot, file)
+            model.notes = notes
+            write_model(robot, place, notes)
+            as_written = Found(place / "model.urdf", place.parent.parent, place.parent.name, place.name)
+            asset, model.doubts = import_file(with_notes(as_written, URDF), work)
     except InputError as error:
         model.doubts.append(str(error))
         return model

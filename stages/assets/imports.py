@@ -2,7 +2,8 @@
 
 import re
 import shutil
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
@@ -99,7 +100,8 @@ def import_folders(
     assets: dict[str, Asset] = {}  # by checksum: a copy is the same model
     for file, name in progress(zip(files, ids, strict=True), "imports", len(files)):
         try:
-            asset, doubts = import_file(file._replace(id=name), models)
+            with in_one_line(file.path):
+                asset, doubts = import_file(file._replace(id=name), models)
         except InputError as error:
             refused.append(error)
             print(f"left out: {error}")
@@ -114,6 +116,18 @@ def import_folders(
     if refused and not assets:
         raise refused[0]
     return list(assets.values())
+
+
+@contextmanager
+def in_one_line(path: Path) -> Iterator[None]:
+    """Whatever a model makes mesh and physics libraries raise becomes its one line: it must not stop the others."""
+    try:
+        yield
+    except InputError:
+        raise
+    except Exception as error:
+        reason = (str(error).splitlines() or [""])[0][:200]
+        raise InputError(path, f"cannot be imported ({type(error).__name__}: {reason}).") from error
 
 
 def _with_notes(found: Iterable[Found], kinds: dict[str, Importer]) -> tuple[list[ModelFile], list[InputError]]:
@@ -141,7 +155,13 @@ def suffix(path: Path) -> str:
 
 
 def with_notes(found: Found, importer: Importer) -> ModelFile:
-    """A model file with the notes beside it."""
+    """A model file with the notes beside it.
+
+    Raises:
+        InputError: the notes are broken, or the file is a link out of the user's folder.
+    """
+    if not found.path.resolve().is_relative_to(found.folder.resolve()):
+        raise InputError(found.path, f"is a link out of {found.folder.name}/.", "copy it inside")
     beside = found.path.parent / "asset.json"
     notes = read_json(Notes, beside) if beside.exists() else Notes()
     category = snake_case(notes.category or found.category)
@@ -159,11 +179,11 @@ def import_file(file: ModelFile, models: Path) -> tuple[Asset, list[str]]:
     path, notes = file.path, file.notes
     robot, turned = upright(file.importer.read(path, file.folder), file)
     robot, fixed = doors_and_drawers(robot)
-    robot, cut = with_solid_handles(with_roles(robot))
+    robot = with_roles(robot)
     if notes.mass is not None:
         robot = with_mass(robot, notes.mass)
     check_believable(robot, path)
-    robot = without_specks(robot)
+    robot, cut = with_solid_handles(without_specks(robot))
     about = Description(
         id=file.id,
         category=file.category,

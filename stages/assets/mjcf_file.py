@@ -39,6 +39,7 @@ def compiled(path: Path, folder: Path) -> tuple[Any, Any]:
     for element in [element for element in root if element.tag not in KEPT]:
         root.remove(element)
     ET.SubElement(root, "compiler", COMPILER)
+    mujoco.set_mju_user_warning(lambda text: None)  # else it writes MUJOCO_LOG.TXT where the user is
     try:
         spec = mujoco.MjSpec.from_string(ET.tostring(root, encoding="unicode"))
         return spec, spec.compile()

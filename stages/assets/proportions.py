@@ -13,6 +13,7 @@ UNITS = {1.0: "metres", 0.01: "centimetres", 0.001: "millimetres", 0.0254: "inch
 SAMPLES = 8  # models of a category that say how large it is
 SPREAD = np.log(1.5)  # beyond the sizes seen that is still usual
 UNLIKELY = np.log(1.5)  # sum over three extents of how far beyond they are
+LYING = np.log(1.1)  # the same, for another side to be tried as the bottom
 BETTER = 3.0  # times less must it be for another guess
 LARGEST_THING = 5.0  # metres: what is larger, in a category that is not known, is not in metres
 
@@ -70,13 +71,18 @@ def up_and_unit(extents: Matrix, category: str, default: Axis) -> tuple[Axis, fl
 
 
 def doubt_of_size(size: tuple[float, float, float], category: str) -> str | None:
-    """A line if no model of the category is as large as this one, in metres, z up."""
+    """A line if no model of the category is as large as this one (metres, z up), or it seems to lie on its side."""
     sizes = usual(category)
-    plan, height = np.maximum(size[:2], 1e-9), max(size[2], 1e-9)
-    if sizes is None or sizes.misfit(plan, height) <= UNLIKELY:
+    if sizes is None:
         return None
-    factor = sizes.factor(plan, height)
+    extents = np.maximum(size, 1e-9)
+    misfit, *lying = (sizes.misfit(np.delete(extents, up), extents[up]) for up in (2, 0, 1))
+    if misfit > LYING and BETTER * min(lying) < misfit:
+        return f"seems to lie on its side: a {category.replace('_', ' ')} of ours is {sizes} (asset.json: up)"
+    if misfit <= UNLIKELY:
+        return None
+    factor = sizes.factor(extents[:2], extents[2])
     line = f"no {category.replace('_', ' ')} of ours is as large: {sizes}"
-    if sizes.misfit(plan * factor, height * factor) < UNLIKELY:
+    if sizes.misfit(extents[:2] * factor, extents[2] * factor) < UNLIKELY:
         line += f"; {factor:g} times its scale would be usual"
     return line

@@ -8,15 +8,17 @@ import trimesh
 
 from stages.articulated.forward_kinematics import closed_box, link_frames
 from stages.articulated.mesh_reader import convex_pieces
+from stages.articulated.model import RobotModel
 from stages.articulated.stretching import stretched
 from stages.articulated.urdf_reader import MINIMUM_MASS, read_urdf
+from stages.assets import imports
 from stages.assets.discover import discover
 from stages.assets.imports import import_folders, import_model, snake_case
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json
 from stages.contracts.library import Asset
 from stages.procedural.resize import resized
-from tests.unit.articulated_models import textured_box, write_cabinet, write_kitchen
+from tests.unit.articulated_models import CABINET, textured_box, write_cabinet, write_kitchen
 
 
 @pytest.fixture
@@ -111,6 +113,39 @@ def test_empty_and_missing_folders(tmp_path: Path) -> None:
         import_folders([tmp_path / "empty"], tmp_path / "models")
 
 
+def test_odd_models_do_not_stop_the_others(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mine, away = tmp_path / "mine", tmp_path / "away.obj"
+    for name, size in (("good", (0.3, 0.2, 0.1)), ("cursed", (0.31, 0.2, 0.1))):
+        (mine / "box").mkdir(parents=True, exist_ok=True)
+        trimesh.creation.box(size).export(mine / "box" / f"{name}.obj")
+    trimesh.creation.box((0.3, 0.3, 0.3)).export(away)
+    (mine / "box" / "link.obj").symlink_to(away)
+    in_mm = CABINET.replace('"0.02 0.58 0.7"', '"20 580 700"').replace('"0.01 -0.29 0"', '"10 -290 0"')
+    write_cabinet(mine, in_mm)
+    (mine / "box" / "nan.xml").write_text('<mujoco><worldbody><geom type="box" size="nan 1 1"/></worldbody></mujoco>')
+    believable = imports.check_believable
+
+    def check(robot: RobotModel, path: Path) -> None:
+        if path.stem == "cursed":
+            raise MemoryError("196 GiB")
+        believable(robot, path)
+
+    monkeypatch.setattr(imports, "check_believable", check)
+    monkeypatch.chdir(tmp_path)
+    assert [asset.id for asset in import_folders([mine], tmp_path / "models")] == ["box_good"]
+    said = [line for line in capsys.readouterr().out.splitlines() if line.startswith("left out: ")]
+    assert len(said) == 4
+    for words in (
+        "link.obj: is a link out of mine/",
+        "cursed.obj: cannot be imported (MemoryError: 196 GiB)",
+        "m large",
+    ):
+        assert any(words in line for line in said), words
+    assert not (tmp_path / "MUJOCO_LOG.TXT").exists(), "what it warns of is told in its error"
+
+
 def test_two_bodies_are_two_hulls() -> None:
     left, right = trimesh.creation.box(), trimesh.creation.icosphere(2)
     right.apply_translation([5, 0, 0])
@@ -123,7 +158,7 @@ def test_a_kitchen_as_a_package_ships_it(tmp_path: Path) -> None:
     mine = tmp_path / "mine" / "bottom_cabinet"
     mine.mkdir(parents=True)
     (mine / "kitchen").symlink_to(urdf.parent)
-    with pytest.raises(InputError, match="lies outside"):  # through the link, the meshes are elsewhere
+    with pytest.raises(InputError, match="is a link out of mine"):
         import_folders([tmp_path / "mine"], tmp_path / "models")
     asset = import_model(urdf, tmp_path / "packages", tmp_path / "models")
     assert (asset.doors, asset.drawers) == (2, 2)

@@ -49,6 +49,11 @@ def test_unusual_sizes_are_doubted() -> None:
     assert 1.6 < float(factor[1]) < 2.5
 
 
+def test_what_seems_to_lie_on_its_side_is_doubted() -> None:
+    lying = doubt_of_size((0.92, 0.45, 0.45), "chair")
+    assert lying is not None and lying.startswith("seems to lie on its side")
+
+
 @pytest.mark.parametrize("front", ["+x", "-x", "+y", "-y"])
 def test_directions_go_back_to_the_file(front: Axis) -> None:
     for up in ("+z", "-z"):
