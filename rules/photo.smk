@@ -1,6 +1,7 @@
 # One picture of the user's, found by pretrained networks (paper 2.1, A.2, A.7). No part of `all`.
 # Reads:  the picture that `--config image=...` names, weights.
-# Writes: results/photo/<scene>/{rgb.png,camera.json,depth.npz,masks.png,annotations.json}, weights/<network>/.
+# Writes: results/photo/<scene>/{rgb.png,camera.json,depth.npz,masks.png,annotations.json},
+#         weights/<network>/, weights.lock.json.
 
 
 rule fetch:

@@ -5,19 +5,14 @@ import shutil
 from pathlib import Path
 
 from stages.contracts import Annotations, Camera, Objects, read_json
-from tests.unit.tiny_networks import depth_anything, detector, segmenter
+from tests.unit.tiny_networks import save_all
 from tests.workflow.workspace import MICRO, ROOT, copy, planned, snakemake
-
-NETWORKS = {"detector": detector, "segmenter": segmenter, "depth_anything": depth_anything}
 
 
 def test_a_picture_goes_all_the_way_to_its_page(run: Path, tmp_path: Path) -> None:
     folder = copy(run, tmp_path / "run")
     shutil.copy(ROOT / "tests/data/photographed_room/rgb.jpg", folder / "my kitchen.jpg")
-    options: dict[str, object] = {"labels": ["cabinet", "mug", "coffee table"], "overlap": 1.0}
-    for name, make in NETWORKS.items():
-        make(folder / "weights" / name)
-        options[name] = {"path": f"weights/{name}"}
+    options = save_all(folder / "weights") | {"labels": ["cabinet", "mug", "coffee table"], "overlap": 1.0}
     (folder / "mine.yaml").write_text(json.dumps({"photo": options}))
     photo = ("photo", "--configfile", MICRO[1], "mine.yaml", "--config", "image=my kitchen.jpg")
     done = snakemake(folder, *photo)

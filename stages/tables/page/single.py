@@ -49,7 +49,7 @@ def found(files: RunFiles, name: str, camera: Path, album: Album) -> Found:
     objects = read_json(Objects, path)
     facts = camera_facts(objects)
     if note:
-        facts.append(("the camera is known", note))
+        facts.append(("how it is known", note))
     at = f", nearest {min(abs(wall.offset) for wall in objects.walls):.1f} m from the camera" if objects.walls else ""
     facts.append(("walls", f"{len(objects.walls)}{at}"))
     depth = read_metres(path, objects)
