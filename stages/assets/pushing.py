@@ -12,7 +12,8 @@ from stages.simulation.loading import load_asset, physics_scene
 TOUCH = 0.002  # metres: parts that are as near when closed would rub
 MOST_PAIRS = 31  # that SAPIEN tells apart
 FORCE, TORQUE = 20.0, 6.0  # N and N m: less than a gripper pulls with
-SECONDS, TIMESTEP = 4.0, 0.01
+SECONDS, STILL, TIMESTEP = 20.0, 1.0, 0.01  # for how long at most; without moving by `LEAST`: it sticks
+LEAST = 0.001  # of its range
 OPEN = 0.9  # of its range, for a joint that does not stick
 
 
@@ -48,15 +49,17 @@ def stuck_joints(folder: Path) -> list[str]:
         push = np.zeros_like(closed)
         push[number] = FORCE if joint.type.startswith("prismatic") else TORQUE
         low, high = joint.limits[0].tolist()
-        farthest = low
-        for _ in range(round(SECONDS / TIMESTEP)):
+        farthest, moved_at = low, 0
+        for step in range(round(SECONDS / TIMESTEP)):
             articulation.set_qf(push + articulation.compute_passive_force(True, True))
             scene.step()
-            farthest = max(farthest, float(articulation.get_qpos()[number]))
-            if farthest > low + OPEN * (high - low):
+            position = float(articulation.get_qpos()[number])
+            if position > farthest + LEAST * (high - low):
+                farthest, moved_at = position, step
+            if farthest > low + OPEN * (high - low) or step - moved_at > STILL / TIMESTEP:
                 break
-        else:
-            share = (farthest - low) / (high - low)
+        share = (farthest - low) / (high - low)
+        if share <= OPEN:
             lines.append(f"{roles[joint.name]} '{joint.name}' sticks at {100 * share:.0f} % of its range")
     return lines
 

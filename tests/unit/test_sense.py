@@ -196,6 +196,15 @@ def test_a_joint_that_sticks_is_told(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert re.search(r"a.urdf: drawer 'low' sticks at \d+ % of its range", capsys.readouterr().out)
 
 
+def test_a_joint_that_is_slow_does_not_stick(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    place = tmp_path / "mine" / "chest_of_drawers" / "rubbing"
+    place.mkdir(parents=True)
+    (place / "a.urdf").write_text(rubbing(0.01))
+    (asset,) = import_folders([tmp_path / "mine"], tmp_path / "models")
+    monkeypatch.setattr("stages.simulation.loading.JOINT_DAMPING", 600.0)  # 20 N: 3 cm/s, six seconds
+    assert stuck_joints(tmp_path / "models" / asset.id) == []
+
+
 def write_partnet(folder: Path, number: str, text: str, category: str = "StorageFurniture") -> None:
     (folder / number).mkdir(parents=True)
     (folder / number / "mobility.urdf").write_text(text)
