@@ -124,7 +124,7 @@ def test_page_tells_what_happened(made: Path) -> None:
         "13</b><span>models in 2 categories", "only 12 points &lt;after cleaning&gt;", "fallen: lamp_1",
         "cabinet 01", "grasp slip 1", "8/10, 49–95 %", "16/20", "train loss", "Table 3:", "paper 5/5",
         "Trained on 4 cousins, lite, seed 0", "not run", "+55 points",
-        "Policies trained on 4 cousins succeed more often", "30 of 33 rows not run", "and 2 more by distance",
+        "Policies trained on 4 cousins succeed more often", "30 of 33 rows not run", "and 2 more by geometry",
         "failure, opened 12 % in 23 steps", "Rebuilt from cousins of rank", "Not collected",
     ):  # fmt: skip
         assert words in text, words
