@@ -230,3 +230,23 @@ def test_a_person_corrects_in_the_browser(opened: Any, session: Correction, sour
     page.get_by_role("button", name="Done").click()
     page.wait_for_function("() => document.getElementById('hint').textContent.startsWith('Done')")
     assert session.finished
+
+
+def test_what_changes_while_it_is_saved_is_not_called_saved(opened: Any) -> None:
+    page, asked = opened, []
+    page.route("**/save", lambda route: asked.append(route))
+    page.locator("#objects button", has_text="box").click()
+    with page.expect_request("**/save"):
+        page.get_by_label("What it is", exact=True).fill("stool")
+        page.keyboard.press("Enter")
+    page.get_by_label("What it is", exact=True).fill("chair")
+    page.keyboard.press("Enter")
+    with page.expect_response("**/save") as answer:
+        asked[0].continue_()
+    answer.value.finished()
+    page.wait_for_timeout(100)
+    assert page.locator("#saved").text_content() == "…"
+    page.wait_for_timeout(300)  # the next one is sent after a quarter of a second
+    asked[1].continue_()
+    page.wait_for_function("() => document.getElementById('saved').textContent === 'saved'")
+    page.unroute("**/save")

@@ -7,7 +7,7 @@ export const state = {
 const listeners = [];
 const past = [];
 const future = [];
-let asking = false, again = false, saving = 0;
+let asking = false, again = false, saving = 0, edits = 0;
 
 export const onChange = (listener) => listeners.push(listener);
 export const changed = () => listeners.forEach((listener) => listener());
@@ -57,6 +57,7 @@ export function edit(change, step = true) {
 }
 
 export function touch() {
+  edits += 1;
   clearTimeout(saving);
   document.getElementById('saved').textContent = '…';
   saving = setTimeout(save, 250);
@@ -66,9 +67,10 @@ export function touch() {
 
 export async function save() {
   clearTimeout(saving);
+  const sent = edits;
   try {
     await ask('save', state.project);
-    document.getElementById('saved').textContent = 'saved';
+    if (sent === edits) document.getElementById('saved').textContent = 'saved'; // else there is more to save by now
   } catch (error) {
     document.getElementById('saved').textContent = 'NOT saved';
     state.trouble = error.message;
