@@ -1,5 +1,7 @@
 """Draws a room of known truth into the page of `annotate`, as a person would: by clicks near the right pixels."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from threading import Thread
@@ -130,3 +132,21 @@ def serve(session: Session) -> PageServer:
     server = PageServer(session)
     Thread(target=server.serve_forever, kwargs={"poll_interval": 0.05}, daemon=True).start()
     return server
+
+
+@contextmanager
+def watched(browser: Any, session: Any, ready: str) -> Iterator[Any]:
+    """The page of a session once `ready` is there; nothing may be complained of."""
+    server = serve(session)
+    page = browser.new_page(viewport={"width": 1400, "height": 900})
+    page.set_default_timeout(20_000)
+    complaints: list[str] = []
+    page.on("console", lambda line: complaints.append(line.text) if line.type in ("error", "warning") else None)
+    page.on("pageerror", lambda error: complaints.append(str(error)))
+    page.goto(server.address)
+    page.wait_for_selector(ready)
+    yield page
+    page.close()
+    server.shutdown()
+    server.server_close()
+    assert complaints == []

@@ -15,7 +15,7 @@ from stages.extraction.by_hand.project import PROJECT, Project
 from stages.extraction.by_hand.session import Session
 from stages.extraction.extract import run as extract
 from stages.geometry.frames import apply, inverse
-from tests.unit.annotate_page import Hand, TrueRoom, serve
+from tests.unit.annotate_page import Hand, TrueRoom, watched
 from tests.unit.test_report_browser import CONTRAST, FLAGS
 
 ROOM = Path(__file__).parents[1] / "data" / "photographed_room"
@@ -37,21 +37,10 @@ def browser() -> Iterator[Any]:
 
 @pytest.fixture
 def opened(browser: Any, tmp_path: Path) -> Iterator[tuple[Any, Session]]:
-    """The page with the room's picture, and the session behind it; nothing may be complained of."""
+    """The page with the room's picture, and the session behind it."""
     session = Session(read_photo(ROOM / "rgb.jpg"), "rgb.jpg", tmp_path / "room", ["bowl", "fridge"])
-    server = serve(session)
-    page = browser.new_page(viewport={"width": 1400, "height": 900})
-    page.set_default_timeout(8000)
-    complaints: list[str] = []
-    page.on("console", lambda line: complaints.append(line.text) if line.type in ("error", "warning") else None)
-    page.on("pageerror", lambda error: complaints.append(str(error)))
-    page.goto(server.address)
-    page.wait_for_selector("#over line")
-    yield page, session
-    page.close()
-    server.shutdown()
-    server.server_close()
-    assert complaints == []
+    with watched(browser, session, "#over line") as page:
+        yield page, session
 
 
 def _saved(page: Any, session: Session) -> Project:

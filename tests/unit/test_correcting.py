@@ -17,7 +17,7 @@ from stages.extraction.by_hand.correcting import Correction
 from stages.extraction.by_hand.corrections import CORRECTIONS, Corrections, Cutter, Region
 from stages.extraction.extract import run as extract
 from stages.geometry.boxes import UprightBox
-from tests.unit.annotate_page import serve
+from tests.unit.annotate_page import watched
 from tests.unit.synthetic_room import FLOOR, HEIGHT, OBJECT, WALL, WIDTH, write_room
 from tests.unit.test_annotate_browser import browser  # noqa: F401
 
@@ -135,19 +135,8 @@ def test_what_does_not_fit_is_refused(session: Correction, source: Path, tmp_pat
 
 @pytest.fixture
 def opened(browser: Any, session: Correction) -> Iterator[Any]:  # noqa: F811
-    server = serve(session)
-    page = browser.new_page(viewport={"width": 1300, "height": 800})
-    page.set_default_timeout(20_000)
-    complaints: list[str] = []
-    page.on("console", lambda line: complaints.append(line.text) if line.type in ("error", "warning") else None)
-    page.on("pageerror", lambda error: complaints.append(str(error)))
-    page.goto(server.address)
-    page.wait_for_selector("#over polygon")
-    yield page
-    page.close()
-    server.shutdown()
-    server.server_close()
-    assert complaints == []
+    with watched(browser, session, "#over polygon") as page:
+        yield page
 
 
 def test_a_person_corrects_in_the_browser(opened: Any, session: Correction, source: Path) -> None:

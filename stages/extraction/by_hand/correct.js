@@ -1,6 +1,7 @@
 // The page that corrects found boxes, masks and labels: what a click, a drag or a key does, and the panel.
-import { area, begin, element, fit, move, pixel, unit, zoom } from './canvas.js';
-import { ask, changed, edit, find, freeId, onChange, redo, remember, save, solve, state, touch, undo, undoable } from './state.js';
+import { bindFrame, frameKey, keyOf } from './both.js';
+import { area, begin, element, move, pixel, unit, zoom } from './canvas.js';
+import { ask, changed, edit, find, freeId, onChange, remember, solve, state, touch, undoable } from './state.js';
 
 const get = (id) => document.getElementById(id);
 const svg = get('view');
@@ -165,19 +166,8 @@ function next(by) {
   changed();
 }
 document.addEventListener('keydown', (event) => {
-  const key = event.key.length === 1 ? event.key.toLowerCase() : event.key, typing = event.target.matches('input, select');
-  if (event.ctrlKey || event.metaKey) {
-    if (key === 's') { event.preventDefault(); get('write').click(); }
-    else if (typing) return;
-    else if (key === 'z') { event.preventDefault(); (event.shiftKey ? redo : undo)(); }
-    else if (key === 'y') { event.preventDefault(); redo(); }
-    return;
-  }
-  if (typing) {
-    if (key === 'Enter' || key === 'Escape') { event.preventDefault(); event.target.blur(); svg.focus({ preventScroll: true }); }
-    return;
-  }
-  if (event.target.matches('button, summary') && (key === 'Enter' || key === ' ')) return;
+  if (frameKey(event)) return;
+  const key = keyOf(event);
   const item = chosen(), box = item && boxOf(item);
   if (key === 'b') { state.chosen = null; choose('box'); }
   else if (key === 'o') choose('outline');
@@ -188,37 +178,13 @@ document.addEventListener('keydown', (event) => {
     const [dx, dy] = ARROWS[key].map((value) => value * (event.shiftKey ? 10 : 1));
     edit(() => setBox(item, box.map(([x, y]) => [x + dx, y + dy])));
   } else if (key === 'n' || key === 'p') next(key === 'n' ? 1 : -1);
-  else if (key === '+' || key === '=') zoom(0.8);
-  else if (key === '-') zoom(1.25);
-  else if (key === '0') { fit(); draw(); }
   else return;
   event.preventDefault();
 });
-addEventListener('beforeunload', save);
-
-async function write() {
-  await save();
-  try {
-    const answer = await ask('write', state.project);
-    get('ids').textContent = answer.ids.join(', ');
-    get('command').textContent = answer.command;
-    get('doubts').replaceChildren(...answer.notes.map((text) => { const entry = document.createElement('li'); entry.className = 'note'; entry.textContent = text; return entry; }));
-    get('preview').src = `preview.jpg?${Date.now()}`;
-    get('written').hidden = false;
-    state.trouble = '';
-  } catch (error) {
-    state.trouble = error.message;
-  }
-  changed();
-}
 
 function bind() {
   for (const tool of document.querySelectorAll('[data-tool]')) tool.addEventListener('click', () => { if (tool.dataset.tool === 'box') state.chosen = null; choose(tool.dataset.tool); });
-  get('undo').addEventListener('click', undo);
-  get('redo').addEventListener('click', redo);
-  get('closer').addEventListener('click', () => zoom(0.8));
-  get('farther').addEventListener('click', () => zoom(1.25));
-  get('fit').addEventListener('click', () => { fit(); draw(); });
+  bindFrame();
   get('label').addEventListener('change', ({ target }) => edit(() => { chosen().label = target.value.trim(); }));
   for (const id of ['doors', 'drawers']) get(id).addEventListener('change', ({ target }) => edit(() => { chosen()[id] = target.checkValidity() ? Number(target.value) : 0; }));
   get('articulated').addEventListener('change', ({ target }) => edit(() => Object.assign(chosen(), { articulated: target.checked }, target.checked ? {} : { doors: 0, drawers: 0 })));
@@ -228,14 +194,6 @@ function bind() {
   }));
   get('found').addEventListener('click', () => edit(() => Object.assign(chosen(), { box: null, outline: [] })));
   get('delete').addEventListener('click', remove);
-  get('object').addEventListener('submit', (event) => event.preventDefault());
-  get('write').addEventListener('click', write);
-  get('close').addEventListener('click', async () => {
-    await write();
-    if (state.trouble) return;
-    await ask('close', {});
-    get('hint').textContent = 'Done: this page can be closed.';
-  });
 }
 
 async function start() {

@@ -1,6 +1,7 @@
 // The panel beside the picture, and the start.
-import { ask, changed, copy, edit, find, freeId, isWall, onChange, redo, remove, save, solve, state, undo, undoable } from './state.js';
-import { begin, fit, zoom } from './canvas.js';
+import { bindFrame } from './both.js';
+import { ask, changed, copy, edit, find, freeId, isWall, onChange, remove, solve, state, undoable } from './state.js';
+import { begin } from './canvas.js';
 import { draw } from './drawing.js';
 import { choose, hint, step } from './tools.js';
 
@@ -100,30 +101,10 @@ function carried(item, on) {
   else item.points = [[a[0], Math.max(a[1], b[1])], [b[0], Math.max(a[1], b[1])], [b[0], Math.min(a[1], b[1])], ...(c ? [c] : [])];
 }
 
-async function write() {
-  await save();
-  try {
-    const answer = await ask('write', state.project);
-    get('ids').textContent = Object.values(answer.ids).join(', ');
-    get('command').textContent = answer.command;
-    get('doubts').replaceChildren(...answer.notes.map((text) => { const entry = document.createElement('li'); entry.className = 'note'; entry.textContent = text; return entry; }));
-    get('preview').src = `preview.jpg?${Date.now()}`;
-    get('written').hidden = false;
-    state.trouble = '';
-  } catch (error) {
-    state.trouble = error.message;
-  }
-  changed();
-}
-
 function bind() {
   for (const tab of document.querySelectorAll('[data-step]')) tab.addEventListener('click', () => step(tab.dataset.step));
   for (const tool of document.querySelectorAll('[data-tool]')) tool.addEventListener('click', () => choose(tool.dataset.tool));
-  get('undo').addEventListener('click', undo);
-  get('redo').addEventListener('click', redo);
-  get('closer').addEventListener('click', () => zoom(0.8));
-  get('farther').addEventListener('click', () => zoom(1.25));
-  get('fit').addEventListener('click', () => { fit(); draw(); });
+  bindFrame();
   get('grid').addEventListener('change', (event) => { state.grid = event.target.checked; draw(); });
   field('across', (project, target) => {
     const degrees = number(target);
@@ -151,14 +132,6 @@ function bind() {
   for (const id of ['width', 'depth', 'height']) field(id, (_, target, item) => { item[id] = number(target); });
   get('boxed').addEventListener('click', () => edit(() => { chosen().outline = []; }));
   get('delete').addEventListener('click', () => remove(state.chosen));
-  get('object').addEventListener('submit', (event) => event.preventDefault());
-  get('write').addEventListener('click', write);
-  get('close').addEventListener('click', async () => {
-    await write();
-    if (state.trouble) return;
-    await ask('close', {});
-    get('hint').textContent = 'Done: this page can be closed.';
-  });
 }
 
 async function start() {

@@ -17,7 +17,7 @@ from stages.extraction.by_hand.correcting import Correction
 from stages.extraction.by_hand.session import Session
 
 HERE = Path(__file__).resolve().parent
-SCRIPTS = ("page.js", "state.js", "canvas.js", "drawing.js", "tools.js", "correct.js")
+SCRIPTS = ("page.js", "state.js", "canvas.js", "drawing.js", "tools.js", "both.js", "correct.js")
 PAGES = {
     "page.css": ("page.css", "text/css; charset=utf-8"),
     **{name: (name, "text/javascript; charset=utf-8") for name in SCRIPTS},

@@ -65,8 +65,13 @@ export function touch() {
   solve();
 }
 
-export async function save() {
+let sending = Promise.resolve();
+export function save() { // one after the other: what is saved last is the newest
   clearTimeout(saving);
+  sending = sending.then(send);
+  return sending;
+}
+async function send() {
   const sent = edits;
   try {
     await ask('save', state.project);

@@ -1,6 +1,7 @@
 // Gestures and keys: what a click, a movement or a key does to the drawing.
-import { ask, changed, copy, edit, find, freeId, isWall, object, redo, remember, remove, save, solve, state, touch, undo, wall } from './state.js';
-import { fit, move, pixel, zoom } from './canvas.js';
+import { frameKey, keyOf } from './both.js';
+import { ask, changed, copy, edit, find, freeId, isWall, object, remember, remove, solve, state, touch, wall } from './state.js';
+import { move, pixel, zoom } from './canvas.js';
 import { draw } from './drawing.js';
 
 const svg = document.getElementById('view');
@@ -173,19 +174,8 @@ function erase() {
 }
 
 document.addEventListener('keydown', (event) => {
-  const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
-  if (event.ctrlKey || event.metaKey) {
-    if (key === 's') { event.preventDefault(); step('write'); document.getElementById('write').click(); }
-    else if (event.target.matches('input, select')) return;
-    else if (key === 'z') { event.preventDefault(); (event.shiftKey ? redo : undo)(); }
-    else if (key === 'y') { event.preventDefault(); redo(); }
-    return;
-  }
-  if (event.target.matches('input, select')) {
-    if (key === 'Enter' || key === 'Escape') { event.preventDefault(); event.target.blur(); svg.focus({ preventScroll: true }); }
-    return;
-  }
-  if (event.target.matches('button, summary') && (key === 'Enter' || key === ' ')) return;
+  if (frameKey(event)) return;
+  const key = keyOf(event);
   if (TOOLS[key]) choose(TOOLS[key]);
   else if (NUMBERS[key]) step(NUMBERS[key]);
   else if (key === 'Escape') cancel();
@@ -197,10 +187,6 @@ document.addEventListener('keydown', (event) => {
     remember();
     shift(state.handle, ([u, v]) => [u + dx, v + dy]);
   } else if (key === 'n' || key === 'p') next(key === 'n' ? 1 : -1);
-  else if (key === '+' || key === '=') zoom(0.8);
-  else if (key === '-') zoom(1.25);
-  else if (key === '0') { fit(); draw(); }
   else return;
   event.preventDefault();
 });
-addEventListener('beforeunload', save);

@@ -1,0 +1,63 @@
+// What both pages have: buttons above the picture, writing and closing, and keys that are the same on both.
+import { fit, zoom } from './canvas.js';
+import { ask, changed, redo, save, state, undo } from './state.js';
+
+const get = (id) => document.getElementById(id);
+function whole() { fit(); changed(); }
+
+async function write() {
+  await save();
+  try {
+    const answer = await ask('write', state.project);
+    get('ids').textContent = Object.values(answer.ids).join(', ');
+    get('command').textContent = answer.command;
+    get('doubts').replaceChildren(...answer.notes.map((text) => { const entry = document.createElement('li'); entry.className = 'note'; entry.textContent = text; return entry; }));
+    get('preview').src = `preview.jpg?${Date.now()}`;
+    get('written').hidden = false;
+    state.trouble = '';
+  } catch (error) {
+    state.trouble = error.message;
+  }
+  changed();
+}
+
+export function bindFrame() {
+  get('undo').addEventListener('click', undo);
+  get('redo').addEventListener('click', redo);
+  get('closer').addEventListener('click', () => zoom(0.8));
+  get('farther').addEventListener('click', () => zoom(1.25));
+  get('fit').addEventListener('click', whole);
+  get('object').addEventListener('submit', (event) => event.preventDefault());
+  get('write').addEventListener('click', write);
+  get('close').addEventListener('click', async () => {
+    await write();
+    if (state.trouble) return;
+    await ask('close', {});
+    get('hint').textContent = 'Done: this page can be closed.';
+  });
+  addEventListener('beforeunload', save);
+}
+
+export const keyOf = (event) => (event.key.length === 1 ? event.key.toLowerCase() : event.key);
+
+// Whether a key was one of these, or is none of the page's: typed into a field, or pressed on a button.
+export function frameKey(event) {
+  const key = keyOf(event), typing = event.target.matches('input, select');
+  if (event.ctrlKey || event.metaKey) {
+    if (key === 's') { event.preventDefault(); document.querySelector('[data-step="write"]')?.click(); get('write').click(); }
+    else if (!typing && key === 'z') { event.preventDefault(); (event.shiftKey ? redo : undo)(); }
+    else if (!typing && key === 'y') { event.preventDefault(); redo(); }
+    return true;
+  }
+  if (typing) {
+    if (key === 'Enter' || key === 'Escape') { event.preventDefault(); event.target.blur(); get('view').focus({ preventScroll: true }); }
+    return true;
+  }
+  if (event.target.matches('button, summary') && (key === 'Enter' || key === ' ')) return true;
+  if (key === '+' || key === '=') zoom(0.8);
+  else if (key === '-') zoom(1.25);
+  else if (key === '0') whole();
+  else return false;
+  event.preventDefault();
+  return true;
+}
