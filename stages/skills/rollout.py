@@ -14,10 +14,7 @@ from stages.skills.path import distance, straight
 STEP = 0.03  # path length between rolled-out poses
 POSITION_TOLERANCE, ROTATION_TOLERANCE = 0.01, 0.1  # metres and radians the rollout may miss a pose by
 ON_THE_WAY = 4.0  # slack of the poses that are only passed
-HOMING_STEP, HOMING_STEPS = (
-    0.05,
-    80,
-)  # radians of the joint that goes farthest between poses on the way to rest; most poses
+HOMING_STEP, HOMING_STEPS = 0.05, 80  # to rest: radians of the joint that goes farthest between poses; most poses
 STILL = 0.002  # path length between them at which nothing more comes of it
 SETTLING = 20  # iterations of the IK to a pose far away
 
