@@ -29,6 +29,14 @@ def dbscan(points: NDArray[np.floating], radius: float, min_points: int) -> NDAr
     return np.asarray(_open3d_cloud(points).cluster_dbscan(radius, min_points), dtype=np.int32)
 
 
+def surface_normals(points: NDArray[np.floating], radius: float) -> NDArray[np.float64]:
+    """Unit normals (N, 3) of the surface within `radius` of each point, turned to the origin, where the camera is."""
+    cloud = _open3d_cloud(points)
+    cloud.estimate_normals(o3d.geometry.KDTreeSearchParamHybrid(radius, 50))
+    cloud.orient_normals_towards_camera_location(np.zeros(3))
+    return np.asarray(cloud.normals)
+
+
 def farthest_points(points: NDArray[np.float32], count: int) -> NDArray[np.float32]:
     """(N, 3 or 4) -> (count, 3 or 4) by farthest point sampling from the first point on, in the cloud's order.
 

@@ -23,6 +23,7 @@ from stages.extraction.reconstruct import reconstruct
 from stages.geometry.boxes import UprightBox
 from stages.scenes import from_rgbd
 from stages.scenes.rgbd.cameras import of_camera, read_intrinsics, resized
+from stages.scenes.rgbd.clusters import clustered
 from stages.scenes.rgbd.depth_files import in_metres, read_raw
 from stages.scenes.rgbd.mask_files import read_labelled
 from tests.unit.synthetic_room import FLOOR, HEIGHT, INTRINSICS, OBJECT, WIDTH, trace
@@ -112,6 +113,26 @@ def test_clusters_find_what_stands_on_the_table(files: SimpleNamespace) -> None:
     assert found["up"] == pytest.approx(1.6 - TABLE.top, abs=0.01)  # the table top is the ground
     assert sorted(found["object_1"].size) == pytest.approx(sorted(BOX.size), abs=0.03)
     assert found["object_2"].size[2] == pytest.approx(CAN.size[2], abs=0.03)
+
+
+def test_things_that_touch_are_cut_apart_on_a_table() -> None:
+    """One on another, one in front of another, and one alone, which stays whole; farther away is furniture."""
+    boxes = [
+        UprightBox([2.4, 0.6, 0.8], [0.5, 0.5, 0.2], 0.3),
+        UprightBox([2.45, 0.6, 1.05], [0.25, 0.25, 0.3], 0.3),  # on it
+        UprightBox([2.1, -0.45, 0.78], [0.2, 0.35, 0.16], 0.0),
+        UprightBox([2.35, -0.4, 0.85], [0.24, 0.3, 0.3], 0.0),  # behind it
+        UprightBox([2.9, 0.0, 0.8], [0.25, 0.4, 0.2], 0.5),
+    ]
+    depth, masks = trace([TABLE, *boxes], wall=False)
+    near = clustered((0.4 * depth).astype(np.float32), INTRINSICS).values  # the same view of things 0.4 times as large
+    assert len(np.unique(near[near > 0])) == len(boxes)
+    for value in range(OBJECT + 1, OBJECT + 1 + len(boxes)):
+        true = masks == value
+        found = near == np.bincount(near[true]).argmax()
+        assert (found & true).sum() / (found | true).sum() > 0.75, value
+    far = clustered(depth, INTRINSICS).values
+    assert len(np.unique(far[far > 0])) == 3
 
 
 def test_ground_is_what_the_named_things_stand_on(files: SimpleNamespace) -> None:

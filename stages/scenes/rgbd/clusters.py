@@ -1,4 +1,4 @@
-"""Masks without any segmenter: what stands on a table or the floor, cut apart by distance."""
+"""Masks without any segmenter: what stands on a table or the floor, cut apart by distance, near things by shape too."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,11 +10,14 @@ from stages.geometry.cameras import back_project
 from stages.geometry.clouds import dbscan
 from stages.scenes.rgbd.frame import Labelled
 from stages.scenes.rgbd.levels import FLAT, Level, level_planes, sampled
+from stages.scenes.rgbd.touching import cut_apart, smoothed
 
 ABOVE, HIGHEST = 0.010, 0.8  # metres: at 1 m, above the plane; not beyond
 APART = 0.012  # metres at 1 m between two objects
 LOWEST = 0.025  # metres at 1 m: what is nowhere nearer to the plane hangs over it, or stands behind it
 LARGE, LEAST = 0.15, 0.002  # of the largest plane's points, for a table; of all points, for an object
+NEAR = 2.0  # metres to what is looked at: things on a table. Furniture is not convex: shelves, legs, cushions
+FIRM = 0.02  # metres at 1 m above the plane, from which on no noise of the plane is taken for an edge
 LABEL = "object"
 
 
@@ -53,7 +56,10 @@ def clustered(depth: NDArray[np.float32], intrinsics: NDArray[np.float64]) -> La
         mask = binary_fill_holes(binary_closing(core, np.ones((7, 7))))
         values[(values == value) & ~mask] = 0
         values[mask & (values == 0)] = value
-    return Labelled(values, dict.fromkeys(number.values(), LABEL))
+    if far < NEAR:
+        points = back_project(smoothed(depth), intrinsics)
+        values = cut_apart(values, points, table.height(points), FIRM * far)
+    return Labelled(values, dict.fromkeys(np.unique(values[values > 0]).tolist(), LABEL))
 
 
 def _table(levels: list[Level]) -> Level:
