@@ -56,7 +56,7 @@ def run(
                 raise InputError(name, "is for a picture; the folder has its own.", "leave it out")
         session: Session | Correction = _found(image, out, library)
     elif lens is not None and depth is not None:
-        raise InputError("--lens", "bends the picture, not the depth.", "straighten both before, or leave out one")
+        raise InputError("--lens", "bends the picture, not the depth.", "`scenes from-rgbd` straightens both")
     else:
         session = _drawn(read_photo(image, lens), image, out, depth, camera, library)
     try:

@@ -13,6 +13,7 @@ from stages.scenes.rgbd.clusters import clustered
 from stages.scenes.rgbd.depth_files import in_metres, read_raw
 from stages.scenes.rgbd.frame import Frame
 from stages.scenes.rgbd.layouts import read_frame
+from stages.scenes.rgbd.lens import find_distortion, straight_frame
 from stages.scenes.rgbd.mask_files import read_labelled
 from stages.scenes.rgbd.write import fitted, numbered, write_frame
 
@@ -41,7 +42,7 @@ def run(
         recording: in the place of both, a recording: TUM, Open3D, RealSense, Record3D, NYU (.mat), SUN RGB-D.
         number: which frame of the recording, from 0.
         unit: of the depth: auto, m, mm, or the number that stands for one metre.
-        intrinsics: file with the colour camera's intrinsics (JSON, YAML, text).
+        intrinsics: file with the colour camera's intrinsics (JSON, YAML, text); distortion in it is taken out.
         camera: its name, in the place of a file, e.g. realsense_d435.
         fov: its field of view over the picture's width in degrees, in the place of both.
         masks: COCO or labelme JSON, or a PNG of indices or colours.
@@ -68,12 +69,15 @@ def run(
     else:
         frame = _of_files(rgb, depth, unit, told)
     height, width = frame.rgb.shape[:2]
+    if intrinsics is not None:
+        frame = replace(frame, distortion=find_distortion(intrinsics, frame.intrinsics, width, height))
     if masks is not None:
         name = "" if rgb is None else rgb.name
         frame = replace(frame, masks=read_labelled(masks, labels, width, height, name))
-    elif clusters:
-        whole = fitted(frame)
-        frame = replace(whole, masks=clustered(whole.depth, whole.intrinsics))
+    frame = straight_frame(fitted(frame))
+    if clusters and masks is None:
+        frame = replace(frame, masks=clustered(frame.depth, frame.intrinsics))
+    height, width = frame.rgb.shape[:2]
     written = write_frame(out, frame)
     (fx, _, cx), (_, fy, cy), _ = frame.intrinsics
     print("; ".join([*frame.notes, f"fx {fx:.1f} fy {fy:.1f} cx {cx:.1f} cy {cy:.1f} of {width}x{height} pixels"]))

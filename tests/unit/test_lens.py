@@ -10,12 +10,19 @@ import pytest
 from numpy.typing import NDArray
 
 from stages.contracts import InputError
+from stages.contracts.scene_input import read_scene_input
 from stages.extraction import annotate
 from stages.extraction.by_hand.photo import read_photo
+from stages.geometry.boxes import UprightBox
+from stages.scenes import from_rgbd
 from stages.scenes.rgbd.lens import read_lens, straightened
+from tests.unit.synthetic_room import FLOOR, INTRINSICS, OBJECT, trace
+from tests.unit.synthetic_room import HEIGHT as ROOM_HEIGHT
+from tests.unit.synthetic_room import WIDTH as ROOM_WIDTH
 
 WIDTH, HEIGHT, FOCAL = 640, 480, 420.0
 K = [[FOCAL, 0, 322.0], [0, FOCAL, 236.0], [0, 0, 1]]
+BOX = UprightBox([2.2, -0.9, 0.4], [0.6, 0.5, 0.8], 0.3)  # near the border, where a lens bends most
 BENT = [-0.28, 0.07, 0.001, -0.0005, 0.0]
 
 
@@ -63,6 +70,7 @@ def test_lines_are_straight_again(tmp_path: Path) -> None:
         {"k1": BENT[0], "k2": BENT[1], "p1": BENT[2], "p2": BENT[3]},
         {"distortion": {"k1": BENT[0], "k2": BENT[1], "p1": BENT[2], "p2": BENT[3], "k3": 0}},
         {"D": BENT[:4]},
+        {"coeffs": BENT, "model": "distortion.brown_conrady"},
     ],
 )
 def test_calibrations_of_any_usual_layout(tmp_path: Path, data: dict[str, Any]) -> None:
@@ -75,7 +83,12 @@ def test_calibrations_of_any_usual_layout(tmp_path: Path, data: dict[str, Any]) 
     ("data", "words"),
     [
         ({}, "holds no distortion"),
-        ({"D": BENT, "distortion_model": "equidistant"}, "'equidistant'"),
+        (
+            {"D": BENT, "distortion_model": "equidistant"},
+            "fisheye lens .'equidistant'.*straighten colour",
+        ),
+        ({"coeffs": BENT[:4], "model": "RS2_DISTORTION_KANNALA_BRANDT4"}, "fisheye lens"),
+        ({"D": BENT, "distortion_model": "cubic"}, "'cubic', which is not read"),
         ({"D": ["much"]}, "holds no distortion"),
         ({"D": [1, 2, 3]}, "holds no distortion"),
         ({"D": [float("nan")] * 5}, "holds no distortion"),
@@ -96,3 +109,60 @@ def test_a_photograph_is_straightened_before_everything(tmp_path: Path) -> None:
     assert bend(read_photo(tmp_path / "wide.png").rgb) > 12
     with pytest.raises(InputError, match="bends the picture, not the depth"):
         annotate.run(tmp_path / "wide.png", lens=lens, depth=tmp_path / "depth.npz", browser=False)
+
+
+def bent_frame(inverse: bool) -> tuple[NDArray[np.uint8], NDArray[np.float32], NDArray[np.uint16]]:
+    """Colour, depth and masks of a box on a floor as the lens shows them, without the mixing of pixels."""
+    depth, masks = trace([BOX], wall=False)
+    u, v = np.meshgrid(np.arange(ROOM_WIDTH, dtype=float), np.arange(ROOM_HEIGHT, dtype=float))
+    bent = (np.stack([u, v], axis=-1).reshape(-1, 2) - INTRINSICS[:2, 2]) / np.diag(INTRINSICS)[:2]
+    none, one, coefficients = np.zeros(3), np.eye(3), np.array(BENT)
+    if inverse:  # the polynomial goes from what is seen to the ray
+        rays = cv2.projectPoints(np.column_stack([bent, np.ones(len(bent))]), none, none, one, coefficients)[0]
+    else:
+        rays = cv2.undistortPoints(bent[:, None], one, coefficients)
+    pixels = (rays[:, 0] * np.diag(INTRINSICS)[:2] + INTRINSICS[:2, 2]).astype(np.float32)
+    maps = pixels[:, 0].reshape(u.shape), pixels[:, 1].reshape(u.shape)
+    depth, masks = (cv2.remap(image, *maps, cv2.INTER_NEAREST) for image in (depth, masks))
+    return np.dstack([masks * 20] * 3).astype(np.uint8), depth, masks
+
+
+@pytest.mark.parametrize(
+    ("inverse", "said"),
+    [
+        (False, {"D": BENT, "distortion_model": "plumb_bob"}),
+        (True, {"coeffs": BENT, "model": "distortion.inverse_brown_conrady"}),
+        (False, {}),
+        (False, {"D": [], "distortion_model": ""}),
+        (False, {"coeffs": [0.0] * 5, "model": "distortion.modified_brown_conrady"}),
+    ],
+)
+def test_rgbd_frames_are_straightened(tmp_path: Path, inverse: bool, said: dict[str, Any]) -> None:
+    """Colour, depth and masks alike: what is written is what a pinhole camera with the written K sees of the room."""
+    rgb, depth, masks = bent_frame(inverse)
+    cv2.imwrite(str(tmp_path / "rgb.png"), rgb)
+    cv2.imwrite(str(tmp_path / "depth.png"), np.rint(1000 * depth).astype(np.uint16))
+    cv2.imwrite(str(tmp_path / "masks.png"), masks)
+    (tmp_path / "names.json").write_text(json.dumps({str(FLOOR): "floor", str(OBJECT): "box"}))
+    (tmp_path / "K.json").write_text(json.dumps({"camera_matrix": INTRINSICS.tolist(), **said}))
+    from_rgbd.run(
+        out=tmp_path / "out", rgb=tmp_path / "rgb.png", depth=tmp_path / "depth.png", intrinsics=tmp_path / "K.json",
+        masks=tmp_path / "masks.png", labels=tmp_path / "names.json",
+    )  # fmt: skip
+    written = read_scene_input(tmp_path / "out")
+    u, v = np.meshgrid(np.arange(ROOM_WIDTH), np.arange(ROOM_HEIGHT))
+    rays = np.stack([u, v, np.ones_like(u)], axis=-1) @ np.linalg.inv(np.array(written.camera.intrinsics)).T
+    x, y, _ = np.moveaxis(np.rint(rays @ INTRINSICS.T).astype(int), -1, 0)
+    true_depth, true_masks = trace([BOX], wall=False)
+    inside = (x >= 0) & (x < ROOM_WIDTH) & (y >= 0) & (y < ROOM_HEIGHT)
+    x, y = x.clip(0, ROOM_WIDTH - 1), y.clip(0, ROOM_HEIGHT - 1)
+    on_box = inside & ((written.masks == OBJECT) | (true_masks[y, x] == OBJECT))
+    agree = (written.masks == true_masks[y, x])[on_box].mean()
+    both = inside & (written.masks == OBJECT) & (true_masks[y, x] == OBJECT)
+    off = float(np.quantile(np.abs(written.depth - true_depth[y, x])[both], 0.95))
+    colour = cv2.imread(str(tmp_path / "out" / "rgb.png"))[..., 0]
+    assert (colour == written.masks * 20).mean() > 0.97
+    if said.get("D") or inverse:
+        assert inside.mean() > 0.8 and agree > 0.95 and off < 0.02
+    else:
+        assert np.array_equal(written.depth > 0, depth > 0) and agree < 0.9

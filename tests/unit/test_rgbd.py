@@ -425,6 +425,16 @@ def test_recordings(tmp_path: Path, room: tuple, layout: Callable[..., Path], mo
         from_rgbd.run(out=out, recording=recording, number=5)
 
 
+def test_the_lens_of_a_recording(tmp_path: Path, room: tuple, capsys: pytest.CaptureFixture[str]) -> None:
+    recording = open3d(tmp_path / "recording", *room)
+    file = next(recording.glob("*intrinsic*"))
+    file.write_text(json.dumps(json.loads(file.read_text()) | {"coeffs": [-0.2, 0, 0, 0, 0], "model": "brown_conrady"}))
+    from_rgbd.run(out=tmp_path / "out", recording=recording)
+    assert "distortion is taken out" in capsys.readouterr().out
+    from_rgbd.run(out=tmp_path / "out", recording=recording, fov=55.0)
+    assert "distortion" not in capsys.readouterr().out
+
+
 def test_intrinsics_follow_the_size() -> None:
     half = resized(np.array(K), 0.5, 0.5)
     assert half[0].tolist() == [300.0, 0.0, 159.75]

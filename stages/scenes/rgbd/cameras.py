@@ -25,6 +25,7 @@ FIELDS_OF_VIEW = {
     "realsense_l515": (70.0, 43.0),
     "xtion": (58.0, 45.0),
 }
+DEEPER = ("color", "rgb", "color_intrinsics", "rgb_intrinsics", "intrinsic", "intrinsics", "camera", "cam0")
 KNOWS = "a file with fx, fy, cx, cy or a 3x3 matrix (JSON, YAML, text), see docs/your-data.md"
 
 
@@ -66,9 +67,8 @@ def read_intrinsics(path: Path, width: int, height: int) -> Matrix:
     Raises:
         InputError: nothing of the kind, or a camera that cannot have taken a picture of this size.
     """
-    with readable(path, "file of intrinsics", KNOWS):
-        text = path.read_text(encoding="utf-8-sig")
-    found, size = _parsed(path, text)
+    told = contents(path)
+    found, size = of_mapping(path, told) if isinstance(told, dict) else (told, None)
     if size is not None and size != (width, height):
         if abs(size[0] / size[1] / (width / height) - 1) > 0.02:
             what = f"is of {size[0]:g}x{size[1]:g} pixels, the picture has {width}x{height}: other proportions."
@@ -92,17 +92,33 @@ def checked(where: object, intrinsics: Matrix, width: int, height: int) -> Matri
     return intrinsics
 
 
-def _parsed(path: Path, text: str) -> tuple[Matrix, tuple[float, float] | None]:
+def contents(path: Path) -> Matrix | dict[str, Any]:
+    """What a file of intrinsics says: K in plain numbers, or names (in small letters) and their values.
+
+    Raises:
+        InputError: neither.
+    """
+    with readable(path, "file of intrinsics", KNOWS):
+        text = path.read_text(encoding="utf-8-sig")
     words = text.replace(",", " ").replace(";", " ").replace("[", " ").replace("]", " ").split()
     try:
-        return _matrix_of([float(word) for word in words]), None
+        return _matrix_of([float(word) for word in words])
     except (ValueError, TypeError):
         pass
     with readable(path, "file of intrinsics", KNOWS):
         data = json.loads(text) if text.lstrip().startswith("{") else yaml.safe_load(text.replace("%YAML:1.0", ""))
     if not isinstance(data, dict):
         raise InputError(path, "holds no intrinsics.", KNOWS)
-    return of_mapping(path, data)
+    return flat(data)
+
+
+def flat(data: dict[str, Any]) -> dict[str, Any]:
+    """Names in small letters; what is said of the colour camera one level deeper, too."""
+    known = {str(key).lower(): value for key, value in data.items()}
+    for key in DEEPER:
+        if isinstance(known.get(key), dict):
+            known = {str(name).lower(): value for name, value in known[key].items()} | known
+    return known
 
 
 def of_mapping(path: Path, data: dict[str, Any]) -> tuple[Matrix, tuple[float, float] | None]:
@@ -111,10 +127,7 @@ def of_mapping(path: Path, data: dict[str, Any]) -> tuple[Matrix, tuple[float, f
     Raises:
         InputError: it holds none.
     """
-    known = {str(key).lower(): value for key, value in data.items()}
-    for key in ("color", "rgb", "color_intrinsics", "rgb_intrinsics", "intrinsic", "camera"):  # one level deeper
-        if isinstance(known.get(key), dict):
-            known = {str(name).lower(): value for name, value in known[key].items()} | known
+    known = flat(data)
     width, height = (_first(known, name, f"image_{name}", f"img_{name}", name[0]) for name in ("width", "height"))
     size = (float(width), float(height)) if width and height else None
     try:

@@ -18,7 +18,8 @@ class Labelled:
 @dataclass(frozen=True)
 class Frame:
     """rgb (H, W, 3) uint8; depth (h, w) float32 metres along the optical axis, 0: unknown, of the same view at any
-    size; intrinsics (3, 3) in pixels of `rgb`; masks of the size of `rgb`, if there are any; what was found, in lines.
+    size; intrinsics (3, 3) in pixels of `rgb`; masks of the size of `rgb`, if there are any; what was found, in lines;
+    OpenCV's coefficients of the lens, by which all of it is bent, if they are known.
     """
 
     rgb: NDArray[np.uint8]
@@ -26,3 +27,4 @@ class Frame:
     intrinsics: NDArray[np.float64]
     masks: Labelled | None = None
     notes: Sequence[str] = field(default=())
+    distortion: NDArray[np.float64] | None = None

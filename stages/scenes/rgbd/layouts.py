@@ -18,6 +18,7 @@ from stages.contracts.images import read_rgb
 from stages.scenes.rgbd.cameras import Matrix, checked, matrix, of_mapping, read_intrinsics, resized
 from stages.scenes.rgbd.depth_files import FILES, in_metres, read_raw
 from stages.scenes.rgbd.frame import Frame, Labelled
+from stages.scenes.rgbd.lens import find_distortion
 from stages.scenes.rgbd.mask_files import polygon, stacked
 
 PICTURES = (".png", ".jpg", ".jpeg", ".ppm")
@@ -118,7 +119,9 @@ def _open3d(path: Path, number: int, intrinsics: Callable[[int, int], Matrix] | 
     names += [file for file in (path / "camera.json", path / "config.json") if file.is_file()]
     if not names:
         raise InputError(path, "has no file of intrinsics.", "give --intrinsics, --camera or --fov")
-    return Frame(rgb, depth, read_intrinsics(names[0], width, height), None, [*notes, f"intrinsics of {names[0].name}"])
+    own = read_intrinsics(names[0], width, height)
+    notes.append(f"intrinsics of {names[0].name}")
+    return Frame(rgb, depth, own, None, notes, find_distortion(names[0], own, width, height))
 
 
 def _record3d(path: Path, number: int, intrinsics: Callable[[int, int], Matrix] | None) -> Frame:

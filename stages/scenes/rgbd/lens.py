@@ -1,22 +1,24 @@
 """A lens that bends straight lines, from a calibration file, and pictures without that."""
 
-import json
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import cv2
 import numpy as np
-import yaml
 from numpy.typing import NDArray
 
 from stages.contracts import InputError
-from stages.contracts.arrays import readable
-from stages.scenes.rgbd.cameras import Matrix, matrix, read_intrinsics
+from stages.scenes.rgbd.cameras import Matrix, contents, matrix, read_intrinsics
+from stages.scenes.rgbd.frame import Frame, Labelled
 
 NAMES = ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6")  # in OpenCV's order
 LISTS = ("distortion_coefficients", "distortion_coeffs", "dist_coeffs", "distortion", "coeffs", "dist", "d")
 MODELS = {"plumb_bob", "rational_polynomial", "brown_conrady", "radtan", "opencv", "pinhole", ""}
+INVERSE = "inverse_brown_conrady"  # RealSense: from bent to straight
+FISHEYE = ("fisheye", "equidistant", "kannala", "kb4", "ftheta", "omni", "mei")
+STRAIGHTEN = "straighten colour and depth first (cv2.fisheye, depth by INTER_NEAREST), then give the new K alone"
 CALIBRATION = "K and k1, k2, p1, p2, k3 as OpenCV, ROS and Kalibr write them (JSON, YAML)"
 
 
@@ -35,19 +37,43 @@ def read_lens(path: Path, width: int, height: int) -> Lens:
         InputError: no calibration, or one of another model.
     """
     intrinsics = read_intrinsics(path, width, height)
-    with readable(path, "calibration", CALIBRATION):
-        text = path.read_text(encoding="utf-8-sig")
-        data = json.loads(text) if text.lstrip().startswith("{") else yaml.safe_load(text.replace("%YAML:1.0", ""))
-    if not isinstance(data, dict):
+    distortion = find_distortion(path, intrinsics, width, height)
+    if distortion is None:
         raise InputError(path, "holds no distortion.", CALIBRATION)
-    known: dict[str, Any] = {str(key).lower(): value for key, value in data.items()}
-    for key in ("color", "rgb", "intrinsics", "camera"):
-        if isinstance(known.get(key), dict):
-            known = {str(name).lower(): value for name, value in known[key].items()} | known
-    model = str(known.get("distortion_model", ""))
-    if model.lower().replace(" ", "_").removeprefix("distortion.") not in MODELS:
+    return Lens(intrinsics, distortion)
+
+
+def find_distortion(path: Path, intrinsics: Matrix, width: int, height: int) -> NDArray[np.float64] | None:
+    """OpenCV's coefficients (5 or 8) in a file of intrinsics; None if it names none.
+
+    Raises:
+        InputError: they are of a model that is not read, or broken.
+    """
+    known = contents(path)
+    if not isinstance(known, dict):
+        return None
+    model = str(known.get("distortion_model") or (known.get("model") if "coeffs" in known else "") or "").lower()
+    model = re.sub(r"\W+", "_", model).removeprefix("rs2_").removeprefix("distortion_")
+    if any(word in model for word in FISHEYE):
+        raise InputError(path, f"is of a fisheye lens ('{model}'), which is not straightened here.", STRAIGHTEN)
+    if model == "none" or all(known.get(name) in (None, []) for name in ("k1", *LISTS)):
+        return None
+    found = _coefficients(path, known)
+    if found.any() and model not in MODELS | {INVERSE}:
         raise InputError(path, f"has the distortion model '{model}', which is not read.", CALIBRATION)
-    return Lens(intrinsics, _coefficients(path, known))
+    return _turned_round(found, intrinsics, width, height) if model == INVERSE else found
+
+
+def _turned_round(inverse: NDArray[np.float64], intrinsics: Matrix, width: int, height: int) -> NDArray[np.float64]:
+    """Coefficients from straight to bent out of those from bent to straight, as RealSense's, by least squares."""
+    u, v = np.meshgrid(np.linspace(0, width - 1, 20), np.linspace(0, height - 1, 20))
+    bent = np.stack([u, v, np.ones_like(u)], axis=-1).reshape(-1, 3) @ np.linalg.inv(intrinsics).T
+    x, y = cv2.projectPoints(bent, np.zeros(3), np.zeros(3), np.eye(3), inverse)[0][:, 0].T
+    r2 = x**2 + y**2
+    across = np.stack([x * r2, x * r2**2, 2 * x * y, r2 + 2 * x**2, x * r2**3], axis=1)
+    down = np.stack([y * r2, y * r2**2, r2 + 2 * y**2, 2 * x * y, y * r2**3], axis=1)
+    missing = np.concatenate([bent[:, 0] - x, bent[:, 1] - y])
+    return np.asarray(np.linalg.lstsq(np.concatenate([across, down]), missing)[0])
 
 
 def _coefficients(path: Path, known: dict[str, Any]) -> NDArray[np.float64]:
@@ -73,15 +99,44 @@ def straightened(rgb: NDArray[np.uint8], lens: Lens, where: object) -> tuple[NDA
     Raises:
         InputError: the distortion leaves nothing of the picture.
     """
-    height, width = rgb.shape[:2]
+    target = _pinhole(lens, rgb.shape[1], rgb.shape[0], where)
+    return _seen_by(target, rgb, lens, cv2.INTER_LINEAR), float(target[0, 0])
+
+
+def straight_frame(frame: Frame) -> Frame:
+    """A frame of one size as a pinhole camera would see it; depth and masks by the nearest pixel, unmixed.
+
+    Raises:
+        InputError: the distortion leaves nothing of the picture.
+    """
+    if frame.distortion is None or not frame.distortion.any():
+        return frame
+    lens = Lens(frame.intrinsics, frame.distortion)
+    target = _pinhole(lens, frame.rgb.shape[1], frame.rgb.shape[0], "intrinsics")
+    masks = frame.masks and Labelled(_seen_by(target, frame.masks.values, lens, cv2.INTER_NEAREST), frame.masks.labels)
+    return Frame(
+        _seen_by(target, frame.rgb, lens, cv2.INTER_LINEAR),
+        _seen_by(target, frame.depth, lens, cv2.INTER_NEAREST),
+        target,
+        masks,
+        [*frame.notes, "the lens's distortion is taken out"],
+    )
+
+
+def _pinhole(lens: Lens, width: int, height: int, where: object) -> Matrix:
+    """K of the pinhole camera all of whose pixels are in the picture."""
     whole, _ = cv2.getOptimalNewCameraMatrix(
         lens.intrinsics, lens.distortion, (width, height), 0, (width, height), centerPrincipalPoint=True
     )
     focal = float(max(whole[0, 0], whole[1, 1]))
     if not 0.2 * width < focal < 20 * width:
         raise InputError(where, "bends the picture so much that nothing of it is left.", CALIBRATION)
-    target = matrix(focal, focal, (width - 1) / 2, (height - 1) / 2)
+    return matrix(focal, focal, (width - 1) / 2, (height - 1) / 2)
+
+
+def _seen_by(target: Matrix, image: NDArray[Any], lens: Lens, interpolation: int) -> NDArray[Any]:
+    """An image (H, W, ...) as a camera with this K sees it."""
     maps = cv2.initUndistortRectifyMap(
-        lens.intrinsics, lens.distortion, np.eye(3), target, (width, height), cv2.CV_32FC1
+        lens.intrinsics, lens.distortion, np.eye(3), target, image.shape[1::-1], cv2.CV_32FC1
     )
-    return np.asarray(cv2.remap(rgb, *maps, cv2.INTER_LINEAR), dtype=np.uint8), focal
+    return np.asarray(cv2.remap(image, *maps, interpolation), dtype=image.dtype)

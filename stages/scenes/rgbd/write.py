@@ -1,6 +1,7 @@
 """An RGB-D frame as an input folder: rgb.png, camera.json, depth.npz; with masks masks.png and annotations.json."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -38,7 +39,8 @@ def fitted(frame: Frame) -> Frame:
     masks = frame.masks and Labelled(_nearest(frame.masks.values, size), frame.masks.labels)
     rgb = frame.rgb if shrunk == 1 else np.asarray(cv2.resize(frame.rgb, size, interpolation=cv2.INTER_AREA))
     intrinsics = resized(frame.intrinsics, size[0] / width, size[1] / height)
-    return Frame(rgb.astype(np.uint8), _nearest(frame.depth, size), intrinsics, masks, frame.notes)
+    depth = _nearest(frame.depth, size)
+    return replace(frame, rgb=rgb.astype(np.uint8), depth=depth, intrinsics=intrinsics, masks=masks)
 
 
 def _nearest(array: NDArray, size: tuple[int, int]) -> NDArray:  # type: ignore[type-arg]
