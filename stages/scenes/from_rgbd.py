@@ -76,7 +76,7 @@ def run(
         frame = replace(frame, masks=read_labelled(masks, labels, width, height, name))
     frame = straight_frame(fitted(frame))
     if clusters and masks is None:
-        frame = replace(frame, masks=clustered(frame.depth, frame.intrinsics))
+        frame = replace(frame, masks=clustered(frame.depth, frame.intrinsics, frame.rgb))
     height, width = frame.rgb.shape[:2]
     written = write_frame(out, frame)
     (fx, _, cx), (_, fy, cy), _ = frame.intrinsics

@@ -25,6 +25,7 @@ from stages.scenes import from_rgbd
 from stages.scenes.rgbd.cameras import of_camera, read_intrinsics, resized
 from stages.scenes.rgbd.clusters import clustered
 from stages.scenes.rgbd.depth_files import in_metres, read_raw
+from stages.scenes.rgbd.halos import without_halos
 from stages.scenes.rgbd.mask_files import read_labelled
 from tests.unit.synthetic_room import FLOOR, HEIGHT, INTRINSICS, OBJECT, WIDTH, trace
 
@@ -125,14 +126,28 @@ def test_things_that_touch_are_cut_apart_on_a_table() -> None:
         UprightBox([2.9, 0.0, 0.8], [0.25, 0.4, 0.2], 0.5),
     ]
     depth, masks = trace([TABLE, *boxes], wall=False)
-    near = clustered((0.4 * depth).astype(np.float32), INTRINSICS).values  # the same view of things 0.4 times as large
+    rgb = np.dstack([masks * 20] * 3).astype(np.uint8)
+    near = clustered((0.4 * depth).astype(np.float32), INTRINSICS, rgb).values  # the same view of smaller things
     assert len(np.unique(near[near > 0])) == len(boxes)
     for value in range(OBJECT + 1, OBJECT + 1 + len(boxes)):
         true = masks == value
         found = near == np.bincount(near[true]).argmax()
         assert (found & true).sum() / (found | true).sum() > 0.75, value
-    far = clustered(depth, INTRINSICS).values
+    far = clustered(depth, INTRINSICS, rgb).values
     assert len(np.unique(far[far > 0])) == 3
+
+
+def test_halos_of_the_table_s_colour_are_left_out() -> None:
+    _, masks = trace([TABLE, BOX], wall=False)
+    thing = masks == OBJECT + 1
+    halo = (cv2.dilate(thing.astype(np.uint8), np.ones((13, 13))) > 0) & (masks == OBJECT)
+    rgb = np.where(thing[..., None], (180, 30, 30), (120, 90, 60))
+    rgb = rgb + np.random.default_rng(0).integers(-9, 9, (*masks.shape, 1))
+    values = np.where(thing | halo, 1, 0).astype(np.uint16)
+    kept = without_halos(values, rgb.astype(np.uint8), masks == OBJECT) > 0
+    assert (kept & thing).sum() > 0.97 * thing.sum() and (kept & halo).sum() < 0.2 * halo.sum()
+    same = np.full_like(rgb, 120).astype(np.uint8)
+    assert np.array_equal(without_halos(values, same, masks == OBJECT), values), "of the table's colour: left alone"
 
 
 def test_ground_is_what_the_named_things_stand_on(files: SimpleNamespace) -> None:

@@ -9,6 +9,7 @@ from stages.contracts import InputError
 from stages.geometry.cameras import back_project
 from stages.geometry.clouds import dbscan
 from stages.scenes.rgbd.frame import Labelled
+from stages.scenes.rgbd.halos import without_halos
 from stages.scenes.rgbd.levels import FLAT, Level, level_planes, sampled
 from stages.scenes.rgbd.touching import cut_apart, smoothed
 
@@ -21,8 +22,10 @@ FIRM = 0.02  # metres at 1 m above the plane, from which on no noise of the plan
 LABEL = "object"
 
 
-def clustered(depth: NDArray[np.float32], intrinsics: NDArray[np.float64]) -> Labelled:
+def clustered(depth: NDArray[np.float32], intrinsics: NDArray[np.float64], rgb: NDArray[np.uint8]) -> Labelled:
     """Objects on the highest large level plane of a depth image (H, W), metres: each an `object`, from left to right.
+
+    The picture (H, W, 3) only tells what of them is the table beside them.
 
     Raises:
         InputError: there is no level plane, or nothing on it.
@@ -58,7 +61,9 @@ def clustered(depth: NDArray[np.float32], intrinsics: NDArray[np.float64]) -> La
         values[mask & (values == 0)] = value
     if far < NEAR:
         points = back_project(smoothed(depth), intrinsics)
-        values = cut_apart(values, points, table.height(points), FIRM * far)
+        height = table.height(points)
+        values = cut_apart(values, points, height, FIRM * far)
+        values = without_halos(values, rgb, seen & (np.abs(height) < ABOVE * far))
     return Labelled(values, dict.fromkeys(np.unique(values[values > 0]).tolist(), LABEL))
 
 
