@@ -1,19 +1,17 @@
 # The asset library and its snapshots (paper A.1).
 # Reads:  nothing, or the user's folders named in `assets.folders`.
-# Writes: results/assets/library/library.json and one folder per asset beside it,
+# Writes: results/assets/library/library.json, of procedural.json and own_<shard>.json with a folder per asset beside it,
 #         results/assets/snapshots/shard_<i>.{h5,json}, and for people shard_<i>.png.
 
 
-rule library:
-    """Make the procedural models and import the user's folders."""
-    input:
-        own=asset_files(),
+rule procedural:
+    """Make the procedural models."""
     output:
-        library="results/assets/library/library.json",
+        library="results/assets/library/procedural.json",
     log:
-        "logs/assets/library.log",
+        "logs/assets/procedural.log",
     benchmark:
-        "benchmarks/assets/library.tsv"
+        "benchmarks/assets/procedural.tsv"
     container:
         CONFIG.containers.simulation
     threads: 1
@@ -21,7 +19,7 @@ rule library:
         mem_mb=2000,
     params:
         command=command("assets", "library"),
-        code=code("assets", "library", *modules(CONFIG.assets, "importers")),
+        code=code("assets", "library"),
         check=check(library="library"),
         options=options("assets", "library"),
         seed=CONFIG.seed,
@@ -30,10 +28,64 @@ rule library:
         "{params.check}) 2>&1 | tee {log:q}"
 
 
+rule own:
+    """Import one shard of the models in a folder of the user's."""
+    input:
+        files=lambda wildcards: ancient(OWN[wildcards.shard].files),  # their digest counts
+    output:
+        part="results/assets/library/{shard}.json",
+    log:
+        "logs/assets/{shard}.log",
+    benchmark:
+        "benchmarks/assets/{shard}.tsv"
+    wildcard_constraints:
+        shard=r"own_\w+",
+    container:
+        CONFIG.containers.simulation
+    threads: 1
+    resources:
+        mem_mb=2000,
+    params:
+        command=command("assets", "own"),
+        code=code("assets", "own", *modules(CONFIG.assets, "importers")),
+        check=check(library_part="part"),
+        options=options("assets", "own"),
+        folder=lambda wildcards: str(OWN[wildcards.shard].folder),
+        models=lambda wildcards: [f"{name}={file}" for name, file in OWN[wildcards.shard].models.items()],
+        digest=lambda wildcards: OWN[wildcards.shard].digest(),
+    shell:
+        "({params.command} --folder {params.folder:q} --models {params.models:q} --options {params.options:q} "
+        "--out {output.part:q} && "
+        "{params.check}) 2>&1 | tee {log:q}"
+
+
+rule library:
+    """Join the procedural models and the user's own."""
+    input:
+        procedural=[rules.procedural.output.library] if PROCEDURAL else [],
+        own=expand(rules.own.output.part, shard=OWN),
+    output:
+        library="results/assets/library/library.json",
+    log:
+        "logs/assets/library.log",
+    container:
+        CONFIG.containers.simulation
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        command=command("assets", "join"),
+        code=code("assets", "join"),
+        check=check(library="library"),
+    shell:
+        "({params.command} --library {input.procedural:q} --own {input.own:q} --out {output.library:q} && "
+        "{params.check}) 2>&1 | tee {log:q}"
+
+
 rule snapshots:
     """Render the yaw views of one shard of the library."""
     input:
-        library=rules.library.output.library,
+        models=lambda wildcards: (rules.own if wildcards.shard in OWN else rules.procedural).output[0],
     output:
         images="results/assets/snapshots/shard_{shard}.h5",
         index="results/assets/snapshots/shard_{shard}.json",
@@ -51,22 +103,23 @@ rule snapshots:
         code=code("assets", "snapshots"),
         check=check(snapshots="images"),
         options=options("assets", "snapshots"),
-        shards=len(SHARDS),
+        shard=lambda wildcards: 0 if wildcards.shard in OWN else wildcards.shard,
+        shards=lambda wildcards: 1 if wildcards.shard in OWN else PROCEDURAL,
     shell:
-        "({params.command} --library {input.library:q} --shard {wildcards.shard} --shards {params.shards} "
+        "({params.command} --library {input.models:q} --shard {params.shard} --shards {params.shards} "
         "--options {params.options:q} --out {output.images:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
 
 
 rule draw_snapshots:
-    """Lay the snapshots of all shards out on contact sheets."""
+    """Lay the snapshots of one shard out on a contact sheet."""
     input:
-        images=expand(rules.snapshots.output.images, shard=SHARDS),
-        indices=expand(rules.snapshots.output.index, shard=SHARDS),
+        images=rules.snapshots.output.images,
+        index=rules.snapshots.output.index,
     output:
-        sheets=expand("results/assets/snapshots/shard_{shard}.png", shard=SHARDS),
+        sheet="results/assets/snapshots/shard_{shard}.png",
     log:
-        "logs/assets/draw.log",
+        "logs/assets/draw_{shard}.log",
     container:
         CONFIG.containers.simulation
     threads: 1

@@ -29,6 +29,11 @@ sys.path.append(os.getcwd())
 try:
     CONFIG = load(config)
     cover(CONFIG.plugins)
+    OWN = {}
+    if CONFIG.assets.folders:
+        from stages.assets.shards import own_shards  # takes a second
+
+        OWN = own_shards(CONFIG.assets)
     if workflow.exec_mode == ExecMode.DEFAULT and not workflow.output_settings.dryrun and makes_files(sys.argv):
         LOCKED = hold_folder()
 except InputError as error:
@@ -41,7 +46,11 @@ SCORED_ROOMS = [room for room in ROOMS if room not in EXPERIMENT.inputs]
 MET = EXPERIMENT.met()
 VARIANTS = list(EXPERIMENT.variants)
 TASKS = list(EXPERIMENT.tasks)
-SHARDS = list(range(CONFIG.assets.shards))
+# Shards of the procedural models, or of what a command of the user's makes in their place.
+PROCEDURAL = (
+    CONFIG.assets.shards if any(CONFIG.assets.counts.values()) or "library" in CONFIG.stages.get("assets", {}) else 0
+)
+SHARDS = [*map(str, range(PROCEDURAL)), *OWN]
 RANKS = list(range(1, CONFIG.generation.ranks + 1))
 STORES = stores(CONFIG)
 GPUS = 1 if CONFIG.device == "cuda" else 0
@@ -57,7 +66,7 @@ wildcard_constraints:
     training_set=r"twin|cousins_\d+|all",
     run=r"[A-Za-z0-9_-]+",
     seed=r"\d+",
-    shard=r"\d+",
+    shard=r"\d+|own_\w+",
 
 
 def options(stage, verb):

@@ -55,12 +55,6 @@ def weight_files():
     return [str(path) for path in paths if CONFIG.image and path.is_file()]
 
 
-def asset_files():
-    """All files of the user's asset folders: a changed one makes the library again."""
-    files = (path for folder in CONFIG.assets.folders for path in Path(folder).rglob("*") if path.is_file())
-    return sorted(str(path) for path in files)
-
-
 def scene_image(wildcards):
     """The scene's picture."""
     return scene_inputs(wildcards)["rgb"]

@@ -12,6 +12,12 @@ def pictured(wildcards):
     return wildcards.scene if met.protocol.pictured else met.room
 
 
+def room_library(wildcards):
+    """What furnishes a room: ours with procedural models, the same whatever else is in the library; yours with all."""
+    ours = CONFIG.room_files().get(room_of(wildcards)) in series()
+    return (rules.procedural if ours and PROCEDURAL else rules.library).output.library
+
+
 def seed_of(wildcards):
     """The seed of the depth noise."""
     seed = EXPERIMENT.meeting(wildcards.scene).seed

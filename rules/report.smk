@@ -13,7 +13,8 @@ ROLLOUT_FILMS = (
 )
 # Benchmark files cannot be inputs: those of this run are named to the page, so that it counts no others.
 BENCHMARKS = [
-    rules.library.benchmark,
+    *([rules.procedural.benchmark] if PROCEDURAL else []),
+    *expand(rules.own.benchmark, shard=OWN),
     *expand(rules.snapshots.benchmark, shard=SHARDS),
     *expand(rules.room.benchmark, scene=SCORED_ROOMS),
     *expand(rules.extract.benchmark, scene=ROOMS),
@@ -43,7 +44,7 @@ rule report_page:
     input:
         library=rules.library.output.library,
         snapshots=expand([*rules.snapshots.output], shard=SHARDS),
-        sheets=rules.draw_snapshots.output.sheets,
+        sheets=expand(rules.draw_snapshots.output.sheet, shard=SHARDS),
         images=[scene_image(SimpleNamespace(scene=room)) for room in ROOMS],
         objects=expand(rules.extract.output.objects, scene=ROOMS),
         overviews=expand(rules.draw_objects.output.overview, scene=ROOMS),

@@ -1,5 +1,5 @@
 # Sim-to-sim rooms: what a camera sees, and apart from it the truth (paper B.1, Table 2).
-# Reads:  the library.
+# Reads:  the procedural models; for rooms of yours the whole library.
 # Writes: results/scenes/<scene>/input/{rgb.png,camera.json,depth.npz,masks.png,annotations.json}
 #         and results/scenes/<scene>/truth.json, which only `evaluation` reads.
 
@@ -7,7 +7,7 @@
 rule room:
     """Furnish one room with models of the library and photograph it."""
     input:
-        library=rules.library.output.library,
+        library=room_library,
     output:
         rgb="results/scenes/{scene}/input/rgb.png",
         camera="results/scenes/{scene}/input/camera.json",

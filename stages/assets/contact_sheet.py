@@ -17,6 +17,7 @@ def contact_sheet(rgb: NDArray[np.uint8], ids: list[str]) -> Image.Image:
     for k in shown:
         row: list[tuple[Image.Image | None, str]] = [(Image.fromarray(rgb[k, view]), f"view {view}") for view in views]
         tiles += row + [(None, "")] * (-len(row) % COLUMNS)
+    tiles = tiles or [(None, "")] * COLUMNS  # a shard of broken models
     height = len(tiles) // COLUMNS * (TILE + CAPTION)
     sheet = Image.new("RGB", (COLUMNS * TILE, height), "white")
     draw = ImageDraw.Draw(sheet)

@@ -2,6 +2,7 @@
 
 import json
 import re
+import sys
 from collections.abc import Iterable, Sequence
 from itertools import chain, count
 from pathlib import Path
@@ -15,6 +16,7 @@ CATEGORIES = {  # of PartNet-Mobility, in the words of the library where they di
     "bucket": "trash_can", "foldingchair": "chair", "kitchenpot": "cooking_pot", "lamp": "table_lamp",
     "refrigerator": "fridge",     "storagefurniture": "bottom_cabinet", "trashcan": "trash_can",
 }  # fmt: skip
+PAGE = "index.html"  # of the verb `import`, in the folder that it writes
 COMMON = {"base", "main", "mesh", "mobility", "model", "object", "robot", "scene", "textured", "urdf", "visual"}
 
 
@@ -54,7 +56,8 @@ def discover(folder: Path, kinds: Sequence[str]) -> list[Found]:
                 ]
     models = [one for one in found if not is_part(one.path)]
     if len(models) < len(found):
-        print(f"{folder}: {len(found) - len(models)} files are parts that MJCF models include, no models: skipped")
+        parts = len(found) - len(models)
+        print(f"{folder}: {parts} files are parts that MJCF models include, no models: skipped", file=sys.stderr)
     return models
 
 

@@ -4,14 +4,12 @@ import tempfile
 from collections.abc import Iterable
 from pathlib import Path
 
-from stages.assets.discover import Found, discover, numbered_names
+from stages.assets.discover import PAGE, Found, discover, numbered_names
 from stages.assets.examine import Examined, examine
 from stages.assets.import_page import write_page
 from stages.assets.imports import IMPORTERS, by_suffix, snake_case
 from stages.assets.portrait import Portraits
 from stages.contracts.errors import InputError
-
-PAGE = "index.html"
 
 
 def run(folder: Path, /, *, out: Path) -> None:

@@ -24,14 +24,14 @@ from stages.assets.discover import Found, discover, numbered_names
 from stages.assets.importers import Axis, Importer
 from stages.assets.pushing import stuck_joints, touching_when_closed
 from stages.cli import progress
-from stages.config.assets import LibraryOptions
+from stages.config.assets import OwnOptions
 from stages.contracts.errors import InputError
 from stages.contracts.files import Contract, read_json
 from stages.contracts.library import Asset, Placement, Symmetry
 from stages.geometry.frames import rigid, yaw_matrix
 from stages.plugins import load, short
 
-IMPORTERS = tuple(LibraryOptions().importers)
+IMPORTERS = tuple(OwnOptions().importers)
 LIGHTEST = 1e-9  # kg, of a link
 SPECK = 2e-5  # metres: what is narrower and thinner than this is not seen
 THINNEST, LARGEST = 1e-4, 20.0  # metres, of a model's extents: no furniture is larger than a room
@@ -69,53 +69,47 @@ class ModelFile(NamedTuple):
         return self.path.parent / "asset.json"
 
 
-def import_folders(
-    folders: list[Path], models: Path, taken: Iterable[str] = (), importers: Sequence[str] = IMPORTERS
-) -> list[Asset]:
-    """Write an asset folder below `models` for every model of <folder>/<category>/...
-
-    Args:
-        taken: names of other models of the library.
-        importers: their names; of the files in a sub-folder only the first kind that occurs is imported.
+def named_models(folders: Sequence[Path], kinds: dict[str, Importer], taken: Iterable[str] = ()) -> dict[str, Found]:
+    """The models of <folder>/<category>/... by what they will be called; names that are taken get a number.
 
     Raises:
-        InputError: a folder is missing or empty, or all of its models are broken (the first: file and element). Single
-            broken models and copies are left out, in one line each.
+        InputError: a folder is missing or empty.
     """
-    kinds = by_suffix(importers)
     found: list[Found] = []
-    for folder in folders:
+    for folder in dict.fromkeys(folders):
         if not folder.is_dir():
             raise InputError("assets.folders", f"{folder} is not a folder.")
-        models_of = discover(folder, list(kinds))
-        if not models_of:
-            raise InputError(
-                folder,
-                f"holds no {' or '.join(short(name).upper() for name in importers)}.",
-                "expected <folder>/<category>/<model>",
-            )
-        found += models_of
-    files, refused = _with_notes(found, kinds)
-    ids = numbered_names([file.id for file in files], taken)
-    assets: dict[str, Asset] = {}  # by checksum: a copy is the same model
-    for file, name in progress(zip(files, ids, strict=True), "imports", len(files)):
+        models = discover(folder, list(kinds))
+        if not models:
+            raise InputError(folder, f"holds no model ({', '.join(kinds)}).", "expected <folder>/<category>/<model>")
+        found += models
+    return dict(zip(numbered_names([_name(one, kinds) for one in found], taken), found, strict=True))
+
+
+def _name(found: Found, kinds: dict[str, Importer]) -> str:
+    try:
+        return with_notes(found, kinds[suffix(found.path)]).id
+    except InputError:  # said when it is imported
+        return snake_case(f"{found.category}_{found.name}")
+
+
+def import_models(models: dict[str, Found], kinds: dict[str, Importer], folder: Path) -> tuple[list[Asset], list[str]]:
+    """Write an asset folder below `folder` for every model, by name; and what is left out as broken, in a line each."""
+    assets, left_out = [], []
+    for name, found in progress(models.items(), "imports", len(models)):
         try:
-            with in_one_line(file.path):
-                asset, doubts = import_file(file._replace(id=name), models)
+            with in_one_line(found.path):
+                file = with_notes(found, kinds[suffix(found.path)])
+                asset, doubts = import_file(file._replace(id=name), folder)
         except InputError as error:
-            refused.append(error)
+            left_out.append(str(error))
             print(f"left out: {error}")
+            shutil.rmtree(folder / name, ignore_errors=True)
             continue
         for doubt in doubts:
-            print(f"{file.path}: {doubt}")
-        if asset.checksum in assets:
-            print(f"left out: {file.path}: is a copy of {assets[asset.checksum].id}")
-            shutil.rmtree(models / asset.id)
-            continue
-        assets[asset.checksum] = asset
-    if refused and not assets:
-        raise refused[0]
-    return list(assets.values())
+            print(f"{found.path}: {doubt}")
+        assets.append(asset)
+    return assets, left_out
 
 
 @contextmanager
@@ -128,19 +122,6 @@ def in_one_line(path: Path) -> Iterator[None]:
     except Exception as error:
         reason = (str(error).splitlines() or [""])[0][:200]
         raise InputError(path, f"cannot be imported ({type(error).__name__}: {reason}).") from error
-
-
-def _with_notes(found: Iterable[Found], kinds: dict[str, Importer]) -> tuple[list[ModelFile], list[InputError]]:
-    """Models with the notes beside them, and those whose notes are broken."""
-    files: list[ModelFile] = []
-    refused: list[InputError] = []
-    for one in found:
-        try:
-            files.append(with_notes(one, kinds[suffix(one.path)]))
-        except InputError as error:
-            refused.append(error)
-            print(f"left out: {error}")
-    return files, refused
 
 
 def by_suffix(importers: Sequence[str]) -> dict[str, Importer]:

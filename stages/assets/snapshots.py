@@ -11,7 +11,7 @@ from stages.cli import progress
 from stages.config.assets import SnapshotOptions
 from stages.contracts.errors import InputError
 from stages.contracts.files import atomic, read_json, read_options, write_json
-from stages.contracts.library import Asset, Library, SnapshotShard
+from stages.contracts.library import Asset, LibraryPart, SnapshotShard
 from stages.geometry.cameras import intrinsics_from_fov, look_at
 
 THOUSANDTHS = 1000.0
@@ -21,10 +21,10 @@ PACKED = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
 
 
 def run(*, library: Path, shard: int, shards: int, out: Path, options: str = "{}") -> None:
-    """Render every `shards`-th asset of the library, beginning with number `shard`.
+    """Render every `shards`-th asset of a library or of a part of one, beginning with number `shard`.
 
     Args:
-        library: library.json.
+        library: library.json, or the index of a part.
         shard: which part, 0 to shards - 1.
         shards: number of parts.
         out: the HDF5 file; the sidecar (.json) gets the same name.
@@ -33,16 +33,16 @@ def run(*, library: Path, shard: int, shards: int, out: Path, options: str = "{}
     config = read_options(SnapshotOptions, options)
     if not 0 <= shard < shards:
         raise InputError("--shard", f"{shard} is not below --shards {shards}.")
-    entries = read_json(Library, library).assets[shard::shards]
+    entries = read_json(LibraryPart, library).assets[shard::shards]
     yaws = [2 * math.pi * k / config.n_snap for k in range(config.n_snap)]
     turntable = Turntable(config)
     views, side = len(yaws) + 1, config.image_size
     with atomic(out) as temporary:
         with h5py.File(temporary, "w") as file:
-            grid = (1, 1, side, side)
-            shape = (len(entries), views, side, side)
-            rgb = file.create_dataset("rgb", (*shape, 3), "u1", chunks=(*grid, 3), **PACKED)
-            depth = file.create_dataset("depth", shape, "u2", chunks=grid, **PACKED)
+            shape, picture = (len(entries), views, side, side), (1, 1, side, side)
+            packed = PACKED if entries else {}  # a shard of broken models is empty, which cannot be packed
+            rgb = file.create_dataset("rgb", (*shape, 3), "u1", chunks=(*picture, 3) if entries else None, **packed)
+            depth = file.create_dataset("depth", shape, "u2", chunks=picture if entries else None, **packed)
             for index, entry in enumerate(progress(entries, "assets")):
                 folder = library.parent / entry.folder
                 rgb[index], depth[index] = turntable.photograph(folder, [*yaws, config.representative_yaw])

@@ -54,17 +54,17 @@ COUNTS = {
 
 
 class LibraryOptions(Section):
-    """The models of the library: procedural ones, and the user's own."""
+    """The procedural models of the library."""
 
     counts: dict[str, Count] = Field(
         COUNTS,
         description="Procedural models per category; 0 leaves one out. The paper's BEHAVIOR-1K has over 10,000 assets.",
     )
-    folders: list[str] = Field(
-        [],
-        description="Folders with your own models, <folder>/<category>/<model>, each a URDF, GLB or OBJ file or a "
-        "folder that holds one (docs/assets.md).",
-    )
+
+
+class OwnOptions(Section):
+    """How the user's own models are read."""
+
     importers: list[str] = Field(
         ["urdf", "mjcf", "glb", "gltf", "obj", "dae", "ply", "stl"],
         json_schema_extra={"kind": "importers"},
@@ -89,9 +89,16 @@ class SnapshotOptions(Section):
     field_of_view: float = Field(0.68, gt=0.05, lt=2.5, description="Field of view of the snapshot camera, radians.")
 
 
-class AssetsConfig(SnapshotOptions, LibraryOptions):
+class AssetsConfig(SnapshotOptions, OwnOptions, LibraryOptions):
     """The asset library: procedural models, the user's own, and their pictures."""
 
+    folders: list[str] = Field(
+        [],
+        description="Folders with your own models, <folder>/<category>/<model>, each a URDF, GLB or OBJ file or a "
+        "folder that holds one (docs/assets.md).",
+    )
     shards: int = Field(
-        2, ge=1, description="Jobs that the snapshots are cut into; as many as there are cores is best."
+        2,
+        ge=1,
+        description="Jobs that the procedural models are photographed in; as many as there are cores is best.",
     )

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from stages.config.assets import LibraryOptions, SnapshotOptions
+from stages.config.assets import LibraryOptions, OwnOptions, SnapshotOptions
 from stages.config.base import Section
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.config.encoder import EncoderTrainingOptions, PairOptions
@@ -20,6 +20,7 @@ from stages.plugins import short
 
 READS: dict[tuple[str, str], type[Section]] = {
     ("assets", "library"): LibraryOptions,
+    ("assets", "own"): OwnOptions,
     ("assets", "snapshots"): SnapshotOptions,
     ("scenes", "render"): ScenesConfig,
     ("photo", "fetch"): FetchOptions,

@@ -8,7 +8,7 @@ from pydantic import BeforeValidator, Field
 from stages.config.base import Section
 
 VERBS = {
-    "assets": ("library", "snapshots", "draw"),
+    "assets": ("library", "own", "join", "snapshots", "draw"),
     "scenes": ("render",),
     "extraction": ("extract", "draw"),
     "matching": ("features", "match", "distances", "draw"),

@@ -12,7 +12,7 @@ from stages.contracts.files import (
     write_text,
 )
 from stages.contracts.generated import GeneratedScene
-from stages.contracts.library import Asset, LeftOut, Library, SnapshotShard
+from stages.contracts.library import Asset, LeftOut, Library, LibraryEntry, LibraryPart, SnapshotShard
 from stages.contracts.objects import Objects
 from stages.contracts.policies import Attempt, Rollout, SceneScore, TaskAssets
 from stages.contracts.scenes import Annotations, Camera, Truth
@@ -28,6 +28,8 @@ __all__ = [
     "InputError",
     "LeftOut",
     "Library",
+    "LibraryEntry",
+    "LibraryPart",
     "Objects",
     "Rollout",
     "SceneScore",

@@ -42,6 +42,7 @@ def _with_companions(function: str) -> Callable[[Path], object]:
 
 KINDS: dict[str, FileKind] = {
     "library": FileKind(_with_companions("library_folder:check_library")),
+    "library_part": FileKind(_with_companions("library_folder:check_part")),
     "asset": FileKind(_with_companions("library_folder:check_asset")),
     "snapshots": FileKind(_with_companions("snapshot_file:check_snapshots"), ("{stem}.json", "{stem}.h5")),
     "features": FileKind(_with_companions("feature_rows:check_features"), ("{stem}.json", "{stem}.npy", "{stem}.npz")),

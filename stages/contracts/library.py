@@ -135,16 +135,37 @@ class LibraryEntry(Contract):
     placement: Placement | None = Field(None, description="where it belongs; null: not known")
     checksum: str
 
+    @classmethod
+    def of(cls, asset: Asset, folder: str) -> "LibraryEntry":
+        """The line of an asset in the folder `folder`, relative to the index."""
+        return cls(
+            id=asset.id,
+            category=asset.category,
+            folder=folder,
+            doors=asset.doors,
+            drawers=asset.drawers,
+            size=asset.size,
+            placement=asset.placement,
+            checksum=asset.checksum,
+        )
 
-class Library(Document):
+
+class LibraryPart(Document):
+    """The index of some models of a library, perhaps none, sorted by id."""
+
+    assets: list[LibraryEntry]
+    left_out: list[str] = Field([], description="the user's models that cannot be used, with the reason: a line each")
+
+    @model_validator(mode="after")
+    def _once(self) -> "LibraryPart":
+        check_unique("assets: ids", [entry.id for entry in self.assets])
+        return self
+
+
+class Library(LibraryPart):
     """`library.json`: the index of a library, sorted by id."""
 
     assets: list[LibraryEntry] = Field(min_length=1)
-
-    @model_validator(mode="after")
-    def _once(self) -> "Library":
-        check_unique("assets: ids", [entry.id for entry in self.assets])
-        return self
 
 
 class SnapshotShard(Document):

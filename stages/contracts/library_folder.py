@@ -4,7 +4,7 @@ from pathlib import Path
 
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json
-from stages.contracts.library import Asset, Library
+from stages.contracts.library import Asset, Library, LibraryPart
 
 AGAIN = "make it again: python -m stages.assets library"
 
@@ -19,7 +19,16 @@ def check_asset(path: Path) -> Asset:
 
 def check_library(path: Path) -> None:
     """library.json and every asset: what the index says of one is what its asset.json says."""
-    for entry in read_json(Library, path, AGAIN).assets:
+    _check_assets(path, read_json(Library, path, AGAIN))
+
+
+def check_part(path: Path) -> None:
+    """The same for a part of a library, which may be empty."""
+    _check_assets(path, read_json(LibraryPart, path, AGAIN))
+
+
+def _check_assets(path: Path, library: LibraryPart) -> None:
+    for entry in library.assets:
         file = path.parent / entry.folder / "asset.json"
         asset = check_asset(file)
         for name in ("id", "category", "doors", "drawers", "checksum"):

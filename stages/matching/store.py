@@ -29,16 +29,17 @@ def write_store(
 ) -> None:
     """Write the rows of all views, in the order of `index.starts`, and beside them index, wholes and codec."""
     with atomic(path) as temporary:
-        columns = rows[0].shape[1] if rows else 0
-        shape = (index.starts[-1], columns)
-        if not shape[0]:
+        first = rows[0] if rows else np.empty((0, 0), np.float16)  # a shard of broken models is empty
+        shape = (index.starts[-1], first.shape[1])
+        if rows and not shape[0]:
             raise InputError(path, "no snapshot has a foreground patch.", "look at the contact sheet of the snapshots")
-        array = np.lib.format.open_memmap(temporary, mode="w+", dtype=rows[0].dtype, shape=shape)
+        array = np.lib.format.open_memmap(temporary, mode="w+", dtype=first.dtype, shape=shape)
         for start, block in zip(index.starts, rows, strict=False):
             array[start : start + len(block)] = block
         array.flush()
     with atomic(path.with_suffix(".npz")) as temporary, temporary.open("wb") as file:
-        np.savez(file, wholes=np.array(wholes), **(codec._asdict() if codec else {}))
+        together = np.array(wholes) if wholes else np.empty((0, 0), np.float16)
+        np.savez(file, wholes=together, **(codec._asdict() if codec else {}))
     write_json(path.with_suffix(".json"), index)
 
 
@@ -56,12 +57,14 @@ class FeatureStore:
         self._codecs: list[Codec | None] = []
         self._wholes: list[NDArray[np.float16]] = []
         self._indices: list[FeatureIndex] = []
-        for shard, path in enumerate(paths):
+        for path in paths:
             index, array = open_features(path)
             if index.settings != settings:
                 raise InputError(path, f"was made by {index.encoder} with other settings.", AGAIN)
             if self._indices and (index.yaws, index.upright) != (self._indices[0].yaws, self._indices[0].upright):
                 raise InputError(path, f"has other views than {paths[0]}.", AGAIN)
+            if not index.assets:
+                continue
             if self._arrays and array.shape[1] != self._arrays[0].shape[1]:
                 raise InputError(path, f"rows: {array.shape[1]} numbers each, {paths[0]} has others.", AGAIN)
             parts = open_companion(path, index, array)
@@ -69,6 +72,7 @@ class FeatureStore:
             self._wholes.append(parts["wholes"])
             self._arrays.append(array)
             self._indices.append(index)
+            shard = len(self._indices) - 1
             self._where |= {asset: (shard, position) for position, asset in enumerate(index.assets)}
         if not self._indices:
             raise InputError("--features", "names no feature store.", AGAIN)

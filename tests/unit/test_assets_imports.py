@@ -13,12 +13,13 @@ from stages.articulated.stretching import stretched
 from stages.articulated.urdf_reader import MINIMUM_MASS, read_urdf
 from stages.assets import imports
 from stages.assets.discover import discover
-from stages.assets.imports import import_folders, import_model, snake_case
+from stages.assets.imports import import_model, snake_case
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json
 from stages.contracts.library import Asset
 from stages.procedural.resize import resized
 from tests.unit.articulated_models import CABINET, textured_box, write_cabinet, write_kitchen
+from tests.unit.own_models import import_folder
 
 
 @pytest.fixture
@@ -29,7 +30,7 @@ def folder(tmp_path: Path) -> Path:
 
 
 def test_urdf_is_imported_with_doors_drawers_and_handles(folder: Path, tmp_path: Path) -> None:
-    (asset,) = import_folders([folder], tmp_path / "models")
+    (asset,) = import_folder(folder, tmp_path / "models")
     assert (asset.id, asset.category, asset.doors, asset.drawers) == ("bottom_cabinet_oak_1", "bottom_cabinet", 1, 1)
     hinge, slide = asset.joints
     assert (hinge.lower, hinge.upper, hinge.axis) == (0.0, 1.5, (0.0, 0.0, 1.0)), "turned round to close at 0"
@@ -45,7 +46,7 @@ def test_urdf_is_imported_with_doors_drawers_and_handles(folder: Path, tmp_path:
 
 
 def test_resized_import_has_exactly_the_size(folder: Path, tmp_path: Path) -> None:
-    (asset,) = import_folders([folder], tmp_path / "models")
+    (asset,) = import_folder(folder, tmp_path / "models")
     out = resized(tmp_path / "models" / asset.id, (0.9, 0.3, 1.85), tmp_path / "sized")
     larger = read_json(Asset, out / "asset.json")
     assert larger.size == pytest.approx((0.9, 0.3, 1.85), abs=1e-5)
@@ -83,7 +84,7 @@ def test_meshes_become_one_body_with_notes(tmp_path: Path) -> None:
     mine.mkdir(parents=True)
     trimesh.creation.box([0.1, 0.4, 0.2]).export(mine / "a.glb")  # glTF: y up, z forward
     (mine / "asset.json").write_text('{"mass": 3.0, "licence": "CC-BY-4.0", "placement": "object", "scale": 2.0}')
-    (asset,) = import_folders([tmp_path / "mine"], tmp_path / "models")
+    (asset,) = import_folder(tmp_path / "mine", tmp_path / "models")
     assert (asset.id, asset.category, asset.licence, asset.placement) == (
         "desk_lamp_a",
         "desk_lamp",
@@ -94,7 +95,7 @@ def test_meshes_become_one_body_with_notes(tmp_path: Path) -> None:
     assert asset.mass == pytest.approx(3.0)
     (mine / "asset.json").write_text('{"colour": "red"}')
     with pytest.raises(InputError, match="colour"):
-        import_folders([tmp_path / "mine"], tmp_path / "models")
+        import_folder(tmp_path / "mine", tmp_path / "models")
 
 
 def test_model_files_prefers_urdf_over_meshes(folder: Path) -> None:
@@ -107,10 +108,10 @@ def test_model_files_prefers_urdf_over_meshes(folder: Path) -> None:
 
 def test_empty_and_missing_folders(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="not a folder"):
-        import_folders([tmp_path / "gone"], tmp_path / "models")
+        import_folder(tmp_path / "gone", tmp_path / "models")
     (tmp_path / "empty").mkdir()
-    with pytest.raises(InputError, match="holds no URDF"):
-        import_folders([tmp_path / "empty"], tmp_path / "models")
+    with pytest.raises(InputError, match="holds no model"):
+        import_folder(tmp_path / "empty", tmp_path / "models")
 
 
 def test_odd_models_do_not_stop_the_others(
@@ -134,7 +135,7 @@ def test_odd_models_do_not_stop_the_others(
 
     monkeypatch.setattr(imports, "check_believable", check)
     monkeypatch.chdir(tmp_path)
-    assert [asset.id for asset in import_folders([mine], tmp_path / "models")] == ["box_good"]
+    assert [asset.id for asset in import_folder(mine, tmp_path / "models")] == ["box_good"]
     said = [line for line in capsys.readouterr().out.splitlines() if line.startswith("left out: ")]
     assert len(said) == 4
     for words in (
@@ -159,7 +160,7 @@ def test_a_kitchen_as_a_package_ships_it(tmp_path: Path) -> None:
     mine.mkdir(parents=True)
     (mine / "kitchen").symlink_to(urdf.parent)
     with pytest.raises(InputError, match="is a link out of mine"):
-        import_folders([tmp_path / "mine"], tmp_path / "models")
+        import_folder(tmp_path / "mine", tmp_path / "models")
     asset = import_model(urdf, tmp_path / "packages", tmp_path / "models")
     assert (asset.doors, asset.drawers) == (2, 2)
     assert [joint.handle_link for joint in asset.joints] == [
@@ -179,7 +180,7 @@ def test_specks_are_left_out_and_thin_pieces_made_thick_enough(folder: Path, tmp
     path = folder / "bottom_cabinet" / "Oak 1" / "cab.urdf"
     text = path.read_text().replace('<sphere radius="0.02"/>', '<sphere radius="0.000001"/>')
     path.write_text(text.replace('size="0.02 0.58 0.7"', 'size="0.00001 0.58 0.7"'))
-    (asset,) = import_folders([folder], tmp_path / "models")
+    (asset,) = import_folder(folder, tmp_path / "models")
     robot = read_urdf(tmp_path / "models" / asset.id / "model.urdf", tmp_path)
     assert robot.links["door_knob"].visuals == []
     (panel,) = robot.links["door"].collisions
@@ -187,10 +188,10 @@ def test_specks_are_left_out_and_thin_pieces_made_thick_enough(folder: Path, tmp
 
 
 def test_masses_are_kilograms_whatever_the_unit_of_length(folder: Path, tmp_path: Path) -> None:
-    (asset,) = import_folders([folder], tmp_path / "models")
+    (asset,) = import_folder(folder, tmp_path / "models")
     write_notes = (folder / "bottom_cabinet" / "Oak 1" / "asset.json").write_text
     write_notes('{"scale": 0.01}')
-    import_folders([folder], tmp_path / "small")
+    import_folder(folder, tmp_path / "small")
     read = [read_urdf(tmp_path / name / asset.id / "model.urdf", tmp_path) for name in ("models", "small")]
     (body, tray), (small_body, small_tray) = ([robot.links[name] for name in ("body", "tray")] for robot in read)
     assert small_body.mass == body.mass == 12, "told by the file"
@@ -202,7 +203,7 @@ def test_textured_objects_in_centimetres(tmp_path: Path) -> None:
     place = tmp_path / "mine" / "mug" / "blue"
     textured_box((8.0, 9.0, 10.0), place, "mug")
     (place / "asset.json").write_text('{"scale": 0.01, "placement": "object"}')
-    (asset,) = import_folders([tmp_path / "mine"], tmp_path / "models")
+    (asset,) = import_folder(tmp_path / "mine", tmp_path / "models")
     assert asset.size == pytest.approx((0.08, 0.09, 0.10))
     area = 2 * (0.08 * 0.09 + 0.08 * 0.10 + 0.09 * 0.10)
     assert asset.mass == pytest.approx(area / 2 * 0.018 * 500, rel=1e-3)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from stages.articulated.asset_folder import read_asset
-from stages.assets import library, snapshots
+from stages.assets import join, library, own, snapshots
 from stages.assets.draw import run as draw
 from stages.assets.library import make
 from stages.contracts.errors import InputError
@@ -45,8 +45,10 @@ def shard(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("library")
     (folder / "mine" / "slab").mkdir(parents=True)
     (folder / "mine" / "slab" / "coloured.urdf").write_text(SLAB)
-    options = json.dumps({"counts": {"mug": 2}, "folders": [str(folder / "mine")]})
-    library.run(out=folder / "library.json", options=options)
+    library.run(out=folder / "procedural.json", options=json.dumps({"counts": {"mug": 2}}))
+    slab = f"slab_coloured={folder / 'mine/slab/coloured.urdf'}"
+    own.run(folder=folder / "mine", models=(slab,), out=folder / "own_0.json")
+    join.run(library=(folder / "procedural.json",), own=(folder / "own_0.json",), out=folder / "library.json")
     snapshots.run(library=folder / "library.json", shard=0, shards=2, out=folder / "shard_0.h5", options=OPTIONS)
     return folder
 

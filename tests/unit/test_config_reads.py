@@ -15,8 +15,8 @@ from stages.config.reads import READS, options_of, stores
 ROOT = Path(__file__).resolve().parents[2]
 LISTED = {  # keys that do not simply run the one verb of their section again
     "assets.counts": {"library"},
-    "assets.folders": {"library"},
-    "assets.importers": {"library"},
+    "assets.folders": set(),  # parameters of a shard's own
+    "assets.importers": {"own"},
     "assets.shards": set(),  # the number of jobs is a parameter of its own
     "matching.encoder": {"features", "match", "distances"},
     "matching.coverage": {"features", "match", "distances"},

@@ -12,12 +12,14 @@ import pytest
 import trimesh
 import yaml
 
-from stages.assets.library import run as make_library
+from stages.assets.own import run as own
+from stages.assets.shards import own_shards
 from stages.config import code
+from stages.config.assets import AssetsConfig
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.config.model import load, merged
 from stages.config.task import TaskConfig
-from stages.contracts import InputError, Library, Objects, read_json
+from stages.contracts import InputError, LibraryPart, Objects, read_json
 from stages.demonstrations.attempt import Recorder
 from stages.extraction.extract import run as extract
 from stages.geometry.boxes import UprightBox
@@ -174,12 +176,18 @@ def test_source(package: Path, tmp_path: Path) -> None:
 def test_importer(package: Path, tmp_path: Path) -> None:
     (tmp_path / "mine" / "box").mkdir(parents=True)
     trimesh.creation.box((0.3, 0.4, 0.5)).export(tmp_path / "mine" / "box" / "crate.off")
-    options = {"counts": {}, "folders": [str(tmp_path / "mine")]}
-    with pytest.raises(InputError, match="holds no URDF or MJCF or GLB or GLTF or OBJ or DAE or PLY or STL"):
-        make_library(out=tmp_path / "library.json", options=json.dumps(options))
-    options["importers"] = ["urdf", "my_package.importers.off"]
-    make_library(out=tmp_path / "library.json", options=json.dumps(options))
-    assert [entry.id for entry in read_json(Library, tmp_path / "library.json").assets] == ["box_crate"]
+    assets = AssetsConfig(counts={}, folders=[str(tmp_path / "mine")])
+    with pytest.raises(InputError, match=r"holds no model \(.urdf, .xml, .glb, .gltf, .obj, .dae, .ply, .stl\)"):
+        own_shards(assets)
+    importers = ["urdf", "my_package.importers.off"]
+    ((name, shard),) = own_shards(assets.model_copy(update={"importers": importers})).items()
+    own(
+        folder=shard.folder,
+        models=tuple(f"{model}={file}" for model, file in shard.models.items()),
+        out=tmp_path / f"{name}.json",
+        options=json.dumps({"importers": importers}),
+    )
+    assert [entry.id for entry in read_json(LibraryPart, tmp_path / f"{name}.json").assets] == ["box_crate"]
 
 
 def test_task_and_skill(package: Path, tmp_path: Path) -> None:

@@ -14,10 +14,11 @@ from PIL import Image
 from stages.assets.examine import in_file
 from stages.assets.import_ import run
 from stages.assets.importers import Axis
-from stages.assets.imports import axis_vector, import_folders
+from stages.assets.imports import axis_vector
 from stages.assets.portrait import ARROW
 from stages.assets.proportions import doubt_of_size, up_and_unit
 from stages.contracts.errors import InputError
+from tests.unit.own_models import import_folder
 from tests.unit.test_sense import box, cabinet, joint, write_partnet
 
 
@@ -96,8 +97,8 @@ def test_import_writes_notes_that_say_what_it_took_models_for(imported: Path) ->
 
 
 def test_the_library_takes_the_folder_as_it_is(imported: Path, tmp_path: Path) -> None:
-    assets = {asset.id: asset for asset in import_folders([imported / "mine"], tmp_path / "converted")}
-    direct = {asset.id: asset for asset in import_folders([imported / "theirs"], tmp_path / "direct")}
+    assets = {asset.id: asset for asset in import_folder(imported / "mine", tmp_path / "converted")}
+    direct = {asset.id: asset for asset in import_folder(imported / "theirs", tmp_path / "direct")}
     cabinet_asset = assets["bottom_cabinet_45132"]
     assert cabinet_asset.size == pytest.approx(direct["bottom_cabinet_45132"].size, abs=1e-5)
     assert cabinet_asset.mass == pytest.approx(direct["bottom_cabinet_45132"].mass, rel=0.01)

@@ -8,9 +8,9 @@ import pytest
 import trimesh
 
 from stages.articulated.urdf_reader import read_urdf
-from stages.assets.imports import import_folders
 from stages.contracts.errors import InputError
 from tests.unit.articulated_models import CABINET, write_cabinet
+from tests.unit.own_models import import_folder
 
 BODY_BOX = '<box size="0.4 0.6 0.8"/>'
 BODY_MASS = '<mass value="12"/>'
@@ -173,7 +173,7 @@ def refused(folder: Path, complaint: str) -> None:
     """The folder is refused with one line, and nothing is left of it."""
     models = folder.parent / "models"
     with pytest.raises(InputError, match=complaint) as caught:
-        import_folders([folder], models)
+        import_folder(folder, models)
     assert "\n" not in str(caught.value)
     assert str(folder) in str(caught.value), "the file is named"
     assert len(str(caught.value)) < 600
@@ -248,7 +248,7 @@ def test_a_urdf_that_is_no_text_or_no_file(folder: Path) -> None:
     assert read_urdf(path, folder).root == "body"
     path.unlink()
     path.mkdir()
-    refused(folder, "holds no URDF")
+    refused(folder, "holds no model")
     with pytest.raises(InputError, match=r"cannot be read .IsADirectoryError"):
         read_urdf(path, folder)
     with pytest.raises(InputError, match=r"cannot be read .FileNotFoundError"):
@@ -270,16 +270,16 @@ def test_a_broken_rigid_mesh_is_one_clear_line(tmp_path: Path) -> None:
         (place / name).unlink()
 
 
-def test_names_that_are_taken_are_numbered_and_copies_left_out(
-    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_names_that_are_taken_are_numbered(folder: Path, tmp_path: Path) -> None:
     for place, text in (("Oak 2", CABINET), ("oak-1", CABINET.replace("0.5 0.3 0.1 1", "0.1 0.1 0.1 1"))):
         (folder / "bottom_cabinet" / place).mkdir()
         (folder / "bottom_cabinet" / place / "cab.urdf").write_text(text)
-    assets = import_folders([folder], tmp_path / "models", taken=["bottom_cabinet_oak_1"])
-    assert [asset.id for asset in assets] == ["bottom_cabinet_oak_1_2", "bottom_cabinet_oak_1_3"]
-    assert "Oak 2/cab.urdf: is a copy of bottom_cabinet_oak_1_2" in capsys.readouterr().out
-    assert sorted(path.name for path in (tmp_path / "models").iterdir()) == [asset.id for asset in assets]
+    assets = import_folder(folder, tmp_path / "models", taken=["bottom_cabinet_oak_1"])
+    assert [asset.id for asset in assets] == [
+        "bottom_cabinet_oak_1_2", "bottom_cabinet_oak_2", "bottom_cabinet_oak_1_3"
+    ]  # fmt: skip
+    assert len({asset.checksum for asset in assets}) == 2, "the second is a copy"
+    assert {path.name for path in (tmp_path / "models").iterdir()} == {asset.id for asset in assets}
 
 
 def test_one_broken_model_leaves_the_others_whole(
@@ -288,7 +288,7 @@ def test_one_broken_model_leaves_the_others_whole(
     again = folder / "bottom_cabinet" / "Oak 2"
     again.mkdir()
     (again / "door.urdf").write_text(CABINET.replace(BODY_BOX, mesh("gone.obj")))
-    (asset,) = import_folders([folder], tmp_path / "models")
+    (asset,) = import_folder(folder, tmp_path / "models")
     assert "door.urdf: link 'body'" in capsys.readouterr().out
     assert [path.name for path in (tmp_path / "models").iterdir()] == [asset.id] == ["bottom_cabinet_oak_1"]
     assert (tmp_path / "models" / asset.id / "asset.json").exists()

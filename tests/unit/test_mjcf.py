@@ -12,9 +12,9 @@ from PIL import Image
 from stages.articulated.forward_kinematics import link_frames
 from stages.assets.discover import discover
 from stages.assets.importers.mjcf import read_mjcf
-from stages.assets.imports import import_folders
 from stages.contracts.errors import InputError
 from stages.geometry.frames import apply
+from tests.unit.own_models import import_folder
 
 mujoco = pytest.importorskip("mujoco")
 
@@ -92,11 +92,11 @@ def test_looks_masses_and_what_collides(folder: Path) -> None:
 
 
 def test_a_model_is_imported_whole_and_its_parts_are_not(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (asset,) = import_folders([folder], folder.parent / "models")
+    (asset,) = import_folder(folder, folder.parent / "models")
     assert (asset.id, asset.doors, asset.drawers) == ("bottom_cabinet_oak", 1, 1)
     assert asset.size == pytest.approx((0.448, 0.5, 0.8), abs=2e-3)
     assert [joint.handle is not None for joint in asset.joints] == [True, True]
-    said = capsys.readouterr().out
+    said = "".join(capsys.readouterr())
     assert "1 files are parts that MJCF models include" in said
     assert "block" not in said
     (folder / "bottom_cabinet/package.xml").write_text("<package/>")

@@ -17,10 +17,10 @@ from stages.articulated.sense import doors_and_drawers, front_direction
 from stages.articulated.solid_handle import with_solid_handles
 from stages.articulated.urdf_reader import read_urdf
 from stages.assets.discover import discover, numbered_names
-from stages.assets.imports import import_folders
 from stages.assets.pushing import stuck_joints
 from stages.procedural.resize import resized
 from stages.simulation.loading import load_asset, physics_scene
+from tests.unit.own_models import import_folder
 
 FACING = {"+x": 0, "+y": 90, "-x": 180, "-y": 270}
 
@@ -161,7 +161,7 @@ def test_parts_that_touch_when_closed_pass_through_each_other(
     place = tmp_path / "mine" / "chest_of_drawers" / "rubbing"
     place.mkdir(parents=True)
     (place / "a.urdf").write_text(rubbing(gap))
-    (asset,) = import_folders([tmp_path / "mine"], tmp_path / "models")
+    (asset,) = import_folder(tmp_path / "mine", tmp_path / "models")
     folder = tmp_path / "models" / asset.id
     assert list(read_model(folder).touching) == pairs
     assert (folder / "model.srdf").exists() == bool(pairs)
@@ -175,7 +175,7 @@ def test_parts_that_touch_pass_through_parts_of_their_own_body_alone(tmp_path: P
     place = tmp_path / "mine" / "chest_of_drawers" / "rubbing"
     place.mkdir(parents=True)
     (place / "a.urdf").write_text(rubbing(-0.001))
-    (asset,) = import_folders([tmp_path / "mine"], tmp_path / "models")
+    (asset,) = import_folder(tmp_path / "mine", tmp_path / "models")
     scene = physics_scene(timestep=1e-5)
     for x in (0.0, 0.1):
         load_asset(scene, tmp_path / "models" / asset.id, sapien.Pose([x, 0, 0]), True, f"at {x}")
@@ -192,7 +192,7 @@ def test_a_joint_that_sticks_is_told(tmp_path: Path, capsys: pytest.CaptureFixtu
     bar = '<link name="bar">' + box("0.02 0.6 0.2", "0.3 0 0.1") + "</link>"
     fixed = '<joint name="nailed" type="fixed"><parent link="body"/><child link="bar"/></joint>'
     (place / "a.urdf").write_text(rubbing(0.01).replace("</robot>", bar + fixed + "</robot>"))
-    import_folders([tmp_path / "mine"], tmp_path / "models")
+    import_folder(tmp_path / "mine", tmp_path / "models")
     assert re.search(r"a.urdf: drawer 'low' sticks at \d+ % of its range", capsys.readouterr().out)
 
 
@@ -200,7 +200,7 @@ def test_a_joint_that_is_slow_does_not_stick(tmp_path: Path, monkeypatch: pytest
     place = tmp_path / "mine" / "chest_of_drawers" / "rubbing"
     place.mkdir(parents=True)
     (place / "a.urdf").write_text(rubbing(0.01))
-    (asset,) = import_folders([tmp_path / "mine"], tmp_path / "models")
+    (asset,) = import_folder(tmp_path / "mine", tmp_path / "models")
     monkeypatch.setattr("stages.simulation.loading.JOINT_DAMPING", 600.0)  # 20 N: 3 cm/s, six seconds
     assert stuck_joints(tmp_path / "models" / asset.id) == []
 
@@ -219,14 +219,15 @@ def test_partnet_folders_are_read_as_they_are(tmp_path: Path, capsys: pytest.Cap
     write_partnet(mine, "45133", cabinet(180))
     write_partnet(mine, "12249", cabinet(180).replace('size="0.4 0.5 0.8"', 'size="0.5 0.5 0.8"'), "Refrigerator")
     write_partnet(mine, "99999", "<robot", "Chair")
-    assets = import_folders([mine], tmp_path / "models")
+    assets = import_folder(mine, tmp_path / "models")
     assert [(asset.id, asset.doors, asset.drawers) for asset in assets] == [
         ("fridge_12249", 1, 1),
         ("bottom_cabinet_45132", 1, 1),
+        ("bottom_cabinet_45133", 1, 1),
     ]
+    assert assets[1].checksum == assets[2].checksum, "a copy, which `join` leaves out"
     assert all(joint.handle for asset in assets for joint in asset.joints), "found, as the front faces +x"
     said = capsys.readouterr().out
-    assert "45133/mobility.urdf: is a copy of bottom_cabinet_45132" in said
     assert "left out: " in said and "99999" in said
     assert "turned to face +x, where 2 of its doors and drawers open" in said
 

@@ -10,7 +10,6 @@ import trimesh
 from mani_skill.utils.geometry.trimesh_utils import get_component_meshes
 
 from stages.articulated.asset_folder import read_asset, stretch_asset
-from stages.assets.imports import import_folders
 from stages.assets.library import make
 from stages.config.task import TaskConfig
 from stages.simulation.loading import ParsedAsset, load_asset, physics_scene
@@ -19,6 +18,7 @@ from stages.simulation.studio import _bounds
 from stages.tasks.api import make_task
 from tests.unit.articulated_models import write_cabinet
 from tests.unit.demo_assets import cabinet
+from tests.unit.own_models import import_folder
 
 SCALE = np.array([1.25, 0.75, 1.1])
 
@@ -57,7 +57,7 @@ def test_a_stretched_asset_is_that_of_the_files(kind: str, tmp_path: Path) -> No
         folder = tmp_path / make("bottom_cabinet", 1, 0, tmp_path).id
     else:
         write_cabinet(tmp_path / "mine")
-        (asset,) = import_folders([tmp_path / "mine"], tmp_path / "models")
+        (asset,) = import_folder(tmp_path / "mine", tmp_path / "models")
         folder = tmp_path / "models" / asset.id
     asset = read_asset(folder)
     size = tuple((np.array(asset.size) * SCALE).tolist())

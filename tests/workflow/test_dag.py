@@ -131,7 +131,18 @@ def test_own_models_are_inputs_of_the_library(folder: Path) -> None:
     (folder / "my/assets/chair").mkdir(parents=True)
     (folder / "my/assets/chair/seat.obj").touch()
     (folder / "assets.yaml").write_text("assets: {folders: [my/assets]}")
-    assert "input: my/assets/chair/seat.obj" in dry_run(folder, "library", "--configfile", "assets.yaml").stdout
+    done = dry_run(folder, "library", "--configfile", "assets.yaml")
+    assert "input: my/assets/chair/seat.obj" in done.stdout, done.stdout
+
+
+def test_our_rooms_are_furnished_with_procedural_models_and_yours_with_all(folder: Path) -> None:
+    (folder / "attic.yaml").write_text((ROOT / "stages/scenes/rooms/room_1.yaml").read_text())
+    (folder / "rooms.yaml").write_text(
+        "experiment: {rooms: [room_1, attic], room_files: [attic.yaml], tasks: {door: null}}"
+    )
+    done = dry_run(folder, "scenes", "-p", "--configfile", "rooms.yaml")
+    said = re.findall(r"--library results/assets/library/(\w+).json --scene (\w+)", done.stdout)
+    assert sorted(said) == [("library", "attic"), ("procedural", "room_1")], done.stdout
 
 
 def test_containers_see_what_the_config_names_outside(

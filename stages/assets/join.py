@@ -1,0 +1,45 @@
+"""One library of the procedural models and the user's own."""
+
+from itertools import chain
+from pathlib import Path
+
+from stages.contracts.errors import InputError
+from stages.contracts.files import read_json, write_json
+from stages.contracts.library import Library, LibraryEntry, LibraryPart
+
+
+def run(*, own: tuple[Path, ...], out: Path, library: tuple[Path, ...] = ()) -> None:
+    """Write library.json beside the indices that it is made of.
+
+    Args:
+        own: indices of the user's models; of those that are copies of one another the first by name is taken.
+        out: path of library.json.
+        library: index of the procedural models, or of what takes their place; none: the user's models alone.
+    """
+    parts = {path: read_json(LibraryPart, path) for path in (*library, *own)}
+    if elsewhere := [path for path in parts if path.parent.resolve() != out.parent.resolve()]:
+        raise InputError(elsewhere[0], f"does not lie beside {out}, and so does not its folder.")
+    left_out = [line for part in parts.values() for line in part.left_out]
+    theirs = sorted(chain(*(parts[path].assets for path in own)), key=lambda entry: entry.id)
+    mine, copies = without_copies(theirs)
+    left_out += copies
+    for line in left_out:
+        print(f"left out: {line}")
+    if left_out and not mine:
+        raise InputError("assets.folders", f"none of the models can be used. {left_out[0]}")
+    entries = sorted([*chain(*(parts[path].assets for path in library)), *mine], key=lambda entry: entry.id)
+    if not entries:
+        raise InputError("assets", "the library would be empty.", "set assets.counts or assets.folders")
+    names = [entry.id for entry in entries]
+    if double := next((name for name in names if names.count(name) > 1), None):
+        raise InputError("assets.folders", f"two models are called '{double}'.", "rename one")
+    write_json(out, Library(assets=entries, left_out=left_out))
+
+
+def without_copies(entries: list[LibraryEntry]) -> tuple[list[LibraryEntry], list[str]]:
+    """The entries, of those with the same files the first; and the others, in a line each."""
+    first: dict[str, LibraryEntry] = {}
+    for entry in entries:
+        first.setdefault(entry.checksum, entry)
+    copies = [entry for entry in entries if first[entry.checksum] is not entry]
+    return list(first.values()), [f"{entry.id}: is a copy of {first[entry.checksum].id}" for entry in copies]
