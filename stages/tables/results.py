@@ -65,8 +65,18 @@ def _told(config: Config, episodes: pd.DataFrame) -> list[tuple[str, str]]:
     """Seeds and numbers of rollouts."""
     plans = [config.experiment.plan(task) for task in config.experiment.tasks]
     seeds = sorted({seed for plan in plans for seed in plan.seeds})
-    policies = episodes.groupby(["task", "training_set", "run", "seed"]).ngroups if len(episodes) else 0
-    rollouts = f"{len(episodes)} episodes of {policies} policies, {config.evaluation.rollouts} per test asset"
+    policy = ["task", "training_set", "run", "seed"]
+    policies = episodes.groupby(policy).ngroups if len(episodes) else 0
+    each = (
+        episodes.groupby([*policy, "test_asset"]).size().groupby("task").max()
+        if len(episodes)
+        else pd.Series(dtype=int)
+    )
+    counts = [f"{count} ({'; '.join(title(task) for task in part.index)})" for count, part in each.groupby(each)]
+    per_asset = (
+        " and ".join(counts) if len(counts) > 1 else f"{config.evaluation.rollouts if each.empty else each.iloc[0]}"
+    )
+    rollouts = f"{len(episodes)} episodes of {policies} policies, {per_asset} per test asset"
     return [
         ("Seeds", f"{', '.join(map(str, seeds))} of training; {config.seed} of everything else"),
         ("Rollouts", rollouts),

@@ -87,6 +87,15 @@ def test_what_is_there_is_told_and_what_is_not_is_said_to_be_so(study: Path, tmp
     }  # fmt: skip
 
 
+def test_a_task_that_was_rolled_out_less_often_is_said_to_be() -> None:
+    keys = {"training_set": "twin", "run": "lite", "seed": 0, "test_asset": "twin"}
+    episodes = pd.DataFrame(
+        [{"task": task, **keys} for task, count in (("door", 5), ("bowl", 2)) for _ in range(count)]
+    )
+    told = dict(results._told(Config(), episodes))
+    assert told["Rollouts"] == "7 episodes of 2 policies, 2 (Putting away bowl) and 5 (Door opening) per test asset"
+
+
 def test_nothing_but_the_study_is_looked_at_and_it_is_the_same_again(study: Path, tmp_path: Path) -> None:
     one, two = (write(study, tmp_path / name, machine="x") for name in ("one", "two"))
     assert one == two
