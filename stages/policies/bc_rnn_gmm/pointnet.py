@@ -53,9 +53,9 @@ class PointNet(nn.Module):
         Initial features hardly differ between clouds; with unit variance, as proprioception has it, the policy uses
         them from the first updates on (data-dependent initialisation, Mishkin and Matas 2016). Call it before training.
 
-        Features that vary by less than half of the median are scaled as if they varied by that: a point of the fingers wins
-        such a channel in every cloud, and to make its millimetres count as one blows the feature up in training,
-        until the LSTM behind is saturated for good (docs/training.md).
+        Features that vary by less than half of the median are scaled as if they varied by that: a point of the
+        fingers wins such a channel in every cloud, and to make its millimetres count as one blows the feature up in
+        training, until the LSTM behind is saturated for good (docs/training.md).
         """
         pooled = self._winners(clouds)[0]
         last = self.rest[-1]
