@@ -15,6 +15,12 @@ class NetworkConfig(Section):
         "gripper", description="origin of the cloud: robot base (paper), or the end-effector, axes kept"
     )
     standardise: bool = Field(True, description="shift and scale clouds to unit variance (official: raw metres)")
+    standardise_floor: float = Field(
+        0.0,
+        ge=0,
+        description="of the median spread of pooled features: those that vary by less are scaled as if they varied by "
+        "so much; 0.5 keeps long tasks from collapsing (docs/training.md)",
+    )
     pointnet_width: int = Field(64, ge=8, description="paper: 512")
     pointnet_layers: int = Field(2, ge=2, description="linear layers before the max-pool; paper: 2, official code: 3")
     flag_embedding: int = Field(128, ge=1, description="learned embedding of the finger flag; paper: 128")

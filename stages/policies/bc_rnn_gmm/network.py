@@ -95,7 +95,8 @@ class BcRnnGmm(TrainablePolicy):
             xyz = self.in_frame(clouds[some].float(), proprio[some]).flatten(0, -2)
             self.cloud_mean.copy_(xyz.mean(0))
             self.cloud_std.copy_((xyz - xyz.mean(0)).square().mean().sqrt())
-            self.pointnet.standardise(self.normalised(clouds[some].float(), proprio[some]))
+            shown = self.normalised(clouds[some].float(), proprio[some])
+            self.pointnet.standardise(shown, self.network.standardise_floor)
 
     def actor(self, slots: int, choose: Choice) -> Actor:
         """One that runs the LSTM over the last `rnn_horizon` observations."""

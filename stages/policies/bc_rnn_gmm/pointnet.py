@@ -47,21 +47,21 @@ class PointNet(nn.Module):
         return functional.relu(features.gather(0, row.gather(1, winner)))
 
     @torch.no_grad()
-    def standardise(self, clouds: Tensor) -> None:
+    def standardise(self, clouds: Tensor, floor: float = 0.0) -> None:
         """Rescale the last layer so that the pooled features of `clouds` have mean 1 and deviation 1 before the ReLU.
 
         Initial features hardly differ between clouds; with unit variance, as proprioception has it, the policy uses
         them from the first updates on (data-dependent initialisation, Mishkin and Matas 2016). Call it before training.
 
-        Features that vary by less than half of the median are scaled as if they varied by that: a point of the
-        fingers wins such a channel in every cloud, and to make its millimetres count as one blows the feature up in
-        training, until the LSTM behind is saturated for good (docs/training.md).
+        A channel that a point of the fingers wins in every cloud varies by millimetres. To make them count as one can
+        blow the feature up in training until the LSTM behind is saturated for good (docs/training.md), so features that
+        vary by less than `floor` of the median are scaled as if they varied by that.
         """
         pooled = self._winners(clouds)[0]
         last = self.rest[-1]
         assert isinstance(last, nn.Linear)
         spread = pooled.std(0)
-        scale = 1 / spread.clamp_min(spread.median() / 2)
+        scale = 1 / spread.clamp_min(max(1e-6, floor * float(spread.median())))
         last.weight.mul_(scale[:, None])
         last.bias.copy_((last.bias - pooled.mean(0)) * scale + 1)
 
