@@ -16,6 +16,7 @@ import pandas as pd
 import torch
 from torch import Tensor
 
+from stages.geometry.planes import fit_plane
 from stages.policies.bc_rnn_gmm.network import BcRnnGmm
 from stages.policies.checkpoint import load_policy
 from stages.training.dataset import read_demonstrations
@@ -23,29 +24,20 @@ from stages.training.dataset import read_demonstrations
 STEPS = 5  # of an episode that are looked at, all of them on the way to the handle
 SHIFT = 0.08  # metres
 BEFORE, PLANE = 0.012, 0.006  # metres: a point stands before the front, or lies in its plane
-FULL_STEP = 5.0  # centimetres that an action of 1 moves the hand
+HYPOTHESES = 200  # of the front's plane
 
 
-def front(points: Tensor, random: torch.Generator) -> tuple[Tensor, Tensor]:
-    """Normal towards the robot (-x) and a point of the plane with most of the points (N, 3), by RANSAC."""
-    best, found = -1, (points[0], points[0])
-    for _ in range(200):
-        a, b, c = points[torch.randint(len(points), (3,), generator=random)]
-        normal = torch.linalg.cross(b - a, c - a)
-        if normal.norm() < 1e-6:
-            continue
-        normal = normal / normal.norm() * (-1 if normal[0] > 0 else 1)
-        count = int((((points - a) @ normal).abs() < PLANE).sum())
-        if count > best:
-            best, found = count, (normal, a)
-    return found
+def answers(policy: BcRnnGmm, clouds: Tensor, proprio: Tensor, full_step: float) -> dict[str, float] | None:
+    """Sideways motion (cm per step) for what is shown of one episode's first clouds (T, P, 4); None: no handle seen.
 
-
-def answers(policy: BcRnnGmm, clouds: Tensor, proprio: Tensor, random: torch.Generator) -> dict[str, float] | None:
-    """Sideways motion (cm per step) for what is shown of one episode's first clouds (T, P, 4); None: no handle seen."""
+    An action of 1 moves the hand by `full_step` metres. The robot stands on the side of -x.
+    """
     finger = clouds[0, :, 3] > 0.5
-    normal, origin = front(clouds[0, ~finger, :3], random)
-    handle = ((clouds[0, :, :3] - origin) @ normal > BEFORE) & ~finger
+    plane = fit_plane(clouds[0, ~finger, :3].numpy(), PLANE, HYPOTHESES, np.random.default_rng(0))
+    assert plane is not None, "three points make a plane"
+    towards = -float(np.sign(plane.normal[0]))
+    normal = torch.from_numpy(towards * plane.normal).float()
+    handle = (clouds[0, :, :3] @ normal - towards * plane.offset > BEFORE) & ~finger
     if handle.sum() < 3:
         return None
     sideways = torch.stack([-normal[1], normal[0], torch.tensor(0.0)])
@@ -55,7 +47,7 @@ def answers(policy: BcRnnGmm, clouds: Tensor, proprio: Tensor, random: torch.Gen
         with torch.no_grad():
             mixture = policy(shown[None], proprio[None])
         mean = (mixture.logits.softmax(-1)[..., None] * mixture.means).sum(-2)[0]
-        return float((mean[:, :3] @ sideways).mean()) * FULL_STEP
+        return float((mean[:, :3] @ sideways).mean()) * 100 * full_step
 
     def moved(which: Tensor) -> float:
         shown = clouds.clone()
@@ -87,11 +79,11 @@ def main() -> None:
     for folder in given.policies:
         policy = load_policy(folder, "last", "cpu")
         assert isinstance(policy, BcRnnGmm), f"{folder}: only bc_rnn_gmm is looked into"
-        random = torch.Generator().manual_seed(0)
-        seen = [
-            slice(start, start + min(2 * STEPS, length)) for start, length in zip(starts, data.lengths, strict=True)
-        ]
-        found = [answers(policy, data.clouds[some].float(), data.proprio[some], random) for some in seen]
+        found = []
+        for start, length in zip(starts, data.lengths, strict=True):
+            first = slice(start, start + min(STEPS, length))
+            step = data.task_options.position_step
+            found.append(answers(policy, data.clouds[first].float(), data.proprio[first], step))
         table = pd.DataFrame([row for row in found if row is not None])
         rows.append({"policy": "/".join(folder.parts[-3:]), "episodes": len(table), **table.mean().round(3).to_dict()})
     print(pd.DataFrame(rows).to_string(index=False))
