@@ -14,7 +14,7 @@ from stages.contracts.errors import InputError
 from stages.demonstrations.attempt import Recorder
 from stages.geometry.frames import apply, rigid, yaw_matrix
 from stages.simulation.region import headroom, level_region
-from stages.skills.pick.grasps import by_turn, object_cloud, sample_grasps, turn_between
+from stages.skills.pick.grasps import ALIKE, by_turn, object_cloud, sample_grasps, turn_between
 from stages.skills.place.predicates import DROP, FALL, inside, on_top, sample_placements
 from stages.tasks.api import TaskEnv, make_task
 from stages.tasks.put_away_bowl.bowl import default_bowl, seen_mesh
@@ -81,7 +81,23 @@ def test_what_is_too_wide_or_walled_in_is_not_gripped() -> None:
 def test_grasps_are_ordered_by_the_turn_of_the_hand_and_taken_the_near_way_round() -> None:
     turned = [rigid(yaw_matrix(angle), [0, 0, 0]) @ DOWN for angle in (1.0, 0.2, np.pi - 0.1)]
     ordered = by_turn(np.array(turned), DOWN)
-    assert turn_between(ordered, DOWN) == pytest.approx([0.1, 0.2, 1.0], abs=1e-6)
+    assert turn_between(ordered, DOWN)[2] == pytest.approx(1.0, abs=1e-6)
+    assert turn_between(ordered, DOWN)[:2].max() == pytest.approx(0.2, abs=1e-6)
+
+
+def test_of_grasps_that_turn_alike_the_nearest_to_the_hand_comes_first() -> None:
+    """A bowl is gripped at the same rim whatever contacts were drawn: two rims in the data are a closing between them."""
+    rest = rigid(DOWN[:3, :3], [0.4, 0.0, 0.4])
+    pose = rigid(np.eye(3), [0.45, 0.4, 0.2])
+    cloud = object_cloud(seen_mesh(default_bowl()))
+    sides = []
+    for seed in range(6):
+        grasps = sample_grasps(cloud, pose, 0.2, 0.04, seed)
+        ways = by_turn(grasps, rest)
+        sides.append(ways[0, 1, 3] - pose[1, 3])
+        assert turn_between(ways[:1], rest)[0] < turn_between(ways, rest).min() + ALIKE
+        assert (grasps[:, 1, 3] > pose[1, 3]).any()  # the other rim is there to be had
+    assert max(sides) < -0.04
 
 
 def test_placements_are_upright_inside_the_walls_and_turn_and_fall_least_first() -> None:

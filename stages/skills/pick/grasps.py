@@ -23,6 +23,7 @@ NEAR = 2000  # points that the gripper is kept clear of
 # Boxes (low, high) of one open finger (y outwards of its inner face) and of the hand, in the frame of the tool centre.
 FINGER_BOX = np.array([[-0.011, 0.0, -0.045], [0.011, 0.024, 0.0105]])
 HAND_BOX = np.array([[-0.033, -0.105, -0.13], [0.033, 0.105, -0.044]])
+ALIKE = 0.4  # radians: turns of the hand that are no reason to prefer one grasp to another
 SLACK = 0.002  # metres kept between the gripper and the cloud
 
 
@@ -116,12 +117,15 @@ def fitting(poses: Array, points: Array, floor: float, opening: float) -> Array:
 def by_turn(poses: Array, hand: Array) -> Array:
     """Grasps (N, 4, 4), those with the least change of orientation from `hand` (4, 4) first.
 
-    A gripper is the same turned half round: of the two ways the nearer one is taken.
+    A gripper is the same turned half round: of the two ways the nearer one is taken. Of those that turn alike, within
+    `ALIKE`, the nearest to the hand comes first: a bowl offers two opposite rims at the same turn, and where
+    demonstrations take either, a policy closes between them (docs/results/table3-why.md).
     """
     flipped = poses @ np.diag([-1.0, -1.0, 1.0, 1.0])
     turns = np.stack([turn_between(ways, hand) for ways in (poses, flipped)])
     nearer = np.where((turns[0] <= turns[1])[:, None, None], poses, flipped)
-    return np.asarray(nearer[np.argsort(turns.min(axis=0), kind="stable")])
+    distance = np.linalg.norm(poses[:, :3, 3] - hand[:3, 3], axis=1)
+    return np.asarray(nearer[np.lexsort([distance, np.round(turns.min(axis=0) / ALIKE)])])
 
 
 def turn_between(poses: Array, hand: Array) -> Array:
