@@ -86,7 +86,7 @@ def test_grasps_are_ordered_by_the_turn_of_the_hand_and_taken_the_near_way_round
 
 
 def test_of_grasps_that_turn_alike_the_nearest_to_the_hand_comes_first() -> None:
-    """A bowl is gripped at the same rim whatever contacts were drawn: two rims in the data are a closing between them."""
+    """A bowl is gripped at the same rim whichever contacts were drawn: with two in the data a policy closes between."""
     rest = rigid(DOWN[:3, :3], [0.4, 0.0, 0.4])
     pose = rigid(np.eye(3), [0.45, 0.4, 0.2])
     cloud = object_cloud(seen_mesh(default_bowl()))
