@@ -17,6 +17,7 @@ BESIDE, BESIDE_SMALL = 0.05, 0.25  # metres by which footprints are widened; at 
 ON_TOP = 0.5  # share of the upper footprint that lies over the lower one
 THINNEST = 0.01  # metres; noise may put a plate's top below the table's
 JUST_BELOW = 0.15  # metres
+BLUR = 3.0  # pixels between two things, one above the other, from which on there is a gap
 FEET = 3  # image columns in which an object's lowest pixels must reach the ground for it to stand there
 
 
@@ -101,15 +102,19 @@ def placement(
     """
     if known:
         options = options.model_copy(update={"max_hidden_depth": 0.0})
-    tolerance = options.tolerance(view.distance(np.asarray(box.center)))
+    distance = view.distance(np.asarray(box.center))
+    tolerance = options.tolerance(distance)
     beneath = height_beneath(box, carriers, tolerance)
     touched = walls_touched(box, others, walls, view, own, options)
-    hangs = (
-        bool(touched)
-        and box.bottom - beneath > tolerance
-        and (known or not reaches_down(box, beneath, tolerance, view, own))
-        and (known or free_space_beneath(box, beneath, view, own) >= options.free_space_share)
-    )
+    if known:
+        hangs = bool(touched) and box.bottom - beneath > tolerance
+    else:  # depth errs along the view, so a low edge is as sharp as the picture, however far away
+        hangs = (
+            bool(touched)
+            and box.bottom - beneath > BLUR * view.pixel_size(distance)
+            and not reaches_down(box, beneath, tolerance, view, own)
+            and free_space_beneath(box, beneath, view, own) >= options.free_space_share
+        )
     measured = Mounting(type=1 if hangs else 3 if touched else 2, walls=[wall.id for wall in touched])
     mounting = stated or measured
     standing = box if mounting.type == 1 else with_bottom(box, min(beneath, box.top - THINNEST))

@@ -56,6 +56,26 @@ def test_a_picture_above_furniture_hangs(hidden_up_to: float, mounting: int) -> 
     assert placement(picture, [], [], [WALL], view, own, ExtractionConfig()).mounting.type == mounting
 
 
+@pytest.mark.parametrize(("seen", "mounting"), [(1.5, 1), (1.45, 3)])
+def test_a_picture_just_above_a_lamp_far_away_hangs(seen: float, mounting: int) -> None:
+    """At 8 m, a lamp 1.42 m high before it: 8 cm are four pixels of wall between the two; 3 cm are none that counts."""
+    wall = Wall(id="wall_1", normal=(-1, 0, 0), offset=-8.0, points=100)
+    v, u = np.mgrid[:240, :320]
+    height, side = 1.5 - (v - 120) / 400.0 * 8, (u - 160) / 400.0 * 8
+    own = (np.abs(side) < 0.3) & (height > seen) & (height < 1.9)
+    lamp = (np.abs(side) < 0.2) & (height < 1.42)
+    view = DepthView(
+        np.where(lamp, 7.7, 8.0).astype(np.float32),
+        np.array([[400.0, 0, 160], [0, 400.0, 120], [0, 0, 1]]),
+        LOOKING_ALONG_X,
+    )
+    picture = UprightBox([7.95, 0, (seen + 1.9) / 2], [0.3, 0.6, 1.9 - seen], 0.0)
+    stand = UprightBox([7.8, 0, 0.71], [0.4, 0.4, 1.42], 0.0)
+    placed = placement(picture, [stand], [stand], [wall], view, own, ExtractionConfig())
+    assert placed.mounting.type == mounting
+    assert placed.box.bottom == pytest.approx(seen if mounting == 1 else 1.42)
+
+
 def test_what_is_squeezed_flat_is_told() -> None:
     empty = DepthView(np.full((9, 9), 9.0, np.float32), np.diag([9.0, 9.0, 1.0]), LOOKING_ALONG_X)
     table = UprightBox([2, 0, 0.3], [1, 1, 0.6], 0.0)  # found 10 cm too high
