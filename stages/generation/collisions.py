@@ -13,7 +13,7 @@ from shapely.ops import nearest_points
 from stages.config.generation import GenerationConfig
 from stages.contracts.objects import Wall
 from stages.generation.placed import Placed
-from stages.generation.prisms import Prism, forbidden_shifts, placed_prisms
+from stages.generation.prisms import Prism, forbidden_shifts, placed_prisms, steady_region, surface_beneath
 from stages.generation.support import stack_of
 from stages.geometry.boxes import UprightBox, corners, footprint, volume
 
@@ -90,8 +90,8 @@ def allowed_shifts(name: str, scene: _Scene) -> BaseGeometry:
         for member in sorted(stack_of(name, scene.supports)):
             region &= wall_limits(scene.items[member], scene.walls)
     if item.support in scene.items:
-        top = footprint(scene.items[item.support].box)
-        region &= affinity.translate(top, -item.center[0], -item.center[1])
+        surface = surface_beneath(item, scene.items[item.support], scene.shapes(item.support))
+        region &= affinity.translate(steady_region(item, surface.area), -item.center[0], -item.center[1])
     return region
 
 

@@ -3,10 +3,13 @@
 from dataclasses import replace
 
 import numpy as np
+from shapely import Point
+from shapely.ops import nearest_points
 
 from stages.contracts.objects import Wall
 from stages.generation.placed import FLOOR, WALL, Placed
-from stages.generation.support import Top
+from stages.generation.prisms import steady_region
+from stages.generation.support import Beneath
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.frames import yaw_matrix
 
@@ -43,15 +46,23 @@ def at_height(item: Placed, support: str, beneath: float) -> Placed:
     return replace(item.shifted([0, 0, beneath - item.bottom]), support=support)
 
 
-def on_supports(items: list[Placed], supports: dict[str, str], top: Top) -> list[Placed]:
+def on_supports(items: list[Placed], supports: dict[str, str], beneath: Beneath, steady: bool = True) -> list[Placed]:
     """Every item at its height, lower ones first, since a support must be in its place before what it carries.
 
     Args:
         items: sorted from low to high, so that each comes after its support.
         supports: id -> 'floor' or the id of the item beneath.
+        steady: what stands on another but over its edge is moved in, so that it does not fall.
     """
     done: dict[str, Placed] = {}
     for item in items:
         support = supports[item.id]
-        done[item.id] = at_height(item, support, 0.0 if support == FLOOR else top(item, done[support]))
+        if support == FLOOR:
+            done[item.id] = at_height(item, support, 0.0)
+            continue
+        surface = beneath(item, done[support])
+        if steady and not item.wall_mounted:
+            there, here = nearest_points(steady_region(item, surface.area), Point(item.center[:2]))
+            item = item.shifted([there.x - here.x, there.y - here.y, 0.0])
+        done[item.id] = at_height(item, support, surface.height)
     return list(done.values())

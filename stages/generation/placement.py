@@ -14,7 +14,7 @@ from stages.generation.extents import measured_box, only_noise
 from stages.generation.mounting import against_wall, on_supports
 from stages.generation.placed import Placed
 from stages.generation.pose import rear_at_wall, rectangularity, turned_to, wall_axes
-from stages.generation.prisms import Prism, placed_prisms, surface_beneath
+from stages.generation.prisms import Prism, Surface, placed_prisms, surface_beneath
 from stages.generation.sizing import as_wide_as_seen, believable_box, round_box, sight_yaw
 from stages.generation.support import sorted_by_height, support_tree
 from stages.geometry.boxes import UprightBox, volume
@@ -132,9 +132,9 @@ def place(
 def stacked(items: list[Placed], prisms: Mapping[str, list[Prism]], options: GenerationConfig) -> list[Placed]:
     """Supports found and every item at its height (A.3), from low to high. `prisms`: by id, in the asset frame."""
 
-    def top(item: Placed, lower: Placed) -> float:
-        height = surface_beneath(item, placed_prisms(prisms[lower.id], lower))
-        return lower.top if height is None else height
+    def beneath(item: Placed, lower: Placed) -> Surface:
+        return surface_beneath(item, lower, placed_prisms(prisms[lower.id], lower))
 
     ordered = sorted_by_height(items)
-    return on_supports(ordered, support_tree(ordered, options.support_overlap, options.stack_tolerance, top), top)
+    supports = support_tree(ordered, options.support_overlap, options.stack_tolerance, beneath)
+    return on_supports(ordered, supports, beneath, steady=options.stack_tolerance is not None)

@@ -15,7 +15,9 @@ from stages.geometry.boxes import footprint
 from stages.geometry.frames import yaw_matrix
 
 LEVEL = 0.01  # metres: tops that differ by less are one surface
+EVEN = 0.001  # metres below the highest of them, at which a piece still carries: a door's upper edge does not
 HOLDS = 0.5  # of half the width of what it is to carry: a narrower surface (a back, a rail) carries nothing
+STEADY = 0.1  # of the width of what stands near an edge: the least distance of its centre from that edge
 
 
 class Prism(NamedTuple):
@@ -51,25 +53,44 @@ def placed_prisms(prisms: list[Prism], item: Placed) -> list[Prism]:
     ]
 
 
-def surface_beneath(item: Placed, support: list[Prism]) -> float | None:
-    """Height of the surface that carries an item: the seat of a chair, not its back.
+class Surface(NamedTuple):
+    """What something stands on: its height, and its outline from above."""
 
-    Of the surfaces seen from above that are wide enough, the one that most of the item is over, else the nearest one;
-    None: no piece is wide enough.
+    height: float
+    area: BaseGeometry  # within the hull of what is highest: a raised rim carries what is inside it
+
+
+def surface_beneath(item: Placed, lower: Placed, support: list[Prism]) -> Surface:
+    """The surface that carries an item: the seat of a chair, not its back.
+
+    Of the surfaces seen from above that are wide enough, the one that most of the item is over, else the nearest one.
+    If no piece is wide enough, the top of the box.
+
+    Args:
+        lower: what carries it; `support` are its pieces.
     """
     under, taller = footprint(item.box), Polygon()
     whole = MultiPoint(np.concatenate([prism.outline for prism in support])).convex_hull if support else taller
     reach = HOLDS * min(shorter_side(under), shorter_side(whole)) / 2
-    found: list[tuple[float, float, float]] = []
+    found: dict[tuple[float, float, float], BaseGeometry] = {}
     left = sorted(support, key=lambda prism: prism.high)
     while left:
         height = left[-1].high
-        level = shapely.union_all([Polygon(prism.outline) for prism in left if prism.high > height - LEVEL])
-        left = [prism for prism in left if prism.high <= height - LEVEL]
-        surface, taller = level.difference(taller), taller.union(level)
+        pieces = [prism for prism in left if prism.high > height - LEVEL]
+        left = left[: -len(pieces)]
+        level = shapely.union_all([Polygon(piece.outline) for piece in pieces])
+        highest = shapely.union_all([Polygon(piece.outline) for piece in pieces if piece.high > height - EVEN])
+        surface, carries, taller = level.difference(taller), highest.difference(taller), taller.union(level)
         if not surface.buffer(-reach).is_empty:
-            found.append((surface.intersection(under).area, -surface.distance(under), height))
-    return max(found)[2] if found else None
+            area = surface if carries.is_empty else surface.intersection(carries.convex_hull)
+            found[surface.intersection(under).area, -surface.distance(under), height] = area
+    return Surface(max(found)[2], found[max(found)]) if found else Surface(lower.top, footprint(lower.box))
+
+
+def steady_region(item: Placed, surface: BaseGeometry) -> BaseGeometry:
+    """Where the centre of an item may be that stands on a surface: over it, and not just above its edge."""
+    inset = surface.buffer(-STEADY * min(shorter_side(footprint(item.box)), shorter_side(surface.convex_hull)))
+    return surface if inset.is_empty else inset
 
 
 def shorter_side(area: BaseGeometry) -> float:

@@ -3,9 +3,10 @@
 from collections.abc import Callable, Mapping
 
 from stages.generation.placed import FLOOR, Placed
+from stages.generation.prisms import Surface
 from stages.geometry.boxes import footprint
 
-Top = Callable[[Placed, Placed], float]  # (item, what may carry it): height of the surface that it would stand on
+Beneath = Callable[[Placed, Placed], Surface]  # (item, what may carry it): what it would stand on
 
 
 def sorted_by_height(items: list[Placed]) -> list[Placed]:
@@ -20,7 +21,7 @@ def overlap_share(upper: Placed, lower: Placed) -> float:
     return float(a.intersection(b).area / smaller) if smaller > 0 else 0.0
 
 
-def support_tree(items: list[Placed], overlap: float, tolerance: float | None, top: Top) -> dict[str, str]:
+def support_tree(items: list[Placed], overlap: float, tolerance: float | None, beneath: Beneath) -> dict[str, str]:
     """The support of every item: 'floor' or the id of the highest one beneath it.
 
     Args:
@@ -36,16 +37,16 @@ def support_tree(items: list[Placed], overlap: float, tolerance: float | None, t
             lower
             for lower in items[:index]
             if overlap_share(item, lower) > overlap
-            and (tolerance is None or item.bottom >= top(item, lower) - tolerance)
+            and (tolerance is None or item.bottom >= beneath(item, lower).height - tolerance)
         ]
         if not carriers and tolerance is not None and item.bottom > tolerance and not item.wall_mounted:
             level = [
                 low
                 for low in items[:index]
-                if overlap_share(item, low) and abs(item.bottom - top(item, low)) <= tolerance
+                if overlap_share(item, low) and abs(item.bottom - beneath(item, low).height) <= tolerance
             ]
             carriers = sorted(level, key=lambda low: (overlap_share(item, low), low.id))[-1:]
-        highest = max(((top(item, lower), lower.id) for lower in carriers), default=(0.0, FLOOR))
+        highest = max(((beneath(item, lower).height, lower.id) for lower in carriers), default=(0.0, FLOOR))
         supports[item.id] = highest[1]
     return supports
 

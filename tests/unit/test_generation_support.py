@@ -8,9 +8,9 @@ from stages.contracts.objects import Wall
 from stages.generation.collisions import resolve
 from stages.generation.mounting import against_wall, on_supports
 from stages.generation.placement import stacked
-from stages.generation.prisms import Prism, surface_beneath
+from stages.generation.prisms import Prism, Surface, surface_beneath
 from stages.generation.support import sorted_by_height, stack_of, support_tree
-from stages.geometry.boxes import UprightBox, corners
+from stages.geometry.boxes import UprightBox, corners, footprint
 from tests.unit.generation_scenes import BACK, solid, thing
 
 TABLE = thing("table", (2, 0, 0.375), (0.8, 1.2, 0.75))
@@ -24,7 +24,7 @@ def tree(items, overlap=0.7, tolerance=0.15):
 
 def flat(item, lower):
     """The surface of a thing without a back."""
-    return lower.top
+    return Surface(lower.top, footprint(lower.box))
 
 
 def test_a_stack_is_found_whatever_the_order():
@@ -138,5 +138,35 @@ def test_what_stands_on_a_chair_stands_on_its_seat_clear_of_the_back(x, bottom):
 def test_a_wide_board_lies_on_a_narrow_stool():
     """What is narrow beside its support may still carry something wider."""
     board = thing("board", (2, 0, 0.9), (1.0, 1.0, 0.1))
-    assert surface_beneath(board, [block(2, 0, 0.15, 0.15, 0.0, 0.4)]) == 0.4
-    assert surface_beneath(board, []) is None
+    stool = thing("stool", (2, 0, 0.2), (0.3, 0.3, 0.5))
+    assert surface_beneath(board, stool, [block(2, 0, 0.15, 0.15, 0.0, 0.4)]).height == 0.4
+    assert surface_beneath(board, stool, []).height == stool.top
+
+
+CABINET = thing("cabinet", (2, 0, 0.4), (0.6, 0.6, 0.8))
+FRONT = {  # the top begins at x = 1.78, the door, 5 mm lower, at 1.75, its handle at 1.7
+    "cabinet": [
+        block(0.04, 0, 0.26, 0.3, -0.4, 0.4),
+        block(-0.235, 0, 0.015, 0.3, -0.4, 0.395),
+        block(-0.275, 0, 0.025, 0.1, 0.1, 0.12),
+    ]
+}
+
+
+@pytest.mark.parametrize(("x", "y", "to"), [(1.77, 0.0, 1.8), (1.9, 0.25, 1.9), (2.35, 0.0, 2.28)])
+def test_what_stands_over_an_edge_is_moved_in_so_far_that_it_does_not_fall(x, y, to):
+    """Over the door's upper edge; on the top; behind it, since far away a cabinet is found too shallow."""
+    pot = thing("pot", (x, y, 0.9), (0.2, 0.2, 0.2))
+    prisms = FRONT | {"pot": solid(pot)}
+    placed = {item.id: item for item in stacked([CABINET, pot], prisms, GenerationConfig())}["pot"]
+    assert placed.support == "cabinet" and placed.center[:2] == pytest.approx([to, y])
+    paper = stacked([CABINET, pot], prisms, GenerationConfig(stack_tolerance=None))
+    assert {item.id: item for item in paper}["pot"].center[:2] == pytest.approx([x, y])
+
+
+def test_what_is_pushed_on_a_cabinet_stays_behind_its_handles():
+    pot = thing("pot", (1.85, 0, 0.9), (0.2, 0.2, 0.2), support="cabinet")
+    box = thing("box", (2.0, 0, 0.95), (0.25, 0.5, 0.3), support="cabinet")  # larger, so it stays
+    prisms = FRONT | {"pot": solid(pot), "box": solid(box)}
+    items = {item.id: item for item in resolve([CABINET, pot, box], prisms, [], GenerationConfig()).items}
+    assert items["pot"].center[0] >= 1.8 - 1e-6 and items["pot"].moved > 0
