@@ -9,15 +9,22 @@ from pathlib import Path
 from typing import NamedTuple
 
 from stages.assets.mjcf_file import root_tag
+from stages.procedural.catalogue import CATEGORIES
 
 # PartNet-Mobility and GAPartNet: <number>/, with the category in meta.json; the first of these files is the model.
 NUMBERED = ("mobility.urdf", "mobility_annotation_gapartnet.urdf")
-CATEGORIES = {  # of PartNet-Mobility, in the words of the library where they differ
-    "bucket": "trash_can", "foldingchair": "chair", "kitchenpot": "cooking_pot", "lamp": "table_lamp",
-    "refrigerator": "fridge",     "storagefurniture": "bottom_cabinet", "trashcan": "trash_can",
+TOLD = {  # words of PartNet-Mobility and of file names where the library has others
+    "bin": "trash_can", "bucket": "trash_can", "cabinet": "bottom_cabinet", "couch": "sofa", "cup": "mug",
+    "cupboard": "bottom_cabinet", "dresser": "chest_of_drawers", "foldingchair": "chair", "kitchenpot": "cooking_pot",
+    "lamp": "table_lamp", "plant": "plant_pot", "pot": "cooking_pot", "refrigerator": "fridge",
+    "storagefurniture": "bottom_cabinet", "teapot": "kettle", "trashcan": "trash_can", "tv": "television",
 }  # fmt: skip
+KNOWN = TOLD | {category.replace("_", ""): category for category in CATEGORIES}
+JOINED = 7  # letters of a word that counts at the end of another, as in hingecabinet
 PAGE = "index.html"  # of the verb `import`, in the folder that it writes
 COMMON = {"base", "main", "mesh", "mobility", "model", "object", "robot", "scene", "textured", "urdf", "visual"}
+WHOLE = {".urdf", ".xml"}  # models that name the meshes that they are made of
+NAMES = re.compile(rb"""file(?:name)?\s*=\s*["']([^"']+)["']""")
 
 
 class Found(NamedTuple):
@@ -32,33 +39,79 @@ class Found(NamedTuple):
 def discover(folder: Path, kinds: Sequence[str]) -> list[Found]:
     """The models below a folder, sorted.
 
-    <category>/<model>.<kind>; <category>/<model>/...: its files of the first kind that it has; <number>/mobility.urdf,
-    with the category in meta.json, or <category>/<number>/mobility.urdf. What lies in a folder of its own is called
-    as that folder is, unless several models do.
+    <category>/<model>.<kind>; <category>/<model>/...: its files of the first kind that it has; <model>.<kind>, whose
+    name may tell the category; <number>/mobility.urdf, with the category in meta.json, or <category>/<number>/
+    mobility.urdf. What lies in a folder of its own is called as that folder is, unless several models do. Meshes that
+    a URDF or MJCF file names, and MJCF that others include, are parts of those models.
 
     Args:
         folder: of the user.
         kinds: suffixes of model files, the most telling first.
     """
     found: list[Found] = []
-    for child in sorted(path for path in folder.iterdir() if path.is_dir()):
-        if numbered := numbered_model(child):
-            found.append(Found(numbered, folder, told_category(child) or folder.name, child.name))
+    for child in sorted(folder.iterdir()):
+        if is_model(child, kinds):
+            found.append(single(child))
+        elif not child.is_dir():
             continue
-        for inner in sorted(child.iterdir()):
-            if is_model(inner, kinds):
-                found.append(Found(inner, folder, child.name, inner.stem))
-            elif inner.is_dir() and (numbered := numbered_model(inner)):
-                found.append(Found(numbered, folder, told_category(inner) or child.name, inner.name))
-            elif inner.is_dir():
-                found += [
-                    Found(path, folder, child.name, _name(path, inner, n)) for path, n in _first_kind(inner, kinds)
-                ]
+        elif numbered := numbered_model(child):
+            found.append(Found(numbered, folder, told_category(child) or folder.name, child.name))
+        else:
+            found += _sorted_in(child, folder, kinds)
     models = [one for one in found if not is_part(one.path)]
+    if any(one.path.suffix.lower() not in WHOLE for one in models):
+        named = named_meshes(folder)
+        around = {path.parent for path in named} - {folder}
+        models = [
+            one
+            for one in models
+            if one.path.suffix.lower() in WHOLE or not (one.path in named or around.intersection(one.path.parents))
+        ]
     if len(models) < len(found):
         parts = len(found) - len(models)
-        print(f"{folder}: {parts} files are parts that MJCF models include, no models: skipped", file=sys.stderr)
+        print(f"{folder}: {parts} files are parts that other models include or name: no models", file=sys.stderr)
     return models
+
+
+def single(path: Path) -> Found:
+    """A model file by itself, in a folder that says nothing of it."""
+    return Found(path, path.parent, category_in(path.stem) or path.stem, path.stem)
+
+
+def _sorted_in(child: Path, folder: Path, kinds: Sequence[str]) -> list[Found]:
+    """The models of a category's folder; where its name is no category of ours, a file's name may tell."""
+    told, bare = category_in(child.name), re.sub(r"^[\W\d_]+", "", child.name) or child.name
+    found: list[Found] = []
+    for inner in sorted(child.iterdir()):
+        if is_model(inner, kinds):
+            found.append(Found(inner, folder, told or category_in(inner.stem) or bare, inner.stem))
+        elif inner.is_dir() and (numbered := numbered_model(inner)):
+            found.append(Found(numbered, folder, told_category(inner) or told or bare, inner.name))
+        elif inner.is_dir():
+            category = told or category_in(inner.name) or bare
+            found += [Found(path, folder, category, _name(path, inner, n)) for path, n in _first_kind(inner, kinds)]
+    return found
+
+
+def category_in(name: str) -> str | None:
+    """The category of ours that a name tells, by its last words: `025_mug`, `studyTable`, `hingecabinet`."""
+    words = [word.lower() for word in re.findall(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])", name)]
+    for end in range(len(words), 0, -1):
+        for start in range(end):
+            joined = "".join(words[start:end])
+            if known := KNOWN.get(joined) or KNOWN.get(joined.removesuffix("s")):
+                return known
+    ends = [known for word in words for known in KNOWN if len(known) >= JOINED and word.endswith(known)]
+    return KNOWN[max(ends, key=len)] if ends else None
+
+
+def named_meshes(folder: Path) -> set[Path]:
+    """The files below a folder that bear a name that a URDF or MJCF file in it uses, wherever that file lies."""
+    files = [path for path in folder.rglob("*") if path.is_file()]
+    texts = (path.read_bytes() for path in files if path.suffix.lower() in WHOLE)
+    used = (name.decode(errors="replace").replace("\\", "/") for text in texts for name in NAMES.findall(text))
+    names = {name.rpartition("/")[2].lower() for name in used}
+    return {path for path in files if path.suffix.lower() not in WHOLE and path.name.lower() in names}
 
 
 def numbered_model(folder: Path) -> Path | None:
@@ -74,7 +127,7 @@ def told_category(folder: Path) -> str | None:
         return None
     if not isinstance(told, str) or not told.strip():
         return None
-    return CATEGORIES.get(told.lower(), re.sub(r"(?<=[a-z])(?=[A-Z])", "_", told))
+    return TOLD.get(told.lower(), re.sub(r"(?<=[a-z])(?=[A-Z])", "_", told))
 
 
 def is_model(path: Path, kinds: Sequence[str]) -> bool:

@@ -23,6 +23,7 @@ from stages.assets.proportions import UNITS, doubt_of_size, up_and_unit
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json, write_json
 from stages.contracts.library import Asset, Joint
+from stages.procedural.catalogue import CATEGORIES
 
 NOTES = "asset.json"
 
@@ -81,6 +82,8 @@ def examine(found: Found, importer: Importer, place: Path, work: Path, before: S
                 model.told.append(f"as {NOTES} says")
             else:
                 notes, model.told = guessed(robot, file)
+                if file.category not in CATEGORIES:
+                    model.told.append("a category of its own: none of ours is called so")
             model.notes = notes
             write_model(robot, place, notes)
             as_written = Found(place / "model.urdf", place.parent.parent, place.parent.name, place.name)

@@ -1,10 +1,10 @@
 """Verb `import`: look at a folder of models, say what each is taken for, and write a folder that the library takes."""
 
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from stages.assets.discover import PAGE, Found, discover, numbered_names
+from stages.assets.discover import PAGE, Found, discover, is_model, is_part, numbered_names, single
 from stages.assets.examine import Examined, examine
 from stages.assets.import_page import write_page
 from stages.assets.imports import IMPORTERS, by_suffix, snake_case
@@ -19,18 +19,11 @@ def run(folder: Path, /, *, out: Path) -> None:
     correct: run it again and it counts. <out>/index.html shows and tells what each is taken for.
 
     Args:
-        folder: with <category>/<model> or PartNet-Mobility's <number>/; it stays as it is.
+        folder: with models, <category>/<model> or PartNet-Mobility's <number>/, or one model's file; it stays as it is.
         out: folder to write.
     """
-    if not folder.is_dir():
-        raise InputError(folder, "is not a folder.")
-    inside, outside = sorted([folder.resolve(), out.resolve()], key=lambda path: -len(path.parts))
-    if inside.is_relative_to(outside):
-        raise InputError("--out", f"{out} and {folder} lie in one another.", "give a folder beside it")
     kinds = by_suffix(IMPORTERS)
-    found = discover(folder, list(kinds))
-    if not found:
-        raise InputError(folder, "holds no models.", "expected <folder>/<category>/<model>, docs/assets.md")
+    found = models_of(folder, out, list(kinds))
     with tempfile.TemporaryDirectory() as scratch:
         portraits = Portraits()
         models: list[Examined] = []
@@ -46,6 +39,32 @@ def run(folder: Path, /, *, out: Path) -> None:
     print(f"{taken} of {len(models)} models can be used: assets: {{folders: [{out}]}}. Look at {out / PAGE}")
     if not taken:
         raise InputError(folder, "none of its models can be used.", "see above")
+
+
+def models_of(given: Path, out: Path, kinds: Sequence[str]) -> list[Found]:
+    """The models that are to be looked at: those of a folder, or a file.
+
+    Raises:
+        InputError: there are none, or `out` is in the folder.
+    """
+    if given.is_file():
+        if not is_model(given, kinds):
+            raise InputError(given, "is no model.", f"one of {', '.join(kinds)}, or a folder of them")
+        if is_part(given):
+            raise InputError(given, "is a part that MJCF models include.", "give the file that includes it")
+        return [single(given)]
+    if not given.is_dir():
+        raise InputError(given, "is not there.", "a folder of models, or a model's file")
+    inside, outside = sorted([given.resolve(), out.resolve()], key=lambda path: -len(path.parts))
+    if inside.is_relative_to(outside):
+        raise InputError("--out", f"{out} and {given} lie in one another.", "give a folder beside it")
+    if found := discover(given, kinds):
+        return found
+    parts = [path for path in given.rglob("*") if is_model(path, kinds)]
+    if parts:
+        what = f"holds no model, only parts of models ({parts[0].name} and such)."
+        raise InputError(given, what, "give the folder or the file of the model that they are part of")
+    raise InputError(given, f"holds no models ({', '.join(kinds)}).", "docs/assets.md says how they may lie")
 
 
 def places(found: Iterable[Found]) -> list[str]:

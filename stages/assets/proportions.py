@@ -1,5 +1,6 @@
 """Unit and up of a model that does not tell, from the sizes that its category has in our library."""
 
+from functools import cache
 from itertools import product
 from typing import NamedTuple
 
@@ -40,11 +41,19 @@ class Usual(NamedTuple):
         return f"{a} to {d} by {b} to {e} cm, {c} to {f} cm high"
 
 
+@cache
+def sizes_of(category: str) -> Matrix:
+    """Depth, width and height (N, 3) of the first models of a category of ours, metres; (0, 3): there is no such."""
+    count = SAMPLES if category in CATEGORIES else 0
+    sizes = [sample(category, k, 0).parameters["size"] for k in range(count)]
+    return np.array(sizes, dtype=float).reshape(-1, 3)
+
+
 def usual(category: str) -> Usual | None:
     """The sizes of a category of ours; None: there is no such category."""
-    if category not in CATEGORIES:
+    sizes = sizes_of(category)
+    if not len(sizes):
         return None
-    sizes = np.array([sample(category, k, 0).parameters["size"] for k in range(SAMPLES)], dtype=float)
     extents = np.log(np.c_[np.sort(sizes[:, :2], axis=1), sizes[:, 2]])
     return Usual(extents.min(axis=0), extents.max(axis=0))
 

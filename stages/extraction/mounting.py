@@ -117,6 +117,6 @@ def placement(
         )
     measured = Mounting(type=1 if hangs else 3 if touched else 2, walls=[wall.id for wall in touched])
     mounting = stated or measured
-    standing = box if mounting.type == 1 else with_bottom(box, min(beneath, box.top - THINNEST))
+    standing = box if known or mounting.type == 1 else with_bottom(box, min(beneath, box.top - THINNEST))
     behind = next((wall for wall in walls if wall.id in mounting.walls[:1]), None)
     return Placement(mounting, measured, standing, standing if behind is None else filled_to(standing, behind))

@@ -83,7 +83,7 @@ def allowed_shifts(name: str, scene: _Scene) -> BaseGeometry:
     item, limit = scene.items[name], scene.options.push_limit
     region: BaseGeometry = Point(0, 0).buffer(limit)
     touched = [wall for wall in scene.walls if wall.id in item.mounting.walls]
-    if item.mounting.type == 3 and touched:
+    if touched:
         x, y = np.asarray(touched[0].normal)[:2]
         region = LineString([(-y * limit, x * limit), (y * limit, -x * limit)])
     else:
@@ -107,17 +107,17 @@ def shortest_push(name: str, scene: _Scene) -> NDArray[np.float64] | None:
 
 
 def _movers(pair: Pair, scene: _Scene) -> list[str]:
-    """Who gives way, first choice first: what stands free before what touches a wall, small before large.
+    """Who gives way, first choice first: what stands free, what stands at a wall, what hangs; small before large.
 
     What carries the other would take it along.
     """
 
-    def weight(name: str) -> tuple[bool, float, str]:
-        stack = stack_of(name, scene.supports)
-        return scene.items[name].mounting.type == 3, sum(volume(scene.items[n].box) for n in stack), name
+    def weight(name: str) -> tuple[int, float, str]:
+        stack, item = stack_of(name, scene.supports), scene.items[name]
+        held = 2 if item.wall_mounted else int(item.mounting.type == 3)
+        return held, sum(volume(scene.items[n].box) for n in stack), name
 
-    free = [name for name in pair if not scene.items[name].wall_mounted]
-    return sorted((name for name in free if not set(pair) <= stack_of(name, scene.supports)), key=weight)
+    return sorted((name for name in pair if not set(pair) <= stack_of(name, scene.supports)), key=weight)
 
 
 def _pushed(name: str, push: NDArray[np.float64], scene: _Scene) -> _Scene:
@@ -145,7 +145,7 @@ def resolve(
     """Free all pairs of items from each other, as far as that goes.
 
     Each round frees one stack from everything around it, so that a push makes no new collision.
-    What hangs on a wall stays; what touches a wall slides along it.
+    What touches a wall or hangs on it slides along it; what hangs does only if nothing else can give way.
 
     Args:
         prisms: collision shapes by id, in the asset frame.

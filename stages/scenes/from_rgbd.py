@@ -91,7 +91,8 @@ def run(
     if clusters and masks is None:
         with atomic(out / "numbers.png") as path:
             cv2.imwrite(str(path), numbered(frame)[..., ::-1])
-        print(f"{out / 'annotations.json'}: say in it what each object is: numbers.png shows which mask it has")
+        print(f"{out / 'annotations.json'}: say in it what each object is: numbers.png shows which mask it has; "
+              f"or in the browser: python -m stages.extraction annotate {out}")  # fmt: skip
     if opens:
         print(f"{out / 'annotations.json'}: say in it how many doors and drawers there are: {', '.join(opens)}")
 

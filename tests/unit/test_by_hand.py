@@ -21,7 +21,7 @@ from stages.extraction.by_hand.photo import LONGEST, read_photo
 from stages.extraction.by_hand.project import PROJECT, DrawnObject, DrawnWall, Perspective, Project, Scale
 from stages.extraction.by_hand.server import PageServer
 from stages.extraction.by_hand.session import Session
-from stages.extraction.by_hand.solve import solve
+from stages.extraction.by_hand.solve import solve, support_at
 from stages.extraction.by_hand.write import at_size, write_folder
 from stages.extraction.extract import run as extract
 from stages.geometry.boxes import UprightBox, corners, oriented_iou
@@ -33,7 +33,7 @@ PERSPECTIVE = Perspective(likely_focal=260, focal=260)
 VIEW = fit_view(PERSPECTIVE, WIDTH, HEIGHT)  # tilted down by 8 degrees
 BOXES = {
     "cabinet": UprightBox([-0.5, 3.2, 0.45], [0.8, 0.6, 0.9], 0.0),
-    "mug": UprightBox([-0.5, 3.1, 0.97], [0.14, 0.14, 0.14], 0.0),
+    "mug": UprightBox([-0.5, 3.1, 0.96], [0.12, 0.12, 0.12], 0.0),
     "shelf": UprightBox([0.7, 3.4, 1.5], [0.7, 0.2, 0.3], 0.0),
 }
 
@@ -198,6 +198,49 @@ def test_depth_and_masks_show_the_nearest(tmp_path: Path) -> None:
     u, v = np.mean(outline, axis=0).round().astype(int)
     assert masks[v, u] == 1 and 0 < (masks == 1).sum() < 0.4 * (painted.masks == 1).sum()
     assert (masks[v, : u - 40] != 1).all()
+
+
+def test_round_things_are_painted_round() -> None:
+    drawing = _drawing()
+    mug = drawing.objects[1]
+    mug.round, mug.points = True, _pixels([[-0.6, 3.1, 0.9], [-0.4, 3.1, 0.9], [-0.5, 3.1, 1.1]])
+    masks = paint(drawing, solve(drawing)).masks == 2
+    across = np.flatnonzero(masks.any(axis=0))
+    assert np.ptp(across) + 1 == pytest.approx(mug.points[1][0] - mug.points[0][0], abs=2), "no wider than its foot"
+    mug.round = False
+    mug.points.append(mug.points[2])
+    assert paint(drawing, solve(drawing)).depth.shape == masks.shape
+
+
+def test_what_stands_at_the_rear_edge_of_a_top_is_on_it_not_on_the_wall() -> None:
+    drawing = _drawing()
+    solved = solve(drawing)
+    rear = _pixels([[-0.8, 3.5, 0.9]])[0]
+    for beside in (-3, 3):
+        assert support_at(drawing, solved, (rear[0], rear[1] + beside)) == "cabinet"
+    assert support_at(drawing, solved, (rear[0], rear[1] - 30)) == "back"
+
+
+def test_sizes_that_cannot_be_are_doubted() -> None:
+    drawing = _drawing()
+    assert solve(drawing).notes == {}
+    cabinet, mug, shelf = drawing.objects
+    cabinet.depth, mug.label, shelf.label = 1.0, "gizmo", "gizmo"
+    assert "is 100 cm deep, ours are 42 to 66 cm deep" in solve(drawing).notes["cabinet"]
+    shelf.points[1] = (shelf.points[1][0], shelf.points[0][1])
+    assert "mm thin: draw it anew" in solve(drawing).notes["shelf"]
+    assert "mug" not in solve(drawing).notes, "of no category of ours"
+
+
+def test_what_was_drawn_keeps_its_size_wherever_it_stands(tmp_path: Path) -> None:
+    drawing = _drawing()
+    aside = _pixels(corners(UprightBox([0.1, 3.1, 0.96], [0.12, 0.12, 0.12], 0.0)))
+    drawing.objects[1].points = [aside[k] for k in (0, 1, 4, 6)]  # beside the cabinet, in the air
+    write_folder(tmp_path, _noise(), drawing)
+    extract(input=tmp_path, scene="drawn", out=tmp_path / "out" / "objects.json")
+    found = {item.id: item.box for item in read_json(Objects, tmp_path / "out" / "objects.json").objects}
+    assert found["mug_1"] is not None
+    assert found["mug_1"].size == pytest.approx(BOXES["mug"].size, abs=0.02), "not down to the floor"
 
 
 def test_given_depth_is_kept_and_gives_the_scale(tmp_path: Path) -> None:

@@ -76,6 +76,15 @@ def test_what_hangs_stays_and_what_touches_a_wall_slides_along_it():
     assert items["cabinet"].center == pytest.approx([3.7, 1.0, 0.5], abs=1e-3)
 
 
+def test_what_hangs_side_by_side_slides_along_the_wall():
+    hung = [thing(name, (3.8, y, 1.8), (0.4, 1.0, 0.8), mounting=1, walls=["wall_1"], support="wall")
+            for name, y in (("left", 0.99), ("right", 0.0))]  # fmt: skip
+    items, left = solve(hung, [BACK])
+    assert not left
+    assert sorted(item.moved for item in items.values()) == pytest.approx([0, 0.01], abs=1e-3)
+    assert all(item.center[[0, 2]] == pytest.approx([3.8, 1.8]) for item in items.values())
+
+
 def test_things_are_not_pushed_into_walls():
     cabinet = thing("cabinet", (3.0, 0, 0.5), (1.0, 3.0, 1.0))
     box = thing("box", (3.65, 0, 0.25), (0.4, 0.4, 0.5))  # shortest way out is +x, into the wall

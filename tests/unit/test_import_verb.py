@@ -142,3 +142,22 @@ def test_folders_in_one_another_are_refused(tmp_path: Path) -> None:
     (tmp_path / "empty").mkdir()
     with pytest.raises(InputError, match="holds no models"):
         run(tmp_path / "empty", out=tmp_path / "mine")
+
+
+def test_one_file_is_enough_and_parts_alone_are_none(tmp_path: Path) -> None:
+    sim = tmp_path / "sim"
+    (sim / "box").mkdir(parents=True)
+    (sim / "box/part.xml").write_text("<mujocoinclude><geom type='box' size='.3 .2 .1'/></mujocoinclude>")
+    model = "<mujoco><worldbody><body><include file='box/part.xml'/></body></worldbody></mujoco>"
+    (sim / "wooden_box.xml").write_text(model)
+    run(sim / "wooden_box.xml", out=sim / "mine")
+    told = json.loads((sim / "mine/box/wooden_box/asset.json").read_text())
+    assert (told["category"], told["provenance"]) == ("box", "imported: wooden_box.xml")
+    with pytest.raises(InputError, match=r"only parts of models \(part.xml and such\)"):
+        run(sim / "box", out=tmp_path / "mine")
+    with pytest.raises(InputError, match="give the file that includes it"):
+        run(sim / "box/part.xml", out=tmp_path / "mine")
+    (sim / "notes.txt").write_text("")
+    for name, reason in (("notes.txt", "is no model"), ("gone", "is not there")):
+        with pytest.raises(InputError, match=reason):
+            run(sim / name, out=tmp_path / "mine")

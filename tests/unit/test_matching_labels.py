@@ -24,6 +24,8 @@ CATEGORIES = [
         "mug",
         "sofa",
         "box",
+        "trash_can",
+        "candlestick",
     ),
 ]
 
@@ -46,6 +48,8 @@ CATEGORIES = [
         ("cardboard boxes", "box"),
         ("desk", "coffee_table"),  # no category of that name: kin
         ("nightstand", "bookshelf"),
+        ("soup can", "mug"),  # a jar, of its kin a vessel: no trash can, no candlestick
+        ("pitcher", "mug"),
     ],
 )
 def test_nearest_category(label: str, expected: str) -> None:

@@ -97,7 +97,7 @@ def test_a_model_is_imported_whole_and_its_parts_are_not(folder: Path, capsys: p
     assert asset.size == pytest.approx((0.448, 0.5, 0.8), abs=2e-3)
     assert [joint.handle is not None for joint in asset.joints] == [True, True]
     said = "".join(capsys.readouterr())
-    assert "1 files are parts that MJCF models include" in said
+    assert "1 files are parts that other models include" in said
     assert "block" not in said
     (folder / "bottom_cabinet/package.xml").write_text("<package/>")
     assert len(discover(folder, [".xml", ".stl"])) == 1, "other XML is no model"

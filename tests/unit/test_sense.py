@@ -16,7 +16,7 @@ from stages.articulated.roles import contract_joints, with_roles
 from stages.articulated.sense import doors_and_drawers, front_direction
 from stages.articulated.solid_handle import with_solid_handles
 from stages.articulated.urdf_reader import read_urdf
-from stages.assets.discover import discover, numbered_names
+from stages.assets.discover import category_in, discover, numbered_names
 from stages.assets.pushing import stuck_joints
 from stages.procedural.resize import resized
 from stages.simulation.loading import load_asset, physics_scene
@@ -243,5 +243,54 @@ def test_names(tmp_path: Path) -> None:
         (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / path).write_text("")
     found = [(one.category, one.name) for one in discover(tmp_path, [".urdf"])]
-    assert found == [("chair", "a"), ("chair", "b"), ("chair", "plain"), ("chair", "red"), ("lamp", "7")]
+    assert found == [("chair", "a"), ("chair", "b"), ("chair", "plain"), ("chair", "red"), ("table_lamp", "7")]
     assert numbered_names(["a", "a", "b", "a_2", "a"], ["b"]) == ["a", "a_2", "b_2", "a_2_2", "a_3"]
+
+
+@pytest.mark.parametrize(
+    ("name", "category"),
+    [
+        ("025_mug", "mug"),
+        ("IKEA-Sofa (1)", "sofa"),
+        ("old plant pot", "plant_pot"),
+        ("studyTable", "table"),
+        ("hingecabinet", "bottom_cabinet"),
+        ("MUG2", "mug"),
+        ("chairs", "chair"),
+        ("gearbox", None),
+        ("turntable", None),
+        ("011_banana", None),
+    ],
+)
+def test_a_name_may_tell_the_category(name: str, category: str | None) -> None:
+    assert category_in(name) == category
+
+
+def test_models_lie_anywhere_and_what_they_are_made_of_is_none(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for path, text in {
+        "hingecabinet.xml": "<mujoco><asset><mesh file='DOOR.stl'/></asset><worldbody/></mujoco>",
+        "hinge_cabinet/meshes/door.stl": "",
+        "hinge_cabinet/meshes/door_old.stl": "",
+        "hinge_cabinet/body.xml": "<mujocoinclude/>",
+        "025_mug/mug.urdf": '<robot><mesh filename="package://ycb/textured.obj"/></robot>',
+        "025_mug/textured.obj": "",
+        "025_mug/visual.obj": "",
+        "011_banana/banana.urdf": "<robot/>",
+        "Wooden Chair.glb": "",
+        "downloads/lamp.glb": "",
+        "downloads/gear.glb": "",
+    }.items():
+        (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / path).write_text(text)
+    found = {(one.category, one.name) for one in discover(tmp_path, [".urdf", ".xml", ".glb", ".obj", ".stl"])}
+    assert found == {
+        ("bottom_cabinet", "hingecabinet"),
+        ("mug", "mug"),
+        ("banana", "banana"),
+        ("chair", "Wooden Chair"),
+        ("table_lamp", "lamp"),
+        ("downloads", "gear"),
+    }
+    assert "5 files are parts" in capsys.readouterr().err

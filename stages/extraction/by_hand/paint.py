@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.extraction.by_hand.metrology import View
-from stages.extraction.by_hand.project import Pixel, Project
+from stages.extraction.by_hand.project import DrawnObject, Pixel, Project
 from stages.extraction.by_hand.solve import Solved
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.frames import yaw_matrix
@@ -53,6 +53,25 @@ def box_depth(view: View, box: UprightBox, rays: Depth) -> Depth:
     return np.where((enter < leave) & (enter > 0), enter, np.inf)
 
 
+def round_depth(view: View, box: UprightBox, rays: Depth) -> Depth:
+    """Depth (...) at which rays (..., 3) enter the upright cylinder in a box, inf where they miss it."""
+    turn, half = yaw_matrix(box.yaw), np.asarray(box.size, dtype=float) / 2
+    start, direction = (np.array([0, 0, view.above]) - np.asarray(box.center)) @ turn / half, rays @ turn / half
+    a, b = (direction[..., :2] ** 2).sum(axis=-1), direction[..., :2] @ start[:2]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        root = np.sqrt(b**2 - a * (start[:2] @ start[:2] - 1))  # nan: beside the cylinder
+        ends = np.stack([(-1 - start[2]) / direction[..., 2], (1 - start[2]) / direction[..., 2]])
+        enter = np.maximum((-b - root) / a, ends.min(axis=0))
+        leave = np.minimum((-b + root) / a, ends.max(axis=0))
+    return np.where((enter < leave) & (enter > 0), enter, np.inf)
+
+
+def solid_depth(item: DrawnObject, solved: Solved, rays: Depth) -> Depth:
+    """Depth at which rays enter what was drawn."""
+    is_round = item.round and item.on not in solved.walls
+    return (round_depth if is_round else box_depth)(solved.view, solved.boxes[item.id], rays)
+
+
 def polygon(points: list[Pixel], shape: tuple[int, int]) -> NDArray[np.bool_]:
     """Pixels (H, W) inside an outline."""
     filled = np.zeros(shape, dtype=np.uint8)
@@ -64,7 +83,7 @@ def polygon(points: list[Pixel], shape: tuple[int, int]) -> NDArray[np.bool_]:
 def paint(project: Project, solved: Solved, stride: int = 1) -> Painted:
     """Depth and masks of every `stride`-th pixel.
 
-    An outline says which pixels show an object; without one all of its box does.
+    An outline says which pixels show an object; without one all of its box does, or of the cylinder in it.
     """
     view, values = solved.view, mask_values(project)
     columns, rows = np.arange(0, view.width, stride), np.arange(0, view.height, stride)
@@ -80,18 +99,18 @@ def paint(project: Project, solved: Solved, stride: int = 1) -> Painted:
     outlined = [item for item in project.objects if item.id in solved.boxes and len(item.outline) > 2]
     for item in (entry for entry in project.objects if entry.id in solved.boxes and entry not in outlined):
         part = _bounds(view, solved.boxes[item.id], stride)
-        reach = box_depth(view, solved.boxes[item.id], rays[part])
+        reach = solid_depth(item, solved, rays[part])
         nearer = reach < depth[part]
         depth[part][nearer] = reach[nearer]
         masks[part][nearer] = values[item.id]
-    outlines = {item.id: polygon(item.outline, (view.height, view.width))[::stride, ::stride] for item in outlined}
+    outlines = [(item, polygon(item.outline, (view.height, view.width))[::stride, ::stride]) for item in outlined]
     _paint_outlined(outlines, solved, rays, depth, masks, values)
     unseen = depth > FARTHEST
     return Painted(np.where(unseen, 0, depth).astype(np.float32), np.where(unseen, 0, masks).astype(np.uint16), values)
 
 
 def _paint_outlined(
-    outlines: dict[str, NDArray[np.bool_]],
+    outlines: list[tuple[DrawnObject, NDArray[np.bool_]]],
     solved: Solved,
     rays: Depth,
     depth: Depth,
@@ -100,8 +119,8 @@ def _paint_outlined(
 ) -> None:
     """Outlines lie over everything else; where two overlap, the nearer one is seen."""
     taken = np.full(depth.shape, np.inf)
-    for name, outline in outlines.items():
-        reach = box_depth(solved.view, solved.boxes[name], rays)
+    for item, outline in outlines:
+        reach = solid_depth(item, solved, rays)
         shown = outline & (reach < taken)
         taken[shown] = depth[shown] = reach[shown]
-        masks[shown] = values[name]
+        masks[shown] = values[item.id]

@@ -6,6 +6,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from stages.assets.discover import category_in
+from stages.assets.proportions import sizes_of
 from stages.extraction.by_hand.metrology import (
     MetrologyError,
     RearCornerError,
@@ -23,6 +25,8 @@ from stages.geometry.frames import yaw_matrix
 
 NEAREST, FARTHEST = 0.05, 30.0  # metres: a camera is nowhere else above the floor
 EDGE = 6.0  # pixels beside the top of an object that still count as on it
+THINNEST = 0.002  # metres
+ODD = 1.4  # times beyond the extents of our models a box is doubted
 NEARER = 0.7  # of its distance at least, at which something that was marked too high is put onto what carries it
 SIDES = {"width": 0, "depth": 1, "height": 2}
 
@@ -43,6 +47,20 @@ def _guessed(item: DrawnObject, hangs: bool) -> str:
         return "height is missing: mark the front's upper edge, or type it"
     if len(item.points) < (3 if hangs else 4) and item.depth is None and not item.round:
         return "depth is guessed: mark a rear corner, or type it"
+    return ""
+
+
+def _unusual(item: DrawnObject, box: UprightBox) -> str:
+    """What is wrong with a box that is as large as nothing of its label."""
+    size = np.asarray(box.size, dtype=float)
+    if size.min() < THINNEST:
+        return f"would be {1000 * size.min():.1f} mm thin: draw it anew"
+    ours = sizes_of(category_in(item.label) or "")
+    drawn = size[[0, 1] if item.faces in ("left", "right") else [1, 0]]
+    for name, extent, known in zip(("deep", "wide", "high"), (*drawn, size[2]), ours.T, strict=True):
+        if len(known) and not known.min() / ODD < extent < known.max() * ODD:
+            usual = f"{100 * known.min():.0f} to {100 * known.max():.0f} cm {name}"
+            return f"is {100 * extent:.0f} cm {name}, ours are {usual}: is that right?"
     return ""
 
 
@@ -172,24 +190,19 @@ def solve(project: Project) -> Solved:
         if box is not None and max(np.asarray(box.size)) > FARTHEST:
             room.notes[item.id] = f"would be {max(np.asarray(box.size)):.0f} m large"
             del room.boxes[item.id]
-        elif box is not None and (guess := _guessed(item, item.on in room.walls)):
-            room.notes.setdefault(item.id, guess)
+        elif box is not None and (doubt := _guessed(item, item.on in room.walls) or _unusual(item, box)):
+            room.notes.setdefault(item.id, doubt)
     return Solved(room.view, room.walls, room.boxes, {**room.notes, **notes})
 
 
 def support_at(project: Project, solved: Solved, pixel: tuple[float, float]) -> str:
     """What a pixel shows that something may stand or hang on: the top of an object, a wall, else the floor.
 
-    What stands at the front edge of a top has its lower corners there, and is easily marked some pixels below it.
+    What stands at the front edge of a top has its lower corners there, and is easily marked some pixels below it; at
+    its rear edge, some pixels up the wall.
     """
     ray, eye = solved.view.rays(pixel), np.array([0, 0, solved.view.above])
     best, nearest = "floor", np.inf
-    if ray[2] < 0:
-        nearest = -eye[2] / ray[2]
-    for name, wall in solved.walls.items():
-        towards = float(ray @ wall.normal)
-        if towards < 0 and (reach := wall.offset / towards) < nearest:
-            best, nearest = name, reach
     for name, box in solved.boxes.items():
         if ray[2] < 0 and box.top < eye[2]:
             reach = (box.top - eye[2]) / ray[2]
@@ -197,6 +210,14 @@ def support_at(project: Project, solved: Solved, pixel: tuple[float, float]) -> 
             inside = np.isfinite(top).all() and cv2.pointPolygonTest(top.astype(np.float32), pixel, True) > -EDGE
             if reach < nearest and inside:
                 best, nearest = name, reach
+    if best != "floor":
+        return best
+    if ray[2] < 0:
+        nearest = -eye[2] / ray[2]
+    for name, wall in solved.walls.items():
+        towards = float(ray @ wall.normal)
+        if towards < 0 and (reach := wall.offset / towards) < nearest:
+            best, nearest = name, reach
     return best
 
 

@@ -34,9 +34,10 @@ trashcan bin trashbin trash garbage rubbish wastebasket dustbin garbagecan
 armchair easychair recliner
 kettle teapot teakettle
 pan skillet frypan saucepan
-jar canister
+jar canister can tin tincan
 candlestick candle candleholder candlestand
 laptop computer
+jug pitcher carafe
 """
 # Kinds of things: a label without a category of its own name finds its kin, not the first of the alphabet.
 KINDS = """

@@ -81,7 +81,7 @@ def numbered(frame: Frame) -> NDArray[np.uint8]:
         cv2.drawContours(picture, outlines, -1, (255, 255, 0), 1)
         y, x = np.nonzero(masks == value)
         at = int(x.mean()) - 8, int(y.mean()) + 8
-        for colour, thickness in (((0, 0, 0), 4), ((255, 255, 255), 2)):
+        for colour, thickness in (((0, 0, 0), 7), ((255, 255, 255), 2)):
             cv2.putText(picture, str(value), at, cv2.FONT_HERSHEY_SIMPLEX, 0.6, colour, thickness, cv2.LINE_AA)
     return picture
 
