@@ -15,11 +15,11 @@ from stages.articulated.forward_kinematics import closed_box
 from stages.articulated.model import RobotModel
 from stages.articulated.sense import front_direction
 from stages.articulated.urdf_writer import write_urdf
-from stages.assets.discover import Found
+from stages.assets.discover import NUMBERED, Found
 from stages.assets.importers import Axis, Importer
 from stages.assets.importers.urdf import IMPORTER as URDF
 from stages.assets.imports import ModelFile, Notes, axis_vector, import_file, in_one_line, upright, with_notes
-from stages.assets.proportions import UNITS, doubt_of_size, up_and_unit
+from stages.assets.proportions import UNITS, doubt_of_size, scale_from_sphere, up_and_unit
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json, write_json
 from stages.contracts.library import Asset, Joint
@@ -109,12 +109,17 @@ def guessed(robot: RobotModel, file: ModelFile) -> tuple[Notes, list[str]]:
     up, scale = notes.up, notes.scale
     if up is None:
         low, high = closed_box(robot)
-        up, unit = up_and_unit((high - low) * scale, file.category, file.importer.up)
+        extents, up = (high - low) * scale, file.importer.up
+        if file.path.name in NUMBERED and (known := scale_from_sphere(extents, file.category)):
+            scale *= known
+            lines.append("as large as ours are: its file has it in a sphere of radius 1, as all of PartNet")
+        else:
+            up, unit = up_and_unit(extents, file.category, up)
+            scale *= unit
+            if unit != 1.0:
+                lines.append(f"in {UNITS[unit]} by its size")
         if up != file.importer.up:
             lines.append(f"up {up} by its proportions")
-        if unit != 1.0:
-            scale *= unit
-            lines.append(f"in {UNITS[unit]} by its size")
     front: Axis | None = notes.front
     if front is None:
         default: Axis = "+z" if up == "+y" else "+x"

@@ -16,6 +16,7 @@ SPREAD = np.log(1.5)  # beyond the sizes seen that is still usual
 UNLIKELY = np.log(1.5)  # sum over three extents of how far beyond they are
 LYING = np.log(1.1)  # the same, for another side to be tried as the bottom
 BETTER = 3.0  # times less must it be for another guess
+SPHERE = 0.1  # of its radius, by which a model may miss it
 LARGEST_THING = 5.0  # metres: what is larger, in a category that is not known, is not in metres
 
 
@@ -77,6 +78,17 @@ def up_and_unit(extents: Matrix, category: str, default: Axis) -> tuple[Axis, fl
     first = (default, 1.0)
     best = min(((up, unit) for unit, up in product(UNITS, ups)), key=lambda guess: round(misfit(guess), 6))
     return best if misfit(first) > max(UNLIKELY, BETTER * misfit(best)) else first
+
+
+def scale_from_sphere(extents: Matrix, category: str) -> float | None:
+    """Metres per unit of a model (3,), z up, that was scaled into a sphere of radius 1, as PartNet's are.
+
+    None: it fits into no such sphere, or ours has no such category.
+    """
+    sizes = usual(category)
+    if sizes is None or abs(float(np.linalg.norm(extents)) / 2 - 1) > SPHERE:
+        return None
+    return sizes.factor(extents[:2], extents[2])
 
 
 def doubt_of_size(size: tuple[float, float, float], category: str) -> str | None:

@@ -15,6 +15,9 @@ PROMINENT = 2.0  # a face is where points lie so many times denser than on avera
 NEAR, REACH = 0.05, 3.0  # metres, standard deviations: how far the outermost points may lie before their face
 FAINT, THICK = 0.05, 4.5  # metres of noise; standard deviations in which nine of ten points of a face lie, and some
 FRONT = 0.3  # least share of its outline that a front fills
+STEEP = 0.35  # sine of the least angle from which a top is seen
+LEVEL, SLICES, FILLED = 0.12, 6, 0.3  # share of the height that is the top; parts of its depth; least share in each
+MEASURED = 6.0  # standard deviations: what is no deeper is noise
 OUTSIDE, MOST = 0.7, 0.25  # standard deviations by which noise moves an end that is no face; share of the length
 
 
@@ -73,6 +76,32 @@ def only_noise(
     )
     low, high = np.quantile(np.asarray(cloud, dtype=float) @ np.asarray(normal, dtype=float), [0.05, 0.95])
     return bool(noise > FAINT and high - low < THICK * noise)
+
+
+def top_seen(
+    cloud: NDArray[np.floating], box: UprightBox, camera: ArrayLike, depth_error: tuple[float, float] | None
+) -> bool:
+    """Whether the object's top is seen from its front edge to its rear one, so that its depth is measured.
+
+    Args:
+        cloud: (N, 3) in the floor frame.
+        box: measured, along the asset's axes.
+        camera: its position, floor frame.
+        depth_error: a and b of the noise a + b z^2 of depth; None: it has none.
+    """
+    ray = np.asarray(box.center, dtype=float) - np.asarray(camera, dtype=float)
+    distance, size = float(np.linalg.norm(ray)), np.asarray(box.size, dtype=float)
+    if ray[2] + size[2] / 2 > -STEEP * distance:
+        return False
+    a, b = depth_error or (0.0, 0.0)
+    noise = a + b * distance**2
+    local = (np.asarray(cloud, dtype=float) - box.center) @ yaw_matrix(box.yaw)
+    axis = int(np.argmax(np.abs(ray[:2] @ yaw_matrix(box.yaw)[:2, :2])))
+    on_top = local[local[:, 2] > size[2] / 2 - max(LEVEL * size[2], 2 * noise), axis]
+    if size[axis] < MEASURED * noise or len(on_top) < 10 * SLICES:
+        return False
+    counts, _ = np.histogram(on_top, SLICES, (-size[axis] / 2, size[axis] / 2))
+    return bool(counts.min() > FILLED * counts.mean())
 
 
 def measured_box(

@@ -10,7 +10,7 @@ from stages.contracts import Asset, Objects
 from stages.contracts.cousins import Cousin
 from stages.contracts.objects import Box, Mounting, SceneObject, Wall
 from stages.generation.collisions import out_of_walls
-from stages.generation.extents import measured_box, only_noise
+from stages.generation.extents import measured_box, only_noise, top_seen
 from stages.generation.mounting import against_wall, on_supports
 from stages.generation.placed import Placed
 from stages.generation.pose import rear_at_wall, rectangularity, turned_to, wall_axes
@@ -76,6 +76,8 @@ def sized(
     What was extended to a wall and is far too deep does not reach it: its front was seen, its rear was not.
     """
     if not reached:
+        if top_seen(cloud, box, camera, options.depth_error):
+            return box
         return believable_box(box, asset.size, camera - np.asarray(box.center), options.aspect_range)
     normal = np.asarray(reached[0].normal)
     unknown = only_noise(cloud, normal, camera, options.depth_error)

@@ -7,7 +7,7 @@ import trimesh
 from stages.config.generation import GenerationConfig
 from stages.contracts import Objects
 from stages.contracts.objects import Box, Mounting, SceneObject, Wall
-from stages.generation.extents import beyond_front, measured_box, near_face, only_noise
+from stages.generation.extents import beyond_front, measured_box, near_face, only_noise, top_seen
 from stages.generation.inputs import bearings_of
 from stages.generation.placement import sized, walls_reached
 from stages.generation.pose import rear_at_wall, rectangularity, turned_to, wall_axes
@@ -220,6 +220,23 @@ def test_depth_at_a_wall_grows_from_the_wall():
     flat = UprightBox((2.95, 0, 0.5), (0.1, 1.0, 1.0), np.pi)  # rear at x = 3.0
     box = believable_box(flat, (0.5, 1.0, 1.0), (1, 0), (0.5, 2.0))
     assert box.center == pytest.approx([2.75, 0, 0.5])
+
+
+def test_depth_that_is_seen_from_above_stays():
+    """A cereal box on a table: its top is seen from front to rear, and no box of the library is as flat."""
+    rng, camera, error = np.random.default_rng(0), np.array([0.0, 0, 0.6]), (0.003, 0.0015)
+    flat = UprightBox((0.6, 0, 0.105), (0.06, 0.16, 0.21), 0.0)
+    half = np.array(flat.size) / 2
+    top, front = rng.uniform(-half, half, (2, 2000, 3))
+    top[:, 2], front[:, 0] = half[2], -half[0]
+    cloud = np.concatenate([top, front]) + flat.center + rng.normal(0, 0.001, (4000, 3))
+    deep, options = asset((0.3, 0.3, 0.3)), GenerationConfig()
+    arguments = deep, Mounting(type=2), [], camera, options
+    assert sized(flat, cloud, *arguments) is flat
+    assert not top_seen(cloud[(cloud[:, 0] < 0.6) | (cloud[:, 2] < 0.15)], flat, camera, error), "its rear half is not"
+    assert not top_seen(cloud, flat, [0, 0, 0.25], error), "too level"
+    assert not top_seen(cloud, flat, camera, (0.02, 0)), "noise"
+    assert sized(flat, cloud[2000:], *arguments).size[0] == pytest.approx(0.16, abs=0.01), "of its front alone"
 
 
 def test_a_width_is_never_changed():

@@ -161,3 +161,15 @@ def test_one_file_is_enough_and_parts_alone_are_none(tmp_path: Path) -> None:
     for name, reason in (("notes.txt", "is no model"), ("gone", "is not there")):
         with pytest.raises(InputError, match=reason):
             run(sim / name, out=tmp_path / "mine")
+
+
+def test_partnet_models_have_no_size_and_get_a_usual_one(tmp_path: Path) -> None:
+    flat = f'<robot name="m"><link name="l">{box("0.9 1.45 0.95")}</link></robot>'
+    write_partnet(tmp_path / "theirs", "7167", flat, "Microwave")
+    write_partnet(tmp_path / "theirs", "7168", flat.replace("0.9 1.45", "0.4 0.5").replace("0.95", "0.3"), "Microwave")
+    write_partnet(tmp_path / "theirs", "9", flat.replace("0.95", "0.96"), "Gearbox")
+    run(tmp_path / "theirs", out=tmp_path / "mine")
+    scales = {
+        path.parent.name: json.loads(path.read_text())["scale"] for path in (tmp_path / "mine").rglob("asset.json")
+    }
+    assert scales == {"7167": pytest.approx(0.36, abs=0.03), "7168": 1.0, "9": 1.0}
