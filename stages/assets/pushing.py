@@ -7,11 +7,13 @@ import sapien
 from sapien.physx import PhysxArticulation
 
 from stages.articulated.asset_folder import read_asset
+from stages.contracts.library import Joint
 from stages.simulation.loading import load_asset, physics_scene
 
 TOUCH = 0.002  # metres: parts that are as near when closed would rub
 MOST_PAIRS = 31  # that SAPIEN tells apart
-FORCE, TORQUE = 20.0, 6.0  # N and N m: less than a gripper pulls with
+FORCE = 20.0  # N at a drawer, or at a door's free edge: less than a gripper pulls with
+SMALLEST = 0.3  # metres between a door's hinge and that edge, at least
 SECONDS, STILL, TIMESTEP = 20.0, 1.0, 0.01  # for how long at most; without moving by `LEAST`: it sticks
 LEAST = 0.001  # of its range
 OPEN = 0.9  # of its range, for a joint that does not stick
@@ -39,15 +41,15 @@ def stuck_joints(folder: Path) -> list[str]:
         return []
     scene, articulation = body
     closed = articulation.get_qpos().copy()
-    roles = {joint.name: joint.role for joint in read_asset(folder).joints}
+    known = {joint.name: joint for joint in read_asset(folder).joints}
     lines = []
     for number, joint in enumerate(articulation.get_active_joints()):
-        if joint.name not in roles:
+        if joint.name not in known:
             continue
         articulation.set_qpos(closed)
         articulation.set_qvel(np.zeros_like(closed))
         push = np.zeros_like(closed)
-        push[number] = FORCE if joint.type.startswith("prismatic") else TORQUE
+        push[number] = FORCE * _lever(known[joint.name])
         low, high = joint.limits[0].tolist()
         farthest, moved_at = low, 0
         for step in range(round(SECONDS / TIMESTEP)):
@@ -60,8 +62,16 @@ def stuck_joints(folder: Path) -> list[str]:
                 break
         share = (farthest - low) / (high - low)
         if share <= OPEN:
-            lines.append(f"{roles[joint.name]} '{joint.name}' sticks at {100 * share:.0f} % of its range")
+            lines.append(f"{known[joint.name].role} '{joint.name}' sticks at {100 * share:.0f} % of its range")
     return lines
+
+
+def _lever(joint: Joint) -> float:
+    """Metres between the axis and where it is pushed; 1 for what slides."""
+    if joint.type == "prismatic":
+        return 1.0
+    width, height = joint.panel.size if joint.panel else (SMALLEST, SMALLEST)
+    return max(SMALLEST, height if joint.panel and joint.panel.hinge in ("bottom", "top") else width)
 
 
 def _loaded(folder: Path, timestep: float) -> tuple[sapien.Scene, PhysxArticulation] | None:

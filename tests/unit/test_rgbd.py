@@ -116,6 +116,14 @@ def test_clusters_find_what_stands_on_the_table(files: SimpleNamespace) -> None:
     assert found["object_2"].size[2] == pytest.approx(CAN.size[2], abs=0.03)
 
 
+def test_a_wide_lid_is_no_table() -> None:
+    lid = UprightBox([2.4, 0.5, 0.75], [1.2, 1.1, 0.1], 0.0)
+    depth, _ = trace([TABLE, lid, CAN], wall=False)
+    found = clustered(depth.astype(np.float32), INTRINSICS, np.zeros((HEIGHT, WIDTH, 3), np.uint8))
+    shown = [(found.values == value).sum() for value in found.labels]
+    assert len(shown) == 2 and max(shown) > 5 * min(shown), "the lid, and the can beside it"
+
+
 def test_things_that_touch_are_cut_apart_on_a_table() -> None:
     """One on another, one in front of another, and one alone, which stays whole; farther away is furniture."""
     boxes = [

@@ -205,6 +205,20 @@ def test_a_joint_that_is_slow_does_not_stick(tmp_path: Path, monkeypatch: pytest
     assert stuck_joints(tmp_path / "models" / asset.id) == []
 
 
+def test_a_heavy_door_is_pushed_at_its_free_edge(tmp_path: Path) -> None:
+    """A fridge's door of 7 kg: half a hundred newton metres of weight on its hinge, and 14 of a hand."""
+    weight = '<inertial><mass value="7"/><inertia ixx="0.6" iyy="0.4" izz="0.3" ixy="0" ixz="0" iyz="0"/></inertial>'
+    door = box("0.03 0.7 0.8", "0 0.35 0") + box("0.03 0.02 0.3", "0.05 0.6 0")
+    links = f'<link name="body">{box("0.02 0.7 1.6", "-0.3 0 0.8")}</link><link name="door">{weight}{door}</link>'
+    place = tmp_path / "mine" / "fridge" / "heavy"
+    place.mkdir(parents=True)
+    hinge = joint("hinge", "revolute", "door", "0 0 -1", 1.5, "0.3 -0.35 0.5")
+    (place / "a.urdf").write_text(f'<robot name="c">{links}{hinge}</robot>')
+    (asset,) = import_folder(tmp_path / "mine", tmp_path / "models")
+    assert [joint.role for joint in asset.joints] == ["door"] and asset.mass > 7
+    assert stuck_joints(tmp_path / "models" / asset.id) == []
+
+
 def write_partnet(folder: Path, number: str, text: str, category: str = "StorageFurniture") -> None:
     (folder / number).mkdir(parents=True)
     (folder / number / "mobility.urdf").write_text(text)

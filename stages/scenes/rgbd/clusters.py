@@ -17,6 +17,7 @@ ABOVE, HIGHEST = 0.010, 0.8  # metres: at 1 m, above the plane; not beyond
 APART = 0.012  # metres at 1 m between two objects
 LOWEST = 0.025  # metres at 1 m: what is nowhere nearer to the plane hangs over it, or stands behind it
 LARGE, LEAST = 0.15, 0.002  # of the largest plane's points, for a table; of all points, for an object
+LEG = 0.25  # metres: a plane nearer above a larger one is made of things that stand on it
 NEAR = 2.0  # metres to what is looked at: things on a table. Furniture is not convex: shelves, legs, cushions
 FIRM = 0.02  # metres at 1 m above the plane, from which on no noise of the plane is taken for an edge
 LABEL = "object"
@@ -68,11 +69,17 @@ def clustered(depth: NDArray[np.float32], intrinsics: NDArray[np.float64], rgb: 
 
 
 def _table(levels: list[Level]) -> Level:
-    """The highest of the large level planes: a table rather than the floor that it stands on."""
+    """The highest of the large level planes: a table rather than the floor that it stands on, or the lids on it."""
     if not levels:
         raise InputError("--clusters", "no level plane was found.", "give --masks")
     large = [plane for plane in levels if plane.points >= LARGE * levels[0].points]
-    return min(large, key=lambda plane: float(plane.height(np.zeros(3))))
+    down = [float(plane.height(np.zeros(3))) for plane in large]  # metres below the camera
+    lids = [
+        any(one.points < other.points and 0 < below - above < LEG for other, below in zip(large, down, strict=True))
+        for one, above in zip(large, down, strict=True)
+    ]
+    tables = [(above, plane) for above, plane, lid in zip(down, large, lids, strict=True) if not lid]
+    return min(tables, key=lambda entry: entry[0])[1]
 
 
 def _standing(
