@@ -5,8 +5,9 @@
     python -m benchmarks.closings draw drawer.csv door.csv --out closings.png
 
 `roll` repeats rollouts of the workflow (same states, same outcome) without films. Its table has a line per episode:
-where the hand was, relative to the handle, when the gripper was first told to close. `draw` has a panel per test asset
-and training set: the front as the robot sees it, the handle as a grey bar, a point per episode.
+where the hand was, relative to the handle, when the gripper was first told to close; where there is a bowl to be
+picked up, relative to its middle, when that was first told beside it. `draw` has a panel per test asset
+and training set: the front as the robot sees it, handle or bowl as a grey bar, a point per episode.
 """
 
 import argparse
@@ -24,9 +25,11 @@ from matplotlib.patches import Rectangle
 from stages.config.evaluation import EvaluationConfig
 from stages.contracts.policies import TaskAsset
 from stages.evaluation.arena import FIRST_STATE, Arena, initial_states
-from stages.geometry.frames import inverse
+from stages.geometry.frames import apply, inverse
 from stages.tasks.api import TaskEnv
+from stages.tasks.movable import Movable
 
+BESIDE = 0.12  # metres: a hand this near to the middle of a bowl closes on it
 COLOURS = {True: "#2a7fb8", False: "#d1495b"}
 
 
@@ -45,8 +48,21 @@ class Watched:
 
     def step(self, action: Any) -> Any:
         if action[6] < 0 and self.key not in self.notes:
-            self.notes[self.key] = self.closing()
+            item = self.task.env.movable()
+            found = self.closing() if item is None else self.closing_on(item)
+            if found:
+                self.notes[self.key] = found
         return self.task.step(action)
+
+    def closing_on(self, item: Movable) -> dict[str, Any]:
+        """The hand's place from the middle of what is to be picked up (robot base frame); {} if far from it."""
+        corners = apply(item.base_from_object, item.mesh.vertices)
+        low, high = corners.min(axis=0), corners.max(axis=0)
+        across, sideways, up = self.task.hand()[:3, 3] - (low + high) / 2
+        if np.hypot(across, sideways) > BESIDE or item.there:
+            return {}
+        wide, height = (high - low)[1:]
+        return {"step": self.task.steps, "out": -across, "sideways": sideways, "up": up, "wide": wide, "high": height}
 
     def closing(self) -> dict[str, Any]:
         """The hand's place relative to the handle's centre (metres: out of the front, sideways, up), and the handle."""

@@ -11,6 +11,7 @@ import torch
 from benchmarks.closings import Watched, draw
 from stages.config.task import TaskConfig
 from stages.contracts.policies import TaskAsset
+from stages.geometry.frames import rigid
 from stages.tasks.api import make_task
 from tests.unit.demo_assets import cabinet
 
@@ -36,6 +37,28 @@ def test_a_hand_is_noted_where_it_first_closes_wherever_the_joint_then_is(tmp_pa
     assert watched.notes[key] is note, "the first time alone"
     opened = watched.closing()
     assert abs(opened["out"] - note["out"]) > 0.05, "the handle has gone, the hand has stayed"
+    task.close()
+
+
+def test_a_hand_that_is_to_pick_something_up_is_noted_beside_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cabinet(tmp_path / "drawer", layout=[["drawer", "open", "open"]])
+    options = TaskConfig(scale_variants=1)
+    task = make_task("put_away_bowl", tmp_path / "drawer", "drawer_0_joint", None, options, render=False)
+    watched = Watched(task, TaskAsset.model_construct(asset="drawer"), {})
+    watched.reset(5)
+    close = np.array([0, 0, 0, 0, 0, 0, -1.0])
+    watched.step(close)
+    assert not watched.notes, "the hand is far from the bowl"
+    item = task.env.movable()
+    assert item is not None
+    rim = item.base_from_object[:3, 3] + np.array([0.0, -0.05, 0.04])
+    monkeypatch.setattr(task, "hand", lambda: rigid(np.eye(3), rim))
+    watched.step(close)
+    ((_, note),) = watched.notes.items()
+    assert note["sideways"] == pytest.approx(-0.05, abs=0.005) and note["step"] == 1
+    assert note["wide"] == pytest.approx(item.mesh.extents[1], rel=0.05)
     task.close()
 
 
