@@ -133,7 +133,7 @@ def draw(given: argparse.Namespace) -> None:
                 panel.add_patch(Rectangle((-wide / 2, -high / 2), wide, high, color="0.78", zorder=0))
             for success in (True, False):
                 some = part[part.success == success]
-                label = f"{'opened' if success else 'not opened'}: {len(some)}"
+                label = f"{'succeeded' if success else 'failed'}: {len(some)}"
                 panel.scatter(100 * some.sideways, 100 * some.up, s=9, alpha=0.6, color=COLOURS[success], label=label)
             panel.set(xlim=(-reach[0], reach[0]), ylim=(-reach[1], reach[1]), aspect="equal")
             panel.set_title(f"{task}, {role}: {name}", fontsize=9)
