@@ -24,15 +24,21 @@ def facing_axis(box: UprightBox, wall: Wall) -> int | None:
 
 
 def against_wall(box: UprightBox, wall: Wall, min_extent: float) -> UprightBox:
-    """The box rescaled so that its rear face lies in the wall and its front face stays where it is."""
+    """The box rescaled along its own axis so that its rear reaches the wall and its front stays where it is.
+
+    A wall that it is a little turned against (the second one in a corner) it touches with an edge.
+    """
     axis = facing_axis(box, wall)
     if axis is None:
         return box
     normal = np.asarray(wall.normal, dtype=float)
     center, size = np.array(box.center, dtype=float), np.array(box.size, dtype=float)
+    along = normal @ yaw_matrix(box.yaw)
+    edges = size[1 - axis] * abs(along[1 - axis])  # how much farther than its middle the turned faces reach, both
     front = float((corners(box) @ normal).max())
-    size[axis] = max(front - wall.offset, min_extent)
-    center += normal * (wall.offset + size[axis] / 2 - center @ normal)
+    size[axis] = max((front - wall.offset - edges) / abs(along[axis]), min_extent)
+    middle = wall.offset + (size[axis] * abs(along[axis]) + edges) / 2
+    center += yaw_matrix(box.yaw)[:, axis] * (middle - center @ normal) / along[axis]
     return UprightBox(center, size, box.yaw)
 
 

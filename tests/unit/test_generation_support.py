@@ -91,6 +91,19 @@ def test_rear_to_the_wall_front_stays(rear, yaw, axis):
     assert box.center[1] == pytest.approx(0.3)
 
 
+def test_a_box_turned_against_the_wall_reaches_it_but_not_into_it():
+    """The second wall of a corner that was found 10 degrees askew: the box keeps its distance from the first."""
+    turn = np.deg2rad(10)
+    box = against_wall(UprightBox((3.5, 0.3, 0.5), (0.6, 0.9, 1.0), turn), BACK, 0.01)
+    first = np.array([-np.sin(turn), np.cos(turn), 0])  # normal of the other wall
+    before, after = corners(UprightBox((3.5, 0.3, 0.5), (0.6, 0.9, 1.0), turn)), corners(box)
+    assert after[:, 0].max() == pytest.approx(4.0)
+    assert after[:, 0].min() == pytest.approx(before[:, 0].min())
+    assert [(after @ first).min(), (after @ first).max()] == pytest.approx(
+        [(before @ first).min(), (before @ first).max()]
+    )
+
+
 def test_a_front_behind_the_wall_leaves_a_thin_box():
     box = against_wall(UprightBox((4.1, 0, 1), (0.1, 1, 1), np.pi), BACK, 0.02)
     assert box.size[0] == 0.02
