@@ -219,6 +219,9 @@ def test_what_stands_at_the_rear_edge_of_a_top_is_on_it_not_on_the_wall() -> Non
     for beside in (-3, 3):
         assert support_at(drawing, solved, (rear[0], rear[1] + beside)) == "cabinet"
     assert support_at(drawing, solved, (rear[0], rear[1] - 30)) == "back"
+    assert support_at(drawing, solved, (rear[0], rear[1] - 10)) == "back"
+    assert support_at(drawing, solved, (rear[0], rear[1] - 10), stands=True) == "cabinet", "a jar hangs nowhere"
+    assert support_at(drawing, solved, (rear[0], rear[1] - 30), stands=True) == "floor"
 
 
 def test_sizes_that_cannot_be_are_doubted() -> None:

@@ -126,7 +126,8 @@ class Session:
         """What is at a pixel that something could stand or hang on."""
         project = self._project(body["project"])
         solved = finished(project, self.depth)[1]
-        return {"on": support_at(project, solved, TypeAdapter(Pixel).validate_python(body["pixel"]))}
+        pixel = TypeAdapter(Pixel).validate_python(body["pixel"])
+        return {"on": support_at(project, solved, pixel, bool(body.get("stands")))}
 
     def write(self, body: Any) -> Answer:
         """Keep the drawing and write the input folder."""

@@ -27,6 +27,7 @@ NEAREST, FARTHEST = 0.05, 30.0  # metres: a camera is nowhere else above the flo
 EDGE = 6.0  # pixels beside the top of an object that still count as on it
 THINNEST = 0.002  # metres
 ODD = 1.4  # times beyond the extents of our models a box is doubted
+BEHIND = 0.05  # of the picture's height, that the foot of what stands may be marked above the top that it stands on
 NEARER = 0.7  # of its distance at least, at which something that was marked too high is put onto what carries it
 SIDES = {"width": 0, "depth": 1, "height": 2}
 
@@ -195,21 +196,27 @@ def solve(project: Project) -> Solved:
     return Solved(room.view, room.walls, room.boxes, {**room.notes, **notes})
 
 
-def support_at(project: Project, solved: Solved, pixel: tuple[float, float]) -> str:
+def support_at(project: Project, solved: Solved, pixel: tuple[float, float], stands: bool = False) -> str:
     """What a pixel shows that something may stand or hang on: the top of an object, a wall, else the floor.
+
+    What `stands` hangs on no wall: on a counter a little too shallow its foot seems to be on the wall behind it.
 
     What stands at the front edge of a top has its lower corners there, and is easily marked some pixels below it; at
     its rear edge, some pixels up the wall.
     """
     ray, eye = solved.view.rays(pixel), np.array([0, 0, solved.view.above])
     best, nearest = "floor", np.inf
+    beside: dict[str, float] = {}  # pixels from the tops that the pixel is not on
     for name, box in solved.boxes.items():
-        if ray[2] < 0 and box.top < eye[2]:
-            reach = (box.top - eye[2]) / ray[2]
-            top = solved.view.project(corners(box)[4:])
-            inside = np.isfinite(top).all() and cv2.pointPolygonTest(top.astype(np.float32), pixel, True) > -EDGE
-            if reach < nearest and inside:
-                best, nearest = name, reach
+        top = solved.view.project(corners(box)[4:])
+        if ray[2] >= 0 or box.top >= eye[2] or not np.isfinite(top).all():
+            continue
+        reach = (box.top - eye[2]) / ray[2]
+        inside = cv2.pointPolygonTest(top.astype(np.float32), pixel, True)
+        if inside <= -EDGE:
+            beside[name] = -inside
+        elif reach < nearest:
+            best, nearest = name, reach
     if best != "floor":
         return best
     if ray[2] < 0:
@@ -218,6 +225,9 @@ def support_at(project: Project, solved: Solved, pixel: tuple[float, float]) -> 
         towards = float(ray @ wall.normal)
         if towards < 0 and (reach := wall.offset / towards) < nearest:
             best, nearest = name, reach
+    if stands and best != "floor":
+        best = min(beside, key=lambda name: beside[name], default="floor")
+        return best if beside.get(best, np.inf) < BEHIND * solved.view.height else "floor"
     return best
 
 

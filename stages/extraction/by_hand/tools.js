@@ -56,7 +56,7 @@ async function click(at, shift) {
     state.draft = draft;
     if (kind === 'box' && draft.on === 'auto') {
       draft.on = 'floor';
-      try { draft.on = (await ask('support', { project: state.project, pixel: at })).on; } catch (error) { state.trouble = error.message; }
+      try { draft.on = (await ask('support', { project: state.project, pixel: at, stands: draft.round })).on; } catch (error) { state.trouble = error.message; }
       if (state.draft !== draft) return;
       if (draft.round && isWall(draft.on)) draft.round = false;
     }
