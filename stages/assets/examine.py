@@ -19,7 +19,7 @@ from stages.assets.discover import NUMBERED, Found
 from stages.assets.importers import Axis, Importer
 from stages.assets.importers.urdf import IMPORTER as URDF
 from stages.assets.imports import ModelFile, Notes, axis_vector, import_file, in_one_line, upright, with_notes
-from stages.assets.proportions import UNITS, doubt_of_size, scale_from_sphere, up_and_unit
+from stages.assets.proportions import UNITS, doubt_of_size, scale_from_sphere, up_and_unit, up_as_it_stands
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json, write_json
 from stages.contracts.library import Asset, Joint
@@ -120,6 +120,12 @@ def guessed(robot: RobotModel, file: ModelFile) -> tuple[Notes, list[str]]:
                 lines.append(f"in {UNITS[unit]} by its size")
         if up != file.importer.up:
             lines.append(f"up {up} by its proportions")
+        elif len(robot.links) == 1:
+            (body,) = robot.links.values()
+            points = np.concatenate([visual.mesh.vertices for visual in body.visuals])
+            up = up_as_it_stands(points, file.category, up)
+            if up != file.importer.up:
+                lines.append(f"up {up}: only so it stands")
     front: Axis | None = notes.front
     if front is None:
         default: Axis = "+z" if up == "+y" else "+x"

@@ -16,6 +16,8 @@ SPREAD = np.log(1.5)  # beyond the sizes seen that is still usual
 UNLIKELY = np.log(1.5)  # sum over three extents of how far beyond they are
 LYING = np.log(1.1)  # the same, for another side to be tried as the bottom
 BETTER = 3.0  # times less must it be for another guess
+BOTTOM, FOOT = 0.005, 0.2  # share of the height that is the bottom; of width and depth that it has at least
+HUNG = {"clock", "mirror", "picture", "wall_cabinet", "wall_shelf"}  # which need not stand
 SPHERE = 0.1  # of its radius, by which a model may miss it
 LARGEST_THING = 5.0  # metres: what is larger, in a category that is not known, is not in metres
 
@@ -78,6 +80,21 @@ def up_and_unit(extents: Matrix, category: str, default: Axis) -> tuple[Axis, fl
     first = (default, 1.0)
     best = min(((up, unit) for unit, up in product(UNITS, ups)), key=lambda guess: round(misfit(guess), 6))
     return best if misfit(first) > max(UNLIKELY, BETTER * misfit(best)) else first
+
+
+def up_as_it_stands(points: Matrix, category: str, default: Axis) -> Axis:
+    """The direction up in which a rigid model (N, 3) stands on its foot; the default if it does, or in none."""
+    other: Axis = "+z" if default == "+y" else "+y"
+    stays = category in HUNG or _stands(points, default) or not _stands(points, other)
+    return default if stays else other
+
+
+def _stands(points: Matrix, up: Axis) -> bool:
+    """Whether it touches the ground along both directions of its ground plan: what lies on a round side does not."""
+    axis = "xyz".index(up[1])
+    height, plan = points[:, axis], np.delete(points, axis, axis=1)
+    foot = plan[height < height.min() + BOTTOM * np.ptp(height)]
+    return bool((np.ptp(foot, axis=0) >= FOOT * np.ptp(plan, axis=0)).all())
 
 
 def scale_from_sphere(extents: Matrix, category: str) -> float | None:

@@ -16,7 +16,7 @@ from stages.assets.import_ import run
 from stages.assets.importers import Axis
 from stages.assets.imports import axis_vector
 from stages.assets.portrait import ARROW
-from stages.assets.proportions import doubt_of_size, up_and_unit
+from stages.assets.proportions import doubt_of_size, up_and_unit, up_as_it_stands
 from stages.contracts.errors import InputError
 from tests.unit.own_models import import_folder
 from tests.unit.test_sense import box, cabinet, joint, write_partnet
@@ -38,6 +38,24 @@ def test_up_and_unit_by_proportions(
     extents: tuple[float, float, float], category: str, default: Axis, expected: tuple[str, float]
 ) -> None:
     assert up_and_unit(np.array(extents, dtype=float), category, default) == expected
+
+
+@pytest.mark.parametrize(
+    ("turn", "category", "default", "expected"),
+    [
+        (0, "bottle", "+z", "+z"),
+        (0, "bottle", "+y", "+z"),
+        (90, "bottle", "+z", "+y"),
+        (90, "bottle", "+y", "+y"),
+        (0, "clock", "+y", "+y"),
+    ],
+)
+def test_up_is_where_a_round_thing_stands(turn: int, category: str, default: Axis, expected: str) -> None:
+    bottle = trimesh.creation.cylinder(0.04, 0.2)
+    bottle.apply_transform(trimesh.transformations.rotation_matrix(np.deg2rad(turn), [1, 0, 0]))
+    assert up_as_it_stands(np.asarray(bottle.vertices), category, default) == expected
+    ball = np.asarray(trimesh.creation.icosphere(3, 0.1).vertices)
+    assert up_as_it_stands(ball, category, default) == default, "it stands nowhere"
 
 
 def test_unusual_sizes_are_doubted() -> None:
