@@ -75,7 +75,9 @@ class Annotation(Contract):
         None, description="where it is known whole, hidden sides too: needs floor_from_camera in camera.json"
     )
     front: Angle | None = Field(
-        None, description="direction that it faces about z, if that is known: needs floor_from_camera in camera.json"
+        None,
+        description="direction that it faces about z, if that is known: needs floor_from_camera in camera.json. What "
+        "has a `box` and faces nowhere is round",
     )
 
     @model_validator(mode="after")

@@ -17,7 +17,7 @@ from stages.extraction.mounting import collapsed, placement
 from stages.extraction.observation import AnnotatedImage
 from stages.extraction.stated import ImpossibleError, stated_mounting
 from stages.extraction.visibility import DepthView
-from stages.geometry.boxes import UprightBox, surface_points
+from stages.geometry.boxes import UprightBox, rounded_off, surface_points
 from stages.geometry.cameras import back_project
 from stages.geometry.frames import apply, rounded
 from stages.geometry.masks import pixel_bounds
@@ -180,6 +180,7 @@ def reconstruct(
             if item.box is not None:
                 box = UprightBox(item.box.center, item.box.size, item.box.yaw)
                 cloud = surface_points(box, BOX_POINTS)
+                cloud = cloud if item.front is not None else rounded_off(cloud, box)
             else:
                 cloud = _object_cloud(mask, image, floor_from_camera, options, rng)
                 box = _fitted(cloud, mask, image, floor_from_camera, options)

@@ -56,6 +56,16 @@ def surface_points(box: UprightBox, count: int) -> NDArray[np.float64]:
     return np.asarray(local @ yaw_matrix(box.yaw).T + np.asarray(box.center))
 
 
+def rounded_off(points: NDArray[np.float64], box: UprightBox) -> NDArray[np.float64]:
+    """Points (N, 3) of a box, moved towards its axis until they lie in the upright cylinder in it."""
+    turn, half = yaw_matrix(box.yaw), np.asarray(box.size, dtype=float)[:2] / 2
+    local = (points - np.asarray(box.center)) @ turn
+    plan = local[:, :2] / half
+    far = np.linalg.norm(plan, axis=1)
+    local[:, :2] *= (np.abs(plan).max(axis=1) / np.maximum(far, 1e-9))[:, None]
+    return np.asarray(local @ turn.T + box.center)
+
+
 def volume(box: UprightBox) -> float:
     """Volume in cubic metres."""
     return float(np.prod(np.asarray(box.size)))

@@ -200,16 +200,23 @@ def test_depth_and_masks_show_the_nearest(tmp_path: Path) -> None:
     assert (masks[v, : u - 40] != 1).all()
 
 
-def test_round_things_are_painted_round() -> None:
+def test_round_things_are_round(tmp_path: Path) -> None:
     drawing = _drawing()
     mug = drawing.objects[1]
     mug.round, mug.points = True, _pixels([[-0.6, 3.1, 0.9], [-0.4, 3.1, 0.9], [-0.5, 3.1, 1.1]])
     masks = paint(drawing, solve(drawing)).masks == 2
     across = np.flatnonzero(masks.any(axis=0))
     assert np.ptp(across) + 1 == pytest.approx(mug.points[1][0] - mug.points[0][0], abs=2), "no wider than its foot"
-    mug.round = False
-    mug.points.append(mug.points[2])
-    assert paint(drawing, solve(drawing)).depth.shape == masks.shape
+    write_folder(tmp_path, _noise(), drawing)
+    extract(input=tmp_path, scene="drawn", out=tmp_path / "out" / "objects.json")
+    clouds, width = np.load(tmp_path / "out" / "clouds.npz"), solve(drawing).boxes["mug"].size[0]  # type: ignore[index]
+    farthest = {}
+    for item in read_json(Objects, tmp_path / "out" / "objects.json").objects:
+        assert item.box is not None
+        plan = clouds[item.id][:, :2] - item.box.center[:2]
+        farthest[item.id] = np.linalg.norm(plan, axis=1).max() / (max(item.box.size[:2]) / 2)
+    assert width == pytest.approx(0.2, abs=0.01)
+    assert farthest["mug_1"] == pytest.approx(1, abs=0.01) and farthest["cabinet_1"] > 1.2, "the corners of a box"
 
 
 def test_what_stands_at_the_rear_edge_of_a_top_is_on_it_not_on_the_wall() -> None:
