@@ -86,8 +86,8 @@ def test_meshes_become_one_body_with_notes(tmp_path: Path) -> None:
     (mine / "asset.json").write_text('{"mass": 3.0, "licence": "CC-BY-4.0", "placement": "object", "scale": 2.0}')
     (asset,) = import_folder(tmp_path / "mine", tmp_path / "models")
     assert (asset.id, asset.category, asset.licence, asset.placement) == (
-        "desk_lamp_a",
-        "desk_lamp",
+        "table_lamp_a",
+        "table_lamp",
         "CC-BY-4.0",
         "object",
     )

@@ -53,7 +53,7 @@ def test_a_new_name_changes_one_group_or_cuts_it() -> None:
     ("changed", "models"),
     [
         ("bowl/a/meshes/a.obj", {"bowl_a"}), ("bowl/a/asset.json", {"bowl_a"}), ("bowl/flat.obj", {"bowl_flat"}),
-        ("45/meta.json", {"mine_45"}), ("common/wood.png", {"bowl_a", "bowl_flat", "mine_45"}), ("cup/c/c.urdf", set()),
+        ("45/meta.json", {"mine_45"}), ("common/wood.png", {"bowl_a", "bowl_flat", "mine_45"}), ("jug/c/c.urdf", set()),
         ("index.html", None),
     ],
 )  # fmt: skip
@@ -63,37 +63,37 @@ def test_a_change_makes_anew_what_may_read_it(
     """A model's own folder, and what lies in no model's; everything, where other folders are named; no page of ours."""
     monkeypatch.setattr("stages.assets.shards.MEAN", 1)  # every model by itself
     mine = write(tmp_path / "mine", "bowl/a/model.urdf", "bowl/a/meshes/a.obj", "bowl/flat.obj", "45/mobility.urdf")
-    write(mine, "45/meta.json", "common/wood.png", "cup/c/c.urdf")
-    (mine / "cup/c/c.urdf").write_text('<mesh filename="package://bowl/a.obj"/>')
+    write(mine, "45/meta.json", "common/wood.png", "jug/c/c.urdf")
+    (mine / "jug/c/c.urdf").write_text('<mesh filename="package://bowl/a.obj"/>')
     before = digests(mine)
-    assert set(before) == {"bowl_a", "bowl_flat", "mine_45", "cup_c"}
+    assert set(before) == {"bowl_a", "bowl_flat", "mine_45", "jug_c"}
     for path in mine.rglob("*"):
         os.utime(path)
     assert digests(mine) == before, "only touched"
     path = mine / changed
     path.write_text(path.read_text() + " " if path.exists() else "{}")
     after = digests(mine)
-    assert {name for name in after if after[name] != before[name]} == (set() if models is None else models | {"cup_c"})
+    assert {name for name in after if after[name] != before[name]} == (set() if models is None else models | {"jug_c"})
 
 
 def test_folders_do_not_share_shards_and_names_are_numbered(tmp_path: Path) -> None:
-    one, two = write(tmp_path / "one", "cup/a.obj", "mug/00.obj"), write(tmp_path / "two", "cup/a.obj", "bowl/b.obj")
+    one, two = write(tmp_path / "one", "jug/a.obj", "mug/00.obj"), write(tmp_path / "two", "jug/a.obj", "bowl/b.obj")
     alone, both = shards_of(one), shards_of(one, two, one, counts={"mug": 2})
-    assert {name for shard in both.values() for name in shard.models} == {"cup_a", "mug_00_2", "cup_a_2", "bowl_b"}
+    assert {name for shard in both.values() for name in shard.models} == {"jug_a", "mug_00_2", "jug_a_2", "bowl_b"}
     assert all(len({file.parent.parent for file in shard.models.values()}) == 1 for shard in both.values())
     assert shards_of(one, two)[next(iter(alone))] == next(iter(alone.values()))
-    (one / "cup/asset.json").write_text('{"category": "jar"}')
+    (one / "jug/asset.json").write_text('{"category": "jar"}')
     assert "jar_a" in digests(one)
-    (one / "cup/asset.json").write_text("broken notes, which are said when it is imported")
-    assert "cup_a" in digests(one)
+    (one / "jug/asset.json").write_text("broken notes, which are said when it is imported")
+    assert "jug_a" in digests(one)
     with pytest.raises(InputError, match="is not a folder"):
         shards_of(tmp_path / "three")
 
 
 def test_a_shard_of_broken_models_is_empty_all_the_way(tmp_path: Path) -> None:
-    mine = write(tmp_path / "mine", "cup/a.obj")
+    mine = write(tmp_path / "mine", "jug/a.obj")
     out, options = tmp_path / "own_0.json", '{"n_snap": 2, "image_size": 96}'
-    own.run(folder=mine, models=(f"cup_a={mine / 'cup/a.obj'}",), out=out)
+    own.run(folder=mine, models=(f"jug_a={mine / 'jug/a.obj'}",), out=out)
     part = read_json(LibraryPart, out)
     assert part.assets == [] and len(part.left_out) == 1 and "a.obj: holds no triangles" in part.left_out[0]
     assert not list(tmp_path.glob("own_0/*"))
@@ -104,5 +104,5 @@ def test_a_shard_of_broken_models_is_empty_all_the_way(tmp_path: Path) -> None:
     assert check(["library_part", str(out), "snapshots", str(shard), "features", str(features)]) == 0
     with pytest.raises(InputError, match="names no feature store"):
         FeatureStore([features], settings_digest(HOG, make_encoder(HOG)))
-    with pytest.raises(InputError, match="holds no model of 'cup_b'"):
-        own.run(folder=mine, models=("cup_b=gone.obj",), out=out)
+    with pytest.raises(InputError, match="holds no model of 'jug_b'"):
+        own.run(folder=mine, models=("jug_b=gone.obj",), out=out)
