@@ -69,6 +69,7 @@ class SceneObject(Contract):
     measured_mounting: Mounting | None = Field(None, description="by geometry, where the input tells the mounting")
     note: str = Field("", description="what the input says of it that cannot be")
     front: Angle | None = Field(None, description="direction that it faces about z, if the input tells")
+    whole: bool = Field(False, description="the input tells its box, hidden sides too, and cousins get that size")
 
 
 class Objects(Document):

@@ -74,6 +74,7 @@ class Annotation(Contract):
     box: Box | None = Field(
         None, description="where it is known whole, hidden sides too: needs floor_from_camera in camera.json"
     )
+    guessed: bool = Field(False, description="how deep `box` is nobody saw or said: the models' proportions tell")
     front: Angle | None = Field(
         None,
         description="direction that it faces about z, if that is known: needs floor_from_camera in camera.json. What "

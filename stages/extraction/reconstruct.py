@@ -174,7 +174,8 @@ def reconstruct(
     clouds: dict[str, NDArray[np.float32]] = {}
     clean = np.zeros(shape, dtype=np.uint16)
     for name, item in zip(object_ids([item.label for item in annotations]), annotations, strict=True):
-        known = SceneObject(id=name, **item.model_dump(exclude={"box", "mounting"}))
+        whole = item.box is not None and not item.guessed
+        known = SceneObject(id=name, whole=whole, **item.model_dump(exclude={"box", "guessed", "mounting"}))
         try:
             mask = _object_mask(item, image, crop, options)
             if item.box is not None:

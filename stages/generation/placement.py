@@ -15,7 +15,7 @@ from stages.generation.mounting import against_wall, on_supports
 from stages.generation.placed import Placed
 from stages.generation.pose import rear_at_wall, rectangularity, turned_to, wall_axes
 from stages.generation.prisms import Prism, Surface, placed_prisms, surface_beneath
-from stages.generation.sizing import as_wide_as_seen, believable_box, round_box, sight_yaw
+from stages.generation.sizing import as_wide_as_seen, believable_box, round_box, sight_yaw, told_box
 from stages.generation.support import sorted_by_height, support_tree
 from stages.geometry.boxes import UprightBox, volume
 from stages.geometry.viewing import view_yaw
@@ -116,6 +116,9 @@ def place(
     yaw = final_yaw(
         matched_yaw(cousin, extracted, camera, touched, options), item.box, cloud, touched, asset.articulated, options
     )
+    if item.whole:
+        told = told_box(extracted, yaw, reached, options.min_extent)
+        return Placed(item.id, item.label, asset, told if reached else out_of_walls(told, scene.walls), mounting)
     axes = sight_yaw(extracted, camera) if is_round else yaw
     box = measured_box(cloud, extracted, axes, camera, options.trim, options.depth_error, beyond, not is_round)
     for wall in reached:

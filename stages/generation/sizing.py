@@ -1,9 +1,13 @@
 """Extents that the camera could not see, from the asset's own proportions. The paper has no such step (option off)."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import ArrayLike
 
-from stages.geometry.boxes import UprightBox
+from stages.contracts.objects import Wall
+from stages.generation.mounting import against_wall
+from stages.geometry.boxes import UprightBox, volume
 from stages.geometry.frames import wrap_angle, yaw_matrix
 
 
@@ -47,6 +51,17 @@ def round_box(box: UprightBox, believable: tuple[float, float]) -> UprightBox:
         center += (width - depth) / 2 * yaw_matrix(box.yaw)[:, 0]
     size[0] = width
     return UprightBox(center, size, box.yaw)
+
+
+def told_box(box: UprightBox, yaw: float, walls: Sequence[Wall], min_extent: float) -> UprightBox:
+    """A box that the input tells, with the axes of an asset at `yaw`, which run along its own; it ends at the walls."""
+    center, size = np.array(box.center, dtype=float), np.array(box.size, dtype=float)
+    if round((yaw - box.yaw) / (np.pi / 2)) % 2:
+        size[:2] = size[1::-1]
+    box = UprightBox(center, np.maximum(size, min_extent), yaw)
+    for wall in walls:
+        box = min(box, against_wall(box, wall, min_extent), key=volume)
+    return box
 
 
 def believable_box(

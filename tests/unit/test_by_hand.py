@@ -246,11 +246,17 @@ def test_what_was_drawn_keeps_its_size_wherever_it_stands(tmp_path: Path) -> Non
     drawing = _drawing()
     aside = _pixels(corners(UprightBox([0.1, 3.1, 0.96], [0.12, 0.12, 0.12], 0.0)))
     drawing.objects[1].points = [aside[k] for k in (0, 1, 4, 6)]  # beside the cabinet, in the air
+    drawing.objects[0].points.pop()
+    drawing.objects[2].points.pop()
     write_folder(tmp_path, _noise(), drawing)
     extract(input=tmp_path, scene="drawn", out=tmp_path / "out" / "objects.json")
-    found = {item.id: item.box for item in read_json(Objects, tmp_path / "out" / "objects.json").objects}
-    assert found["mug_1"] is not None
-    assert found["mug_1"].size == pytest.approx(BOXES["mug"].size, abs=0.02), "not down to the floor"
+    found = {item.id: item for item in read_json(Objects, tmp_path / "out" / "objects.json").objects}
+    assert found["mug_1"].box is not None
+    assert found["mug_1"].box.size == pytest.approx(BOXES["mug"].size, abs=0.02), "not down to the floor"
+    assert [item.whole for item in found.values()] == [False, True, False], "depths without a rear corner are guessed"
+    drawing.objects[0].depth = 0.6
+    write_folder(tmp_path, _noise(), drawing)
+    assert not read_json(Annotations, tmp_path / "annotations.json").objects[0].guessed
 
 
 def test_given_depth_is_kept_and_gives_the_scale(tmp_path: Path) -> None:

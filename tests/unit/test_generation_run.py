@@ -18,7 +18,7 @@ from stages.generation.build import build
 from stages.generation.draw import run as draw
 from stages.generation.extents import beyond_front
 from stages.generation.generate import run
-from stages.generation.inputs import read_inputs
+from stages.generation.inputs import Inputs, read_inputs
 from stages.generation.meshes import collision_pieces, visual_meshes
 from stages.generation.settling import load_items, settle
 from stages.geometry.cameras import intrinsics_from_fov, look_at
@@ -152,15 +152,36 @@ def test_the_cabinet_stands_at_the_wall_and_the_mug_on_it(made: Path, scene: dic
     assert mug.position[2] - mug.size[2] / 2 == pytest.approx(0.8, abs=1e-5)
 
 
+def _inputs(objects: Objects, scene: dict[str, Path], folder: Path) -> Inputs:
+    """What generation reads, with other objects."""
+    write_json(folder / "objects.json", objects)
+    for name in ("clouds.npz", "masks.png"):
+        (folder / name).write_bytes(scene["objects"].with_name(name).read_bytes())
+    return read_inputs(scene["cousins"], folder / "objects.json", scene["library"])
+
+
 def test_a_front_that_was_told_counts_for_more_than_the_matched_view(scene: dict[str, Path], tmp_path: Path) -> None:
     objects = read_json(Objects, scene["objects"])
     objects.objects[0].front = 1.62  # to the side, though the matched view and the wall say otherwise
-    write_json(tmp_path / "objects.json", objects)
-    for name in ("clouds.npz", "masks.png"):
-        (tmp_path / name).write_bytes(scene["objects"].with_name(name).read_bytes())
-    inputs = read_inputs(scene["cousins"], tmp_path / "objects.json", scene["library"])
+    inputs = _inputs(objects, scene, tmp_path)
     cabinet = build(inputs, 1, GenerationConfig(), tmp_path / "assets").items[0]
     assert cabinet.id == "cabinet_1" and cabinet.box.yaw == pytest.approx(np.pi / 2, abs=1e-6)
+
+
+@pytest.mark.parametrize(("x", "ends"), [(3.1, 3.25), (3.3, 3.3)])  # a hand from the wall x = 3.3; reaching into it
+def test_a_box_that_was_told_holds_but_for_the_wall(
+    scene: dict[str, Path], tmp_path: Path, x: float, ends: float
+) -> None:
+    """30 cm deep, though such cabinets are twice as deep: only the wall may take some of it."""
+    objects = read_json(Objects, scene["objects"])
+    told = Box(center=(x, 0.2, 0.4), size=(0.3, 0.9, 0.8), yaw=0.0)
+    cabinet = objects.objects[0].model_copy(update={"front": float(np.pi), "box": told, "whole": True})
+    objects.objects[0] = cabinet
+    inputs = _inputs(objects, scene, tmp_path)
+    placed = build(inputs, 1, GenerationConfig(), tmp_path / "assets").items[0]
+    assert placed.center[0] + placed.size[0] / 2 == pytest.approx(ends, abs=1e-6)
+    assert placed.center[0] - placed.size[0] / 2 == pytest.approx(x - 0.15, abs=1e-6)
+    assert placed.size[1:] == pytest.approx((0.9, 0.8)) and placed.center[1] == pytest.approx(0.2)
 
 
 def test_an_object_with_fewer_cousins_uses_its_last(made: Path) -> None:

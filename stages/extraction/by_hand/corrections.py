@@ -191,6 +191,7 @@ def corrected(
                 drawers=item.drawers,
                 mounting=held,
                 box=before.box if before and keep else None,
+                guessed=bool(before and keep and before.guessed),
                 front=before.front if before and keep else None,
             )
         )

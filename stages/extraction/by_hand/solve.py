@@ -34,19 +34,27 @@ SIDES = {"width": 0, "depth": 1, "height": 2}
 
 @dataclass(frozen=True)
 class Solved:
-    """The room in metres; `notes`: by id of an object or wall, or `scale`, what is wrong with it or was guessed."""
+    """The room in metres; `notes`: by id of an object or wall, or `scale`, what is wrong with it or was guessed;
+    `guessed`: objects of which nobody drew or typed how deep they are.
+    """
 
     view: View
     walls: dict[str, WallPlane]
     boxes: dict[str, UprightBox]
     notes: dict[str, str] = field(default_factory=dict)
+    guessed: set[str] = field(default_factory=set)
+
+
+def _depth_guessed(item: DrawnObject, hangs: bool) -> bool:
+    """Whether nobody drew or typed how deep it is."""
+    return len(item.points) < (3 if hangs else 4) and item.depth is None and not item.round
 
 
 def _guessed(item: DrawnObject, hangs: bool) -> str:
     """What a box has that was neither drawn nor typed."""
     if not hangs and len(item.points) < 3 and item.height is None:
         return "height is missing: mark the front's upper edge, or type it"
-    if len(item.points) < (3 if hangs else 4) and item.depth is None and not item.round:
+    if _depth_guessed(item, hangs):
         return "depth is guessed: mark a rear corner, or type it"
     return ""
 
@@ -74,6 +82,7 @@ class _Room:
         self.walls: dict[str, WallPlane] = {}
         self.boxes: dict[str, UprightBox] = {}
         self.notes: dict[str, str] = {}
+        self.guessed: set[str] = set()
         for wall in project.walls:
             try:
                 self.walls[wall.id] = wall_plane(view, wall.a, wall.b, wall.free)
@@ -89,9 +98,12 @@ class _Room:
             self.notes[item.id] = "stands on itself: choose what it stands on"
             return
         try:
+            if _depth_guessed(item, item.on in self.walls):
+                self.guessed.add(item.id)
             try:
                 self.boxes[item.id] = self._box(item, item.points, above)
             except RearCornerError as error:
+                self.guessed.add(item.id)
                 seen = item.points[: 2 if item.on in self.walls else 3]
                 self.boxes[item.id] = self._box(item, seen, above)
                 self.notes[item.id] = f"{error}; its depth is guessed"
@@ -193,7 +205,7 @@ def solve(project: Project) -> Solved:
             del room.boxes[item.id]
         elif box is not None and (doubt := _guessed(item, item.on in room.walls) or _unusual(item, box)):
             room.notes.setdefault(item.id, doubt)
-    return Solved(room.view, room.walls, room.boxes, {**room.notes, **notes})
+    return Solved(room.view, room.walls, room.boxes, {**room.notes, **notes}, room.guessed)
 
 
 def support_at(project: Project, solved: Solved, pixel: tuple[float, float], stands: bool = False) -> str:

@@ -86,7 +86,7 @@ def finished(project: Project, depth: NDArray[np.float32] | None) -> tuple[Proje
     return project, solve(project)
 
 
-def _annotation(item: DrawnObject, value: int, view: View, box: UprightBox) -> Annotation:
+def _annotation(item: DrawnObject, value: int, view: View, box: UprightBox, guessed: bool) -> Annotation:
     return Annotation(
         mask=value,
         label=item.label.strip() or "object",
@@ -94,6 +94,7 @@ def _annotation(item: DrawnObject, value: int, view: View, box: UprightBox) -> A
         doors=item.doors,
         drawers=item.drawers,
         box=floor_box(view, box),
+        guessed=guessed,
         front=None if item.round else front_of(view, box, item.faces),
     )
 
@@ -136,7 +137,9 @@ def write_folder(
     )
     write_json(folder / "camera.json", camera)
     annotations = Annotations(
-        objects=[_annotation(item, values[item.id], view, solved.boxes[item.id]) for item in seen],
+        objects=[
+            _annotation(item, values[item.id], view, solved.boxes[item.id], item.id in solved.guessed) for item in seen
+        ],
         floor=values["floor"] if values["floor"] in shown else None,
         walls=[values[wall.id] for wall in project.walls if values[wall.id] in shown],
     )
