@@ -133,6 +133,13 @@ def test_a_round_thing_from_three_pixels() -> None:
     found = round_box(VIEW, 0.0, pixels, NOTHING)  # type: ignore[arg-type]
     np.testing.assert_allclose(np.asarray(found.center), [0.6, 2.8, 0.35], atol=1e-6)
     np.testing.assert_allclose(np.asarray(found.size), [0.5, 0.5, 0.7], atol=1e-6)
+    for side in (-2.4, 2.4):  # a table: its top is wider than its foot
+        pixels[2] = tuple(VIEW.project(center + side * beside + top).tolist())
+        table = round_box(VIEW, 0.0, pixels, NOTHING)  # type: ignore[arg-type]
+        np.testing.assert_allclose(np.asarray(table.center), [0.6, 2.8, 0.35], atol=1e-6)
+        np.testing.assert_allclose(np.asarray(table.size), [1.2, 1.2, 0.7], atol=1e-6)
+    typed = round_box(VIEW, 0.0, pixels, (1.0, None, 0.8))  # type: ignore[arg-type]
+    np.testing.assert_allclose(np.asarray(typed.size), [1.0, 1.0, 0.8])
     with pytest.raises(MetrologyError, match="top lies below"):
         round_box(VIEW, 0.0, [*pixels[:2], (pixels[0][0], pixels[0][1] + 30)], NOTHING)  # type: ignore[list-item]
 

@@ -205,16 +205,19 @@ def round_box(
     """The box around a round thing, from the left and right end of its foot, which lie beside its centre, and its top.
 
     Args:
-        pixels: two or three; without the third it is flat.
+        pixels: two or three; without the third it is flat. If that lies farther to a side than its foot does, its top
+            ends there.
         sizes: width, depth and height in metres where they are known; its centre stays.
     """
     left, right = view.on_level(pixels[0], ground), view.on_level(pixels[1], ground)
     middle = (left + right) / 2
     width = sizes[0] or max(float(np.linalg.norm(right - left)), 1e-4 * view.above)
     height = sizes[2] or 1e-4 * view.above
-    if sizes[2] is None and len(pixels) > 2:
+    if len(pixels) > 2 and None in (sizes[0], sizes[2]):
         away = middle * [1, 1, 0] / np.linalg.norm(middle[:2])
-        height = float(view.on_plane(pixels[2], away, float(away @ middle))[2]) - ground
+        top = view.on_plane(pixels[2], away, float(away @ middle))
+        width = sizes[0] or max(width, 2 * float(np.linalg.norm((top - middle)[:2])))
+        height = sizes[2] or float(top[2]) - ground
         if height <= 0:
             raise MetrologyError("its top lies below its base")
     return UprightBox([*middle[:2], ground + height / 2], [width, sizes[1] or width, height], 0.0)
