@@ -11,6 +11,7 @@ from stages.contracts.images import read_rgb
 from stages.scenes.rgbd.cameras import KNOWS, Matrix, of_camera, of_field_of_view, read_intrinsics
 from stages.scenes.rgbd.clusters import clustered
 from stages.scenes.rgbd.depth_files import in_metres, read_raw
+from stages.scenes.rgbd.edges import without_edges
 from stages.scenes.rgbd.frame import Frame
 from stages.scenes.rgbd.layouts import read_frame
 from stages.scenes.rgbd.lens import find_distortion, straight_frame
@@ -75,6 +76,8 @@ def run(
         name = "" if rgb is None else rgb.name
         frame = replace(frame, masks=read_labelled(masks, labels, width, height, name))
     frame = straight_frame(fitted(frame))
+    if frame.masks is not None:
+        frame = replace(frame, depth=without_edges(frame.depth, frame.masks.values))
     if clusters and masks is None:
         frame = replace(frame, masks=clustered(frame.depth, frame.intrinsics, frame.rgb))
     height, width = frame.rgb.shape[:2]

@@ -165,4 +165,6 @@ def test_rgbd_frames_are_straightened(tmp_path: Path, inverse: bool, said: dict[
     if said.get("D") or inverse:
         assert inside.mean() > 0.8 and agree > 0.95 and off < 0.02
     else:
-        assert np.array_equal(written.depth > 0, depth > 0) and agree < 0.9
+        known = written.depth > 0
+        assert np.abs(written.depth - depth)[known].max() < 0.001 and known.sum() > 0.9 * (depth > 0).sum()
+        assert agree < 0.9

@@ -25,7 +25,7 @@ from stages.scenes import from_rgbd
 from stages.scenes.rgbd.cameras import of_camera, read_intrinsics, resized
 from stages.scenes.rgbd.clusters import clustered
 from stages.scenes.rgbd.depth_files import in_metres, read_raw
-from stages.scenes.rgbd.halos import without_halos
+from stages.scenes.rgbd.halos import completed, without_halos
 from stages.scenes.rgbd.mask_files import read_labelled
 from tests.unit.synthetic_room import FLOOR, HEIGHT, INTRINSICS, OBJECT, WIDTH, trace
 
@@ -156,6 +156,22 @@ def test_halos_of_the_table_s_colour_are_left_out() -> None:
     assert (kept & thing).sum() > 0.97 * thing.sum() and (kept & halo).sum() < 0.2 * halo.sum()
     same = np.full_like(rgb, 120).astype(np.uint8)
     assert np.array_equal(without_halos(values, same, masks == OBJECT), values), "of the table's colour: left alone"
+
+
+def test_what_depth_takes_for_the_table_is_known_by_its_colour() -> None:
+    """A bowl of which depth shows the rim alone; its shadow on the table is the table's."""
+    _, masks = trace([TABLE, BOX], wall=False)
+    thing, size = masks == OBJECT + 1, 25
+    rim = thing & (cv2.erode(thing.astype(np.uint8), np.ones((size, size))) == 0)
+    rim[np.nonzero(thing)[0].max() - size // 3 :] = False  # open below
+    rgb = np.where(thing[..., None], (230, 230, 240), (120, 90, 60))
+    rgb[:, : np.nonzero(thing)[1].min()] //= 2
+    rgb = rgb + np.random.default_rng(0).integers(-9, 9, (*masks.shape, 1))
+    values = np.where(rim, 1, 0).astype(np.uint16)
+    whole = completed(values, rgb.astype(np.uint8), masks >= OBJECT) > 0
+    assert (whole & thing).sum() > 0.95 * thing.sum() and not (whole & ~thing).any()
+    same = np.full_like(rgb, 120).astype(np.uint8)
+    assert np.array_equal(completed(values, same, masks >= OBJECT), values), "of the table's colour: left alone"
 
 
 def test_ground_is_what_the_named_things_stand_on(files: SimpleNamespace) -> None:

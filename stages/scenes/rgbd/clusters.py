@@ -9,7 +9,7 @@ from stages.contracts import InputError
 from stages.geometry.cameras import back_project
 from stages.geometry.clouds import dbscan
 from stages.scenes.rgbd.frame import Labelled
-from stages.scenes.rgbd.halos import without_halos
+from stages.scenes.rgbd.halos import completed, without_halos
 from stages.scenes.rgbd.levels import FLAT, Level, level_planes, sampled
 from stages.scenes.rgbd.touching import cut_apart, smoothed
 
@@ -26,7 +26,7 @@ LABEL = "object"
 def clustered(depth: NDArray[np.float32], intrinsics: NDArray[np.float64], rgb: NDArray[np.uint8]) -> Labelled:
     """Objects on the highest large level plane of a depth image (H, W), metres: each an `object`, from left to right.
 
-    The picture (H, W, 3) only tells what of them is the table beside them.
+    The picture (H, W, 3) only tells where they end, beside the table.
 
     Raises:
         InputError: there is no level plane, or nothing on it.
@@ -64,7 +64,8 @@ def clustered(depth: NDArray[np.float32], intrinsics: NDArray[np.float64], rgb: 
         points = back_project(smoothed(depth), intrinsics)
         height = table.height(points)
         values = cut_apart(values, points, height, FIRM * far)
-        values = without_halos(values, rgb, seen & (np.abs(height) < ABOVE * far))
+        flat = seen & (np.abs(height) < ABOVE * far)
+        values = completed(without_halos(values, rgb, flat), rgb, flat)
     return Labelled(values, dict.fromkeys(np.unique(values[values > 0]).tolist(), LABEL))
 
 

@@ -1,6 +1,7 @@
-"""Halos: pixels beside a thing to which a depth camera gives a depth between the thing's and the table's.
+"""Pixels near a thing whose depth is wrong, told by colour: halos, which are the table's, and what is as flat as it.
 
-They show the table, and have its colours, not those of the thing.
+Beside things a depth camera gives a depth between the thing's and the table's; the inside and the lower edge of white
+or shiny things it gives the table's.
 """
 
 import cv2
@@ -11,18 +12,16 @@ from scipy.ndimage import binary_closing, binary_fill_holes, binary_opening, gau
 BINS, BLUR = 16, 0.7  # of each of L, a, b; in bins
 RING = 61  # pixels around a thing, in which the table is looked at
 LIKELIER = 2.0  # times that a colour must be the table's rather than the thing's
+OWN = 4.0  # times that it must be the thing's: shadows are a little alike
 LEAST, PART = 0.4, 0.1  # of a thing that remains, else it is of the table's colours; of its largest piece, for others
 
 
 def without_halos(values: NDArray[np.uint16], rgb: NDArray[np.uint8], table: NDArray[np.bool_]) -> NDArray[np.uint16]:
     """Masks (H, W) without what looks like the table around them, where `table` is known to be seen."""
-    lab = cv2.cvtColor(rgb, cv2.COLOR_RGB2LAB).astype(int) * BINS // 256
-    colour = np.ravel_multi_index(tuple(np.moveaxis(lab, -1, 0)), (BINS, BINS, BINS))
-    kept = values.copy()
+    colour, kept = _colours(rgb), values.copy()
     for value in np.unique(values[values > 0]):
         mask = values == value
-        around = cv2.dilate(mask.astype(np.uint8), np.ones((RING, RING), np.uint8)) > 0
-        around &= table & (values == 0)
+        around = _around(mask) & table & (values == 0)
         if not around.any():
             continue
         strange = (_shares(colour[around]) > LIKELIER * _shares(colour[mask]))[colour] & mask
@@ -34,6 +33,36 @@ def without_halos(values: NDArray[np.uint16], rgb: NDArray[np.uint8], table: NDA
         if own.sum() >= LEAST * mask.sum():
             kept[mask & ~own] = 0
     return kept
+
+
+def completed(values: NDArray[np.uint16], rgb: NDArray[np.uint8], table: NDArray[np.bool_]) -> NDArray[np.uint16]:
+    """Masks (H, W) with what adjoins them and has their colours, though depth says `table`: at most twice as large."""
+    colour, whole = _colours(rgb), values.copy()
+    for value in np.unique(values[values > 0]):
+        mask = values == value
+        around = _around(mask)
+        beside = around & table & (values == 0)
+        if not beside.any():
+            continue
+        free = around & table & (whole == 0)
+        alike = free & (_shares(colour[mask]) > OWN * _shares(colour[beside]))[colour] | mask
+        alike &= (cv2.medianBlur(alike.astype(np.uint8), 5) > 0) | mask
+        _, pieces = cv2.connectedComponents(alike.astype(np.uint8), connectivity=4)
+        own = np.isin(pieces, np.unique(pieces[mask]))
+        added = binary_fill_holes(binary_closing(own, np.ones((3, 3)))) & free
+        if own.sum() > mask.sum() >= added.sum():
+            whole[added] = value
+    return whole
+
+
+def _colours(rgb: NDArray[np.uint8]) -> NDArray[np.int64]:
+    """Number of each pixel's colour."""
+    lab = cv2.cvtColor(rgb, cv2.COLOR_RGB2LAB).astype(int) * BINS // 256
+    return np.asarray(np.ravel_multi_index(tuple(np.moveaxis(lab, -1, 0)), (BINS, BINS, BINS)))
+
+
+def _around(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    return np.asarray(cv2.dilate(mask.astype(np.uint8), np.ones((RING, RING), np.uint8)) > 0)
 
 
 def _shares(colours: NDArray[np.int64]) -> NDArray[np.float64]:

@@ -11,10 +11,13 @@ from numpy.typing import NDArray
 from stages.config.own_scene import write_config
 from stages.contracts import Annotations, Camera, InputError, atomic, write_json
 from stages.contracts.scenes import Annotation
+from stages.geometry.cameras import back_project
 from stages.scenes.rgbd.cameras import resized
 from stages.scenes.rgbd.frame import Frame, Labelled
+from stages.scenes.rgbd.levels import TILT, UP_IN_IMAGE, level_planes, sampled
 
 LONGEST = 1600  # pixels of the longer side; larger pictures are made smaller
+STEEP = np.deg2rad(55)  # between image-up and the ground's normal, from which on extraction looks farther for it
 STRETCHED = 0.02  # by which the proportions of depth and picture may differ
 FLOOR, WALL = {"floor", "ground", "carpet"}, {"wall", "walls"}
 NOTHING = {"", "background", "ceiling", "unknown", "unlabeled", "unlabelled", "void"}
@@ -101,5 +104,14 @@ def write_frame(folder: Path, frame: Frame) -> Annotations | None:
     with atomic(folder / "masks.png") as path:
         cv2.imwrite(str(path), masks[0])
     write_json(folder / "annotations.json", masks[1])
-    write_config(folder, extraction={"crop": 1.0})  # measured depth is good up to the border
+    write_config(folder, extraction=_extraction(frame))
     return masks[1]
+
+
+def _extraction(frame: Frame) -> dict[str, float]:
+    """Options of extraction that suit a measured frame: depth is good up to the border; seen from far above."""
+    rng = np.random.default_rng(0)
+    points = back_project(frame.depth, frame.intrinsics)[frame.depth > 0]
+    levels = level_planes(sampled(points, rng), rng)
+    steep = bool(levels) and float(levels[0].up @ UP_IN_IMAGE) < np.cos(STEEP)
+    return {"crop": 1.0} | ({"max_tilt": float(round(np.rad2deg(TILT)))} if steep else {})

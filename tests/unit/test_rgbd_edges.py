@@ -1,0 +1,62 @@
+"""RGB-D frames as cameras and hands make them: masks some pixels off, smeared edges, from far above, before a wall."""
+
+import json
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+import yaml
+
+from stages.geometry.cameras import back_project
+from stages.scenes import from_rgbd
+from stages.scenes.rgbd.frame import Frame, Labelled
+from stages.scenes.rgbd.levels import level_planes
+from stages.scenes.rgbd.write import write_frame
+from tests.unit.synthetic_room import HEIGHT, INTRINSICS, OBJECT, WIDTH, trace
+from tests.unit.test_rgbd import BOX, CAN, TABLE, boxes_of
+
+
+def test_a_wall_is_not_level() -> None:
+    """Looking 35 degrees down its normal is 55 degrees from image-up, and it may fill more of the picture."""
+    rng = np.random.default_rng(0)
+    up, out = np.array([0, -np.cos(np.deg2rad(35)), -np.sin(np.deg2rad(35))]), np.zeros(3)
+    out[1:] = -up[2], up[1]  # of the wall, towards the camera
+    side, table, wall = rng.uniform(-0.5, 0.5, 5000), rng.uniform(0.5, 1.0, 2000), rng.uniform(-0.4, 0.4, 3000)
+    across = side[:, None] * [1.0, 0, 0]
+    points = np.concatenate([across[:2000] - 0.6 * up - table[:, None] * out, across[2000:] + wall[:, None] * up - out])
+    found = level_planes(points, rng)
+    assert found[0].up @ up > 0.999 and found[0].offset == pytest.approx(-0.6, abs=0.01)
+
+
+@pytest.mark.parametrize(("down", "found"), [(40, {"crop": 1.0}), (70, {"crop": 1.0, "max_tilt": 75.0})])
+def test_from_far_above_extraction_looks_farther_for_the_ground(tmp_path: Path, down: int, found: dict) -> None:
+    up = np.array([0, -np.cos(np.deg2rad(down)), -np.sin(np.deg2rad(down))])
+    rays = back_project(np.ones((HEIGHT, WIDTH)), INTRINSICS)
+    depth = np.where(rays @ up < -0.1, -1 / np.minimum(rays @ up, -0.1), 0).astype(np.float32)
+    values = np.zeros(depth.shape, np.uint16)
+    values[150:200, 200:260] = 1
+    rgb = np.zeros((*depth.shape, 3), np.uint8)
+    write_frame(tmp_path / "top", Frame(rgb, depth, INTRINSICS, Labelled(values, {1: "book"})))
+    assert yaml.safe_load((tmp_path / "top" / "config.yaml").read_text())["extraction"] == found
+
+
+def test_masks_may_be_some_pixels_off_and_edges_smeared(tmp_path: Path) -> None:
+    depth, masks = trace([TABLE, BOX, CAN], wall=False)
+    smeared = 0.4 * cv2.blur(depth, (5, 5))  # of things 8 and 6 cm wide, a metre away
+    smeared[depth == 0] = 0
+    wide = np.zeros_like(masks)
+    for value in (OBJECT + 1, OBJECT + 2):
+        wide[cv2.dilate((masks == value).astype(np.uint8), np.ones((7, 7))) > 0] = value
+    cv2.imwrite(str(tmp_path / "rgb.png"), np.zeros((HEIGHT, WIDTH, 3), np.uint8))
+    cv2.imwrite(str(tmp_path / "masks.png"), wide)
+    np.savez(tmp_path / "depth.npz", depth=smeared)
+    (tmp_path / "K.txt").write_text(" ".join(map(str, INTRINSICS.ravel())))
+    (tmp_path / "names.json").write_text(json.dumps({str(OBJECT + 1): "box", str(OBJECT + 2): "can"}))
+    rgb, depth_file, k, masks_file, names = (
+        tmp_path / name for name in ("rgb.png", "depth.npz", "K.txt", "masks.png", "names.json")
+    )
+    from_rgbd.run(out=tmp_path / "out", rgb=rgb, depth=depth_file, intrinsics=k, masks=masks_file, labels=names)
+    found = boxes_of(tmp_path / "out")
+    for name, true in (("box_1", BOX), ("can_1", CAN)):
+        assert sorted(found[name].size) == pytest.approx(sorted(0.4 * np.array(true.size)), abs=0.045), name
