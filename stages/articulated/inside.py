@@ -1,6 +1,9 @@
 """Files that a model's file names, inside the user's folder."""
 
+import os.path
 from pathlib import Path
+
+from stages.contracts.errors import InputError
 
 
 class OutsideError(Exception):
@@ -32,3 +35,22 @@ def find_inside(name: str, here: Path, folder: Path) -> Path | None:
     except (OSError, RuntimeError, ValueError):  # names that are too long, links in a circle
         pass
     return None
+
+
+def missing(who: Path, what: str, name: str, here: Path, folder: Path) -> InputError:
+    """The complaint of `who` that no such file is in the folder; a folder above that has the file is told.
+
+    Args:
+        what: what names it and what it is, e.g. "link 'door', <visual>: there is no mesh".
+    """
+    folder, fix = folder.resolve(), "copy it there"
+    for base in (here.resolve(), *folder.parents):
+        try:
+            found = (base / name).resolve()
+            above = Path(os.path.commonpath([found, folder]))
+            if found.is_file() and above not in (folder, Path(above.anchor)):
+                fix = f"give {above} in its place, which has it, or copy it there"
+                break
+        except (OSError, RuntimeError, ValueError):
+            break
+    return InputError(who, f"{what} '{name[:200]}' in {folder.name}/.", fix)

@@ -110,13 +110,15 @@ class JointModel:
 class RobotModel:
     """Links and joints that form one tree; joints in an order in which parents come before children.
 
-    `touching`: pairs of links that touch when everything is closed and must not collide, as in an SRDF.
+    `touching`: pairs of links that touch when everything is closed and must not collide, as in an SRDF. `remarks`: what
+    a reader left out of its file or assumed, in lines.
     """
 
     name: str
     links: dict[str, Link]
     joints: list[JointModel] = field(default_factory=list)
     touching: tuple[tuple[str, str], ...] = ()
+    remarks: tuple[str, ...] = ()
 
     @property
     def root(self) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 import trimesh
 from trimesh import Trimesh
 
-from stages.articulated.inside import OutsideError, find_inside
+from stages.articulated.inside import OutsideError, find_inside, missing
 from stages.articulated.mesh_reader import convex_pieces, has_texture, load_meshes
 from stages.articulated.model import RGBA, JointModel, Link, Matrix, RobotModel, Visual, moved
 from stages.articulated.urdf_tree import UrdfTree
@@ -157,17 +157,14 @@ class UrdfReader:
 
     def _mesh_file(self, name: str, where: str) -> Path:
         """The mesh file that a URDF names, inside the folder."""
-        plain = (
-            re.sub(r"^\$\(find ([^)]*)\)", r"\1", name).removeprefix("package://").removeprefix("file://").lstrip("/")
-        )
+        plain = re.sub(r"^\$\(find ([^)]*)\)", r"\1", name.replace("\\", "/"))
+        plain = plain.removeprefix("package://").removeprefix("file://").lstrip("/")
         try:
             found = find_inside(plain, self.path.parent, self.folder)
         except OutsideError:
-            raise InputError(
-                self.path, f"{where}: mesh '{name[:200]}' lies outside {self.folder.name}/.", "copy it inside"
-            ) from None
+            found = None
         if found is None:
-            raise InputError(self.path, f"{where}: there is no mesh '{name[:200]}' in {self.folder.name}/.")
+            raise missing(self.path, f"{where}: there is no mesh", plain, self.path.parent, self.folder)
         return found
 
 

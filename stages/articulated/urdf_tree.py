@@ -14,6 +14,7 @@ from stages.contracts.errors import InputError
 from stages.geometry.frames import rigid
 
 MOST_LINKS = 1000
+AROUND = " \t\r\n\0\x1a"  # the document, in files of other programs: XML allows nothing before it
 LARGEST = 1e6  # of any number: beyond it is a slip, in whatever unit
 WIDEST_ANGLE = 4 * np.pi  # limits of a hinge
 FIXED_RANGE = 1e-4  # metres or radians: joints with a smaller range are fixed
@@ -51,7 +52,7 @@ class UrdfTree:
         if "<!DOCTYPE" in text:  # entities: files of this machine, or more text than its memory holds
             raise InputError(self.path, "declares a DOCTYPE, which a URDF does not need.", "remove it")
         try:
-            robot = ET.fromstring(text)
+            robot = ET.fromstring(text.strip(AROUND))
         except (ET.ParseError, ValueError) as error:
             raise InputError(self.path, f"is not XML: {error}.") from None
         if robot.tag != "robot":
@@ -80,7 +81,7 @@ class UrdfTree:
         """The `count` numbers of an attribute, each from `low` to a million."""
         text = default if element is None else element.get(key, default)
         try:
-            values = np.array([float(word) for word in text.split()])
+            values = np.array([float(word) for word in text.replace(",", " ").split()])
         except ValueError:
             values = np.array([])
         if len(values) != count or not np.isfinite(values).all():

@@ -5,6 +5,7 @@ and convex OBJs collide.
 """
 
 import re
+import warnings
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
@@ -109,7 +110,9 @@ def _add_joint(root: ET.Element, joint: JointModel) -> None:
 def _roll_pitch_yaw(transform: Matrix) -> Matrix:
     if (transform[:3, :3] == np.eye(3)).all():
         return np.zeros(3)
-    return np.asarray(Rotation.from_matrix(transform[:3, :3]).as_euler("xyz"))
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Gimbal lock")  # any of the angles will do
+        return np.asarray(Rotation.from_matrix(transform[:3, :3]).as_euler("xyz"))
 
 
 def _precise(values: Matrix) -> str:

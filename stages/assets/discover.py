@@ -22,7 +22,10 @@ TOLD = {  # words of PartNet-Mobility and of file names where the library has ot
 KNOWN = TOLD | {category.replace("_", ""): category for category in CATEGORIES}
 JOINED = 7  # letters of a word that counts at the end of another, as in hingecabinet
 PAGE = "index.html"  # of the verb `import`, in the folder that it writes
-COMMON = {"base", "main", "mesh", "mobility", "model", "object", "robot", "scene", "textured", "urdf", "visual"}
+COMMON = {  # words that say nothing of what a model is
+    "asset", "base", "collision", "glb", "main", "mesh", "meshes", "misc", "mjcf", "mobility", "model", "obj", "object",
+    "other", "robot", "scene", "textured", "urdf", "visual", "xml",
+}  # fmt: skip
 WHOLE = {".urdf", ".xml"}  # models that name the meshes that they are made of
 NAMES = re.compile(rb"""file(?:name)?\s*=\s*["']([^"']+)["']""")
 
@@ -41,23 +44,15 @@ def discover(folder: Path, kinds: Sequence[str]) -> list[Found]:
 
     <category>/<model>.<kind>; <category>/<model>/...: its files of the first kind that it has; <model>.<kind>, whose
     name may tell the category; <number>/mobility.urdf, with the category in meta.json, or <category>/<number>/
-    mobility.urdf. What lies in a folder of its own is called as that folder is, unless several models do. Meshes that
-    a URDF or MJCF file names, and MJCF that others include, are parts of those models.
+    mobility.urdf. What lies in a folder whose name says nothing (`assets`, `urdf`) counts as lying beside it. What lies
+    in a folder of its own is called as that folder is, unless several models do. Meshes that a URDF or MJCF file names,
+    and MJCF that others include, are parts of those models.
 
     Args:
         folder: of the user.
         kinds: suffixes of model files, the most telling first.
     """
-    found: list[Found] = []
-    for child in sorted(folder.iterdir()):
-        if is_model(child, kinds):
-            found.append(single(child))
-        elif not child.is_dir():
-            continue
-        elif numbered := numbered_model(child):
-            found.append(Found(numbered, folder, told_category(child) or folder.name, child.name))
-        else:
-            found += _sorted_in(child, folder, kinds)
+    found = _below(folder, folder, kinds)
     models = [one for one in found if not is_part(one.path)]
     if any(one.path.suffix.lower() not in WHOLE for one in models):
         named = named_meshes(folder)
@@ -73,35 +68,75 @@ def discover(folder: Path, kinds: Sequence[str]) -> list[Found]:
     return models
 
 
-def single(path: Path) -> Found:
+def single(path: Path, folder: Path | None = None) -> Found:
     """A model file by itself, in a folder that says nothing of it."""
-    return Found(path, path.parent, category_in(path.stem) or path.stem, path.stem)
+    return Found(path, folder or path.parent, category_in(path.stem) or bare(path.stem), path.stem)
+
+
+def _below(here: Path, folder: Path, kinds: Sequence[str]) -> list[Found]:
+    """The models of a folder, or of one in it that says nothing; some may be parts of others."""
+    found: list[Found] = []
+    for child in sorted(here.iterdir()):
+        if is_model(child, kinds):
+            found.append(single(child, folder))
+        elif not child.is_dir():
+            continue
+        elif numbered := numbered_model(child):
+            found.append(Found(numbered, folder, told_category(child) or here.name, child.name))
+        elif is_common(child.name):
+            found += _below(child, folder, kinds)
+        else:
+            found += _sorted_in(child, folder, kinds)
+    return found
 
 
 def _sorted_in(child: Path, folder: Path, kinds: Sequence[str]) -> list[Found]:
-    """The models of a category's folder; where its name is no category of ours, a file's name may tell."""
-    told, bare = category_in(child.name), re.sub(r"^[\W\d_]+", "", child.name) or child.name
+    """The models of a category's folder; where its name is no category of ours, one in it or a file's may tell: then it
+    is a collection, and the others in it are of the category that their own name says."""
+    told, own = category_in(child.name), bare(child.name)
     found: list[Found] = []
     for inner in sorted(child.iterdir()):
         if is_model(inner, kinds):
-            found.append(Found(inner, folder, told or category_in(inner.stem) or bare, inner.stem))
+            found.append(Found(inner, folder, told or category_in(inner.stem) or own, inner.stem))
         elif inner.is_dir() and (numbered := numbered_model(inner)):
-            found.append(Found(numbered, folder, told_category(inner) or told or bare, inner.name))
+            found.append(Found(numbered, folder, told_category(inner) or told or own, inner.name))
         elif inner.is_dir():
-            category = told or category_in(inner.name) or bare
-            found += [Found(path, folder, category, _name(path, inner, n)) for path, n in _first_kind(inner, kinds)]
-    return found
+            for path, count_ in _first_kind(inner, kinds):
+                names = (*path.relative_to(child).parts[:-1], path.stem)
+                category = told or next((known for name in names if (known := category_in(name))), own)
+                found.append(Found(path, folder, category, _name(path, inner, count_)))
+    if all(one.category == own for one in found):
+        return found
+    return [one._replace(category=bare(one.name)) if one.category == own else one for one in found]  # a collection
+
+
+def words(name: str) -> list[str]:
+    """The words of a name, lower case, without numbers: `studyTable_2` has two."""
+    return [word.lower() for word in re.findall(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])", name)]
+
+
+def is_common(name: str) -> bool:
+    """Whether a name says nothing of what a model is."""
+    return bool(words(name)) and all(word in COMMON or word.removesuffix("s") in COMMON for word in words(name))
+
+
+def bare(name: str) -> str:
+    """A name as a category of its own: without numbers before it and without words that say nothing after it."""
+    kept = re.sub(r"^[\W\d_]+", "", name)
+    while (shorter := re.sub(r"[\W\d_]+[A-Za-z]+$", "", kept)) != kept and is_common(kept[len(shorter) :]):
+        kept = shorter
+    return kept or name
 
 
 def category_in(name: str) -> str | None:
     """The category of ours that a name tells, by its last words: `025_mug`, `studyTable`, `hingecabinet`."""
-    words = [word.lower() for word in re.findall(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])", name)]
-    for end in range(len(words), 0, -1):
+    all_words = words(name)
+    for end in range(len(all_words), 0, -1):
         for start in range(end):
-            joined = "".join(words[start:end])
+            joined = "".join(all_words[start:end])
             if known := KNOWN.get(joined) or KNOWN.get(joined.removesuffix("s")):
                 return known
-    ends = [known for word in words for known in KNOWN if len(known) >= JOINED and word.endswith(known)]
+    ends = [known for word in all_words for known in KNOWN if len(known) >= JOINED and word.endswith(known)]
     return KNOWN[max(ends, key=len)] if ends else None
 
 
@@ -151,7 +186,10 @@ def _first_kind(folder: Path, kinds: Sequence[str]) -> list[tuple[Path, int]]:
 
 
 def _name(path: Path, folder: Path, models: int) -> str:
-    return folder.name if models == 1 or path.stem.lower() in COMMON else path.stem
+    """As the model's folder is called if it is the only one, else as its file is or the nearest folder that tells."""
+    above = [place.name for place in path.parents if place.is_relative_to(folder)]
+    names = [folder.name, path.stem, *above] if models == 1 else [path.stem, *above]
+    return next((name for name in [*names, folder.parent.name] if not is_common(name)), folder.name)
 
 
 def numbered_names(names: Iterable[str], taken: Iterable[str]) -> list[str]:

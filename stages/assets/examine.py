@@ -19,13 +19,14 @@ from stages.assets.discover import NUMBERED, Found
 from stages.assets.importers import Axis, Importer
 from stages.assets.importers.urdf import IMPORTER as URDF
 from stages.assets.imports import ModelFile, Notes, axis_vector, import_file, in_one_line, upright, with_notes
-from stages.assets.proportions import UNITS, doubt_of_size, scale_from_sphere, up_and_unit, up_as_it_stands
+from stages.assets.proportions import UNITS, doubt_of_size, likest, scale_from_sphere, up_and_unit, up_as_it_stands
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json, write_json
 from stages.contracts.library import Asset, Joint
 from stages.procedural.catalogue import CATEGORIES
 
 NOTES = "asset.json"
+STORAGE = ("bottom_cabinet", "wardrobe")  # both are StorageFurniture in PartNet
 
 
 @dataclass
@@ -60,8 +61,9 @@ class Examined:
 
     def text(self) -> str:
         """All of it, in lines."""
-        used = "" if self.asset is not None else " (not used)"
-        lines = [f"{self.source}{used}: {'; '.join(self.facts())}"]
+        if self.asset is None:
+            return f"{self.source}: not used: {self.doubts[-1]}"
+        lines = [f"{self.source}: {'; '.join(self.facts())}"]
         return "\n  ".join([*lines, *self.joints(), *(f"? {doubt}" for doubt in self.doubts)])
 
 
@@ -75,6 +77,7 @@ def examine(found: Found, importer: Importer, place: Path, work: Path, before: S
         with in_one_line(found.path):
             file = with_notes(found, importer)
             robot = importer.read(found.path, found.folder)
+            model.doubts += robot.remarks
             theirs = place / NOTES
             corrected = theirs.is_file()
             if corrected:
@@ -83,13 +86,18 @@ def examine(found: Found, importer: Importer, place: Path, work: Path, before: S
             else:
                 notes, model.told = guessed(robot, file)
                 if file.category not in CATEGORIES:
+                    if notes.scale != file.notes.scale:
+                        unit = UNITS[round(notes.scale / file.notes.scale, 6)]
+                        model.doubts.append(f"of such things no size is known: that it is in {unit} is a guess")
                     model.told.append("a category of its own: none of ours is called so")
             model.notes = notes
             write_model(robot, place, notes)
             as_written = Found(place / "model.urdf", place.parent.parent, place.parent.name, place.name)
-            asset, model.doubts = import_file(with_notes(as_written, URDF), work)
+            asset, doubts = import_file(with_notes(as_written, URDF), work)
+            model.doubts += doubts
     except InputError as error:
-        model.doubts.append(str(error))
+        written = place / "model.urdf"
+        model.doubts.append(str(error).removeprefix(f"{found.path}: ").removeprefix(f"{written}: "))
         return model
     twin = next((other for other in before if other.asset and other.asset.checksum == asset.checksum), None)
     if twin is not None:
@@ -106,15 +114,17 @@ def examine(found: Found, importer: Importer, place: Path, work: Path, before: S
 def guessed(robot: RobotModel, file: ModelFile) -> tuple[Notes, list[str]]:
     """The notes beside a model, with what they do not say; and how that was found, in lines."""
     notes, lines = file.notes, []
-    up, scale = notes.up, notes.scale
+    up, scale, category = notes.up, notes.scale, file.category
     if up is None:
         low, high = closed_box(robot)
         extents, up = (high - low) * scale, file.importer.up
-        if file.path.name in NUMBERED and (known := scale_from_sphere(extents, file.category)):
+        if file.path.name in NUMBERED and category == STORAGE[0]:
+            category = likest(extents, STORAGE)
+        if file.path.name in NUMBERED and (known := scale_from_sphere(extents, category)):
             scale *= known
             lines.append("as large as ours are: its file has it in a sphere of radius 1, as all of PartNet")
         else:
-            up, unit = up_and_unit(extents, file.category, up)
+            up, unit = up_and_unit(extents, category, up)
             scale *= unit
             if unit != 1.0:
                 lines.append(f"in {UNITS[unit]} by its size")
@@ -123,7 +133,7 @@ def guessed(robot: RobotModel, file: ModelFile) -> tuple[Notes, list[str]]:
         elif len(robot.links) == 1:
             (body,) = robot.links.values()
             points = np.concatenate([visual.mesh.vertices for visual in body.visuals])
-            up = up_as_it_stands(points, file.category, up)
+            up = up_as_it_stands(points, category, up)
             if up != file.importer.up:
                 lines.append(f"up {up}: only so it stands")
     front: Axis | None = notes.front
@@ -133,9 +143,12 @@ def guessed(robot: RobotModel, file: ModelFile) -> tuple[Notes, list[str]]:
         turned, _ = upright(robot, file._replace(notes=notes))
         told = front_direction(turned)
         front = default if told is None else in_file(told[0], default, up)
-        lines.append("front assumed" if told is None else f"front where {told[1]} of its doors and drawers open")
+        unsure = file.notes.up is None and up == file.importer.up and not file.importer.has_up
+        unsure = unsure and category not in CATEGORIES
+        assumed = "front and up assumed" if unsure else "front assumed"
+        lines.append(assumed if told is None else f"front where {told[1]} of its doors and drawers open")
     words = {
-        "category": file.category,
+        "category": category,
         "front": front,
         "up": up,
         "scale": scale,

@@ -1,10 +1,12 @@
 """One MJCF file as MuJoCo reads it: what it includes put in its place, files named by whole paths, inside a folder."""
 
+import math
 import xml.etree.ElementTree as ET
 from pathlib import Path
 from typing import Any
 
-from stages.articulated.inside import OutsideError, find_inside
+from stages.articulated.inside import OutsideError, find_inside, missing
+from stages.articulated.urdf_tree import AROUND
 from stages.contracts.errors import InputError
 
 DEEPEST = 20  # files that include each other
@@ -13,8 +15,8 @@ KEPT = {"asset", "compiler", "default", "worldbody"}  # all else is control, sen
 COMPILER = {"discardvisual": "false", "fusestatic": "false", "strippath": "false"}
 
 
-def compiled(path: Path, folder: Path) -> tuple[Any, Any]:
-    """MuJoCo's specification and compiled model (MjSpec, MjModel) of a file.
+def compiled(path: Path, folder: Path) -> tuple[Any, Any, list[str]]:
+    """MuJoCo's specification and compiled model (MjSpec, MjModel) of a file; lines say what was left out or assumed.
 
     Raises:
         InputError: MuJoCo is missing or refuses the file, it is a part of a model, or names files outside `folder`.
@@ -27,25 +29,60 @@ def compiled(path: Path, folder: Path) -> tuple[Any, Any]:
     except ImportError:
         raise InputError(path, "is MJCF, which MuJoCo reads.", "pip install mujoco") from None
     directories = {"mesh": "", "texture": "", "hfield": ""}
+    own = root.findall("worldbody")
     _include(root, path, path, folder, 0)
+    remarks = _without_surroundings(root, own)
+    settings = COMPILER | ({"angle": "radian"} if _in_radians(root) else {})
     for compiler in root.iter("compiler"):
         told = compiler.attrib
         for kind, key in (("mesh", "meshdir"), ("hfield", "meshdir"), ("texture", "texturedir")):
             directories[kind] = told.get(key, told.get("assetdir", directories[kind]))
     for element in root.iter():
         for key in [key for key in element.attrib if key.startswith("file")]:
-            name = element.attrib[key]
-            element.set(key, str(_inside(Path(directories.get(element.tag, "")) / name, path, folder)))
+            name = Path(slashed(directories.get(element.tag, "")), slashed(element.attrib[key]))
+            element.set(key, str(_inside(name, path, folder)))
     for element in [element for element in root if element.tag not in KEPT]:
         root.remove(element)
-    ET.SubElement(root, "compiler", COMPILER)
+    ET.SubElement(root, "compiler", settings)
     mujoco.set_mju_user_warning(lambda text: None)  # else it writes MUJOCO_LOG.TXT where the user is
     try:
         spec = mujoco.MjSpec.from_string(ET.tostring(root, encoding="unicode"))
-        return spec, spec.compile()
+        return spec, spec.compile(), remarks
     except Exception as error:  # of MuJoCo's own kinds, by version
         reason = " ".join(str(error).split())[:200]
         raise InputError(path, f"MuJoCo does not take it: {reason}") from None
+
+
+def _without_surroundings(root: ET.Element, own: list[ET.Element]) -> list[str]:
+    """Leave out the worlds that included files bring (a table, a room) if the file itself puts something into its own;
+    a line says so."""
+
+    def holds(world: ET.Element) -> bool:
+        return world.find(".//body") is not None or any(geom.get("type") != "plane" for geom in world.iter("geom"))
+
+    included = [world for world in root.findall("worldbody") if world not in own and holds(world)]
+    if not included or not any(holds(world) for world in own):
+        return []
+    for world in included:
+        root.remove(world)
+    names = [f"'{body.get('name', '')}'" for world in included for body in world.findall("body")]
+    return [f"left out, as included around it: {', '.join(names) or 'geoms of the world'}"]
+
+
+def _in_radians(root: ET.Element) -> bool:
+    """Whether angles must be radians, as no hinge turns by so few degrees: parts of a simulation that says so elsewhere
+    do not say it themselves."""
+    if any("angle" in compiler.attrib for compiler in root.iter("compiler")):
+        return False
+    hinges = [
+        joint for joint in root.iter("joint") if joint.get("type", "hinge") == "hinge" and "range" in joint.attrib
+    ]
+    texts = [joint.get("range", "") for joint in hinges] + [element.get("euler", "") for element in root.iter()]
+    try:
+        angles = [abs(float(word)) for text in texts for word in text.split()]
+    except ValueError:  # MuJoCo says what is wrong with it
+        return False
+    return bool(hinges) and max(angles, default=0.0) <= 2 * math.pi
 
 
 def parsed(path: Path) -> ET.Element:
@@ -54,7 +91,7 @@ def parsed(path: Path) -> ET.Element:
         text = path.read_text(encoding="utf-8-sig")
         if "<!DOCTYPE" in text:
             raise InputError(path, "declares a DOCTYPE, which MJCF does not need.", "remove it")
-        return ET.fromstring(text)
+        return ET.fromstring(text.strip(AROUND))
     except (OSError, UnicodeDecodeError, ET.ParseError, ValueError) as error:
         raise InputError(path, f"is not XML: {error}.") from None
 
@@ -74,12 +111,17 @@ def _include(element: ET.Element, here: Path, path: Path, folder: Path, depth: i
     for index in range(len(element) - 1, -1, -1):
         child = element[index]
         if child.tag == "include":
-            file = _inside(Path(child.get("file", "")), here, folder, path)
+            file = _inside(Path(slashed(child.get("file", ""))), here, folder, path)
             part = parsed(file)
             _include(part, file, path, folder, depth + 1)
             element[index : index + 1] = list(part)
         else:
             _include(child, here, path, folder, depth)
+
+
+def slashed(name: str) -> str:
+    """A file's name as other systems than Windows write it."""
+    return name.replace("\\", "/")
 
 
 def _inside(name: Path, here: Path, folder: Path, above: Path | None = None) -> Path:
@@ -96,5 +138,5 @@ def _inside(name: Path, here: Path, folder: Path, above: Path | None = None) -> 
     except OutsideError:
         found = None
     if found is None:
-        raise InputError(above or here, f"there is no file '{str(name)[:200]}' in {folder.name}/.", "copy it inside")
+        raise missing(above or here, "there is no file", str(name), here.parent, folder)
     return found

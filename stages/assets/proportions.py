@@ -1,5 +1,6 @@
 """Unit and up of a model that does not tell, from the sizes that its category has in our library."""
 
+from collections.abc import Sequence
 from functools import cache
 from itertools import product
 from typing import NamedTuple
@@ -57,8 +58,30 @@ def usual(category: str) -> Usual | None:
     sizes = sizes_of(category)
     if not len(sizes):
         return None
-    extents = np.log(np.c_[np.sort(sizes[:, :2], axis=1), sizes[:, 2]])
+    extents = _logarithms(sizes)
     return Usual(extents.min(axis=0), extents.max(axis=0))
+
+
+def likest(extents: Matrix, categories: Sequence[str]) -> str:
+    """Of some categories of ours the one that has such proportions (3,), whatever the size; of several the first."""
+
+    def misfit(category: str) -> float:
+        shapes = _shapes(sizes_of(category))
+        own = _shapes(np.maximum(extents, 1e-9)[None])[0]
+        return float(np.maximum(0, np.maximum(shapes.min(axis=0) - own, own - shapes.max(axis=0))).sum().round(6))
+
+    return min(categories, key=misfit)
+
+
+def _logarithms(sizes: Matrix) -> Matrix:
+    """(N, 3) of ground plan's shorter and longer extent and height."""
+    return np.asarray(np.log(np.c_[np.sort(sizes[:, :2], axis=1), sizes[:, 2]]))
+
+
+def _shapes(sizes: Matrix) -> Matrix:
+    """The same whatever the size."""
+    extents = _logarithms(sizes)
+    return np.asarray(extents - extents.mean(axis=1, keepdims=True))
 
 
 def up_and_unit(extents: Matrix, category: str, default: Axis) -> tuple[Axis, float]:
@@ -93,7 +116,7 @@ def _stands(points: Matrix, up: Axis) -> bool:
     """Whether it touches the ground along both directions of its ground plan: what lies on a round side does not."""
     axis = "xyz".index(up[1])
     height, plan = points[:, axis], np.delete(points, axis, axis=1)
-    foot = plan[height < height.min() + BOTTOM * np.ptp(height)]
+    foot = plan[height <= height.min() + BOTTOM * np.ptp(height)]
     return bool((np.ptp(foot, axis=0) >= FOOT * np.ptp(plan, axis=0)).all())
 
 
@@ -109,7 +132,7 @@ def scale_from_sphere(extents: Matrix, category: str) -> float | None:
 
 
 def doubt_of_size(size: tuple[float, float, float], category: str) -> str | None:
-    """A line if no model of the category is as large as this one (metres, z up), or it seems to lie on its side."""
+    """A line if no model of the category has the size of this one (metres, z up), or it seems to lie on its side."""
     sizes = usual(category)
     if sizes is None:
         return None
@@ -120,7 +143,7 @@ def doubt_of_size(size: tuple[float, float, float], category: str) -> str | None
     if misfit <= UNLIKELY:
         return None
     factor = sizes.factor(extents[:2], extents[2])
-    line = f"no {category.replace('_', ' ')} of ours is as large: {sizes}"
+    line = f"no {category.replace('_', ' ')} of ours has such a size: {sizes}"
     if sizes.misfit(extents[:2] * factor, extents[2] * factor) < UNLIKELY:
         line += f"; {factor:g} times its scale would be usual"
     return line

@@ -8,11 +8,22 @@ import trimesh
 from stages.articulated.mesh_reader import convex_pieces, load_meshes
 from stages.articulated.model import Link, RobotModel, Visual
 from stages.articulated.urdf_reader import MINIMUM_INERTIA, board_mass
+from stages.contracts.errors import InputError
+
+FLAT = 1e-5  # of its largest extent: what is thinner, whichever way it lies, has no inside
 
 
 def read_mesh(path: Path, folder: Path) -> RobotModel:
-    """A mesh file as a thing of one link, with the convex hulls of its bodies to collide."""
+    """A mesh file as a thing of one link, with the convex hulls of its bodies to collide.
+
+    Raises:
+        InputError: it cannot be read, or is flat.
+    """
     meshes = load_meshes(path)
+    points = np.concatenate([mesh.vertices for mesh in meshes])
+    across = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2][2]
+    if np.ptp(points @ across) < FLAT * np.ptp(points, axis=0).max():
+        raise InputError(path, "is flat.", "a mesh with some thickness")
     pieces = [piece for mesh in meshes for piece in convex_pieces(mesh)]
     hull = trimesh.convex.convex_hull(np.concatenate([piece.vertices for piece in pieces]))
     visuals = [Visual(mesh) for mesh in meshes]

@@ -10,7 +10,7 @@ from stages.articulated.forward_kinematics import closed_box, link_frames
 from stages.articulated.mesh_reader import convex_pieces
 from stages.articulated.model import RobotModel
 from stages.articulated.stretching import stretched
-from stages.articulated.urdf_reader import MINIMUM_MASS, read_urdf
+from stages.articulated.urdf_reader import read_urdf
 from stages.assets import imports
 from stages.assets.discover import discover
 from stages.assets.imports import import_model, snake_case
@@ -190,13 +190,13 @@ def test_specks_are_left_out_and_thin_pieces_made_thick_enough(folder: Path, tmp
 def test_masses_are_kilograms_whatever_the_unit_of_length(folder: Path, tmp_path: Path) -> None:
     (asset,) = import_folder(folder, tmp_path / "models")
     write_notes = (folder / "bottom_cabinet" / "Oak 1" / "asset.json").write_text
-    write_notes('{"scale": 0.01}')
+    write_notes('{"scale": 0.5}')
     import_folder(folder, tmp_path / "small")
     read = [read_urdf(tmp_path / name / asset.id / "model.urdf", tmp_path) for name in ("models", "small")]
     (body, tray), (small_body, small_tray) = ([robot.links[name] for name in ("body", "tray")] for robot in read)
     assert small_body.mass == body.mass == 12, "told by the file"
-    assert np.allclose(small_body.inertia, body.inertia * 1e-4, rtol=1e-4)
-    assert small_tray.mass == MINIMUM_MASS < tray.mass, "estimated at its real size"
+    assert np.allclose(small_body.inertia, body.inertia / 4, rtol=1e-4)
+    assert tray.mass / 8.1 < small_tray.mass < tray.mass / 3.9, "estimated at its real size"
 
 
 def test_textured_objects_in_centimetres(tmp_path: Path) -> None:

@@ -120,10 +120,10 @@ BROKEN_MESHES = [
     (mesh("."), "there is no mesh '.'"),
     (mesh("a" * 5000 + ".obj"), "there is no mesh 'aaa"),
     (mesh("loop.obj"), "there is no mesh 'loop.obj'"),
-    (mesh("../../../secret.obj"), "lies outside mine/"),
-    (mesh("package://../../../../secret.obj"), "lies outside mine/"),
-    (mesh("link.obj"), "lies outside mine/"),
-    (mesh("file:///etc/hostname"), "there is no mesh 'file:///etc/hostname'"),
+    (mesh("../../../secret.obj"), "there is no mesh '../../../secret.obj' in mine/"),
+    (mesh("package://../../../../secret.obj"), "secret.obj' in mine/"),
+    (mesh("link.obj"), "there is no mesh 'link.obj' in mine/"),
+    (mesh("file:///etc/hostname"), "there is no mesh 'etc/hostname'"),
     (mesh("bad.obj"), "bad.obj: "),
     (mesh("empty.obj"), "empty.obj: "),
     (mesh("points.obj"), "points.obj: "),
@@ -223,7 +223,6 @@ UNBELIEVABLE = [
     (SLIDE, 'lower="0" upper="5000"', "joint 'slide': slides to 0 ... 5000 m"),
     ('<origin xyz="0 0 0.4"/>', '<origin xyz="0 0 900000"/>', "m large"),
     (BODY_MASS, '<mass value="1e-300"/>', "link 'body': weighs 1e-300 kg"),
-    (INERTIA, 'ixx="100000"', "link 'body': its inertia 1e[+]05 kg m.2 is too large for 12 kg"),
 ]
 
 

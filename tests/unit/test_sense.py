@@ -305,6 +305,6 @@ def test_models_lie_anywhere_and_what_they_are_made_of_is_none(
         ("banana", "banana"),
         ("chair", "Wooden Chair"),
         ("table_lamp", "lamp"),
-        ("downloads", "gear"),
+        ("gear", "gear"),
     }
     assert "5 files are parts" in capsys.readouterr().err

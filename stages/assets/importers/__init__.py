@@ -15,10 +15,11 @@ class Importer:
     """How a kind of file is read.
 
     read: from the file and the user's folder that it lies in (no path may lead out of it) to a model in the file's own
-    frame and unit. up: direction up in such a file, unless the notes beside it say otherwise. suffix: of such files;
-    None: the importer's name.
+    frame and unit. up: direction up in such a file, unless the notes beside it say otherwise. has_up: whether such
+    files are agreed to have one. suffix: of such files; None: the importer's name.
     """
 
     read: Callable[[Path, Path], RobotModel]
     up: Axis = "+z"
+    has_up: bool = True
     suffix: str | None = None

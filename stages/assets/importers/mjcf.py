@@ -32,7 +32,7 @@ def read_mjcf(path: Path, folder: Path) -> RobotModel:
     Raises:
         InputError: names the file and what is wrong with it.
     """
-    spec, model = compiled(path, folder)
+    spec, model, remarks = compiled(path, folder)
     if model.nbody > MOST_LINKS:
         raise InputError(path, f"has {model.nbody} bodies.", f"at most {MOST_LINKS}")
     if (free := int((model.jnt_type == FREE).sum())) > 1:
@@ -40,7 +40,7 @@ def read_mjcf(path: Path, folder: Path) -> RobotModel:
     links, joints = _Reader(spec, model).tree()
     if not any(link.visuals for link in links.values()):
         raise InputError(path, "shows nothing: no body has geometry.")
-    return RobotModel(path.stem, links, joints)
+    return RobotModel(path.stem, links, joints, remarks=tuple(remarks))
 
 
 class _Reader:

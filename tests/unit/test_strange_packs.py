@@ -1,0 +1,183 @@
+"""What packs of other people do: files beside the folder, other systems' names, placeholders, robots, whole scenes."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from stages.articulated.model import RobotModel
+from stages.articulated.sense import doors_and_drawers
+from stages.articulated.urdf_reader import read_urdf
+from stages.assets.discover import bare, discover
+from stages.assets.import_ import run
+from stages.assets.importers.mjcf import read_mjcf
+from stages.assets.weighing import weighed_sanely
+from stages.contracts.errors import InputError
+from tests.unit.test_sense import box, joint, write_partnet
+
+pytest.importorskip("mujoco")
+
+
+def urdf(path: Path, body: str, before: str = "", after: str = "") -> Path:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(f'{before}<robot name="r">{body}</robot>{after}')
+    return path
+
+
+def mesh_link(name: str) -> str:
+    return f'<link name="a"><visual><geometry><mesh filename="{name}"/></geometry></visual></link>'
+
+
+def mjcf(path: Path, text: str) -> Path:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(f"<mujoco>{text}</mujoco>")
+    return path
+
+
+def test_a_file_beside_the_folder_tells_which_folder_to_give(tmp_path: Path) -> None:
+    (tmp_path / "pack/meshes").mkdir(parents=True)
+    trimesh.creation.box().export(tmp_path / "pack/meshes/a.obj")
+    model = urdf(tmp_path / "pack/objects/a.urdf", mesh_link("../meshes/a.obj"))
+    with pytest.raises(InputError, match=rf"no mesh .* in objects/. Fix: give {tmp_path}/pack in its place"):
+        read_urdf(model, model.parent)
+    include = mjcf(tmp_path / "pack/objects/a.xml", '<asset><mesh file="../meshes/a.obj"/></asset><worldbody/>')
+    with pytest.raises(InputError, match=rf"no file .* in objects/. Fix: give {tmp_path}/pack in its place"):
+        read_mjcf(include, include.parent)
+    with pytest.raises(InputError, match="Fix: copy it there"):
+        read_urdf(urdf(model, mesh_link("../meshes/gone.obj")), model.parent)
+
+
+def test_names_with_backslashes(tmp_path: Path) -> None:
+    (tmp_path / "meshes").mkdir()
+    trimesh.creation.box().export(tmp_path / "meshes/a.obj")
+    assert read_urdf(urdf(tmp_path / "a.urdf", mesh_link(r"meshes\a.obj")), tmp_path).links["a"].visuals
+    (tmp_path / "meshes/part.xml").write_text('<mujocoinclude><geom type="mesh" mesh="a"/></mujocoinclude>')
+    text = r'<asset><mesh file="meshes\a.obj"/></asset><worldbody><include file="meshes\part.xml"/></worldbody>'
+    assert read_mjcf(mjcf(tmp_path / "a.xml", text), tmp_path).links["world"].visuals
+
+
+def test_sloppy_xml_is_read(tmp_path: Path) -> None:
+    link = f'<link name="a">{box("0.1 0.2 0.3", "1, 2, 3")}</link>'
+    robot = read_urdf(urdf(tmp_path / "a.urdf", link, '\n \n<?xml version="1.0"?>', "\n\0"), tmp_path)
+    assert robot.links["a"].visuals[0].mesh.bounds.mean(axis=0) == pytest.approx([1, 2, 3])
+
+
+TABLE = '<worldbody><body name="table" pos="0 0 -1"><geom type="box" size="1 1 1"/></body></worldbody>'
+
+
+def test_what_is_included_around_a_thing_is_no_part_of_it(tmp_path: Path) -> None:
+    (tmp_path / "scene.xml").write_text(f"<mujocoinclude>{TABLE}</mujocoinclude>")
+    thing = '<worldbody><body name="cup"><geom type="box" size=".05 .05 .05"/></body></worldbody>'
+    robot = read_mjcf(mjcf(tmp_path / "cup.xml", f'<include file="scene.xml"/>{thing}'), tmp_path)
+    assert "cup" in robot.links and "table" not in robot.links
+    assert robot.remarks == ("left out, as included around it: 'table'",)
+    floor = '<worldbody><geom type="plane" size="1 1 1"/></worldbody>'
+    robot = read_mjcf(mjcf(tmp_path / "whole.xml", f'<include file="scene.xml"/>{floor}'), tmp_path)
+    assert "table" in robot.links and not robot.remarks, "the included file is the model"
+
+
+@pytest.mark.parametrize(
+    ("compiler", "upper", "expected"),
+    [("", "1.5", 1.5), ("", "90", np.pi / 2), ('<compiler angle="degree"/>', "1.5", np.deg2rad(1.5))],
+)
+def test_hinges_of_a_few_units_turn_by_radians(tmp_path: Path, compiler: str, upper: str, expected: float) -> None:
+    hinge = f'<joint name="j" axis="0 0 1" limited="true" range="0 {upper}"/>'
+    turns = f'<body>{hinge}<geom type="box" size=".1 .1 .1"/></body>'
+    robot = read_mjcf(mjcf(tmp_path / "a.xml", f"{compiler}<worldbody>{turns}</worldbody>"), tmp_path)
+    assert robot.joints[0].upper == pytest.approx(expected)
+
+
+def moving(
+    tmp_path: Path, shape: str, kind: str, axis: str, upper: float, beyond: str = "", body: bool = True
+) -> list[str]:
+    """What is said of a model with one joint."""
+    base = f'<link name="body">{box("0.4 0.5 0.6", "-0.21 0 0.3") if body else ""}</link>'
+    text = f'{base}<link name="part">{shape}</link>{joint("j", kind, "part", axis, upper, "0.01 -0.25 0.3")}{beyond}'
+    return doors_and_drawers(read_urdf(urdf(tmp_path / "a.urdf", text), tmp_path))[1]
+
+
+def test_limbs_levers_and_loose_things_are_no_doors(tmp_path: Path) -> None:
+    panel, hinge = box("0.02 0.5 0.5", "0 0.25 0"), "0 0 -1"
+    assert moving(tmp_path, panel, "revolute", hinge, 1.5) == []
+    assert "more than 270 degrees" in moving(tmp_path, panel, "revolute", hinge, 5.0)[0]
+    assert "front of some size" in moving(tmp_path, box("0.02 0.5 0.04", "0 0.25 0"), "revolute", hinge, 1.5)[0]
+    shin = f'<link name="shin">{panel}</link>' + joint("k", "revolute", "shin", hinge, 1.5, "0 0.5 0", "part")
+    assert "as limbs do" in moving(tmp_path, panel, "revolute", hinge, 1.5, shin)[0]
+    latch = shin.replace(panel, box("0.04 0.1 0.02", "0.03 -0.1 0"))
+    assert not any("'j'" in line for line in moving(tmp_path, panel, "revolute", hinge, 1.5, latch)), "a door's latch"
+    assert "moves all that is seen" in moving(tmp_path, box("0.3 0.3 0.3"), "prismatic", "1 0 0", 0.4, body=False)[0]
+
+
+def weighed(tmp_path: Path, mass: float, inertia: float) -> tuple[RobotModel, list[str]]:
+    values = " ".join(f'{key}="{inertia}"' for key in ("ixx", "iyy", "izz"))
+    link = f'<inertial><mass value="{mass}"/><inertia {values}/></inertial>{box("0.4 0.5 0.6")}'
+    return weighed_sanely(read_urdf(urdf(tmp_path / "a.urdf", f'<link name="a">{link}</link>'), tmp_path))
+
+
+def test_masses_that_exporters_fill_in_are_those_of_boards(tmp_path: Path) -> None:
+    robot, lines = weighed(tmp_path, 12.0, 0.5)
+    assert (robot.mass, lines) == (12.0, [])
+    for mass, inertia in ((0.001, 1.0), (5000.0, 1.0), (0.001, 1e-6)):
+        robot, lines = weighed(tmp_path, mass, inertia)
+        assert 5 < robot.mass < 20
+        assert "taken for boards" in lines[0] and len(lines) == 1
+        assert np.trace(robot.links["a"].inertia) < 12
+    robot, lines = weighed(tmp_path, 12.0, 1e5)
+    assert robot.mass == 12.0 and np.trace(robot.links["a"].inertia) < 2
+    assert lines[0].startswith("inertia of 'a' taken for that of a box")
+
+
+def test_folders_whose_names_say_nothing(tmp_path: Path) -> None:
+    for path in (
+        "assets/objects/can-visual.urdf",
+        "assets/objects/study_table.urdf",
+        "assets/mug/urdf/model.urdf",
+        "assets/urdf/parts/drawer/drawer_top.urdf",
+        "assets/urdf/parts/chair/model.urdf",
+    ):
+        urdf(tmp_path / path, "")
+    assert {(one.category, one.name) for one in discover(tmp_path, [".urdf"])} == {
+        ("can", "can-visual"),
+        ("table", "study_table"),
+        ("mug", "mug"),
+        ("drawer", "drawer"),
+        ("chair", "chair"),
+    }
+    assert [bare(name) for name in ("011_banana", "banana_model_obj", "mesh")] == ["banana", "banana", "mesh"]
+
+
+def test_import_says_what_it_only_assumes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    theirs = tmp_path / "theirs"
+    theirs.mkdir()
+    trimesh.creation.box((700, 500, 300)).export(theirs / "gear.stl")
+    trimesh.creation.box((0.7, 0.5, 0.3)).export(theirs / "gears.glb")
+    sheet = trimesh.creation.box((1, 1, 0.1)).slice_plane([0, 0, 0], [0, 0, 1])
+    sheet.vertices[:, 2] = 0
+    flat, askew = sheet.copy(), sheet.copy()
+    askew.apply_transform(trimesh.transformations.rotation_matrix(0.7, [1, 0.3, 0]))
+    flat.export(theirs / "cloth.obj")
+    askew.export(theirs / "ramp.obj")
+    run(theirs, out=tmp_path / "mine")
+    said = {line.split(": ")[0].rpartition("/")[2]: line for line in capsys.readouterr().out.splitlines()}
+    assert "front and up assumed" in said["gear.stl"]
+    assert "that it is in millimetres is a guess" in (tmp_path / "mine/index.html").read_text()
+    assert "front assumed" in said["gears.glb"], "glTF has an agreed direction up"
+    for name in ("cloth.obj", "ramp.obj"):
+        assert f"{name}: not used: is flat" in said[name]
+
+
+def test_a_wardrobe_filed_as_storage_furniture_is_as_large_as_wardrobes(tmp_path: Path) -> None:
+    def filed(number: str, size: tuple[float, float, float]) -> None:
+        half = 2 * np.array(size) / np.linalg.norm(size)
+        link = f'<link name="l">{box(" ".join(map(str, half)))}</link>'
+        write_partnet(tmp_path / "theirs", number, f'<robot name="m">{link}</robot>')
+
+    filed("1", (0.6, 1.2, 2.0))
+    filed("2", (0.5, 0.9, 0.8))
+    run(tmp_path / "theirs", out=tmp_path / "mine")
+    notes = {path.parent.name: json.loads(path.read_text()) for path in (tmp_path / "mine").rglob("asset.json")}
+    assert notes["1"]["category"] == "wardrobe"
+    assert notes["1"]["scale"] == pytest.approx(np.linalg.norm((0.6, 1.2, 2.0)) / 2, rel=0.15)
+    assert notes["2"]["category"] == "bottom_cabinet"
