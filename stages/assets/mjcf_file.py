@@ -14,6 +14,8 @@ KEPT = {"asset", "compiler", "default", "worldbody"}  # all else is control, sen
 # Nothing is thrown away or merged, and the whole paths that we write count.
 COMPILER = {"discardvisual": "false", "fusestatic": "false", "strippath": "false"}
 
+GREY = {"type": "2d", "builtin": "flat", "width": "1", "height": "1", "rgb1": ".7 .7 .7"}
+
 
 def compiled(path: Path, folder: Path) -> tuple[Any, Any, list[str]]:
     """MuJoCo's specification and compiled model (MjSpec, MjModel) of a file; lines say what was left out or assumed.
@@ -40,7 +42,16 @@ def compiled(path: Path, folder: Path) -> tuple[Any, Any, list[str]]:
     for element in root.iter():
         for key in [key for key in element.attrib if key.startswith("file")]:
             name = Path(slashed(directories.get(element.tag, "")), slashed(element.attrib[key]))
-            element.set(key, str(_inside(name, path, folder)))
+            try:
+                element.set(key, str(_inside(name, path, folder)))
+            except InputError as error:
+                if element.tag != "texture":
+                    raise
+                remarks.append(f"grey in place of a texture: {str(error).removeprefix(f'{path}: ')}")
+                named = element.get("name", Path(slashed(element.attrib[key])).stem)
+                element.attrib.clear()
+                element.attrib.update({"name": named} | GREY)
+                break
     for element in [element for element in root if element.tag not in KEPT]:
         root.remove(element)
     ET.SubElement(root, "compiler", settings)

@@ -4,7 +4,6 @@ from itertools import product
 from pathlib import Path
 
 import numpy as np
-import sapien
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 from sapien.physx import PhysxArticulation
@@ -49,7 +48,6 @@ class Portraits:
         view = frame_all(shown, FROM / np.linalg.norm(FROM))
         picture = Image.fromarray(self.camera.render(view).rgb)
         remove(self.scene, body)
-        sapien.render.clear_cache()  # else the textures of all models stay in memory
         self._arrow(picture, view, foot, reach)
         return picture.resize((WIDTH, HEIGHT), Image.Resampling.LANCZOS)
 

@@ -49,6 +49,16 @@ def test_a_file_beside_the_folder_tells_which_folder_to_give(tmp_path: Path) -> 
         read_urdf(urdf(model, mesh_link("../meshes/gone.obj")), model.parent)
 
 
+def test_a_texture_that_is_missing_is_grey(tmp_path: Path) -> None:
+    looks = '<texture type="cube" file="../textures/oak.png"/><material name="m" texture="oak"/>'
+    thing = '<worldbody><geom type="box" size=".1 .1 .1" material="m"/></worldbody>'
+    robot = read_mjcf(mjcf(tmp_path / "a.xml", f"<asset>{looks}</asset>{thing}"), tmp_path)
+    (visual,) = robot.links["world"].visuals
+    assert visual.colour is not None
+    assert len(set(visual.colour[:3])) == 1 and visual.colour[0] < 1
+    assert robot.remarks[0].startswith("grey in place of a texture: there is no file '../textures/oak.png'")
+
+
 def test_names_with_backslashes(tmp_path: Path) -> None:
     (tmp_path / "meshes").mkdir()
     trimesh.creation.box().export(tmp_path / "meshes/a.obj")
