@@ -18,6 +18,7 @@ ON_TOP = 0.5  # share of the upper footprint that lies over the lower one
 THINNEST = 0.01  # metres; noise may put a plate's top below the table's
 JUST_BELOW = 0.15  # metres
 BLUR = 3.0  # pixels between two things, one above the other, from which on there is a gap
+BELOW, SHELF = 3, 0.5  # pixels below an object's lowest ones, and share of them that must show what it stands on
 FEET = 3  # image columns in which an object's lowest pixels must reach the ground for it to stand there
 
 
@@ -49,6 +50,22 @@ def height_beneath(box: UprightBox, carriers: list[UprightBox], tolerance: float
         and carrier.top + carrier.bottom < box.top + box.bottom
     ]
     return max(tops, default=0.0)
+
+
+def height_shown(
+    box: UprightBox, view: DepthView, own: NDArray[np.bool_], unnamed: NDArray[np.bool_], tolerance: float
+) -> float | None:
+    """Height of what nobody named, on which the object is seen to stand: a shelf just below its lowest pixels."""
+    columns = np.flatnonzero(own.any(axis=0))
+    rows = own.shape[0] - 1 - np.argmax(own[::-1, columns], axis=0) + BELOW
+    inside = rows < own.shape[0]
+    columns, rows = columns[inside], rows[inside]
+    shown = unnamed[rows, columns] & (view.depth[rows, columns] > 0)
+    points = view.points(columns[shown], rows[shown])
+    local = (points - np.asarray(box.center)) @ yaw_matrix(box.yaw)
+    near = (np.abs(local[:, :2]) <= np.asarray(box.size)[:2] / 2 + 2 * tolerance).all(axis=1)
+    near &= np.abs(points[:, 2] - box.bottom) < tolerance
+    return float(np.median(points[near, 2])) if near.sum() > SHELF * len(columns) else None
 
 
 def reaches_down(box: UprightBox, height: float, tolerance: float, view: DepthView, own: NDArray[np.bool_]) -> bool:
@@ -86,6 +103,7 @@ def placement(
     options: ExtractionConfig,
     known: bool = False,
     stated: Mounting | None = None,
+    unnamed: NDArray[np.bool_] | None = None,
 ) -> Placement:
     """Where one object stands or hangs.
 
@@ -99,12 +117,15 @@ def placement(
         options: tolerances.
         known: the box is known whole, so that nothing hidden has to be guessed.
         stated: how it is held, if the input says so.
+        unnamed: pixels (H, W) of which nobody said what they show.
     """
     if known:
         options = options.model_copy(update={"max_hidden_depth": 0.0})
     distance = view.distance(np.asarray(box.center))
     tolerance = options.tolerance(distance)
     beneath = height_beneath(box, carriers, tolerance)
+    if unnamed is not None and not known and box.bottom - beneath > tolerance:
+        beneath = max(beneath, height_shown(box, view, own, unnamed, tolerance) or 0.0)
     touched = walls_touched(box, others, walls, view, own, options)
     if known:
         hangs = bool(touched) and box.bottom - beneath > tolerance

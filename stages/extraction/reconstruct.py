@@ -198,6 +198,7 @@ def reconstruct(
 
     view = DepthView(np.where(usable, image.depth, 0), image.intrinsics, floor_from_camera)
     given = {item.mask: item for item in annotations}
+    unnamed = ~np.isin(image.masks, image.annotations.values)
     carriers: list[UprightBox] = []
     for name in sorted(boxes, key=lambda key: boxes[key].bottom):  # what carries comes before what it carries
         others = [other for key, other in boxes.items() if key != name]
@@ -206,7 +207,8 @@ def reconstruct(
         stated, note = _stated(item, boxes[name], walls, fitted, options)
         if note:
             print(f"{scene} {name}: {note}: mounting by geometry")
-        placed = placement(boxes[name], carriers, others, walls, view, own, options, item.box is not None, stated)
+        whole = item.box is not None
+        placed = placement(boxes[name], carriers, others, walls, view, own, options, whole, stated, unnamed)
         if collapsed(boxes[name], placed, options.tolerance(view.distance(np.asarray(boxes[name].center)))):
             reason = "its top is found below what carries it: the depth of one of the two is wrong"
             extracted[name] = extracted[name].model_copy(update={"status": "failed", "reason": reason, "points": 0})

@@ -38,6 +38,12 @@ class DepthView:
         down = np.where(rays[:, 2] < 0, rays[:, 2], np.nan)
         return origin + rays * ((height - origin[2]) / down)[:, None]
 
+    def points(self, columns: NDArray[np.integer], rows: NDArray[np.integer]) -> NDArray[np.float64]:
+        """What pixels (N,), (N,) show, as points (N, 3) of the floor frame; NaN where depth is unknown."""
+        rays = np.stack([columns, rows, np.ones_like(rows)], axis=1) @ np.linalg.inv(self.intrinsics).T
+        depth = self.depth[rows, columns].astype(np.float64)
+        return np.asarray(apply(self.floor_from_camera, rays * np.where(depth > 0, depth, np.nan)[:, None]))
+
     def free_space_share(self, points: NDArray[np.float64], own: NDArray[np.bool_]) -> float:
         """Share of the points (N, 3), floor frame, that an object with the mask `own` (H, W) does not fill.
 

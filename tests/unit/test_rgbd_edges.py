@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 import yaml
 
+from stages.geometry.boxes import UprightBox
 from stages.geometry.cameras import back_project
 from stages.scenes import from_rgbd
 from stages.scenes.rgbd.frame import Frame, Labelled
 from stages.scenes.rgbd.levels import level_planes
 from stages.scenes.rgbd.write import write_frame
-from tests.unit.synthetic_room import HEIGHT, INTRINSICS, OBJECT, WIDTH, trace
+from tests.unit.synthetic_room import FLOOR, HEIGHT, INTRINSICS, OBJECT, WIDTH, trace
 from tests.unit.test_rgbd import BOX, CAN, TABLE, boxes_of
 
 
@@ -41,6 +42,35 @@ def test_from_far_above_extraction_looks_farther_for_the_ground(tmp_path: Path, 
     assert yaml.safe_load((tmp_path / "top" / "config.yaml").read_text())["extraction"] == found
 
 
+def frame_of(folder: Path, depth: np.ndarray, masks: np.ndarray, names: dict[int, str]) -> Path:
+    """The input folder of a frame with masks."""
+    cv2.imwrite(str(folder / "rgb.png"), np.zeros((HEIGHT, WIDTH, 3), np.uint8))
+    cv2.imwrite(str(folder / "masks.png"), masks)
+    np.savez(folder / "depth.npz", depth=depth)
+    (folder / "K.txt").write_text(" ".join(map(str, INTRINSICS.ravel())))
+    (folder / "names.json").write_text(json.dumps({str(value): name for value, name in names.items()}))
+    from_rgbd.run(
+        out=folder / "out",
+        rgb=folder / "rgb.png",
+        depth=folder / "depth.npz",
+        intrinsics=folder / "K.txt",
+        masks=folder / "masks.png",
+        labels=folder / "names.json",
+    )
+    return folder / "out"
+
+
+def test_what_stands_on_something_unnamed_ends_there(tmp_path: Path) -> None:
+    """On a table that is not named a box stays 20 cm high; what is hidden by the table reaches down to the floor."""
+    behind = UprightBox([3.7, -0.5, 0.6], [0.3, 0.4, 1.2], 0.0)
+    depth, masks = trace([TABLE, BOX, behind], wall=False)
+    found = boxes_of(frame_of(tmp_path, depth, masks, {FLOOR: "floor", OBJECT + 1: "box", OBJECT + 2: "cabinet"}))
+    assert found["up"] == pytest.approx(1.6, abs=0.02)
+    assert found["box_1"].size[2] == pytest.approx(0.2, abs=0.02)
+    assert found["box_1"].center[2] == pytest.approx(TABLE.top + 0.1, abs=0.02)
+    assert found["cabinet_1"].size[2] == pytest.approx(1.2, abs=0.03)
+
+
 def test_masks_may_be_some_pixels_off_and_edges_smeared(tmp_path: Path) -> None:
     depth, masks = trace([TABLE, BOX, CAN], wall=False)
     smeared = 0.4 * cv2.blur(depth, (5, 5))  # of things 8 and 6 cm wide, a metre away
@@ -48,15 +78,6 @@ def test_masks_may_be_some_pixels_off_and_edges_smeared(tmp_path: Path) -> None:
     wide = np.zeros_like(masks)
     for value in (OBJECT + 1, OBJECT + 2):
         wide[cv2.dilate((masks == value).astype(np.uint8), np.ones((7, 7))) > 0] = value
-    cv2.imwrite(str(tmp_path / "rgb.png"), np.zeros((HEIGHT, WIDTH, 3), np.uint8))
-    cv2.imwrite(str(tmp_path / "masks.png"), wide)
-    np.savez(tmp_path / "depth.npz", depth=smeared)
-    (tmp_path / "K.txt").write_text(" ".join(map(str, INTRINSICS.ravel())))
-    (tmp_path / "names.json").write_text(json.dumps({str(OBJECT + 1): "box", str(OBJECT + 2): "can"}))
-    rgb, depth_file, k, masks_file, names = (
-        tmp_path / name for name in ("rgb.png", "depth.npz", "K.txt", "masks.png", "names.json")
-    )
-    from_rgbd.run(out=tmp_path / "out", rgb=rgb, depth=depth_file, intrinsics=k, masks=masks_file, labels=names)
-    found = boxes_of(tmp_path / "out")
+    found = boxes_of(frame_of(tmp_path, smeared, wide, {OBJECT + 1: "box", OBJECT + 2: "can"}))
     for name, true in (("box_1", BOX), ("can_1", CAN)):
         assert sorted(found[name].size) == pytest.approx(sorted(0.4 * np.array(true.size)), abs=0.045), name
