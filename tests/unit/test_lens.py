@@ -61,6 +61,37 @@ def test_lines_are_straight_again(tmp_path: Path) -> None:
     assert (straightened(np.full((HEIGHT, WIDTH, 3), 200, np.uint8), lens, "lens")[0] == 200).all()  # no black borders
 
 
+ROUND = [0.02, -0.008, 0.003, -0.001]
+
+
+@pytest.mark.parametrize("field", [100, 200])  # degrees across: cut at the borders; a whole half of the world and more
+@pytest.mark.parametrize(
+    "data",
+    [
+        {"D": ROUND, "distortion_model": "equidistant"},
+        {"coeffs": [*ROUND, 0.0], "model": "distortion.kannala_brandt4"},
+        {"k1": ROUND[0], "k2": ROUND[1], "k3": ROUND[2], "k4": ROUND[3], "distortion_model": "fisheye"},
+    ],
+)
+def test_known_points_are_where_a_pinhole_camera_sees_them(tmp_path: Path, data: dict[str, Any], field: int) -> None:
+    """Kannala and Brandt's formula, written out: theta_d = theta + k1 theta^3 + ... + k4 theta^9."""
+    focal, (cx, cy) = WIDTH / np.deg2rad(field), (322.0, 236.0)
+    camera = {"camera_matrix": [[focal, 0, cx], [0, focal, cy], [0, 0, 1]]}
+    lens = read_lens(calibration(tmp_path / "lens.json", **camera | data), WIDTH, HEIGHT)
+    for x, y in ((0.0, 0.0), (0.6, -0.3), (-0.5, 0.35)):
+        theta = np.arctan(np.hypot(x, y))
+        bent = theta + sum(k * theta ** (3 + 2 * n) for n, k in enumerate(ROUND))
+        scale = focal * bent / max(np.hypot(x, y), 1e-9)
+        drawn = np.full((HEIGHT, WIDTH, 3), 20, np.uint8)
+        pixel = np.rint(16 * np.array([cx + scale * x, cy + scale * y])).astype(int)
+        cv2.circle(drawn, pixel.tolist(), 5 * 16, (255, 255, 255), -1, cv2.LINE_AA, 4)
+        straight, length = straightened(drawn, lens, "lens")
+        rows, columns = np.nonzero(straight[..., 0] > 120)
+        assert columns.mean() == pytest.approx((WIDTH - 1) / 2 + length * x, abs=1.5)
+        assert rows.mean() == pytest.approx((HEIGHT - 1) / 2 + length * y, abs=1.5)
+    assert (straightened(np.full((HEIGHT, WIDTH, 3), 200, np.uint8), lens, "lens")[0] == 200).all()  # no black borders
+
+
 @pytest.mark.parametrize(
     "data",
     [
@@ -83,11 +114,9 @@ def test_calibrations_of_any_usual_layout(tmp_path: Path, data: dict[str, Any]) 
     ("data", "words"),
     [
         ({}, "holds no distortion"),
-        (
-            {"D": BENT, "distortion_model": "equidistant"},
-            "fisheye lens .'equidistant'.*straighten colour",
-        ),
-        ({"coeffs": BENT[:4], "model": "RS2_DISTORTION_KANNALA_BRANDT4"}, "fisheye lens"),
+        ({"D": BENT[:2], "distortion_model": "equidistant"}, "no distortion of a fisheye lens"),
+        ({"coeffs": [*BENT[:4], 0.1], "model": "RS2_DISTORTION_KANNALA_BRANDT4"}, "no distortion of a fisheye lens"),
+        ({"D": BENT, "distortion_model": "omni"}, "'omni', which is not read"),
         ({"D": BENT, "distortion_model": "cubic"}, "'cubic', which is not read"),
         ({"D": ["much"]}, "holds no distortion"),
         ({"D": [1, 2, 3]}, "holds no distortion"),
@@ -111,13 +140,15 @@ def test_a_photograph_is_straightened_before_everything(tmp_path: Path) -> None:
         annotate.run(tmp_path / "wide.png", lens=lens, depth=tmp_path / "depth.npz", browser=False)
 
 
-def bent_frame(inverse: bool) -> tuple[NDArray[np.uint8], NDArray[np.float32], NDArray[np.uint16]]:
+def bent_frame(kind: str) -> tuple[NDArray[np.uint8], NDArray[np.float32], NDArray[np.uint16]]:
     """Colour, depth and masks of a box on a floor as the lens shows them, without the mixing of pixels."""
     depth, masks = trace([BOX], wall=False)
     u, v = np.meshgrid(np.arange(ROOM_WIDTH, dtype=float), np.arange(ROOM_HEIGHT, dtype=float))
     bent = (np.stack([u, v], axis=-1).reshape(-1, 2) - INTRINSICS[:2, 2]) / np.diag(INTRINSICS)[:2]
     none, one, coefficients = np.zeros(3), np.eye(3), np.array(BENT)
-    if inverse:  # the polynomial goes from what is seen to the ray
+    if kind == "fisheye":
+        rays = cv2.fisheye.undistortPoints(bent[:, None], one, np.array(ROUND))
+    elif kind == "inverse":  # the polynomial goes from what is seen to the ray
         rays = cv2.projectPoints(np.column_stack([bent, np.ones(len(bent))]), none, none, one, coefficients)[0]
     else:
         rays = cv2.undistortPoints(bent[:, None], one, coefficients)
@@ -128,18 +159,19 @@ def bent_frame(inverse: bool) -> tuple[NDArray[np.uint8], NDArray[np.float32], N
 
 
 @pytest.mark.parametrize(
-    ("inverse", "said"),
+    ("kind", "said"),
     [
-        (False, {"D": BENT, "distortion_model": "plumb_bob"}),
-        (True, {"coeffs": BENT, "model": "distortion.inverse_brown_conrady"}),
-        (False, {}),
-        (False, {"D": [], "distortion_model": ""}),
-        (False, {"coeffs": [0.0] * 5, "model": "distortion.modified_brown_conrady"}),
+        ("", {"D": BENT, "distortion_model": "plumb_bob"}),
+        ("inverse", {"coeffs": BENT, "model": "distortion.inverse_brown_conrady"}),
+        ("fisheye", {"distortion_coeffs": ROUND, "distortion_model": "equidistant"}),
+        ("", {}),
+        ("", {"D": [], "distortion_model": ""}),
+        ("", {"coeffs": [0.0] * 5, "model": "distortion.modified_brown_conrady"}),
     ],
 )
-def test_rgbd_frames_are_straightened(tmp_path: Path, inverse: bool, said: dict[str, Any]) -> None:
+def test_rgbd_frames_are_straightened(tmp_path: Path, kind: str, said: dict[str, Any]) -> None:
     """Colour, depth and masks alike: what is written is what a pinhole camera with the written K sees of the room."""
-    rgb, depth, masks = bent_frame(inverse)
+    rgb, depth, masks = bent_frame(kind)
     cv2.imwrite(str(tmp_path / "rgb.png"), rgb)
     cv2.imwrite(str(tmp_path / "depth.png"), np.rint(1000 * depth).astype(np.uint16))
     cv2.imwrite(str(tmp_path / "masks.png"), masks)
@@ -162,7 +194,7 @@ def test_rgbd_frames_are_straightened(tmp_path: Path, inverse: bool, said: dict[
     off = float(np.quantile(np.abs(written.depth - true_depth[y, x])[both], 0.95))
     colour = cv2.imread(str(tmp_path / "out" / "rgb.png"))[..., 0]
     assert (colour == written.masks * 20).mean() > 0.97
-    if said.get("D") or inverse:
+    if said.get("D") or kind:
         assert inside.mean() > 0.8 and agree > 0.95 and off < 0.02
     else:
         known = written.depth > 0

@@ -17,14 +17,16 @@ NAMES = ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6")  # in OpenCV's order
 LISTS = ("distortion_coefficients", "distortion_coeffs", "dist_coeffs", "distortion", "coeffs", "dist", "d")
 MODELS = {"plumb_bob", "rational_polynomial", "brown_conrady", "radtan", "opencv", "pinhole", ""}
 INVERSE = "inverse_brown_conrady"  # RealSense: from bent to straight
-FISHEYE = ("fisheye", "equidistant", "kannala", "kb4", "ftheta", "omni", "mei")
-STRAIGHTEN = "straighten colour and depth first (cv2.fisheye, depth by INTER_NEAREST), then give the new K alone"
-CALIBRATION = "K and k1, k2, p1, p2, k3 as OpenCV, ROS and Kalibr write them (JSON, YAML)"
+FISHEYE = ("fisheye", "equidistant", "kannala", "kb4")  # k1 to k4 of Kannala and Brandt, as in cv2.fisheye
+WIDEST = np.deg2rad(110)  # of a straightened fisheye picture: beyond, little is left of its middle
+CALIBRATION = (
+    "K and k1, k2, p1, p2, k3 (of a lens that is called fisheye k1 to k4) as OpenCV, ROS and Kalibr write them"
+)
 
 
 @dataclass(frozen=True)
 class Lens:
-    """K and OpenCV's coefficients (5 or 8)."""
+    """K and OpenCV's coefficients (5 or 8), or (4) those of a fisheye lens."""
 
     intrinsics: Matrix
     distortion: NDArray[np.float64]
@@ -44,7 +46,7 @@ def read_lens(path: Path, width: int, height: int) -> Lens:
 
 
 def find_distortion(path: Path, intrinsics: Matrix, width: int, height: int) -> NDArray[np.float64] | None:
-    """OpenCV's coefficients (5 or 8) in a file of intrinsics; None if it names none.
+    """OpenCV's coefficients (5 or 8; 4: of a fisheye lens) in a file of intrinsics; None if it names none.
 
     Raises:
         InputError: they are of a model that is not read, or broken.
@@ -55,7 +57,7 @@ def find_distortion(path: Path, intrinsics: Matrix, width: int, height: int) -> 
     model = str(known.get("distortion_model") or (known.get("model") if "coeffs" in known else "") or "").lower()
     model = re.sub(r"\W+", "_", model).removeprefix("rs2_").removeprefix("distortion_")
     if any(word in model for word in FISHEYE):
-        raise InputError(path, f"is of a fisheye lens ('{model}'), which is not straightened here.", STRAIGHTEN)
+        return _fisheye(path, known)
     if model == "none" or all(known.get(name) in (None, []) for name in ("k1", *LISTS)):
         return None
     found = _coefficients(path, known)
@@ -76,19 +78,31 @@ def _turned_round(inverse: NDArray[np.float64], intrinsics: Matrix, width: int, 
     return np.asarray(np.linalg.lstsq(np.concatenate([across, down]), missing)[0])
 
 
+def _fisheye(path: Path, known: dict[str, Any]) -> NDArray[np.float64]:
+    found = _numbers(known, ("k1", "k2", "k3", "k4"))
+    if len(found) < 4 or found[4:].any() or not np.isfinite(found).all():  # RealSense writes a fifth, which is 0
+        raise InputError(path, "holds no distortion of a fisheye lens.", CALIBRATION)
+    return found[:4]
+
+
 def _coefficients(path: Path, known: dict[str, Any]) -> NDArray[np.float64]:
+    found = _numbers(known, NAMES)
+    if len(found) not in (4, 5, 8) or not np.isfinite(found).all():
+        raise InputError(path, "holds no distortion.", CALIBRATION)
+    return np.pad(found, (0, 1)) if len(found) == 4 else found
+
+
+def _numbers(known: dict[str, Any], names: tuple[str, ...]) -> NDArray[np.float64]:
+    """Coefficients from a list, or by their names; nan: none."""
     values = next((known[name] for name in LISTS if name in known), None)
     values = values.get("data") if isinstance(values, dict) and "data" in values else values
     named = values if isinstance(values, dict) else known
     if not isinstance(values, list):
-        values = [named.get(name, 0) for name in NAMES] if "k1" in named else None
+        values = [named.get(name, 0) for name in names] if "k1" in named else None
     try:
-        found = np.asarray(values, dtype=float).ravel()
+        return np.asarray(values, dtype=float).ravel()
     except (ValueError, TypeError):
-        found = np.array([np.nan])
-    if len(found) not in (4, 5, 8) or not np.isfinite(found).all():
-        raise InputError(path, "holds no distortion.", CALIBRATION)
-    return np.pad(found, (0, 1)) if len(found) == 4 else found
+        return np.array([np.nan])
 
 
 def straightened(rgb: NDArray[np.uint8], lens: Lens, where: object) -> tuple[NDArray[np.uint8], float]:
@@ -109,7 +123,7 @@ def straight_frame(frame: Frame) -> Frame:
     Raises:
         InputError: the distortion leaves nothing of the picture.
     """
-    if frame.distortion is None or not frame.distortion.any():
+    if frame.distortion is None or not (frame.distortion.any() or len(frame.distortion) == 4):
         return frame
     lens = Lens(frame.intrinsics, frame.distortion)
     target = _pinhole(lens, frame.rgb.shape[1], frame.rgb.shape[0], "intrinsics")
@@ -125,18 +139,35 @@ def straight_frame(frame: Frame) -> Frame:
 
 def _pinhole(lens: Lens, width: int, height: int, where: object) -> Matrix:
     """K of the pinhole camera all of whose pixels are in the picture."""
-    whole, _ = cv2.getOptimalNewCameraMatrix(
-        lens.intrinsics, lens.distortion, (width, height), 0, (width, height), centerPrincipalPoint=True
-    )
-    focal = float(max(whole[0, 0], whole[1, 1]))
+    if len(lens.distortion) == 4:
+        focal = _fisheye_focal(lens, width, height)
+    else:
+        whole, _ = cv2.getOptimalNewCameraMatrix(
+            lens.intrinsics, lens.distortion, (width, height), 0, (width, height), centerPrincipalPoint=True
+        )
+        focal = float(max(whole[0, 0], whole[1, 1]))
     if not 0.2 * width < focal < 20 * width:
         raise InputError(where, "bends the picture so much that nothing of it is left.", CALIBRATION)
     return matrix(focal, focal, (width - 1) / 2, (height - 1) / 2)
 
 
+def _fisheye_focal(lens: Lens, width: int, height: int) -> float:
+    """The least focal length, of those from `WIDEST` on, at which all borders show what is in the fisheye's picture."""
+    last = np.array([width - 1, height - 1], dtype=float)
+    share = np.linspace(-0.5, 0.5, 50)
+    sides = [np.column_stack([share, 0 * share + end]) for end in (-0.5, 0.5)]
+    borders = np.concatenate([*sides, *(side[:, ::-1] for side in sides)]) * last
+    focal = width / 2 / float(np.tan(WIDEST / 2))
+    while focal < 20 * width:
+        seen = cv2.fisheye.distortPoints((borders / focal)[:, None], lens.intrinsics, lens.distortion)
+        if (seen >= 0).all() and (seen <= last).all():
+            break
+        focal *= 1.01
+    return focal
+
+
 def _seen_by(target: Matrix, image: NDArray[Any], lens: Lens, interpolation: int) -> NDArray[Any]:
     """An image (H, W, ...) as a camera with this K sees it."""
-    maps = cv2.initUndistortRectifyMap(
-        lens.intrinsics, lens.distortion, np.eye(3), target, image.shape[1::-1], cv2.CV_32FC1
-    )
+    straighten = cv2.fisheye.initUndistortRectifyMap if len(lens.distortion) == 4 else cv2.initUndistortRectifyMap
+    maps = straighten(lens.intrinsics, lens.distortion, np.eye(3), target, image.shape[1::-1], cv2.CV_32FC1)
     return np.asarray(cv2.remap(image, *maps, interpolation), dtype=image.dtype)
