@@ -1,5 +1,8 @@
 """Read mesh files with trimesh, and cut them into convex pieces to collide."""
 
+import importlib.util
+import json
+import struct
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +13,7 @@ from trimesh import Trimesh
 from stages.contracts.errors import InputError
 
 SUFFIXES = {".obj", ".glb", ".gltf", ".stl", ".ply", ".dae", ".off"}
+DRACO, MESHOPT = "KHR_draco_mesh_compression", "EXT_meshopt_compression"
 MOST_PIECES = 64
 FLAT = 1e-4  # metres: a piece thinner than this gets that thickness
 FARTHEST = 1e6  # coordinates beyond it are a slip, in whatever unit
@@ -23,6 +27,7 @@ def load_meshes(path: Path) -> list[Trimesh]:
     """
     if path.suffix.lower() not in SUFFIXES:
         raise InputError(path, f"'{path.suffix}' is not a mesh file that is read here.", ", ".join(sorted(SUFFIXES)))
+    _check_uncompressed(path)
     try:
         scene = trimesh.load_scene(path)
         meshes = [mesh for mesh in scene.dump() if isinstance(mesh, Trimesh) and len(mesh.faces)]
@@ -36,6 +41,26 @@ def load_meshes(path: Path) -> list[Trimesh]:
     if not meshes:
         raise InputError(path, "holds no triangles that have an area.")
     return meshes
+
+
+def _check_uncompressed(path: Path) -> None:
+    """Refuse glTF that trimesh would read as zeros.
+
+    Raises:
+        InputError: says what would read it.
+    """
+    if path.suffix.lower() not in (".glb", ".gltf"):
+        return
+    try:
+        data = path.read_bytes()
+        text = data[20 : 20 + struct.unpack("<I", data[12:16])[0]] if data[:4] == b"glTF" else data
+        needed = json.loads(text).get("extensionsRequired", [])
+    except (OSError, ValueError, struct.error, AttributeError):  # said when it is read
+        return
+    if DRACO in needed and importlib.util.find_spec("DracoPy") is None:
+        raise InputError(path, f"is compressed ({DRACO}).", "pip install DracoPy, or export it uncompressed")
+    if MESHOPT in needed:
+        raise InputError(path, f"is compressed ({MESHOPT}).", "export it uncompressed")
 
 
 def texture_of(mesh: Trimesh) -> Image.Image | None:

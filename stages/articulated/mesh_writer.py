@@ -15,6 +15,8 @@ from stages.articulated.mesh_reader import has_texture
 from stages.articulated.model import Texture, Visual
 
 SHARP = np.radians(35)  # edges sharper than this stay sharp
+MOST_TEXELS = 1024  # along a side of a picture: renderers hold all of them in memory, per part
+TEXTURES = ("baseColorTexture", "metallicRoughnessTexture", "normalTexture", "occlusionTexture", "emissiveTexture")
 
 
 def numbers(values: Iterable[float]) -> str:
@@ -139,6 +141,12 @@ def _solid_looking(mesh: Trimesh) -> Trimesh:
     material = material.to_pbr() if hasattr(material, "to_pbr") else material.copy()
     if material.metallicFactor is None:
         material.metallicFactor = 0.0
+    for kind in TEXTURES:
+        picture = getattr(material, kind, None)
+        if picture is not None and max(picture.size) > MOST_TEXELS:
+            smaller = picture.copy()
+            smaller.thumbnail((MOST_TEXELS, MOST_TEXELS))
+            setattr(material, kind, smaller)
     if has_texture(mesh):
         shaded_mesh, uv = mesh.copy(), mesh.visual.uv
     else:

@@ -25,8 +25,8 @@ class UrdfTree:
 
     Attributes:
         links: the <link> elements by name.
-        joints: parents before children. Continuous joints (wheels, knobs) and those that follow another (mimic) are
-            fixed: neither is a door or a drawer.
+        joints: parents before children. Continuous joints (wheels, knobs), those that follow another (mimic) and those
+            of loose things (floating, planar) are fixed: none is a door or a drawer.
         root: name of the one link that is no joint's child.
 
     Raises:
@@ -110,7 +110,7 @@ class UrdfTree:
         if parent == child:
             raise InputError(self.path, f"{where}: link '{child}' is its own parent.")
         fixed = JointModel(name, "fixed", parent, child, self.origin(element, where))
-        if kind in ("fixed", "continuous"):
+        if kind in ("fixed", "continuous", "floating", "planar"):
             return fixed
         if kind not in ("revolute", "prismatic"):
             fix = "fixed, continuous, revolute or prismatic"

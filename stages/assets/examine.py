@@ -16,6 +16,7 @@ from stages.articulated.model import RobotModel
 from stages.articulated.sense import front_direction
 from stages.articulated.urdf_writer import write_urdf
 from stages.assets.discover import NUMBERED, Found
+from stages.assets.facing import front_before_back
 from stages.assets.importers import Axis, Importer
 from stages.assets.importers.urdf import IMPORTER as URDF
 from stages.assets.imports import ModelFile, Notes, axis_vector, import_file, in_one_line, upright, with_notes
@@ -141,12 +142,16 @@ def guessed(robot: RobotModel, file: ModelFile) -> tuple[Notes, list[str]]:
         default: Axis = "+z" if up == "+y" else "+x"
         notes = notes.model_copy(update={"front": default, "up": up, "scale": scale})
         turned, _ = upright(robot, file._replace(notes=notes))
-        told = front_direction(turned)
-        front = default if told is None else in_file(told[0], default, up)
-        unsure = file.notes.up is None and up == file.importer.up and not file.importer.has_up
-        unsure = unsure and category not in CATEGORIES
-        assumed = "front and up assumed" if unsure else "front assumed"
-        lines.append(assumed if told is None else f"front where {told[1]} of its doors and drawers open")
+        told, backed = front_direction(turned), front_before_back(turned, category)
+        if told is not None:
+            front, how = in_file(told[0], default, up), f"front where {told[1]} of its doors and drawers open"
+        elif backed is not None:
+            front, how = in_file(backed, default, up), "front away from its back"
+        else:
+            unsure = file.notes.up is None and up == file.importer.up and not file.importer.has_up
+            front = default
+            how = "front and up assumed" if unsure and category not in CATEGORIES else "front assumed"
+        lines.append(how)
     words = {
         "category": category,
         "front": front,

@@ -73,7 +73,7 @@ BROKEN_TREE = [
     (END, CHAIN + END, "has 1005 links"),
 ]
 BROKEN_JOINTS = [
-    ('type="prismatic"', 'type="floating"', "joint 'slide': type 'floating' is not supported"),
+    ('type="prismatic"', 'type="spherical"', "joint 'slide': type 'spherical' is not supported"),
     (' type="prismatic"', "", "joint 'slide': type '' is not supported"),
     (AXIS, '<axis xyz="0 0 0"/>', "joint 'hinge': its axis is zero"),
     (AXIS, '<axis xyz="0 1"/>', "joint 'hinge': xyz=\"0 1\" is not 3 number"),

@@ -1,20 +1,31 @@
 """What packs of other people do: files beside the folder, other systems' names, placeholders, robots, whole scenes."""
 
 import json
+import struct
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 import trimesh
+from PIL import Image
 
-from stages.articulated.model import RobotModel
+from stages.articulated.mesh_reader import load_meshes
+from stages.articulated.mesh_writer import write_glb
+from stages.articulated.model import Link, RobotModel, Visual
 from stages.articulated.sense import doors_and_drawers
 from stages.articulated.urdf_reader import read_urdf
 from stages.assets.discover import bare, discover
+from stages.assets.facing import BACKED, front_before_back
 from stages.assets.import_ import run
+from stages.assets.importers import Axis
 from stages.assets.importers.mjcf import read_mjcf
+from stages.assets.imports import axis_vector
 from stages.assets.weighing import weighed_sanely
 from stages.contracts.errors import InputError
+from stages.procedural.catalogue import sample
+from stages.procedural.folder import generate
+from stages.procedural.robot import robot_of
 from tests.unit.test_sense import box, joint, write_partnet
 
 pytest.importorskip("mujoco")
@@ -191,3 +202,52 @@ def test_a_wardrobe_filed_as_storage_furniture_is_as_large_as_wardrobes(tmp_path
     assert notes["1"]["category"] == "wardrobe"
     assert notes["1"]["scale"] == pytest.approx(np.linalg.norm((0.6, 1.2, 2.0)) / 2, rel=0.15)
     assert notes["2"]["category"] == "bottom_cabinet"
+
+
+@pytest.mark.parametrize("kind", ["glb", "gltf"])
+@pytest.mark.parametrize("extension", ["KHR_draco_mesh_compression", "EXT_meshopt_compression"])
+def test_compressed_gltf_is_not_read_as_zeros(
+    tmp_path: Path, kind: str, extension: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "DracoPy", None)
+    text = json.dumps({"asset": {"version": "2.0"}, "extensionsRequired": [extension]}).encode()
+    header = b"glTF" + struct.pack("<IIII", 2, 20 + len(text), len(text), 0x4E4F534A)
+    (tmp_path / f"a.{kind}").write_bytes(header + text if kind == "glb" else text)
+    with pytest.raises(InputError, match=rf"is compressed \({extension}\)\. Fix: .*export it uncompressed"):
+        load_meshes(tmp_path / f"a.{kind}")
+
+
+@pytest.mark.parametrize("front", ["+x", "-x", "+y", "-y"])
+def test_a_chair_faces_away_from_its_back(front: Axis) -> None:
+    turn = np.deg2rad({"+x": 0, "+y": 90, "-x": 180, "-y": 270}[front])
+    parts = ((0.5, 0.5, 0.1), (0.05, 0.5, 0.5)), ((0, 0, 0.4), (-0.22, 0, 0.7))
+    chair = trimesh.util.concatenate(
+        [trimesh.creation.box(size).apply_translation(at) for size, at in zip(*parts, strict=True)]
+    )
+    chair.apply_transform(trimesh.transformations.rotation_matrix(turn, [0, 0, 1]))
+    robot = RobotModel("c", {"l": Link("l", [Visual(chair)], [chair], 5.0, np.zeros(3), np.eye(3))})
+    told = front_before_back(robot, "chair")
+    assert told is not None
+    assert told == pytest.approx(axis_vector(front))
+    assert front_before_back(robot, "bookshelf") is None
+
+
+def test_our_own_things_with_a_back_face_the_right_way() -> None:
+    for category in BACKED:
+        told = front_before_back(robot_of(generate(sample(category, 3, 0)), category), category)
+        assert told is not None and told[0] == 1.0, category
+
+
+def test_loose_things_hold_still(tmp_path: Path) -> None:
+    text = f'<link name="a">{box("1 1 1")}</link><link name="b">{box("1 1 1")}</link>'
+    text += '<joint name="j" type="floating"><parent link="a"/><child link="b"/></joint>'
+    assert read_urdf(urdf(tmp_path / "a.urdf", text), tmp_path).joints[0].type == "fixed"
+
+
+def test_large_textures_are_made_smaller(tmp_path: Path) -> None:
+    mesh, picture = trimesh.creation.box(), Image.new("RGB", (3000, 1500))
+    mesh.visual = trimesh.visual.TextureVisuals(uv=np.zeros((8, 2)), image=picture)
+    write_glb(tmp_path / "a.glb", [mesh])
+    (written,) = trimesh.load_scene(tmp_path / "a.glb").geometry.values()
+    assert written.visual.material.baseColorTexture.size == (1024, 512)
+    assert picture.size == (3000, 1500)
