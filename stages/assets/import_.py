@@ -1,6 +1,8 @@
 """Verb `import`: look at a folder of models, say what each is taken for, and write a folder that the library takes."""
 
+import sys
 import tempfile
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
@@ -10,6 +12,8 @@ from stages.assets.import_page import write_page
 from stages.assets.imports import IMPORTERS, by_suffix, snake_case
 from stages.assets.portrait import Portraits
 from stages.contracts.errors import InputError
+
+FOREIGN = {".3ds", ".blend", ".fbx", ".sdf", ".skp", ".usd", ".usda", ".usdc", ".usdz", ".wrl", ".xacro"}
 
 
 def run(folder: Path, /, *, out: Path) -> None:
@@ -59,12 +63,22 @@ def models_of(given: Path, out: Path, kinds: Sequence[str]) -> list[Found]:
     if inside.is_relative_to(outside):
         raise InputError("--out", f"{out} and {given} lie in one another.", "give a folder beside it")
     if found := discover(given, kinds):
+        if left_out := unread(given):
+            print(f"{given}: {left_out}", file=sys.stderr)
         return found
     parts = [path for path in given.rglob("*") if is_model(path, kinds)]
     if parts:
         what = f"holds no model, only parts of models ({parts[0].name} and such)."
         raise InputError(given, what, "give the folder or the file of the model that they are part of")
-    raise InputError(given, f"holds no models ({', '.join(kinds)}).", "docs/assets.md says how they may lie")
+    fix = "docs/assets.md says how they may lie"
+    raise InputError(given, f"holds no models ({', '.join(kinds)}).", unread(given) or fix)
+
+
+def unread(folder: Path) -> str:
+    """How many models there are of kinds that are not read, and what to do; empty: none."""
+    found = Counter(path.suffix.lower() for path in folder.rglob("*") if path.suffix.lower() in FOREIGN)
+    counts = ", ".join(f"{count} {kind}" for kind, count in sorted(found.items()))
+    return f"files of kinds that are not read ({counts}): export them as URDF, MJCF or GLB" if found else ""
 
 
 def places(found: Iterable[Found]) -> list[str]:

@@ -4,10 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from stages.articulated.attributes import moved_by
 from stages.articulated.model import Link, RobotModel
 from stages.articulated.urdf_reader import board_mass, box_around, box_inertia
 
 ODD = 20.0  # times as heavy or as light as boards: solid steel is 16 times as heavy as wood
+HEAVY = 5.0  # the same of a door or drawer, which is no solid block: water in its hull is ten times as heavy
 
 
 def weighed_sanely(robot: RobotModel) -> tuple[RobotModel, list[str]]:
@@ -16,10 +18,17 @@ def weighed_sanely(robot: RobotModel) -> tuple[RobotModel, list[str]]:
     expected, lines, links = sum(boards.values()), [], dict(robot.links)
     if any(link.weighed for link in links.values()) and not expected / ODD <= told <= expected * ODD:
         lines.append(f"weighs {told:.3g} kg in its file, unlike anything of its size: taken for boards")
-        for name, link in links.items():
-            ratio = boards[name] / link.mass
-            inertia = box_inertia(link.collisions, boards[name]) if _impossible(link) else link.inertia * ratio
-            links[name] = replace(link, mass=boards[name], inertia=inertia, weighed=False)
+        links = {name: _of_boards(link, boards[name]) for name, link in links.items()}
+    for joint in robot.joints:
+        if joint.type == "fixed":
+            continue
+        moving = moved_by(joint, robot.joints)
+        told, expected = (sum(masses) for masses in ([links[n].mass for n in moving], [boards[n] for n in moving]))
+        if told > HEAVY * expected:
+            lines.append(
+                f"what '{joint.name}' moves weighs {told:.3g} kg in its file: taken for boards, {expected:.2g} kg"
+            )
+            links |= {name: _of_boards(links[name], boards[name]) for name in moving}
     impossible = [name for name, link in links.items() if _impossible(link)]
     for name in impossible:
         links[name] = replace(links[name], inertia=box_inertia(links[name].collisions, links[name].mass))
@@ -27,6 +36,11 @@ def weighed_sanely(robot: RobotModel) -> tuple[RobotModel, list[str]]:
         names = ", ".join(f"'{name}'" for name in impossible)
         lines.append(f"inertia of {names} taken for that of a box: none of that mass and size has the one in its file")
     return replace(robot, links=links), lines
+
+
+def _of_boards(link: Link, mass: float) -> Link:
+    inertia = box_inertia(link.collisions, mass) if _impossible(link) else link.inertia * (mass / link.mass)
+    return replace(link, mass=mass, inertia=inertia, weighed=False)
 
 
 def _boards(link: Link) -> float:

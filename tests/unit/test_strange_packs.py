@@ -251,3 +251,31 @@ def test_large_textures_are_made_smaller(tmp_path: Path) -> None:
     (written,) = trimesh.load_scene(tmp_path / "a.glb").geometry.values()
     assert written.visual.material.baseColorTexture.size == (1024, 512)
     assert picture.size == (3000, 1500)
+
+
+def test_doors_and_drawers_are_no_solid_blocks(tmp_path: Path) -> None:
+    body, drawer = box("0.4 0.5 0.6", "-0.21 0 0.3"), box("0.02 0.5 0.2") + box("0.3 0.45 0.15", "-0.16 0 0")
+    inertial = '<inertial><mass value="{}"/></inertial>'
+
+    def masses(kilograms: float) -> tuple[float, list[str]]:
+        links = f'<link name="body">{inertial.format(20)}{body}</link>'
+        links += f'<link name="d">{inertial.format(kilograms)}{drawer}</link>'
+        text = links + joint("slide", "prismatic", "d", "1 0 0", 0.3, "0.01 0 0.3")
+        robot, lines = weighed_sanely(read_urdf(urdf(tmp_path / "a.urdf", text), tmp_path))
+        assert robot.links["body"].mass == 20
+        return robot.links["d"].mass, lines
+
+    assert masses(4.0) == (4.0, [])
+    mass, lines = masses(40.0)
+    assert 2 < mass < 6
+    assert lines == [f"what 'slide' moves weighs 40 kg in its file: taken for boards, {mass:.2g} kg"]
+
+
+def test_kinds_that_are_not_read_are_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "theirs/chair").mkdir(parents=True)
+    (tmp_path / "theirs/chair/a.usd").write_text("")
+    with pytest.raises(InputError, match=r"Fix: files of kinds that are not read \(1 .usd\): export them as URDF"):
+        run(tmp_path / "theirs", out=tmp_path / "mine")
+    trimesh.creation.box((0.5, 0.5, 0.9)).export(tmp_path / "theirs/chair/b.stl")
+    run(tmp_path / "theirs", out=tmp_path / "mine")
+    assert "not read (1 .usd)" in capsys.readouterr().err
