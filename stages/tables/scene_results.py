@@ -3,14 +3,17 @@
 from pathlib import Path
 
 import pandas as pd
+from matplotlib import pyplot as plt
 
 from stages.config.model import Config
-from stages.contracts.files import read_json, write_text
+from stages.contracts.files import atomic, read_json, write_text
 from stages.contracts.library import Library
 from stages.contracts.policies import SceneScore
 from stages.tables import formatting, robustness, table2
+from stages.tables.drawing import look
 from stages.tables.markup import markdown
 from stages.tables.rows import published_scenes, read_rows
+from stages.tables.scene_figure import figure6
 from stages.tables.scenes import ONE_SCENE
 from stages.tables.study import cost, facts, read_config
 from stages.tables.writing import as_csv
@@ -44,6 +47,13 @@ def asked(config: Config) -> list[tuple[str, str]]:
     return [*(("", variant) for variant in experiment.variants), *pairs]
 
 
+def _pictures(config: Config, results: Path, drawn: tuple[str, ...]) -> dict[tuple[str, str], Path]:
+    """The comparison pictures that are there, by room and variant."""
+    pairs = [(room, variant) for room in config.experiment.rooms for variant in drawn or config.experiment.variants]
+    found = {pair: results / f"generation/{pair[1]}/{pair[0]}/comparison.png" for pair in pairs}
+    return {pair: path for pair, path in found.items() if path.is_file()}
+
+
 def run(
     *,
     out: Path,
@@ -53,8 +63,9 @@ def run(
     published: Path = Path("report/published"),
     machine: str = "",
     commit: str = "",
+    drawn: tuple[str, ...] = (),
 ) -> None:
-    """Write table2.md, table2.csv and table2_robustness.csv into `out`: what is there; the rest is `not run`.
+    """Write table2.md, table2.csv, table2_robustness.csv, figure6.jpg into `out`: what is there; the rest is `not run`.
 
     Args:
         out: folder to write into.
@@ -64,6 +75,7 @@ def run(
         published: folder with the paper's values.
         machine: what it ran on; this machine if left out.
         commit: of the code, to be named.
+        drawn: variants in Figure 6; all if left out.
     """
     config = read_config(configs)
     files = score_files(config, results)
@@ -81,6 +93,12 @@ def run(
     shown = [formatting.scenes_table(scenes, config.tables), formatting.robustness_table(companion)]
     shown.append(cost(benchmarks, STAGES))
     text = ["# Table 2", "", facts("table2", configs, commit, machine, told), *map(markdown, shown)]
+    if pictures := _pictures(config, results, drawn):
+        with look(), atomic(out / "figure6.jpg") as path:
+            figure = figure6(pictures, list(config.tables.scenes))
+            figure.savefig(path, format="jpg", pil_kwargs={"quality": 85})
+            plt.close(figure)
+        text.append("**Figure 6: the rooms and their reconstructions.**\n\n![Figure 6](figure6.jpg)\n")
     text.append("`table2.csv` and `table2_robustness.csv` hold all columns ([what they are](../tables.md)).\n")
     write_text(out / "table2.csv", as_csv(scenes))
     write_text(out / "table2_robustness.csv", as_csv(companion))

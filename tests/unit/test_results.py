@@ -5,13 +5,14 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+from PIL import Image
 
 from stages.config.model import Config
 from stages.contracts.errors import InputError
 from stages.contracts.files import write_json
 from stages.contracts.policies import ChosenRuns, RunScore
 from stages.tables import results, scene_results
-from tests.unit.tables_results import rollout, score, write_rows, write_run
+from tests.unit.tables_results import picture, rollout, score, write_rows, write_run
 
 ROOT = Path(__file__).parents[2]
 PUBLISHED = ROOT / "report" / "published"
@@ -127,13 +128,18 @@ def test_a_study_of_table_2_tells_what_is_there_and_counts_whole_draws_alone(tmp
         room, protocol = scene[:6], "noise" if met else ""
         path = tmp_path / f"results/evaluation/scenes/b/{scene}/scores.csv"
         write_rows(path, [score(room, 1, protocol=protocol, **met)])
+    for variant in ("b", "ours"):
+        picture(tmp_path / f"results/generation/{variant}/room_1/comparison.png", 700, 240, seed=4)
     scene_results.run(
         out=tmp_path / "out", configs=(ROOT / "config.yaml", tmp_path / "study.yaml"), results=tmp_path / "results",
         benchmarks=tmp_path / "benchmarks", published=PUBLISHED, machine="a test", commit="abc1234",
+        drawn=("b",),
     )  # fmt: skip
     companion = pd.read_csv(tmp_path / "out/table2_robustness.csv").set_index(["protocol", "variant"])
     assert companion.loc[("noise", "b"), ["n_draws", "n_rooms", "n_objects"]].tolist() == [1, 2, 2]
     assert companion["n_draws"].isna()[("unknown", "ours")] and companion["n_draws"].isna()[("as shipped", "ours")]
     text = (tmp_path / "out/table2.md").read_text()
-    for words in ("noise 1 2, unknown 0", "a test", "`abc1234`", "4 scored, 4 obj"):
+    with Image.open(tmp_path / "out/figure6.jpg") as figure:
+        assert figure.format == "JPEG" and figure.height > figure.width / 4
+    for words in ("noise 1 2, unknown 0", "a test", "`abc1234`", "4 scored, 4 obj", "(figure6.jpg)"):
         assert words in text, words
