@@ -251,3 +251,16 @@ def test_the_camera_is_proposed_from_a_picture_alone() -> None:
     assert fit_view(known, width, height).focal == pytest.approx(true, rel=0.01)
     nothing = propose(np.full((300, 400), 90, np.uint8), usual_focal(400, 300, None))
     assert nothing.guides == [] and fit_view(nothing, 400, 300).focal == pytest.approx(320, rel=0.01)
+
+
+def test_a_camera_that_sees_no_floor_is_not_proposed() -> None:
+    """Lines of a ceiling 40 degrees up: who draws stands over a floor or a table, and sees it."""
+    up = View(640, 480, 520.0, rotation_of(0.2, np.deg2rad(40), 0.0))
+    drawn = np.full((480, 640), 90, np.uint8)
+    for k in np.linspace(-6, 6, 13):
+        for ends in ([[k, 1.0, 3.0], [k, 9.0, 3.0]], [[-6.0, 5 + k / 2, 3.0], [6.0, 5 + k / 2, 3.0]]):
+            a, b = np.rint(up.project(ends)).astype(int).tolist()
+            cv2.line(drawn, a, b, 220, 2, cv2.LINE_AA)
+    view = fit_view(propose(drawn, usual_focal(640, 480, None)), 640, 480)
+    bottom = view.rays([[0.0, 479.0], [639.0, 479.0]])
+    assert (bottom[:, 2] < 0).all()

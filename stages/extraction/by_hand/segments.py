@@ -59,8 +59,11 @@ def _planes(ends: Points, width: int, height: int, focal: float) -> Points:
     return np.asarray(normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12))
 
 
-def _hypotheses(normals: Points, weights: Points, rng: np.random.Generator) -> Points:
-    """room_from_camera rotations (M, 3, 3): two segments meet in one vanishing point, a third runs square to it."""
+def _hypotheses(normals: Points, weights: Points, highest: float, rng: np.random.Generator) -> Points:
+    """room_from_camera rotations (M, 3, 3): two segments meet in one vanishing point, a third runs square to it.
+
+    highest: pitch from which on the picture shows no floor: then nothing could be drawn.
+    """
     first, second, third = rng.choice(len(normals), size=(3, HYPOTHESES), p=weights / weights.sum())
     one = np.cross(normals[first], normals[second])
     two = np.cross(normals[third], one)
@@ -75,7 +78,7 @@ def _hypotheses(normals: Points, weights: Points, rng: np.random.Generator) -> P
     back = frames[rows, away] * np.sign(frames[rows, away, 2])[:, None]
     rotations = np.stack([np.cross(back, up), back, up], axis=1)
     pitch, roll = np.arcsin(np.clip(up[:, 2], -1, 1)), np.arctan2(up[:, 0], -up[:, 1])
-    return np.asarray(rotations[(np.abs(pitch) < STEEPEST) & (np.abs(roll) < MOST_ROLL)])
+    return np.asarray(rotations[(pitch > -STEEPEST) & (pitch < min(highest, STEEPEST)) & (np.abs(roll) < MOST_ROLL)])
 
 
 def _agreement(view_misses: Points, half: Points) -> Points:
@@ -147,7 +150,8 @@ def propose(grey: NDArray[np.uint8], prior: FocalPrior, seed: int = 0) -> Perspe
     trials = [prior.pixels] if prior.spread <= KNOWN_SPREAD else [float(share * max(width, height)) for share in FOCALS]
     best, best_score = None, 0.0
     for focal in trials:
-        rotations = _hypotheses(_planes(ends, width, height, focal), lengths, rng)
+        highest = float(np.arctan(height / 2 / focal))
+        rotations = _hypotheses(_planes(ends, width, height, focal), lengths, highest, rng)
         if not len(rotations):
             continue
         scores = _scores(ends, lengths, focal, (width, height), rotations)
