@@ -65,6 +65,9 @@ def find_floor(
         plane = fit_floor(rest, options, rng)
         if plane is None or plane.inliers.sum() < max(3, FALLBACK_SHARE * len(points)):
             break
+        if plane.offset >= 0:  # a ceiling, or nothing level: the camera is below it
+            rest = rest[~plane.inliers]
+            continue
         below = float((points @ plane.normal - plane.offset < -_threshold(points, options)).mean())
         found = sum(_stands_on(cloud, plane) for cloud in objects), -below
         if found > most:

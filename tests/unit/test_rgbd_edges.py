@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 import yaml
 
+from stages.config.extraction import ExtractionConfig
+from stages.extraction.room import find_floor
 from stages.geometry.boxes import UprightBox
 from stages.geometry.cameras import back_project
 from stages.scenes import from_rgbd
@@ -40,6 +42,17 @@ def test_from_far_above_extraction_looks_farther_for_the_ground(tmp_path: Path, 
     rgb = np.zeros((*depth.shape, 3), np.uint8)
     write_frame(tmp_path / "top", Frame(rgb, depth, INTRINSICS, Labelled(values, {1: "book"})))
     assert yaml.safe_load((tmp_path / "top" / "config.yaml").read_text())["extraction"] == found
+
+
+def test_nothing_above_the_camera_is_the_ground() -> None:
+    rng = np.random.default_rng(0)
+    ceiling, ground = (
+        np.column_stack([rng.uniform(-1, 1, 900), np.full(900, y), rng.uniform(2, 4, 900)]) for y in (-1, 1)
+    )
+    options = ExtractionConfig()
+    assert find_floor(ceiling, [ceiling[:50]], options, rng) is None
+    found = find_floor(np.concatenate([ceiling, ground[:300]]), [ceiling[:50]], options, rng)
+    assert found is not None and found.offset == pytest.approx(-1, abs=0.01)
 
 
 def frame_of(folder: Path, depth: np.ndarray, masks: np.ndarray, names: dict[int, str]) -> Path:
