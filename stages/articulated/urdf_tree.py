@@ -1,5 +1,6 @@
 """The kinematic tree of a URDF: its XML, its numbers and its joints, checked; complaints name file and element."""
 
+import re
 import xml.etree.ElementTree as ET
 from collections import Counter
 from dataclasses import replace
@@ -14,10 +15,20 @@ from stages.contracts.errors import InputError
 from stages.geometry.frames import rigid
 
 MOST_LINKS = 1000
+WORLD = "world"
 AROUND = " \t\r\n\0\x1a"  # the document, in files of other programs: XML allows nothing before it
 LARGEST = 1e6  # of any number: beyond it is a slip, in whatever unit
 WIDEST_ANGLE = 4 * np.pi  # limits of a hinge
 FIXED_RANGE = 1e-4  # metres or radians: joints with a smaller range are fixed
+
+
+def _plain(text: str) -> str:
+    """XML without what robots' files get wrong: comments in comments, names of spaces that are declared nowhere, and
+    blanks around it."""
+    text = re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL)
+    text = re.sub(r"""\sxmlns(:[\w.-]+)?\s*=\s*("[^"]*"|'[^']*')""", "", text)
+    text = re.sub(r"(</?[\w.-]+):", r"\1_", text)
+    return re.sub(r"""(\s[\w.-]+):([\w.-]+\s*=\s*["'])""", r"\1_\2", text).strip(AROUND)
 
 
 class UrdfTree:
@@ -41,6 +52,8 @@ class UrdfTree:
             raise InputError(path, "has no <link>.")
         if len(self.links) > MOST_LINKS:
             raise InputError(path, f"has {len(self.links)} links.", f"at most {MOST_LINKS}")
+        if any(end.get("link") == WORLD for end in self.robot.findall("joint/parent")):  # some need not declare it
+            self.links.setdefault(WORLD, ET.Element("link", name=WORLD))
         joints = [self._joint(element, name) for name, element in self._named("joint").items()]
         self.root, self.joints = self._ordered(joints)
 
@@ -52,7 +65,7 @@ class UrdfTree:
         if "<!DOCTYPE" in text:  # entities: files of this machine, or more text than its memory holds
             raise InputError(self.path, "declares a DOCTYPE, which a URDF does not need.", "remove it")
         try:
-            robot = ET.fromstring(text.strip(AROUND))
+            robot = ET.fromstring(_plain(text))
         except (ET.ParseError, ValueError) as error:
             raise InputError(self.path, f"is not XML: {error}.") from None
         if robot.tag != "robot":

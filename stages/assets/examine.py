@@ -19,7 +19,16 @@ from stages.assets.discover import NUMBERED, Found
 from stages.assets.facing import front_before_back
 from stages.assets.importers import Axis, Importer
 from stages.assets.importers.urdf import IMPORTER as URDF
-from stages.assets.imports import ModelFile, Notes, axis_vector, import_file, in_one_line, upright, with_notes
+from stages.assets.imports import (
+    ModelFile,
+    Notes,
+    axis_vector,
+    import_file,
+    in_one_line,
+    upright,
+    with_notes,
+    without_specks,
+)
 from stages.assets.proportions import UNITS, doubt_of_size, likest, scale_from_sphere, up_and_unit, up_as_it_stands
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json, write_json
@@ -92,7 +101,7 @@ def examine(found: Found, importer: Importer, place: Path, work: Path, before: S
                         model.doubts.append(f"of such things no size is known: that it is in {unit} is a guess")
                     model.told.append("a category of its own: none of ours is called so")
             model.notes = notes
-            write_model(robot, place, notes)
+            write_model(without_specks(robot, notes.scale), place, notes)
             as_written = Found(place / "model.urdf", place.parent.parent, place.parent.name, place.name)
             asset, doubts = import_file(with_notes(as_written, URDF), work)
             model.doubts += doubts

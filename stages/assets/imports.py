@@ -243,13 +243,14 @@ def in_metres(robot: RobotModel, scale: float) -> RobotModel:
     return replace(robot, links=links)
 
 
-def without_specks(robot: RobotModel) -> RobotModel:
-    """The model without what is nothing to a hundredth of a millimetre, as files have it; thin pieces made thick."""
+def without_specks(robot: RobotModel, scale: float = 1.0) -> RobotModel:
+    """The model (`scale` metres per unit) without what is nothing to a hundredth of a millimetre; thin pieces made
+    thick."""
     links = {
         name: replace(
             link,
-            visuals=[visual for visual in link.visuals if np.sort(visual.mesh.extents)[1] > SPECK],
-            collisions=[thickened(piece) for piece in link.collisions if piece.extents.max() > THINNEST],
+            visuals=[visual for visual in link.visuals if np.sort(visual.mesh.extents)[1] * scale > SPECK],
+            collisions=[thickened(piece) for piece in link.collisions if piece.extents.max() * scale > THINNEST],
         )
         for name, link in robot.links.items()
     }

@@ -34,6 +34,7 @@ def compiled(path: Path, folder: Path) -> tuple[Any, Any, list[str]]:
     own = root.findall("worldbody")
     _include(root, path, path, folder, 0)
     remarks = _without_surroundings(root, own)
+    _rename_defaults(root)
     settings = COMPILER | ({"angle": "radian"} if _in_radians(root) else {})
     for compiler in root.iter("compiler"):
         told = compiler.attrib
@@ -78,6 +79,15 @@ def _without_surroundings(root: ET.Element, own: list[ET.Element]) -> list[str]:
         root.remove(world)
     names = [f"'{body.get('name', '')}'" for world in included for body in world.findall("body")]
     return [f"left out, as included around it: {', '.join(names) or 'geoms of the world'}"]
+
+
+def _rename_defaults(root: ET.Element) -> None:
+    """Call the outermost class of defaults `main`, as MuJoCo now wants it; files used to call it as they liked."""
+    names = {default.get("class") for default in root.findall("default")} - {None, "main"}
+    for element in root.iter():
+        for key in ("class", "childclass"):
+            if element.get(key) in names:
+                element.set(key, "main")
 
 
 def _in_radians(root: ET.Element) -> bool:

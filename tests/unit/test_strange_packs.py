@@ -60,16 +60,6 @@ def test_a_file_beside_the_folder_tells_which_folder_to_give(tmp_path: Path) -> 
         read_urdf(urdf(model, mesh_link("../meshes/gone.obj")), model.parent)
 
 
-def test_a_texture_that_is_missing_is_grey(tmp_path: Path) -> None:
-    looks = '<texture type="cube" file="../textures/oak.png"/><material name="m" texture="oak"/>'
-    thing = '<worldbody><geom type="box" size=".1 .1 .1" material="m"/></worldbody>'
-    robot = read_mjcf(mjcf(tmp_path / "a.xml", f"<asset>{looks}</asset>{thing}"), tmp_path)
-    (visual,) = robot.links["world"].visuals
-    assert visual.colour is not None
-    assert len(set(visual.colour[:3])) == 1 and visual.colour[0] < 1
-    assert robot.remarks[0].startswith("grey in place of a texture: there is no file '../textures/oak.png'")
-
-
 def test_names_with_backslashes(tmp_path: Path) -> None:
     (tmp_path / "meshes").mkdir()
     trimesh.creation.box().export(tmp_path / "meshes/a.obj")
@@ -80,34 +70,23 @@ def test_names_with_backslashes(tmp_path: Path) -> None:
 
 
 def test_sloppy_xml_is_read(tmp_path: Path) -> None:
-    link = f'<link name="a">{box("0.1 0.2 0.3", "1, 2, 3")}</link>'
-    robot = read_urdf(urdf(tmp_path / "a.urdf", link, '\n \n<?xml version="1.0"?>', "\n\0"), tmp_path)
-    assert robot.links["a"].visuals[0].mesh.bounds.mean(axis=0) == pytest.approx([1, 2, 3])
+    link = f'<!-- <!-- a --><link name="a" sim:id="1">{box("0.1 0.2 0.3", "1, 2, 3")}<sim:mu x="1"/></link>'
+    model = urdf(tmp_path / "a.urdf", link, '\n \n<?xml version="1.0"?>', "\n\0")
+    model.write_text(model.read_text().replace("<robot", '<robot xmlns="http://x.org" xmlns:s="http://y.org"'))
+    assert read_urdf(model, tmp_path).links["a"].visuals[0].mesh.bounds.mean(axis=0) == pytest.approx([1, 2, 3])
 
 
-TABLE = '<worldbody><body name="table" pos="0 0 -1"><geom type="box" size="1 1 1"/></body></worldbody>'
+def test_a_world_that_nobody_declares(tmp_path: Path) -> None:
+    weld = '<joint name="weld" type="fixed"><parent link="world"/><child link="a"/></joint>'
+    robot = read_urdf(urdf(tmp_path / "a.urdf", f'<link name="a">{box("1 1 1")}</link>{weld}'), tmp_path)
+    assert robot.root == "world" and robot.links["a"].visuals
 
 
-def test_what_is_included_around_a_thing_is_no_part_of_it(tmp_path: Path) -> None:
-    (tmp_path / "scene.xml").write_text(f"<mujocoinclude>{TABLE}</mujocoinclude>")
-    thing = '<worldbody><body name="cup"><geom type="box" size=".05 .05 .05"/></body></worldbody>'
-    robot = read_mjcf(mjcf(tmp_path / "cup.xml", f'<include file="scene.xml"/>{thing}'), tmp_path)
-    assert "cup" in robot.links and "table" not in robot.links
-    assert robot.remarks == ("left out, as included around it: 'table'",)
-    floor = '<worldbody><geom type="plane" size="1 1 1"/></worldbody>'
-    robot = read_mjcf(mjcf(tmp_path / "whole.xml", f'<include file="scene.xml"/>{floor}'), tmp_path)
-    assert "table" in robot.links and not robot.remarks, "the included file is the model"
-
-
-@pytest.mark.parametrize(
-    ("compiler", "upper", "expected"),
-    [("", "1.5", 1.5), ("", "90", np.pi / 2), ('<compiler angle="degree"/>', "1.5", np.deg2rad(1.5))],
-)
-def test_hinges_of_a_few_units_turn_by_radians(tmp_path: Path, compiler: str, upper: str, expected: float) -> None:
-    hinge = f'<joint name="j" axis="0 0 1" limited="true" range="0 {upper}"/>'
-    turns = f'<body>{hinge}<geom type="box" size=".1 .1 .1"/></body>'
-    robot = read_mjcf(mjcf(tmp_path / "a.xml", f"{compiler}<worldbody>{turns}</worldbody>"), tmp_path)
-    assert robot.joints[0].upper == pytest.approx(expected)
+def test_points_that_collide_are_left_out(tmp_path: Path) -> None:
+    point = '<collision><geometry><sphere radius="1e-7"/></geometry></collision>'
+    urdf(tmp_path / "theirs/mug/a.urdf", f'<link name="a">{box("0.1 0.1 0.1")}{point}</link>')
+    run(tmp_path / "theirs", out=tmp_path / "mine")
+    assert (tmp_path / "mine/mug/a/asset.json").is_file()
 
 
 def moving(
