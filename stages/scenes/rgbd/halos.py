@@ -13,6 +13,7 @@ BINS, BLUR = 16, 0.7  # of each of L, a, b; in bins
 RING = 61  # pixels around a thing, in which the table is looked at
 LIKELIER = 2.0  # times that a colour must be the table's rather than the thing's
 OWN = 4.0  # times that it must be the thing's: shadows are a little alike
+MOST = 3.0  # times of a thing that may be added
 LEAST, PART = 0.4, 0.1  # of a thing that remains, else it is of the table's colours; of its largest piece, for others
 
 
@@ -36,7 +37,7 @@ def without_halos(values: NDArray[np.uint16], rgb: NDArray[np.uint8], table: NDA
 
 
 def completed(values: NDArray[np.uint16], rgb: NDArray[np.uint8], table: NDArray[np.bool_]) -> NDArray[np.uint16]:
-    """Masks (H, W) with what adjoins them and has their colours, though depth says `table`: at most twice as large."""
+    """Masks (H, W) with what adjoins them and has their colours, though depth says `table`."""
     colour, whole = _colours(rgb), values.copy()
     for value in np.unique(values[values > 0]):
         mask = values == value
@@ -50,7 +51,7 @@ def completed(values: NDArray[np.uint16], rgb: NDArray[np.uint8], table: NDArray
         _, pieces = cv2.connectedComponents(alike.astype(np.uint8), connectivity=4)
         own = np.isin(pieces, np.unique(pieces[mask]))
         added = binary_fill_holes(binary_closing(own, np.ones((3, 3)))) & free
-        if own.sum() > mask.sum() >= added.sum():
+        if own.sum() > mask.sum() >= added.sum() / MOST:
             whole[added] = value
     return whole
 
