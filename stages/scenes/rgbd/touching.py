@@ -16,6 +16,7 @@ STEP = 0.015  # share of the distance, between neighbouring pixels: a step from 
 APART, RADIUS = 3, 0.01  # pixels to either side of a crease; metres at 1 m of the surface that has a normal
 NOISE = 0.02  # share of the distance that smoothing may change
 CONCAVE = np.deg2rad(50)  # by which surfaces on either side turn towards each other
+HOLLOW, TOP = 0.3, 0.95  # correlation of normals with places; share of heights up to which its edge is
 SMALLEST = 0.0015  # of the picture: what is smaller is a part of what is nearest
 
 
@@ -37,7 +38,9 @@ def cut_apart(
     stride = max(1, values.shape[1] // COLUMNS)
     coarse, some, tall = values[::stride, ::stride], points[::stride, ::stride], height[::stride, ::stride]
     seen = (coarse > 0) & (some[..., 2] > 0)
-    inner = (seen & (tall > lowest) & ~_steps(some[..., 2], seen) & ~_creases(some, seen)).astype(np.uint8)
+    normals = np.zeros(some.shape)
+    normals[seen] = surface_normals(some[seen], RADIUS * float(np.median(some[seen][:, 2])))
+    inner = (seen & (tall > lowest) & ~_steps(some[..., 2], seen) & ~_creases(some, normals, seen)).astype(np.uint8)
     parts = np.zeros(values.shape, np.uint16)
     count = 0
     for value in np.unique(values[values > 0]):
@@ -52,7 +55,44 @@ def cut_apart(
         _, nearest = KDTree(some[core]).query(points[mask])
         parts[mask] = count + 1 + np.searchsorted(large, labels[core])[nearest]
         count += len(large)
+    shown = np.where(seen, parts[::stride, ::stride], 0)
+    for value, rim in _insides(shown, some, normals, tall, lowest):
+        parts[parts == value] = rim
     return parts
+
+
+def _insides(
+    parts: NDArray[np.uint16],
+    points: NDArray[np.float64],
+    normals: NDArray[np.float64],
+    height: NDArray[np.float64],
+    rim: float,
+) -> list[tuple[int, int]]:
+    """Parts that are the inside of a cup or a bowl, each with the part that shows its outside.
+
+    They are hollow, and behind an edge that is as high as they are.
+
+    Args:
+        rim: metres that this may differ.
+    """
+    found = []
+    for value in np.unique(parts[parts > 0]).tolist():
+        mask = parts == value
+        spread, turned = points[mask] - points[mask].mean(axis=0), normals[mask] - normals[mask].mean(axis=0)
+        if (spread * turned).sum() > -HOLLOW * np.sqrt((spread**2).sum() * (turned**2).sum()):
+            continue
+        columns = np.flatnonzero(mask.any(axis=0))
+        lowest = mask.shape[0] - 1 - np.argmax(mask[::-1, columns], axis=0)
+        below = np.minimum(lowest + APART, mask.shape[0] - 1)
+        names, counts = np.unique(parts[below, columns], return_counts=True)
+        outside = int(names[np.argmax(counts)])
+        if outside in (0, value) or 2 * counts.max() < len(columns):
+            continue
+        edge = parts[below, columns] == outside
+        top = np.quantile(height[mask], TOP)
+        if abs(float(np.median(height[below[edge], columns[edge]])) - float(top)) < rim:
+            found.append((value, outside))
+    return found
 
 
 def _steps(depth: NDArray[np.float64], seen: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -62,10 +102,8 @@ def _steps(depth: NDArray[np.float64], seen: NDArray[np.bool_]) -> NDArray[np.bo
     return np.maximum(far - depth, depth - near) > STEP * depth
 
 
-def _creases(points: NDArray[np.float64], seen: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _creases(points: NDArray[np.float64], normals: NDArray[np.float64], seen: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Pixels (H, W) on either side of which surfaces turn towards each other, in any of four directions."""
-    normals = np.zeros(points.shape)
-    normals[seen] = surface_normals(points[seen], RADIUS * float(np.median(points[seen][:, 2])))
     least = 2 * np.sin(CONCAVE / 2)
     found = np.zeros(seen.shape, bool)
     for dy, dx in ((0, APART), (APART, 0), (APART, APART), (APART, -APART)):
