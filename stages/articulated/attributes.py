@@ -11,6 +11,7 @@ from stages.articulated.model import JointModel, Matrix, RobotModel, Visual
 from stages.contracts.library import FrontPanel, HandleKind, HingeSide
 
 WIDEST = 0.07  # metres across a handle that a gripper of 8 cm closes on
+NEXT = 0.001  # metres before a handle: what is nearer belongs to it
 AT_EDGE = 0.06  # metres from a side of the panel within which a profile counts as its edge
 MOST_OF_IT = 0.7  # share of the panel's extent that such a profile runs along at least
 BENT = 0.15  # share of an arch's surface that lies deeper than four fifths of how far it stands out; a bar has less
@@ -39,10 +40,17 @@ def front_panel(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix],
 
 def measured_handle(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> HandleKind | None:
     """The kind of handle on what a joint moves, told from its shape alone; None: nothing stands out that a gripper
-    can close on."""
-    mesh = seen_of(robot, moved_by(joint, robot.joints), frames)
+    can close on, or only behind something else (a drawer behind a door)."""
+    moving = moved_by(joint, robot.joints)
+    mesh = seen_of(robot, moving, frames)
     handle = None if mesh is None else find_handle(mesh)
-    return None if handle is None or mesh is None or handle.width > WIDEST else _kind(handle, mesh)
+    if handle is None or mesh is None or handle.width > WIDEST:
+        return None
+    others = seen_of(robot, robot.links.keys() - set(moving), frames)
+    ahead = np.array([1.0, 0.0, 0.0])
+    if others is not None and others.ray.intersects_any([handle.position + NEXT * ahead], [ahead])[0]:
+        return None
+    return _kind(handle, mesh)
 
 
 def seen_of(robot: RobotModel, links: Iterable[str], frames: dict[str, Matrix]) -> trimesh.Trimesh | None:

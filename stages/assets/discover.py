@@ -102,7 +102,7 @@ def _sorted_in(child: Path, folder: Path, kinds: Sequence[str]) -> list[Found]:
             found.append(Found(numbered, folder, told_category(inner) or told or own, inner.name))
         elif inner.is_dir():
             for path, count_ in _first_kind(inner, kinds):
-                names = (*path.relative_to(child).parts[:-1], path.stem)
+                names = [*path.relative_to(child).parts[:-1], *([path.stem] if count_ > 1 else [])]
                 category = told or next((known for name in names if (known := category_in(name))), own)
                 found.append(Found(path, folder, category, _name(path, inner, count_)))
     if all(one.category == own for one in found):

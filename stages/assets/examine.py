@@ -204,5 +204,5 @@ def ungraspable(joint: Joint) -> str | None:
     """A line if a gripper finds nothing to hold."""
     if joint.handle is not None:
         return None
-    what = "no handle, 12 mm or more out from its front and at most 7 cm wide"
+    what = "no handle, 12 mm or more out from its front, at most 7 cm wide and before everything else"
     return f"{joint.role} '{joint.name}' cannot be grasped: {what}"

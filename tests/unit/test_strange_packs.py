@@ -13,6 +13,7 @@ from PIL import Image
 from stages.articulated.mesh_reader import load_meshes
 from stages.articulated.mesh_writer import write_glb
 from stages.articulated.model import Link, RobotModel, Visual
+from stages.articulated.roles import contract_joints, with_roles
 from stages.articulated.sense import doors_and_drawers
 from stages.articulated.urdf_reader import read_urdf
 from stages.assets.discover import bare, discover
@@ -136,6 +137,7 @@ def test_folders_whose_names_say_nothing(tmp_path: Path) -> None:
         "assets/mug/urdf/model.urdf",
         "assets/urdf/parts/drawer/drawer_top.urdf",
         "assets/urdf/parts/chair/model.urdf",
+        "crate/big/box.urdf",
     ):
         urdf(tmp_path / path, "")
     assert {(one.category, one.name) for one in discover(tmp_path, [".urdf"])} == {
@@ -144,6 +146,7 @@ def test_folders_whose_names_say_nothing(tmp_path: Path) -> None:
         ("mug", "mug"),
         ("drawer", "drawer"),
         ("chair", "chair"),
+        ("crate", "big"),
     }
     assert [bare(name) for name in ("011_banana", "banana_model_obj", "mesh")] == ["banana", "banana", "mesh"]
 
@@ -258,3 +261,18 @@ def test_kinds_that_are_not_read_are_told(tmp_path: Path, capsys: pytest.Capture
     trimesh.creation.box((0.5, 0.5, 0.9)).export(tmp_path / "theirs/chair/b.stl")
     run(tmp_path / "theirs", out=tmp_path / "mine")
     assert "not read (1 .usd)" in capsys.readouterr().err
+
+
+def test_a_drawer_behind_a_door_has_no_handle_to_hold(tmp_path: Path) -> None:
+    drawer = box("0.02 0.4 0.2") + box("0.03 0.2 0.02", "0.02 0 0")
+    inside = f'<link name="d">{drawer}</link>{joint("slide", "prismatic", "d", "1 0 0", 0.3, "-0.06 0 0.3")}'
+    body = f'<link name="body">{box("0.4 0.5 0.6", "-0.31 0 0.3")}</link>'
+
+    def handle(more: str) -> str | None:
+        robot = read_urdf(urdf(tmp_path / "a.urdf", body + inside + more), tmp_path)
+        (found,) = (one for one in contract_joints(with_roles(robot)) if one.name == "slide")
+        return found.handle
+
+    door = f'<link name="door">{box("0.02 0.5 0.6", "0 0.25 0")}</link>'
+    assert handle("") == "bar"
+    assert handle(door + joint("hinge", "revolute", "door", "0 0 -1", 1.5, "0.02 -0.25 0.3")) is None
