@@ -79,7 +79,8 @@ def run(
     if frame.masks is not None:
         frame = replace(frame, depth=without_edges(frame.depth, frame.masks.values))
     if clusters and masks is None:
-        frame = replace(frame, masks=clustered(frame.depth, frame.intrinsics, frame.rgb))
+        found, clean = clustered(frame.depth, frame.intrinsics, frame.rgb)
+        frame = replace(frame, masks=found, depth=clean)
     height, width = frame.rgb.shape[:2]
     written = write_frame(out, frame)
     (fx, _, cx), (_, fy, cy), _ = frame.intrinsics

@@ -119,7 +119,7 @@ def test_clusters_find_what_stands_on_the_table(files: SimpleNamespace) -> None:
 def test_a_wide_lid_is_no_table() -> None:
     lid = UprightBox([2.4, 0.5, 0.75], [1.2, 1.1, 0.1], 0.0)
     depth, _ = trace([TABLE, lid, CAN], wall=False)
-    found = clustered(depth.astype(np.float32), INTRINSICS, np.zeros((HEIGHT, WIDTH, 3), np.uint8))
+    found, _ = clustered(depth.astype(np.float32), INTRINSICS, np.zeros((HEIGHT, WIDTH, 3), np.uint8))
     shown = [(found.values == value).sum() for value in found.labels]
     assert len(shown) == 2 and max(shown) > 5 * min(shown), "the lid, and the can beside it"
 
@@ -135,13 +135,13 @@ def test_things_that_touch_are_cut_apart_on_a_table() -> None:
     ]
     depth, masks = trace([TABLE, *boxes], wall=False)
     rgb = np.dstack([masks * 20] * 3).astype(np.uint8)
-    near = clustered((0.4 * depth).astype(np.float32), INTRINSICS, rgb).values  # the same view of smaller things
+    near = clustered((0.4 * depth).astype(np.float32), INTRINSICS, rgb)[0].values  # the same view of smaller things
     assert len(np.unique(near[near > 0])) == len(boxes)
     for value in range(OBJECT + 1, OBJECT + 1 + len(boxes)):
         true = masks == value
         found = near == np.bincount(near[true]).argmax()
         assert (found & true).sum() / (found | true).sum() > 0.75, value
-    far = clustered(depth, INTRINSICS, rgb).values
+    far = clustered(depth, INTRINSICS, rgb)[0].values
     assert len(np.unique(far[far > 0])) == 3
 
 

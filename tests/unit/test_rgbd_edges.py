@@ -112,8 +112,22 @@ def test_the_inside_of_a_cup_belongs_to_it() -> None:
             hit = (root > 0) & (height > TABLE.top) & (height < TABLE.top + 0.15) & (wall < depth)
             depth[hit], true[hit] = wall[hit], value
     rgb = np.dstack([true * 60] * 3).astype(np.uint8)
-    found = clustered((0.4 * depth).astype(np.float32), INTRINSICS, rgb).values
+    found = clustered((0.4 * depth).astype(np.float32), INTRINSICS, rgb)[0].values
     assert len(np.unique(found[found > 0])) == 3
     for value in (1, 2, 3):
         mine = found == np.bincount(found[true == value]).argmax()
         assert (mine & (true == value)).sum() > 0.75 * (mine | (true == value)).sum(), value
+
+
+def test_a_thing_s_pixels_with_the_table_s_depth_are_its_own_without_depth() -> None:
+    depth, masks = trace([TABLE, BOX], wall=False)
+    bare, _ = trace([TABLE], wall=False)
+    true = masks == OBJECT + 1
+    low = true & (np.arange(HEIGHT)[:, None] > np.quantile(np.nonzero(true)[0], 0.9))
+    depth[low] = bare[low]
+    rgb = np.where(true[..., None], [200, 40, 30], [90, 110, 120]).astype(np.uint8)
+    given = (0.4 * depth).astype(np.float32)
+    found, clean = clustered(given, INTRINSICS, rgb)
+    assert (found.values[low] > 0).mean() > 0.9 and (clean[low & (found.values > 0)] == 0).mean() > 0.9
+    assert (clean[true & ~low] > 0).mean() > 0.95
+    assert np.array_equal(clean[found.values == 0], given[found.values == 0])

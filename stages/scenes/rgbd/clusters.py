@@ -23,10 +23,13 @@ FIRM = 0.02  # metres at 1 m above the plane, from which on no noise of the plan
 LABEL = "object"
 
 
-def clustered(depth: NDArray[np.float32], intrinsics: NDArray[np.float64], rgb: NDArray[np.uint8]) -> Labelled:
+def clustered(
+    depth: NDArray[np.float32], intrinsics: NDArray[np.float64], rgb: NDArray[np.uint8]
+) -> tuple[Labelled, NDArray[np.float32]]:
     """Objects on the highest large level plane of a depth image (H, W), metres: each an `object`, from left to right.
 
-    The picture (H, W, 3) only tells where they end, beside the table.
+    The picture (H, W, 3) only tells where they end, beside the table. With them comes the depth, unknown (0) where it
+    is the table's on what has a thing's colours.
 
     Raises:
         InputError: there is no level plane, or nothing on it.
@@ -65,8 +68,10 @@ def clustered(depth: NDArray[np.float32], intrinsics: NDArray[np.float64], rgb: 
         height = table.height(points)
         values = cut_apart(values, points, height, FIRM * far)
         flat = seen & (np.abs(height) < ABOVE * far)
-        values = completed(without_halos(values, rgb, flat), rgb, flat)
-    return Labelled(values, dict.fromkeys(np.unique(values[values > 0]).tolist(), LABEL))
+        own_depth = without_halos(values, rgb, flat)
+        values = completed(own_depth, rgb, flat)
+        depth = np.where((values > 0) & (own_depth == 0), np.float32(0), depth)
+    return Labelled(values, dict.fromkeys(np.unique(values[values > 0]).tolist(), LABEL)), depth
 
 
 def _table(levels: list[Level]) -> Level:
