@@ -25,7 +25,8 @@ FIXED_RANGE = 1e-4  # metres or radians: joints with a smaller range are fixed
 def _plain(text: str) -> str:
     """XML without what robots' files get wrong: comments in comments, names of spaces that are declared nowhere, and
     blanks around it."""
-    text = re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL)
+    commented, end, rest = text.rpartition("-->")  # after the last, every search for one would read to the end
+    text = re.sub(r"<!--.*?-->", "", commented + end, flags=re.DOTALL) + rest
     text = re.sub(r"""\sxmlns(:[\w.-]+)?\s*=\s*("[^"]*"|'[^']*')""", "", text)
     text = re.sub(r"(</?[\w.-]+):", r"\1_", text)
     return re.sub(r"""(\s[\w.-]+):([\w.-]+\s*=\s*["'])""", r"\1_\2", text).strip(AROUND)
@@ -59,13 +60,13 @@ class UrdfTree:
 
     def _parse(self) -> ET.Element:
         try:
-            text = self.path.read_text(encoding="utf-8-sig")
+            text = _plain(self.path.read_text(encoding="utf-8-sig"))
         except (OSError, UnicodeDecodeError) as error:
             raise InputError(self.path, f"cannot be read ({error.__class__.__name__}).") from None
         if "<!DOCTYPE" in text:  # entities: files of this machine, or more text than its memory holds
             raise InputError(self.path, "declares a DOCTYPE, which a URDF does not need.", "remove it")
         try:
-            robot = ET.fromstring(_plain(text))
+            robot = ET.fromstring(text)
         except (ET.ParseError, ValueError) as error:
             raise InputError(self.path, f"is not XML: {error}.") from None
         if robot.tag != "robot":

@@ -207,8 +207,8 @@ def reconstruct(
         stated, note = _stated(item, boxes[name], walls, fitted, options)
         if note:
             print(f"{scene} {name}: {note}: mounting by geometry")
-        whole = item.box is not None
-        placed = placement(boxes[name], carriers, others, walls, view, own, options, whole, stated, unnamed)
+        told = item.box is not None
+        placed = placement(boxes[name], carriers, others, walls, view, own, options, told, stated, unnamed)
         if collapsed(boxes[name], placed, options.tolerance(view.distance(np.asarray(boxes[name].center)))):
             reason = "its top is found below what carries it: the depth of one of the two is wrong"
             extracted[name] = extracted[name].model_copy(update={"status": "failed", "reason": reason, "points": 0})

@@ -68,9 +68,9 @@ def clustered(
         height = table.height(points)
         values = cut_apart(values, points, height, FIRM * far)
         flat = seen & (np.abs(height) < ABOVE * far)
-        own_depth = without_halos(values, rgb, flat)
-        values = completed(own_depth, rgb, flat)
-        depth = np.where((values > 0) & (own_depth == 0), np.float32(0), depth)
+        measured = without_halos(values, rgb, flat)
+        values = completed(measured, rgb, flat)
+        depth = np.where((values > 0) & (measured == 0), np.float32(0), depth)
     return Labelled(values, dict.fromkeys(np.unique(values[values > 0]).tolist(), LABEL)), depth
 
 

@@ -31,6 +31,11 @@ class Lens:
     intrinsics: Matrix
     distortion: NDArray[np.float64]
 
+    @property
+    def fisheye(self) -> bool:
+        """Whether the coefficients are Kannala and Brandt's."""
+        return len(self.distortion) == 4
+
 
 def read_lens(path: Path, width: int, height: int) -> Lens:
     """The lens of a picture of this size.
@@ -123,9 +128,11 @@ def straight_frame(frame: Frame) -> Frame:
     Raises:
         InputError: the distortion leaves nothing of the picture.
     """
-    if frame.distortion is None or not (frame.distortion.any() or len(frame.distortion) == 4):
+    if frame.distortion is None:
         return frame
     lens = Lens(frame.intrinsics, frame.distortion)
+    if not (lens.fisheye or lens.distortion.any()):
+        return frame
     target = _pinhole(lens, frame.rgb.shape[1], frame.rgb.shape[0], "intrinsics")
     masks = frame.masks and Labelled(_seen_by(target, frame.masks.values, lens, cv2.INTER_NEAREST), frame.masks.labels)
     return Frame(
@@ -139,7 +146,7 @@ def straight_frame(frame: Frame) -> Frame:
 
 def _pinhole(lens: Lens, width: int, height: int, where: object) -> Matrix:
     """K of the pinhole camera all of whose pixels are in the picture."""
-    if len(lens.distortion) == 4:
+    if lens.fisheye:
         focal = _fisheye_focal(lens, width, height)
     else:
         whole, _ = cv2.getOptimalNewCameraMatrix(
@@ -168,6 +175,6 @@ def _fisheye_focal(lens: Lens, width: int, height: int) -> float:
 
 def _seen_by(target: Matrix, image: NDArray[Any], lens: Lens, interpolation: int) -> NDArray[Any]:
     """An image (H, W, ...) as a camera with this K sees it."""
-    straighten = cv2.fisheye.initUndistortRectifyMap if len(lens.distortion) == 4 else cv2.initUndistortRectifyMap
+    straighten = cv2.fisheye.initUndistortRectifyMap if lens.fisheye else cv2.initUndistortRectifyMap
     maps = straighten(lens.intrinsics, lens.distortion, np.eye(3), target, image.shape[1::-1], cv2.CV_32FC1)
     return np.asarray(cv2.remap(image, *maps, interpolation), dtype=image.dtype)
