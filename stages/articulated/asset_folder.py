@@ -64,7 +64,10 @@ def read_model(folder: Path) -> RobotModel:
     """The model of an asset folder, with the roles that its `asset.json` gives to its joints."""
     asset = read_asset(folder)
     urdf = urdf_of(folder, asset)
-    robot = with_roles_of(read_urdf(urdf, folder), asset.joints)
+    robot = read_urdf(urdf, folder)
+    if robot.remarks:  # of what we wrote nothing is missing
+        raise InputError(urdf, robot.remarks[0], "make the library again: python -m stages.assets library")
+    robot = with_roles_of(robot, asset.joints)
     return replace(robot, touching=read_srdf(urdf.with_suffix(".srdf")))
 
 

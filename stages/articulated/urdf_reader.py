@@ -20,21 +20,25 @@ DENSITY = 500.0  # kg / m^3, for links that say nothing of their mass
 BOARD = 0.018  # metres: what furniture is made of
 MINIMUM_MASS, MINIMUM_INERTIA = 0.01, 1e-7
 HEAVIEST = 1e5  # kg, of one link
+LOST = 0.25  # of the links that would be seen: where more have no shape that can be used, the model is refused
 
 
 def read_urdf(path: Path, folder: Path) -> RobotModel:
     """Read a URDF; meshes are looked for beside it and in the folders above, up to `folder`.
 
-    Hinges that close at their upper limit are turned round, so that every joint is closed at its lower limit.
+    Hinges that close at their upper limit are turned round, so that every joint is closed at its lower limit. What is
+    left out or assumed is in the remarks: joints and shapes that cannot be used, as long as most of the model can.
 
     Raises:
         InputError: names the file and the element that is broken, missing, unsupported or outside `folder`.
     """
     reader = UrdfReader(path, folder)
     links = {name: reader.link(name) for name in reader.tree.links}
+    reader.check_whole({name for name, link in links.items() if link.visuals})
     if not any(link.visuals for link in links.values()):
         raise InputError(path, "shows nothing: no link has geometry.")
-    return RobotModel(reader.tree.robot.get("name", Path(path).stem), links, reader.joints)
+    name = reader.tree.robot.get("name", Path(path).stem)
+    return RobotModel(name, links, reader.joints, remarks=tuple(dict.fromkeys(reader.remarks)))
 
 
 def closed_at_lower(joint: JointModel) -> JointModel:
@@ -45,18 +49,23 @@ def closed_at_lower(joint: JointModel) -> JointModel:
 
 
 class UrdfReader:
-    """The links of one URDF, read when they are asked for; `joints` are closed at their lower limits."""
+    """The links of one URDF, read when they are asked for; `joints` are closed at their lower limits.
+
+    Shapes, colours and masses that cannot be used are left out, which `remarks` say.
+    """
 
     def __init__(self, path: Path, folder: Path) -> None:
         self.path, self.folder = Path(path), Path(folder).resolve()
         self.tree = UrdfTree(self.path)
+        self.remarks = self.tree.remarks
+        self._broken: dict[str, InputError] = {}  # by link, the first of its shapes that cannot be used
         self.joints = [closed_at_lower(joint) for joint in self.tree.joints]
 
     def link(self, name: str) -> Link:
         """A link with what collides and its mass."""
         element, where = self.tree.links[name], f"link '{name}'"
         visuals, collisions = self._visuals(element, where), element.findall("collision")
-        shapes = [self._shape(collision, where, looks=False) for collision in collisions]
+        shapes = [self._usable(collision, where, looks=False) for collision in collisions]
         visuals = visuals or [visual.moved(np.eye(4)) for shape in shapes for visual in shape]
         pieces = [
             piece
@@ -64,12 +73,10 @@ class UrdfReader:
             for visual in shape
             for piece in ([visual.mesh] if _is_primitive(collision) else convex_pieces(visual.mesh))
         ]
-        if not collisions:
+        if not any(shapes):
             pieces = [piece for visual in visuals for piece in convex_pieces(visual.mesh)]
         estimate = board_mass(pieces, visuals)
-        mass, center, inertia = self._inertial(element.find("inertial"), pieces, estimate, where)
-        told = element.find("inertial/mass")
-        weighed = told is not None and float(told.get("value", "0")) > 0
+        mass, center, inertia, weighed = self._inertial(element.find("inertial"), pieces, estimate, where)
         return Link(name, visuals, pieces, mass, center, inertia, weighed)
 
     def visuals(self, name: str) -> list[Visual]:
@@ -81,7 +88,33 @@ class UrdfReader:
         return self._shapes(element.findall("visual"), where, looks=True)
 
     def _shapes(self, elements: Iterable[ET.Element], where: str, looks: bool) -> list[Visual]:
-        return [visual for element in elements for visual in self._shape(element, where, looks)]
+        return [visual for element in elements for visual in self._usable(element, where, looks)]
+
+    def check_whole(self, shown: set[str]) -> None:
+        """Refuse the model if links have no shape left that carry others, or are more than few.
+
+        Args:
+            shown: links of which something is seen.
+
+        Raises:
+            InputError: names the first shape that cannot be used.
+        """
+        lost = {name: error for name, error in self._broken.items() if name not in shown}
+        carries = any(joint.parent in lost for joint in self.joints)
+        if carries or len(lost) > LOST * (len(shown) + len(lost)):
+            raise next(iter(lost.values()))
+
+    def _usable(self, element: ET.Element, where: str, looks: bool) -> list[Visual]:
+        """What a shape looks like; nothing if it cannot be used."""
+        try:
+            return self._shape(element, where, looks)
+        except InputError as error:
+            self._broken.setdefault(where.removeprefix("link '").removesuffix("'"), error)
+            self._remark("left out", error)
+            return []
+
+    def _remark(self, what: str, error: InputError) -> None:
+        self.remarks.append(f"{what}: {str(error).removeprefix(f'{self.path}: ')}")
 
     def _shape(self, element: ET.Element, where: str, looks: bool) -> list[Visual]:
         where = f"{where}, <{element.tag}>"
@@ -125,23 +158,40 @@ class UrdfReader:
         found = self.tree.colours.get(material.get("name", "")) if found is None else found
         if found is None:
             return None
-        r, g, b, a = self.tree.numbers(found, "rgba", "", 4, where, low=0.0).tolist()
+        try:
+            r, g, b, a = self.tree.numbers(found, "rgba", "", 4, where, low=0.0).tolist()
+        except InputError as error:
+            self._remark("without its colour", error)
+            return None
         if max(r, g, b, a) > 1.0:
-            raise InputError(self.path, f'{where}: rgba="{found.get("rgba")}" is above 1.', "colours go from 0 to 1")
+            self.remarks.append(f'{where}: rgba="{found.get("rgba")}" is above 1, taken for bytes')
+            r, g, b, a = (min(value / 255, 1.0) for value in (r, g, b, a))
         return (r, g, b, a)
 
     def _inertial(
         self, element: ET.Element | None, pieces: list[Trimesh], mass: float, where: str
-    ) -> tuple[float, Matrix, Matrix]:
-        """Mass (the given one, if the file says none), centre and inertia; what the file does not say, or says
-        impossibly, is that of a solid box."""
+    ) -> tuple[float, Matrix, Matrix, bool]:
+        """Mass (the given one, if the file says none), centre, inertia, and whether the file says the mass.
+
+        What it does not say, or says impossibly, is that of a solid box.
+        """
+        try:
+            return self._told_inertial(element, pieces, mass, where)
+        except InputError as error:
+            self._remark("weighed by its size", error)
+            return self._told_inertial(None, pieces, mass, where)
+
+    def _told_inertial(
+        self, element: ET.Element | None, pieces: list[Trimesh], mass: float, where: str
+    ) -> tuple[float, Matrix, Matrix, bool]:
         low, high = box_around(pieces)
+        weighed = False
         center = (low + high) / 2
         if element is not None and element.find("mass") is not None:
             given = float(self.tree.numbers(element.find("mass"), "value", "0", 1, f"{where}, <mass>", low=0.0)[0])
             if given > HEAVIEST:
                 raise InputError(self.path, f"{where}, <mass>: {given:g} kg is too heavy.", f"at most {HEAVIEST:g}")
-            mass = given or mass
+            mass, weighed = given or mass, given > 0
             center = self.tree.origin(element, where)[:3, 3] if element.find("origin") is not None else center
         found = element.find("inertia") if element is not None else None
         if found is not None and element is not None:
@@ -152,8 +202,8 @@ class UrdfReader:
             rotation = self.tree.origin(element, where)[:3, :3]
             inertia = rotation @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ rotation.T
             if np.linalg.eigvalsh(inertia).min() > 0:
-                return mass, center, inertia
-        return mass, center, box_inertia(pieces, mass)
+                return mass, center, inertia, weighed
+        return mass, center, box_inertia(pieces, mass), weighed
 
     def _mesh_file(self, name: str, where: str) -> Path:
         """The mesh file that a URDF names, inside the folder."""

@@ -18,7 +18,7 @@ MOST_LINKS = 1000
 WORLD = "world"
 AROUND = " \t\r\n\0\x1a"  # the document, in files of other programs: XML allows nothing before it
 LARGEST = 1e6  # of any number: beyond it is a slip, in whatever unit
-WIDEST_ANGLE = 4 * np.pi  # limits of a hinge
+WIDEST_ANGLE = 4 * np.pi  # limits of a hinge; beyond them, up to a turn in degrees, they are degrees
 FIXED_RANGE = 1e-4  # metres or radians: joints with a smaller range are fixed
 
 
@@ -39,14 +39,17 @@ class UrdfTree:
         links: the <link> elements by name.
         joints: parents before children. Continuous joints (wheels, knobs), those that follow another (mimic) and those
             of loose things (floating, planar) are fixed: none is a door or a drawer.
+            of loose things (floating, planar) are fixed: none is a door or a drawer. So are those whose axis or limits
+            say nothing: one of them is no reason to lose the model.
         root: name of the one link that is no joint's child.
+        remarks: what was fixed or assumed, in lines.
 
     Raises:
         InputError: the file is missing or no URDF, or its joints form no single tree.
     """
 
     def __init__(self, path: Path) -> None:
-        self.path = Path(path)
+        self.path, self.remarks = Path(path), list[str]()
         self.robot = self._parse()
         self.links = self._named("link")
         if not self.links:
@@ -124,25 +127,35 @@ class UrdfTree:
         if parent == child:
             raise InputError(self.path, f"{where}: link '{child}' is its own parent.")
         fixed = JointModel(name, "fixed", parent, child, self.origin(element, where))
-        if kind in ("fixed", "continuous", "floating", "planar"):
+        if kind in ("fixed", "continuous", "floating", "planar") or element.find("mimic") is not None:
             return fixed
+        try:
+            return self._moving(fixed, kind, element, where)
+        except InputError as error:
+            self.remarks.append(f"{error.what} It is fixed.")
+            return fixed
+
+    def _moving(self, fixed: JointModel, kind: str, element: ET.Element, where: str) -> JointModel:
         if kind not in ("revolute", "prismatic"):
-            fix = "fixed, continuous, revolute or prismatic"
-            raise InputError(self.path, f"{where}: type '{kind}' is not supported.", fix)
+            raise InputError(self.path, f"{where}: type '{kind}' is not supported.")
         axis = self.numbers(element.find("axis"), "xyz", "1 0 0", 3, where)
         if np.linalg.norm(axis) < 1e-6:
             raise InputError(self.path, f"{where}: its axis is zero.")
         limit = element.find("limit")
         if limit is None:
-            raise InputError(self.path, f"{where}: a {kind} joint needs a <limit>.")
+            raise InputError(self.path, f"{where}: a {kind} joint without <limit>.")
         lower, upper = (float(self.numbers(limit, key, "0", 1, where)[0]) for key in ("lower", "upper"))
         if lower > upper:
-            raise InputError(self.path, f"{where}: lower limit {lower:g} is above the upper one {upper:g}.")
-        if kind == "revolute" and max(abs(lower), abs(upper)) > WIDEST_ANGLE:
-            what = f"{where}: limits {lower:g} and {upper:g} are more than two full turns."
-            raise InputError(self.path, what, "radians; a joint without end is of type continuous")
-        if upper - lower < FIXED_RANGE or element.find("mimic") is not None:
-            return fixed
+            self.remarks.append(f"{where}: limits upside down ({lower:g}, {upper:g}), taken the other way round")
+            lower, upper = upper, lower
+        widest = max(abs(lower), abs(upper))
+        if kind == "revolute" and widest > WIDEST_ANGLE:
+            if widest > 360:
+                raise InputError(self.path, f"{where}: limits {lower:g} and {upper:g} are more than two full turns.")
+            self.remarks.append(f"{where}: limits {lower:g} and {upper:g}, taken for degrees")
+            lower, upper = np.deg2rad([lower, upper]).tolist()
+        if upper - lower < FIXED_RANGE:
+            raise InputError(self.path, f"{where}: has no range ({lower:g} to {upper:g}).")
         axis = axis / np.linalg.norm(axis)
         revolute = kind == "revolute"
         return replace(fixed, type="revolute" if revolute else "prismatic", axis=axis, lower=lower, upper=upper)

@@ -18,6 +18,7 @@ INERTIA = 'ixx="1"'
 AXIS = '<axis xyz="0 0 -1"/>'
 HINGE = 'lower="-1.5" upper="0"'
 SLIDE = 'lower="0" upper="0.2"'
+SPHERE = '<sphere radius="0.02"/>'
 END = "</robot>"
 DEEP = "<a>" * 50_000 + "</a>" * 50_000
 BOMB = "<!DOCTYPE r [" + "".join(f'<!ENTITY a{k} "{f"&a{k - 1};" * 10}">' for k in range(1, 10)) + "]>"
@@ -76,22 +77,29 @@ BROKEN_TREE = [
     (END, CHAIN + END, "has 1005 links"),
 ]
 BROKEN_JOINTS = [
+    ('<origin xyz="0.2 0.3 0.4"/>', '<origin xyz="0.2 0.3"/>', "joint 'hinge': xyz"),
+    ('<origin xyz="0.2 0.3 0.4"/>', '<origin xyz="0.2 0.3 0.4" rpy="a b c"/>', "joint 'hinge': rpy"),
+]
+FIXED_JOINTS = [  # what cannot be used of a joint, and what is said; the model can
     ('type="prismatic"', 'type="spherical"', "joint 'slide': type 'spherical' is not supported"),
     (' type="prismatic"', "", "joint 'slide': type '' is not supported"),
     (AXIS, '<axis xyz="0 0 0"/>', "joint 'hinge': its axis is zero"),
     (AXIS, '<axis xyz="0 1"/>', "joint 'hinge': xyz=\"0 1\" is not 3 number"),
     (AXIS, '<axis xyz="0 0 nan"/>', "joint 'hinge': xyz"),
     (AXIS, '<axis xyz="0 0 -1e30"/>', "joint 'hinge': xyz=\"0 0 -1e30\" is not within"),
-    (f'<limit {HINGE} effort="1" velocity="1"/>', "", "joint 'hinge': a revolute joint needs a <limit>"),
+    (f'<limit {HINGE} effort="1" velocity="1"/>', "", "joint 'hinge': a revolute joint without <limit>"),
     (HINGE, 'lower="nan" upper="0"', "joint 'hinge': lower"),
     (HINGE, 'lower="-inf" upper="inf"', "joint 'hinge': lower"),
     (HINGE, 'lower="-1e30" upper="1e30"', "joint 'hinge': lower=\"-1e30\" is not within"),
     (HINGE, 'lower="0" upper="720"', "joint 'hinge': limits 0 and 720 are more than two full turns"),
     (HINGE, 'lower="" upper="0"', "joint 'hinge': lower=\"\" is not 1 number"),
-    (SLIDE, 'lower="0.3" upper="0.2"', "joint 'slide': lower limit 0.3 is above"),
+    (HINGE, 'lower="0" upper="0"', "joint 'hinge': has no range (0 to 0)"),
     (SLIDE, 'lower="0" upper="0,2"', "joint 'slide': upper=\"0,2\""),
-    ('<origin xyz="0.2 0.3 0.4"/>', '<origin xyz="0.2 0.3"/>', "joint 'hinge': xyz"),
-    ('<origin xyz="0.2 0.3 0.4"/>', '<origin xyz="0.2 0.3 0.4" rpy="a b c"/>', "joint 'hinge': rpy"),
+]
+MENDED_JOINTS = [
+    (HINGE, 'lower="0" upper="-1.5"', "joint 'hinge': limits upside down (0, -1.5), taken the other way round"),
+    (SLIDE, 'lower="0.2" upper="0"', "joint 'slide': limits upside down (0.2, 0), taken the other way round"),
+    (HINGE, 'lower="-86" upper="0"', "joint 'hinge': limits -86 and 0, taken for degrees"),
 ]
 BROKEN_LINKS = [
     (BODY_BOX, '<box size="0.4 wide"/>', "link 'body', <visual>: size"),
@@ -104,6 +112,9 @@ BROKEN_LINKS = [
     (BODY_BOX, '<cone radius="1" length="1"/>', "<cone> is not a known geometry"),
     (BODY_BOX, "", "link 'body', <visual>: has no <geometry>"),
     (f"<geometry>{BODY_BOX}</geometry>", "", "link 'body', <visual>: has no <geometry>"),
+    (CABINET, '<robot><link name="empty"/></robot>', "shows nothing"),
+]
+DOUBTED_LINKS = [  # of which the model can do without
     (BODY_MASS, '<mass value="-3"/>', "link 'body', <mass>: value"),
     (BODY_MASS, '<mass value="inf"/>', "link 'body', <mass>: value"),
     (BODY_MASS, '<mass value="1e30"/>', "link 'body', <mass>: value"),
@@ -111,10 +122,13 @@ BROKEN_LINKS = [
     (BODY_MASS, '<mass value="a lot"/>', "link 'body', <mass>: value"),
     (INERTIA, 'ixx="nan"', "link 'body', <inertia>: ixx"),
     (INERTIA, 'ixx="1e30"', "link 'body', <inertia>: ixx"),
-    ('rgba="0.5 0.3 0.1 1"', 'rgba="128 80 30 255"', "link 'body', <visual>: rgba=\"128 80 30 255\" is above 1"),
+    (
+        'rgba="0.5 0.3 0.1 1"',
+        'rgba="128 80 30 255"',
+        "link 'body', <visual>: rgba=\"128 80 30 255\" is above 1, taken for bytes",
+    ),
     ('rgba="0.5 0.3 0.1 1"', 'rgba="0.5 0.3 0.1"', "link 'body', <visual>: rgba"),
     ('rgba="0.5 0.3 0.1 1"', 'rgba="-1 0.3 0.1 1"', "link 'body', <visual>: rgba"),
-    (CABINET, '<robot><link name="empty"/></robot>', "shows nothing"),
 ]
 BROKEN_MESHES = [
     (mesh("gone.obj"), "link 'body', <visual>: there is no mesh 'gone.obj'"),
@@ -196,6 +210,39 @@ def test_broken_mesh_is_one_clear_line(folder: Path, geometry: str, complaint: s
     broken_meshes(place, folder.parent)
     (place / "cab.urdf").write_text(CABINET.replace(BODY_BOX, geometry))
     refused(folder, complaint)
+
+
+@pytest.mark.parametrize(("old", "new", "said"), FIXED_JOINTS + MENDED_JOINTS + DOUBTED_LINKS)
+def test_what_a_model_can_do_without_is_said(folder: Path, old: str, new: str, said: str) -> None:
+    assert old in CABINET
+    path = folder / "bottom_cabinet" / "Oak 1" / "cab.urdf"
+    path.write_text(CABINET.replace(old, new, 1))
+    robot = read_urdf(path, folder)
+    assert [said in remark for remark in robot.remarks] == [True]
+    fixed = (old, new, said) in FIXED_JOINTS
+    assert {joint.name for joint in robot.joints if joint.type != "fixed"} == (
+        {"hinge", "slide"} - ({said.split("'")[1]} if fixed else set())
+    )
+    spans = {"hinge": 1.5, "slide": 0.2}
+    for joint in robot.joints:
+        if joint.type != "fixed":
+            assert joint.upper - joint.lower == pytest.approx(spans[joint.name], abs=0.002)
+    assert all(0.01 <= link.mass <= 1000 and np.isfinite(link.inertia).all() for link in robot.links.values())
+
+
+def test_a_part_that_cannot_be_shown_is_left_out(folder: Path) -> None:
+    path = folder / "bottom_cabinet" / "Oak 1" / "cab.urdf"
+    for old, new in ((SPHERE, '<sphere radius="0"/>'), (SPHERE, mesh("gone.obj")), (SPHERE, mesh("../../../s.obj"))):
+        path.write_text(CABINET.replace(old, new))
+        robot = read_urdf(path, folder)
+        assert not robot.links["door_knob"].visuals
+        (remark,) = robot.remarks
+        assert remark.startswith("left out: link 'door_knob', <visual>: ")
+    door = '<visual><origin xyz="0.01 -0.29 0"/>'
+    path.write_text(CABINET.replace(door, f"<visual><geometry>{mesh('gone.obj')}</geometry></visual>{door}"))
+    assert len(read_urdf(path, folder).links["door"].visuals) == 1, "another shape of the link remains"
+    path.write_text(CABINET.replace(SPHERE, mesh("gone.obj")).replace('<box size="0.2 0.1 0.05"/>', mesh("gone.obj")))
+    refused(folder, "link 'door_knob', <visual>: there is no mesh 'gone.obj'")  # half of what is seen
 
 
 NOTES = [

@@ -14,6 +14,7 @@ from stages.articulated.forward_kinematics import frames_of
 from stages.articulated.mesh_reader import texture_of
 from stages.articulated.model import Visual
 from stages.articulated.urdf_reader import UrdfReader
+from stages.contracts.errors import InputError
 from stages.contracts.library import Asset
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import apply, yaw_matrix
@@ -45,6 +46,8 @@ class Solid:
         reader = UrdfReader(urdf_of(folder, self.asset), folder)
         frames = frames_of(reader.tree.root, reader.joints)
         pieces = [(frames[name], visual) for name in reader.tree.links for visual in reader.visuals(name)]
+        if reader.remarks:
+            raise InputError(reader.path, reader.remarks[0])
         low, size = np.array(self.asset.box_min), np.maximum(self.asset.size, 1e-6)
         points = [(apply(frame, visual.mesh.vertices) - low) / size - 0.5 for frame, visual in pieces]
         faces = [np.asarray(visual.mesh.faces) for _, visual in pieces]
