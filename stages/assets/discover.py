@@ -26,7 +26,12 @@ COMMON = {  # words that say nothing of what a model is
     "asset", "base", "collision", "glb", "main", "mesh", "meshes", "misc", "mjcf", "mobility", "model", "obj", "object",
     "other", "robot", "scene", "textured", "urdf", "visual", "xml",
 }  # fmt: skip
+COLLECTIONS = {"assets", "meshes", "models", "objects"}  # last words of folders that hold various things
+HEADS = {  # words after that of a category that make another thing of it, or a part: `table_leg`, `bowl_drainer`
+    "caddy", "door", "drainer", "drawer", "handle", "holder", "knob", "leg", "lid", "rack", "seat", "stand",
+}  # fmt: skip
 WHOLE = {".urdf", ".xml"}  # models that name the meshes that they are made of
+MESHES = {"dae", "msh", "obj", "ply", "stl"}
 NAMES = re.compile(rb"""file(?:name)?\s*=\s*["']([^"']+)["']""")
 
 
@@ -46,14 +51,15 @@ def discover(folder: Path, kinds: Sequence[str]) -> list[Found]:
     name may tell the category; <number>/mobility.urdf, with the category in meta.json, or <category>/<number>/
     mobility.urdf. What lies in a folder whose name says nothing (`assets`, `urdf`) counts as lying beside it. What lies
     in a folder of its own is called as that folder is, unless several models do. Meshes that a URDF or MJCF file names,
-    and MJCF that others include, are parts of those models.
+    and MJCF that others include, are parts of those models; so is what lies in a folder called as a URDF or MJCF file
+    in it or beside it, and has none but meshes of that.
 
     Args:
         folder: of the user.
         kinds: suffixes of model files, the most telling first.
     """
     found = _below(folder, folder, kinds)
-    models = [one for one in found if not is_part(one.path)]
+    models = without_pieces([one for one in found if not is_part(one.path)])
     if any(one.path.suffix.lower() not in WHOLE for one in models):
         named = named_meshes(folder)
         around = {path.parent for path in named} - {folder}
@@ -105,9 +111,11 @@ def _sorted_in(child: Path, folder: Path, kinds: Sequence[str]) -> list[Found]:
                 names = [*path.relative_to(child).parts[:-1], *([path.stem] if count_ > 1 else [])]
                 category = told or next((known for name in names if (known := category_in(name))), own)
                 found.append(Found(path, folder, category, _name(path, inner, count_)))
-    if all(one.category == own for one in found):
+    last = (words(child.name) or [""])[-1]
+    if all(one.category == own for one in found) and (last not in COLLECTIONS or len(found) < 2):
         return found
-    return [one._replace(category=bare(one.name)) if one.category == own else one for one in found]  # a collection
+    named = {one: bare(one.name) for one in found if one.category == own and words(one.name)}
+    return [one._replace(category=named.get(one, one.category)) for one in found]  # a collection
 
 
 def words(name: str) -> list[str]:
@@ -132,6 +140,8 @@ def category_in(name: str) -> str | None:
     """The category of ours that a name tells, by its last words: `025_mug`, `studyTable`, `hingecabinet`."""
     all_words = words(name)
     for end in range(len(all_words), 0, -1):
+        if end < len(all_words) and all_words[-1] in HEADS and "with" not in all_words:
+            return None
         for start in range(end):
             joined = "".join(all_words[start:end])
             if known := KNOWN.get(joined) or KNOWN.get(joined.removesuffix("s")):
@@ -147,6 +157,25 @@ def named_meshes(folder: Path) -> set[Path]:
     used = (name.decode(errors="replace").replace("\\", "/") for text in texts for name in NAMES.findall(text))
     names = {name.rpartition("/")[2].lower() for name in used}
     return {path for path in files if path.suffix.lower() not in WHOLE and path.name.lower() in names}
+
+
+def without_pieces(models: Sequence[Found]) -> list[Found]:
+    """The models without those that are pieces of others: `desk/leg.xml` of `desk.xml`, some of whose meshes it has."""
+    meshes = {one.path: meshes_of(one.path) for one in models if one.path.suffix.lower() in WHOLE}
+    homes = {path.parent if path.parent.name == path.stem else path.with_suffix(""): path for path in meshes}
+
+    def is_piece(path: Path) -> bool:
+        own = meshes.get(path, set())
+        return bool(own) and any(own < meshes[homes[home]] for home in path.parents if home in homes)
+
+    return [one for one in models if not is_piece(one.path)]
+
+
+def meshes_of(path: Path) -> set[str]:
+    """Names of the meshes, without folders, that a URDF or MJCF file uses."""
+    used = (name.decode(errors="replace").replace("\\", "/") for name in NAMES.findall(path.read_bytes()))
+    names = {name.rpartition("/")[2].lower() for name in used}
+    return {name for name in names if name.rpartition(".")[2] in MESHES}
 
 
 def numbered_model(folder: Path) -> Path | None:

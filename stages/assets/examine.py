@@ -15,7 +15,7 @@ from stages.articulated.forward_kinematics import closed_box
 from stages.articulated.model import RobotModel
 from stages.articulated.sense import front_direction
 from stages.articulated.urdf_writer import write_urdf
-from stages.assets.discover import NUMBERED, Found
+from stages.assets.discover import NUMBERED, WHOLE, Found
 from stages.assets.facing import front_before_back
 from stages.assets.importers import Axis, Importer
 from stages.assets.importers.urdf import IMPORTER as URDF
@@ -134,7 +134,7 @@ def guessed(robot: RobotModel, file: ModelFile) -> tuple[Notes, list[str]]:
             scale *= known
             lines.append("as large as ours are: its file has it in a sphere of radius 1, as all of PartNet")
         else:
-            up, unit = up_and_unit(extents, category, up)
+            up, unit = up_and_unit(extents, category, up, file.path.suffix.lower() in WHOLE)
             scale *= unit
             if unit != 1.0:
                 lines.append(f"in {UNITS[unit]} by its size")

@@ -1,12 +1,17 @@
 """One MJCF file as MuJoCo reads it: what it includes put in its place, files named by whole paths, inside a folder."""
 
+import importlib.util
+import io
 import math
 import xml.etree.ElementTree as ET
 from pathlib import Path
 from typing import Any
 
+from PIL import Image
+
 from stages.articulated.inside import OutsideError, find_inside, missing
 from stages.articulated.urdf_tree import AROUND
+from stages.assets.mjcf_mending import compile_mended
 from stages.contracts.errors import InputError
 
 DEEPEST = 20  # files that include each other
@@ -14,6 +19,7 @@ KEPT = {"asset", "compiler", "default", "worldbody"}  # all else is control, sen
 # Nothing is thrown away or merged, and the whole paths that we write count.
 COMPILER = {"discardvisual": "false", "fusestatic": "false", "strippath": "false"}
 
+READ = {".png", ".bin"}  # textures that MuJoCo reads
 GREY = {"type": "2d", "builtin": "flat", "width": "1", "height": "1", "rgb1": ".7 .7 .7"}
 
 
@@ -26,10 +32,9 @@ def compiled(path: Path, folder: Path) -> tuple[Any, Any, list[str]]:
     root = parsed(path)
     if root.tag != "mujoco":
         raise InputError(path, f"has <{root.tag[:40]}> at the top.", "a model in MJCF starts with <mujoco>")
-    try:
-        import mujoco
-    except ImportError:
-        raise InputError(path, "is MJCF, which MuJoCo reads.", "pip install mujoco") from None
+    if importlib.util.find_spec("mujoco") is None:
+        raise InputError(path, "is MJCF, which MuJoCo reads.", "pip install mujoco")
+    pictures: dict[str, bytes] = {}
     directories = {"mesh": "", "texture": "", "hfield": ""}
     own = root.findall("worldbody")
     _include(root, path, path, folder, 0)
@@ -44,7 +49,11 @@ def compiled(path: Path, folder: Path) -> tuple[Any, Any, list[str]]:
         for key in [key for key in element.attrib if key.startswith("file")]:
             name = Path(slashed(directories.get(element.tag, "")), slashed(element.attrib[key]))
             try:
-                element.set(key, str(_inside(name, path, folder)))
+                found = _inside(name, path, folder)
+                element.set(key, str(found))
+                if element.tag == "texture" and found.suffix.lower() not in READ:
+                    pictures[f"{found}.png"] = _png(found, path)
+                    element.set(key, f"{found}.png")
             except InputError as error:
                 if element.tag != "texture":
                     raise
@@ -56,13 +65,19 @@ def compiled(path: Path, folder: Path) -> tuple[Any, Any, list[str]]:
     for element in [element for element in root if element.tag not in KEPT]:
         root.remove(element)
     ET.SubElement(root, "compiler", settings)
-    mujoco.set_mju_user_warning(lambda text: None)  # else it writes MUJOCO_LOG.TXT where the user is
+    spec, model, mended = compile_mended(root, path, pictures)
+    return spec, model, [*remarks, *mended]
+
+
+def _png(picture: Path, path: Path) -> bytes:
+    """A picture as MuJoCo reads it."""
+    buffer = io.BytesIO()
     try:
-        spec = mujoco.MjSpec.from_string(ET.tostring(root, encoding="unicode"))
-        return spec, spec.compile(), remarks
-    except Exception as error:  # of MuJoCo's own kinds, by version
-        reason = " ".join(str(error).split())[:200]
-        raise InputError(path, f"MuJoCo does not take it: {reason}") from None
+        with Image.open(picture) as image:
+            image.convert("RGB").save(buffer, "PNG")
+    except (OSError, ValueError, Image.DecompressionBombError) as error:
+        raise InputError(path, f"{picture.name} is no picture ({type(error).__name__}).") from None
+    return buffer.getvalue()
 
 
 def _without_surroundings(root: ET.Element, own: list[ET.Element]) -> list[str]:

@@ -84,13 +84,21 @@ def _shapes(sizes: Matrix) -> Matrix:
     return np.asarray(extents - extents.mean(axis=1, keepdims=True))
 
 
-def up_and_unit(extents: Matrix, category: str, default: Axis) -> tuple[Axis, float]:
+def up_and_unit(extents: Matrix, category: str, default: Axis, in_metres: bool = False) -> tuple[Axis, float]:
     """Direction up and metres per unit of a model with these extents (3,) in its file.
 
     Another than the default (and metres) only if the extents are unlike any in the category and then fit far better.
+
+    Args:
+        extents: in units.
+        category: of the model.
+        default: direction up that its kind of file has.
+        in_metres: whether its kind of file is in metres; where the category is not ours, nothing tells another unit.
     """
     sizes = usual(category)
     if sizes is None:
+        if in_metres:
+            return default, 1.0
         fitting = (unit for unit in UNITS if float(extents.max()) * unit <= LARGEST_THING)
         return default, next(fitting, 1.0)
     ups: list[Axis] = [default, "+z" if default == "+y" else "+y"]
@@ -135,7 +143,7 @@ def doubt_of_size(size: tuple[float, float, float], category: str) -> str | None
     """A line if no model of the category has the size of this one (metres, z up), or it seems to lie on its side."""
     sizes = usual(category)
     if sizes is None:
-        return None
+        return None if max(size) <= LARGEST_THING else f"is {max(size):.3g} m large: a room, or not in metres?"
     extents = np.maximum(size, 1e-9)
     misfit, *lying = (sizes.misfit(np.delete(extents, up), extents[up]) for up in (2, 0, 1))
     if misfit > LYING and BETTER * min(lying) < misfit:

@@ -60,7 +60,8 @@ def test_up_is_where_a_round_thing_stands(turn: int, category: str, default: Axi
 
 def test_unusual_sizes_are_doubted() -> None:
     assert doubt_of_size((0.5, 0.45, 0.9), "chair") is None
-    assert doubt_of_size((5.0, 4.5, 9.0), "gearbox") is None
+    assert doubt_of_size((4.0, 3.5, 4.9), "gearbox") is None
+    assert doubt_of_size((5.0, 4.5, 9.0), "gearbox") == "is 9 m large: a room, or not in metres?"
     doubt = doubt_of_size((0.25, 0.22, 0.45), "chair")
     assert doubt is not None
     factor = re.search(r"; ([\d.]+) times its scale would be usual", doubt)

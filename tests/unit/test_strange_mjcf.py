@@ -4,8 +4,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from stages.assets.importers.mjcf import read_mjcf
+from stages.contracts.errors import InputError
 from tests.unit.test_strange_packs import mjcf
 
 pytest.importorskip("mujoco")
@@ -56,3 +58,41 @@ def test_hinges_of_a_few_units_turn_by_radians(tmp_path: Path, compiler: str, up
     turns = f'<body>{hinge}<geom type="box" size=".1 .1 .1"/></body>'
     robot = read_mjcf(mjcf(tmp_path / "a.xml", f"{compiler}<worldbody>{turns}</worldbody>"), tmp_path)
     assert robot.joints[0].upper == pytest.approx(expected)
+
+
+BOX = '<geom type="box" size=".1 .1 .1"/>'
+MENDED = [
+    ('<joint name="j" range="1 -.5"/>', "", "joint 'j': limits upside down (1, -0.5)"),
+    ('<joint name="j" axis="0 0 0"/>', "", "joint 'j': its axis is zero. It is fixed."),
+    ("<region/>", "", "left out: <region>, which MuJoCo does not know"),
+    (BOX.replace("/>", ' cooking="1"/>'), "", "left out: cooking of <geom>"),
+    (BOX.replace("/>", ' material="oak"/>'), "", "grey in place of material 'oak'"),
+    ("", '<asset><material name="m"/><material name="m"/></asset>', "left out: another material 'm'"),
+    ('<joint range="0 1"/>', '<compiler inertiagrouprange="4 4"/>', "are weighed by all"),
+]
+
+
+@pytest.mark.parametrize(("inside", "before", "said"), MENDED)
+def test_what_a_model_can_do_without_is_left_out(tmp_path: Path, inside: str, before: str, said: str) -> None:
+    text = f"{before}<worldbody><body>{inside}{BOX}</body></worldbody>"
+    robot = read_mjcf(mjcf(tmp_path / "a.xml", text), tmp_path)
+    assert [said in remark for remark in robot.remarks].count(True) == 1
+    assert any(link.visuals for link in robot.links.values())
+
+
+def test_two_bodies_of_one_name_are_still_refused(tmp_path: Path) -> None:
+    bodies = 2 * f'<body name="a">{BOX}</body>'
+    with pytest.raises(InputError, match=r"MuJoCo does not take it: .*repeated name 'a' in body"):
+        read_mjcf(mjcf(tmp_path / "a.xml", f"<worldbody>{bodies}</worldbody>"), tmp_path)
+
+
+def test_textures_may_be_jpeg_and_what_is_no_picture_is_grey(tmp_path: Path) -> None:
+    Image.new("RGB", (8, 8), (200, 0, 0)).save(tmp_path / "red.jpg")
+    (tmp_path / "red.obj").write_text("no picture")
+    thing = '<worldbody><geom type="box" size=".1 .1 .1" material="m"/></worldbody>'
+    for name, red, said in (("red.jpg", True, 0), ("red.obj", False, 1)):
+        looks = f'<texture name="t" type="2d" file="{name}"/><material name="m" texture="t"/>'
+        robot = read_mjcf(mjcf(tmp_path / "a.xml", f"<asset>{looks}</asset>{thing}"), tmp_path)
+        (visual,) = robot.links["world"].visuals
+        assert visual.colour is not None and (visual.colour[0] > 2 * visual.colour[1]) == red
+        assert len(robot.remarks) == said

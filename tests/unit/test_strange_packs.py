@@ -16,7 +16,7 @@ from stages.articulated.model import Link, RobotModel, Visual
 from stages.articulated.roles import contract_joints, with_roles
 from stages.articulated.sense import doors_and_drawers
 from stages.articulated.urdf_reader import read_urdf
-from stages.assets.discover import bare, discover
+from stages.assets.discover import bare, category_in, discover
 from stages.assets.facing import BACKED, front_before_back
 from stages.assets.import_ import run
 from stages.assets.importers import Axis
@@ -149,6 +149,39 @@ def test_folders_whose_names_say_nothing(tmp_path: Path) -> None:
         ("crate", "big"),
     }
     assert [bare(name) for name in ("011_banana", "banana_model_obj", "mesh")] == ["banana", "banana", "mesh"]
+
+
+def test_what_a_collection_holds_is_called_as_it_is(tmp_path: Path) -> None:
+    for path in ("scanned_objects/milk/milk.urdf", "scanned_objects/soup/soup.urdf", "gizmos/a.urdf", "gizmos/b.urdf"):
+        urdf(tmp_path / path, "")
+    assert {one.category for one in discover(tmp_path, [".urdf"])} == {"milk", "soup", "gizmos"}
+    told = {
+        "desk_caddy": None, "table_leg_2": None, "bowl_drainer": None, "fridge_door": None, "tv_stand": "tv_stand",
+        "chest_of_drawers": "chest_of_drawers", "cabinet_2_doors": "bottom_cabinet", "mug_with_handle": "mug",
+    }  # fmt: skip
+    assert {name: category_in(name) for name in told} == told
+
+
+def test_pieces_of_a_model_are_no_models(tmp_path: Path) -> None:
+    def meshes(*names: str) -> str:
+        files = "".join(f'<mesh file="{name}.stl"/>' for name in names)
+        return f"<asset>{files}</asset><worldbody/>"
+
+    mjcf(tmp_path / "cabinet.xml", meshes("cabinet/base/base", "cabinet/door/door"))
+    mjcf(tmp_path / "cabinet/door/door.xml", meshes("door"))
+    mjcf(tmp_path / "cabinet/lamp/lamp.xml", meshes("lamp"))
+    mjcf(tmp_path / "pot/pot.xml", meshes("pot", "lid"))
+    mjcf(tmp_path / "pot/pot_lid.xml", meshes("lid"))
+    mjcf(tmp_path / "other/door.xml", meshes("door"))
+    found = {one.path.relative_to(tmp_path).as_posix() for one in discover(tmp_path, [".xml"])}
+    assert found == {"cabinet.xml", "cabinet/lamp/lamp.xml", "pot/pot.xml", "other/door.xml"}
+
+
+def test_kinds_of_files_that_are_in_metres_stay_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    urdf(tmp_path / "theirs/arena.urdf", f'<link name="a">{box("6 5 3")}</link>')
+    run(tmp_path / "theirs", out=tmp_path / "mine")
+    said = capsys.readouterr().out
+    assert "500 cm wide, 600 deep, 300 high" in said and "is 6 m large: a room, or not in metres?" in said
 
 
 def test_import_says_what_it_only_assumes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

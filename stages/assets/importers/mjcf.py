@@ -84,7 +84,7 @@ class _Reader:
 
     def _moves(self, joint: int) -> bool:
         model = self.model
-        limited = bool(model.jnt_limited[joint]) and bool(np.ptp(model.jnt_range[joint]) > FIXED_RANGE)
+        limited = bool(np.ptp(model.jnt_range[joint]) > FIXED_RANGE)  # also where it need not hold in a simulation
         return model.jnt_type[joint] in (SLIDE, HINGE) and limited
 
     def _joint(self, joint: int, parent: str, child: str, origin: Matrix) -> JointModel:

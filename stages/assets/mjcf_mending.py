@@ -1,0 +1,111 @@
+"""MJCF that MuJoCo does not take as it is: what a model can do without is left out, and said."""
+
+import re
+import xml.etree.ElementTree as ET
+from pathlib import Path
+from typing import Any
+
+from stages.contracts.errors import InputError
+
+TRIES = 20  # kinds of faults in one file
+# For bodies whose geoms are of none of the groups that count, as of older simulations.
+WEIGHED = {"inertiagrouprange": "0 5", "boundmass": "1e-6", "boundinertia": "1e-9"}
+
+
+def compile_mended(root: ET.Element, path: Path, pictures: dict[str, bytes]) -> tuple[Any, Any, list[str]]:
+    """MuJoCo's specification and compiled model (MjSpec, MjModel) of an MJCF tree, and what was left out, in lines.
+
+    Args:
+        root: of the tree; it is changed.
+        path: of the file, for complaints.
+        pictures: textures by the names that their elements give.
+
+    Raises:
+        InputError: MuJoCo refuses it all the same.
+    """
+    import mujoco
+
+    mujoco.set_mju_user_warning(lambda text: None)  # else it writes MUJOCO_LOG.TXT where the user is
+    remarks = _joints_put_right(root)
+    for _ in range(TRIES):
+        try:
+            spec = mujoco.MjSpec.from_string(ET.tostring(root, encoding="unicode"), assets=pictures)
+            return spec, spec.compile(), list(dict.fromkeys(remarks))
+        except Exception as error:  # of MuJoCo's own kinds, by version
+            reason = " ".join(str(error).split())[:200]
+            mended = _mended(root, reason)
+            if mended is None:
+                raise InputError(path, f"MuJoCo does not take it: {reason}") from None
+            remarks.append(mended)
+    raise InputError(path, f"MuJoCo does not take it: {reason}")
+
+
+def _joints_put_right(root: ET.Element) -> list[str]:
+    """Turn limits round that are upside down; fix what has a range or an axis of nothing."""
+    remarks = []
+    for parent in list(root.iter()):
+        for joint in parent.findall("joint"):
+            limits, axis = _numbers(joint.get("range", "")), _numbers(joint.get("axis", ""))
+            named = f"joint '{joint.get('name', '')}'"
+            if (axis and not any(axis)) or (len(limits) == 2 and limits[0] == limits[1] != 0):
+                parent.remove(joint)
+                remarks.append(f"{named}: {'has no range' if any(axis or [1]) else 'its axis is zero'}. It is fixed.")
+            elif len(limits) == 2 and limits[0] > limits[1]:
+                joint.set("range", " ".join(reversed(joint.get("range", "").split())))
+                told = f"{limits[0]:g}, {limits[1]:g}"
+                remarks.append(f"{named}: limits upside down ({told}), taken the other way round")
+    return remarks
+
+
+def _numbers(text: str) -> list[float]:
+    """The numbers of an attribute; none if one is none, which MuJoCo says."""
+    try:
+        return [float(word) for word in text.split()]
+    except ValueError:
+        return []
+
+
+def _mended(root: ET.Element, reason: str) -> str | None:
+    """Change the tree so that MuJoCo no longer refuses it for a reason; what was done, None: there is nothing to do."""
+    if "mjMINVAL" in reason and not any("boundmass" in compiler.attrib for compiler in root.iter("compiler")):
+        ET.SubElement(root, "compiler", WEIGHED)
+        return "bodies without a mass are weighed by all that they show"
+    if found := re.search(r"unrecognized element Element '([^']+)'", reason):
+        return _without(root, found[1], lambda element: True, f"left out: <{found[1]}>, which MuJoCo does not know")
+    if found := re.search(r"unrecognized attribute: '([^']+)' Element '([^']+)'", reason):
+        key, tag = found.groups()
+        return _stripped(root, tag, key, None, f"left out: {key} of <{tag}>, which MuJoCo does not know")
+    if found := re.search(r"repeated name '([^']*)' in (\w+)", reason):
+        name, tag = found.groups()
+        same = [element for element in root.iter(tag) if element.get("name") == name]
+        if not all(asset in list(root.iter("asset")) for asset in _parents(root, same)):
+            return None
+        again = same[1:]
+        return _without(root, tag, lambda element: element in again, f"left out: another {tag} '{name}'")
+    if found := re.search(r"material '([^']*)' not found", reason):
+        return _stripped(
+            root, None, "material", found[1], f"grey in place of material '{found[1]}', which is not there"
+        )
+    return None
+
+
+def _parents(root: ET.Element, children: list[ET.Element]) -> list[ET.Element]:
+    return [parent for parent in root.iter() if any(child in children for child in parent)]
+
+
+def _without(root: ET.Element, tag: str, which: Any, said: str) -> str | None:
+    """Remove elements; None: there are none."""
+    removed = False
+    for parent in list(root.iter()):
+        for child in [child for child in parent if child.tag == tag and which(child)]:
+            parent.remove(child)
+            removed = True
+    return said if removed else None
+
+
+def _stripped(root: ET.Element, tag: str | None, key: str, value: str | None, said: str) -> str | None:
+    """Remove an attribute (if it has a value, only that); None: it is nowhere."""
+    elements = [e for e in root.iter(tag) if key in e.attrib and value in (None, e.attrib[key])]
+    for element in elements:
+        del element.attrib[key]
+    return said if elements else None
