@@ -10,13 +10,12 @@ from scipy.ndimage import maximum_filter, minimum_filter
 from scipy.spatial import KDTree
 
 from stages.geometry.clouds import surface_normals
+from stages.scenes.rgbd.pieces import STEP, Surface, joined
 
 COLUMNS = 320  # pixels across at which edges are sought: at most twice as many
-STEP = 0.015  # share of the distance, between neighbouring pixels: a step from one surface to another
 APART, RADIUS = 3, 0.01  # pixels to either side of a crease; metres at 1 m of the surface that has a normal
 NOISE = 0.02  # share of the distance that smoothing may change
 CONCAVE = np.deg2rad(50)  # by which surfaces on either side turn towards each other
-HOLLOW, TOP = 0.3, 0.95  # correlation of normals with places; share of heights up to which its edge is
 SMALLEST = 0.0015  # of the picture: what is smaller is a part of what is nearest
 
 
@@ -56,43 +55,9 @@ def cut_apart(
         parts[mask] = count + 1 + np.searchsorted(large, labels[core])[nearest]
         count += len(large)
     shown = np.where(seen, parts[::stride, ::stride], 0)
-    for value, rim in _insides(shown, some, normals, tall, lowest):
-        parts[parts == value] = rim
+    for value, other in joined(shown, coarse, Surface(some, normals, tall), lowest):
+        parts[parts == value] = other
     return parts
-
-
-def _insides(
-    parts: NDArray[np.uint16],
-    points: NDArray[np.float64],
-    normals: NDArray[np.float64],
-    height: NDArray[np.float64],
-    rim: float,
-) -> list[tuple[int, int]]:
-    """Parts that are the inside of a cup or a bowl, each with the part that shows its outside.
-
-    They are hollow, and behind an edge that is as high as they are.
-
-    Args:
-        rim: metres that this may differ.
-    """
-    found = []
-    for value in np.unique(parts[parts > 0]).tolist():
-        mask = parts == value
-        spread, turned = points[mask] - points[mask].mean(axis=0), normals[mask] - normals[mask].mean(axis=0)
-        if (spread * turned).sum() > -HOLLOW * np.sqrt((spread**2).sum() * (turned**2).sum()):
-            continue
-        columns = np.flatnonzero(mask.any(axis=0))
-        lowest = mask.shape[0] - 1 - np.argmax(mask[::-1, columns], axis=0)
-        below = np.minimum(lowest + APART, mask.shape[0] - 1)
-        names, counts = np.unique(parts[below, columns], return_counts=True)
-        outside = int(names[np.argmax(counts)])
-        if outside in (0, value) or 2 * counts.max() < len(columns):
-            continue
-        edge = parts[below, columns] == outside
-        top = np.quantile(height[mask], TOP)
-        if abs(float(np.median(height[below[edge], columns[edge]])) - float(top)) < rim:
-            found.append((value, outside))
-    return found
 
 
 def _steps(depth: NDArray[np.float64], seen: NDArray[np.bool_]) -> NDArray[np.bool_]:
