@@ -63,7 +63,7 @@ def _add_link(root: ET.Element, folder: Path, link: Link, stem: str) -> None:
         collision = ET.SubElement(element, "collision")
         if is_box(piece):
             ET.SubElement(collision, "origin", xyz=numbers(piece.bounds.mean(axis=0)), rpy="0 0 0")
-            ET.SubElement(ET.SubElement(collision, "geometry"), "box", size=numbers(piece.extents))
+            ET.SubElement(ET.SubElement(collision, "geometry"), "box", size=numbers(np.maximum(piece.extents, 1e-5)))
         else:
             file = f"meshes/{stem}_hull_{number}.obj"
             write_obj(folder / file, [Surface(piece.vertices, piece.faces)])

@@ -75,7 +75,12 @@ class GenerationConfig(Section):
 
     # Collisions (A.3)
     resolve_collisions: bool = Field(True, description="Push overlapping stacks apart in the x-y plane.")
-    touch: float = Field(0.005, ge=0, description="Overlap of collision shapes that is not a collision, metres.")
+    touch: float = Field(
+        0.001,
+        ge=0,
+        description="Overlap of collision shapes that is not a collision, metres. Physics pushes apart what overlaps: "
+        "5 mm threw light things over.",
+    )
     push_limit: float = Field(0.5, gt=0, description="Longest single push, metres.")
     push_rounds: int = Field(
         30, ge=0, description="Pushes after which collisions that are left are reported as they are."

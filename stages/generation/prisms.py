@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from shapely import MultiPoint, Polygon
+from shapely import MultiPoint, Polygon, affinity
 from shapely.geometry.base import BaseGeometry
 
 from stages.generation.meshes import collision_pieces
@@ -84,7 +84,23 @@ def surface_beneath(item: Placed, lower: Placed, support: list[Prism]) -> Surfac
         if not surface.buffer(-reach).is_empty:
             area = surface if carries.is_empty else surface.intersection(carries.convex_hull)
             found[surface.intersection(under).area, -surface.distance(under), height] = area
-    return Surface(max(found)[2], found[max(found)]) if found else Surface(lower.top, footprint(lower.box))
+    if not found:
+        return Surface(lower.top, footprint(lower.box))
+    return Surface(max(found)[2], balanced(item, lower, support, found[max(found)]))
+
+
+def balanced(item: Placed, lower: Placed, support: list[Prism], surface: BaseGeometry) -> BaseGeometry:
+    """The part of a surface where an item does not tip over what carries it: their common
+    centre of mass stays over its feet.
+
+    All of it if there is no such part.
+    """
+    lowest = min(prism.low for prism in support)
+    feet = MultiPoint(np.concatenate([prism.outline for prism in support if prism.low < lowest + LEVEL])).convex_hull
+    reach = 1 + lower.asset.mass / item.asset.mass
+    steady = affinity.scale(feet.buffer(-STEADY * shorter_side(feet)), reach, reach, origin=tuple(lower.center[:2]))
+    within = surface.intersection(steady)
+    return surface if steady.contains(surface) or within.area == 0 else within
 
 
 def steady_region(item: Placed, surface: BaseGeometry) -> BaseGeometry:

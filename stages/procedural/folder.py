@@ -10,11 +10,13 @@ from stages.articulated.asset_folder import Description, write_asset
 from stages.contracts.errors import InputError
 from stages.contracts.files import first_error
 from stages.contracts.library import Asset, Recipe
-from stages.procedural.model import Generator, Model, Parameters, Size, bounds, fitted
+from stages.procedural.model import Generator, Model, Parameters, Size, bounds, fitted, parts_of
 from stages.procedural.robot import robot_of
 
 LICENCE = "CC0-1.0"
 LARGEST = 100.0  # metres, of any extent
+ROOM = (0.0, 0.05, 0.1, 0.2, 0.4)  # metres: extents in which ever more boards fit
+THIN = 1e-4  # metres: no solid is thinner
 SETTLING_PASSES = 3  # generators miss the asked size by little (leaning legs...): aim again before scaling
 
 
@@ -51,7 +53,7 @@ def generate(recipe: Recipe, size: Size | None = None) -> Model:
     parameters = {key: value for key, value in recipe.parameters.items() if key != "size"}
     where = f"recipe of a {recipe.generator}"
     try:
-        return _fitted(GENERATORS[recipe.generator], wanted, parameters)
+        return _made(GENERATORS[recipe.generator], wanted, parameters)
     except ValidationError as error:
         raise InputError(where, f"parameter {first_error(error)}.") from None
     except KeyError as error:
@@ -71,6 +73,27 @@ def _size(recipe: Recipe, size: Size | None) -> Size:
     if not all(0 < extent <= LARGEST for extent in (x, y, z)):
         raise InputError("recipe", f"size {(x, y, z)} is not positive, or larger than {LARGEST:g} m.")
     return (x, y, z)
+
+
+def _made(generator: Generator, wanted: Size, parameters: Parameters) -> Model:
+    """The model at a size; where its boards do not fit in, that of a size where they do, scaled."""
+    for room in ROOM:
+        x, y, z = np.maximum(wanted, room).tolist()
+        try:
+            model = _fitted(generator, (x, y, z), parameters)
+        except (ValueError, IndexError, ArithmeticError, QhullError):
+            if room == ROOM[-1]:
+                raise
+            continue
+        if _is_sound(model):
+            break
+    return fitted(model, wanted)
+
+
+def _is_sound(model: Model) -> bool:
+    """Whether every solid is one and everything that moves has somewhere to go."""
+    solids = all(np.ptp(mesh.vertices, axis=0).min() > THIN for part in parts_of(model) for mesh in part.pieces)
+    return solids and all(moving.upper > 0 for moving in model.moving)
 
 
 def _fitted(generator: Generator, wanted: Size, parameters: Parameters) -> Model:

@@ -111,6 +111,13 @@ def test_what_rests_on_another_or_is_higher_does_not_collide():
     assert all(item.moved == 0 for item in items.values())
 
 
+def test_what_overlaps_by_millimetres_is_pushed_apart():
+    """Physics throws light things over that overlap by 5 mm."""
+    big, small = thing("big", (2, 0, 0.1), (0.2, 0.2, 0.2)), thing("small", (2.116, 0, 0.06), (0.04, 0.04, 0.12))
+    items, left = solve([big, small], touch=GenerationConfig().touch)
+    assert not left and 0.003 <= items["small"].moved < 0.004
+
+
 def test_a_chair_may_stand_under_a_table_top():
     table, chair = thing("table", (2, 0, 0.4), (1.2, 1.2, 0.8)), thing("chair", (2.5, 0, 0.2), (0.5, 0.5, 0.4))
     top = Prism(np.array([(-0.6, -0.6), (0.6, -0.6), (0.6, 0.6), (-0.6, 0.6)]), 0.35, 0.4)

@@ -1,5 +1,7 @@
 """What stands on what, at which height, and against which wall (paper A.3)."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,7 @@ from stages.config.generation import GenerationConfig
 from stages.contracts.objects import Wall
 from stages.generation.collisions import resolve
 from stages.generation.mounting import against_wall, on_supports
+from stages.generation.placed import Placed
 from stages.generation.placement import stacked
 from stages.generation.prisms import Prism, Surface, surface_beneath
 from stages.generation.support import sorted_by_height, stack_of, support_tree
@@ -175,6 +178,21 @@ def test_what_stands_over_an_edge_is_moved_in_so_far_that_it_does_not_fall(x, y,
     assert placed.support == "cabinet" and placed.center[:2] == pytest.approx([to, y])
     paper = stacked([CABINET, pot], prisms, GenerationConfig(stack_tolerance=None))
     assert {item.id: item for item in paper}["pot"].center[:2] == pytest.approx([x, y])
+
+
+def light(item: Placed, mass: float) -> Placed:
+    return replace(item, asset=item.asset.model_copy(update={"mass": mass}))
+
+
+@pytest.mark.parametrize(("mass", "to"), [(0.01, 2.0323), (0.2, 2.0384), (50.0, 2.09)])
+def test_what_stands_on_a_light_thing_stays_over_its_feet(mass, to):
+    """A lid of 20 cm on a foot of 10: over the lid's border a thing of 1 kg tips a thing of 10 g over, not a table."""
+    stand = light(thing("stand", (2, 0, 0.15), (0.2, 0.2, 0.3)), mass)
+    can = thing("can", (2.095, 0, 0.4), (0.1, 0.1, 0.2))
+    pieces = [block(0, 0, 0.05, 0.05, -0.15, 0.1), block(0, 0, 0.1, 0.1, 0.1, 0.15)]
+    prisms = {"stand": pieces, "can": solid(can)}
+    placed = {item.id: item for item in stacked([stand, can], prisms, GenerationConfig())}["can"]
+    assert placed.support == "stand" and placed.center[0] == pytest.approx(to, abs=1e-4)
 
 
 def test_what_is_pushed_on_a_cabinet_stays_behind_its_handles():

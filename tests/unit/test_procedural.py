@@ -45,6 +45,17 @@ def test_closed_box_is_exact_at_any_size(category: str) -> None:
         assert abs(low[2]) < 1e-9
 
 
+@pytest.mark.parametrize("category", ["microwave", "nightstand", "oven", "wardrobe", "mug"])
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_what_is_too_thin_for_its_boards_is_scaled(category: str, axis: int, tmp_path: Path) -> None:
+    recipe = sample(category, 1, 0)
+    x, y, z = (0.01 if k == axis else float(v) for k, v in enumerate(recipe.parameters["size"]))
+    asset = build(recipe, (x, y, z), tmp_path / "thin", "thin", category)
+    assert asset.size == pytest.approx((x, y, z), abs=1e-6)
+    robot = read_urdf(tmp_path / "thin" / "model.urdf", tmp_path / "thin")  # refuses solids without a volume
+    assert all(joint.upper > joint.lower for joint in robot.joints if joint.type != "fixed")
+
+
 def test_written_files_fill_the_promised_box(tmp_path: Path) -> None:
     asset = build(sample("bottom_cabinet", 3, 0), (0.6, 1.1, 0.8), tmp_path / "cab", "cab", "bottom_cabinet")
     robot = read_urdf(tmp_path / "cab" / "model.urdf", tmp_path / "cab")
