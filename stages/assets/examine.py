@@ -29,7 +29,15 @@ from stages.assets.imports import (
     with_notes,
     without_specks,
 )
-from stages.assets.proportions import UNITS, doubt_of_size, likest, scale_from_sphere, up_and_unit, up_as_it_stands
+from stages.assets.proportions import (
+    UNITS,
+    doubt_of_size,
+    likest,
+    other_up,
+    scale_from_sphere,
+    up_and_unit,
+    up_as_it_stands,
+)
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json, write_json
 from stages.contracts.library import Asset, Joint
@@ -77,10 +85,13 @@ class Examined:
         return "\n  ".join([*lines, *self.joints(), *(f"? {doubt}" for doubt in self.doubts)])
 
 
-def examine(found: Found, importer: Importer, place: Path, work: Path, before: Sequence[Examined]) -> Examined:
+def examine(
+    found: Found, importer: Importer, place: Path, work: Path, before: Sequence[Examined], shared: Axis | None = None
+) -> Examined:
     """Write the folder `place` of a model, and its asset below `work`.
 
-    Notes that are there already count and stay as they are; of the others what is not told is guessed.
+    Notes that are there already count and stay as they are; of the others what is not told is guessed. `shared`: the
+    direction up of such files in its folder.
     """
     model = Examined(found.path, place)
     try:
@@ -94,7 +105,7 @@ def examine(found: Found, importer: Importer, place: Path, work: Path, before: S
                 notes = read_json(Notes, theirs)
                 model.told.append(f"as {NOTES} says")
             else:
-                notes, model.told = guessed(robot, file)
+                notes, model.told = guessed(robot, file, shared)
                 if file.category not in CATEGORIES:
                     if notes.scale != file.notes.scale:
                         unit = UNITS[round(notes.scale / file.notes.scale, 6)]
@@ -121,29 +132,35 @@ def examine(found: Found, importer: Importer, place: Path, work: Path, before: S
     return model
 
 
-def guessed(robot: RobotModel, file: ModelFile) -> tuple[Notes, list[str]]:
+def guessed(robot: RobotModel, file: ModelFile, shared: Axis | None = None) -> tuple[Notes, list[str]]:
     """The notes beside a model, with what they do not say; and how that was found, in lines."""
     notes, lines = file.notes, []
     up, scale, category = notes.up, notes.scale, file.category
     if up is None:
         low, high = closed_box(robot)
-        extents, up = (high - low) * scale, file.importer.up
+        extents, up = (high - low) * scale, shared or file.importer.up
         if file.path.name in NUMBERED and category == STORAGE[0]:
             category = likest(extents, STORAGE)
         if file.path.name in NUMBERED and (known := scale_from_sphere(extents, category)):
             scale *= known
             lines.append("as large as ours are: its file has it in a sphere of radius 1, as all of PartNet")
         else:
-            up, unit = up_and_unit(extents, category, up, file.path.suffix.lower() in WHOLE)
+            ups = [up] if shared else [up, other_up(up)]
+            up, unit = up_and_unit(extents, category, ups, file.path.suffix.lower() in WHOLE)
             scale *= unit
             if unit != 1.0:
-                lines.append(f"in {UNITS[unit]} by its size")
-        if up != file.importer.up:
+                size = (
+                    f"in {UNITS[unit]} by its size" if unit in UNITS else "as large as ours are: it is in no usual unit"
+                )
+                lines.append(size)
+        if shared:
+            lines.append(f"up {up} as most {file.path.suffix.lower()} here")
+        elif up != file.importer.up:
             lines.append(f"up {up} by its proportions")
         elif len(robot.links) == 1:
             (body,) = robot.links.values()
             points = np.concatenate([visual.mesh.vertices for visual in body.visuals])
-            up = up_as_it_stands(points, category, up)
+            up = up_as_it_stands(points, category, up, file.importer.has_up)
             if up != file.importer.up:
                 lines.append(f"up {up}: only so it stands")
     front: Axis | None = notes.front
@@ -157,7 +174,7 @@ def guessed(robot: RobotModel, file: ModelFile) -> tuple[Notes, list[str]]:
         elif backed is not None:
             front, how = in_file(backed, default, up), "front away from its back"
         else:
-            unsure = file.notes.up is None and up == file.importer.up and not file.importer.has_up
+            unsure = file.notes.up is None and not shared and up == file.importer.up and not file.importer.has_up
             front = default
             how = "front and up assumed" if unsure and category not in CATEGORIES else "front assumed"
         lines.append(how)

@@ -10,6 +10,7 @@ from typing import Any
 from PIL import Image
 
 from stages.articulated.inside import OutsideError, find_inside, missing
+from stages.articulated.urdf_reader import LOST
 from stages.articulated.urdf_tree import AROUND
 from stages.assets.mjcf_mending import compile_mended
 from stages.contracts.errors import InputError
@@ -35,6 +36,7 @@ def compiled(path: Path, folder: Path) -> tuple[Any, Any, list[str]]:
     if importlib.util.find_spec("mujoco") is None:
         raise InputError(path, "is MJCF, which MuJoCo reads.", "pip install mujoco")
     pictures: dict[str, bytes] = {}
+    lost: dict[str, InputError] = {}
     directories = {"mesh": "", "texture": "", "hfield": ""}
     own = root.findall("worldbody")
     _include(root, path, path, folder, 0)
@@ -55,6 +57,9 @@ def compiled(path: Path, folder: Path) -> tuple[Any, Any, list[str]]:
                     pictures[f"{found}.png"] = _png(found, path)
                     element.set(key, f"{found}.png")
             except InputError as error:
+                if element.tag == "mesh":
+                    lost.setdefault(element.get("name", Path(slashed(element.attrib[key])).stem), error)
+                    break
                 if element.tag != "texture":
                     raise
                 remarks.append(f"grey in place of a texture: {str(error).removeprefix(f'{path}: ')}")
@@ -62,11 +67,26 @@ def compiled(path: Path, folder: Path) -> tuple[Any, Any, list[str]]:
                 element.attrib.clear()
                 element.attrib.update({"name": named} | GREY)
                 break
+    remarks += _without_meshes(root, lost, path)
     for element in [element for element in root if element.tag not in KEPT]:
         root.remove(element)
     ET.SubElement(root, "compiler", settings)
     spec, model, mended = compile_mended(root, path, pictures)
     return spec, model, [*remarks, *mended]
+
+
+def _without_meshes(root: ET.Element, lost: dict[str, InputError], path: Path) -> list[str]:
+    """Leave out meshes whose files are missing, by name; lines say so. If they are more than few, that is an error."""
+    if len(lost) > LOST * sum(mesh.get("file") is not None for mesh in root.iter("mesh")):
+        raise next(iter(lost.values()))
+    for parent in list(root.iter()):
+        for child in list(parent):
+            named = child.get("name") if child.tag == "mesh" else child.get("mesh")
+            if named is None and child.tag == "mesh":
+                named = Path(slashed(child.get("file", ""))).stem
+            if named in lost:
+                parent.remove(child)
+    return [f"left out: mesh '{name}': {str(error).removeprefix(f'{path}: ')}" for name, error in lost.items()]
 
 
 def _png(picture: Path, path: Path) -> bytes:

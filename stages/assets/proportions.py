@@ -16,9 +16,12 @@ SAMPLES = 8  # models of a category that say how large it is
 SPREAD = np.log(1.5)  # beyond the sizes seen that is still usual
 UNLIKELY = np.log(1.5)  # sum over three extents of how far beyond they are
 LYING = np.log(1.1)  # the same, for another side to be tried as the bottom
+HOPELESS = np.log(3.0)  # the same: what is as far beyond in every unit is in none
 BETTER = 3.0  # times less must it be for another guess
 BOTTOM, FOOT = 0.005, 0.2  # share of the height that is the bottom; of width and depth that it has at least
 HUNG = {"clock", "mirror", "picture", "wall_cabinet", "wall_shelf"}  # which need not stand
+ORIGIN = 0.01  # of its height, by which the lowest point may miss the origin's
+UPS: tuple[Axis, Axis] = ("+y", "+z")
 SPHERE = 0.1  # of its radius, by which a model may miss it
 LARGEST_THING = 5.0  # metres: what is larger, in a category that is not known, is not in metres
 
@@ -84,40 +87,65 @@ def _shapes(sizes: Matrix) -> Matrix:
     return np.asarray(extents - extents.mean(axis=1, keepdims=True))
 
 
-def up_and_unit(extents: Matrix, category: str, default: Axis, in_metres: bool = False) -> tuple[Axis, float]:
+def up_and_unit(extents: Matrix, category: str, ups: Sequence[Axis], in_metres: bool = False) -> tuple[Axis, float]:
     """Direction up and metres per unit of a model with these extents (3,) in its file.
 
-    Another than the default (and metres) only if the extents are unlike any in the category and then fit far better.
+    Another than the first (and metres) only if the extents are unlike any in the category and then fit far better.
+    Where no unit does and the kind of file is in none, it is what makes the model as large as usual, as long as
+    its proportions are usual.
 
     Args:
         extents: in units.
         category: of the model.
-        default: direction up that its kind of file has.
-        in_metres: whether its kind of file is in metres; where the category is not ours, nothing tells another unit.
+        ups: directions up that it may have, the likeliest first.
+        in_metres: whether its kind of file is in metres: then only a category of ours tells another unit.
     """
     sizes = usual(category)
     if sizes is None:
         if in_metres:
-            return default, 1.0
+            return ups[0], 1.0
         fitting = (unit for unit in UNITS if float(extents.max()) * unit <= LARGEST_THING)
-        return default, next(fitting, 1.0)
-    ups: list[Axis] = [default, "+z" if default == "+y" else "+y"]
+        return ups[0], next(fitting, 1.0)
     extents = np.maximum(extents, 1e-9)
 
     def misfit(guess: tuple[Axis, float]) -> float:
         height = "xyz".index(guess[0][1])
         return sizes.misfit(np.delete(extents, height) * guess[1], extents[height] * guess[1])
 
-    first = (default, 1.0)
+    first = (ups[0], 1.0)
     best = min(((up, unit) for unit, up in product(UNITS, ups)), key=lambda guess: round(misfit(guess), 6))
+    if misfit(best) > HOPELESS and not in_metres:
+        heights = ["xyz".index(up[1]) for up in ups]
+        factors = [sizes.factor(np.delete(extents, height), extents[height]) for height in heights]
+        usual_size = min(zip(ups, factors, strict=True), key=lambda guess: round(misfit(guess), 6))
+        if misfit(usual_size) < UNLIKELY:
+            return usual_size
     return best if misfit(first) > max(UNLIKELY, BETTER * misfit(best)) else first
 
 
-def up_as_it_stands(points: Matrix, category: str, default: Axis) -> Axis:
-    """The direction up in which a rigid model (N, 3) stands on its foot; the default if it does, or in none."""
-    other: Axis = "+z" if default == "+y" else "+y"
-    stays = category in HUNG or _stands(points, default) or not _stands(points, other)
-    return default if stays else other
+def up_as_it_stands(points: Matrix, category: str, default: Axis, agreed: bool) -> Axis:
+    """The direction up in which a rigid model (N, 3) stands on its foot; the default if it does, or in none.
+
+    Where the kind of file has no `agreed` direction, the default counts for no more than the other.
+    """
+    if category in HUNG:
+        return default
+    if not agreed:
+        return leaning(points) or default
+    other = other_up(default)
+    return other if _stands(points, other) and not _stands(points, default) else default
+
+
+def other_up(up: Axis) -> Axis:
+    """The other direction that files call up."""
+    return "+z" if up == "+y" else "+y"
+
+
+def leaning(points: Matrix) -> Axis | None:
+    """Which of +y and +z is up in a rigid model (N, 3): in which it stands on its foot, and its foot is at the origin's
+    height; None: that tells neither."""
+    y, z = (_stands(points, up) + _at_zero(points, up) for up in UPS)
+    return None if y == z else "+y" if y > z else "+z"
 
 
 def _stands(points: Matrix, up: Axis) -> bool:
@@ -126,6 +154,12 @@ def _stands(points: Matrix, up: Axis) -> bool:
     height, plan = points[:, axis], np.delete(points, axis, axis=1)
     foot = plan[height <= height.min() + BOTTOM * np.ptp(height)]
     return bool((np.ptp(foot, axis=0) >= FOOT * np.ptp(plan, axis=0)).all())
+
+
+def _at_zero(points: Matrix, up: Axis) -> bool:
+    """Whether its lowest point is at the origin's height."""
+    heights = points[:, "xyz".index(up[1])]
+    return bool(abs(heights.min()) < ORIGIN * np.ptp(heights))
 
 
 def scale_from_sphere(extents: Matrix, category: str) -> float | None:

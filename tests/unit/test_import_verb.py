@@ -16,7 +16,7 @@ from stages.assets.import_ import run
 from stages.assets.importers import Axis
 from stages.assets.imports import axis_vector
 from stages.assets.portrait import ARROW
-from stages.assets.proportions import doubt_of_size, up_and_unit, up_as_it_stands
+from stages.assets.proportions import doubt_of_size, other_up, up_and_unit, up_as_it_stands
 from stages.contracts.errors import InputError
 from tests.unit.own_models import import_folder
 from tests.unit.test_sense import box, cabinet, joint, write_partnet
@@ -30,6 +30,8 @@ from tests.unit.test_sense import box, cabinet, joint, write_partnet
         ((45, 90, 50), "chair", "+z", ("+y", 0.01)),
         ((0.9, 2.2, 0.8), "sofa", "+y", ("+z", 1.0)),
         ((0.6, 0.6, 0.6), "chair", "+z", ("+z", 1.0)),
+        ((4, 6.4, 3.6), "chair", "+z", ("+y", 0.13)),
+        ((1, 60, 1), "chair", "+z", ("+z", 1.0)),
         ((700, 300, 400), "gearbox", "+z", ("+z", 0.001)),
         ((0.7, 0.3, 0.4), "gearbox", "+y", ("+y", 1.0)),
     ],
@@ -37,7 +39,7 @@ from tests.unit.test_sense import box, cabinet, joint, write_partnet
 def test_up_and_unit_by_proportions(
     extents: tuple[float, float, float], category: str, default: Axis, expected: tuple[str, float]
 ) -> None:
-    assert up_and_unit(np.array(extents, dtype=float), category, default) == expected
+    assert up_and_unit(np.array(extents, dtype=float), category, [default, other_up(default)]) == expected
 
 
 @pytest.mark.parametrize(
@@ -53,9 +55,36 @@ def test_up_and_unit_by_proportions(
 def test_up_is_where_a_round_thing_stands(turn: int, category: str, default: Axis, expected: str) -> None:
     bottle = trimesh.creation.cylinder(0.04, 0.2)
     bottle.apply_transform(trimesh.transformations.rotation_matrix(np.deg2rad(turn), [1, 0, 0]))
-    assert up_as_it_stands(np.asarray(bottle.vertices), category, default) == expected
     ball = np.asarray(trimesh.creation.icosphere(3, 0.1).vertices)
-    assert up_as_it_stands(ball, category, default) == default, "it stands nowhere"
+    for agreed in (True, False):
+        assert up_as_it_stands(np.asarray(bottle.vertices), category, default, agreed) == expected
+        assert up_as_it_stands(ball, category, default, agreed) == default, "it stands nowhere"
+    block = np.asarray(trimesh.creation.box(bounds=[(-0.2, 0, -0.2), (0.2, 0.6, 0.3)]).vertices)
+    assert up_as_it_stands(block, "crate", "+z", agreed=False) == "+y", "its foot is at the origin's height"
+    assert up_as_it_stands(block, "crate", "+z", agreed=True) == "+z"
+
+
+@pytest.mark.parametrize(
+    ("turned", "others", "up"), [(True, 0, "+y"), (False, 0, "+z"), (True, 1, "+y"), (True, 2, "")]
+)
+def test_files_of_one_folder_share_the_direction_up(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], turned: bool, others: int, up: str
+) -> None:
+    def write(mesh: trimesh.Trimesh, name: str, turned: bool) -> None:
+        if turned:
+            mesh.apply_transform(trimesh.transformations.rotation_matrix(-np.pi / 2, [1, 0, 0]))
+        mesh.export(tmp_path / f"{name}.obj")
+
+    (tmp_path / "theirs").mkdir()
+    for number in range(3):
+        write(trimesh.creation.cone(0.1, 0.2 + 0.1 * number), f"theirs/cone{number}", turned)
+    for number in range(others):
+        write(trimesh.creation.cone(0.2, 0.2 + 0.1 * number), f"theirs/other{number}", not turned)
+    write(trimesh.creation.box((0.3, 0.4, 0.5)), "theirs/block", turned)
+    run(tmp_path / "theirs", out=tmp_path / "mine")
+    said = next(line for line in capsys.readouterr().out.splitlines() if "block.obj" in line)
+    assert (f"up {up} as most .obj here" in said) == bool(up)
+    assert ("50 high" in said) == bool(up), said
 
 
 def test_unusual_sizes_are_doubted() -> None:

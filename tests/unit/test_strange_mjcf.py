@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 from PIL import Image
 
 from stages.assets.importers.mjcf import read_mjcf
@@ -96,3 +97,18 @@ def test_textures_may_be_jpeg_and_what_is_no_picture_is_grey(tmp_path: Path) -> 
         (visual,) = robot.links["world"].visuals
         assert visual.colour is not None and (visual.colour[0] > 2 * visual.colour[1]) == red
         assert len(robot.remarks) == said
+
+
+def test_one_mesh_of_many_may_be_missing(tmp_path: Path) -> None:
+    for name in "abcd":
+        trimesh.creation.box().export(tmp_path / f"{name}.stl")
+    meshes = "".join(f'<mesh file="{name}.stl"/>' for name in "abcd")
+    geoms = "".join(f'<geom type="mesh" mesh="{name}"/>' for name in "abcd")
+    path = mjcf(tmp_path / "a.xml", f"<asset>{meshes}</asset><worldbody>{geoms}</worldbody>")
+    (tmp_path / "b.stl").unlink()
+    robot = read_mjcf(path, tmp_path)
+    assert len(robot.links["world"].visuals) == 3
+    assert robot.remarks[0].startswith("left out: mesh 'b': there is no file 'b.stl'")
+    (tmp_path / "c.stl").unlink()
+    with pytest.raises(InputError, match=r"there is no file 'b.stl'"):
+        read_mjcf(path, tmp_path)
