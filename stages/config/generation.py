@@ -70,7 +70,8 @@ class GenerationConfig(Section):
         0.15,
         ge=0,
         description="How far (metres) the upper bottom may lie below the lower top; a chair under a table is not on "
-        "it. What stands over an edge is moved in. null: neither, as in the paper.",
+        "it. What stands over an edge is moved in; what is farther above all that is beneath it is held there (a shelf "
+        "that nobody named). null: none of it, as in the paper.",
     )
 
     # Collisions (A.3)

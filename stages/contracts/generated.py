@@ -37,7 +37,9 @@ class PlacedObject(Contract):
     position: Position = Field((0.0, 0.0, 0.0), description="centre of the asset's box, metres")
     yaw: Angle = Field(0.0, description="turn of the asset about z, radians")
     size: Vector = Field((0.0, 0.0, 0.0), description="box extents along the asset's own axes, metres")
-    support: str = Field("floor", description="'floor', 'wall' or the id of the object beneath")
+    support: str = Field(
+        "floor", description="'floor', 'wall', the id of the object beneath, or 'unnamed': on what is no object here"
+    )
     mounting: Mounting | None = None
     moved: NonNegative = Field(0.0, description="xy distance it was pushed to resolve collisions, metres")
     settled_shift: NonNegative | None = Field(None, description="how far it moved in the settling test, metres")
@@ -84,7 +86,7 @@ class GeneratedScene(Document):
                 raise ValueError(f"objects: size of '{item.id}' is {item.size} (positive, {LARGEST:g} m at most)")
             check_mounting(item.id, item.mounting, walls)
         placed = {item.id: item.support for item in self.objects if item.status == "ok"}
-        check_supports(placed)
+        check_supports(placed, ("floor", "wall", "unnamed"))
         strangers = set(self.plausibility.fallen if self.plausibility else []) - set(placed)
         if strangers:
             raise ValueError(f"plausibility.fallen: names '{min(strangers)}', which is not placed")

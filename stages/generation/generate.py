@@ -13,6 +13,7 @@ from stages.contracts import GeneratedScene, InputError, read_options, write_jso
 from stages.contracts.generated import PlacedObject
 from stages.generation.build import Built, build
 from stages.generation.inputs import Inputs, read_inputs
+from stages.generation.placed import UNNAMED
 from stages.generation.settling import Settled, load_items, settle
 from stages.geometry.frames import rounded
 from stages.simulation.backdrop import add_backdrop
@@ -79,6 +80,9 @@ def summary(scene: GeneratedScene, left: list[tuple[str, str]]) -> str:
     if check is not None:
         parts.append("stable" if check.stable else f"NOT stable, fallen: {', '.join(check.fallen) or 'none'}")
         parts.append(f"penetration {1000 * check.max_penetration:.1f} mm")
+    held = [item.id for item in scene.objects if item.support == UNNAMED]
+    if held:
+        parts.append(f"held where seen, for what carries it is not named: {', '.join(held)}")
     parts += [f"{a} and {b} still collide" for a, b in left]
     return "; ".join(parts)
 

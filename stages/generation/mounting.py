@@ -7,7 +7,7 @@ from shapely import Point
 from shapely.ops import nearest_points
 
 from stages.contracts.objects import Wall
-from stages.generation.placed import FLOOR, WALL, Placed
+from stages.generation.placed import FLOOR, UNNAMED, WALL, Placed
 from stages.generation.prisms import steady_region
 from stages.generation.support import Beneath
 from stages.geometry.boxes import UprightBox, corners
@@ -57,12 +57,15 @@ def on_supports(items: list[Placed], supports: dict[str, str], beneath: Beneath,
 
     Args:
         items: sorted from low to high, so that each comes after its support.
-        supports: id -> 'floor' or the id of the item beneath.
+        supports: id -> 'floor', 'unnamed' (it stays at its height) or the id of the item beneath.
         steady: what stands on another but over its edge is moved in, so that it does not fall.
     """
     done: dict[str, Placed] = {}
     for item in items:
         support = supports[item.id]
+        if support == UNNAMED:
+            done[item.id] = replace(item, support=UNNAMED)
+            continue
         if support == FLOOR:
             done[item.id] = at_height(item, support, 0.0)
             continue

@@ -9,12 +9,13 @@ from stages.contracts import Asset
 from stages.contracts.objects import Mounting
 from stages.geometry.boxes import UprightBox
 
-FLOOR, WALL = "floor", "wall"
+FLOOR, WALL, UNNAMED = "floor", "wall", "unnamed"
 
 
 @dataclass(frozen=True)
 class Placed:
-    """An asset whose closed box is `box` (floor frame). `support`: 'floor', 'wall' or the id of the object beneath."""
+    """An asset whose closed box is `box` (floor frame). `support`: 'floor', 'wall', the id of the object
+    beneath, or 'unnamed': it is seen to stand on something that is no object of the scene."""
 
     id: str
     label: str

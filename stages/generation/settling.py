@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from stages.config.generation import GenerationConfig
 from stages.contracts.generated import Plausibility
-from stages.generation.placed import Placed
+from stages.generation.placed import UNNAMED, Placed
 from stages.simulation.loading import load_asset, root_pose
 
 Body: TypeAlias = PhysxArticulation | sapien.Entity
@@ -28,8 +28,8 @@ class Settled:
 
 
 def is_fixed(item: Placed) -> bool:
-    """What hangs on a wall is held in place; everything else may fall."""
-    return item.wall_mounted
+    """What hangs on a wall, or stands on what nobody named, is held in place; everything else may fall."""
+    return item.wall_mounted or item.support == UNNAMED
 
 
 def load_items(scene: sapien.Scene, items: list[Placed], folders: Mapping[str, Path]) -> dict[str, Body]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 
-from stages.generation.placed import FLOOR, Placed
+from stages.generation.placed import FLOOR, UNNAMED, Placed
 from stages.generation.prisms import Surface
 from stages.geometry.boxes import footprint
 
@@ -22,14 +22,15 @@ def overlap_share(upper: Placed, lower: Placed) -> float:
 
 
 def support_tree(items: list[Placed], overlap: float, tolerance: float | None, beneath: Beneath) -> dict[str, str]:
-    """The support of every item: 'floor' or the id of the highest one beneath it.
+    """The support of every item: 'floor', the id of the highest one beneath it, or 'unnamed'.
 
     Args:
         items: sorted from low to high.
         overlap: share of the smaller footprint that must be exceeded (paper: 0.7).
         tolerance: metres by which the upper bottom may lie below the surface. Without it (None, as
             in the paper) a chair that is tucked under a table ends up standing on it. With it, what is found
-            at the height of a top and over its edge stands on that, not on the floor: far away, noise moves it there.
+            at the height of a top and over its edge stands on that, not on the floor: far away, noise moves it there;
+            and what is farther above all of it stands on something that nobody named (a shelf).
     """
     supports = {}
     for index, item in enumerate(items):
@@ -47,7 +48,9 @@ def support_tree(items: list[Placed], overlap: float, tolerance: float | None, b
             ]
             carriers = sorted(level, key=lambda low: (overlap_share(item, low), low.id))[-1:]
         highest = max(((beneath(item, lower).height, lower.id) for lower in carriers), default=(0.0, FLOOR))
-        supports[item.id] = highest[1]
+        top = max((lower.top for lower in carriers), default=0.0)  # a stool's may have become a chair's back
+        above = tolerance is not None and item.bottom > top + tolerance and not item.wall_mounted
+        supports[item.id] = UNNAMED if above else highest[1]
     return supports
 
 

@@ -17,7 +17,7 @@ from stages.contracts.objects import Box, Mounting, SceneObject, Wall
 from stages.generation.build import build
 from stages.generation.draw import run as draw
 from stages.generation.extents import beyond_front
-from stages.generation.generate import run
+from stages.generation.generate import physics_check, run, scene_of, summary
 from stages.generation.inputs import Inputs, read_inputs
 from stages.generation.meshes import collision_pieces, visual_meshes
 from stages.generation.settling import load_items, settle
@@ -243,6 +243,22 @@ def test_what_floats_falls_unless_it_hangs_on_a_wall(scene: dict[str, Path], tmp
         assert settled.plausibility.fallen == sorted(fallen)
         assert not settled.plausibility.stable
         assert {name: settled.shifts[name] for name in fallen} == pytest.approx(fallen, abs=0.02)
+
+
+def test_what_stands_on_something_unnamed_is_held_and_said(scene: dict[str, Path], tmp_path: Path) -> None:
+    """A mug a metre above the cabinet: on a shelf that nobody named."""
+    inputs, options = read_inputs(scene["cousins"], scene["objects"], scene["library"]), GenerationConfig()
+    mug = inputs.objects.objects[1]
+    assert mug.id == "mug_1" and mug.box is not None
+    x, y, z = mug.box.center
+    inputs.clouds["mug_1"] = inputs.clouds["mug_1"] + np.array([0, 0, 1], dtype=np.float32)
+    inputs.objects.objects[1] = mug.model_copy(update={"box": mug.box.model_copy(update={"center": (x, y, z + 1)})})
+    built = build(inputs, 1, options, tmp_path)
+    made = scene_of(built, physics_check(built, inputs, options), inputs, "b", 1)
+    held = next(item for item in made.objects if item.id == "mug_1")
+    assert held.support == "unnamed" and held.position[2] == pytest.approx(z + 1, abs=0.03)
+    assert made.plausibility is not None and made.plausibility.stable and held.settled_shift == 0
+    assert summary(made, []).endswith("what carries it is not named: mug_1")
 
 
 def test_a_cousin_that_would_be_squeezed_is_passed_over(scene: dict[str, Path], tmp_path: Path) -> None:

@@ -126,6 +126,19 @@ def test_what_noise_moved_over_the_edge_of_a_cabinet_still_stands_on_it():
     assert support_tree([cabinet, thing("pot", (1.65, 0, 0.1), (0.3, 0.3, 0.2))], 0.7, 0.15, flat)["pot"] == "floor"
 
 
+def test_what_is_seen_high_above_all_that_was_named_stands_on_a_shelf_and_stays_there():
+    jar, book = thing("jar", (2, 0, 0.1), (0.1, 0.1, 0.2)), thing("book", (2, 0, 0.85), (0.2, 0.3, 0.1))
+    cup = thing("cup", (2, 0, 0.95), (0.08, 0.08, 0.1))
+    supports = tree([jar, book, cup])
+    assert supports == {"jar": "floor", "book": "unnamed", "cup": "book"}
+    assert tree([jar, book], tolerance=None)["book"] == "jar"  # the paper's rule alone
+    placed = {item.id: item for item in on_supports(sorted_by_height([jar, book, cup]), supports, flat)}
+    assert placed["book"].center == pytest.approx([2, 0, 0.85]) and placed["book"].support == "unnamed"
+    assert placed["cup"].bottom == pytest.approx(0.9)
+    hung = thing("hung", (2, 0, 1.5), (0.1, 0.5, 0.5), mounting=1)
+    assert on_supports([hung], tree([hung]), flat)[0].support == "wall"
+
+
 def block(x, y, half_x, half_y, low, high):
     """A piece of a support, in the asset frame."""
     corner = np.array([(-half_x, -half_y), (half_x, -half_y), (half_x, half_y), (-half_x, half_y)])

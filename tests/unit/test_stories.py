@@ -108,6 +108,12 @@ def placed(**changes: Any) -> PlacedObject:
         ({}, {}, {"size": (1.2, 1.2, 0.8)}, "another depth or width"),
         ({}, {}, {"moved": 0.3}, "pushed 30 cm"),
         ({}, {}, {"settled_shift": 0.04}, "moved 4.0 cm when physics ran"),
+        (
+            {},
+            {},
+            {"support": "unnamed"},
+            "stands on something that was not named, and is held there: name what carries it",
+        ),
         ({}, {}, {"status": "failed", "reason": "no room"}, "not placed: no room"),
     ],
 )

@@ -22,6 +22,7 @@ FEW_POINTS = 500
 CLOSE = 0.05  # share by which a second model is farther than the first
 MOVED, SHIFTED = 0.05, 0.01  # metres
 ANOTHER_SIZE = 0.3  # share by which an extent differs from the cloud's
+PLACES = {"floor": "on the floor", "wall": "on the wall", "unnamed": "where it was seen, above the floor"}
 
 
 @dataclass(frozen=True)
@@ -156,7 +157,7 @@ def _facts(entry: ObjectCousins, item: SceneObject, placed: PlacedObject | None)
         turn = f", turned by {np.degrees(entry.cousins[0].orientation.yaw):.0f}° in the camera's view"
         facts.append(("orientation chosen by", entry.orientation_decided_by + turn))
     if placed is not None and placed.status == "ok":
-        on = {"floor": "on the floor", "wall": "on the wall"}.get(placed.support, f"on {placed.support}")
+        on = PLACES.get(placed.support, f"on {placed.support}")
         place = (
             f"{placed.asset.replace('_', ' ')} {on}, {_metres(placed.size)}, turned by {np.degrees(placed.yaw):.0f}°"
         )
@@ -220,6 +221,8 @@ def _doubts(entry: ObjectCousins, item: SceneObject, placed: PlacedObject | None
         ours, clouds = sorted(placed.size[:2]), sorted(item.box.size[:2])
         if any(abs(a / max(b, 1e-6) - 1) > ANOTHER_SIZE for a, b in zip(ours, clouds, strict=True)):
             found.append("placed with another depth or width than its cloud has: the far side is hidden")
+    if placed.support == "unnamed":
+        found.append("stands on something that was not named, and is held there: name what carries it")
     if placed.moved > MOVED:
         found.append(f"pushed {100 * placed.moved:.0f} cm out of a collision")
     if placed.settled_shift is not None and placed.settled_shift > SHIFTED:
