@@ -21,6 +21,11 @@ def overlap_share(upper: Placed, lower: Placed) -> float:
     return float(a.intersection(b).area / smaller) if smaller > 0 else 0.0
 
 
+def apart(item: Placed, other: Placed) -> float:
+    """Distance of their footprints, metres."""
+    return float(footprint(item.box).distance(footprint(other.box)))
+
+
 def support_tree(items: list[Placed], overlap: float, tolerance: float | None, beneath: Beneath) -> dict[str, str]:
     """The support of every item: 'floor', the id of the highest one beneath it, or 'unnamed'.
 
@@ -29,8 +34,9 @@ def support_tree(items: list[Placed], overlap: float, tolerance: float | None, b
         overlap: share of the smaller footprint that must be exceeded (paper: 0.7).
         tolerance: metres by which the upper bottom may lie below the surface. Without it (None, as
             in the paper) a chair that is tucked under a table ends up standing on it. With it, what is found
-            at the height of a top and over its edge stands on that, not on the floor: far away, noise moves it there;
-            and what is farther above all of it stands on something that nobody named (a shelf).
+            at the height of a top and over its edge, or so far beside it, stands on that, not on the floor: far
+            away, noise moves it there; and what is farther above all of it stands on something that nobody named
+            (a shelf).
     """
     supports = {}
     for index, item in enumerate(items):
@@ -44,9 +50,9 @@ def support_tree(items: list[Placed], overlap: float, tolerance: float | None, b
             level = [
                 low
                 for low in items[:index]
-                if overlap_share(item, low) and abs(item.bottom - beneath(item, low).height) <= tolerance
+                if apart(item, low) <= tolerance and abs(item.bottom - beneath(item, low).height) <= tolerance
             ]
-            carriers = sorted(level, key=lambda low: (overlap_share(item, low), low.id))[-1:]
+            carriers = sorted(level, key=lambda low: (overlap_share(item, low), -apart(item, low), low.id))[-1:]
         highest = max(((beneath(item, lower).height, lower.id) for lower in carriers), default=(0.0, FLOOR))
         top = max((lower.top for lower in carriers), default=0.0)  # a stool's may have become a chair's back
         above = tolerance is not None and item.bottom > top + tolerance and not item.wall_mounted

@@ -124,6 +124,10 @@ def test_what_noise_moved_over_the_edge_of_a_cabinet_still_stands_on_it():
     assert support_tree([cabinet, pot], 0.7, 0.15, flat)["pot"] == "cabinet"
     assert support_tree([cabinet, pot], 0.7, None, flat)["pot"] == "floor"
     assert support_tree([cabinet, thing("pot", (1.65, 0, 0.1), (0.3, 0.3, 0.2))], 0.7, 0.15, flat)["pot"] == "floor"
+    other = thing("other", (1, 0, 0.4), (0.6, 0.6, 0.8))
+    aside, far = (thing("pot", (x, 0, 0.9), (0.2, 0.2, 0.2)) for x in (1.55, 1.4))  # 5 and 20 cm before the cabinet
+    assert support_tree([cabinet, other, aside], 0.7, 0.15, flat)["pot"] == "cabinet"
+    assert support_tree([cabinet, far], 0.7, 0.15, flat)["pot"] == "unnamed"
 
 
 def test_what_is_seen_high_above_all_that_was_named_stands_on_a_shelf_and_stays_there():
