@@ -85,6 +85,16 @@ def test_what_stands_on_something_unnamed_ends_there(tmp_path: Path) -> None:
     assert found["cabinet_1"].size[2] == pytest.approx(1.2, abs=0.03)
 
 
+def test_a_wall_behind_a_table_is_a_wall() -> None:
+    """As wide a box that the table is seen behind is a thing."""
+    wall, wide = UprightBox([3.42, 0.0, 1.2], [0.1, 6.0, 2.4], 0.0), UprightBox([2.6, 0.0, 0.9], [0.1, 1.4, 0.4], 0.0)
+    depth, masks = trace([TABLE, wall, wide, CAN], wall=False)
+    depth += np.random.default_rng(0).normal(0, 0.003, depth.shape)
+    found = clustered((0.4 * depth).astype(np.float32), INTRINSICS, np.dstack([masks * 20] * 3).astype(np.uint8))[0]
+    named = [found.labels[int(np.bincount(found.values[masks == OBJECT + k]).argmax())] for k in (1, 2, 3)]
+    assert named == ["wall", "object", "object"]
+
+
 def test_masks_may_be_some_pixels_off_and_edges_smeared(tmp_path: Path) -> None:
     depth, masks = trace([TABLE, BOX, CAN], wall=False)
     smeared = 0.4 * cv2.blur(depth, (5, 5))  # of things 8 and 6 cm wide, a metre away

@@ -8,6 +8,7 @@ from scipy.spatial import Delaunay, KDTree
 from stages.contracts import InputError
 from stages.geometry.cameras import back_project
 from stages.geometry.clouds import dbscan
+from stages.geometry.planes import fit_plane
 from stages.scenes.rgbd.frame import Labelled
 from stages.scenes.rgbd.halos import completed, without_halos
 from stages.scenes.rgbd.levels import FLAT, Level, level_planes, sampled
@@ -20,13 +21,21 @@ LARGE, LEAST = 0.15, 0.002  # of the largest plane's points, for a table; of all
 LEG = 0.25  # metres: a plane nearer above a larger one is made of things that stand on it
 NEAR = 2.0  # metres to what is looked at: things on a table. Furniture is not convex: shelves, legs, cushions
 FIRM = 0.02  # metres at 1 m above the plane, from which on no noise of the plane is taken for an edge
-LABEL = "object"
+LABEL, WALL = "object", "wall"
+PLANE, BEHIND, SOME = (
+    0.8,
+    0.03,
+    0.02,
+)  # of a wall's points in a plane; metres at 1 m behind it; of all points: something
+UPRIGHT, WIDE = np.sin(np.deg2rad(15)), 0.4  # a wall's normal along the level one's; metres
 
 
 def clustered(
     depth: NDArray[np.float32], intrinsics: NDArray[np.float64], rgb: NDArray[np.uint8]
 ) -> tuple[Labelled, NDArray[np.float32]]:
     """Objects on the highest large level plane of a depth image (H, W), metres: each an `object`, from left to right.
+
+    What is seen of walls behind them is a `wall`.
 
     The picture (H, W, 3) only tells where they end, beside the table. With them comes the depth, unknown (0) where it
     is the table's on what has a thing's colours.
@@ -71,7 +80,12 @@ def clustered(
         measured = without_halos(values, rgb, flat)
         values = completed(measured, rgb, flat)
         depth = np.where((values > 0) & (measured == 0), np.float32(0), depth)
-    return Labelled(values, dict.fromkeys(np.unique(values[values > 0]).tolist(), LABEL)), depth
+    points = back_project(depth, intrinsics)
+    labels = {}
+    for value in np.unique(values[values > 0]).tolist():
+        own, others = (sampled(points[(depth > 0) & where], rng) for where in (values == value, values != value))
+        labels[value] = WALL if _is_wall(own, others, table.up, rng) else LABEL
+    return Labelled(values, labels), depth
 
 
 def _table(levels: list[Level]) -> Level:
@@ -100,6 +114,18 @@ def _standing(
         if count >= least and heights[clusters == name].min() < LOWEST * far
     ]
     return sorted(kept, key=lambda name: float((points[clusters == name, 0] / points[clusters == name, 2]).mean()))
+
+
+def _is_wall(
+    points: NDArray[np.float64], others: NDArray[np.float64], up: NDArray[np.float64], rng: np.random.Generator
+) -> bool:
+    """Whether points (N, 3) are those of a wide upright plane, with hardly any of the others behind it."""
+    far = float(np.median(points[:, 2])) if len(points) else 0.0
+    plane = fit_plane(points, 2 * FLAT * far, 300, rng, lambda normals: np.abs(normals @ up) < UPRIGHT)
+    if plane is None or plane.inliers.mean() < PLANE:
+        return False
+    behind = np.sign(plane.offset) * (others @ plane.normal - plane.offset) > BEHIND * far
+    return bool(np.ptp(points[plane.inliers] @ np.cross(plane.normal, up)) > WIDE and behind.mean() < SOME)
 
 
 def _across(plane: Level, points: NDArray[np.float64]) -> NDArray[np.float64]:
