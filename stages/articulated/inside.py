@@ -1,6 +1,8 @@
 """Files that a model's file names, inside the user's folder."""
 
 import os.path
+from collections.abc import Callable
+from itertools import product
 from pathlib import Path
 
 from stages.contracts.errors import InputError
@@ -14,7 +16,8 @@ def find_inside(name: str, here: Path, folder: Path) -> Path | None:
     """The file that a file in `here` names; None: there is none.
 
     It is looked for in `here` and in the folders above it, up to `folder`; where packages or folders in front of the
-    name are called otherwise than in the file (a package that was renamed, a part of a collection), without those.
+    name are called otherwise than in the file (a package that was renamed, a part of a collection), without those; and
+    last with small and capital letters alike, as on the systems where many files were written.
 
     Raises:
         OutsideError: it lies, or would lie, outside.
@@ -23,18 +26,29 @@ def find_inside(name: str, here: Path, folder: Path) -> Path | None:
     try:
         here = here.resolve()
         bases = [base for base in (here, *here.parents) if base.is_relative_to(folder)]
-        for left_out in range(1 if ".." in parts else len(parts)):
-            for base in bases:
-                found = base.joinpath(*parts[left_out:]).resolve()
-                if found.is_file():
-                    if not found.is_relative_to(folder):
-                        raise OutsideError
-                    return found
+        spellings: tuple[Callable[..., Path], ...] = (Path.joinpath, _spelt_alike)
+        endings = [parts[left_out:] for left_out in range(1 if ".." in parts else len(parts))]
+        for spelt, ending, base in product(spellings, endings, bases):
+            found = spelt(base, *ending).resolve()
+            if found.is_file():
+                if not found.is_relative_to(folder):
+                    raise OutsideError
+                return found
         if not (here / name).resolve().is_relative_to(folder):
             raise OutsideError
     except (OSError, RuntimeError, ValueError):  # names that are too long, links in a circle
         pass
     return None
+
+
+def _spelt_alike(base: Path, *parts: str) -> Path:
+    """The path below a folder, with every name spelt as one that is there, if that differs by capital letters alone."""
+    for part in parts:
+        path = base / part
+        if not path.exists() and base.is_dir():
+            path = next((child for child in base.iterdir() if child.name.lower() == part.lower()), path)
+        base = path
+    return base
 
 
 def missing(who: Path, what: str, name: str, here: Path, folder: Path) -> InputError:

@@ -14,7 +14,8 @@ ALONG = 0.9  # cosine: a slide goes along a direction, a panel's hinge across it
 SHORTEST, LEAST_TURN = 0.05, np.deg2rad(20)  # metres and radians that a drawer or a door moves at least
 MOST_TURN = np.deg2rad(270)  # a door meets what it hangs on; what turns farther is a wheel, or a robot's arm
 ASKEW = np.deg2rad(10)  # by which a front may face another way than along an axis
-STAYS = 0.3  # of a slide's way: what leaves its parent's box by less is a sliding door, no drawer
+STAYS = 0.3  # of a slide's way: what leaves its parent's box by less is a sliding door, no drawer; of that box's extent
+# along it: what is as far behind its front when it is closed
 NARROWEST, LOWEST = 0.06, 0.02  # metres: extents of the smallest front; a drawer may be as low as this
 SWINGS = 0.02  # metres: a panel whose middle is nearer to its hinge (seen from the front) swings neither way
 LIMB = 0.5  # of what a joint moves: where further joints move more than this share of its size on, it is no front
@@ -71,7 +72,8 @@ def _front(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix], midd
         around = _box(robot, [joint.parent], frames)
         if around is not None:
             front, body = ((box @ outward).max() for box in (np.array([low, high]), around))
-            if front + joint.upper - joint.lower - body < STAYS * (joint.upper - joint.lower):
+            reach, depth = joint.upper - joint.lower, np.ptp(around @ outward)
+            if front + reach - body < STAYS * reach or body - front > STAYS * depth:
                 return "slides along what it is in"
     else:
         way = int(np.argmin(extents[:2]))

@@ -1,35 +1,58 @@
-"""The direction up that the files of a folder share, where their kind (OBJ, STL, PLY) agrees on none."""
+"""What the mesh files of a folder share: the unit, and the direction up where their kind (OBJ, STL, PLY) has none."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
 from stages.articulated.mesh_reader import load_meshes
-from stages.assets.discover import Found
+from stages.articulated.model import Matrix
+from stages.assets.discover import WHOLE, Found
 from stages.assets.importers import Axis, Importer
-from stages.assets.proportions import leaning
+from stages.assets.proportions import leaning, other_up, unit_told
 from stages.contracts.errors import InputError
 
+T = TypeVar("T")
 LOOKED_AT = 30  # files of a kind
 LARGEST_FILE = 5_000_000  # bytes, of those that are looked at
-LEAST, MAJORITY = 3, 3.0  # models that tell, and how many times more of them must say one direction than the other
+LEAST, MAJORITY = 3, 3.0  # models that tell, and how many times more of them must say one thing than all others
 
 
-def shared_up(found: Sequence[Found], kinds: Mapping[str, Importer]) -> dict[str, Axis]:
-    """By suffix, the direction up of nearly all the models that tell one; kinds whose models do not are not in it."""
-    shared: dict[str, Axis] = {}
-    for kind in [kind for kind, importer in kinds.items() if not importer.has_up]:
-        files = [one.path for one in found if one.path.suffix.lower() == kind]
-        files = [path for path in files if path.stat().st_size < LARGEST_FILE]
-        told = {"+y": 0, "+z": 0}
-        for index in sorted({*np.linspace(0, len(files) - 1, LOOKED_AT).round().astype(int)} if files else ()):
-            try:
-                points = np.concatenate([mesh.vertices for mesh in load_meshes(files[index])])
-            except InputError:  # said when it is imported
-                continue
-            if up := leaning(points):
-                told[up] += 1
-        more, fewer = sorted(told.values(), reverse=True)
-        if more >= max(LEAST, MAJORITY * fewer):
-            shared[kind] = "+y" if told["+y"] == more else "+z"
-    return shared
+class Shared(NamedTuple):
+    """What nearly all the models of a kind have in common that tell it: direction up, metres per unit; or None."""
+
+    up: Axis | None = None
+    unit: float | None = None
+
+
+NOTHING = Shared()
+
+
+def shared(found: Sequence[Found], kinds: Mapping[str, Importer]) -> dict[str, Shared]:
+    """What the mesh files of each kind share, by suffix."""
+    common = {}
+    for kind in kinds.keys() - WHOLE:
+        models = [one for one in found if one.path.suffix.lower() == kind and one.path.stat().st_size < LARGEST_FILE]
+        step = max(1, -(-len(models) // LOOKED_AT))
+        points = [(one.category, shape) for one in models[::step] if (shape := _points(one)) is not None]
+        up = None if kinds[kind].has_up else _most([up for _, shape in points if (up := leaning(shape))])
+        ups = [up] if up else [kinds[kind].up, other_up(kinds[kind].up)]
+        units = [unit_told(np.ptp(shape, axis=0), category, ups) for category, shape in points]
+        common[kind] = Shared(up, _most([unit for unit in units if unit is not None]))
+    return common
+
+
+def _points(one: Found) -> Matrix | None:
+    try:
+        return np.concatenate([mesh.vertices for mesh in load_meshes(one.path)])
+    except InputError:  # said when it is imported
+        return None
+
+
+def _most(told: Sequence[T]) -> T | None:
+    """What most of them say; None: they are too few, or do not agree."""
+    for value, count in Counter(told).most_common(1):
+        if count >= max(LEAST, MAJORITY * (len(told) - count)):
+            return value
+    return None

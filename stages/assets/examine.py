@@ -15,6 +15,7 @@ from stages.articulated.forward_kinematics import closed_box
 from stages.articulated.model import RobotModel
 from stages.articulated.sense import front_direction
 from stages.articulated.urdf_writer import write_urdf
+from stages.assets.convention import NOTHING, Shared
 from stages.assets.discover import NUMBERED, WHOLE, Found
 from stages.assets.facing import front_before_back
 from stages.assets.importers import Axis, Importer
@@ -86,12 +87,12 @@ class Examined:
 
 
 def examine(
-    found: Found, importer: Importer, place: Path, work: Path, before: Sequence[Examined], shared: Axis | None = None
+    found: Found, importer: Importer, place: Path, work: Path, before: Sequence[Examined], shared: Shared = NOTHING
 ) -> Examined:
     """Write the folder `place` of a model, and its asset below `work`.
 
-    Notes that are there already count and stay as they are; of the others what is not told is guessed. `shared`: the
-    direction up of such files in its folder.
+    Notes that are there already count and stay as they are; of the others what is not told is guessed. `shared`: what
+    such files in its folder have in common.
     """
     model = Examined(found.path, place)
     try:
@@ -107,7 +108,7 @@ def examine(
             else:
                 notes, model.told = guessed(robot, file, shared)
                 if file.category not in CATEGORIES:
-                    if notes.scale != file.notes.scale:
+                    if notes.scale != file.notes.scale and not shared.unit:
                         unit = UNITS[round(notes.scale / file.notes.scale, 6)]
                         model.doubts.append(f"of such things no size is known: that it is in {unit} is a guess")
                     model.told.append("a category of its own: none of ours is called so")
@@ -132,28 +133,28 @@ def examine(
     return model
 
 
-def guessed(robot: RobotModel, file: ModelFile, shared: Axis | None = None) -> tuple[Notes, list[str]]:
+def guessed(robot: RobotModel, file: ModelFile, shared: Shared = NOTHING) -> tuple[Notes, list[str]]:
     """The notes beside a model, with what they do not say; and how that was found, in lines."""
     notes, lines = file.notes, []
     up, scale, category = notes.up, notes.scale, file.category
     if up is None:
         low, high = closed_box(robot)
-        extents, up = (high - low) * scale, shared or file.importer.up
+        extents, up = (high - low) * scale, shared.up or file.importer.up
         if file.path.name in NUMBERED and category == STORAGE[0]:
             category = likest(extents, STORAGE)
         if file.path.name in NUMBERED and (known := scale_from_sphere(extents, category)):
             scale *= known
             lines.append("as large as ours are: its file has it in a sphere of radius 1, as all of PartNet")
         else:
-            ups = [up] if shared else [up, other_up(up)]
-            up, unit = up_and_unit(extents, category, ups, file.path.suffix.lower() in WHOLE)
+            ups = [up] if shared.up else [up, other_up(up)]
+            up, unit = up_and_unit(extents, category, ups, file.path.suffix.lower() in WHOLE, shared.unit)
             scale *= unit
             if unit != 1.0:
-                size = (
-                    f"in {UNITS[unit]} by its size" if unit in UNITS else "as large as ours are: it is in no usual unit"
+                how = f"as most {file.path.suffix.lower()} here" if shared.unit else "by its size"
+                lines.append(
+                    f"in {UNITS[unit]} {how}" if unit in UNITS else "as large as ours are: it is in no usual unit"
                 )
-                lines.append(size)
-        if shared:
+        if shared.up:
             lines.append(f"up {up} as most {file.path.suffix.lower()} here")
         elif up != file.importer.up:
             lines.append(f"up {up} by its proportions")
@@ -174,7 +175,7 @@ def guessed(robot: RobotModel, file: ModelFile, shared: Axis | None = None) -> t
         elif backed is not None:
             front, how = in_file(backed, default, up), "front away from its back"
         else:
-            unsure = file.notes.up is None and not shared and up == file.importer.up and not file.importer.has_up
+            unsure = file.notes.up is None and not shared.up and up == file.importer.up and not file.importer.has_up
             front = default
             how = "front and up assumed" if unsure and category not in CATEGORIES else "front assumed"
         lines.append(how)

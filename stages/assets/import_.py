@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from stages.assets.convention import shared_up
+from stages.assets.convention import NOTHING, shared
 from stages.assets.discover import PAGE, Found, discover, is_model, is_part, numbered_names, single
 from stages.assets.examine import Examined, examine
 from stages.assets.import_page import write_page
@@ -29,14 +29,14 @@ def run(folder: Path, /, *, out: Path) -> None:
     """
     kinds = by_suffix(IMPORTERS)
     found = models_of(folder, out, list(kinds))
-    ups = shared_up(found, kinds)
+    common = shared(found, kinds)
     with tempfile.TemporaryDirectory() as scratch:
         portraits = Portraits()
         models: list[Examined] = []
         for number, (one, place) in enumerate(zip(found, places(found), strict=True)):
             work = Path(scratch) / str(number)
             kind = one.path.suffix.lower()
-            model = examine(one, kinds[kind], out / place, work, models, ups.get(kind))
+            model = examine(one, kinds[kind], out / place, work, models, common.get(kind, NOTHING))
             if model.asset is not None:
                 model.picture = portraits.take(work / model.asset.id)
             models.append(model)

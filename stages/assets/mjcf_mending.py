@@ -71,41 +71,32 @@ def _mended(root: ET.Element, reason: str) -> str | None:
         ET.SubElement(root, "compiler", WEIGHED)
         return "bodies without a mass are weighed by all that they show"
     if found := re.search(r"unrecognized element Element '([^']+)'", reason):
-        return _without(root, found[1], lambda element: True, f"left out: <{found[1]}>, which MuJoCo does not know")
-    if found := re.search(r"unrecognized attribute: '([^']+)' Element '([^']+)'", reason):
-        key, tag = found.groups()
-        return _stripped(root, tag, key, None, f"left out: {key} of <{tag}>, which MuJoCo does not know")
+        removed = _removed(root, list(root.iter(found[1])))
+        return f"left out: <{found[1]}>, which MuJoCo does not know" if removed else None
     if found := re.search(r"repeated name '([^']*)' in (\w+)", reason):
         name, tag = found.groups()
-        same = [element for element in root.iter(tag) if element.get("name") == name]
-        if not all(asset in list(root.iter("asset")) for asset in _parents(root, same)):
-            return None
-        again = same[1:]
-        return _without(root, tag, lambda element: element in again, f"left out: another {tag} '{name}'")
+        same = [e for assets in root.iter("asset") for e in assets.iter(tag) if e.get("name") == name]
+        return f"left out: another {tag} '{name}'" if _removed(root, same[1:]) else None
+    if found := re.search(r"unrecognized attribute: '([^']+)' Element '([^']+)'", reason):
+        key, tag = found.groups()
+        stripped = _stripped([e for e in root.iter(tag) if key in e.attrib], key)
+        return f"left out: {key} of <{tag}>, which MuJoCo does not know" if stripped else None
     if found := re.search(r"material '([^']*)' not found", reason):
-        return _stripped(
-            root, None, "material", found[1], f"grey in place of material '{found[1]}', which is not there"
-        )
+        stripped = _stripped([e for e in root.iter() if e.get("material") == found[1]], "material")
+        return f"grey in place of material '{found[1]}', which is not there" if stripped else None
     return None
 
 
-def _parents(root: ET.Element, children: list[ET.Element]) -> list[ET.Element]:
-    return [parent for parent in root.iter() if any(child in children for child in parent)]
-
-
-def _without(root: ET.Element, tag: str, which: Any, said: str) -> str | None:
-    """Remove elements; None: there are none."""
-    removed = False
+def _removed(root: ET.Element, elements: list[ET.Element]) -> bool:
+    """Remove elements; whether there are any."""
     for parent in list(root.iter()):
-        for child in [child for child in parent if child.tag == tag and which(child)]:
+        for child in [child for child in parent if child in elements]:
             parent.remove(child)
-            removed = True
-    return said if removed else None
+    return bool(elements)
 
 
-def _stripped(root: ET.Element, tag: str | None, key: str, value: str | None, said: str) -> str | None:
-    """Remove an attribute (if it has a value, only that); None: it is nowhere."""
-    elements = [e for e in root.iter(tag) if key in e.attrib and value in (None, e.attrib[key])]
+def _stripped(elements: list[ET.Element], key: str) -> bool:
+    """Remove an attribute of elements; whether there are any."""
     for element in elements:
         del element.attrib[key]
-    return said if elements else None
+    return bool(elements)

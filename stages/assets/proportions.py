@@ -87,7 +87,9 @@ def _shapes(sizes: Matrix) -> Matrix:
     return np.asarray(extents - extents.mean(axis=1, keepdims=True))
 
 
-def up_and_unit(extents: Matrix, category: str, ups: Sequence[Axis], in_metres: bool = False) -> tuple[Axis, float]:
+def up_and_unit(
+    extents: Matrix, category: str, ups: Sequence[Axis], in_metres: bool = False, unit: float | None = None
+) -> tuple[Axis, float]:
     """Direction up and metres per unit of a model with these extents (3,) in its file.
 
     Another than the first (and metres) only if the extents are unlike any in the category and then fit far better.
@@ -99,28 +101,43 @@ def up_and_unit(extents: Matrix, category: str, ups: Sequence[Axis], in_metres: 
         category: of the model.
         ups: directions up that it may have, the likeliest first.
         in_metres: whether its kind of file is in metres: then only a category of ours tells another unit.
+        unit: if it is known.
     """
     sizes = usual(category)
     if sizes is None:
-        if in_metres:
-            return ups[0], 1.0
         fitting = (unit for unit in UNITS if float(extents.max()) * unit <= LARGEST_THING)
-        return ups[0], next(fitting, 1.0)
+        return ups[0], unit or (1.0 if in_metres else next(fitting, 1.0))
     extents = np.maximum(extents, 1e-9)
+    first = (ups[0], unit or 1.0)
+    best = min(product(ups, [unit] if unit else UNITS), key=lambda guess: round(_misfit(sizes, extents, guess), 6))
+    if _misfit(sizes, extents, best) > HOPELESS and not in_metres and unit is None:
+        factors = [sizes.factor(*_plan_and_height(extents, up)) for up in ups]
+        guesses = zip(ups, factors, strict=True)
+        as_usual = min(guesses, key=lambda guess: round(_misfit(sizes, extents, guess), 6))
+        if _misfit(sizes, extents, as_usual) < UNLIKELY:
+            return as_usual
+    least = max(UNLIKELY, BETTER * _misfit(sizes, extents, best))
+    return best if _misfit(sizes, extents, first) > least else first
 
-    def misfit(guess: tuple[Axis, float]) -> float:
-        height = "xyz".index(guess[0][1])
-        return sizes.misfit(np.delete(extents, height) * guess[1], extents[height] * guess[1])
 
-    first = (ups[0], 1.0)
-    best = min(((up, unit) for unit, up in product(UNITS, ups)), key=lambda guess: round(misfit(guess), 6))
-    if misfit(best) > HOPELESS and not in_metres:
-        heights = ["xyz".index(up[1]) for up in ups]
-        factors = [sizes.factor(np.delete(extents, height), extents[height]) for height in heights]
-        usual_size = min(zip(ups, factors, strict=True), key=lambda guess: round(misfit(guess), 6))
-        if misfit(usual_size) < UNLIKELY:
-            return usual_size
-    return best if misfit(first) > max(UNLIKELY, BETTER * misfit(best)) else first
+def unit_told(extents: Matrix, category: str, ups: Sequence[Axis]) -> float | None:
+    """Metres per unit in which a model's extents (3,) are usual in its category; None: in none, or it is not ours."""
+    sizes = usual(category)
+    if sizes is None:
+        return None
+    extents = np.maximum(extents, 1e-9)
+    guess = up_and_unit(extents, category, ups, in_metres=True)
+    return guess[1] if _misfit(sizes, extents, guess) < UNLIKELY else None
+
+
+def _misfit(sizes: Usual, extents: Matrix, guess: tuple[Axis, float]) -> float:
+    plan, height = _plan_and_height(extents, guess[0])
+    return sizes.misfit(plan * guess[1], height * guess[1])
+
+
+def _plan_and_height(extents: Matrix, up: Axis) -> tuple[Matrix, float]:
+    axis = "xyz".index(up[1])
+    return np.delete(extents, axis), float(extents[axis])
 
 
 def up_as_it_stands(points: Matrix, category: str, default: Axis, agreed: bool) -> Axis:

@@ -87,6 +87,24 @@ def test_files_of_one_folder_share_the_direction_up(
     assert ("50 high" in said) == bool(up), said
 
 
+def test_files_of_one_folder_share_the_unit(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "theirs").mkdir()
+    things = {
+        "chair_a": (45, 95, 48),
+        "chair_b": (42, 88, 46),
+        "sofa": (200, 80, 90),
+        "comb": (4, 1, 2),
+        "box": (120, 90, 100),
+    }
+    for name, size in things.items():
+        trimesh.creation.box(size).export(tmp_path / f"theirs/{name}.glb")
+    run(tmp_path / "theirs", out=tmp_path / "mine")
+    said = {line.split(": ")[0].rpartition("/")[2]: line for line in capsys.readouterr().out.splitlines()}
+    for name, (width, height, depth) in things.items():
+        assert f"{width} cm wide, {depth} deep, {height} high" in said[f"{name}.glb"]
+        assert "in centimetres as most .glb here" in said[f"{name}.glb"]
+
+
 def test_unusual_sizes_are_doubted() -> None:
     assert doubt_of_size((0.5, 0.45, 0.9), "chair") is None
     assert doubt_of_size((4.0, 3.5, 4.9), "gearbox") is None

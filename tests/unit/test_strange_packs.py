@@ -70,6 +70,17 @@ def test_names_with_backslashes(tmp_path: Path) -> None:
     assert read_mjcf(mjcf(tmp_path / "a.xml", text), tmp_path).links["world"].visuals
 
 
+def test_names_with_other_capital_letters(tmp_path: Path) -> None:
+    (tmp_path / "arm/Meshes").mkdir(parents=True)
+    trimesh.creation.box().export(tmp_path / "arm/Meshes/base_link.stl")
+    model = urdf(tmp_path / "arm/urdf/arm.urdf", mesh_link("package://arm/meshes/Base_Link.STL"))
+    assert read_urdf(model, tmp_path).links["a"].visuals
+    (tmp_path / "arm/Meshes/base_link.stl").rename(tmp_path.parent / "other.stl")
+    (tmp_path / "arm/Meshes/base_link.stl").symlink_to(tmp_path.parent / "other.stl")
+    with pytest.raises(InputError, match="there is no mesh"):
+        read_urdf(model, tmp_path)
+
+
 def test_sloppy_xml_is_read(tmp_path: Path) -> None:
     link = f'<!-- <!-- a --><link name="a" sim:id="1">{box("0.1 0.2 0.3", "1, 2, 3")}<sim:mu x="1"/></link>'
     model = urdf(tmp_path / "a.urdf", link, '\n \n<?xml version="1.0"?>', "\n\0")
