@@ -38,15 +38,20 @@ def collapsed(seen: UprightBox, placed: Placement, tolerance: float) -> bool:
     return bool(left < 1.5 * THINNEST and height > tolerance)
 
 
-def height_beneath(box: UprightBox, carriers: list[UprightBox], tolerance: float) -> float:
-    """Top of the highest carrier below the box, or 0 for the floor."""
+def height_beneath(box: UprightBox, carriers: list[UprightBox], tolerance: float, sunk: float = np.inf) -> float:
+    """Top of the highest carrier below the box, or 0 for the floor.
+
+    What reaches down by more than `sunk` metres and half of its height below a top is not on it, but in it: a can in a
+    bowl.
+    """
+    inside = max(sunk, float(np.asarray(box.size)[2]) / 2)
     plan = footprint(box)
     widened = min(BESIDE, BESIDE_SMALL * float(np.min(np.asarray(box.size)[:2])))
     tops = [
         carrier.top
         for carrier in carriers
         if plan.intersection(footprint(carrier).buffer(widened)).area >= ON_TOP * plan.area
-        and carrier.top <= box.bottom + 2 * tolerance
+        and carrier.top <= box.bottom + min(2 * tolerance, inside)
         and carrier.top + carrier.bottom < box.top + box.bottom
     ]
     return max(tops, default=0.0)
@@ -123,7 +128,7 @@ def placement(
         options = options.model_copy(update={"max_hidden_depth": 0.0})
     distance = view.distance(np.asarray(box.center))
     tolerance = options.tolerance(distance)
-    beneath = height_beneath(box, carriers, tolerance)
+    beneath = height_beneath(box, carriers, tolerance, 2 * options.contact * distance / 3)
     if unnamed is not None and not known and box.bottom - beneath > tolerance:
         beneath = max(beneath, height_shown(box, view, own, unnamed, tolerance) or 0.0)
     touched = walls_touched(box, others, walls, view, own, options)

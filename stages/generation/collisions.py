@@ -12,6 +12,7 @@ from shapely.ops import nearest_points
 
 from stages.config.generation import GenerationConfig
 from stages.contracts.objects import Wall
+from stages.generation.nesting import landing
 from stages.generation.placed import Placed
 from stages.generation.prisms import Prism, forbidden_shifts, placed_prisms, steady_region, surface_beneath
 from stages.generation.support import stack_of
@@ -33,12 +34,13 @@ class Resolved:
 
 @dataclass(frozen=True)
 class _Scene:
-    """Everything that a push has to look at. `prisms`: by id, in the asset frame."""
+    """Everything that a push has to look at. `prisms`: by id, in the asset frame; `nested`: what lies in what."""
 
     items: dict[str, Placed]
     prisms: Mapping[str, list[Prism]]
     walls: list[Wall]
     options: GenerationConfig
+    nested: frozenset[Pair] = frozenset()
 
     @property
     def supports(self) -> dict[str, str]:
@@ -52,6 +54,8 @@ def overlapping_pairs(scene: _Scene) -> list[Pair]:
     """Pairs of items whose collision shapes overlap by more than `touch`; what stands on a seat may be in the back."""
     pairs = []
     for a, b in combinations(sorted(scene.items), 2):
+        if (a, b) in scene.nested:
+            continue
         first, second = scene.items[a], scene.items[b]
         if min(first.top, second.top) - max(first.bottom, second.bottom) <= scene.options.touch:
             continue
@@ -129,6 +133,21 @@ def _pushed(name: str, push: NDArray[np.float64], scene: _Scene) -> _Scene:
     return replace(scene, items=items)
 
 
+def _nested(pair: Pair, scene: _Scene) -> _Scene | None:
+    """The scene with what cannot be clear of its support, a can in a bowl, let down into the middle of it."""
+    upper, lower = pair if scene.items[pair[0]].support == pair[1] else pair[::-1]
+    item, carrier = scene.items[upper], scene.items[lower]
+    if item.support != lower or item.wall_mounted:
+        return None
+    middle = surface_beneath(item, carrier, scene.shapes(lower)).area.centroid
+    scene = _pushed(upper, np.array([middle.x, middle.y]) - item.center[:2], scene)
+    rise = landing(*([prism.vertices for prism in scene.shapes(name)] for name in (upper, lower)))
+    items = dict(scene.items)
+    for member in stack_of(upper, scene.supports):
+        items[member] = items[member].shifted([0, 0, rise or 0.0])
+    return replace(scene, items=items, nested=scene.nested | {pair})
+
+
 def _one_push(scene: _Scene) -> _Scene | None:
     """The scene after the first push that is possible; None: nothing overlaps, or nothing can give way."""
     for pair in overlapping_pairs(scene):
@@ -136,6 +155,9 @@ def _one_push(scene: _Scene) -> _Scene | None:
             push = shortest_push(name, scene)
             if push is not None:
                 return _pushed(name, push, scene)
+        nested = _nested(pair, scene) if scene.options.stack_tolerance is not None else None
+        if nested is not None:
+            return nested
     return None
 
 

@@ -21,11 +21,19 @@ STEADY = 0.1  # of the width of what stands near an edge: the least distance of 
 
 
 class Prism(NamedTuple):
-    """A convex outline (n, 2) in the x-y plane, from height `low` to `high`."""
+    """A convex outline (n, 2) in the x-y plane, from height `low` to `high`; `piece`: what it is around, (m, 3)."""
 
     outline: NDArray[np.float64]
     low: float
     high: float
+    piece: NDArray[np.float64] | None = None
+
+    @property
+    def vertices(self) -> NDArray[np.float64]:
+        """Of the convex piece, (m, 3); of the prism itself if it is around none."""
+        if self.piece is not None:
+            return self.piece
+        return np.concatenate([np.column_stack([self.outline, np.full(len(self.outline), z)]) for z in self[1:3]])
 
 
 def prism_of(vertices: NDArray[np.float64]) -> Prism | None:
@@ -33,7 +41,8 @@ def prism_of(vertices: NDArray[np.float64]) -> Prism | None:
     hull = MultiPoint(vertices[:, :2]).convex_hull
     if not isinstance(hull, Polygon):
         return None
-    return Prism(np.array(hull.exterior.coords)[:-1], float(vertices[:, 2].min()), float(vertices[:, 2].max()))
+    low, high = vertices[:, 2].min(), vertices[:, 2].max()
+    return Prism(np.array(hull.exterior.coords)[:-1], float(low), float(high), vertices)
 
 
 def asset_prisms(folder: Path) -> list[Prism]:
@@ -45,10 +54,15 @@ def asset_prisms(folder: Path) -> list[Prism]:
 def placed_prisms(prisms: list[Prism], item: Placed) -> list[Prism]:
     """The prisms of an asset (asset frame) where the item stands (floor frame)."""
     middle = (np.asarray(item.asset.box_min) + np.asarray(item.asset.box_max)) / 2
-    turn = yaw_matrix(item.box.yaw)[:2, :2]
+    turn = yaw_matrix(item.box.yaw)
     rise = item.center[2] - middle[2]
     return [
-        Prism((prism.outline - middle[:2]) @ turn.T + item.center[:2], prism.low + rise, prism.high + rise)
+        Prism(
+            (prism.outline - middle[:2]) @ turn[:2, :2].T + item.center[:2],
+            prism.low + rise,
+            prism.high + rise,
+            (prism.vertices - middle) @ turn.T + item.center,
+        )
         for prism in prisms
     ]
 
