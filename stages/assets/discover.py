@@ -14,10 +14,13 @@ from stages.procedural.catalogue import CATEGORIES
 # PartNet-Mobility and GAPartNet: <number>/, with the category in meta.json; the first of these files is the model.
 NUMBERED = ("mobility.urdf", "mobility_annotation_gapartnet.urdf")
 TOLD = {  # words of PartNet-Mobility and of file names where the library has others
-    "bin": "trash_can", "bucket": "trash_can", "cabinet": "bottom_cabinet", "couch": "sofa", "cup": "mug",
-    "cupboard": "bottom_cabinet", "dresser": "chest_of_drawers", "foldingchair": "chair", "kitchenpot": "cooking_pot",
-    "lamp": "table_lamp", "plant": "plant_pot", "pot": "cooking_pot", "refrigerator": "fridge",
-    "storagefurniture": "bottom_cabinet", "teapot": "kettle", "trashcan": "trash_can", "tv": "television",
+    "armoire": "wardrobe", "bedsidetable": "nightstand", "bin": "trash_can", "bookcase": "bookshelf",
+    "bucket": "trash_can", "cabinet": "bottom_cabinet", "closet": "wardrobe", "couch": "sofa", "cup": "mug",
+    "cupboard": "bottom_cabinet", "dresser": "chest_of_drawers", "foldingchair": "chair", "fryingpan": "pan",
+    "frypan": "pan", "kitchenpot": "cooking_pot", "lamp": "table_lamp", "painting": "picture", "plant": "plant_pot",
+    "pot": "cooking_pot", "refrigerator": "fridge", "skillet": "pan", "storagefurniture": "bottom_cabinet",
+    "teapot": "kettle", "televisioncabinet": "tv_stand", "trashcan": "trash_can", "tv": "television",
+    "tvcabinet": "tv_stand", "tvunit": "tv_stand", "uppercabinet": "wall_cabinet", "wastebasket": "trash_can",
 }  # fmt: skip
 KNOWN = TOLD | {category.replace("_", ""): category for category in CATEGORIES}
 JOINED = 7  # letters of a word that counts at the end of another, as in hingecabinet

@@ -108,7 +108,7 @@ def examine(
             else:
                 notes, model.told = guessed(robot, file, shared)
                 if file.category not in CATEGORIES:
-                    if notes.scale != file.notes.scale and not shared.unit:
+                    if notes.scale not in (file.notes.scale, file.notes.scale * (shared.unit or 1.0)):
                         unit = UNITS[round(notes.scale / file.notes.scale, 6)]
                         model.doubts.append(f"of such things no size is known: that it is in {unit} is a guess")
                     model.told.append("a category of its own: none of ours is called so")
@@ -150,7 +150,7 @@ def guessed(robot: RobotModel, file: ModelFile, shared: Shared = NOTHING) -> tup
             up, unit = up_and_unit(extents, category, ups, file.path.suffix.lower() in WHOLE, shared.unit)
             scale *= unit
             if unit != 1.0:
-                how = f"as most {file.path.suffix.lower()} here" if shared.unit else "by its size"
+                how = f"as most {file.path.suffix.lower()} here" if unit == shared.unit else "by its size"
                 lines.append(
                     f"in {UNITS[unit]} {how}" if unit in UNITS else "as large as ours are: it is in no usual unit"
                 )

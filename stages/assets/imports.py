@@ -22,6 +22,7 @@ from stages.articulated.stretching import stretched
 from stages.articulated.urdf_reader import HEAVIEST, board_mass
 from stages.assets.discover import Found, discover, numbered_names
 from stages.assets.importers import Axis, Importer
+from stages.assets.proportions import LARGEST
 from stages.assets.pushing import stuck_joints, touching_when_closed
 from stages.assets.weighing import weighed_sanely
 from stages.cli import progress
@@ -35,7 +36,7 @@ from stages.plugins import load, short
 IMPORTERS = tuple(OwnOptions().importers)
 LIGHTEST = 1e-9  # kg, of a link
 SPECK = 2e-5  # metres: what is narrower and thinner than this is not seen
-THINNEST, LARGEST = 1e-4, 20.0  # metres, of a model's extents: no furniture is larger than a room
+THINNEST = 1e-4  # metres, of a model's extents
 
 
 class Notes(Contract):

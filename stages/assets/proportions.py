@@ -17,12 +17,14 @@ SPREAD = np.log(1.5)  # beyond the sizes seen that is still usual
 UNLIKELY = np.log(1.5)  # sum over three extents of how far beyond they are
 LYING = np.log(1.1)  # the same, for another side to be tried as the bottom
 HOPELESS = np.log(3.0)  # the same: what is as far beyond in every unit is in none
+FAR = np.log(9.0)  # the same: what is as far beyond in the unit of the others of its folder is in another
 BETTER = 3.0  # times less must it be for another guess
 BOTTOM, FOOT = 0.005, 0.2  # share of the height that is the bottom; of width and depth that it has at least
 HUNG = {"clock", "mirror", "picture", "wall_cabinet", "wall_shelf"}  # which need not stand
 ORIGIN = 0.01  # of its height, by which the lowest point may miss the origin's
 UPS: tuple[Axis, Axis] = ("+y", "+z")
 SPHERE = 0.1  # of its radius, by which a model may miss it
+LARGEST = 20.0  # metres: no furniture is larger than a room
 LARGEST_THING = 5.0  # metres: what is larger, in a category that is not known, is not in metres
 
 
@@ -101,21 +103,33 @@ def up_and_unit(
         category: of the model.
         ups: directions up that it may have, the likeliest first.
         in_metres: whether its kind of file is in metres: then only a category of ours tells another unit.
-        unit: if it is known.
+        unit: that others of its folder have; it counts unless the model would be far from usual, or larger than a room.
     """
     sizes = usual(category)
+    if unit is not None and extents.max() * unit > LARGEST:
+        unit = None
     if sizes is None:
         fitting = (unit for unit in UNITS if float(extents.max()) * unit <= LARGEST_THING)
         return ups[0], unit or (1.0 if in_metres else next(fitting, 1.0))
     extents = np.maximum(extents, 1e-9)
-    first = (ups[0], unit or 1.0)
-    best = min(product(ups, [unit] if unit else UNITS), key=lambda guess: round(_misfit(sizes, extents, guess), 6))
-    if _misfit(sizes, extents, best) > HOPELESS and not in_metres and unit is None:
+    if unit is not None:
+        guess = _likelier(sizes, extents, ups, [unit])
+        if _misfit(sizes, extents, guess) < FAR:
+            return guess
+    best = min(product(ups, UNITS), key=lambda guess: _misfit(sizes, extents, guess))
+    if _misfit(sizes, extents, best) > HOPELESS and not in_metres:
         factors = [sizes.factor(*_plan_and_height(extents, up)) for up in ups]
         guesses = zip(ups, factors, strict=True)
-        as_usual = min(guesses, key=lambda guess: round(_misfit(sizes, extents, guess), 6))
+        as_usual = min(guesses, key=lambda guess: _misfit(sizes, extents, guess))
         if _misfit(sizes, extents, as_usual) < UNLIKELY:
             return as_usual
+    return _likelier(sizes, extents, ups, list(UNITS))
+
+
+def _likelier(sizes: Usual, extents: Matrix, ups: Sequence[Axis], units: Sequence[float]) -> tuple[Axis, float]:
+    """The first up and unit, or others that fit far better."""
+    first = (ups[0], units[0])
+    best = min(((up, unit) for unit, up in product(units, ups)), key=lambda guess: _misfit(sizes, extents, guess))
     least = max(UNLIKELY, BETTER * _misfit(sizes, extents, best))
     return best if _misfit(sizes, extents, first) > least else first
 
@@ -132,7 +146,7 @@ def unit_told(extents: Matrix, category: str, ups: Sequence[Axis]) -> float | No
 
 def _misfit(sizes: Usual, extents: Matrix, guess: tuple[Axis, float]) -> float:
     plan, height = _plan_and_height(extents, guess[0])
-    return sizes.misfit(plan * guess[1], height * guess[1])
+    return round(sizes.misfit(plan * guess[1], height * guess[1]), 6)
 
 
 def _plan_and_height(extents: Matrix, up: Axis) -> tuple[Matrix, float]:
