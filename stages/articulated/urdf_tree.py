@@ -101,6 +101,9 @@ class UrdfTree:
             values = np.array([float(word) for word in text.replace(",", " ").split()])
         except ValueError:
             values = np.array([])
+        if len(values) > count > 1:
+            self.remarks.append(f'{where}: {key}="{text[:60]}" is more than {count} numbers: the first count')
+            values = values[:count]
         if len(values) != count or not np.isfinite(values).all():
             raise InputError(self.path, f'{where}: {key}="{text[:60]}" is not {count} number(s).')
         if (values < low).any() or (values > LARGEST).any():

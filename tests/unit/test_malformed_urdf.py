@@ -99,6 +99,7 @@ FIXED_JOINTS = [  # what cannot be used of a joint, and what is said; the model 
 MENDED_JOINTS = [
     (HINGE, 'lower="0" upper="-1.5"', "joint 'hinge': limits upside down (0, -1.5), taken the other way round"),
     (SLIDE, 'lower="0.2" upper="0"', "joint 'slide': limits upside down (0.2, 0), taken the other way round"),
+    ('xyz="0.2 0.3 0.4"', 'xyz="0.2 0.3 0.4 0"', "joint 'hinge': xyz=\"0.2 0.3 0.4 0\" is more than 3 numbers"),
     (HINGE, 'lower="-86" upper="0"', "joint 'hinge': limits -86 and 0, taken for degrees"),
 ]
 BROKEN_LINKS = [
