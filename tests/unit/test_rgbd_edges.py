@@ -119,3 +119,18 @@ def test_a_thing_s_pixels_with_the_table_s_depth_are_its_own_without_depth() -> 
     assert (found.values[low] > 0).mean() > 0.9 and (clean[low & (found.values > 0)] == 0).mean() > 0.9
     assert (clean[true & ~low] > 0).mean() > 0.95
     assert np.array_equal(clean[found.values == 0], given[found.values == 0])
+
+
+def test_a_halo_on_a_lit_part_of_the_table_is_told_by_what_has_no_depth_beside_it() -> None:
+    """Behind the box the table shines: the sensor gives the box's depth near it, none farther back."""
+    depth, masks = trace([TABLE, BOX], wall=False)
+    true, row = masks == OBJECT + 1, np.arange(HEIGHT)[:, None]
+    top = np.argmax(true, axis=0)
+    lit = ~true & (row < np.median(top[true.any(axis=0)]) + 10) & (row > top.max() - 40)
+    halo = lit & true.any(axis=0) & (row < top) & (row >= top - 4)
+    depth[lit] = 0
+    depth[halo] = np.broadcast_to(depth[top, np.arange(WIDTH)], depth.shape)[halo]
+    rgb = np.where(true[..., None], [200, 40, 30], [90, 110, 120])
+    rgb[lit] = [210, 220, 225]
+    found = clustered((0.4 * depth).astype(np.float32), INTRINSICS, rgb.astype(np.uint8))[0].values
+    assert (found[true] > 0).mean() > 0.95 and (found[halo] > 0).mean() < 0.2

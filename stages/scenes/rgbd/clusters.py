@@ -77,7 +77,7 @@ def clustered(
         height = table.height(points)
         values = cut_apart(values, points, height, FIRM * far)
         flat = seen & (np.abs(height) < ABOVE * far)
-        measured = without_halos(values, rgb, flat)
+        measured = without_halos(values, rgb, flat | ~seen)
         values = completed(measured, rgb, flat)
         depth = np.where((values > 0) & (measured == 0), np.float32(0), depth)
     points = back_project(depth, intrinsics)
