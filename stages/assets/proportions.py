@@ -24,7 +24,7 @@ HUNG = {"clock", "mirror", "picture", "wall_cabinet", "wall_shelf"}  # which nee
 ORIGIN = 0.01  # of its height, by which the lowest point may miss the origin's
 UPS: tuple[Axis, Axis] = ("+y", "+z")
 SPHERE = 0.1  # of its radius, by which a model may miss it
-LARGEST = 20.0  # metres: no furniture is larger than a room
+SMALLEST, LARGEST = 0.01, 20.0  # metres: no furniture is larger than a room
 LARGEST_THING = 5.0  # metres: what is larger, in a category that is not known, is not in metres
 
 
@@ -103,10 +103,10 @@ def up_and_unit(
         category: of the model.
         ups: directions up that it may have, the likeliest first.
         in_metres: whether its kind of file is in metres: then only a category of ours tells another unit.
-        unit: that others of its folder have; it counts unless the model would be far from usual, or larger than a room.
+        unit: that others of its folder have; it counts unless the model would be far from usual, a speck or a house.
     """
     sizes = usual(category)
-    if unit is not None and extents.max() * unit > LARGEST:
+    if unit is not None and not SMALLEST <= extents.max() * unit <= LARGEST:
         unit = None
     if sizes is None:
         fitting = (unit for unit in UNITS if float(extents.max()) * unit <= LARGEST_THING)

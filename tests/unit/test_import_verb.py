@@ -98,13 +98,15 @@ def test_files_of_one_folder_share_the_unit(tmp_path: Path, capsys: pytest.Captu
     }
     for name, size in things.items():
         trimesh.creation.box(size).export(tmp_path / f"theirs/{name}.glb")
-    trimesh.creation.box((0.45, 0.95, 0.48)).export(tmp_path / "theirs/chair_in_metres.glb")
+    for name, size in (("chair_in_metres", (0.45, 0.95, 0.48)), ("tray_in_metres", (0.4, 0.05, 0.3))):
+        trimesh.creation.box(size).export(tmp_path / f"theirs/{name}.glb")
     run(tmp_path / "theirs", out=tmp_path / "mine")
     said = {line.split(": ")[0].rpartition("/")[2]: line for line in capsys.readouterr().out.splitlines()}
     for name, (width, height, depth) in things.items():
         assert f"{width} cm wide, {depth} deep, {height} high" in said[f"{name}.glb"]
         assert "in centimetres as most .glb here" in said[f"{name}.glb"]
     assert "45 cm wide, 48 deep, 95 high" in said["chair_in_metres.glb"], "far from usual in centimetres"
+    assert "40 cm wide, 30 deep, 5 high" in said["tray_in_metres.glb"], "a speck in centimetres"
 
 
 def test_unusual_sizes_are_doubted() -> None:
