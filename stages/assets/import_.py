@@ -10,7 +10,7 @@ from stages.assets.convention import NOTHING, shared
 from stages.assets.discover import PAGE, Found, discover, is_model, is_part, numbered_names, single
 from stages.assets.examine import Examined, examine
 from stages.assets.import_page import write_page
-from stages.assets.imports import IMPORTERS, by_suffix, snake_case
+from stages.assets.imports import IMPORTERS, by_suffix, in_one_line, snake_case
 from stages.assets.portrait import Portraits
 from stages.contracts.errors import InputError
 
@@ -38,7 +38,12 @@ def run(folder: Path, /, *, out: Path) -> None:
             kind = one.path.suffix.lower()
             model = examine(one, kinds[kind], out / place, work, models, common.get(kind, NOTHING))
             if model.asset is not None:
-                model.picture = portraits.take(work / model.asset.id)
+                try:
+                    with in_one_line(one.path):
+                        model.picture = portraits.take(work / model.asset.id)
+                except InputError as error:
+                    model.asset = None
+                    model.doubts.append(f"no picture can be taken of it: {error.what}")
             models.append(model)
             print(model.text(), flush=True)
     write_page(out / PAGE, folder, models)

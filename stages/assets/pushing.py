@@ -20,7 +20,11 @@ OPEN = 0.9  # of its range, for a joint that does not stick
 
 
 def touching_when_closed(folder: Path) -> tuple[tuple[str, str], ...]:
-    """Pairs of links of an asset that touch when everything is closed, by name; a link and its parent never collide."""
+    """Pairs of links of an asset that touch when everything is closed, by name; a link and its parent never collide.
+
+    Raises:
+        InputError: the simulator does not take the asset.
+    """
     body = _loaded(folder, timestep=1e-5)
     if body is None:
         return ()
@@ -36,7 +40,7 @@ def touching_when_closed(folder: Path) -> tuple[tuple[str, str], ...]:
 
 def stuck_joints(folder: Path) -> list[str]:
     """A line for every door or drawer that a steady push does not open."""
-    body = _loaded(folder, timestep=TIMESTEP)
+    body = _loaded(folder, timestep=TIMESTEP) if read_asset(folder).joints else None
     if body is None:
         return []
     scene, articulation = body
@@ -76,8 +80,6 @@ def _lever(joint: Joint) -> float:
 
 def _loaded(folder: Path, timestep: float) -> tuple[sapien.Scene, PhysxArticulation] | None:
     """The asset alone in a scene, fixed and closed; None if nothing of it moves."""
-    if not read_asset(folder).joints:
-        return None
     scene = physics_scene(timestep)
     body = load_asset(scene, folder, sapien.Pose(), fixed=True, name="imported")
-    return (scene, body) if isinstance(body, PhysxArticulation) else None
+    return (scene, body) if read_asset(folder).joints and isinstance(body, PhysxArticulation) else None

@@ -9,6 +9,8 @@ from stages.articulated.model import Link, RobotModel
 from stages.articulated.urdf_reader import board_mass, box_around, box_inertia
 
 ODD = 20.0  # times as heavy or as light as boards: solid steel is 16 times as heavy as wood
+ROD = 1e-5  # least principal moment of inertia, of the largest: a thinner rod's is nothing once it is rounded
+SLACK = 0.01  # by which a principal moment of inertia may exceed the sum of the others
 HEAVY = 5.0  # the same of a door or drawer, which is no solid block: water in its hull is ten times as heavy
 
 
@@ -48,7 +50,10 @@ def _boards(link: Link) -> float:
 
 
 def _impossible(link: Link) -> bool:
-    """Whether the inertia is that of a larger thing: mass would have to lie outside of the link."""
+    """Whether nothing has such an inertia, or only a larger thing: mass would have to lie outside of the link."""
+    least, middle, most = np.linalg.eigvalsh(link.inertia)
+    if most > (1 + SLACK) * (least + middle) or least < ROD * most:
+        return True
     shapes = [*link.collisions, *(visual.mesh for visual in link.visuals)]
     farthest = float(np.linalg.norm(np.ptp(box_around(shapes), axis=0)))
     return bool(np.trace(link.inertia) > link.mass * (2 * farthest) ** 2)

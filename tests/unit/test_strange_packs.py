@@ -4,6 +4,7 @@ import json
 import struct
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,12 +17,14 @@ from stages.articulated.model import Link, RobotModel, Visual
 from stages.articulated.roles import contract_joints, with_roles
 from stages.articulated.sense import doors_and_drawers
 from stages.articulated.urdf_reader import read_urdf
+from stages.assets import pushing
 from stages.assets.discover import bare, category_in, discover
 from stages.assets.facing import BACKED, front_before_back
 from stages.assets.import_ import run
 from stages.assets.importers import Axis
 from stages.assets.importers.mjcf import read_mjcf
 from stages.assets.imports import axis_vector
+from stages.assets.portrait import Portraits
 from stages.assets.weighing import weighed_sanely
 from stages.contracts.errors import InputError
 from stages.procedural.catalogue import sample
@@ -139,6 +142,46 @@ def test_masses_that_exporters_fill_in_are_those_of_boards(tmp_path: Path) -> No
     robot, lines = weighed(tmp_path, 12.0, 1e5)
     assert robot.mass == 12.0 and np.trace(robot.links["a"].inertia) < 2
     assert lines[0].startswith("inertia of 'a' taken for that of a box")
+
+
+def test_inertias_that_nothing_has_are_those_of_boxes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    tensor = '<inertia ixx="0.2125" ixy="-0.005" ixz="0.0225" iyy="0.205" iyz="0.045" izz="0.0125"/>'
+    plain = '<inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.12"/>'
+    far = plain.replace("0.12", "0.3")
+    for number, (name, inertia) in enumerate({"odd": tensor, "far": far, "plain": plain}.items()):
+        link = f'<inertial><mass value="6"/>{inertia}</inertial>{box(f"0.4 0.5 0.3{number}")}'
+        foot = f'<link name="b">{box("0.1 0.1 0.1")}</link>'
+        bolt = '<joint name="j" type="fixed"><parent link="a"/><child link="b"/></joint>'
+        urdf(tmp_path / f"theirs/{name}.urdf", f'<link name="a">{link}</link>{foot}{bolt}')
+    run(tmp_path / "theirs", out=tmp_path / "mine")
+    said = capsys.readouterr().out
+    assert "3 of 3 models can be used" in said
+    assert said.count("inertia of 'a' taken for that of a box") == 2
+
+
+@pytest.mark.parametrize("what", ["picture", "physics"])
+def test_what_the_simulator_does_not_take_stops_no_other(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, what: str
+) -> None:
+    for name in ("good", "bad"):
+        urdf(tmp_path / f"theirs/{name}.urdf", f'<link name="a">{box("0.4 0.5 0.3")}</link>')
+
+    def refuse(real: Any, place: int) -> Any:
+        def call(*given: Any, **options: Any) -> Any:
+            if "bad" in str(given[place]):
+                raise RuntimeError("out of its mind")
+            return real(*given, **options)
+
+        return call
+
+    if what == "picture":
+        monkeypatch.setattr(Portraits, "take", refuse(Portraits.take, 1))
+    else:
+        monkeypatch.setattr(pushing, "load_asset", refuse(pushing.load_asset, 1))
+    run(tmp_path / "theirs", out=tmp_path / "mine")
+    said = capsys.readouterr().out
+    assert "1 of 2 models can be used" in said
+    assert "bad.urdf: not used: " in said and "out of its mind" in said
 
 
 def test_folders_whose_names_say_nothing(tmp_path: Path) -> None:
