@@ -1,4 +1,4 @@
-"""What the mesh files of a folder share: the unit, and the direction up where their kind (OBJ, STL, PLY) has none."""
+"""What the mesh files of a folder share: the direction up (OBJ, STL and PLY have none that is agreed) and the unit."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -36,7 +36,9 @@ def shared(found: Sequence[Found], kinds: Mapping[str, Importer]) -> dict[str, S
         models = [one for one in found if one.path.suffix.lower() == kind and one.path.stat().st_size < LARGEST_FILE]
         step = max(1, -(-len(models) // LOOKED_AT))
         points = [(one.category, shape) for one in models[::step] if (shape := _points(one)) is not None]
-        up = None if kinds[kind].has_up else _most([up for _, shape in points if (up := leaning(shape))])
+        up = _most([up for _, shape in points if (up := leaning(shape))])
+        if kinds[kind].has_up and up == kinds[kind].up:  # as agreed; one that only stands otherwise may still
+            up = None
         ups = [up] if up else [kinds[kind].up, other_up(kinds[kind].up)]
         units = [unit_told(np.ptp(shape, axis=0), category, ups) for category, shape in points]
         common[kind] = Shared(up, _most([unit for unit in units if unit is not None]))

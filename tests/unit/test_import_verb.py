@@ -65,15 +65,23 @@ def test_up_is_where_a_round_thing_stands(turn: int, category: str, default: Axi
 
 
 @pytest.mark.parametrize(
-    ("turned", "others", "up"), [(True, 0, "+y"), (False, 0, "+z"), (True, 1, "+y"), (True, 2, "")]
+    ("kind", "turned", "others", "up"),
+    [
+        ("obj", True, 0, "+y"),
+        ("obj", False, 0, "+z"),
+        ("obj", True, 1, "+y"),
+        ("obj", True, 2, ""),
+        ("glb", False, 0, "+z"),
+        ("glb", False, 2, ""),
+    ],
 )
 def test_files_of_one_folder_share_the_direction_up(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], turned: bool, others: int, up: str
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], kind: str, turned: bool, others: int, up: str
 ) -> None:
     def write(mesh: trimesh.Trimesh, name: str, turned: bool) -> None:
         if turned:
             mesh.apply_transform(trimesh.transformations.rotation_matrix(-np.pi / 2, [1, 0, 0]))
-        mesh.export(tmp_path / f"{name}.obj")
+        mesh.export(tmp_path / f"{name}.{kind}")
 
     (tmp_path / "theirs").mkdir()
     for number in range(3):
@@ -82,8 +90,8 @@ def test_files_of_one_folder_share_the_direction_up(
         write(trimesh.creation.cone(0.2, 0.2 + 0.1 * number), f"theirs/other{number}", not turned)
     write(trimesh.creation.box((0.3, 0.4, 0.5)), "theirs/block", turned)
     run(tmp_path / "theirs", out=tmp_path / "mine")
-    said = next(line for line in capsys.readouterr().out.splitlines() if "block.obj" in line)
-    assert (f"up {up} as most .obj here" in said) == bool(up)
+    said = next(line for line in capsys.readouterr().out.splitlines() if f"block.{kind}" in line)
+    assert (f"up {up} as most .{kind} here" in said) == bool(up)
     assert ("50 high" in said) == bool(up), said
 
 
