@@ -47,11 +47,11 @@ def front_direction(robot: RobotModel) -> tuple[Matrix, int] | None:
 
 def _fronts(robot: RobotModel) -> dict[str, Front | str]:
     """By moving joint, the part that could be a door or drawer whichever way the model faces, or why it is none."""
-    frames, middle = link_frames(robot), closed_box(robot).mean(axis=0)
-    return {joint.name: _front(robot, joint, frames, middle) for joint in robot.joints if joint.type != "fixed"}
+    frames, whole = link_frames(robot), np.asarray(closed_box(robot))
+    return {joint.name: _front(robot, joint, frames, whole) for joint in robot.joints if joint.type != "fixed"}
 
 
-def _front(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix], middle: Matrix) -> Front | str:
+def _front(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix], whole: Matrix) -> Front | str:
     links = moved_by(joint, robot.joints)
     box = _box(robot, links, frames)
     if box is None:
@@ -68,6 +68,8 @@ def _front(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix], midd
             return "does not slide along a horizontal axis"
         if joint.upper - joint.lower < SHORTEST:
             return f"slides by less than {100 * SHORTEST:.0f} cm"
+        if joint.upper - joint.lower > np.ptp(whole[:, way]):
+            return "slides farther than all is deep"
         outward[way] = np.sign(axis[way])
         around = _box(robot, [joint.parent], frames)
         if around is not None:
@@ -86,7 +88,7 @@ def _front(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix], midd
             return "turns no panel about its side"  # a stove's knob turns about the direction that it faces
         centre = (low + high) / 2
         swing = float(np.cross(axis, centre - frame[:3, 3])[way])
-        outward[way] = np.sign(swing) if abs(swing) > SWINGS else 1.0 if centre[way] >= middle[way] else -1.0
+        outward[way] = np.sign(swing) if abs(swing) > SWINGS else 1.0 if centre[way] >= whole[:, way].mean() else -1.0
     width, height = extents[1 - way], extents[2]
     if width < NARROWEST or height < (LOWEST if joint.type == "prismatic" else NARROWEST):
         return "moves no front of some size"

@@ -112,3 +112,11 @@ def test_one_mesh_of_many_may_be_missing(tmp_path: Path) -> None:
     (tmp_path / "c.stl").unlink()
     with pytest.raises(InputError, match=r"there is no file 'b.stl'"):
         read_mjcf(path, tmp_path)
+
+
+def test_a_range_counts_where_it_need_not_hold_if_it_ends_closed(tmp_path: Path) -> None:
+    for told, moves in (("0 2.7", True), ("-1.5 0", True), ("-10.3 10.3", False)):
+        turns = f'<body><joint name="j" axis="0 0 1" limited="false" range="{told}"/>{BOX}</body>'
+        text = f'<compiler angle="radian"/><worldbody>{turns}</worldbody>'
+        robot = read_mjcf(mjcf(tmp_path / "a.xml", text), tmp_path)
+        assert (robot.joints[0].type == "revolute") == moves

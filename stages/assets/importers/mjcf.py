@@ -84,7 +84,8 @@ class _Reader:
 
     def _moves(self, joint: int) -> bool:
         model = self.model
-        limited = bool(np.ptp(model.jnt_range[joint]) > FIXED_RANGE)  # also where it need not hold in a simulation
+        ends = np.abs(model.jnt_range[joint])  # a door's or drawer's, closed at one, may not hold in the simulation
+        limited = bool(np.ptp(model.jnt_range[joint]) > FIXED_RANGE) and (model.jnt_limited[joint] or ends.min() == 0)
         return model.jnt_type[joint] in (SLIDE, HINGE) and limited
 
     def _joint(self, joint: int, parent: str, child: str, origin: Matrix) -> JointModel:
