@@ -81,6 +81,12 @@ def _mended(root: ET.Element, reason: str) -> str | None:
         key, tag = found.groups()
         stripped = _stripped([e for e in root.iter(tag) if key in e.attrib], key)
         return f"left out: {key} of <{tag}>, which MuJoCo does not know" if stripped else None
+    if "required attribute missing" in reason and "Element 'inertial'" in reason:
+        removed = _removed(root, [e for e in root.iter("inertial") if not {"pos", "mass"} <= e.attrib.keys()])
+        return "left out: an <inertial> that does not say where or how heavy" if removed else None
+    if "invalid keyword: 'fixed' Element 'joint'" in reason:
+        removed = _removed(root, [e for e in root.iter("joint") if e.get("type") == "fixed"])
+        return "left out: joints called fixed" if removed else None
     if found := re.search(r"material '([^']*)' not found", reason):
         stripped = _stripped([e for e in root.iter() if e.get("material") == found[1]], "material")
         return f"grey in place of material '{found[1]}', which is not there" if stripped else None

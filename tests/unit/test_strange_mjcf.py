@@ -69,6 +69,8 @@ MENDED = [
     (BOX.replace("/>", ' cooking="1"/>'), "", "left out: cooking of <geom>"),
     (BOX.replace("/>", ' material="oak"/>'), "", "grey in place of material 'oak'"),
     ("", '<asset><material name="m"/><material name="m"/></asset>', "left out: another material 'm'"),
+    ('<inertial mass="1"/>', "", "left out: an <inertial>"),
+    ('<joint type="fixed"/>', "", "left out: joints called fixed"),
     ('<joint range="0 1"/>', '<compiler inertiagrouprange="4 4"/>', "are weighed by all"),
 ]
 
