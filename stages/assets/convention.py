@@ -10,6 +10,7 @@ from stages.articulated.mesh_reader import load_meshes
 from stages.articulated.model import Matrix
 from stages.assets.discover import WHOLE, Found
 from stages.assets.importers import Axis, Importer
+from stages.assets.imports import in_one_line
 from stages.assets.proportions import leaning, other_up, unit_told
 from stages.contracts.errors import InputError
 
@@ -46,9 +47,13 @@ def shared(found: Sequence[Found], kinds: Mapping[str, Importer]) -> dict[str, S
 
 
 def _points(one: Found) -> Matrix | None:
+    """The vertices of a model; None: it cannot be imported, which is said then."""
+    if not one.path.resolve().is_relative_to(one.folder.resolve()):
+        return None
     try:
-        return np.concatenate([mesh.vertices for mesh in load_meshes(one.path)])
-    except InputError:  # said when it is imported
+        with in_one_line(one.path):
+            return np.concatenate([mesh.vertices for mesh in load_meshes(one.path)])
+    except InputError:
         return None
 
 
