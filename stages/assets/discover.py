@@ -13,14 +13,20 @@ from stages.procedural.catalogue import CATEGORIES
 
 # PartNet-Mobility and GAPartNet: <number>/, with the category in meta.json; the first of these files is the model.
 NUMBERED = ("mobility.urdf", "mobility_annotation_gapartnet.urdf")
-TOLD = {  # words of PartNet-Mobility and of file names where the library has others
-    "armoire": "wardrobe", "bedsidetable": "nightstand", "bin": "trash_can", "bookcase": "bookshelf",
-    "bucket": "trash_can", "cabinet": "bottom_cabinet", "closet": "wardrobe", "couch": "sofa", "cup": "mug",
-    "cupboard": "bottom_cabinet", "dresser": "chest_of_drawers", "foldingchair": "chair", "fryingpan": "pan",
-    "frypan": "pan", "kitchenpot": "cooking_pot", "lamp": "table_lamp", "painting": "picture", "plant": "plant_pot",
-    "pot": "cooking_pot", "refrigerator": "fridge", "skillet": "pan", "storagefurniture": "bottom_cabinet",
-    "teapot": "kettle", "televisioncabinet": "tv_stand", "trashcan": "trash_can", "tv": "television",
-    "tvcabinet": "tv_stand", "tvunit": "tv_stand", "uppercabinet": "wall_cabinet", "wastebasket": "trash_can",
+TOLD = {  # words of PartNet-Mobility and of file names where the library has others, or none of such things
+    "armoire": "wardrobe", "bedsidecabinet": "nightstand", "bedsidetable": "nightstand", "bin": "trash_can",
+    "bookcase": "bookshelf", "bucket": "trash_can", "cabinet": "bottom_cabinet", "cabinettelevision": "tv_stand",
+    "cabinetupper": "wall_cabinet", "candleholder": "candlestick", "ceilinglamp": "ceiling_lamp",
+    "chairdesk": "chair", "chestdrawers": "chest_of_drawers", "closet": "wardrobe", "commode": "chest_of_drawers",
+    "couch": "sofa", "cup": "mug", "cupboard": "bottom_cabinet", "drawerchest": "chest_of_drawers",
+    "dresser": "chest_of_drawers", "flowerpot": "plant_pot", "foldingchair": "chair", "fryingpan": "pan",
+    "frypan": "pan", "kitchenpot": "cooking_pot", "lamp": "table_lamp", "medicinecabinet": "wall_cabinet",
+    "painting": "picture", "pendantlamp": "ceiling_lamp", "plant": "plant_pot", "pot": "cooking_pot",
+    "refrigerator": "fridge", "rockingchair": "chair", "skillet": "pan", "standinglamp": "floor_lamp",
+    "storagefurniture": "bottom_cabinet", "tablecoffee": "coffee_table", "teapot": "kettle",
+    "televisioncabinet": "tv_stand", "trashcan": "trash_can", "tv": "television", "tvbench": "tv_stand",
+    "tvcabinet": "tv_stand", "tvunit": "tv_stand", "uppercabinet": "wall_cabinet", "walllamp": "wall_lamp",
+    "wastebasket": "trash_can",
 }  # fmt: skip
 KNOWN = TOLD | {category.replace("_", ""): category for category in CATEGORIES}
 JOINED = 7  # letters of a word that counts at the end of another, as in hingecabinet
@@ -31,7 +37,7 @@ COMMON = {  # words that say nothing of what a model is
 }  # fmt: skip
 COLLECTIONS = {"assets", "meshes", "models", "objects"}  # last words of folders that hold various things
 HEADS = {  # words after that of a category that make another thing of it, or a part: `table_leg`, `bowl_drainer`
-    "caddy", "door", "drainer", "drawer", "handle", "holder", "knob", "leg", "lid", "rack", "seat", "stand",
+    "caddy", "door", "drainer", "handle", "holder", "knob", "leg", "lid", "rack", "seat", "stand",
 }  # fmt: skip
 WHOLE = {".urdf", ".xml"}  # models that name the meshes that they are made of
 MESHES = {"dae", "msh", "obj", "ply", "stl"}

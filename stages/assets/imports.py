@@ -190,7 +190,7 @@ def check_believable(robot: RobotModel, path: Path) -> None:
     """Refuse what is flat, larger than a room, or lighter or heavier than can be.
 
     Raises:
-        InputError: names the extent, the joint or the link.
+        InputError: names the extent or the link.
     """
     low, high = closed_box(robot)
     extents = high - low
@@ -201,9 +201,6 @@ def check_believable(robot: RobotModel, path: Path) -> None:
         raise InputError(path, f"is {size} m large.", f"at most {LARGEST:g} m; see scale in asset.json")
     if np.abs(np.array([low, high])).max() > 5 * LARGEST:
         raise InputError(path, f"lies {np.abs([low, high]).max():.4g} m from its origin.", "move it there")
-    for joint in robot.joints:
-        if joint.type == "prismatic" and max(abs(joint.lower), abs(joint.upper)) > LARGEST:
-            raise InputError(path, f"joint '{joint.name}': slides to {joint.lower:g} ... {joint.upper:g} m.")
     for link in robot.links.values():
         if link.mass > HEAVIEST or (link.weighed and link.mass < LIGHTEST):
             fix = f"{LIGHTEST:g} kg to {HEAVIEST:g} kg"
