@@ -17,6 +17,7 @@ BEHIND = 1.5  # metres behind the farthest point of the largest cluster, from wh
 LEVEL_BIN, LEVEL_BLUR = 0.005, 0.003  # metres; share of the distance: noise of heights seen from above
 DENSE = 2.0  # times the mean density of heights, from which on one is a level
 ABOVE = 0.1  # share of the points that may lie above the level on which things stand
+HIGHER = 0.1  # share of the distance, by which they may be above it: what is higher is a part of the thing
 SPARSE = 0.95  # taken where points are sparse: faces that the camera sees at a grazing angle
 
 
@@ -54,10 +55,10 @@ def fit_box(points: NDArray[np.float64], options: ExtractionConfig) -> UprightBo
 
 
 def level_height(points: NDArray[np.float64], distance: float, trim: float) -> float | None:
-    """Height of the highest level at which many of the points (N, 3) lie; None without one, or if much is above it.
+    """Height of the highest level at which many of the points (N, 3) lie; None without one, or if much or high above.
 
     A table top gives many points of one height. Its highest points are noise, shadows at the edges of what stands
-    on it, and pixels of that: on real depth they are centimetres higher.
+    on it, and pixels of that: on real depth they are centimetres higher. The neck of a bottle is more than that.
     """
     heights = points[:, 2]
     low, high = np.quantile(heights, [trim, 1 - trim])
@@ -72,7 +73,8 @@ def level_height(points: NDArray[np.float64], distance: float, trim: float) -> f
     if not len(dense):
         return None
     level = float(edges[dense[-1]] + edges[dense[-1] + 1]) / 2
-    return level if (heights > level + 2 * blur * LEVEL_BIN).mean() <= ABOVE else None
+    above = heights > level + 2 * blur * LEVEL_BIN
+    return level if above.mean() <= ABOVE and high - level <= HIGHER * distance else None
 
 
 def with_top(box: UprightBox, top: float) -> UprightBox:

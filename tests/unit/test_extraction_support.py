@@ -39,6 +39,17 @@ def test_a_seat_under_a_back_is_no_top() -> None:
     assert level_height(np.concatenate([seat, back]), 3.0, 0.01) is None
 
 
+def test_a_neck_above_a_shoulder_counts() -> None:
+    """A bottle seen from above behind a thing that hides most of its body: nine tenths of what is seen is shoulder."""
+    rng = np.random.default_rng(0)
+    body, shoulder, neck = (rng.uniform(0, 0.06, (count, 3)) for count in (100, 1000, 80))
+    body[:, 2], neck[:, 2] = rng.uniform(0, 0.12, 100), rng.uniform(0.12, 0.3, 80)
+    shoulder[:, 2] = rng.normal(0.12, 0.003, 1000)
+    seen = np.concatenate([body, shoulder])
+    assert level_height(seen, 1.0, 0.01) == pytest.approx(0.12, abs=0.005)
+    assert level_height(np.concatenate([seen, neck]), 1.0, 0.01) is None
+
+
 def test_a_front_has_no_level() -> None:
     front = np.random.default_rng(0).uniform(0, 1, (4000, 3))
     assert level_height(front, 3.0, 0.01) is None

@@ -3,32 +3,64 @@
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import binary_opening, correlate1d, distance_transform_edt
+from scipy.ndimage import binary_opening, correlate1d, distance_transform_edt, find_objects, minimum_filter
 
 STEP = 0.02  # share of the distance, from pixel to pixel: less on a floor seen at 5 degrees by a usual camera
 LEAST, PART = 0.4, 0.02  # of a thing that remains, else it is all edges and left alone; of it, for its smallest part
+SMEAR, THIN = 7, 12  # pixels across, in which a smear has something nearer; pixels of the smallest thin part
+BESIDE = 11  # pixels across, that are looked at around a part
 
 
 def without_edges(depth: NDArray[np.float32], masks: NDArray[np.uint16]) -> NDArray[np.float32]:
     """Depth (H, W) that is unknown (0) where a mask (H, W) reaches beyond its thing, or depth changes by a step.
 
-    At its edge a depth camera mixes a thing with what is behind it, and masks are some pixels off.
+    At its edge a depth camera mixes a thing with what is behind it, and masks are some pixels off. Of what is too thin
+    to have anything but edges (handles, spouts, poles) the nearest depth is kept: a mixed one is farther.
     """
     known = depth > 0
     inverse = np.where(known, 1 / np.maximum(depth, 1e-6), 0)
     bends = [np.abs(correlate1d(inverse, [1, -2, 1], axis)) for axis in (0, 1)]  # 0 on planes
     slopes = [np.abs(correlate1d(inverse, [-0.5, 0, 0.5], axis)) for axis in (0, 1)]
     level = known & (np.max([*bends, *slopes], axis=0) <= STEP * inverse)
+    front = known & (depth <= (1 + STEP) * minimum_filter(np.where(known, depth, np.inf), SMEAR))
     clean = depth.copy()
-    for value in np.unique(masks[masks > 0]):
-        mask = (masks == value) & known
-        inner = binary_opening(mask & level, np.ones((3, 3)))
-        _, parts, stats, _ = cv2.connectedComponentsWithStats(inner.astype(np.uint8), connectivity=4)
-        large = 1 + np.flatnonzero(stats[1:, cv2.CC_STAT_AREA] >= PART * inner.sum())
-        inner = np.isin(parts, large)
-        if inner.sum() < LEAST * mask.sum():
+    for value, place in enumerate(find_objects(masks), 1):
+        if place is None:
             continue
-        _, nearest = distance_transform_edt(~inner, return_indices=True)
-        thin = np.abs(depth - depth[tuple(nearest)]) <= STEP * depth  # a handle, as far away as what it belongs to
-        clean[mask & ~inner & ~thin] = 0
+        near = tuple(slice(max(0, side.start - BESIDE), side.stop + BESIDE) for side in place)
+        seen, whole = depth[near], masks[near] == value
+        mask = whole & known[near]
+        inner = binary_opening(mask & level[near], np.ones((3, 3)))
+        parts, sizes = _parts(inner, 4)
+        large = 1 + np.flatnonzero(sizes >= PART * inner.sum())
+        if np.isin(parts, large).sum() <= LEAST * mask.sum():
+            continue
+        body = 1 + int(np.argmax(sizes))
+        inner = np.isin(parts, [part for part in large if part == body or not _goes_on(parts == part, whole, seen)])
+        kept = mask & (inner | _as_far_as(inner, seen))
+        parts, sizes = _parts(mask & front[near], 8)  # no two neighbours of these are a step apart
+        for part in 1 + np.flatnonzero(sizes >= THIN):
+            surface = parts == part
+            if kept[surface].any() or not _goes_on(surface, whole, seen):
+                kept |= surface
+        clean[near][mask & ~kept] = 0
     return clean
+
+
+def _parts(mask: NDArray[np.bool_], connectivity: int) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    """Number of the connected part of each pixel (H, W), from 1 on, and the parts' sizes in pixels."""
+    _, parts, stats, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=connectivity)
+    return np.asarray(parts, np.int32), np.asarray(stats[1:, cv2.CC_STAT_AREA], np.int32)
+
+
+def _as_far_as(part: NDArray[np.bool_], depth: NDArray[np.float32]) -> NDArray[np.bool_]:
+    """Which pixels (H, W) are as far away as the nearest pixel of a part."""
+    _, nearest = distance_transform_edt(~part, return_indices=True)
+    return np.asarray(np.abs(depth - depth[tuple(nearest)]) <= STEP * depth)
+
+
+def _goes_on(part: NDArray[np.bool_], whole: NDArray[np.bool_], depth: NDArray[np.float32]) -> bool:
+    """Whether a part goes on beyond the mask `whole`: what is behind a thing, in a mask that is too wide."""
+    around = cv2.dilate(part.astype(np.uint8), np.ones((BESIDE, BESIDE))) > 0
+    beside = around & ~whole & (depth > 0)
+    return bool(_as_far_as(part, depth)[beside].sum() > beside.sum() / 2)
