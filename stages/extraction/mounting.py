@@ -41,17 +41,17 @@ def collapsed(seen: UprightBox, placed: Placement, tolerance: float) -> bool:
 def height_beneath(box: UprightBox, carriers: list[UprightBox], tolerance: float, sunk: float = np.inf) -> float:
     """Top of the highest carrier below the box, or 0 for the floor.
 
-    What reaches down by more than `sunk` metres and half of its height below a top is not on it, but in it: a can in a
-    bowl.
+    What reaches down by more than `sunk` metres and half of its height below a top is not on it, but in it (a can in a
+    bowl), and stands where it ends.
     """
     inside = max(sunk, float(np.asarray(box.size)[2]) / 2)
     plan = footprint(box)
     widened = min(BESIDE, BESIDE_SMALL * float(np.min(np.asarray(box.size)[:2])))
     tops = [
-        carrier.top
+        carrier.top if carrier.top <= box.bottom + inside else box.bottom
         for carrier in carriers
         if plan.intersection(footprint(carrier).buffer(widened)).area >= ON_TOP * plan.area
-        and carrier.top <= box.bottom + min(2 * tolerance, inside)
+        and carrier.top <= box.bottom + 2 * tolerance
         and carrier.top + carrier.bottom < box.top + box.bottom
     ]
     return max(tops, default=0.0)

@@ -175,7 +175,7 @@ def test_a_can_beside_a_bowl_does_not_stand_on_it() -> None:
 def test_a_can_that_is_seen_far_down_a_bowl_is_in_it_not_on_it() -> None:
     bowl = UprightBox([0.0, 0.0, 0.04], [0.15, 0.15, 0.08], 0.0)
     can = UprightBox([0.0, 0.0, 0.06], [0.06, 0.06, 0.09], 0.0)  # from 1.5 to 10.5 cm
-    assert height_beneath(can, [bowl], 0.06, sunk=0.03) == 0.0
+    assert height_beneath(can, [bowl], 0.06, sunk=0.03) == can.bottom
     assert height_beneath(can, [bowl], 0.06, sunk=0.08) == bowl.top  # far away, depth may err by as much
     plate = UprightBox([0.0, 0.0, 0.07], [0.1, 0.1, 0.03], 0.0)  # 2.5 cm into the top
     assert height_beneath(plate, [bowl], 0.06, sunk=0.03) == bowl.top
