@@ -11,6 +11,7 @@ from scipy.ndimage import binary_closing, binary_fill_holes, binary_opening, gau
 
 BINS, BLUR = 16, 0.7  # of each of L, a, b; in bins
 RING = 61  # pixels around a thing, in which the table is looked at
+PASSES = 2  # at the first the halo's colours are among the thing's
 LIKELIER = 2.0  # times that a colour must be the table's rather than the thing's
 OWN = 4.0  # times that it must be the thing's: shadows are a little alike
 MOST = 3.0  # times of a thing that may be added
@@ -25,15 +26,24 @@ def without_halos(values: NDArray[np.uint16], rgb: NDArray[np.uint8], table: NDA
         around = _around(mask) & table & (values == 0)
         if not around.any():
             continue
-        strange = (_shares(colour[around]) > LIKELIER * _shares(colour[mask]))[colour] & mask
-        own = mask & (cv2.medianBlur(strange.astype(np.uint8), 7) == 0)
-        _, pieces, stats, _ = cv2.connectedComponentsWithStats(binary_opening(own, np.ones((3, 3))).astype(np.uint8))
-        sizes = stats[1:, cv2.CC_STAT_AREA]
-        large = 1 + np.flatnonzero(sizes >= PART * sizes.max(initial=0))
-        own = mask & binary_fill_holes(binary_closing(np.isin(pieces, large), np.ones((7, 7))))
+        own = mask
+        for _ in range(PASSES):
+            own = _own(own, colour, _shares(colour[around]))
         if own.sum() >= LEAST * mask.sum():
             kept[mask & ~own] = 0
     return kept
+
+
+def _own(mask: NDArray[np.bool_], colour: NDArray[np.int64], table: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """The large parts of a mask that have not the table's colours, of which it tells the shares."""
+    if not mask.any():
+        return mask
+    strange = (table > LIKELIER * _shares(colour[mask]))[colour] & mask
+    own = mask & (cv2.medianBlur(strange.astype(np.uint8), 7) == 0)
+    _, pieces, stats, _ = cv2.connectedComponentsWithStats(binary_opening(own, np.ones((3, 3))).astype(np.uint8))
+    sizes = stats[1:, cv2.CC_STAT_AREA]
+    large = 1 + np.flatnonzero(sizes >= PART * sizes.max(initial=0))
+    return np.asarray(mask & binary_fill_holes(binary_closing(np.isin(pieces, large), np.ones((7, 7)))))
 
 
 def completed(values: NDArray[np.uint16], rgb: NDArray[np.uint8], table: NDArray[np.bool_]) -> NDArray[np.uint16]:
