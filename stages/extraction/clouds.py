@@ -18,6 +18,7 @@ LEVEL_BIN, LEVEL_BLUR = 0.005, 0.003  # metres; share of the distance: noise of 
 DENSE = 2.0  # times the mean density of heights, from which on one is a level
 ABOVE = 0.1  # share of the points that may lie above the level on which things stand
 HIGHER = 0.1  # share of the distance, by which they may be above it: what is higher is a part of the thing
+SLENDER, NEAR = 2.0, 2.0  # times as tall as wide; metres, as farther away noise makes things taller
 SPARSE = 0.95  # taken where points are sparse: faces that the camera sees at a grazing angle
 
 
@@ -58,12 +59,14 @@ def level_height(points: NDArray[np.float64], distance: float, trim: float) -> f
     """Height of the highest level at which many of the points (N, 3) lie; None without one, or if much or high above.
 
     A table top gives many points of one height. Its highest points are noise, shadows at the edges of what stands
-    on it, and pixels of that: on real depth they are centimetres higher. The neck of a bottle is more than that.
+    on it, and pixels of that: on real depth they are centimetres higher. The neck of a bottle is more than that, and
+    nothing stands on what is far taller than wide.
     """
     heights = points[:, 2]
     low, high = np.quantile(heights, [trim, 1 - trim])
     bins = int((high - low) / LEVEL_BIN)
-    if bins < 3:
+    is_slender = distance < NEAR and high - low > SLENDER * np.ptp(points[:, :2], axis=0).max()
+    if bins < 3 or is_slender:
         return None
     counts, edges = np.histogram(heights, bins, (low, high))
     blur = max(2.0, LEVEL_BLUR * distance / LEVEL_BIN)

@@ -42,12 +42,24 @@ def test_a_seat_under_a_back_is_no_top() -> None:
 def test_a_neck_above_a_shoulder_counts() -> None:
     """A bottle seen from above behind a thing that hides most of its body: nine tenths of what is seen is shoulder."""
     rng = np.random.default_rng(0)
-    body, shoulder, neck = (rng.uniform(0, 0.06, (count, 3)) for count in (100, 1000, 80))
+    body, shoulder, neck = (rng.uniform(0, 0.16, (count, 3)) for count in (100, 1000, 80))
     body[:, 2], neck[:, 2] = rng.uniform(0, 0.12, 100), rng.uniform(0.12, 0.3, 80)
     shoulder[:, 2] = rng.normal(0.12, 0.003, 1000)
     seen = np.concatenate([body, shoulder])
     assert level_height(seen, 1.0, 0.01) == pytest.approx(0.12, abs=0.005)
     assert level_height(np.concatenate([seen, neck]), 1.0, 0.01) is None
+
+
+def test_nothing_stands_on_what_is_slender() -> None:
+    """The loop of a bottle, 4 cm above its lid; farther away what is above a level may be noise."""
+    rng = np.random.default_rng(0)
+    body, lid, loop = (rng.uniform(0, 0.08, (count, 3)) for count in (600, 300, 60))
+    body[:, 2], loop[:, 2] = rng.uniform(0, 0.22, 600), rng.uniform(0.22, 0.26, 60)
+    lid[:, 2] = rng.normal(0.22, 0.003, 300)
+    bottle = np.concatenate([body, lid, loop])
+    assert level_height(bottle, 1.0, 0.01) is None
+    assert level_height(bottle, 2.5, 0.01) == pytest.approx(0.22, abs=0.01)
+    assert level_height(bottle * [3, 3, 1], 1.0, 0.01) == pytest.approx(0.22, abs=0.01)
 
 
 def test_a_front_has_no_level() -> None:
