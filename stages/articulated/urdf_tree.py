@@ -38,7 +38,6 @@ class UrdfTree:
     Attributes:
         links: the <link> elements by name.
         joints: parents before children. Continuous joints (wheels, knobs), those that follow another (mimic) and those
-            of loose things (floating, planar) are fixed: none is a door or a drawer.
             of loose things (floating, planar) are fixed: none is a door or a drawer. So are those whose axis or limits
             say nothing: one of them is no reason to lose the model.
         root: name of the one link that is no joint's child.

@@ -50,6 +50,11 @@ class Placed:
         """Whether it hangs on a wall (A.2, type 1)."""
         return self.mounting.type == 1
 
+    @property
+    def held(self) -> bool:
+        """Whether it cannot fall: what hangs on a wall, or stands on what nobody named."""
+        return self.wall_mounted or self.support == UNNAMED
+
     def shifted(self, offset: ArrayLike) -> "Placed":
         """Moved by `offset` (3,)."""
         return replace(self, box=self.box._replace(center=self.center + np.asarray(offset, dtype=float)))

@@ -104,11 +104,12 @@ def surface_beneath(item: Placed, lower: Placed, support: list[Prism]) -> Surfac
 
 
 def balanced(item: Placed, lower: Placed, support: list[Prism], surface: BaseGeometry) -> BaseGeometry:
-    """The part of a surface where an item does not tip over what carries it: their common
-    centre of mass stays over its feet.
+    """The part of a surface where an item does not tip over what carries it: both weigh over the lower one's feet.
 
-    All of it if there is no such part.
+    All of it if there is no such part, or the lower one is held.
     """
+    if lower.held:
+        return surface
     lowest = min(prism.low for prism in support)
     feet = MultiPoint(np.concatenate([prism.outline for prism in support if prism.low < lowest + LEVEL])).convex_hull
     reach = 1 + lower.asset.mass / item.asset.mass

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from stages.config.generation import GenerationConfig
 from stages.contracts.generated import Plausibility
-from stages.generation.placed import UNNAMED, Placed
+from stages.generation.placed import Placed
 from stages.simulation.loading import load_asset, root_pose
 
 Body: TypeAlias = PhysxArticulation | sapien.Entity
@@ -27,11 +27,6 @@ class Settled:
     shifts: dict[str, float]
 
 
-def is_fixed(item: Placed) -> bool:
-    """What hangs on a wall, or stands on what nobody named, is held in place; everything else may fall."""
-    return item.wall_mounted or item.support == UNNAMED
-
-
 def load_items(scene: sapien.Scene, items: list[Placed], folders: Mapping[str, Path]) -> dict[str, Body]:
     """Load every item at its place, closed. `folders`: by id, of assets that have the item's size already."""
     return {
@@ -39,7 +34,7 @@ def load_items(scene: sapien.Scene, items: list[Placed], folders: Mapping[str, P
             scene,
             folders[item.id],
             root_pose(item.asset, item.center.tolist(), item.box.yaw),
-            fixed=is_fixed(item),
+            fixed=item.held,
             name=item.id,
         )
         for item in items
@@ -93,7 +88,7 @@ def settle(
         shifts[item.id] = round(shift, 5)
         if shift > options.fallen_distance or _tilt(pose) > options.fallen_tilt:
             fallen.append(item.id)
-    free = [shifts[item.id] for item in items if not is_fixed(item)]
+    free = [shifts[item.id] for item in items if not item.held]
     verdict = Plausibility(
         seconds=options.settle_seconds,
         stable=not fallen and not collisions,

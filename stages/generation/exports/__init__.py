@@ -15,7 +15,6 @@ from stages.contracts import Asset, GeneratedScene
 from stages.contracts.look import Look
 from stages.generation.look import DEFAULT_LIGHT
 from stages.generation.placed import Placed
-from stages.generation.settling import is_fixed
 from stages.geometry.frames import apply, rigid, yaw_matrix
 from stages.simulation.backdrop import Block, backdrop
 
@@ -73,7 +72,7 @@ def room_of(made: GeneratedScene, items: list[Placed], folders: Mapping[str, Pat
     for item in items:
         middle, turn = (np.array(item.asset.box_min) + np.array(item.asset.box_max)) / 2, yaw_matrix(item.box.yaw)
         pose, model = rigid(turn, item.center - turn @ middle), read_model(folders[item.id])
-        bodies.append(Body(item.id, item.label, item.asset, folders[item.id], model, pose, is_fixed(item)))
+        bodies.append(Body(item.id, item.label, item.asset, folders[item.id], model, pose, item.held))
     camera = np.array(made.floor_from_camera)[:3, 3]
     blocks = backdrop([item.box for item in items], made.walls, camera, look)
     return Room(made, bodies, blocks, np.array(look.light if look else DEFAULT_LIGHT))

@@ -22,11 +22,8 @@ LEG = 0.25  # metres: a plane nearer above a larger one is made of things that s
 NEAR = 2.0  # metres to what is looked at: things on a table. Furniture is not convex: shelves, legs, cushions
 FIRM = 0.02  # metres at 1 m above the plane, from which on no noise of the plane is taken for an edge
 LABEL, WALL = "object", "wall"
-PLANE, BEHIND, SOME = (
-    0.8,
-    0.03,
-    0.02,
-)  # of a wall's points in a plane; metres at 1 m behind it; of all points: something
+PLANE, SOME = 0.8, 0.02  # of a wall's points in a plane; of all points, that may be behind it
+BEHIND = 0.03  # metres at 1 m, from which on they are
 UPRIGHT, WIDE = np.sin(np.deg2rad(15)), 0.4  # a wall's normal along the level one's; metres
 
 
