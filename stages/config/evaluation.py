@@ -49,6 +49,17 @@ class RolloutOptions(ActingOptions):
     rollouts: int = Field(
         16, ge=1, description="episodes per test asset, the same initial states for all policies; paper: 100"
     )
+    split: Literal["validation", "test"] = Field(
+        "test",
+        description="the unseen assets to roll out on: validation (every choice is made on these) or test (looked at "
+        "once, at the end)",
+    )
+    assets: int = Field(
+        24, ge=0, description="how many assets of the split, of families apart from all training; 0: none"
+    )
+    asset_rollouts: int = Field(
+        2, ge=1, description="episodes on each of them, the same initial states for all policies"
+    )
     film_frames: int = Field(16, ge=2, description="pictures of a filmed episode")
 
 

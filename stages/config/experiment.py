@@ -1,12 +1,12 @@
 """Config section `experiment`: which cells of the paper's tables this run computes."""
 
-from typing import Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import Field
 
 from stages.config.base import Count, Rank, Section
 
-TrainingSet = Literal["twin", "cousins_2", "cousins_4", "cousins_8", "all"]
+TrainingSet = Annotated[str, Field(pattern=r"^(twin|twin_randomised|all|(cousins|random)_[1-9]\d*)$")]
 
 
 class TaskTarget(Section):
@@ -16,6 +16,16 @@ class TaskTarget(Section):
     scene: str = Field("room_3", description="room of the object, one of `rooms`")
     object: str = Field("hanging_cabinet_1", description="its id in that room's objects.json")
     options: dict[str, Any] = Field({}, description="keys of section `task` that differ here, e.g. {max_steps: 200}")
+    assets: str | None = Field(
+        None,
+        description="a committed file of the row's assets (docs/experiment.md), checked against the library; null: "
+        "chosen anew",
+    )
+    assets_of: str | None = Field(
+        None,
+        description="another row whose object, options, assets and demonstrations this one shares: only its policies "
+        "are its own",
+    )
     training_sets: list[TrainingSet] | None = Field(None, description="null: those of the experiment; so for the rest")
     runs: list[str] | None = Field(None, min_length=1)
     seeds: list[Count] | None = Field(None, min_length=1)
@@ -106,7 +116,8 @@ class ExperimentConfig(Section):
     training_sets: list[TrainingSet] = Field(
         ["twin", "cousins_4"],
         description="Training sets to compare; []: no policies. cousins_n: the n nearest cousins not held out; "
-        "all: every asset of the object's three nearest categories that is neither held out nor dissimilar.",
+        "twin_randomised: the twin stretched, its friction and mass drawn anew; random_n: n assets that open alike, "
+        "drawn by chance; all: every asset of the object's three nearest categories that may be trained on.",
     )
     held_out: list[Rank] = Field([2, 6], description="Cousins kept out of every training set (paper: 2nd and 6th).")
     cousins: int = Field(10, ge=1, description="How many cousins the policy experiment knows.")
@@ -167,9 +178,14 @@ class ExperimentConfig(Section):
         return len(self.plan(name).runs) > self.best_runs
 
     def roles(self, training_set: str) -> list[str]:
-        """Roles (twin, cousin_i, all) whose demonstrations make up a training set, in order of rank; one store each."""
-        if training_set in ("twin", "all"):
+        """Roles whose demonstrations make up a training set, in order of rank; one store each.
+
+        They are twin, twin_randomised, cousin_i, random_i, all.
+        """
+        if training_set in ("twin", "twin_randomised", "all"):
             return [training_set]
+        if training_set.startswith("random_"):
+            return [f"random_{number}" for number in range(1, int(training_set.removeprefix("random_")) + 1)]
         return [f"cousin_{rank}" for rank in self.training_ranks[: self.size_of(training_set)]]
 
     @property

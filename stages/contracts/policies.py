@@ -14,9 +14,13 @@ from stages.contracts.types import Count, Extent, Finite, Id, NonNegative, Rank,
 class TaskAsset(Contract):
     """One asset in the policy experiment, and what a policy and a gripper meet there."""
 
-    role: Id = Field(description="twin, cousin_1, cousin_2, ... or dissimilar; of `all_assets`: all")
+    role: Id = Field(
+        description="twin, matched, cousin_1, cousin_2, ... or dissimilar; of the lists: all, random, validation, test"
+    )
     asset: Id
     category: Id
+    family: Id = Field(description="the model that it is a variation of; its own id if it is none")
+    digest: Text = Field(description="checksum of the model (asset.json)")
     joint: Text = Field(description="the joint that the task opens")
     size: Size = Field(description="nominal box at which it is loaded, metres")
     distance: NonNegative = Field(description="DINO distance to the twin between representative snapshots (Table 3)")
@@ -24,10 +28,19 @@ class TaskAsset(Contract):
     hinge: HingeSide = Field(description="side on which the front hangs, seen from before it; slide: a drawer")
     panel_height: Finite = Field(description="of the front's centre above the asset's bottom at this size, metres")
     panel_size: tuple[Extent, Extent] = Field(description="width and height of the front at this size, metres")
+    handle_length: NonNegative = Field(description="longest extent of the handle at this size, metres")
+    handle_height: Finite = Field(
+        description="of the handle's centre on the front: 0 at its lower edge, 1 at its upper"
+    )
 
 
 class TaskAssets(Document):
-    """`assets.json`: the twin is the best match of a named object of a named room, the cousins are the next ones."""
+    """`assets.json`: the assets of a policy experiment about a named object of a named room.
+
+    The twin is the object's true model where that is known, else what matching chose; `matched` is what matching chose
+    where that is another one. Every family (founder and variations) is on one side alone: what may be trained on, or
+    the held-out cousins and the dissimilar asset, or `validation_assets`, or `test_assets`.
+    """
 
     task: Id
     scene: Id
@@ -37,8 +50,14 @@ class TaskAssets(Document):
     all_assets: list[TaskAsset] = Field(
         [],
         description="what the training set `all` is collected on, each in the role all, nearest to the twin first: "
-        "every usable asset of the object's three nearest categories but the held-out cousins and the dissimilar one",
+        "every usable asset of the object's three nearest categories whose family may be trained on",
     )
+    random_assets: list[TaskAsset] = Field(
+        [],
+        description="what the training sets `random_n` take the first n of: assets that may be trained on, by chance",
+    )
+    validation_assets: list[TaskAsset] = Field([], description="every choice is made on these")
+    test_assets: list[TaskAsset] = Field([], description="seen once, at the end: no choice is made on them")
 
     @model_validator(mode="after")
     def _roles(self) -> "TaskAssets":
@@ -112,13 +131,22 @@ class Rollout(Contract):
     once: ClassVar = ("task", "training_set", "run", "seed", "checkpoint", "test_asset", "episode")
 
     task: Id = Field(description="name of the task's row in the experiment, e.g. door")
+    assets_of: Id = Field(
+        description="the row whose assets and demonstrations it shares; its own name if it has its own"
+    )
     cloud: Literal["target_link", "object"] = Field(description="what the policy's cloud shows of the object")
     training_set: Id
     run: Id
     seed: Seed
     checkpoint: Text
-    test_asset: Id = Field(description="role of the test asset; trained: an asset that the policy was trained on")
+    test_asset: Id = Field(
+        description="role of the test asset; trained: an asset that the policy was trained on; test, validation: an "
+        "asset of that split, whose family no policy was trained on"
+    )
     asset: Id
+    family: Id = Field(description="of the asset")
+    handle: HandleKind
+    handle_length: NonNegative = Field(description="longest extent of the handle, metres")
     dino_distance: NonNegative
     episode: Count
     initial_state: Seed = Field(description="seed of the initial state; the same for every policy (paired)")
