@@ -4,12 +4,29 @@ from typing import Any, Literal
 
 from pydantic import Field
 
-from stages.config.base import OWN, Rank, Section
+from stages.config.base import OWN, Range, Rank, Section
+
+
+class HandleConfig(Section):
+    """What makes a policy look at the handle (not in the paper; docs/training.md has what each part brings)."""
+
+    flag: bool = Field(False, description="points that stand proud of the front carry a flag of their own")
+    keep: bool = Field(False, description="of the flagged points none is left out when a cloud is thinned to `points`")
+    front_probability: float = Field(
+        0.0,
+        ge=0,
+        le=1,
+        description="share of training sequences in which the front, as long as it stands still, is shifted and "
+        "stretched under its handle; needs `flag`",
+    )
+    front_shift: float = Field(0.1, ge=0, description="uniform +/- metres along the front, sideways and up")
+    front_scale: Range = Field((0.6, 1.6), description="stretch of the front about the handle, per axis")
 
 
 class NetworkConfig(Section):
     """Sizes of the policy network: PointNet, LSTM, MLP, Gaussian mixture."""
 
+    cloud: bool = Field(True, description="false: a policy without eyes, by proprioception alone (a baseline)")
     points: int = Field(192, ge=16, description="random subset of each cloud that is seen (official: 1024 of 2048)")
     cloud_frame: Literal["robot", "gripper"] = Field(
         "gripper", description="origin of the cloud: robot base (paper), or the end-effector, axes kept"
@@ -64,6 +81,7 @@ class TrainingRun(Section):
     jitter: float = Field(0.01, ge=0, description="standard deviation per point and axis, metres (official: 0.01)")
     jitter_clip: float = Field(0.015, ge=0, description="largest jitter, metres (official: 0.015)")
     jitter_probability: float = Field(0.1, ge=0, le=1, description="per sequence (official: 0.1, switched off)")
+    handle: HandleConfig = Field(HandleConfig(), description="What makes the policy look at the handle.")
     mirror: float = Field(
         0.0,
         ge=0,

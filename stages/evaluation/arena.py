@@ -13,7 +13,7 @@ from stages.contracts.policies import Rollout, TaskAsset, TaskAssets
 from stages.contracts.policy_folder import read_config
 from stages.evaluation.episodes import RolloutEpisode, roll_out
 from stages.evaluation.film import Reel, take
-from stages.policies import TrainablePolicy
+from stages.policies import TrainablePolicy, closed_loop
 from stages.policies.checkpoint import load_policy
 from stages.simulation.studio import Studio
 from stages.tasks.api import TaskEnv, make_task
@@ -69,7 +69,7 @@ class Arena:
     ) -> list[RolloutEpisode]:
         """One episode per initial state; a success and a failure are filmed if there is a reel."""
         tasks = [self.task(asset) for _ in range(min(self.settings.envs, len(states)))]
-        actor = network.actor(len(tasks), self.settings.action)
+        actor = closed_loop(network, len(tasks), self.settings.action)
         try:
             episodes = roll_out(tasks, actor, states, record=reel is not None)
             if reel is not None:

@@ -5,11 +5,13 @@ from collections.abc import Sequence
 from typing import Literal, Protocol
 
 import numpy as np
+import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
 from stages.config.training import TrainingRun
 from stages.plugins import load
+from stages.policies.proud import mark_proud
 
 Float = NDArray[np.float32]
 Choice = Literal["sample", "sharpened", "most_likely"]
@@ -30,8 +32,9 @@ class ActorProtocol(Protocol):
 class TrainablePolicy(nn.Module, ABC):
     """What an implementation's `Policy` is: made from a hyper-parameter set, with its normaliser as buffers.
 
-    Clouds (..., P, 4) are x, y, z and a finger flag, proprioception (..., 9) is end-effector position, quaternion wxyz
-    and fingers, actions (..., 7) are in [-1, 1]; metres, robot base frame.
+    Clouds (..., P, 4) are x, y, z and a flag: 1 finger, 0 scene and, with `run.handle.flag`, -1 what stands proud of
+    the front, marked before a policy sees the clouds, in training and in closed loop. Proprioception (..., 9) is
+    end-effector position, quaternion wxyz and fingers, actions (..., 7) are in [-1, 1]; metres, robot base frame.
     """
 
     def __init__(self, run: TrainingRun) -> None:
@@ -54,3 +57,24 @@ def make_policy(run: TrainingRun) -> TrainablePolicy:
     """The policy that a hyper-parameter set names, not yet trained."""
     policy: TrainablePolicy = load("policies", run.policy)(run)
     return policy
+
+
+class Marking:
+    """An actor whose clouds are marked (`mark_proud`) before it sees them."""
+
+    def __init__(self, actor: ActorProtocol) -> None:
+        self.actor = actor
+
+    def reset(self, slot: int, seed: int) -> None:
+        """Start an episode."""
+        self.actor.reset(slot, seed)
+
+    def act(self, slots: Sequence[int], clouds: Sequence[Float], proprio: Sequence[Float]) -> Float:
+        """The actor's actions for the marked clouds."""
+        return self.actor.act(slots, list(mark_proud(torch.from_numpy(np.stack(clouds)))[0].numpy()), proprio)
+
+
+def closed_loop(policy: TrainablePolicy, slots: int, choose: Choice) -> ActorProtocol:
+    """The policy acting on as many environments; its clouds are what they were in training."""
+    actor = policy.actor(slots, choose)
+    return Marking(actor) if policy.run.handle.flag else actor

@@ -14,6 +14,7 @@ from stages.config.task import TaskConfig
 from stages.contracts.episode_store import read_episodes
 from stages.contracts.errors import InputError
 from stages.contracts.trained import TrainingStore
+from stages.training.fronts import mark_episodes
 
 Indices = NDArray[np.int64]
 Mask = NDArray[np.bool_]
@@ -22,7 +23,11 @@ Float = NDArray[np.float32]
 
 @dataclass(frozen=True)
 class DemonstrationSet:
-    """Episodes end to end: clouds (F, P, 4) float16, proprio (F, 9), actions (F, 7) float32; robot frame, metres."""
+    """Episodes end to end: clouds (F, P, 4) float16, proprio (F, 9), actions (F, 7) float32; robot frame, metres.
+
+    fronts: (F, 3) the upright plane of the front as long as it stands still, else zeros (`policies.proud`); of marked
+    clouds alone.
+    """
 
     clouds: Tensor
     proprio: Tensor
@@ -33,22 +38,31 @@ class DemonstrationSet:
     task: str
     task_options: TaskConfig
     digest: str
+    fronts: Tensor | None = None
+
+    def marked(self) -> "DemonstrationSet":
+        """The same with what stands proud of the fronts marked in the clouds."""
+        clouds, fronts = mark_episodes(self.clouds, self.lengths)
+        return replace(self, clouds=clouds, fronts=fronts)
 
     def on(self, device: str) -> "DemonstrationSet":
         """The same with its frames on a device, where batches are then put together."""
-        return replace(
-            self, clouds=self.clouds.to(device), proprio=self.proprio.to(device), actions=self.actions.to(device)
-        )
+        frames = {name: getattr(self, name) for name in ("clouds", "proprio", "actions", "fronts")}
+        return replace(self, **{name: frame.to(device) for name, frame in frames.items() if frame is not None})
 
 
 @dataclass(frozen=True)
 class Batch:
-    """Sequences: clouds (B, T, P, 4), proprio (B, T, 9), actions (B, T, 7), weights (B, T): 0 behind an episode."""
+    """Sequences: clouds (B, T, P, 4), proprio (B, T, 9), actions (B, T, 7), weights (B, T): 0 behind an episode.
+
+    fronts: (B, T, 3), as of `DemonstrationSet`.
+    """
 
     clouds: Tensor
     proprio: Tensor
     actions: Tensor
     weights: Tensor
+    fronts: Tensor | None = None
 
 
 def read_demonstrations(paths: Sequence[Path], per_store: int) -> DemonstrationSet:
@@ -118,14 +132,24 @@ def windows(data: DemonstrationSet, episodes: Sequence[int], horizon: int, strid
     return np.concatenate(frames), np.concatenate(real)
 
 
-def gather(data: DemonstrationSet, frames: Indices, real: Mask, points: int, random: torch.Generator) -> Batch:
-    """Sequences of `frames` (B, T), each seeing its own random `points` of the P points of every cloud."""
+def gather(
+    data: DemonstrationSet, frames: Indices, real: Mask, points: int, random: torch.Generator, keep: bool = False
+) -> Batch:
+    """Sequences of `frames` (B, T), each seeing its own random `points` of the P points of every cloud.
+
+    keep: what stands proud of the front is never left out.
+    """
     device, available = data.clouds.device, data.clouds.shape[1]
     index = torch.from_numpy(frames).to(device)
     if points < available:
-        subset = torch.rand((len(index), available), generator=random).argsort(1)[:, :points].to(device)
-        clouds = data.clouds[index[:, :, None], subset[:, None, :]]
+        chance = torch.rand((len(index), available), generator=random).to(device)
+        if keep:
+            left = chance[:, None] + (data.clouds[index][..., 3] != -1)
+            clouds = data.clouds[index[:, :, None], left.argsort(2)[..., :points]]
+        else:
+            clouds = data.clouds[index[:, :, None], chance.argsort(1)[:, None, :points]]
     else:
         clouds = data.clouds[index]
     weights = torch.from_numpy(real).to(device).float()
-    return Batch(clouds.float(), data.proprio[index], data.actions[index], weights)
+    fronts = None if data.fronts is None else data.fronts[index]
+    return Batch(clouds.float(), data.proprio[index], data.actions[index], weights, fronts)

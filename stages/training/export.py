@@ -9,7 +9,7 @@ from stages.contracts.errors import InputError
 from stages.contracts.files import atomic, write_json
 from stages.contracts.policy_folder import read_config
 from stages.plugins import qualified
-from stages.policies import Choice
+from stages.policies import Choice, proud
 from stages.policies.checkpoint import load_policy, save_weights
 
 LAYOUT = {
@@ -20,7 +20,9 @@ LAYOUT = {
 
 
 def run(*, policy: Path, out: Path, checkpoint: str = "best", action: Choice = "sharpened") -> None:
-    """Write weights.safetensors, policy.json and loader.py, which needs torch and safetensors alone.
+    """Write weights.safetensors, policy.json, loader.py and proud.py, which need torch and safetensors alone.
+
+    A policy that sees flagged handles marks them itself, by proud.py.
 
     Args:
         policy: folder of the policy (training train).
@@ -33,6 +35,8 @@ def run(*, policy: Path, out: Path, checkpoint: str = "best", action: Choice = "
     cover([module])
     if source(f"{module}.portable") is None:
         raise InputError(policy, f"a policy '{config.run.policy}' has no portable form.", f"write {module}.portable")
+    if not config.run.network.cloud:
+        raise InputError(policy, "is a policy without a cloud, a baseline for rollouts.", "export one that has eyes")
     code = importlib.import_module(f"{module}.portable")
     weights, about = code.portable(load_policy(policy, checkpoint), action)
     options = config.task_options
@@ -48,5 +52,7 @@ def run(*, policy: Path, out: Path, checkpoint: str = "best", action: Choice = "
     save_weights(out / "weights.safetensors", weights)
     write_json(out / "policy.json", about)
     assert code.__file__
-    with atomic(out / "loader.py") as temporary:
-        shutil.copyfile(Path(code.__file__).with_name("loader.py"), temporary)
+    assert proud.__file__
+    for source_file in (Path(code.__file__).with_name("loader.py"), Path(proud.__file__)):
+        with atomic(out / source_file.name) as temporary:
+            shutil.copyfile(source_file, temporary)

@@ -15,6 +15,7 @@ from stages.policies import TrainablePolicy
 from stages.policies.checkpoint import save_weights
 from stages.training.augment import augment, mirror_some
 from stages.training.dataset import Batch, DemonstrationSet, gather, split_episodes, windows
+from stages.training.fronts import move_fronts
 from stages.training.logbook import Line
 from stages.training.state import TrainingState
 
@@ -59,7 +60,8 @@ def optimise(policy: TrainablePolicy, state: TrainingState, setting: Setting, lo
             group["lr"] = learning_rate(step, run)
         random = generator(setting.seed, step)
         chosen = torch.randint(len(frames), (run.batch_size,), generator=random).numpy()
-        batch = gather(data, frames[chosen], real[chosen], run.network.points, random)
+        batch = gather(data, frames[chosen], real[chosen], run.network.points, random, run.handle.keep)
+        batch = move_fronts(batch, run.handle, random)
         batch = mirror_some(batch, run.mirror, random)
         clouds, proprio = augment(batch.clouds, batch.proprio, run, random)
         loss, _ = policy.loss(clouds, proprio, batch.actions, batch.weights)
@@ -95,7 +97,7 @@ def validation_batches(setting: Setting, episodes: list[int]) -> Iterator[Batch]
     even = np.linspace(0, len(frames) - 1, min(len(frames), VALIDATION_SEQUENCES)).astype(int)
     random = generator(setting.seed, 2**31)
     for part in np.array_split(even, -(-len(even) // run.batch_size)):
-        yield gather(setting.data, frames[part], real[part], run.network.points, random)
+        yield gather(setting.data, frames[part], real[part], run.network.points, random, run.handle.keep)
 
 
 @torch.no_grad()

@@ -58,6 +58,8 @@ def run(
         raise InputError(
             "training.network.points", f"is {hyper.network.points}, but the clouds have {data.clouds.shape[1]} points."
         )
+    if hyper.handle.flag:
+        data = data.marked()
     setting = Setting(hyper, data.on(device), seed, work=out.parent / f"{out.name}.work")
     training, validation = split_episodes(data, hyper.validation_fraction, seed)
     policy = make_policy(hyper)

@@ -10,12 +10,14 @@ import pytest
 import torch
 
 from stages.config.task import TaskConfig
-from stages.config.training import NetworkConfig, TrainingRun
+from stages.config.training import HandleConfig, NetworkConfig, TrainingRun
 from stages.contracts import InputError, write_json
 from stages.contracts.trained import TrainedPolicy, TrainingStore
+from stages.policies import closed_loop
 from stages.policies.bc_rnn_gmm import Policy
 from stages.policies.bc_rnn_gmm.loader import PortablePolicy
 from stages.policies.checkpoint import load_policy, save_weights
+from stages.policies.proud import mark_proud
 from stages.training.export import run
 
 STRANGER = """
@@ -30,10 +32,14 @@ seen = load_file(folder + "/seen.safetensors")
 policies = [PortablePolicy(out) for out in exported]
 print([[policy(*now).tolist() for now in zip(seen["clouds"], seen["proprio"])] for policy in policies])
 """
-NETWORKS = (
-    NetworkConfig(points=40),
-    NetworkConfig(points=40, cloud_frame="robot", pointnet_layers=3, mlp=[32, 16], gmm_modes=3),
-    NetworkConfig(points=40, mlp=[]),
+RUNS = (
+    TrainingRun(network=NetworkConfig(points=40), rnn_horizon=3),
+    TrainingRun(
+        network=NetworkConfig(points=40, cloud_frame="robot", pointnet_layers=3, mlp=[32, 16], gmm_modes=3),
+        rnn_horizon=3,
+    ),
+    TrainingRun(network=NetworkConfig(points=40, mlp=[]), rnn_horizon=3),
+    TrainingRun(network=NetworkConfig(points=40), rnn_horizon=3, handle=HandleConfig(flag=True, keep=True)),
 )
 
 
@@ -64,13 +70,16 @@ def test_the_loader_acts_as_our_actor(tmp_path: Path) -> None:
     random = np.random.default_rng(2)
     clouds, proprio = random.normal(size=(5, 40, 4)).astype(np.float32), random.normal(size=(5, 9)).astype(np.float32)
     clouds[..., 3] = clouds[..., 3] > 0
+    clouds[:, :30, 0] = 0.5  # a front; some of the rest stand before it
+    clouds[:, 30:, 0] = np.linspace(0.46, 0.5, 10)
+    assert (mark_proud(torch.tensor(clouds))[0][..., 3] == -1).any()
     save_weights(tmp_path / "seen.safetensors", {"clouds": torch.tensor(clouds), "proprio": torch.tensor(proprio)})
     exported, ours = [], []
-    for number, network in enumerate(NETWORKS):
-        folder = trained(tmp_path / f"policy_{number}", TrainingRun(network=network, rnn_horizon=3))
+    for number, setting in enumerate(RUNS):
+        folder = trained(tmp_path / f"policy_{number}", setting)
         exported.append(tmp_path / f"out_{number}")
         run(policy=folder, out=exported[-1], action="most_likely")
-        actor = load_policy(folder, "best").actor(1, "most_likely")
+        actor = closed_loop(load_policy(folder, "best"), 1, "most_likely")
         actor.reset(0, 0)
         ours.append([actor.act([0], [cloud], [own])[0] for cloud, own in zip(clouds, proprio, strict=True)])
     words = [sys.executable, "-I", "-c", STRANGER, *map(str, [tmp_path, *exported])]
@@ -100,9 +109,16 @@ def test_modes_are_drawn_by_the_square_of_their_weight_unless_told_otherwise(tmp
 def test_the_loader_is_short_and_names_what_it_reads(tmp_path: Path) -> None:
     run(policy=trained(tmp_path / "policy", TrainingRun()), out=tmp_path / "out")
     loader = (tmp_path / "out" / "loader.py").read_text()
-    assert len(loader.splitlines()) <= 30 and "stages" not in loader
+    assert len(loader.splitlines()) <= 42 and "stages" not in loader
+    assert "stages" not in (tmp_path / "out" / "proud.py").read_text()
     about = json.loads((tmp_path / "out" / "policy.json").read_text())
     assert about["task"] == "door" and about["control_frequency_hz"] == TaskConfig().control_frequency
+
+
+def test_a_policy_without_eyes_is_refused(tmp_path: Path) -> None:
+    folder = trained(tmp_path / "policy", TrainingRun(network=NetworkConfig(cloud=False)))
+    with pytest.raises(InputError, match="without a cloud"):
+        run(policy=folder, out=tmp_path / "out")
 
 
 def test_a_policy_without_a_portable_form_is_refused(tmp_path: Path) -> None:

@@ -59,7 +59,12 @@ class Actor:
     def _subset(self, slot: int, cloud: Float) -> Float:
         """As many points as in training, drawn anew at every step (as official)."""
         points = self.policy.network.points
-        return cloud if len(cloud) <= points else cloud[self.random[slot].permutation(len(cloud))[:points]]
+        if len(cloud) <= points:
+            return cloud
+        order = self.random[slot].permutation(len(cloud))
+        if self.policy.run.handle.keep:
+            order = order[np.argsort(cloud[order, 3] != -1, kind="stable")]
+        return cloud[order[:points]]
 
     def _tensor(self, rows: Sequence[Float]) -> Tensor:
         return torch.from_numpy(np.stack(rows)).to(self.device)

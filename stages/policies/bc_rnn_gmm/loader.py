@@ -15,11 +15,21 @@ class PortablePolicy:
         self.lstm = torch.nn.LSTM(self.about["features"], self.about["memory"])
         self.lstm.load_state_dict({k[5:]: tensor for k, tensor in self.weights.items() if k.startswith("lstm.")})
         self.past: list[torch.Tensor] = []  # clear it when an episode begins
+        if self.about["flags"] > 2:
+            from proud import mark_proud  # lies beside this file
+
+            self.mark = mark_proud
 
     @torch.inference_mode()
     def __call__(self, cloud: torch.Tensor, proprio: torch.Tensor) -> torch.Tensor:  # (P, 4), (9,) -> action (7,)
-        some = cloud[torch.randperm(len(cloud))[: self.about["points"]]]
-        x = some - torch.cat([proprio[:3] * self.about["gripper_frame"], torch.zeros(1)])
+        if (flags := self.about["flags"]) > 2:
+            cloud = self.mark(cloud[None])[0][0]
+        order = torch.randperm(len(cloud))
+        if self.about["keep_flagged"]:
+            order = order[(cloud[order, 3] != -1).int().argsort(stable=True)]
+        some = cloud[order[: self.about["points"]]]
+        marks = torch.stack([some[:, 3], -some[:, 3]], dim=1).clamp_min(0)[:, : flags - 1]
+        x = torch.cat([some[:, :3] - proprio[:3] * self.about["gripper_frame"], marks], dim=1)
         for i in range(self.about["point_layers"]):
             x = linear(gelu(x) if i else x, self.weights[f"point.{i}.weight"], self.weights[f"point.{i}.bias"])
         own = (proprio - self.weights["proprio_mean"]) / self.weights["proprio_std"]

@@ -30,8 +30,10 @@ class BcRnnGmm(TrainablePolicy):
         super().__init__(run)
         self.network = network = run.network
         width, hidden, modes = network.pointnet_width, network.rnn_hidden, network.gmm_modes
-        self.pointnet = PointNet(width, network.pointnet_layers, network.flag_embedding, run.precision == "bf16")
-        self.lstm = nn.LSTM(width + PROPRIO, hidden, batch_first=True)
+        self.flags = 3 if run.handle.flag else 2
+        bf16 = run.precision == "bf16"
+        self.pointnet = PointNet(width, network.pointnet_layers, network.flag_embedding, bf16, self.flags)
+        self.lstm = nn.LSTM(width * network.cloud + PROPRIO, hidden, batch_first=True)
         sizes = [hidden, *network.mlp]
         self.mlp = nn.Sequential(*(nn.Sequential(nn.Linear(a, b), nn.ReLU()) for a, b in pairwise(sizes)))
         self.head = nn.Linear(sizes[-1], modes * (1 + 2 * ACTION))
@@ -49,14 +51,19 @@ class BcRnnGmm(TrainablePolicy):
         return xyz - proprio[..., None, :3] if self.network.cloud_frame == "gripper" else xyz
 
     def normalised(self, clouds: Tensor, proprio: Tensor) -> Tensor:
-        """What the PointNet reads: (..., P, 4)."""
+        """What the PointNet reads: (..., P, 4), or 5 with what stands proud marked."""
         xyz = (self.in_frame(clouds, proprio) - self.cloud_mean) / self.cloud_std
-        return torch.cat([xyz, clouds[..., 3:]], dim=-1)
+        if self.flags == 2:
+            return torch.cat([xyz, clouds[..., 3:]], dim=-1)
+        return torch.cat([xyz, clouds[..., 3:] == 1, clouds[..., 3:] == -1], dim=-1)
 
     def encode(self, clouds: Tensor, proprio: Tensor) -> Tensor:
         """What the LSTM reads, (..., width + 9), of clouds (..., P, 4) and proprioception (..., 9)."""
+        own = (proprio - self.proprio_mean) / self.proprio_std
+        if not self.network.cloud:
+            return own
         features = self.pointnet(self.normalised(clouds, proprio).flatten(0, -3)).unflatten(0, clouds.shape[:-2])
-        return torch.cat([features, (proprio - self.proprio_mean) / self.proprio_std], dim=-1)
+        return torch.cat([features, own], dim=-1)
 
     def decode(self, encoded: Tensor, state: State | None = None) -> tuple[Mixture, State]:
         """Mixtures (B, T, ...) of encoded observations (B, T, F), and the LSTM's state behind the last one."""

@@ -1,7 +1,8 @@
 """PointNet encoder of a cloud whose points carry a finger flag (paper B.3), with two exact savings.
 
 1. The flag has two values, so its embedding e(flag) folds into the first layer:
-   W [xyz, e(f)] + b = W_x xyz + t_0 + f (t_1 - t_0) with t_k = W_e e(k) + b. 131 inputs become 4.
+   W [xyz, e(f)] + b = W_x xyz + t_0 + f (t_1 - t_0) with t_k = W_e e(k) + b. 131 inputs become 4. A third value, for
+   what stands proud of the front, adds an input of its own, 1 where it holds.
 2. Max-pooling passes gradient to the winning points only. A forward pass without gradient, in
    chunks that stay in the cache, finds the winners; a second pass differentiates them alone.
 
@@ -20,14 +21,15 @@ ONEDNN = torch.backends.mkldnn.is_available() and hasattr(torch.ops.mkldnn, "_li
 
 
 class PointNet(nn.Module):
-    """Shared MLP over points, max-pool, ReLU: (N, P, 4) clouds -> (N, width) features.
+    """Shared MLP over points, max-pool, ReLU: (N, P, 2 + flags) clouds -> (N, width) features.
 
-    A point is x, y, z and a flag in {0, 1}: scene or gripper finger. GELU stands between the layers.
+    A point is x, y, z, 1 on a gripper finger (else 0) and, of three flags, 1 where it stands proud of the front
+    (else 0). GELU stands between the layers.
     """
 
-    def __init__(self, width: int, layers: int, flag_embedding: int, bf16: bool = False) -> None:
+    def __init__(self, width: int, layers: int, flag_embedding: int, bf16: bool = False, flags: int = 2) -> None:
         super().__init__()
-        self.flag = nn.Embedding(2, flag_embedding)
+        self.flag = nn.Embedding(flags, flag_embedding)
         self.first = nn.Linear(3 + flag_embedding, width)
         self.rest = nn.ModuleList(nn.Linear(width, width) for _ in range(layers - 1))
         self.bf16 = bf16
@@ -36,7 +38,7 @@ class PointNet(nn.Module):
         nn.init.uniform_(self.first.weight[:, :3], -(3**-0.5), 3**-0.5)
 
     def forward(self, clouds: Tensor) -> Tensor:
-        """Features (N, width) of clouds (N, P, 4)."""
+        """Features (N, width) of clouds (N, P, 2 + flags)."""
         if not torch.is_grad_enabled():
             return functional.relu(self._winners(clouds)[0])
         with torch.no_grad():
@@ -66,12 +68,12 @@ class PointNet(nn.Module):
         last.bias.copy_((last.bias - pooled.mean(0)) * scale + 1)
 
     def folded(self) -> tuple[Tensor, Tensor]:
-        """First layer on (xyz, flag): weight (width, 4), bias (width,)."""
+        """First layer on (xyz, flags): weight (width, 2 + flags), bias (width,)."""
         table = functional.linear(self.flag.weight, self.first.weight[:, 3:], self.first.bias)
-        return torch.cat([self.first.weight[:, :3], (table[1] - table[0])[:, None]], dim=1), table[0]
+        return torch.cat([self.first.weight[:, :3], (table[1:] - table[0]).T], dim=1), table[0]
 
     def _mlp(self, points: Tensor, weight: Tensor, bias: Tensor) -> Tensor:
-        """Features (..., width) of points (..., 4). The first layer stays fp32: bf16 would cost millimetres."""
+        """Features (..., width) of points (..., 2 + flags). The first layer stays fp32: bf16 would cost millimetres."""
         x = functional.linear(points, weight, bias)
         with torch.autocast(points.device.type, torch.bfloat16, enabled=self.bf16):
             for layer in self.rest:

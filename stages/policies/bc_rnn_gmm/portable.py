@@ -22,9 +22,9 @@ def portable(policy: BcRnnGmm, choose: Choice) -> tuple[dict[str, Tensor], dict[
     weights = {f"lstm.{name}": tensor for name, tensor in policy.lstm.state_dict().items()}
     weights |= {name: getattr(policy, name) for name in ("proprio_mean", "proprio_std")}
     with torch.no_grad():
-        weight, bias = points.folded()  # on x, y, z as the policy normalises them, and the flag
-        scale = torch.cat([1 / policy.cloud_std.expand(3), torch.ones(1)])
-        shift = torch.cat([policy.cloud_mean, torch.zeros(1)])
+        weight, bias = points.folded()  # on x, y, z as the policy normalises them, and the flags
+        scale = torch.cat([1 / policy.cloud_std.expand(3), torch.ones(policy.flags - 1)])
+        shift = torch.cat([policy.cloud_mean, torch.zeros(policy.flags - 1)])
         weights |= {"point.0.weight": weight * scale, "point.0.bias": bias - weight @ (shift * scale)}
     for name, layers, first in (("point", points.rest, 1), ("head", head, 0)):
         for i, layer in enumerate(layers, first):
@@ -37,6 +37,8 @@ def portable(policy: BcRnnGmm, choose: Choice) -> tuple[dict[str, Tensor], dict[
         weights[f"head.{len(head) - 1}.{kind}"] = last
     return {name: tensor.detach().clone() for name, tensor in weights.items()}, {
         "points": network.points,
+        "flags": policy.flags,
+        "keep_flagged": policy.run.handle.keep,
         "gripper_frame": float(network.cloud_frame == "gripper"),
         "point_layers": network.pointnet_layers,
         "features": network.pointnet_width + len(policy.proprio_mean),

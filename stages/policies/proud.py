@@ -1,0 +1,75 @@
+"""What stands proud of a front, told from the cloud alone, without labels (not in the paper).
+
+Handles do. A policy whose cloud marks them can look at them; one whose cloud does not goes by the borders of the front
+(docs/training.md). Torch alone is imported: an exported policy carries this file.
+
+Clouds (B, P, 4) are x, y, z in metres in the robot base frame and a flag: 0 scene, 1 finger, -1 proud (marked here).
+"""
+
+import torch
+from torch import Tensor
+
+ANCHORS = 16  # points whose pairs are the hypotheses of the front's plane, spread over the cloud
+NEAR = 0.006  # metres: a point this near to the plane lies in it
+BEFORE = 0.008  # metres: a point this far before the plane stands proud of it
+THIN = 0.02  # metres: deviation, along their thinnest axis, of points that may be one handle
+CHUNK = 128  # clouds at once
+
+
+def mark_proud(clouds: Tensor) -> tuple[Tensor, Tensor]:
+    """The clouds with flag -1 on what stands proud of the front, and the front's upright planes.
+
+    A plane (B, 3) is its unit normal (x, y), which points to the robot, and offset: n_x x + n_y y = offset. Zeros: a
+    cloud without a front. Of the upright planes through two of `ANCHORS` points the one with most points within `NEAR`
+    is refined by least squares. What is proud must be thin one way, or the plane was not that of the front.
+    """
+    parts = [_mark(part) for part in clouds.split(CHUNK)]
+    return torch.cat([cloud for cloud, _ in parts]), torch.cat([plane for _, plane in parts])
+
+
+def _mark(clouds: Tensor) -> tuple[Tensor, Tensor]:
+    xyz, scene = clouds[..., :3].float(), clouds[..., 3] == 0
+    planes = front_planes(xyz[..., :2], scene)
+    proud = scene & (_before(xyz[..., :2], planes) > BEFORE) & planes.any(-1, keepdim=True)
+    weight = proud.float()[..., None]
+    count = weight.sum(1).clamp_min(1)
+    middle = (xyz * weight).sum(1) / count
+    centred = (xyz - middle[:, None]) * weight
+    spread = torch.linalg.eigvalsh(centred.mT @ centred / count[..., None])[:, 0]
+    proud &= (spread < THIN**2)[:, None]
+    flags = torch.where(proud, -1.0, clouds[..., 3])
+    return torch.cat([clouds[..., :3], flags[..., None].to(clouds.dtype)], dim=-1), planes
+
+
+def front_planes(xy: Tensor, scene: Tensor) -> Tensor:
+    """Planes (B, 3) as of `mark_proud`: lines, seen from above, through points (B, P, 2) where `scene` (B, P)."""
+    order = scene.int().argsort(dim=1, descending=True, stable=True)
+    count = scene.sum(1)
+    steps = torch.linspace(0, 1, ANCHORS, device=xy.device)
+    picked = order.gather(1, (steps * (count - 1).clamp_min(0)[:, None]).long())
+    anchors = xy.gather(1, picked[..., None].expand(-1, -1, 2))
+    first, second = torch.triu_indices(ANCHORS, ANCHORS, 1, device=xy.device)
+    along = anchors[:, second] - anchors[:, first]
+    normals = torch.stack([-along[..., 1], along[..., 0]], dim=-1)
+    lengths = normals.norm(dim=-1, keepdim=True)
+    normals = normals / lengths.clamp_min(1e-6)
+    offsets = (normals * anchors[:, first]).sum(-1)
+    inside = ((xy @ normals.mT - offsets[:, None]).abs() < NEAR) & scene[..., None] & (lengths.mT > NEAR)
+    best = inside.sum(1).argmax(1)
+    rows = torch.arange(len(xy), device=xy.device)
+    planes = torch.cat([normals[rows, best], offsets[rows, best, None]], dim=1)
+    for _ in range(2):  # refined, a plane has better inliers, which give a better plane
+        weight = ((_before(xy, planes).abs() < NEAR) & scene).float()[..., None]
+        total = weight.sum(1).clamp_min(1)
+        middle = (xy * weight).sum(1) / total
+        x, y = ((xy - middle[:, None]) * weight).unbind(-1)
+        angle = 0.5 * torch.atan2(2 * (x * y).sum(1), (x * x - y * y).sum(1))
+        normal = torch.stack([-angle.sin(), angle.cos()], dim=1)
+        planes = torch.cat([normal, (normal * middle).sum(1, keepdim=True)], dim=1)
+    planes = torch.where(planes[:, 2:] > 0, -planes, planes)  # the robot, at the origin, is before it
+    return planes * (count > 2)[:, None]
+
+
+def _before(xy: Tensor, planes: Tensor) -> Tensor:
+    """Distances (B, P) of points (B, P, 2) before planes (B, 3), metres."""
+    return (xy * planes[:, None, :2]).sum(-1) - planes[:, None, 2]

@@ -1,0 +1,154 @@
+"""What stands proud of a front is told from the cloud, and fronts are moved under their handles."""
+
+import numpy as np
+import pytest
+import torch
+from torch import Tensor
+
+from stages.config.task import TaskConfig
+from stages.config.training import HandleConfig, NetworkConfig, TrainingRun
+from stages.contracts.trained import TrainingStore
+from stages.policies import closed_loop, make_policy
+from stages.policies.proud import mark_proud
+from stages.training.dataset import Batch, DemonstrationSet, gather
+from stages.training.fronts import mark_episodes, move_fronts, still
+
+FLAGGED = HandleConfig(flag=True, keep=True, front_probability=1.0)
+
+
+def cabinet(angle: float = 0.0, distance: float = 0.7, out: float = 0.04, knob: bool = False) -> Tensor:
+    """A cloud (1, P, 4): a front of 40 x 50 cm, turned about z, with a bar or knob before it, and two fingers."""
+    y, z = torch.meshgrid(torch.linspace(-0.2, 0.2, 17), torch.linspace(0.2, 0.7, 20), indexing="ij")
+    front = torch.stack([torch.zeros_like(y), y, z], dim=-1).reshape(-1, 3)
+    length = 0.02 if knob else 0.12
+    bar = torch.stack([torch.full((12,), -out), torch.linspace(0.13, 0.15, 12), torch.linspace(0, length, 12) + 0.4], 1)
+    points = torch.cat([front, bar])
+    turn = torch.tensor([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]]).float()
+    points = points @ turn.T + torch.tensor([distance, 0, 0])
+    fingers = torch.tensor([[0.3, -0.02, 0.4], [0.3, 0.02, 0.4]])
+    flags = torch.cat([torch.zeros(len(points)), torch.ones(2)])
+    return torch.cat([torch.cat([points, fingers]), flags[:, None]], dim=1)[None]
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.4, -0.7])
+@pytest.mark.parametrize("knob", [False, True])
+def test_the_handle_is_marked_and_nothing_else(angle: float, knob: bool) -> None:
+    cloud = cabinet(angle, knob=knob)
+    marked, planes = mark_proud(cloud)
+    assert (marked[0, :, 3] == -1).nonzero().squeeze(1).tolist() == list(range(340, 352))
+    assert torch.equal(marked[..., :3], cloud[..., :3]) and (marked[0, -2:, 3] == 1).all()
+    assert planes[0].tolist() == pytest.approx([-np.cos(angle), -np.sin(angle), -0.7 * np.cos(angle)], abs=1e-3)
+
+
+def test_what_hardly_stands_out_or_is_thick_is_not_marked() -> None:
+    assert (mark_proud(cabinet(out=0.005))[0][..., 3] != -1).all()
+    thick = cabinet()
+    thick[0, 340:352, :3] = 0.2 * torch.rand((12, 3), generator=torch.Generator().manual_seed(0)) + 0.3
+    assert (mark_proud(thick)[0][..., 3] != -1).all()
+
+
+def test_a_cloud_without_points_has_no_front() -> None:
+    empty = torch.zeros((2, 64, 4))
+    empty[1, :, 3] = 1
+    marked, planes = mark_proud(empty)
+    assert torch.equal(marked, empty) and (planes[1] == 0).all()
+
+
+def test_a_front_moves_when_two_frames_say_so() -> None:
+    def plane(angle: float, offset: float = -0.7) -> list[float]:
+        return [-np.cos(angle), -np.sin(angle), offset]
+
+    turning = torch.tensor([plane(0), plane(0.01), plane(0.2), plane(0), plane(0.2), plane(0.5)], dtype=torch.float32)
+    assert still(turning).tolist() == [True, True, True, True, False, False]
+    pulled = torch.tensor([plane(0), plane(0, -0.69), plane(0, -0.68), plane(0, -0.6)], dtype=torch.float32)
+    assert still(pulled).tolist() == [True, True, False, False]
+
+
+def sequences(count: int = 6, steps: int = 3) -> Batch:
+    """Sequences of one marked cloud."""
+    marked, fronts = mark_episodes(cabinet(0.3).repeat(steps, 1, 1), [steps])
+    clouds, planes = (part[None].repeat(count, *[1] * part.dim()) for part in (marked, fronts))
+    shape = (count, steps)
+    return Batch(clouds, torch.rand((*shape, 9)), torch.rand((*shape, 7)), torch.ones(shape), planes)
+
+
+def test_fronts_move_in_their_planes_and_handles_stay_on_them() -> None:
+    batch = sequences()
+    moved = move_fronts(batch, FLAGGED, torch.Generator().manual_seed(0))
+    assert moved.proprio is batch.proprio and moved.actions is batch.actions
+    front, rest = batch.clouds[..., 3] == 0, batch.clouds[..., 3] != 0
+    assert torch.equal(moved.clouds[rest], batch.clouds[rest])
+    normal = batch.fronts[0, 0, :2]  # type: ignore[index]
+    assert torch.allclose(moved.clouds[front][:, :2] @ normal, batch.clouds[front][:, :2] @ normal, atol=1e-5)
+    along = torch.stack([-normal[1], normal[0]])
+    for before, after in zip(batch.clouds, moved.clouds, strict=True):
+        handle = before[0, 340:352]
+        for axis in (lambda p: p[:, :2] @ along, lambda p: p[:, 2]):
+            ends = axis(after[0, :340])
+            assert ends.min() <= axis(handle).min() + 1e-4 and ends.max() >= axis(handle).max() - 1e-4
+            assert ends.min() != pytest.approx(axis(before[0, :340]).min().item(), abs=1e-3)
+
+
+def test_a_front_that_moves_and_one_without_a_handle_are_left_alone() -> None:
+    batch = sequences()
+    assert batch.fronts is not None
+    batch.fronts[0, 2] = 0  # in its last frame this front has begun to move
+    batch.clouds[1, ..., 3] = batch.clouds[1, ..., 3].clamp_min(0)
+    moved = move_fronts(batch, FLAGGED, torch.Generator().manual_seed(0))
+    same = [torch.equal(a, b) for a, b in zip(batch.clouds, moved.clouds, strict=True)]
+    assert same == [True, True, False, False, False, False]
+
+
+def test_the_share_of_moved_fronts_is_what_is_asked() -> None:
+    batch = sequences(count=400, steps=1)
+    options = HandleConfig(flag=True, front_probability=0.3)
+    moved = move_fronts(batch, options, torch.Generator().manual_seed(1)).clouds
+    assert (moved != batch.clouds).flatten(1).any(1).float().mean().item() == pytest.approx(0.3, abs=0.06)
+
+
+def test_without_the_option_no_random_number_is_drawn() -> None:
+    random = torch.Generator().manual_seed(0)
+    batch = sequences()
+    assert move_fronts(batch, HandleConfig(flag=True), random) is batch
+    assert torch.equal(random.get_state(), torch.Generator().manual_seed(0).get_state())
+
+
+def test_marked_points_are_never_thinned_away() -> None:
+    clouds = cabinet().half()
+    data = DemonstrationSet(
+        clouds, torch.zeros((1, 9)), torch.zeros((1, 7)), [1], [0],
+        [TrainingStore(file="a", asset="a", episodes=1, frames=1)], "door", TaskConfig(), "",
+    ).marked()  # fmt: skip
+    index, real = np.zeros((5, 1), np.int64), np.ones((5, 1), bool)
+    counts = {
+        keep: (gather(data, index, real, 40, torch.Generator().manual_seed(0), keep).clouds[..., 3] == -1).sum(-1)
+        for keep in (False, True)
+    }
+    assert (counts[True] == 12).all() and (counts[False] < 12).all()
+
+
+def test_an_actor_sees_marked_clouds_and_a_policy_of_the_paper_does_not() -> None:
+    small = NetworkConfig(points=400, pointnet_width=8, rnn_hidden=8, mlp=[8])
+    cloud, proprio = cabinet()[0].numpy(), np.zeros(9, np.float32)
+    moved = cloud.copy()
+    moved[340:352, 0] += 0.039  # the bar laid on the front: nothing stands proud
+    for handle, flags in ((HandleConfig(), 2), (HandleConfig(flag=True), 3)):
+        torch.manual_seed(0)
+        policy = make_policy(TrainingRun(network=small, handle=handle)).eval()
+        assert policy.pointnet.flag.num_embeddings == flags
+        seen: list[Tensor] = []
+        policy.encode = lambda clouds, proprio, seen=seen: (seen.append(clouds), torch.zeros((1, 17)))[1]  # type: ignore[method-assign]
+        actor = closed_loop(policy, 1, "most_likely")
+        actor.reset(0, 0)
+        actor.act([0], [cloud], [proprio])
+        actor.act([0], [moved], [proprio])
+        marks = [(part[..., 3] == -1).sum().item() for part in seen]
+        assert marks == ([12, 0] if flags == 3 else [0, 0])
+
+
+def test_a_policy_without_eyes_acts_by_proprioception_alone() -> None:
+    torch.manual_seed(0)
+    policy = make_policy(TrainingRun(network=NetworkConfig(points=40, cloud=False, rnn_hidden=8, mlp=[8])))
+    clouds, proprio = torch.rand((2, 3, 40, 4)).round(), torch.rand((2, 3, 9))
+    assert torch.equal(policy(clouds, proprio).means, policy(0 * clouds, proprio).means)  # type: ignore[operator]
+    assert not torch.equal(policy(clouds, proprio).means, policy(clouds, 2 * proprio).means)  # type: ignore[operator]
