@@ -16,53 +16,52 @@ import pandas as pd
 import torch
 from torch import Tensor
 
-from stages.geometry.planes import fit_plane
 from stages.policies.bc_rnn_gmm.network import BcRnnGmm
 from stages.policies.checkpoint import load_policy
+from stages.policies.proud import mark_proud
 from stages.training.dataset import read_demonstrations
 
 STEPS = 5  # of an episode that are looked at, all of them on the way to the handle
 SHIFT = 0.08  # metres
-BEFORE, PLANE = 0.012, 0.006  # metres: a point stands before the front, or lies in its plane
-HYPOTHESES = 200  # of the front's plane
+LEAST = 3  # points of a handle in every cloud
 
 
 def answers(policy: BcRnnGmm, clouds: Tensor, proprio: Tensor, full_step: float) -> dict[str, float] | None:
     """Sideways motion (cm per step) for what is shown of one episode's first clouds (T, P, 4); None: no handle seen.
 
-    An action of 1 moves the hand by `full_step` metres. The robot stands on the side of -x.
+    What stands proud of the front is the handle, found in every cloud anew: points have another order in each. An
+    action of 1 moves the hand by `full_step` metres.
     """
-    finger = clouds[0, :, 3] > 0.5
-    plane = fit_plane(clouds[0, ~finger, :3].numpy(), PLANE, HYPOTHESES, np.random.default_rng(0))
-    assert plane is not None, "three points make a plane"
-    towards = -float(np.sign(plane.normal[0]))
-    normal = torch.from_numpy(towards * plane.normal).float()
-    handle = (clouds[0, :, :3] @ normal - towards * plane.offset > BEFORE) & ~finger
-    if handle.sum() < 3:
+    marked, planes = mark_proud(clouds)
+    handle, front = marked[..., 3] == -1, marked[..., 3] == 0
+    if handle.sum(1).min() < LEAST:
         return None
-    sideways = torch.stack([-normal[1], normal[0], torch.tensor(0.0)])
-    sideways = sideways / sideways.norm()
+    sideways = torch.stack([-planes[0, 1], planes[0, 0], torch.tensor(0.0)])
 
     def answer(shown: Tensor) -> float:
+        if not policy.run.handle.flag:
+            shown = torch.cat([shown[..., :3], shown[..., 3:].clamp_min(0)], dim=-1)
         with torch.no_grad():
             mixture = policy(shown[None], proprio[None])
         mean = (mixture.logits.softmax(-1)[..., None] * mixture.means).sum(-2)[0]
         return float((mean[:, :3] @ sideways).mean()) * 100 * full_step
 
     def moved(which: Tensor) -> float:
-        shown = clouds.clone()
-        shown[:, which, :3] += SHIFT * sideways
+        shown = marked.clone()
+        shown[which] += torch.cat([SHIFT * sideways, torch.zeros(1)])
         return answer(shown) - plain
 
-    plain = answer(clouds)
-    rest = (~handle).nonzero().squeeze(1)
-    without = clouds[:, rest[torch.arange(len(handle)) % len(rest)]]
+    plain = answer(marked)
+    without = marked.clone()
+    for frame, its, others in zip(without, handle, front, strict=True):
+        rest = frame[others]
+        frame[its] = rest[torch.arange(int(its.sum())) % len(rest)]
     return {
         "no handle": abs(answer(without) - plain),
         "handle moved": moved(handle),
-        "front moved": moved(~handle & ~finger),
-        "both moved": moved(~finger),
-        "handle points": int(handle.sum()),
+        "front moved": moved(front),
+        "both moved": moved(handle | front),
+        "handle points": float(handle.sum(1).float().mean()),
     }
 
 

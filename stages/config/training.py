@@ -19,6 +19,9 @@ class HandleConfig(Section):
         description="share of training sequences in which the front, as long as it stands still, is shifted and "
         "stretched under its handle; needs `flag`",
     )
+    scale: Range = Field(
+        (1.0, 1.0), description="stretch of the handle itself in these sequences, about its middle, per axis"
+    )
     front_shift: float = Field(0.1, ge=0, description="uniform +/- metres along the front, sideways and up")
     front_scale: Range = Field((0.6, 1.6), description="stretch of the front about the handle, per axis")
 
@@ -91,6 +94,11 @@ class TrainingRun(Section):
     )
 
     # Data, checkpoints, logs
+    let_go: bool = Field(
+        True,
+        description="false: demonstrations end before the hand opens for the last time. A test is over at success, and "
+        "policies that learn to let go do so by where the hand is: wide doors too early (docs/training.md)",
+    )
     validation_fraction: float = Field(0.1, ge=0, lt=1, description="episodes kept for validation (official: 0.1)")
     select: Literal["validation", "last"] = Field(
         "validation", description="which checkpoint becomes policy.safetensors: lowest validation loss, or the last"

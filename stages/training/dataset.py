@@ -65,8 +65,14 @@ class Batch:
     fronts: Tensor | None = None
 
 
-def read_demonstrations(paths: Sequence[Path], per_store: int) -> DemonstrationSet:
-    """The first `per_store` episodes of every store.
+def held(actions: Float) -> int:
+    """Steps (of T, 7 actions) until the hand opens for the last time; all of them if it ends closed or never closes."""
+    closed = np.flatnonzero(actions[:, 6] < 0)
+    return int(closed[-1]) + 1 if len(closed) else len(actions)
+
+
+def read_demonstrations(paths: Sequence[Path], per_store: int, let_go: bool = True) -> DemonstrationSet:
+    """The first `per_store` episodes of every store; without `let_go` each up to where the hand last opens.
 
     Raises:
         InputError: a file is no episode store, has too few episodes, or differs in task or task options.
@@ -80,7 +86,11 @@ def read_demonstrations(paths: Sequence[Path], per_store: int) -> DemonstrationS
     for path, store in zip(paths, stores, strict=True):
         if (store.task, store.task_options) != (first.task, first.task_options):
             raise InputError(path, f"was collected for another task or with other task options than {paths[0]}.")
-    episodes = [episode for store in stores for episode in store.episodes]
+    episodes = [
+        episode if let_go else tuple(array[: held(episode[2])] for array in episode)
+        for store in stores
+        for episode in store.episodes
+    ]
     clouds, proprio, actions = (np.concatenate(arrays) for arrays in zip(*episodes, strict=True))
     digest = hashlib.sha256()
     for array in (clouds, proprio, actions):
@@ -96,7 +106,7 @@ def read_demonstrations(paths: Sequence[Path], per_store: int) -> DemonstrationS
                 file=str(path),
                 asset=store.asset,
                 episodes=len(store.episodes),
-                frames=sum(len(actions) for _, _, actions in store.episodes),
+                frames=sum(len(actions) if let_go else held(actions) for _, _, actions in store.episodes),
             )
             for path, store in zip(paths, stores, strict=True)
         ],

@@ -45,15 +45,17 @@ def still(planes: Tensor) -> Tensor:
 def move_fronts(batch: "Batch", options: HandleConfig, random: torch.Generator) -> "Batch":
     """Some sequences with their fronts shifted along and stretched in their planes, the handle still on them.
 
-    Only sequences in which the front stands still and a handle is seen.
+    The handle may be stretched about its middle, where it is held. Only sequences in which the front stands still and a
+    handle is seen.
     """
     if batch.fronts is None or not options.front_probability:
         return batch
     count, device = len(batch.clouds), batch.clouds.device
-    chance = torch.rand((count, 5), generator=random)
-    low, high = options.front_scale
+    chance = torch.rand((count, 7), generator=random)
+    (low, high), (least, most) = options.front_scale, options.scale
     scale = (low + (high - low) * chance[:, 1:3]).to(device)
-    shift = ((2 * chance[:, 3:] - 1) * options.front_shift).to(device)
+    shift = ((2 * chance[:, 3:5] - 1) * options.front_shift).to(device)
+    own_scale = (least + (most - least) * chance[:, 5:]).to(device)
     xyz, flag = batch.clouds[..., :3], batch.clouds[..., 3]
     handle, front = flag == -1, flag == 0
     able = (
@@ -65,12 +67,16 @@ def move_fronts(batch: "Batch", options: HandleConfig, random: torch.Generator) 
     inside = torch.stack([sideways, xyz[..., 2]], dim=-1)  # (B, T, P, 2): sideways and up
     ends = [_ends(inside, which) for which in (handle, front)]
     (handle_low, handle_high), (front_low, front_high) = ends
-    middle = (handle_low + handle_high) / 2
-    least = handle_high - (middle + scale * (front_high - middle))  # a front that ends before its handle is moved on
-    most = handle_low - (middle + scale * (front_low - middle))
-    shift = torch.maximum(torch.minimum(shift, most), least)
-    moved = (inside - middle[:, None, None]) * scale[:, None, None] + (middle + shift)[:, None, None]
-    delta = (moved - inside) * (front & able[:, None, None])[..., None]
+    middle, half = (handle_low + handle_high) / 2, own_scale * (handle_high - handle_low) / 2
+    # A front that ends before its handle does is moved on.
+    nearest = middle + half - (middle + scale * (front_high - middle))
+    farthest = middle - half - (middle + scale * (front_low - middle))
+    shift = torch.maximum(torch.minimum(shift, farthest), nearest)
+    from_middle = inside - middle[:, None, None]
+    moved = from_middle * (scale[:, None, None] - 1) + shift[:, None, None]
+    stretched = from_middle * (own_scale[:, None, None] - 1)
+    delta = torch.where(front[..., None], moved, torch.where(handle[..., None], stretched, 0.0))
+    delta = delta * able[:, None, None, None]
     flat = delta[..., :1] * along[:, None, None]
     return replace(batch, clouds=torch.cat([xyz + torch.cat([flat, delta[..., 1:]], -1), flag[..., None]], dim=-1))
 

@@ -53,7 +53,7 @@ def run(
         raise InputError("device", "cuda is asked for, but torch finds no GPU.", "set `device: cpu`")
     torch.set_num_threads(threads)
     torch.manual_seed(seed)
-    data = read_demonstrations(episodes, per_store)
+    data = read_demonstrations(episodes, per_store, hyper.let_go)
     if data.clouds.shape[1] < hyper.network.points:
         raise InputError(
             "training.network.points", f"is {hyper.network.points}, but the clouds have {data.clouds.shape[1]} points."

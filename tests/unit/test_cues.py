@@ -4,16 +4,19 @@ import pytest
 import torch
 
 from benchmarks.cues import SHIFT, answers
+from stages.config.training import TrainingRun
 
 
 class Centring:
-    """Answers with a sideways motion (y) to the mean of what it goes by."""
+    """Answers with a sideways motion (y) to the mean of what it goes by, over all its clouds."""
+
+    run = TrainingRun()
 
     def __init__(self, by_handle: bool) -> None:
         self.by_handle = by_handle
 
     def __call__(self, clouds: torch.Tensor, proprio: torch.Tensor) -> object:
-        x, y = clouds[0, 0, :, 0], clouds[0, 0, :, 1]
+        x, y = clouds[0, ..., 0], clouds[0, ..., 1]
         used = x < 0.68 if self.by_handle else x >= 0.68
         aim = y[used].mean() if used.any() else torch.tensor(0.0)
         means = torch.zeros(1, clouds.shape[1], 1, 7)
@@ -22,13 +25,14 @@ class Centring:
 
 
 def drawer() -> torch.Tensor:
-    """(5, 120, 4): a front of 80 x 20 cm with a bar 4 cm before it, without fingers."""
+    """(5, 120, 4): a front of 80 x 20 cm with a bar 4 cm before it, without fingers; in another order in each cloud."""
     random = torch.Generator().manual_seed(0)
     points = torch.rand((120, 3), generator=random) * torch.tensor([0.0, 0.8, 0.2]) + torch.tensor([0.7, -0.4, 0.4])
     points[:12] = torch.rand((12, 3), generator=random) * torch.tensor([0.0, 0.3, 0.01]) + torch.tensor(
         [0.66, -0.1, 0.5]
     )
-    return torch.cat([points, torch.zeros(120, 1)], dim=1).expand(5, -1, -1).clone()
+    cloud = torch.cat([points, torch.zeros(120, 1)], dim=1)
+    return torch.stack([cloud[torch.randperm(120, generator=random)] for _ in range(5)])
 
 
 @pytest.mark.parametrize("by_handle", [True, False])

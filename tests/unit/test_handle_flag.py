@@ -10,7 +10,7 @@ from stages.config.training import HandleConfig, NetworkConfig, TrainingRun
 from stages.contracts.trained import TrainingStore
 from stages.policies import closed_loop, make_policy
 from stages.policies.proud import mark_proud
-from stages.training.dataset import Batch, DemonstrationSet, gather
+from stages.training.dataset import Batch, DemonstrationSet, gather, held
 from stages.training.fronts import mark_episodes, move_fronts, still
 
 FLAGGED = HandleConfig(flag=True, keep=True, front_probability=1.0)
@@ -87,6 +87,27 @@ def test_fronts_move_in_their_planes_and_handles_stay_on_them() -> None:
             ends = axis(after[0, :340])
             assert ends.min() <= axis(handle).min() + 1e-4 and ends.max() >= axis(handle).max() - 1e-4
             assert ends.min() != pytest.approx(axis(before[0, :340]).min().item(), abs=1e-3)
+
+
+def test_handles_are_stretched_about_their_middle() -> None:
+    batch = sequences()
+    options = FLAGGED.model_copy(update={"scale": (0.2, 0.3), "front_shift": 0.0, "front_scale": (1.0, 1.0)})
+    moved = move_fronts(batch, options, torch.Generator().manual_seed(0)).clouds
+    before, after = batch.clouds[:, 0, 340:352], moved[:, 0, 340:352]
+    ratio = (after[..., 2].amax(1) - after[..., 2].amin(1)) / (before[..., 2].amax(1) - before[..., 2].amin(1))
+    assert 0.2 <= ratio.min() < ratio.max() <= 0.3
+    assert torch.allclose(after.mean(1), before.mean(1), atol=1e-4)
+    rest = [*range(340), 352, 353]
+    assert torch.allclose(moved[:, :, rest], batch.clouds[:, :, rest], atol=1e-5)
+
+
+def test_an_episode_may_end_before_the_hand_lets_go() -> None:
+    actions = np.ones((6, 7), np.float32)
+    assert held(actions) == 6  # it never closed
+    actions[[1, 3], 6] = -1
+    assert held(actions) == 4
+    actions[5, 6] = -1
+    assert held(actions) == 6
 
 
 def test_a_front_that_moves_and_one_without_a_handle_are_left_alone() -> None:
