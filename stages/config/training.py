@@ -22,6 +22,13 @@ class HandleConfig(Section):
     scale: Range = Field(
         (1.0, 1.0), description="stretch of the handle itself in these sequences, about its middle, per axis"
     )
+    hide: float = Field(
+        0.0,
+        ge=0,
+        le=1,
+        description="share of training sequences in which the handle is not seen from near, as a knob is",
+    )
+    grip: float = Field(0.0, ge=0, description="metres that each finger may stop farther out in training, as at a knob")
     front_shift: float = Field(0.1, ge=0, description="uniform +/- metres along the front, sideways and up")
     front_scale: Range = Field((0.6, 1.6), description="stretch of the front about the handle, per axis")
 

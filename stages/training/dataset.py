@@ -14,7 +14,7 @@ from stages.config.task import TaskConfig
 from stages.contracts.episode_store import read_episodes
 from stages.contracts.errors import InputError
 from stages.contracts.trained import TrainingStore
-from stages.training.fronts import mark_episodes
+from stages.training.handles import mark_episodes
 
 Indices = NDArray[np.int64]
 Mask = NDArray[np.bool_]

@@ -15,7 +15,7 @@ from stages.policies import TrainablePolicy
 from stages.policies.checkpoint import save_weights
 from stages.training.augment import augment, mirror_some
 from stages.training.dataset import Batch, DemonstrationSet, gather, split_episodes, windows
-from stages.training.fronts import move_fronts
+from stages.training.handles import vary_handles
 from stages.training.logbook import Line
 from stages.training.state import TrainingState
 
@@ -61,7 +61,7 @@ def optimise(policy: TrainablePolicy, state: TrainingState, setting: Setting, lo
         random = generator(setting.seed, step)
         chosen = torch.randint(len(frames), (run.batch_size,), generator=random).numpy()
         batch = gather(data, frames[chosen], real[chosen], run.network.points, random, run.handle.keep)
-        batch = move_fronts(batch, run.handle, random)
+        batch = vary_handles(batch, run.handle, random)
         batch = mirror_some(batch, run.mirror, random)
         clouds, proprio = augment(batch.clouds, batch.proprio, run, random)
         loss, _ = policy.loss(clouds, proprio, batch.actions, batch.weights)

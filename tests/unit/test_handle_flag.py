@@ -11,7 +11,7 @@ from stages.contracts.trained import TrainingStore
 from stages.policies import closed_loop, make_policy
 from stages.policies.proud import mark_proud
 from stages.training.dataset import Batch, DemonstrationSet, gather, held
-from stages.training.fronts import mark_episodes, move_fronts, still
+from stages.training.handles import hide_handles, mark_episodes, move_fronts, still, vary_handles, widen_grips
 
 FLAGGED = HandleConfig(flag=True, keep=True, front_probability=1.0)
 
@@ -101,6 +101,31 @@ def test_handles_are_stretched_about_their_middle() -> None:
     assert torch.allclose(moved[:, :, rest], batch.clouds[:, :, rest], atol=1e-5)
 
 
+def test_a_handle_is_hidden_where_the_hand_is_near() -> None:
+    batch = sequences(count=300)
+    middle = batch.clouds[0, 0, 340:352, :3].mean(0)
+    batch.proprio[..., :3] = middle
+    batch.proprio[:, 0, :3] += torch.tensor([-0.1, 0, 0])  # the first frame is from farther away
+    seen = (hide_handles(batch, 0.4, torch.Generator().manual_seed(0)).clouds[..., 3] == -1).sum(-1)
+    assert (seen[:, 0] == 12).all() and set(seen[:, 1:].flatten().tolist()) == {0, 12}
+    assert (seen[:, 1] == 0).float().mean().item() == pytest.approx(0.4, abs=0.08)
+
+
+def test_grips_are_wider_where_something_is_held() -> None:
+    batch = sequences(count=50)
+    half = np.sqrt(0.5)
+    batch.proprio[..., :3] = torch.tensor([0.3, 0.0, 0.4])  # between the fingers
+    batch.proprio[..., 3:7] = torch.tensor([0.0, half, half, 0.0])  # x and y swapped: the hand's y is the base's x
+    batch.proprio[..., 7:] = torch.tensor([0.04, 0.0, 0.006])[None, :, None]  # open, missed, holding
+    batch.clouds[:, :, 352:354, :2] = torch.tensor([[0.28, 0.0], [0.32, 0.0]])
+    wide = widen_grips(batch, 0.01, torch.Generator().manual_seed(0))
+    more = wide.proprio[..., 7] - batch.proprio[..., 7]
+    assert (more[:, :2] == 0).all() and 0 <= more[:, 2].min() < more[:, 2].max() <= 0.01 and more[:, 2].std() > 0.001
+    moved = wide.clouds[:, 2, 352:354, 0] - batch.clouds[:, 2, 352:354, 0]
+    assert torch.allclose(moved, torch.stack([-more[:, 2], more[:, 2]], dim=1), atol=1e-5)
+    assert torch.equal(wide.clouds[:, :2], batch.clouds[:, :2])
+
+
 def test_an_episode_may_end_before_the_hand_lets_go() -> None:
     actions = np.ones((6, 7), np.float32)
     assert held(actions) == 6  # it never closed
@@ -130,7 +155,8 @@ def test_the_share_of_moved_fronts_is_what_is_asked() -> None:
 def test_without_the_option_no_random_number_is_drawn() -> None:
     random = torch.Generator().manual_seed(0)
     batch = sequences()
-    assert move_fronts(batch, HandleConfig(flag=True), random) is batch
+    assert vary_handles(batch, HandleConfig(), random) is batch
+    assert vary_handles(batch, HandleConfig(flag=True), random) is batch
     assert torch.equal(random.get_state(), torch.Generator().manual_seed(0).get_state())
 
 

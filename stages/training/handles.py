@@ -1,8 +1,9 @@
-"""Fronts moved under their handles: training sequences in which the handle alone says where the hand must go.
+"""Training sequences in which the handle alone says where the hand must go, and may be any other (not in the paper).
 
-In every demonstration front and handle stay together, so a policy may as well go by the front's borders. Here (not in
-the paper; docs/training.md has what it brings) the front of a sequence is shifted and stretched in its own plane;
-handle, fingers, proprioception and actions stay as they are. Clouds carry the flags of `policies.proud`.
+In every demonstration front and handle stay together, so a policy may as well go by the front's borders: here the
+front is shifted and stretched in its own plane, while handle, hand and actions stay. A knob is hidden by the fingers
+when they come near, and holds them wider apart than a bar: here handles disappear near the hand, and grips are wider.
+docs/training.md has what each brings. Clouds carry the flags of `policies.proud`; metres, robot base frame.
 """
 
 from collections.abc import Sequence
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
     from stages.training.dataset import Batch
 
 TURNED, PULLED = 0.07, 0.015  # radians, metres: from here on a front moves, if two frames in a row say so
+NEAR = 0.06  # metres between hand and handle: from here on the fingers may hide it
+HOLDING = (0.002, 0.02)  # metres of a finger joint with something between the fingers; below it they have missed
 FAR = 10.0  # metres: beyond every cloud
 
 
@@ -40,6 +43,15 @@ def still(planes: Tensor) -> Tensor:
     moved = (cosine < torch.cos(torch.tensor(TURNED))) | ((planes[:, 2] - planes[0, 2]).abs() > PULLED)
     twice = moved & torch.cat([moved[1:], moved[-1:]])
     return twice.cumsum(0) == 0
+
+
+def vary_handles(batch: "Batch", options: HandleConfig, random: torch.Generator) -> "Batch":
+    """The sequences as `options` vary them; without `flag` as they are."""
+    if not options.flag:
+        return batch
+    batch = move_fronts(batch, options, random)
+    batch = widen_grips(batch, options.grip, random) if options.grip else batch
+    return hide_handles(batch, options.hide, random) if options.hide else batch
 
 
 def move_fronts(batch: "Batch", options: HandleConfig, random: torch.Generator) -> "Batch":
@@ -86,3 +98,31 @@ def _ends(places: Tensor, which: Tensor) -> tuple[Tensor, Tensor]:
     chosen = which[..., None]
     low = torch.where(chosen, places, FAR).flatten(1, 2).amin(1)
     return low, torch.where(chosen, places, -FAR).flatten(1, 2).amax(1)
+
+
+def widen_grips(batch: "Batch", most: float, random: torch.Generator) -> "Batch":
+    """The sequences with fingers that stop up to `most` metres farther out, each, where they hold something."""
+    chance = most * torch.rand((len(batch.clouds), 1), generator=random).to(batch.clouds.device)
+    fingers = batch.proprio[..., 7:]
+    wider = chance * ((fingers > HOLDING[0]) & (fingers < HOLDING[1])).all(-1)  # (B, T)
+    w, x, y, z = batch.proprio[..., 3:7].unbind(-1)
+    across = torch.stack(
+        [2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)], dim=-1
+    )  # from finger to finger
+    xyz, flag = batch.clouds[..., :3], batch.clouds[..., 3:]
+    side = ((xyz - batch.proprio[..., None, :3]) * across[:, :, None]).sum(-1, keepdim=True).sign()
+    xyz = xyz + side * across[:, :, None] * wider[..., None, None] * (flag == 1)
+    proprio = torch.cat([batch.proprio[..., :7], fingers + wider[..., None]], dim=-1)
+    return replace(batch, clouds=torch.cat([xyz, flag], dim=-1), proprio=proprio)
+
+
+def hide_handles(batch: "Batch", probability: float, random: torch.Generator) -> "Batch":
+    """Some sequences in which the handle is not seen while the hand is near it; other points take its points' place."""
+    chosen = (torch.rand(len(batch.clouds), generator=random) < probability).to(batch.clouds.device)
+    handle = batch.clouds[..., 3] == -1
+    weight = handle.float()[..., None]
+    middle = (batch.clouds[..., :3] * weight).sum(2) / weight.sum(2).clamp_min(1)
+    near = ((middle - batch.proprio[..., :3]).norm(dim=-1) < NEAR) & chosen[:, None]
+    hidden = handle & near[..., None]
+    others = batch.clouds.roll(batch.clouds.shape[2] // 2, dims=2)
+    return replace(batch, clouds=torch.where(hidden[..., None], others, batch.clouds))
