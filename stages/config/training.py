@@ -12,6 +12,7 @@ class HandleConfig(Section):
 
     flag: bool = Field(False, description="points that stand proud of the front carry a flag of their own")
     keep: bool = Field(False, description="of the flagged points none is left out when a cloud is thinned to `points`")
+    middle: bool = Field(False, description="the middle of the flagged points, from the hand, is an input of its own")
     front_probability: float = Field(
         0.0,
         ge=0,

@@ -14,6 +14,7 @@ NEAR = 0.006  # metres: a point this near to the plane lies in it
 BEFORE = 0.008  # metres: a point this far before the plane stands proud of it
 THIN = 0.02  # metres: deviation, along their thinnest axis, of points that may be one handle
 CHUNK = 128  # clouds at once
+REACH = 0.1  # metres that count as 1 in `to_handle`
 
 
 def mark_proud(clouds: Tensor) -> tuple[Tensor, Tensor]:
@@ -73,3 +74,15 @@ def front_planes(xy: Tensor, scene: Tensor) -> Tensor:
 def _before(xy: Tensor, planes: Tensor) -> Tensor:
     """Distances (B, P) of points (B, P, 2) before planes (B, 3), metres."""
     return (xy * planes[:, None, :2]).sum(-1) - planes[:, None, 2]
+
+
+def to_handle(clouds: Tensor, proprio: Tensor) -> Tensor:
+    """From the hand to the middle of the marked points' box, in tenths of metres, and 1; zeros where none is marked.
+
+    Clouds (..., P, 4) and proprioception (..., 9) in the robot base frame; (..., 4).
+    """
+    xyz, marked = clouds[..., :3], clouds[..., 3:] == -1
+    low, high = (torch.where(marked, xyz, sign * torch.inf) for sign in (1, -1))
+    seen = marked.any(-2)
+    way = ((low.amin(-2) + high.amax(-2)) / 2 - proprio[..., :3]) / REACH
+    return torch.cat([torch.where(seen, way, 0.0), seen.to(way.dtype)], dim=-1)

@@ -9,7 +9,7 @@ from stages.config.task import TaskConfig
 from stages.config.training import HandleConfig, NetworkConfig, TrainingRun
 from stages.contracts.trained import TrainingStore
 from stages.policies import closed_loop, make_policy
-from stages.policies.proud import mark_proud
+from stages.policies.proud import mark_proud, to_handle
 from stages.training.dataset import Batch, DemonstrationSet, gather, held
 from stages.training.handles import hide_handles, mark_episodes, move_fronts, still, vary_handles, widen_grips
 
@@ -191,6 +191,15 @@ def test_an_actor_sees_marked_clouds_and_a_policy_of_the_paper_does_not() -> Non
         actor.act([0], [moved], [proprio])
         marks = [(part[..., 3] == -1).sum().item() for part in seen]
         assert marks == ([12, 0] if flags == 3 else [0, 0])
+
+
+def test_the_way_to_the_handle_is_told_where_one_is_seen() -> None:
+    marked, _ = mark_proud(cabinet().repeat(2, 1, 1))
+    marked[1, ..., 3] = marked[1, ..., 3].clamp_min(0)
+    proprio = torch.zeros((2, 9))
+    proprio[:, :3] = torch.tensor([0.5, 0.1, 0.4])
+    way = to_handle(marked, proprio)
+    assert way[0].tolist() == pytest.approx([1.6, 0.4, 0.6, 1.0], abs=1e-4) and way[1].tolist() == [0, 0, 0, 0]
 
 
 def test_a_policy_without_eyes_acts_by_proprioception_alone() -> None:

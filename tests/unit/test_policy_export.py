@@ -39,7 +39,9 @@ RUNS = (
         rnn_horizon=3,
     ),
     TrainingRun(network=NetworkConfig(points=40, mlp=[]), rnn_horizon=3),
-    TrainingRun(network=NetworkConfig(points=40), rnn_horizon=3, handle=HandleConfig(flag=True, keep=True)),
+    TrainingRun(
+        network=NetworkConfig(points=40), rnn_horizon=3, handle=HandleConfig(flag=True, keep=True, middle=True)
+    ),
 )
 
 

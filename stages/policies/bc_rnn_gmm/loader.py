@@ -16,14 +16,14 @@ class PortablePolicy:
         self.lstm.load_state_dict({k[5:]: tensor for k, tensor in self.weights.items() if k.startswith("lstm.")})
         self.past: list[torch.Tensor] = []  # clear it when an episode begins
         if self.about["flags"] > 2:
-            from proud import mark_proud  # lies beside this file
+            import proud  # lies beside this file
 
-            self.mark = mark_proud
+            self.proud = proud
 
     @torch.inference_mode()
     def __call__(self, cloud: torch.Tensor, proprio: torch.Tensor) -> torch.Tensor:  # (P, 4), (9,) -> action (7,)
         if (flags := self.about["flags"]) > 2:
-            cloud = self.mark(cloud[None])[0][0]
+            cloud = self.proud.mark_proud(cloud[None])[0][0]
         order = torch.randperm(len(cloud))
         if self.about["keep_flagged"]:
             order = order[(cloud[order, 3] != -1).int().argsort(stable=True)]
@@ -33,7 +33,8 @@ class PortablePolicy:
         for i in range(self.about["point_layers"]):
             x = linear(gelu(x) if i else x, self.weights[f"point.{i}.weight"], self.weights[f"point.{i}.bias"])
         own = (proprio - self.weights["proprio_mean"]) / self.weights["proprio_std"]
-        self.past = [*self.past, torch.cat([relu(x.amax(0)), own])][-self.about["horizon"] :]
+        way = [self.proud.to_handle(some, proprio)] if self.about["middle"] else []
+        self.past = [*self.past, torch.cat([relu(x.amax(0)), *way, own])][-self.about["horizon"] :]
         x = self.lstm(torch.stack(self.past))[0][-1]
         for i in range(self.about["head_layers"]):
             x = linear(relu(x) if i else x, self.weights[f"head.{i}.weight"], self.weights[f"head.{i}.bias"])

@@ -11,9 +11,11 @@ from stages.policies import Choice, TrainablePolicy
 from stages.policies.bc_rnn_gmm.actor import Actor
 from stages.policies.bc_rnn_gmm.mixture import Mixture
 from stages.policies.bc_rnn_gmm.pointnet import PointNet
+from stages.policies.proud import to_handle
 
 ACTION = 7  # delta position 3, delta axis-angle 3, gripper
 PROPRIO = 9  # end-effector position 3, quaternion 4, finger joints 2
+HANDLE = 4  # from the hand to the middle of what is marked 3, whether anything is
 
 State = tuple[Tensor, Tensor]
 
@@ -33,7 +35,8 @@ class BcRnnGmm(TrainablePolicy):
         self.flags = 3 if run.handle.flag else 2
         bf16 = run.precision == "bf16"
         self.pointnet = PointNet(width, network.pointnet_layers, network.flag_embedding, bf16, self.flags)
-        self.lstm = nn.LSTM(width * network.cloud + PROPRIO, hidden, batch_first=True)
+        eyes = width * network.cloud + HANDLE * run.handle.middle
+        self.lstm = nn.LSTM(eyes + PROPRIO, hidden, batch_first=True)
         sizes = [hidden, *network.mlp]
         self.mlp = nn.Sequential(*(nn.Sequential(nn.Linear(a, b), nn.ReLU()) for a, b in pairwise(sizes)))
         self.head = nn.Linear(sizes[-1], modes * (1 + 2 * ACTION))
@@ -58,12 +61,13 @@ class BcRnnGmm(TrainablePolicy):
         return torch.cat([xyz, clouds[..., 3:] == 1, clouds[..., 3:] == -1], dim=-1)
 
     def encode(self, clouds: Tensor, proprio: Tensor) -> Tensor:
-        """What the LSTM reads, (..., width + 9), of clouds (..., P, 4) and proprioception (..., 9)."""
+        """What the LSTM reads, (..., width (+ 4) + 9), of clouds (..., P, 4) and proprioception (..., 9)."""
         own = (proprio - self.proprio_mean) / self.proprio_std
         if not self.network.cloud:
             return own
         features = self.pointnet(self.normalised(clouds, proprio).flatten(0, -3)).unflatten(0, clouds.shape[:-2])
-        return torch.cat([features, own], dim=-1)
+        seen = [to_handle(clouds, proprio)] if self.run.handle.middle else []
+        return torch.cat([features, *seen, own], dim=-1)
 
     def decode(self, encoded: Tensor, state: State | None = None) -> tuple[Mixture, State]:
         """Mixtures (B, T, ...) of encoded observations (B, T, F), and the LSTM's state behind the last one."""
