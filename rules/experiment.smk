@@ -1,7 +1,7 @@
 # The assets of the policy experiment: who is twin, cousin, test asset (paper B.3, B.4).
 # Reads:  the cousins and distances of the object that a task is about, its generated scene, the library, the room's truth;
 #         or a committed file of the assets (experiment.tasks.<task>.assets), and the library alone.
-# Writes: results/experiment/<variant>/<task>/assets.json, and for people assets.png.
+# Writes: results/experiment/<variant>/<task>/assets.json, and for people assets.png, splits.png.
 
 
 rule select:
@@ -35,12 +35,13 @@ rule select:
         cousins=EXPERIMENT.cousins,
         held_out=EXPERIMENT.held_out,
         truth=truth_flags,
+        test_assets=max(40, CONFIG.evaluation.assets),
         seed=CONFIG.seed,
     shell:
         "({params.command} --cousins {input.cousins:q} --scene-file {input.scene:q} --object {params.object:q} "
         "--task {params.task} --library {input.library:q} --distances {input.distances:q} "
-        "--count {params.cousins} --held-out {params.held_out} {params.truth} --seed {params.seed} "
-        "--out {output.assets:q} && "
+        "--count {params.cousins} --held-out {params.held_out} {params.truth} "
+        "--test-assets {params.test_assets} --seed {params.seed} --out {output.assets:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
 
 
@@ -85,6 +86,12 @@ rule draw_roles:
             category="Policies",
             labels={"task": "{task}", "picture": "assets"},
         ),
+        splits=report(
+            "results/experiment/{variant}/{task}/splits.png",
+            caption="../report/captions/roles.rst",
+            category="Policies",
+            labels={"task": "{task}", "picture": "validation and test assets"},
+        ),
     log:
         "logs/experiment/draw_{variant}_{task}.log",
     container:
@@ -96,8 +103,8 @@ rule draw_roles:
         command=command("experiment", "draw"),
         code=code("experiment", "draw"),
     shell:
-        "{params.command} --assets {input.assets:q} --snapshots {input.snapshots:q} --out {output.picture:q} 2>&1 "
-        "| tee {log:q}"
+        "{params.command} --assets {input.assets:q} --snapshots {input.snapshots:q} --out {output.picture:q} "
+        "--splits {output.splits:q} 2>&1 | tee {log:q}"
 
 
 rule experiment:
