@@ -46,6 +46,7 @@ SCORED_ROOMS = [room for room in ROOMS if room not in EXPERIMENT.inputs]
 MET = EXPERIMENT.met()
 VARIANTS = list(EXPERIMENT.variants)
 TASKS = list(EXPERIMENT.tasks)
+PINNED = {task: target.assets for task, target in EXPERIMENT.tasks.items() if target.assets}
 # Shards of the procedural models, or of what a command of the user's makes in their place.
 PROCEDURAL = (
     CONFIG.assets.shards if any(CONFIG.assets.counts.values()) or "library" in CONFIG.stages.get("assets", {}) else 0
@@ -62,8 +63,8 @@ wildcard_constraints:
     store=r"[A-Za-z0-9_]+-[0-9a-f]{8}",
     task="|".join(TASKS) or "-",
     object=r"[^/]+",
-    role=r"twin|cousin_\d+|all",
-    training_set=r"twin|cousins_\d+|all",
+    role=r"twin|twin_randomised|cousin_\d+|random_\d+|all",
+    training_set=r"twin|twin_randomised|cousins_\d+|random_\d+|all",
     run=r"[A-Za-z0-9_-]+",
     seed=r"\d+",
     shard=r"\d+|own_\w+",

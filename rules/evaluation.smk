@@ -1,5 +1,5 @@
 # Rollouts of the policies and scores of the scenes, one row each; nothing is aggregated here (paper B.1, B.3).
-# Reads:  policies, their trials and the task's assets; generated scenes and, only here, their truth.
+# Reads:  policies, their trials and the task's assets; generated scenes and their truth.
 # Writes: results/evaluation/policies/<task>/<training set>/<run>/seed_<n>/{rollouts.csv,film.png,films/},
 #         results/evaluation/policies/<task>/<training set>/rollouts.csv,
 #         results/evaluation/scenes/<variant>/<scene>/scores.csv.

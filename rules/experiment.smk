@@ -1,21 +1,26 @@
 # The assets of the policy experiment: who is twin, cousin, test asset (paper B.3, B.4).
-# Reads:  the cousins and distances of the object that a task is about, its generated scene, the library.
-# Writes: results/experiment/<variant>/<task>/assets.json, and for people assets.png.
+# Reads:  the cousins and distances of the object that a task is about, its generated scene, the library, the room's truth;
+#         or a committed file of the assets (experiment.tasks.<task>.assets), and the library alone.
+# Writes: results/experiment/<variant>/<task>/assets.json, and for people assets.png, splits.png.
 
 
 rule select:
-    """Name the assets of a task: the matched object's twin, its cousins and a dissimilar one."""
+    """Name the assets of a task: the object's twin, its cousins, a dissimilar one, those of training and test."""
     input:
         cousins=lambda wildcards: of_target(wildcards, rules.match.output.cousins),
         distances=lambda wildcards: of_target(wildcards, rules.distances.output.distances),
         scene=lambda wildcards: of_target(wildcards, rules.generate.output.scenes[0]),
         library=rules.library.output.library,
+        truth=known_truth,
+        objects=lambda wildcards: of_target(wildcards, rules.extract.output.objects),
     output:
         assets="results/experiment/{variant}/{task}/assets.json",
     log:
         "logs/experiment/{variant}_{task}.log",
     benchmark:
         "benchmarks/experiment/{variant}_{task}.tsv"
+    wildcard_constraints:
+        task="|".join(task for task in TASKS if task not in PINNED) or "-",
     container:
         CONFIG.containers.learning
     threads: 1
@@ -29,17 +34,50 @@ rule select:
         object=lambda wildcards: EXPERIMENT.tasks[wildcards.task].object,
         cousins=EXPERIMENT.cousins,
         held_out=EXPERIMENT.held_out,
+        truth=truth_flags,
+        test_assets=max(40, CONFIG.evaluation.assets),
+        seed=CONFIG.seed,
     shell:
         "({params.command} --cousins {input.cousins:q} --scene-file {input.scene:q} --object {params.object:q} "
         "--task {params.task} --library {input.library:q} --distances {input.distances:q} "
-        "--count {params.cousins} --held-out {params.held_out} --out {output.assets:q} && "
+        "--count {params.cousins} --held-out {params.held_out} {params.truth} "
+        "--test-assets {params.test_assets} --seed {params.seed} --out {output.assets:q} && "
+        "{params.check}) 2>&1 | tee {log:q}"
+
+
+rule pinned:
+    """Take the assets of a task from a committed file, if the library has the very same models."""
+    input:
+        assets=lambda wildcards: PINNED[wildcards.task],
+        library=rules.library.output.library,
+    output:
+        assets="results/experiment/{variant}/{task}/assets.json",
+    log:
+        "logs/experiment/pinned_{variant}_{task}.log",
+    benchmark:
+        "benchmarks/experiment/{variant}_{task}.tsv"
+    wildcard_constraints:
+        task="|".join(PINNED) or "-",
+    container:
+        CONFIG.containers.learning
+    threads: 1
+    resources:
+        mem_mb=1000,
+    params:
+        command=command("experiment", "pinned"),
+        code=task_code("experiment", "pinned"),
+        check=check(task="assets"),
+        task=lambda wildcards: implementation(wildcards.task),
+    shell:
+        "({params.command} --assets {input.assets:q} --task {params.task} --library {input.library:q} "
+        "--out {output.assets:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
 
 
 rule draw_roles:
     """Draw the assets of a task with their roles and what a gripper meets there."""
     input:
-        assets=rules.select.output.assets,
+        assets=lambda wildcards: task_assets(wildcards.task),
         snapshots=expand(rules.snapshots.output.images, shard=SHARDS),
     output:
         picture=report(
@@ -47,6 +85,12 @@ rule draw_roles:
             caption="../report/captions/roles.rst",
             category="Policies",
             labels={"task": "{task}", "picture": "assets"},
+        ),
+        splits=report(
+            "results/experiment/{variant}/{task}/splits.png",
+            caption="../report/captions/roles.rst",
+            category="Policies",
+            labels={"task": "{task}", "picture": "validation and test assets"},
         ),
     log:
         "logs/experiment/draw_{variant}_{task}.log",
@@ -59,8 +103,8 @@ rule draw_roles:
         command=command("experiment", "draw"),
         code=code("experiment", "draw"),
     shell:
-        "{params.command} --assets {input.assets:q} --snapshots {input.snapshots:q} --out {output.picture:q} 2>&1 "
-        "| tee {log:q}"
+        "{params.command} --assets {input.assets:q} --snapshots {input.snapshots:q} --out {output.picture:q} "
+        "--splits {output.splits:q} 2>&1 | tee {log:q}"
 
 
 rule experiment:

@@ -70,9 +70,11 @@ rule match:
 
 
 rule distances:
-    """How far the library's models look from the cousins of one object."""
+    """How far the library's models look from the cousins of one object, and from its true model in a room."""
     input:
         cousins=rules.match.output.cousins,
+        truth=known_truth,
+        objects=rules.extract.output.objects,
         library=rules.library.output.library,
         features=lambda wildcards: features_of(wildcards.variant),
     output:
@@ -91,9 +93,10 @@ rule distances:
         code=matching_code("distances", "encoder", "search"),
         check=check(distances="distances"),
         options=options("matching", "distances"),
+        truth=truth_flags,
     shell:
         "({params.command} --cousins {input.cousins:q} --object {wildcards.object:q} --library {input.library:q} "
-        "--features {input.features:q} --options {params.options:q} --out {output.distances:q} && "
+        "--features {input.features:q} {params.truth} --options {params.options:q} --out {output.distances:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
 
 

@@ -1,4 +1,5 @@
 # Helpers: scenes that are rooms met otherwise, `<room>.<protocol>.<seed>` (experiment.protocols). Nothing here makes a file.
+from types import SimpleNamespace
 
 
 def room_of(wildcards):
@@ -25,8 +26,19 @@ def seed_of(wildcards):
 
 
 def truth_of(wildcards):
-    """The truth of a scene, which only `evaluation` may read."""
+    """The truth of a scene. `evaluation` reads it, and the policy experiment, whose twin is the object's true model."""
     return f"results/scenes/{pictured(wildcards)}/truth.json"
+
+
+def known_truth(wildcards):
+    """The truth of a scene, or of the scene of a task; none if it is one of the user's."""
+    scene = EXPERIMENT.tasks[wildcards.task].scene if "task" in wildcards.keys() else wildcards.scene
+    return [] if scene in EXPERIMENT.inputs else truth_of(SimpleNamespace(scene=scene))
+
+
+def truth_flags(wildcards, input):
+    """The flags that name the truth of a scene and the objects that are seen in it."""
+    return shlex.join(["--truth", str(input.truth), "--objects", str(input.objects)]) if input.truth else ""
 
 
 def left_out(wildcards):

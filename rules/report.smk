@@ -27,6 +27,7 @@ BENCHMARKS = [
     *[
         file
         for task in TASKS
+        if task not in PINNED
         for file in of_target(SimpleNamespace(task=task, variant=EXPERIMENT.policy_variant), rules.distances.benchmark)
     ],
     *trained(rules.demonstrate.benchmark),

@@ -1,7 +1,7 @@
 # Sim-to-sim rooms: what a camera sees, and apart from it the truth (paper B.1, Table 2).
 # Reads:  the procedural models; for rooms of yours the whole library.
 # Writes: results/scenes/<scene>/input/{rgb.png,camera.json,depth.npz,masks.png,annotations.json}
-#         and results/scenes/<scene>/truth.json, which only `evaluation` reads.
+#         and results/scenes/<scene>/truth.json, by which nothing is matched or placed.
 
 
 rule room:

@@ -11,6 +11,7 @@ from stages.config import places
 from stages.config.assets import COUNTS
 from stages.config.experiment import TaskPlan
 from stages.config.mistakes import Mistake
+from stages.config.pinned_assets import pinned_assets
 from stages.config.task import TaskConfig
 from stages.contracts.errors import InputError
 from stages.plugins import find
@@ -25,8 +26,8 @@ NAME = re.compile(r"[A-Za-z0-9-]+(_[A-Za-z0-9-]+)*")  # becomes part of paths
 def contradictions(config: "Config") -> list[Mistake]:
     """All of them, in the order of config.yaml."""
     checks = (
-        _photo, _names, _scenes, _tasks, _training_sets, _test_assets, _library, _matching, _policies, _environment,
-        _stages,
+        _photo, _names, _scenes, _tasks, pinned_assets, _training_sets, _test_assets, _library, _matching, _policies,
+        _environment, _stages,
     )  # fmt: skip
     return [found for check in checks for found in check(config)]
 

@@ -14,6 +14,7 @@ def outside(config: Config) -> list[str]:
     named = [
         *config.experiment.inputs.values(),
         *config.experiment.room_files,
+        *(target.assets for target in config.experiment.tasks.values() if target.assets),
         *_of_picture(config),
         *config.assets.folders,
         *(name for own in commands for name in own.code),

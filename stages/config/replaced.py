@@ -13,7 +13,7 @@ VERBS = {
     "extraction": ("extract", "draw"),
     "matching": ("features", "match", "distances", "draw"),
     "generation": ("generate", "draw", "export"),
-    "experiment": ("select", "draw"),
+    "experiment": ("select", "pinned", "draw"),
     "demonstrations": ("collect", "scene", "export"),
     "training": ("train", "export"),
     "evaluation": ("trial", "choose", "rollout", "gather", "leave_out", "score"),

@@ -47,6 +47,7 @@ class TaskAssets(Document):
     object: Id
     encoder: Text
     assets: list[TaskAsset] = Field(min_length=1)
+    held_out: list[Rank] = Field([], description="numbers of the cousins that no policy is trained on")
     all_assets: list[TaskAsset] = Field(
         [],
         description="what the training set `all` is collected on, each in the role all, nearest to the twin first: "
@@ -66,17 +67,42 @@ class TaskAssets(Document):
         check_unique("assets", [asset.asset for asset in self.assets])
         cousins = [asset for asset in self.assets if asset.role.startswith("cousin_")]
         numbers = [asset.role.removeprefix("cousin_") for asset in cousins]
-        named = ["twin", *(cousin.role for cousin in cousins), "dissimilar"]
+        order = ["twin", "matched", *(cousin.role for cousin in cousins), "dissimilar"]
         ordered = all(map(str.isdigit, numbers)) and sorted(map(int, numbers)) == list(map(int, numbers))
-        if not ordered or roles not in (named, named[:-1]):
-            raise ValueError(f"assets: roles are {', '.join(roles)}, not twin, cousin_1, cousin_2, ..., dissimilar")
-        check_unique("all_assets", [asset.asset for asset in self.all_assets])
-        if roles[-1] == "dissimilar" and self.assets[-1].asset in {asset.asset for asset in self.all_assets}:
-            raise ValueError("all_assets: holds the dissimilar asset, which no policy is trained on")
+        if not ordered or roles[0] != "twin" or roles != [role for role in order if role in roles]:
+            known = "twin, matched, cousin_1, cousin_2, ..., dissimilar"
+            raise ValueError(f"assets: roles are {', '.join(roles)}, not {known}")
         distances = [cousin.distance for cousin in cousins]
         if distances != sorted(distances):
             raise ValueError("assets: cousins are not in the order of their distance")
         return self
+
+    @model_validator(mode="after")
+    def _families_on_one_side(self) -> "TaskAssets":
+        hidden = self.hidden_roles
+        sides = {
+            "training": [
+                *(asset for asset in self.assets if asset.role not in hidden), *self.all_assets, *self.random_assets
+            ],
+            "the held-out and dissimilar assets": [asset for asset in self.assets if asset.role in hidden],
+            "validation_assets": self.validation_assets,
+            "test_assets": self.test_assets,
+        }  # fmt: skip
+        found: dict[str, str] = {}
+        for side, assets in sides.items():
+            for asset in assets:
+                if found.setdefault(asset.family, side) != side:
+                    raise ValueError(
+                        f"{asset.asset}: its family '{asset.family}' is in {found[asset.family]} and in {side}"
+                    )
+        for name in ("all_assets", "random_assets", "validation_assets", "test_assets"):
+            check_unique(name, [asset.asset for asset in getattr(self, name)])
+        return self
+
+    @property
+    def hidden_roles(self) -> set[str]:
+        """Roles that no policy is trained on: the held-out cousins and the dissimilar asset."""
+        return {"dissimilar", *(f"cousin_{number}" for number in self.held_out)}
 
     def playing(self, role: str, where: Path) -> TaskAsset:
         """The asset of a role.

@@ -124,7 +124,7 @@ class TrueObject(Contract):
 
 
 class Truth(Document):
-    """`truth.json`: read by `evaluation` alone."""
+    """`truth.json`: read by `evaluation`, and by the policy experiment, whose twin is the true model of its object."""
 
     scene: Id
     scale: Extent = Field(description="largest distance between two box centres, metres (Table 2, 'Scale')")

@@ -5,7 +5,8 @@ from stages.cli import main
 main(
     "experiment",
     {
-        "select": "name twin, cousins and dissimilar asset of a task",
-        "draw": "one picture of them with their roles and attributes",
+        "select": "name twin, cousins, dissimilar asset, training and test assets of a task",
+        "pinned": "take them from a committed file, if the library has the very same models",
+        "draw": "pictures of them with their roles and attributes",
     },
 )

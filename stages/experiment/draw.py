@@ -1,4 +1,4 @@
-"""Verb `draw`: one picture of the assets of a task, each with its role and what a gripper meets there."""
+"""Verb `draw`: pictures of the assets of a task, each with its role and what a gripper meets there."""
 
 from pathlib import Path
 
@@ -16,33 +16,41 @@ COLUMNS, TILE, CAPTION = 6, 192, 44
 INK, PAPER = (40, 40, 40), "white"
 
 
-def run(*, assets: Path, snapshots: tuple[Path, ...], out: Path) -> None:
-    """Draw the representative snapshots of twin, cousins and dissimilar asset.
+def run(*, assets: Path, snapshots: tuple[Path, ...], out: Path, splits: Path) -> None:
+    """Draw the representative snapshots of the roles, and of the validation and test assets.
 
     Args:
         assets: the experiment's assets (contract TaskAssets).
         snapshots: shards (.h5), each with its .json beside it.
-        out: picture to write.
+        out: picture of the roles to write.
+        splits: picture of the validation and test assets to write.
     """
     plan = read_json(TaskAssets, assets)
-    views = representatives({item.asset for item in plan.assets}, snapshots)
-    rows = -(-len(plan.assets) // COLUMNS)
+    unseen = [*plan.validation_assets, *plan.test_assets]
+    views = representatives({item.asset for item in [*plan.assets, *unseen]}, snapshots)
+    for picture, items in ((out, plan.assets), (splits, unseen)):
+        with atomic(picture) as path:
+            sheet_of(items, views).save(path, "PNG")
+
+
+def sheet_of(items: list[TaskAsset], views: dict[str, NDArray[np.uint8]]) -> Image.Image:
+    """The assets in rows, each with its caption; an asset without a view leaves its place empty."""
+    rows = max(1, -(-len(items) // COLUMNS))
     sheet = Image.new("RGB", (COLUMNS * TILE, rows * (TILE + CAPTION)), PAPER)
     pen = ImageDraw.Draw(sheet)
-    for number, item in enumerate(plan.assets):
+    for number, item in enumerate(items):
         x, y = number % COLUMNS * TILE, number // COLUMNS * (TILE + CAPTION)
         if item.asset in views:
             sheet.paste(Image.fromarray(views[item.asset]).resize((TILE, TILE), Image.Resampling.LANCZOS), (x, y))
         pen.text((x + 4, y + TILE + 2), caption(item), fill=INK, spacing=2)
-    with atomic(out) as path:
-        sheet.save(path, "PNG")
+    return sheet
 
 
 def caption(item: TaskAsset) -> str:
     """Role, model and what a gripper meets, in three lines."""
     distance = f", {item.distance:.2f} away" if item.distance else ""
     hinge = "slides" if item.hinge == "slide" else f"hinge {item.hinge}"
-    meets = f"{item.handle}, {hinge}, front at {item.panel_height:.2f} m"
+    meets = f"{item.handle} {item.handle_length:.2f} m, {hinge}, front at {item.panel_height:.2f} m"
     return f"{item.role.replace('_', ' ')}{distance}\n{item.asset}\n{meets}"
 
 

@@ -1,4 +1,4 @@
-"""Verb `distances`: how far the library's articulated models look from the cousins of one object (paper B.4)."""
+"""Verb `distances`: how far the library's articulated models look from those that may be a twin (paper B.4)."""
 
 from pathlib import Path
 
@@ -7,17 +7,29 @@ import numpy as np
 from stages.config.matching import ComparisonOptions
 from stages.contracts import Cousins, read_json, read_options, write_json
 from stages.contracts.distances import Distances
+from stages.contracts.true_models import true_model
 from stages.matching.encoders import column_weights, make_encoder, settings_digest
 from stages.matching.match import read_library
 from stages.matching.ranking import Query, rank, weighted
 from stages.matching.store import FeatureStore, Snapshot
 
 
-def run(*, cousins: Path, object: str, library: Path, features: list[Path], out: Path, options: str = "{}") -> None:
+def run(
+    *,
+    cousins: Path,
+    object: str,
+    library: Path,
+    features: list[Path],
+    out: Path,
+    truth: Path | None = None,
+    objects: Path | None = None,
+    options: str = "{}",
+) -> None:
     """Write the embedding distances between representative snapshots that `experiment select` orders assets by.
 
-    Any cousin of the object may become the twin of an experiment, so there is a row for each. An object that
-    failed, or that is not there, has none; `experiment select` says what would do instead.
+    The true model of the object, or without a truth any of its cousins, becomes the twin of an experiment, so there is
+    a row for each. An object that failed, or that is not there, has none; `experiment select` says what would do
+    instead.
 
     Args:
         cousins: cousins.json of the scene that holds the object.
@@ -25,6 +37,8 @@ def run(*, cousins: Path, object: str, library: Path, features: list[Path], out:
         library: library.json of the assets stage.
         features: feature stores of all shards (.npy).
         out: file to write.
+        truth: truth.json of the room, if there is one; nothing is matched by it.
+        objects: objects.json of extraction, which says which mask of the truth is which object.
         options: JSON of the config section `matching`.
     """
     settings = read_options(ComparisonOptions, options)
@@ -34,12 +48,11 @@ def run(*, cousins: Path, object: str, library: Path, features: list[Path], out:
     matched = read_json(Cousins, cousins)
     item = next((entry for entry in matched.objects if entry.id == object), None)
     weights = column_weights(encoder, depth=True)
+    twins = dict.fromkeys(
+        [true_model(truth, objects, object), *(cousin.asset for cousin in (item.cousins if item else []))]
+    )
     articulated = set(assets)
-    rows = {
-        cousin.asset: distances_to(cousin.asset, assets, store, weights, settings)
-        for cousin in (item.cousins if item else [])
-        if cousin.asset in articulated
-    }
+    rows = {asset: distances_to(asset, assets, store, weights, settings) for asset in twins if asset in articulated}
     write_json(
         out, Distances(scene=matched.scene, object=object, encoder=matched.encoder, assets=assets, distances=rows)
     )

@@ -154,7 +154,7 @@ def _library(root: Path) -> None:
 def _policies(root: Path) -> None:
     sizes = {"size": [0.5, 0.6, 1.0], "category": "cabinet", "joint": "door_joint", **FRONT}
     roles = [("twin", "cabinet_0", 0.0), ("cousin_1", "cabinet_1", 1.0), ("cousin_2", "cabinet_2", 2.0)]
-    assets = [{"role": role, "asset": asset, "distance": far, **sizes} for role, asset, far in roles]
+    assets = [{"role": role, "asset": asset, "family": asset, "distance": far, **sizes} for role, asset, far in roles]
     _json(root / FILES["task"], task="door", scene="room", object="cabinet_1", encoder="hog", assets=assets)
     folder = root / "demonstrations"
     folder.mkdir()

@@ -11,7 +11,10 @@ import trimesh
 from scipy.spatial.transform import Rotation
 
 from stages.articulated.asset_folder import Description, read_asset, read_model, stretch_asset, write_asset
-from stages.articulated.forward_kinematics import closed_box, rebased
+from stages.articulated.attributes import seen_of
+from stages.articulated.forward_kinematics import closed_box, link_frames, rebased
+from stages.articulated.handle import find_handle
+from stages.articulated.handle_extents import handle_extents
 from stages.articulated.model import Link, RobotModel, Visual
 from stages.articulated.roles import contract_joints, with_roles
 from stages.articulated.stretching import stretched
@@ -317,3 +320,15 @@ def test_the_walk_over_imports_would_find_a_simulator() -> None:
     }
     assert "sapien" in found
     assert read_model.__module__ in closure("stages.generation.meshes")
+
+
+@pytest.mark.parametrize("kind", ["bar", "arch", "knob", "edge"])
+def test_extents_of_a_handle_are_those_that_rays_find(tmp_path: Path, kind: str) -> None:
+    asset = cabinet(tmp_path / "cab", handle=kind, panel="raised")
+    robot, joint = read_model(tmp_path / "cab"), asset.joints[0]
+    mesh = seen_of(robot, [joint.link], link_frames(robot))
+    assert mesh is not None
+    found, (low, high) = find_handle(mesh), handle_extents(tmp_path / "cab", asset, joint.name)
+    assert found is not None and (low + high)[1:] / 2 == pytest.approx(found.position[1:], abs=0.005)
+    along = max((high - low)[1:])
+    assert found.length - 0.004 <= along <= found.length * 1.2 and high[0] == pytest.approx(found.position[0], abs=1e-3)

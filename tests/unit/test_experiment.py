@@ -7,21 +7,23 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from stages.articulated.affordance import Affordance, target_joint
+from stages.articulated.affordance import target_joint
 from stages.config.matching import MatchingConfig
-from stages.contracts import Asset, GeneratedScene, InputError, TaskAssets, read_json, write_json
-from stages.contracts.cousins import Candidate, CategoryMatch, ObjectCousins
+from stages.contracts import Asset, GeneratedScene, InputError, Objects, TaskAssets, Truth, read_json, write_json
 from stages.contracts.distances import Distances
 from stages.contracts.generated import PlacedObject
-from stages.contracts.library import FrontPanel, Joint, LibraryEntry
+from stages.contracts.library import FrontPanel, Joint
+from stages.contracts.policies import TaskAsset
+from stages.contracts.scenes import TrueObject
+from stages.experiment.cousins import choose_cousins, choose_dissimilar
 from stages.experiment.draw import CAPTION, COLUMNS, TILE, caption
 from stages.experiment.draw import run as draw
-from stages.experiment.select import choose_cousins, choose_dissimilar
 from stages.experiment.select import run as select
 from stages.matching.distances import distances_to
 from stages.matching.distances import run as distances
 from stages.matching.encoders import column_weights, make_encoder, settings_digest
 from stages.matching.store import FeatureStore
+from tests.unit.demo_assets import an_asset
 from tests.unit.matching_data import MODELS, World
 
 
@@ -34,9 +36,19 @@ Door = tuple[str | None, float, float, str]  # handle, width, height of the cent
 
 
 def write_asset(world: World, name: str, doors: list[Door], tall: float = 0.4, role: str = "door") -> Path:
-    """An asset folder with the fronts, without meshes: what can be opened is read from asset.json alone."""
+    """An asset folder with the fronts, which are boxes with boxes as handles: 10 cm long, 10 cm above the middle."""
     folder = world.folder / "models" / name
     folder.mkdir(parents=True, exist_ok=True)
+    box = '<visual><origin xyz="{}"/><geometry><box size="{}"/></geometry></visual>'
+    kind = 'revolute" name="j{0}"><axis xyz="0 0 1"/><limit lower="0" upper="1.57"/>'
+    link = '<link name="l{0}">{1}</link><joint type="' + kind + '<parent link="base"/><child link="l{0}"/></joint>'
+    fronts = [
+        box.format(f"0.2 0 {height}", f"0.02 {width} {tall}") + box.format(f"0.23 0 {height + 0.1}", "0.04 0.02 0.1")
+        for _, width, height, _ in doors
+    ]
+    links = "".join(link.format(number, front) for number, front in enumerate(fronts))
+    body = box.format("0 0 0.5", "0.36 0.8 1")
+    (folder / "model.urdf").write_text(f'<robot name="{name}"><link name="base">{body}</link>{links}</robot>')
     joints = [
         Joint(
             name=f"j{number}",
@@ -64,7 +76,7 @@ def write_asset(world: World, name: str, doors: list[Door], tall: float = 0.4, r
         drawers=len(doors) if role == "drawer" else 0,
         licence="CC0-1.0",
         provenance="test",
-        checksum="0",
+        checksum=f"digest of {name}",
     )
     write_json(folder / "asset.json", asset)
     return folder
@@ -167,18 +179,25 @@ def test_select_ranks_cousins_by_distance_to_the_twin(world: World, experiment: 
     assert {asset.size for asset in result.assets} == {(0.5, 0.8, 0.9)} and {a.joint for a in others} == {"j0"}
     assert (twin.handle, twin.hinge) == ("bar", "left")
     assert twin.panel_height == pytest.approx(0.5 * 0.9) and twin.panel_size == pytest.approx((0.4, 0.36))
+    assert twin.handle_length == pytest.approx(0.1 * 0.9) and twin.handle_height == pytest.approx(0.5 + 0.1 / 0.4)
+    assert (twin.family, twin.digest) == ("cabinet_00", "digest of cabinet_00")
 
 
 def test_roles_are_drawn_with_what_a_gripper_meets(world: World, experiment: dict[str, Any], tmp_path: Path) -> None:
     files = experiment | {"distances": alike(world, experiment, "cabinet_1")}
     select(**files, object="cabinet_1", count=3, out=tmp_path / "task.json")
-    draw(assets=tmp_path / "task.json", snapshots=tuple(world.snapshots), out=tmp_path / "task.png")
+    pictures = {"out": tmp_path / "task.png", "splits": tmp_path / "splits.png"}
+    plan = read_json(TaskAssets, tmp_path / "task.json")
+    other = plan.assets[0].model_copy(update={"role": "test", "asset": "shelf_00", "family": "shelf_00"})
+    write_json(tmp_path / "task.json", plan.model_copy(update={"test_assets": [other]}))
+    draw(assets=tmp_path / "task.json", snapshots=tuple(world.snapshots), **pictures)
+    assert np.ptp(np.asarray(Image.open(tmp_path / "splits.png"))[:TILE, :TILE]) > 50, "the test asset is drawn"
     sheet = np.asarray(Image.open(tmp_path / "task.png"))
     assert sheet.shape == (TILE + CAPTION, COLUMNS * TILE, 3)
     tiles = [sheet[:TILE, k * TILE : (k + 1) * TILE] for k in range(COLUMNS)]
     assert [np.ptp(tile) > 50 for tile in tiles] == [True] * 5 + [False], "five assets and an empty place"
     cousin = read_json(TaskAssets, tmp_path / "task.json").assets[1]
-    assert caption(cousin).splitlines()[1:] == [cousin.asset, "bar, hinge left, front at 0.45 m"]
+    assert caption(cousin).splitlines()[1:] == [cousin.asset, "bar 0.09 m, hinge left, front at 0.45 m"]
 
 
 def test_all_assets_leave_out_what_is_held_out_and_dissimilar(
@@ -193,27 +212,73 @@ def test_all_assets_leave_out_what_is_held_out_and_dissimilar(
     assert not {roles["cousin_2"], roles["dissimilar"]} & set(everything)
     assert [asset.distance for asset in result.all_assets] == sorted(asset.distance for asset in result.all_assets)
     broken = result.model_copy(update={"all_assets": [result.assets[-1]]}).model_dump()
-    with pytest.raises(ValueError, match="holds the dissimilar asset"):
+    with pytest.raises(ValueError, match=r"its family 'cabinet_\d+' is in training and in the held-out and dissimilar"):
         TaskAssets.model_validate(broken)
 
 
-LEFT = Affordance("j", "bar", "left", 0.5, 0.5, 0.5)
+def truth_of(world: World, folder: Path, **assets: str) -> dict[str, Path]:
+    """The flags of a truth that names the models of objects of the scene."""
+    masks = {item.id: item.mask for item in read_json(Objects, world.objects).objects}
+    true = [
+        TrueObject(
+            mask=masks[id], asset=asset, category="cabinet", position=(0, 0, 0), yaw=0, size=(1, 1, 1), symmetry="none",
+            support="floor",
+        )
+        for id, asset in assets.items()
+    ]  # fmt: skip
+    write_json(folder / "truth.json", Truth(scene="test", scale=1, world_from_camera=np.eye(4).tolist(), objects=true))
+    return {"truth": folder / "truth.json", "objects": world.objects}
+
+
+def test_the_twin_is_the_true_model_and_what_matching_chose_is_a_role_of_its_own(
+    world: World, experiment: dict[str, Any], tmp_path: Path
+) -> None:
+    known = truth_of(world, tmp_path, cabinet_1="cabinet_03")
+    files = experiment | {"object": "cabinet_1", "count": 2, "out": tmp_path / "task.json"}
+    features = {"cousins": experiment["cousins"], "library": world.library, "features": world.features}
+    distances(**features, **known, object="cabinet_1", out=tmp_path / "d.json")
+    select(**files, **known, distances=tmp_path / "d.json")
+    result = read_json(TaskAssets, tmp_path / "task.json")
+    assert [asset.role for asset in result.assets] == ["twin", "matched", "cousin_1", "cousin_2", "dissimilar"]
+    assert [asset.asset for asset in result.assets[:2]] == ["cabinet_03", "cabinet_00"]
+    assert result.assets[0].distance == 0 < result.assets[1].distance
+    known = truth_of(world, tmp_path, cabinet_1="cabinet_00")
+    select(**files | {"count": 3}, **known, distances=tmp_path / "d.json")
+    assert "matched" not in {asset.role for asset in read_json(TaskAssets, tmp_path / "task.json").assets}
+
+
+def test_a_true_model_that_will_not_do_is_refused(world: World, experiment: dict[str, Any], tmp_path: Path) -> None:
+    files = experiment | {"object": "cabinet_1", "count": 2, "out": tmp_path / "task.json"}
+    files |= {"distances": alike(world, experiment, "cabinet_1")}
+    known = truth_of(world, tmp_path, cabinet_1="shelf_00")
+    with pytest.raises(
+        InputError, match=r"'cabinet_1' is truly shelf_00, which has no door to open.*would do.*cabinet"
+    ):
+        select(**files, **known)
+    with pytest.raises(InputError, match="one is given without the other"):
+        select(**files, truth=known["truth"])
+    truth = read_json(Truth, known["truth"]).model_copy(update={"scene": "attic"})
+    write_json(known["truth"], truth)
+    with pytest.raises(InputError, match=r"is of attic, but .*objects\.json of test"):
+        select(**files, **known)
 
 
 def test_the_dissimilar_asset_differs_in_shape_and_not_in_its_handle_or_hinge() -> None:
-    left = LEFT
-    fronts = {
-        "near": left,
-        "knob": left._replace(handle="knob"),
-        "far": left._replace(handle="arch"),
-        "mirrored": left._replace(hinge="right"),
-    }
-    far = {"near": 1.0, "far": 2.0, "knob": 3.0, "mirrored": 4.0}
-    others = list(fronts)
-    assert choose_dissimilar(others, far, fronts, [left]) == "near"
-    assert choose_dissimilar(others, far, fronts, [left, fronts["far"]]) == "far"
-    assert choose_dissimilar(others, far, fronts, [left, fronts["far"], fronts["mirrored"]]) == "mirrored"
-    assert choose_dissimilar(["knob", "mirrored"], far, fronts, [left]) == "knob", "at least the hinge side is known"
+    others = [
+        an_asset("near", 1.0),
+        an_asset("far", 2.0, handle="arch"),
+        an_asset("knob", 3.0, handle="knob"),
+        an_asset("mirrored", 4.0, hinge="right"),
+    ]
+
+    def chosen(*known: TaskAsset) -> str | None:
+        found = choose_dissimilar(others, known)
+        return found.asset if found else None
+
+    assert chosen(an_asset("twin")) == "near"
+    assert chosen(an_asset("twin"), others[1]) == "far" and chosen(*others) == "mirrored"
+    assert choose_dissimilar(others[2:], [an_asset("twin")]) is others[2], "at least the hinge side is known"
+    assert choose_dissimilar([], others) is None
 
 
 @pytest.mark.parametrize(
@@ -246,33 +311,31 @@ def test_distances_of_another_object_are_refused(world: World, experiment: dict[
     assert not (tmp_path / "task.json").exists()
 
 
-def test_cousins_are_ordered_by_distance_whichever_list_they_come_from() -> None:
-    """Candidates are taken first, but the nearest is cousin_1 (Table 3)."""
-    names = ("cabinet_twin", "cabinet_near", "cabinet_far", "cabinet_last", "bowl_near")
-    distances = dict(zip(names, (0.0, 0.1, 0.5, 0.9, 0.05), strict=True))
-    entries = {
-        name: LibraryEntry(id=name, category=name.split("_")[0], folder=name, doors=1, drawers=0, checksum="")
-        for name in names
-    }
-    item = ObjectCousins(
-        id="cabinet_1",
-        label="cabinet",
-        status="failed",
-        reason="no matter",
-        categories=[CategoryMatch(category="cabinet", distance=0.0)],
-        by_distance=[Candidate(asset="cabinet_far", category="cabinet", distance=0.5)],
-    )
-    alike = dict.fromkeys(names, LEFT)
+POOL = [an_asset(name, distance) for distance, name in enumerate(("a_1", "a_2", "b_1", "c_1", "c_2", "d_1", "e_1"))]
 
-    def chosen(count: int, fronts: dict[str, Affordance], held_out: tuple[int, ...] = ()) -> list[str]:
-        found = choose_cousins(item, "cabinet_twin", distances, entries, fronts, count, held_out)
-        return [name.removeprefix("cabinet_") for name in found]
 
-    assert chosen(1, alike) == ["far"]
-    assert chosen(2, alike) == ["near", "far"]
-    assert chosen(9, alike) == ["near", "far", "last"]
-    mirrored = alike | {"cabinet_near": LEFT._replace(hinge="right")}
-    assert chosen(9, mirrored) == ["far", "last"], "it opens to the other side"
-    knob = alike | {"cabinet_far": LEFT._replace(handle="knob")}
-    assert chosen(2, knob) == ["near", "far"] and chosen(2, knob, held_out=(2,)) == ["near", "last"]
-    assert chosen(3, knob, held_out=(2,)) == ["near", "far", "last"], "there is no other"
+def cousins_of(
+    count: int, held_out: tuple[int, ...] = (), pool: list[TaskAsset] = POOL, first: list[TaskAsset] | None = None
+) -> list[str]:
+    pools = [pool] if first is None else [first, pool]
+    return [asset.asset for asset in choose_cousins(pools, {"twin"}, count, held_out)]
+
+
+def test_cousins_are_the_nearest_of_families_of_their_own() -> None:
+    assert cousins_of(3) == ["a_1", "b_1", "c_1"] == cousins_of(3, pool=POOL[::-1])
+    assert cousins_of(2, pool=[an_asset("twin_1"), *POOL[3:]]) == ["c_1", "d_1"], "none is the twin's sibling"
+    assert cousins_of(2, first=POOL[4:]) == ["c_2", "d_1"], "candidates before what count_threshold held back"
+    assert cousins_of(4, first=POOL[4:]) == ["a_1", "b_1", "c_1", "d_1"], "the candidates are too few"
+
+
+def test_a_held_out_cousin_has_a_handle_that_training_shows_as_long_as_there_are_enough() -> None:
+    knob = [an_asset("b_1", 2.0, handle="knob") if asset.asset == "b_1" else asset for asset in POOL]
+    assert cousins_of(2, pool=knob) == ["a_1", "b_1"] and cousins_of(2, (2,), knob) == ["a_1", "c_1"]
+    assert cousins_of(5, (2,), knob) == ["a_1", "b_1", "c_1", "d_1", "e_1"], "there is no other"
+
+
+def test_where_families_are_too_few_those_in_training_are_relatives_and_held_out_ones_stay_alone() -> None:
+    assert cousins_of(7) == [asset.asset for asset in POOL]
+    assert cousins_of(6, (2,)) == ["a_1", "b_1", "c_1", "c_2", "d_1", "e_1"], "a_2 is trained on, so not held out"
+    assert cousins_of(6, (1,)) == ["a_1", "b_1", "c_1", "c_2", "d_1", "e_1"], "a_2 is left out of training"
+    assert len(cousins_of(7, (2,))) == 6, "too few: select refuses"

@@ -12,6 +12,7 @@ import yaml
 from stages.config import reference
 from stages.config.model import Config
 from stages.config.outside import outside
+from stages.config.places import INPUT_FILES
 from tests.workflow.workspace import ROOT, dry_run, make, planned
 
 OVERLAYS = sorted(path.relative_to(ROOT) for path in (ROOT / "config").rglob("*.yaml"))
@@ -70,6 +71,32 @@ def test_the_study_is_the_protocol_of_the_paper(folder: Path) -> None:
     cells = [f"results/evaluation/policies/door/{name}/rollouts.csv" for name in ("twin", "cousins_8")]
     first = planned(dry_run(folder, *cells, *study).stdout)
     assert first["choose"] == 2 and first["train"] == 2 * candidates and first["demonstrate"] == 1 + 8
+
+
+def test_the_study_is_about_committed_assets_and_matches_nothing_for_them(folder: Path) -> None:
+    study = ("--configfile", "config/study/table3.yaml")
+    cells = [f"results/evaluation/policies/{task}/twin/rollouts.csv" for task in ("door", "drawer", "bowl")]
+    done = dry_run(folder, *cells, "-p", *study)
+    jobs = planned(done.stdout)
+    assert jobs["pinned"] == 3 and jobs["demonstrate"] == 3, done.stdout
+    assert not {"select", "distances", "match", "features", "generate", "room"} & set(jobs)
+    assert re.search(r"--assets config/study/assets/drawer.json --task put_away_bowl .*experiment/b/bowl/", done.stdout)
+    anew = planned(dry_run(folder, *cells, *study, "--config", "experiment={tasks: {door: {assets: null}}}").stdout)
+    assert anew["pinned"] == 2 and anew["select"] == anew["distances"] == 1
+
+
+def test_the_twin_is_the_true_model_in_rooms_and_what_was_matched_in_scenes_of_yours(folder: Path) -> None:
+    target = "results/experiment/b/door/assets.json"
+    told = "--truth results/scenes/room_3/truth.json --objects results/extraction/room_3/objects.json"
+    assert dry_run(folder, target, "-p").stdout.count(told) == 2, "distances and select"
+    (folder / "mine").mkdir()
+    for name in INPUT_FILES:
+        (folder / "mine" / name).touch()
+    (folder / "mine.yaml").write_text(
+        "experiment: {rooms: [mine], inputs: {mine: mine}, tasks: {door: {scene: mine, object: cabinet_1}}}"
+    )
+    done = dry_run(folder, target, "-p", "--configfile", "mine.yaml")
+    assert planned(done.stdout)["select"] == 1 and "--truth" not in done.stdout, done.stdout
 
 
 def test_table_2_trains_nothing_and_meets_rooms_by_protocols(folder: Path) -> None:

@@ -1,0 +1,40 @@
+"""Committed files of assets that rows of the policy experiment name: they are there, and are about what the row is."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from stages.config.mistakes import Mistake
+from stages.contracts.errors import InputError
+from stages.contracts.files import read_json
+from stages.contracts.policies import TaskAssets
+
+if TYPE_CHECKING:
+    from stages.config.model import Config
+
+
+def pinned_assets(config: "Config") -> Iterator[Mistake]:
+    """What is wrong with `experiment.tasks.<row>.assets`."""
+    experiment = config.experiment
+    for name, target in experiment.tasks.items():
+        key, file = f"experiment.tasks.{name}", target.assets
+        if file is None:
+            continue
+        if not Path(file).is_file():
+            yield Mistake(f"{key}.assets", f"no file {file}", "correct the path, or null: chosen anew")
+            continue
+        try:
+            plan = read_json(TaskAssets, Path(file))
+        except InputError as error:
+            yield Mistake(f"{key}.assets", str(error).rstrip("."), "choose the assets anew: docs/experiment.md")
+            continue
+        if (plan.scene, plan.object) != (target.scene, target.object):
+            what = f"{target.object} of {target.scene}, but {file} is about {plan.object} of {plan.scene}"
+            yield Mistake(f"{key}.object", what, "name that object, or another file")
+        cousins = sum(asset.role.startswith("cousin_") for asset in plan.assets)
+        if cousins < experiment.cousins:
+            what = f"{experiment.cousins}, but {file} has {cousins}"
+            yield Mistake("experiment.cousins", what, "lower it, or choose the assets anew")
+        if sorted(plan.held_out) != sorted(experiment.held_out):
+            what = f"{experiment.held_out}, but {file} holds out {plan.held_out}"
+            yield Mistake("experiment.held_out", what, "set it so, or choose the assets anew")

@@ -1,0 +1,48 @@
+"""Verb `pinned`: the assets of a policy experiment from a committed file, if the library has the very same models."""
+
+from pathlib import Path
+
+from stages.articulated.asset_folder import read_asset
+from stages.contracts import InputError, Library, TaskAssets, read_json, write_json
+from stages.contracts.policies import TaskAsset
+from stages.plugins import load
+from stages.tasks.task import Task
+
+MEND = "set assets.counts and seed as when the file was written, or choose anew: experiment.tasks.<task>.assets: null"
+
+
+def run(*, assets: Path, task: str, library: Path, out: Path) -> None:
+    """Check that the library has every asset of the file as it was, and write the file for the task.
+
+    A file serves all tasks that open the same joints: those of `drawer` also `put_away_bowl`.
+
+    Args:
+        assets: committed TaskAssets, as `experiment select` wrote them.
+        task: name of the task, e.g. door; one of a package of yours by its module.
+        library: library.json, with the asset folders it names.
+        out: file to write.
+
+    Raises:
+        InputError: the library lacks a model, has another of that name, or the task does not open its joint.
+    """
+    kind: Task = load("tasks", task)
+    plan = read_json(TaskAssets, assets)
+    folders = {entry.id: library.parent / entry.folder for entry in read_json(Library, library).assets}
+    lists = (plan.assets, plan.all_assets, plan.random_assets, plan.validation_assets, plan.test_assets)
+    for item in {item.asset: item for each in lists for item in each}.values():
+        if what := difference(item, folders.get(item.asset), kind):
+            raise InputError(library, f"{what} in {assets}.", MEND)
+    write_json(out, plan.model_copy(update={"task": task}))
+
+
+def difference(item: TaskAsset, folder: Path | None, kind: Task) -> str:
+    """How the library's model differs from the one that was chosen; empty: not at all."""
+    if folder is None:
+        return f"lacks {item.asset}, which is"
+    asset = read_asset(folder)
+    if asset.checksum != item.digest:
+        return f"has another {item.asset} (digest {asset.checksum[:12]}) than the one (digest {item.digest[:12]})"
+    joint = next((joint for joint in asset.joints if joint.name == item.joint), None)
+    if joint is None or joint.role != kind.role:
+        return f"has {item.asset}, but its joint '{item.joint}' is no {kind.role} for the task, as"
+    return ""

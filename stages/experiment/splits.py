@@ -1,0 +1,157 @@
+"""Training, validation and test assets: whole families, and lists of which every beginning is balanced."""
+
+import sys
+from collections import Counter
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from statistics import median
+from typing import NamedTuple, TypeVar
+
+import numpy as np
+
+from stages.contracts.policies import TaskAsset, TaskAssets
+
+T = TypeVar("T")
+Handle = tuple[str, float, float]  # kind, length in metres, height on the front
+Stratum = tuple[str, bool, bool]  # kind, longer and higher than most of this kind
+LEVELS = 3  # of a stratum
+# To whom families go in turns. Four in seven to test: of the default library's doors that makes 20 families.
+DEALT = ("test", "validation", "test", "train", "test", "validation", "test")
+
+
+RANDOM = 16  # assets drawn by chance for the training sets `random_n`
+
+
+class Splits(NamedTuple):
+    """Assets of the families that are dealt."""
+
+    train: list[TaskAsset]
+    validation: list[TaskAsset]
+    test: list[TaskAsset]
+
+
+def with_lists(
+    plan: TaskAssets, usable: Collection[TaskAsset], nearest: Collection[str], count: int, seed: int
+) -> TaskAssets:
+    """The plan, which has its roles alone, with the lists of training, validation and test assets.
+
+    Args:
+        usable: the assets that the task can open; of those that do not open to the twin's side, only some of the
+            training set `all` are used.
+        nearest: categories that the training set `all` is of.
+        count: at most so many assets in the lists of validation and of test each.
+        seed: of the deal and of the assets drawn by chance.
+    """
+    rng = np.random.default_rng(seed)
+    hidden = {asset.family for asset in plan.assets if asset.role in plan.hidden_roles}
+    trained = {asset.family for asset in plan.assets} - hidden
+    twins = {asset.family for asset in plan.assets if asset.role in ("twin", "matched")}
+    same = [asset for asset in usable if asset.hinge == plan.assets[0].hinge]
+    splits = deal((asset for asset in same if asset.family not in trained | hidden), rng)
+    trained |= {asset.family for asset in splits.train}
+    train = [asset for asset in same if asset.family in trained]
+    apart = hidden | {asset.family for asset in [*splits.validation, *splits.test]}
+    everything = (asset for asset in usable if asset.category in nearest and asset.family not in apart)
+    for name, assets in {"train": train, "validation": splits.validation, "test": splits.test}.items():
+        print(census(name, assets), file=sys.stderr)
+    return plan.model_copy(
+        update={
+            "all_assets": _as("all", sorted(everything, key=lambda asset: (asset.distance, asset.asset))),
+            "random_assets": _as("random", by_chance((a for a in train if a.family not in twins), rng)[:RANDOM]),
+            "validation_assets": _as("validation", balanced(splits.validation, rng)[:count]),
+            "test_assets": _as("test", balanced(splits.test, rng)[:count]),
+        }
+    )
+
+
+def deal(assets: Iterable[TaskAsset], rng: np.random.Generator) -> Splits:
+    """Deal whole families: about half of them to test, a quarter to validation, the rest to training.
+
+    Families with the same kind of handle, about as long and as high on the front, are dealt one after another, in an
+    order by chance, so that every split gets its share of them.
+    """
+    families: dict[str, list[TaskAsset]] = {}
+    for asset in sorted(assets, key=lambda asset: asset.asset):
+        families.setdefault(asset.family, []).append(asset)
+    strata = _strata({name: _typical(members) for name, members in families.items()})
+    splits = Splits([], [], [])
+    for turn, name in enumerate(sorted(_shuffled(families, rng), key=lambda name: strata[name])):
+        getattr(splits, DEALT[turn % len(DEALT)]).extend(families[name])
+    return splits
+
+
+def balanced(assets: Iterable[TaskAsset], rng: np.random.Generator) -> list[TaskAsset]:
+    """The assets in an order whose first n, for any n, are of as many families as can be, and like all of them in
+    kinds, lengths and heights of handles."""
+    turns = _turns(assets, rng)
+    strata = _strata({asset.asset: _handle(asset) for turn in turns for asset in turn})
+    return [asset for turn in turns for asset in _spread(turn, strata)]
+
+
+def by_chance(assets: Iterable[TaskAsset], rng: np.random.Generator) -> list[TaskAsset]:
+    """The assets in an order by chance, families different from one another first."""
+    return [asset for turn in _turns(assets, rng) for asset in turn]
+
+
+def census(name: str, assets: Sequence[TaskAsset]) -> str:
+    """Size of a split by kind of handle, e.g. `test: 53 of 20 families (bar 31, knob 9)`."""
+    kinds = ", ".join(f"{kind} {count}" for kind, count in sorted(Counter(asset.handle for asset in assets).items()))
+    return f"{name}: {len(assets)} of {len({asset.family for asset in assets})} families" + (
+        f" ({kinds})" * bool(kinds)
+    )
+
+
+def _as(role: str, assets: Iterable[TaskAsset]) -> list[TaskAsset]:
+    return [asset.model_copy(update={"role": role}) for asset in assets]
+
+
+def _shuffled(items: Iterable[T], rng: np.random.Generator) -> list[T]:
+    given = list(items)
+    return [given[number] for number in rng.permutation(len(given))]
+
+
+def _turns(assets: Iterable[TaskAsset], rng: np.random.Generator) -> list[list[TaskAsset]]:
+    """Rounds in which every family gives one of its assets, as long as it has any left."""
+    turns: list[list[TaskAsset]] = []
+    given: Counter[str] = Counter()
+    for asset in _shuffled(sorted(assets, key=lambda asset: asset.asset), rng):
+        if given[asset.family] == len(turns):
+            turns.append([])
+        turns[given[asset.family]].append(asset)
+        given[asset.family] += 1
+    return turns
+
+
+def _handle(asset: TaskAsset) -> Handle:
+    return asset.handle, asset.handle_length, asset.handle_height
+
+
+def _typical(members: Sequence[TaskAsset]) -> Handle:
+    kind = Counter(asset.handle for asset in members).most_common(1)[0][0]
+    return kind, median(a.handle_length for a in members), median(a.handle_height for a in members)
+
+
+def _strata(handles: Mapping[str, Handle]) -> dict[str, Stratum]:
+    """What each handle is like among those of its kind."""
+    kinds: dict[str, list[Handle]] = {}
+    for handle in handles.values():
+        kinds.setdefault(handle[0], []).append(handle)
+    lengths = {kind: median(length for _, length, _ in same) for kind, same in kinds.items()}
+    heights = {kind: median(height for _, _, height in same) for kind, same in kinds.items()}
+    return {
+        name: (kind, length > lengths[kind], height > heights[kind]) for name, (kind, length, height) in handles.items()
+    }
+
+
+def _spread(assets: list[TaskAsset], strata: Mapping[str, Stratum], level: int = 0) -> list[TaskAsset]:
+    """The assets in an order in which those of every stratum come at equal distances."""
+    if level == LEVELS:
+        return assets
+    groups: dict[str | bool, list[TaskAsset]] = {}
+    for asset in assets:
+        groups.setdefault(strata[asset.asset][level], []).append(asset)
+    placed = [
+        ((number + 0.5) / len(group), key, asset)
+        for key, group in groups.items()
+        for number, asset in enumerate(_spread(group, strata, level + 1))
+    ]
+    return [asset for _, _, asset in sorted(placed, key=lambda place: place[:2])]

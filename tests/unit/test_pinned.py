@@ -1,0 +1,70 @@
+"""`experiment pinned`: committed assets are used only with the very models that they were chosen from."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from stages.config.model import load, merged
+from stages.contracts import InputError, Library, TaskAssets, read_json, write_json
+from stages.contracts.library import LibraryEntry
+from stages.experiment.pinned import run as pinned
+from tests.unit.demo_assets import an_asset, cabinet
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """A library of two cabinets, and a plan with one as the twin and one to test on."""
+    folder = tmp_path_factory.mktemp("study")
+    built = {name: cabinet(folder / name, handle=handle) for name, handle in (("cab_1", "bar"), ("lone_1", "knob"))}
+    entries = [LibraryEntry.of(asset, name) for name, asset in built.items()]
+    write_json(folder / "library.json", Library(assets=entries))
+    known = {name: {"digest": asset.checksum, "joint": asset.joints[0].name} for name, asset in built.items()}
+    twin = an_asset("cab_1", 0, role="twin", **known["cab_1"])
+    test = an_asset("lone_1", role="test", **known["lone_1"])
+    plan = TaskAssets(task="door", scene="room_3", object="cab_1", encoder="hog", assets=[twin], test_assets=[test])
+    write_json(folder / "door.json", plan)
+    return {"assets": folder / "door.json", "library": folder / "library.json"}
+
+
+def test_a_file_is_taken_over_for_its_task(study: dict[str, Path], tmp_path: Path) -> None:
+    pinned(**study, task="door", out=tmp_path / "assets.json")
+    assert (tmp_path / "assets.json").read_bytes() == study["assets"].read_bytes()
+    with pytest.raises(InputError, match=r"has cab_1, but its joint '.*' is no drawer for the task"):
+        pinned(**study, task="put_away_bowl", out=tmp_path / "bowl.json")
+    assert not (tmp_path / "bowl.json").exists()
+
+
+def test_a_changed_or_lost_model_is_refused(study: dict[str, Path], tmp_path: Path) -> None:
+    plan = read_json(TaskAssets, study["assets"])
+    changed = [plan.test_assets[0].model_copy(update={"digest": "c0ffee"})]
+    write_json(tmp_path / "door.json", plan.model_copy(update={"test_assets": changed}))
+    files = study | {"assets": tmp_path / "door.json", "out": tmp_path / "assets.json"}
+    with pytest.raises(
+        InputError, match=r"library.json: has another lone_1 .* than the one \(digest c0ffee\) in .*Fix"
+    ):
+        pinned(**files, task="door")
+    write_json(tmp_path / "door.json", plan.model_copy(update={"test_assets": [an_asset("gone_1")]}))
+    with pytest.raises(InputError, match=r"lacks gone_1, which is in .*door\.json.*Fix"):
+        pinned(**files, task="door")
+
+
+def mistakes(**changes: Any) -> str:
+    default = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
+    with pytest.raises(InputError) as error:
+        load(merged(default, {"experiment": changes}))
+    return str(error.value)
+
+
+def test_a_row_and_its_file_agree(study: dict[str, Path]) -> None:
+    assert "experiment.tasks.door.assets: no file nothing.json" in mistakes(tasks={"door": {"assets": "nothing.json"}})
+    row = {"door": {"assets": str(study["assets"]), "object": "hanging_cabinet_1"}}
+    found = mistakes(tasks=row)
+    assert (
+        "experiment.tasks.door.object: hanging_cabinet_1 of room_3, but" in found and "about cab_1 of room_3" in found
+    )
+    assert "experiment.held_out: [2, 6], but" in found and "experiment.cousins: 10, but" in found
+    assert "breaks the TaskAssets contract" in mistakes(tasks={"door": {"assets": str(study["library"])}})
