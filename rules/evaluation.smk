@@ -74,9 +74,10 @@ rule gather:
 
 
 rule leave_out:
-    """Name the true models of a room, for matching to do without."""
+    """Name the true models of a room with all their relatives, for matching to do without."""
     input:
         truth=truth_of,
+        library=rules.library.output.library,
     output:
         assets="results/evaluation/left_out/{scene}.json",
     log:
@@ -90,7 +91,7 @@ rule leave_out:
         command=command("evaluation", "leave_out"),
         code=code("evaluation", "leave_out"),
     shell:
-        "{params.command} --truth {input.truth:q} --out {output.assets:q} 2>&1 | tee {log:q}"
+        "{params.command} --truth {input.truth:q} --library {input.library:q} --out {output.assets:q} 2>&1 | tee {log:q}"
 
 
 rule score:

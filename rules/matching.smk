@@ -43,8 +43,8 @@ rule match:
         depth=rules.extract.output.depth,
         image=scene_image,
         library=rules.library.output.library,
-        features=lambda wildcards: features_of(wildcards.variant),
-        snapshots=expand(rules.snapshots.output.images, shard=SHARDS),
+        features=lambda wildcards: pictures_of(wildcards.variant, features_of(wildcards.variant)),
+        snapshots=lambda wildcards: pictures_of(wildcards.variant, expand(rules.snapshots.output.images, shard=SHARDS)),
         without=left_out,
     output:
         cousins="results/matching/{variant}/{scene}/cousins.json",

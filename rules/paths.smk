@@ -7,6 +7,11 @@ def features_of(variant):
     return [f"results/matching/features/{store}/shard_{shard}.npy" for shard in SHARDS]
 
 
+def pictures_of(variant, files):
+    """Files that matching looks at pictures in: none for a variant that compares no pictures."""
+    return files if CONFIG.matching_of(variant).compares_pictures else []
+
+
 def recipes_digest(wildcards):
     """Digest of what a room is made by: its own recipe and, for ours, those before it."""
     path, ours = CONFIG.room_files().get(room_of(wildcards)), series()

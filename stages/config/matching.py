@@ -10,7 +10,8 @@ from stages.config.base import OWN, Section
 from stages.config.vlm import VlmConfig
 from stages.plugins import short
 
-WORDLESS = {"distance", "votes", "geometry", "rerender"}  # judges that ask no language model
+WORDLESS = {"distance", "votes", "geometry", "rerender", "priors"}  # judges that ask no language model
+BLIND = {"priors"}  # judges that look at no picture
 
 
 class HogConfig(Section):
@@ -173,13 +174,15 @@ class MatchingConfig(ComparisonOptions):
         "geometry",
         json_schema_extra={"kind": "judges"},
         description="What ranks the models: distance (of embeddings; A.6, B.1), votes (A.6, official code), or, among "
-        "the nearest, geometry (renderings in place) or vlm (a language model, B.1).",
+        "the nearest, geometry (renderings in place) or vlm (a language model, B.1); priors: label, counts, box and "
+        "mounting alone.",
     )
     orientation_selection: str = Field(
         "geometry",
         json_schema_extra={"kind": "judges"},
         description="What ranks the orientations: distance (of embeddings), votes (official code), rerender (distance "
-        "to views rendered again, B.1), geometry (renderings in place), or vlm (a language model, B.1).",
+        "to views rendered again, B.1), geometry (renderings in place), vlm (a language model, B.1), or priors (box "
+        "and mounting alone).",
     )
     symmetric: float = Field(
         0.5,
@@ -224,6 +227,11 @@ class MatchingConfig(ComparisonOptions):
     )
     rerender: RerenderConfig = Field(RerenderConfig(), description="The judge `rerender`: views rendered again (B.1).")
     vlm: VlmConfig = Field(VlmConfig(), description="The judge `vlm`: a language model (docs/vlm.md).")
+
+    @property
+    def compares_pictures(self) -> bool:
+        """Whether any picture of the library is looked at: if not, matching needs neither features nor snapshots."""
+        return not {self.model_selection, self.orientation_selection} <= BLIND
 
     def unread(self) -> set[str]:
         """The options of encoders and judges that are not used; a judge of the user's may ask a language model, too."""

@@ -112,13 +112,18 @@ class Asset(Document):
         return tuple(high - low for low, high in zip(self.box_min, self.box_max, strict=True))  # type: ignore[return-value]
 
     @property
+    def family(self) -> str:
+        """The model that it is a variation of; its own id if it is none."""
+        return self.recipe.variation_of or self.id if self.recipe else self.id
+
+    @property
     def articulated(self) -> bool:
         """Whether it has doors or drawers (paper A.7)."""
         return self.doors + self.drawers > 0
 
 
 class LeftOut(Document):
-    """Models that matching does without: the true ones of a room (protocol `unknown`)."""
+    """Models that matching does without: the true ones of a room and their relatives (protocol `unknown`)."""
 
     assets: list[Id]
 

@@ -1,15 +1,24 @@
-"""Verb `leave_out`: the true models of a room, which matching is to do without (protocol `unknown`)."""
+"""Verb `leave_out`: the true models of a room and their relatives, which matching does without (protocol `unknown`)."""
 
 from pathlib import Path
 
-from stages.contracts import LeftOut, Truth, read_json, write_json
+from stages.articulated.asset_folder import read_asset
+from stages.contracts import LeftOut, Library, Truth, read_json, write_json
 
 
-def run(*, truth: Path, out: Path) -> None:
-    """Name the true models: all that matching learns of the truth is that they are not in its library.
+def run(*, truth: Path, library: Path, out: Path) -> None:
+    """Name every model of the families of the room's true models: no other model of the room's families stays.
+
+    A family is a founder with its variations: a relative left in the library would be nearly the model itself. This is
+    all that matching learns of the truth.
 
     Args:
         truth: truth.json of the room.
+        library: library.json, asset folders beside it.
         out: JSON file of the ids.
     """
-    write_json(out, LeftOut(assets=sorted({item.asset for item in read_json(Truth, truth).objects})))
+    true = {item.asset for item in read_json(Truth, truth).objects}
+    entries = read_json(Library, library).assets
+    family = {entry.id: read_asset(library.parent / entry.folder).family for entry in entries}
+    gone = {family.get(asset, asset) for asset in true}
+    write_json(out, LeftOut(assets=sorted(asset for asset, of in family.items() if of in gone)))

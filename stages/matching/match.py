@@ -1,21 +1,32 @@
 """Verb `match`: rank the digital cousins of every object of one scene (paper 2.1, A.6, A.7, B.1)."""
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
+from typing import NamedTuple
 
 from stages.cli import progress
 from stages.config.matching import MatchingConfig
 from stages.contracts import Cousins, InputError, LeftOut, Library, read_json, read_options, write_json
-from stages.contracts.cousins import ObjectCousins
+from stages.contracts.cousins import ObjectCousins, Orientation
 from stages.contracts.objects import SceneObject
 from stages.matching.candidates import find_candidates
 from stages.matching.encoders import PatchEncoder, make_encoder, settings_digest
 from stages.matching.judges import Judges
-from stages.matching.ranking import make_query, rank_cousins, shortlisted
+from stages.matching.ranking import known_models, make_query, rank_cousins, rank_models, rank_orientations, shortlisted
 from stages.matching.scene import Scene
 from stages.matching.snapshots import Snapshots
 from stages.matching.store import FeatureStore
 from stages.matching.text_encoders import TextEncoder, make_text_encoder
+
+UNCOMPARED = Orientation(yaw=0.0, distance=0.0)  # stands for the views where none is compared
+
+
+class Pictures(NamedTuple):
+    """What the object's picture is compared with."""
+
+    encoder: PatchEncoder
+    store: FeatureStore
 
 
 def run(
@@ -23,8 +34,8 @@ def run(
     objects: Path,
     image: Path,
     library: Path,
-    features: list[Path],
     out: Path,
+    features: tuple[Path, ...] = (),
     snapshots: tuple[Path, ...] = (),
     without: tuple[Path, ...] = (),
     options: str = "{}",
@@ -35,34 +46,40 @@ def run(
         objects: objects.json of extraction, with masks.png and depth.npz beside it.
         image: the scene's picture.
         library: library.json of the assets stage.
-        features: feature stores of all shards (.npy).
         out: cousins.json to write.
+        features: feature stores of all shards (.npy); none if the judges look at no picture.
         snapshots: shards of snapshots (.h5), for judges that look at pictures.
         without: files that name models not to be used.
         options: JSON of the config section `matching`.
     """
     settings = read_options(MatchingConfig, options)
-    encoder = make_encoder(settings)
-    store = FeatureStore(features, settings_digest(settings, encoder))
-    assets = without_models(read_library(library, store), without)
+    stored = open_pictures(features, settings) if settings.compares_pictures else None
+    assets = without_models(read_library(library, stored.store if stored else None), without)
     scene = Scene(objects, image)
     text = make_text_encoder(settings)
     with Snapshots(snapshots) as pictures:
         judges = Judges(settings, library, pictures)
         entries = [
-            match_object(item, scene, assets, store, encoder, text, judges, settings)
+            match_object(item, scene, assets, stored, text, judges, settings)
             for item in progress(scene.objects.objects, "objects matched", len(scene.objects.objects))
         ]
-    result = Cousins(scene=scene.objects.scene, encoder=settings.encoder, objects=entries)
+    encoder = settings.encoder if stored else "none"
+    result = Cousins(scene=scene.objects.scene, encoder=encoder, objects=entries)
     write_json(out, result)
     for line in judges.summaries():
         print(line)
 
 
-def read_library(path: Path, store: FeatureStore) -> Library:
-    """The library, checked to be the one whose features are stored."""
+def open_pictures(features: tuple[Path, ...], options: MatchingConfig) -> Pictures:
+    """The encoder, and the features that it made of the library."""
+    encoder = make_encoder(options)
+    return Pictures(encoder, FeatureStore(features, settings_digest(options, encoder)))
+
+
+def read_library(path: Path, store: FeatureStore | None) -> Library:
+    """The library, checked to be the one whose features are stored, if any are."""
     library = read_json(Library, path)
-    missing = [entry.id for entry in library.assets if entry.id not in store]
+    missing = [entry.id for entry in library.assets if store is not None and entry.id not in store]
     if missing:
         what = f"{len(missing)} of {len(library.assets)} assets have no features, e.g. {missing[0]}."
         raise InputError(path, what, "give the feature stores of all shards of this library")
@@ -79,25 +96,32 @@ def match_object(
     item: SceneObject,
     scene: Scene,
     library: Library,
-    store: FeatureStore,
-    encoder: PatchEncoder,
+    stored: Pictures | None,
     text: TextEncoder,
     judges: Judges,
     options: MatchingConfig,
 ) -> ObjectCousins:
-    """The cousins of one object, or the reason why there are none: one bad object does not stop the scene."""
+    """The cousins of one object, or the reason why there are none: one bad object does not stop the scene.
+
+    `stored`: what its picture is compared with; None: no picture is looked at.
+    """
     if item.status == "failed":
         return _failed(item, f"extraction: {item.reason}")
-    view = scene.view(item)
-    query = make_query(view if store.upright else replace(view, up=None), encoder, options.colour)
-    if query is None:
-        return _failed(item, f"no foreground patch: mask {item.mask} has no pixel in masks.png")
-    candidates = find_candidates(item, library, text, options)
+    candidates, view = find_candidates(item, library, text, options), scene.view(item)
     if not candidates.assets:
         return _failed(item, "no candidate: the library has no asset with doors or drawers")
     question = judges.question(view, item, scene.objects)
+    if stored is None:
+        models = known_models(candidates, item, options)
+        return rank_cousins(models, lambda asset: ([], [UNCOMPARED]), candidates, item, question, judges, options)
+    encoder, store = stored
+    query = make_query(view if store.upright else replace(view, up=None), encoder, options.colour)
+    if query is None:
+        return _failed(item, f"no foreground patch: mask {item.mask} has no pixel in masks.png")
     candidates = shortlisted(query, candidates, store, options)
-    return rank_cousins(query, candidates, item, question, store, judges, options)
+    models = rank_models(query, candidates, item, store, options)
+    orientations_of = partial(rank_orientations, query, store=store, options=options)
+    return rank_cousins(models, orientations_of, candidates, item, question, judges, options)
 
 
 def _failed(item: SceneObject, reason: str) -> ObjectCousins:

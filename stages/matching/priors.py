@@ -8,6 +8,7 @@ of the figures that is.
 import numpy as np
 
 from stages.config.matching import MatchingConfig
+from stages.contracts.cousins import Candidate
 from stages.contracts.library import LibraryEntry
 from stages.contracts.objects import SceneObject
 from stages.matching.candidates import Candidates, count_gap
@@ -31,6 +32,11 @@ def addends(item: SceneObject, candidates: Candidates, options: MatchingConfig) 
         }
         for entry in candidates.assets
     ]
+
+
+def added(candidate: Candidate) -> float:
+    """What a model's distance is the sum of besides patches."""
+    return sum(part for name, part in candidate.parts.items() if name != "patches")
 
 
 def size_gap(item: SceneObject, entry: LibraryEntry) -> float:

@@ -18,6 +18,8 @@ from stages.matching.search import distance_table, load_search
 from stages.matching.store import FeatureStore, Snapshot
 from stages.matching.voting import Pick, embedding_distance, vote
 
+Models = tuple[list[Candidate], list[Candidate]]  # by votes, by distance
+Orientations = tuple[list[Orientation], list[Orientation]]  # likewise
 BY_DISTANCE = "distance"  # what decides where a judge does not
 DIGITS = 4  # of distances: beyond them backends differ, so what is equal up to here is a tie
 
@@ -132,7 +134,7 @@ def shortlisted(query: Query, candidates: Candidates, store: FeatureStore, optio
 
 def rank_models(
     query: Query, candidates: Candidates, item: SceneObject, store: FeatureStore, options: MatchingConfig
-) -> tuple[list[Candidate], list[Candidate]]:
+) -> Models:
     """Candidates by votes (the top k_model) and by distance (all of them), to which priors may add."""
     views, assets = compared_views(store, options), candidates.assets
     snapshots = [Snapshot(entry.id, view) for entry in assets for view in views]
@@ -154,9 +156,16 @@ def rank_models(
     return [compared[group] for group, _ in ranking.picks], sorted(compared, key=lambda one: one.distance)
 
 
-def rank_orientations(
-    query: Query, asset: str, store: FeatureStore, options: MatchingConfig
-) -> tuple[list[Orientation], list[Orientation]]:
+def known_models(candidates: Candidates, item: SceneObject, options: MatchingConfig) -> Models:
+    """All candidates by priors alone, where no picture is compared; ties in their order, and no votes."""
+    known = [
+        Candidate(asset=entry.id, category=entry.category, distance=round(sum(parts.values()), DIGITS), parts=parts)
+        for entry, parts in zip(candidates.assets, addends(item, candidates, options), strict=True)
+    ]
+    return [], sorted(known, key=lambda one: one.distance)
+
+
+def rank_orientations(query: Query, asset: str, store: FeatureStore, options: MatchingConfig) -> Orientations:
     """Views of an asset by votes (the top k_ori) and by distance (all of them)."""
     views = range(len(store.yaws))
     snapshots = [Snapshot(asset, view) for view in views]
@@ -170,18 +179,23 @@ def rank_orientations(
 
 
 def rank_cousins(
-    query: Query,
+    models: Models,
+    orientations_of: Callable[[str], Orientations],
     candidates: Candidates,
     item: SceneObject,
     question: Question,
-    store: FeatureStore,
     judges: Judges,
     options: MatchingConfig,
 ) -> ObjectCousins:
-    """Ranked cousins of one object, each with its own orientation, as the judges decide, or by distance."""
+    """Ranked cousins of one object, each with its own orientation, as the judges decide, or by distance.
+
+    Args:
+        models: the candidates by votes and by distance.
+        orientations_of: those of an asset, likewise.
+    """
     notes = [candidates.note] if candidates.note else []
     decided_by, orientation_decided_by = judges.model_name, judges.orientation_name
-    by_votes, by_distance = rank_models(query, candidates, item, store, options)
+    by_votes, by_distance = models
     try:
         chosen = judges.of_models.models(question, by_votes, by_distance)
     except AbstainedError as abstained:
@@ -190,7 +204,7 @@ def rank_cousins(
         notes.append(f"models from {len(abstained.chosen) + 1} on by distance: {abstained.reason}")
     cousins = []
     for number, candidate in enumerate(chosen[: options.k_cousins], 1):
-        voted, near = rank_orientations(query, candidate.asset, store, options)
+        voted, near = orientations_of(candidate.asset)
         asked = question._replace(rank=number)
         try:
             orientations = judges.of_orientations.orientations(asked, candidate.asset, voted, near)

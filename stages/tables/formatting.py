@@ -6,16 +6,30 @@ import pandas as pd
 
 from stages.config.tables import TablesConfig
 from stages.tables.markup import NOT_RUN, Cell, Row, Table, number, percent, points, span, spread
-from stages.tables.order import CLOUDS, VARIANTS, set_key, task_key, title
+from stages.tables.order import CLOUDS, NO_IMAGE, VARIANTS, set_key, task_key, title
 from stages.tables.robustness import AFFORDANCES, ordered
 from stages.tables.rows import records
 from stages.tables.table2 import COUNTS, TOTAL
 from stages.tables.table3 import CELL, pool
 
 NOTHING = "–"
+GIVEN = (
+    "What every row is given: the true label, the true counts of doors and drawers and the true mask of every object "
+    "(the paper's are estimated), and the renderer's true depth with simulated noise, from which boxes, mounting and "
+    "the planes of walls are measured."
+)
+BASELINE = (
+    f"({NO_IMAGE}) knows just that and looks at no picture. What a judge gains from the picture is its difference from "
+    f"({NO_IMAGE}) in the same rooms, not its own count: the category follows from what is given."
+)
 ROBUST_DIGITS = {"l2_cm": 1, "worst_room_l2_cm": 1, "orientation_rad": 2, "oriented_iou": 2, "fallen": 1}
 ROBUST_DIGITS |= {"largest_shift_cm": 1, "penetration_cm": 1, "chamfer": 1, "shape_iou": 2}
 DIGITS = {"l2_cm": 1, "orientation_rad": 2, "orientation_paper_rad": 2, "iou": 2, "oriented_iou": 2}
+
+
+def _given(table: pd.DataFrame) -> list[str]:
+    """What Table 2's rows know before any picture is compared, and the row that a judge is to be read against."""
+    return [GIVEN, BASELINE] if NO_IMAGE in set(table["variant"]) else [GIVEN]
 
 
 def _level(options: TablesConfig) -> str:
@@ -69,6 +83,7 @@ def scenes_table(table: pd.DataFrame, options: TablesConfig) -> Table:
             "The paper's assets and renderer are others than ours: the same measures, a different library. Its text "
             "carries one IoU per row, taken to be that of axis-aligned boxes by its position.",
             f"The paper's variants: {variants}. Who decided here stands under Judge.",
+            *_given(table),
         ],
     )  # fmt: skip
 
@@ -104,6 +119,7 @@ def robustness_table(table: pd.DataFrame) -> Table:
             "Chamfer: mean distance of the surfaces of chosen and true model in the same box, in percent of its "
             "diagonal; shape IoU: of what they fill. Panels, handles, hinges: how many of the objects with doors or "
             "drawers got as many of them, the same kinds of handles, the same hinge sides.",
+            *_given(table),
         ],
     )  # fmt: skip
 

@@ -13,6 +13,8 @@ VARIANTS = {  # as the paper has them; what decided in a run stands in cousins.j
     "d": "VLM model, encoder orientation",
 }
 
+NO_IMAGE = "no-image"  # the variant of config/study/table2.yaml that judges are read against
+
 
 def natural(text: str) -> tuple[tuple[int, int, str], ...]:
     """Sort key under which room_2 comes before room_10."""

@@ -188,10 +188,22 @@ def test_models_are_compared_by_shape_and_by_what_they_offer(tmp_path: Path) -> 
     assert likeness(tmp_path / "sofa", tmp_path / "true")[2:] == (None, None, None)
 
 
-def test_the_true_models_can_be_left_out(tmp_path: Path) -> None:
-    write_json(tmp_path / "truth.json", TRUTH)
-    leave_out.run(truth=tmp_path / "truth.json", out=tmp_path / "out.json")
-    assert read_json(LeftOut, tmp_path / "out.json").assets == sorted(item.asset for item in TRUTH.objects)
+@pytest.mark.parametrize("shown", ["cabinet_0", "cabinet_2"])
+def test_true_models_are_left_out_with_all_their_relatives(tmp_path: Path, shown: str) -> None:
+    founders = {"cabinet_0": None, "cabinet_1": None, "cabinet_2": "cabinet_0", "cabinet_3": "cabinet_1"}
+    entries = []
+    for name, founder in {**founders, "cabinet_4": "cabinet_0", "mine_0": None}.items():
+        asset = build(sample("box", 0, 0), None, tmp_path / name, name, "cabinet")
+        recipe = (
+            None if name == "mine_0" else asset.recipe and asset.recipe.model_copy(update={"variation_of": founder})
+        )
+        write_json(tmp_path / name / "asset.json", asset.model_copy(update={"recipe": recipe}))
+        entries.append(LibraryEntry.of(asset, name))
+    write_json(tmp_path / "library.json", Library(assets=entries))
+    objects = [true(1, shown, (0, 0, 0)), true(2, "mine_0", (1, 0, 0)), true(3, "gone_0", (2, 0, 0))]
+    write_json(tmp_path / "truth.json", TRUTH.model_copy(update={"objects": objects}))
+    leave_out.run(truth=tmp_path / "truth.json", library=tmp_path / "library.json", out=tmp_path / "out.json")
+    assert read_json(LeftOut, tmp_path / "out.json").assets == ["cabinet_0", "cabinet_2", "cabinet_4", "mine_0"]
 
 
 def _write(folder: Path) -> dict:

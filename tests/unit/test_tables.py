@@ -183,6 +183,17 @@ def test_table2_says_not_run_and_knows_other_scenes_and_variants() -> None:
     assert not ((table["scene"] == "kitchen") & (table["status"] == "not run")).any()
 
 
+def test_table2_says_what_is_given_and_what_a_judge_is_read_against() -> None:
+    rows = [score(), score(protocol="noise", draw=1)]
+    for baseline in (False, True):
+        rows += [score(variant="no-image"), score(variant="no-image", protocol="noise", draw=1)] if baseline else []
+        for shown in (
+            formatting.scenes_table(scene_cells(rows), OPTIONS),
+            formatting.robustness_table(robustness.build(frame(rows))),
+        ):
+            assert formatting.GIVEN in shown.notes and (formatting.BASELINE in shown.notes) == baseline
+
+
 def test_table2_names_the_judge_of_every_row() -> None:
     rows = [score(number=n, variant="d", model_judge="vlm toy", orientation_judge="distance") for n in (1, 2)]
     lost = score(number=4, variant="d", status="failed")  # nobody judged it

@@ -122,6 +122,23 @@ def test_table_2_trains_nothing_and_meets_rooms_by_protocols(folder: Path) -> No
     assert "--without results/evaluation/left_out/room_1.unknown.0.json" in unknown
 
 
+def test_a_variant_that_looks_at_no_picture_plans_no_features(folder: Path) -> None:
+    (folder / "blind.yaml").write_text(
+        "experiment: {rooms: [room_1], tasks: {door: null}, variants: {"
+        "no-image: {model_selection: priors, orientation_selection: priors}, half: {model_selection: priors}}, "
+        "protocols: {unknown: {unknown: true, variants: [no-image]}}}"
+    )
+    score = "results/evaluation/scenes/{}/scores.csv"
+    asked = [score.format("no-image/room_1"), score.format("no-image/room_1.unknown.0")]
+    done = dry_run(folder, *asked, "-p", "--configfile", "blind.yaml")
+    jobs = planned(done.stdout)
+    assert jobs["match"] == jobs["generate"] == jobs["score"] == 2 and jobs["leave_out"] == 1
+    assert not {"features", "snapshots"} & set(jobs)
+    assert "--truth results/scenes/room_1/truth.json --library results/assets/library/library.json" in done.stdout
+    half = planned(dry_run(folder, score.format("half/room_1"), "--configfile", "blind.yaml").stdout)
+    assert half["features"] == half["snapshots"] > 0  # one judge that looks is enough
+
+
 def test_a_picture_needs_weights_or_is_drawn(tmp_path: Path) -> None:
     folder = make(tmp_path)
     assert "Fix: snakemake --cores 2 photo --config image=kitchen.jpg" in dry_run(folder, "photo").stdout

@@ -9,8 +9,9 @@ from collections.abc import Sequence
 
 from stages.config.matching import MatchingConfig
 from stages.contracts.cousins import Candidate, Orientation
-from stages.geometry.frames import wrap_angle
 from stages.matching.judges import Question
+from stages.matching.priors import added
+from stages.matching.standing import nearest_view
 from stages.matching.synthesis.fits import Fit
 from stages.matching.synthesis.workbench import Workbench
 
@@ -30,7 +31,7 @@ class Judge:
 
         def value(candidate: Candidate) -> float:
             best = self._fits(question, candidate.asset)[0].score(self.weights)
-            return round(best - self.weights.priors * priors(candidate), DIGITS)
+            return round(best - self.weights.priors * added(candidate), DIGITS)
 
         return sorted(near, key=value, reverse=True) + rest
 
@@ -40,21 +41,11 @@ class Judge:
         """By fit: turned along the wall or the object's box, and, away from walls, as in the k_ori nearest views."""
         views = [] if self.workbench.fitter(question).touches else by_distance[: self.options.k_ori]
         fits = self._fits(question, asset, [view.yaw for view in views])
-        return [nearest(fit.yaw, by_distance).model_copy(update={"yaw": fit.yaw}) for fit in fits]
+        return [nearest_view(fit.yaw, by_distance).model_copy(update={"yaw": fit.yaw}) for fit in fits]
 
     def _fits(self, question: Question, asset: str, views: Sequence[float] = ()) -> list[Fit]:
         """Best first."""
         fitter = self.workbench.fitter(question)
-        yaws = fitter.aligned() + [fitter.floor_yaw(view) for view in views]
+        yaws = fitter.aligned + [fitter.floor_yaw(view) for view in views]
         fits = fitter.fit(self.workbench.solid(question, asset), yaws)
         return sorted(fits, key=lambda fit: round(fit.score(self.weights), DIGITS), reverse=True)
-
-
-def priors(candidate: Candidate) -> float:
-    """What a model's distance is the sum of besides patches."""
-    return sum(part for name, part in candidate.parts.items() if name != "patches")
-
-
-def nearest(yaw: float, views: list[Orientation]) -> Orientation:
-    """The view whose yaw is nearest."""
-    return min(views, key=lambda view: abs(wrap_angle(view.yaw - yaw)))

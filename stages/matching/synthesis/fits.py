@@ -7,11 +7,12 @@ import numpy as np
 
 from stages.config.matching import GeometryConfig
 from stages.contracts import Objects
-from stages.contracts.objects import SceneObject, Wall
+from stages.contracts.objects import SceneObject
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import SYMMETRY_PERIOD, wrap_angle
 from stages.geometry.viewing import view_angle, view_yaw
 from stages.matching.crop import View
+from stages.matching.standing import aligned_yaws, touched_wall
 from stages.matching.synthesis.fitting import Measured, laid_over, measure
 from stages.matching.synthesis.observation import observe
 from stages.matching.synthesis.picture import Picture, render
@@ -19,7 +20,6 @@ from stages.matching.synthesis.solid import Solid
 from stages.matching.synthesis.terms import Terms, compare, line_field
 
 SAME = np.deg2rad(2)  # ways to stand that differ by less are one
-QUARTERS = np.arange(4) * np.pi / 2
 
 
 class Fit(NamedTuple):
@@ -58,7 +58,7 @@ class Fitter:
         self.behind = None if wall is None else (np.array(wall.normal), wall.offset)
         self._measured: dict[float, Measured] = {}
         self._fits: dict[tuple[str, float], Fit] = {}
-        self.axes = item.box.yaw if wall is None else float(np.arctan2(wall.normal[1], wall.normal[0]))
+        self.aligned = aligned_yaws(item, wall)  # yaws at which a model stands along the wall, else along the box
 
     def fit(self, solid: Solid, yaws: Sequence[float]) -> list[Fit]:
         """The model at several yaws of the floor frame, those left out that its symmetry makes equal."""
@@ -81,19 +81,9 @@ class Fitter:
             self._measured[yaw] = measure(self.seen.cloud, self.heights, yaw, self.seen.eye, self.behind)
         return laid_over(solid, self._measured[yaw], self.seen)
 
-    def aligned(self) -> list[float]:
-        """Yaws at which a model stands along the wall that the object touches, else along its box."""
-        return [wrap_angle(self.axes + quarter) for quarter in QUARTERS]
-
     def floor_yaw(self, view: float) -> float:
         """Yaw in the floor frame of a model that is seen at the yaw of a view."""
         return view_yaw(self.seen.eye, self.box.center, view)
-
-
-def touched_wall(item: SceneObject, scene: Objects) -> Wall | None:
-    """The wall that an object touches, the dominant one if there are more."""
-    names = item.mounting.walls if item.mounting is not None and item.mounting.type != 2 else []
-    return next((wall for wall in scene.walls if wall.id in names[:1]), None)
 
 
 def distinct(yaws: Sequence[float], period: float) -> list[float]:

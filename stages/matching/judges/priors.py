@@ -1,0 +1,38 @@
+"""Judge `priors`: nothing but label, counts, box and mounting; no picture is looked at. The baseline of the others.
+
+Named for models and for orientations, nothing is encoded and nothing compared (`MatchingConfig.compares_pictures`).
+"""
+
+import numpy as np
+
+from stages.config.matching import MatchingConfig
+from stages.contracts.cousins import Candidate, Orientation
+from stages.geometry.viewing import view_angle
+from stages.matching.judges import AbstainedError, Question
+from stages.matching.priors import added
+from stages.matching.standing import aligned_yaws, nearest_view, touched_wall
+
+DIGITS = 4  # of sums: what is equal up to here is a tie
+
+
+class Judge:
+    """Weights: `label_weight`, `size_weight`, `place_weight`, `count_weight` of the options."""
+
+    def __init__(self, options: MatchingConfig) -> None:
+        pass
+
+    def models(self, question: Question, by_votes: list[Candidate], by_distance: list[Candidate]) -> list[Candidate]:
+        """All candidates by what label, size, place and counts add, ties by id."""
+        return sorted(by_distance, key=lambda one: (round(added(one), DIGITS), one.asset))
+
+    def orientations(
+        self, question: Question, asset: str, by_votes: list[Orientation], by_distance: list[Orientation]
+    ) -> list[Orientation]:
+        """Along the wall that the object touches, front away from it; else along its box, front towards the camera."""
+        item, scene = question.item, question.scene
+        if item is None or scene is None or item.box is None:
+            raise AbstainedError("priors: extraction gives no box")
+        wall, eye = touched_wall(item, scene), np.array(scene.floor_from_camera)[:3, 3]
+        yaws = [view_angle(eye, item.box.center, yaw) for yaw in aligned_yaws(item, wall)]
+        ordered = sorted(yaws, key=abs) if wall is None else yaws
+        return [nearest_view(yaw, by_distance).model_copy(update={"yaw": yaw}) for yaw in ordered]
