@@ -65,8 +65,8 @@ def _group(table: pd.DataFrame, sets: list[str]) -> list[Row]:
         made = [_row([group, Cell(f"{name}, {what}")], line, sets, _gain(which)) for name, line in policies]
         rows += [row for row in made if any(cell.value for cell in row.cells[2:])]
     for row in records(table[table["training_set"] == SKILL]):
-        shown = Cell(percent(row["mean"]), f"[{span(row['low'], row['high'])}] {row['successes']}/{row['episodes']}")
-        rows.append(Row([group, Cell(title(SKILL), "a reference, not a policy"), shown, *[Cell("")] * (len(sets) - 1)]))
+        counts = f"[{span(row['low'], row['high'])}] {row['successes']}/{row['episodes']}; a reference, not a policy"
+        rows.append(Row([group, Cell(f"{title(SKILL)}: {percent(row['mean'])}", counts), *[Cell("")] * len(sets)]))
     return rows
 
 

@@ -4,11 +4,14 @@ Rows of the experiment that share their assets (`assets_of`) are a group: the pa
 the same demonstrations, assets and states.
 """
 
+from typing import get_args
+
 import numpy as np
 import pandas as pd
 
 from stages.config.tables import TablesConfig
-from stages.tables.cells import CELL, RATE, gains, rates
+from stages.contracts.library import HandleKind
+from stages.tables.cells import CELL, RATE, gains, in_order, rates
 from stages.tables.order import SKILL, SPLITS
 from stages.tables.table3 import BASELINE
 
@@ -20,12 +23,18 @@ FROM_TWIN, FROM_OWN = (
 COLUMNS = [*CELL, *RATE, *FROM_TWIN.values(), *FROM_OWN.values()]
 LENGTHS = [0, 0.05, 0.1, 0.2, np.inf]  # of handles, metres
 BINS = ["< 5 cm", "5-10 cm", "10-20 cm", "> 20 cm"]
+KINDS = sorted(get_args(HandleKind))
 BY_HANDLE = [*CELL, "by", "handle", *RATE]
 
 
 def of_splits(rollouts: pd.DataFrame) -> pd.DataFrame:
     """The rollouts on sets of unseen assets; the skill's as well."""
     return rollouts[rollouts["test_asset"].isin(SPLITS)]
+
+
+def judged_over(rollouts: pd.DataFrame) -> str:
+    """What unseen assets are: the set `test`, else `validation`, else (`roles`) the roles that are held out."""
+    return next((split for split in SPLITS if (rollouts["test_asset"] == split).any()), "roles")
 
 
 def build(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
@@ -50,4 +59,6 @@ def by_handle(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
     found = of_splits(rollouts)
     lengths = pd.cut(found["handle_length"], LENGTHS, labels=BINS, right=False).astype(str)
     binned = pd.concat([found.assign(by="kind"), found.assign(by="length", handle=lengths)])
-    return rates(binned, [*CELL, "by", "handle"], options)[BY_HANDLE]
+    table = rates(binned, [*CELL, "by", "handle"], options)[BY_HANDLE]
+    order = table["handle"].map({name: number for number, name in enumerate([*KINDS, *BINS])})
+    return in_order(table.iloc[order.argsort(kind="stable")])

@@ -12,6 +12,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from stages.config.tables import TablesConfig
+from stages.tables.assets import judged_over
 from stages.tables.intervals import Side, paired, quantiles, resampled, score_interval, side_of, unit_rates
 from stages.tables.order import SKILL, SPLITS, set_key, task_key
 from stages.tables.statistics import Interval
@@ -115,11 +116,6 @@ def compare(name: str, ours: Sides, theirs: Sides, options: TablesConfig) -> dic
 def _by_run(side: Side) -> pd.Series:
     """The rate of every run, assets alike."""
     return side.T.groupby(level=["family", "asset"]).mean().mean()
-
-
-def judged_over(rollouts: pd.DataFrame) -> str:
-    """What unseen assets are: the set `test`, else `validation`, else (`roles`) the roles that are held out."""
-    return next((split for split in SPLITS if (rollouts["test_asset"] == split).any()), "roles")
 
 
 def _sides(rollouts: pd.DataFrame, ours: str, theirs: str) -> tuple[Sides, Sides]:

@@ -51,12 +51,13 @@ def place_weights(places: pd.Index, samples: int, rng: np.random.Generator) -> F
         (samples, places), each row adds up to 1.
     """
     family, names = pd.factorize(places.get_level_values("family"))
-    asset = places.to_frame(index=False).groupby(["family", "asset"]).ngroup().to_numpy()
     weights = rng.multinomial(len(names), np.full(len(names), 1 / len(names)), size=samples)[:, family].astype(float)
-    for number in range(asset.max() + 1):
-        columns = np.flatnonzero(asset == number)
-        weights[:, columns] *= rng.multinomial(len(columns), np.full(len(columns), 1 / len(columns)), size=samples)
-        weights[:, columns] /= len(columns)
+    asset, assets = pd.factorize(places.get_level_values("asset"))
+    states = np.bincount(asset)
+    state = pd.Series(asset).groupby(asset).cumcount().to_numpy()
+    chances = (np.arange(states.max()) < states[:, None]) / states[:, None]
+    drawn = rng.multinomial(states, chances, size=(samples, len(assets))) / states[:, None]
+    weights *= drawn[:, asset, state]
     return np.asarray(weights / weights.sum(axis=1, keepdims=True))
 
 
