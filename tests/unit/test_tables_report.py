@@ -136,6 +136,25 @@ def test_page_tells_what_happened(made: Path) -> None:
     assert "no cloud" not in text
 
 
+def test_first_screen_shows_unseen_assets_and_the_roles_stand_below(made: Path, tmp_path: Path) -> None:
+    text = (made / "results/report/index.html").read_text()
+    first, below = text[: text.index('<p class="lede">')], text[text.index('id="policies"') :]
+    for words in (
+        "success over 24 unseen assets", "paper's network", "handle flagged", "scripted skill", "48/96", "80/96",
+        "This run does not tell the paper's policies trained on 4 cousins apart from those trained on the twin",
+        "Policies that see the handle trained on the twin succeed more often than the paper's policies trained on it "
+        "(83 % against 50 %, 24 assets; +33 points [",
+    ):  # fmt: skip
+        assert words in first, words
+    assert "success of the policies by test asset" not in first and "On the roles of Table 3" in below
+    assert 'id="assets"' in below and below.index("<details><summary>Success over unseen assets, by kind") > 0
+    flags = declared(made)
+    files = tuple(path for path in flags["files"] if not path.name.startswith("assets"))  # type: ignore[attr-defined]
+    without = page(made, tmp_path / "index.html", files=files)
+    assert "success of the policies by test asset" in without[: without.index('<p class="lede">')]
+    assert "On the roles of Table 3" not in without and "unseen assets that no policy" not in without
+
+
 def test_page_and_figures_are_the_same_bytes_again(made: Path, tmp_path: Path) -> None:
     draw(made, tmp_path)
     write_scenes(made, tmp_path, tmp_path)
