@@ -1,6 +1,8 @@
 # The paper's tables and figures with ours beside them.
 # Reads:  evaluation rows, the published values in report/published, pictures of the generated scenes.
-# Writes: results/tables/{table2,table2_robustness,table3}.{csv,html,tex}, results/figures/figure{4,6,9}.{svg,png}.
+# Writes: results/tables/{table2,table2_robustness,assets,table3}.{csv,html,tex}, results/figures/figure{4,6,9}.{svg,png}.
+
+ROLLOUTS = cells(rules.gather.output.rollouts)
 
 
 rule table2:
@@ -45,15 +47,17 @@ rule table2:
 
 
 rule table3:
-    """Table 3: every cell with its n, seeds and interval, the published value beside it."""
+    """Success over unseen assets; Table 3: every cell with its n, seeds and interval, the published value beside it."""
     input:
-        rollouts=cells(rules.gather.output.rollouts),
+        rollouts=ROLLOUTS,
         published="report/published/table3.csv",
     output:
         csv="results/tables/table3.csv",
-        more=expand("results/tables/table3_{what}.csv", what=["differences", "claims", "stability"]),
+        more=expand("results/tables/table3_{what}.csv", what=["cells", "differences", "claims", "stability"]),
+        assets=expand("results/tables/{table}.csv", table=["assets", "assets_by_handle"]),
+        unseen=shown("results/tables/assets.html", "tables"),
         html=shown("results/tables/table3.html", "tables"),
-        tex="results/tables/table3.tex",
+        tex=expand("results/tables/{table}.tex", table=["assets", "table3"]),
     log:
         "logs/tables/table3.log",
     benchmark:
@@ -85,7 +89,7 @@ rule tables:
 rule figures:
     """Figures 4 and 9."""
     input:
-        table3=rules.table3.output.csv,
+        rollouts=ROLLOUTS,
         published="report/published/table3.csv",
     output:
         figure4=shown("results/figures/figure4.svg", "figures"),
@@ -107,5 +111,5 @@ rule figures:
         published=subpath(input.published, parent=True),
         out=subpath(output.figure4, parent=True),
     shell:
-        "{params.command} --table3-csv {input.table3:q} --published {params.published:q} "
+        "{params.command} --rollouts {input.rollouts:q} --published {params.published:q} "
         "--options {params.options:q} --out {params.out:q} 2>&1 | tee {log:q}"

@@ -23,7 +23,7 @@ class TablesConfig(Section):
     bootstrap_samples: int = Field(
         10_000,
         ge=100,
-        description="Resamples behind the intervals of differences between training sets of several runs.",
+        description="Resamples (of assets, initial states and runs) behind the intervals of policies.",
     )
     seed: int = Field(0, ge=0, description="Seed of the resamples.")
     picture_width: int = Field(1100, ge=200, description="Largest width of a picture in the report page, pixels.")

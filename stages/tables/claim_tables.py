@@ -13,10 +13,10 @@ from stages.tables.table3 import BASELINE
 
 SENTENCES = {
     "equal": "On the twin itself, {ours} do as well as {theirs}",
-    "unseen": "On assets that neither was trained on, {ours} do better than {theirs}",
-    "flat": "Away from the twin, {ours} lose less than {theirs}",
+    "unseen": "On unseen assets, {ours} do better than {theirs}",
+    "flat": "From the twin to unseen assets, {ours} lose less than {theirs}",
     "steady": "{ours} differ less from run to run than {theirs}",
-    "all": "{ours} do better than {theirs}",
+    "all": "On unseen assets, {ours} do better than {theirs}",
 }
 
 
@@ -37,6 +37,13 @@ def _sides(claim: str, ours: float, theirs: float) -> str:
     if claim == "steady":
         return f"± {number(-100 * ours, 0)} against ± {number(-100 * theirs, 0)} points"
     return f"{percent(ours)} against {percent(theirs)}"
+
+
+def over(row: dict[str, Any]) -> str:
+    """The assets that a claim is judged over."""
+    if row["over"] == BASELINE:
+        return "the twin alone"
+    return f"{row['assets']} {'held-out roles' if row['over'] == 'roles' else title(row['over'])}"
 
 
 def why_open(row: dict[str, Any]) -> str:
@@ -69,6 +76,7 @@ def claims_table(table: pd.DataFrame, options: TablesConfig) -> Table:
                     Cell(sentence(row)),
                     Cell(row["verdict"], why_open(row)),
                     Cell(evidence(row), _sides(row["claim"], row["ours"], row["theirs"]), paper),
+                    Cell(over(row)),
                     Cell(f"{row['runs']} against {row['baseline_runs']}"),
                 ],
                 "holds" if row["verdict"] == HOLDS else "",
@@ -77,7 +85,7 @@ def claims_table(table: pd.DataFrame, options: TablesConfig) -> Table:
     return Table(
         name="table3_claims",
         caption="What the paper says of its policies, and whether these rollouts bear it out.",
-        columns=["Task", "Claim", "Verdict", "Difference", "Runs"],
+        columns=["Task", "Claim", "Verdict", "Difference", "Judged over", "Runs"],
         rows=rows,
         headers=2,
         notes=[
@@ -85,10 +93,11 @@ def claims_table(table: pd.DataFrame, options: TablesConfig) -> Table:
             "not hold if it lies on the other side; if it holds zero, nothing can be said. To do as well is to be no "
             f"more than {100 * MARGIN:g} points worse. Nothing is said of fewer than {MIN_RUNS} runs a side, of run to "
             f"run of fewer than {MIN_SPREAD_RUNS}.",
-            "Intervals: bootstrap over runs and over initial states, which both sides share "
-            f"({options.bootstrap_samples} resamples, seed {options.seed}); of plain rates never narrower than "
-            "Newcombe's paired score interval. Losses are from the twin to the mean of the other test assets; "
-            "deviations are sample ones over runs, pooled over test assets.",
+            "Unseen assets: the set of unseen assets where policies were rolled out on one, else the three held-out "
+            "roles of Table 3, which are too few for most claims. Intervals: bootstrap over assets, their initial "
+            f"states and runs, crossed ({options.bootstrap_samples} resamples, seed {options.seed}); of means never "
+            "narrower than Newcombe's score interval with assets as units (on the twin alone: initial states). "
+            "Deviations are sample ones over runs, pooled over the twin and unseen assets.",
         ],
     )
 

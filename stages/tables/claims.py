@@ -4,7 +4,7 @@ Every claim compares one number of the policies trained on most cousins with tha
 the interval of the difference lies on its side, it does not hold if it lies on the other, else it cannot be said.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,9 +12,11 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from stages.config.tables import TablesConfig
-from stages.tables.difference import Successes, paired_interval
-from stages.tables.order import set_key, task_key
-from stages.tables.table3 import BASELINE, TRAINED
+from stages.tables.assets import judged_over
+from stages.tables.intervals import Side, paired, quantiles, resampled, score_interval, side_of, unit_rates
+from stages.tables.order import SKILL, SPLITS, set_key, task_key
+from stages.tables.statistics import Interval
+from stages.tables.table3 import BASELINE, TRAINED, UNSEEN
 
 MARGIN = 0.10  # as well as the twin on the twin: not worse by more than this
 MIN_RUNS = 2  # a side; one policy says nothing of training again
@@ -22,52 +24,50 @@ MIN_SPREAD_RUNS = 3  # a side, to speak of how runs differ
 COLLAPSED = 0.25  # a run is collapsed if it succeeds less often than this share of the best run of its task
 HOLDS, FAILS, OPEN = "holds", "does not hold", "cannot be said"
 COLUMNS = [
-    "task", "claim", "training_set", "baseline", "verdict", "difference", "low", "high", "ours", "theirs", "runs",
-    "baseline_runs", "published_difference", "published_ours", "published_theirs",
+    "task", "claim", "training_set", "baseline", "over", "assets", "verdict", "difference", "low", "high", "ours",
+    "theirs", "runs", "baseline_runs", "published_difference", "published_ours", "published_theirs",
 ]  # fmt: skip
 STABILITY = ["task", "training_set", "runs", "collapsed", "spread"]
 STABILITY += ["published_runs", "published_collapsed", "published_spread"]
 
-Rates = Mapping[str, NDArray[np.float64]]  # test asset -> (..., runs) success rates
-Cells = Mapping[str, Successes]  # test asset -> (runs, states) successes
-
-
-def _mean(rates: Rates, assets: list[str]) -> Any:
-    return np.mean([rates[asset].mean(axis=-1) for asset in assets], axis=0)
-
-
-def _unseen(rates: Rates) -> list[str]:
-    return [asset for asset in rates if asset != BASELINE]
+Rates = Mapping[str, NDArray[np.float64]]  # `twin`, `unseen` (of the paper: test assets) -> (..., runs) rates
+Sides = dict[str, Side]  # `twin`, `unseen` -> successes
 
 
 def spread(rates: Rates) -> Any:
-    """How runs differ: sample standard deviation over runs, pooled over the test assets; NaN of one run."""
+    """How runs differ: sample standard deviation over runs, pooled over what is tested; NaN of one run."""
     if next(iter(rates.values())).shape[-1] < 2:
         return np.nan
-    return np.sqrt(np.mean([rates[asset].var(axis=-1, ddof=1) for asset in rates], axis=0))
+    return np.sqrt(np.mean([rate.var(axis=-1, ddof=1) for rate in rates.values()], axis=0))
 
 
 class Claim(NamedTuple):
-    """One claim: the number that is compared (more is better), the baseline, how little is still no less."""
+    """One claim: the number that is compared (more is better), the baseline, how little is still no less.
 
-    measure: Callable[[Rates], Any]
+    plus, minus: the means that it adds and takes away; without them it compares how runs differ.
+    """
+
+    plus: str = ""
+    minus: str = ""
     baseline: str = BASELINE
     margin: float = 0.0
     runs: int = MIN_RUNS
 
+    def measure(self, rates: Rates) -> Any:
+        """The number: (...) of (..., runs) rates."""
+        if not self.plus:
+            return -spread(rates)
+        means = {name: rate.mean(axis=-1) for name, rate in rates.items()}
+        return means[self.plus] - means[self.minus] if self.minus else means[self.plus]
+
 
 CLAIMS = {
-    "equal": Claim(lambda rates: _mean(rates, [BASELINE]), margin=MARGIN),
-    "unseen": Claim(lambda rates: _mean(rates, _unseen(rates))),
-    "flat": Claim(lambda rates: _mean(rates, _unseen(rates)) - _mean(rates, [BASELINE])),
-    "steady": Claim(lambda rates: -spread(rates), runs=MIN_SPREAD_RUNS),
-    "all": Claim(lambda rates: _mean(rates, list(rates)), baseline="all"),
+    "equal": Claim(BASELINE, margin=MARGIN),
+    "unseen": Claim(UNSEEN),
+    "flat": Claim(UNSEEN, BASELINE),
+    "steady": Claim(runs=MIN_SPREAD_RUNS),
+    "all": Claim(UNSEEN, baseline="all"),
 }
-POOLED: dict[str, Callable[[Cells], list[str]]] = {
-    "equal": lambda cells: [BASELINE],
-    "unseen": lambda cells: [asset for asset in cells if asset != BASELINE],
-    "all": list,
-}  # claims about a plain rate, over these test assets
 
 
 def verdict(claim: Claim, low: float, high: float, runs: int) -> str:
@@ -77,58 +77,58 @@ def verdict(claim: Claim, low: float, high: float, runs: int) -> str:
     return HOLDS if low > -claim.margin else FAILS if high < -claim.margin else OPEN
 
 
-def resampled(sides: list[Cells], samples: int, seed: int) -> list[Rates]:
-    """Bootstrap of both sides: test asset -> (samples, runs) rates, over states that they share and over their runs."""
-    rng = np.random.default_rng(seed)
-    picked = [rng.integers(0, runs, (samples, runs)) for runs in (len(next(iter(side.values()))) for side in sides)]
-    drawn: list[dict[str, NDArray[np.float64]]] = [{} for _ in sides]
-    for asset in sides[0]:
-        states = sides[0][asset].shape[1]
-        weights = rng.multinomial(states, np.full(states, 1 / states), size=samples) / states
-        for side, runs, rates in zip(sides, picked, drawn, strict=True):
-            rates[asset] = np.take_along_axis(weights @ side[asset].T, runs, axis=1)
-    return list(drawn)
+def score_floor(claim: Claim, ours: Sides, theirs: Sides, confidence: float) -> Interval:
+    """The narrowest interval of the difference of a mean; of two means the squares of their widths add up.
+
+    The latter is Newcombe's own way from two intervals to one of a difference.
+    """
+
+    def one(name: str) -> tuple[float, Interval]:
+        units = unit_rates(ours[name]), unit_rates(theirs[name])
+        return float(units[0].mean() - units[1].mean()), score_interval(*units, confidence)
+
+    middle, (low, high) = one(claim.plus)
+    if not claim.minus:
+        return Interval(low, high)
+    other, (other_low, other_high) = one(claim.minus)
+    down, up = np.hypot(middle - low, other_high - other), np.hypot(high - middle, other - other_low)
+    return Interval(float(middle - other - down), float(middle - other + up))
 
 
-def compare(name: str, ours: Cells, theirs: Cells, options: TablesConfig) -> dict[str, Any]:
+def compare(name: str, ours: Sides, theirs: Sides, options: TablesConfig) -> dict[str, Any]:
     """The difference of a claim's measure, its interval and the verdict; both sides share assets and states."""
     claim = CLAIMS[name]
-    ends = [claim.measure({asset: part.mean(axis=1) for asset, part in side.items()}) for side in (ours, theirs)]
+    ends = [claim.measure({key: np.asarray(_by_run(part)) for key, part in side.items()}) for side in (ours, theirs)]
     runs = [len(next(iter(side.values()))) for side in (ours, theirs)]
     low = high = float("nan")
     if min(runs) >= claim.runs:
-        drawn = [claim.measure(side) for side in resampled([ours, theirs], options.bootstrap_samples, options.seed)]
-        tail = (1 - options.confidence) / 2
-        low, high = (float(end) for end in np.quantile(drawn[0] - drawn[1], [tail, 1 - tail]))
-        if name in POOLED:  # runs that agree at 0 or 1 do not close the interval
-            sides = [np.concatenate([side[asset] for asset in POOLED[name](ours)], axis=1) for side in (ours, theirs)]
-            score = paired_interval(sides[0], sides[1], options.confidence)
-            low, high = min(low, score.low), max(high, score.high)
+        drawn = resampled([[ours[key], theirs[key]] for key in ours], options)
+        sides = [claim.measure({key: pair[side] for key, pair in zip(ours, drawn, strict=True)}) for side in (0, 1)]
+        found = quantiles(sides[0] - sides[1], options)
+        floor = score_floor(claim, ours, theirs, options.confidence) if claim.plus else found
+        low, high = min(found.low, floor.low), max(found.high, floor.high)
     return {
         "ours": float(ends[0]), "theirs": float(ends[1]), "difference": float(ends[0] - ends[1]), "low": low,
         "high": high, "runs": runs[0], "baseline_runs": runs[1], "verdict": verdict(claim, low, high, min(runs)),
     }  # fmt: skip
 
 
-def _cells(rollouts: pd.DataFrame) -> dict[str, dict[str, pd.DataFrame]]:
-    """Training set -> test asset -> successes, a row per policy and a column per initial state."""
-    tested = rollouts[rollouts["test_asset"] != TRAINED]
-    found: dict[str, dict[str, pd.DataFrame]] = {}
-    for (name, asset), group in tested.groupby(["training_set", "test_asset"]):
-        policies = ["run", "seed", "checkpoint"]
-        table = group.pivot_table(index=policies, columns="initial_state", values="success", aggfunc="mean")
-        found.setdefault(str(name), {})[str(asset)] = table.astype(float)
-    return found
+def _by_run(side: Side) -> pd.Series:
+    """The rate of every run, assets alike."""
+    return side.T.groupby(level=["family", "asset"]).mean().mean()
 
 
-def _shared(ours: dict[str, pd.DataFrame], theirs: dict[str, pd.DataFrame]) -> tuple[Cells, Cells]:
-    """Both sides on the assets and from the states that all their policies share."""
-    sides: tuple[dict[str, Successes], dict[str, Successes]] = ({}, {})
-    for asset in sorted(set(ours) & set(theirs), key=set_key):
-        both = pd.concat([ours[asset], theirs[asset]], keys=["ours", "theirs"]).dropna(axis="columns")
-        if both.shape[1]:
-            for side, key in zip(sides, ("ours", "theirs"), strict=True):
-                side[asset] = np.asarray(both.loc[key], dtype=float)
+def _sides(rollouts: pd.DataFrame, ours: str, theirs: str) -> tuple[Sides, Sides]:
+    """Both training sets on the twin and on unseen assets, where all their policies were tested."""
+    over, tested = judged_over(rollouts), rollouts["test_asset"]
+    roles = ~tested.isin([BASELINE, TRAINED, *SPLITS])
+    rows = {BASELINE: tested == BASELINE, UNSEEN: roles if over == "roles" else tested == over}
+    sides: tuple[Sides, Sides] = ({}, {})
+    for name, which in rows.items():
+        found = rollouts[which]
+        pair = paired(*(side_of(found[found["training_set"] == side]) for side in (ours, theirs)))
+        if not pair[0].empty:
+            sides[0][name], sides[1][name] = pair
     return sides
 
 
@@ -145,6 +145,11 @@ def most_cousins(sets: Iterable[str]) -> str | None:
     return max((name for name in sets if name.startswith("cousins_")), key=set_key, default=None)
 
 
+def published_sides(rates: Rates) -> Rates:
+    """The paper's rates on the twin and, by run, their mean over the other test assets."""
+    return {BASELINE: rates[BASELINE], UNSEEN: np.mean([rates[name] for name in rates if name != BASELINE], axis=0)}
+
+
 def answer(rollouts: pd.DataFrame, published: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
     """One row per task and claim with `COLUMNS`, for every claim whose training sets were rolled out.
 
@@ -153,20 +158,25 @@ def answer(rollouts: pd.DataFrame, published: pd.DataFrame, options: TablesConfi
         published: success of the paper's runs, for the same numbers of the paper.
     """
     paper, rows = published_cells(published), []
+    rollouts = rollouts[rollouts["training_set"] != SKILL]
     for task in sorted(rollouts["task"].unique(), key=task_key):
-        sets = _cells(rollouts[rollouts["task"] == task])
+        mine = rollouts[rollouts["task"] == task]
+        sets = set(mine["training_set"])
         most = most_cousins(sets)
         for name, claim in CLAIMS.items():
             if most is None or claim.baseline not in sets:
                 continue
-            ours, theirs = _shared(sets[most], sets[claim.baseline])
-            if BASELINE not in ours or len(ours) < 2:
+            ours, theirs = _sides(mine, most, claim.baseline)
+            main = claim.plus or UNSEEN
+            if not {main, claim.minus or main} <= set(ours):
                 continue
             row = {"task": task, "claim": name, "training_set": most, "baseline": claim.baseline}
+            row["over"] = BASELINE if main == BASELINE else judged_over(mine)
+            row["assets"] = ours[main].columns.get_level_values("asset").nunique()
             row |= compare(name, ours, theirs, options)
             known = [paper.get((task, side)) for side in (most, claim.baseline)]
             if known[0] and known[1]:
-                ends = [float(claim.measure(side)) for side in known if side]
+                ends = [float(claim.measure(published_sides(side))) for side in known if side]
                 row |= {"published_ours": ends[0], "published_theirs": ends[1]}
                 row["published_difference"] = ends[0] - ends[1]
             rows.append(row)

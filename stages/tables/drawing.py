@@ -16,8 +16,15 @@ from stages.contracts.files import atomic
 from stages.tables.order import title
 
 # Okabe and Ito's palette: told apart by colour-blind readers as well
-COLOURS = {"twin": "#D55E00", "cousins_2": "#56B4E9", "cousins_4": "#0072B2", "cousins_8": "#009E73", "all": "#CC79A7"}
-MARKERS = {"twin": "s", "cousins_2": "v", "cousins_4": "o", "cousins_8": "^", "all": "D"}
+COLOURS = {
+    "twin": "#D55E00",
+    "twin_randomised": "#E69F00",
+    "cousins_2": "#56B4E9",
+    "cousins_4": "#0072B2",
+    "cousins_8": "#009E73",
+    "all": "#CC79A7",
+}
+MARKERS = {"twin": "s", "twin_randomised": "P", "cousins_2": "v", "cousins_4": "o", "cousins_8": "^", "all": "D"}
 INK, GREY, RULE, PAPER = "#22252a", "#6a6d70", "#e4e1d9", "#ffffff"
 LOOK: dict[Any, Any] = {
     "svg.hashsalt": "acdc",  # ids inside an SVG are random without it

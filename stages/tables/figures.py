@@ -6,18 +6,31 @@ import pandas as pd
 
 from stages.config.tables import TablesConfig
 from stages.contracts.files import read_options
+from stages.contracts.policies import Rollout
+from stages.tables import asset_panels, table3
 from stages.tables.drawing import look, save
+from stages.tables.policies import ONE_TEST
 from stages.tables.policy_figures import figure4, figure9
-from stages.tables.rows import published_policies, read_table
-from stages.tables.table3 import ALL_COLUMNS, pool
+from stages.tables.rows import published_policies, read_rows
 
-TEXT = ["task", "cloud", "test_asset", "training_set", "run", "checkpoint", "asset", "status"]
+
+def write_figures(out: Path, rollouts: pd.DataFrame, paper: pd.DataFrame, options: TablesConfig) -> None:
+    """Write figure4 and figure9 (.svg, .png); `paper` as `published_policies` gives."""
+    cells = table3.cells(rollouts, options)
+    points = asset_panels.points(rollouts)
+    with look():
+        save(
+            figure4(cells, paper, (points, asset_panels.thirds(rollouts, options)) if len(points) else None),
+            out,
+            "figure4",
+        )
+        save(figure9(cells, paper), out, "figure9")
 
 
 def run(
     *,
     out: Path,
-    table3_csv: Path | None = None,
+    rollouts: tuple[Path, ...] = (),
     published: Path = Path("report/published"),
     options: str = "",
 ) -> None:
@@ -25,14 +38,9 @@ def run(
 
     Args:
         out: folder to write into.
-        table3_csv: table3.csv, as the verb `policies` wrote it.
+        rollouts: rollouts.csv files of policies.
         published: folder with the paper's values.
         options: JSON of the config section `tables`.
     """
     settings = read_options(TablesConfig, options)
-    paper = published_policies(published)
-    rows = read_table(table3_csv, ALL_COLUMNS, TEXT) if table3_csv else pd.DataFrame(columns=ALL_COLUMNS)
-    pooled = pool(rows, settings.confidence)
-    with look():
-        save(figure4(pooled, paper), out, "figure4")
-        save(figure9(pooled, paper), out, "figure9")
+    write_figures(out, read_rows(Rollout, rollouts, ONE_TEST), published_policies(published), settings)

@@ -4,7 +4,12 @@ import re
 
 TASKS = {"door": "Door opening", "drawer": "Drawer opening", "bowl": "Putting away bowl"}
 TASKS |= {"door_object": "Door, whole object"}  # of config/study
-NAMES = {"all": "all assets", "trained": "training assets"}
+KINDS = {"": "paper's network", "_handle": "handle flagged", "_blind": "no cloud"}  # of policies, by the row's ending
+SPLITS = ("test", "validation")  # test assets that are sets of unseen assets
+SKILL = "skill"  # training set of the scripted skill's rows
+NAMES = {"all": "all assets", "trained": "training assets", "twin_randomised": "twin, randomised"}
+NAMES |= {"test": "unseen assets", "validation": "unseen assets (validation)", "unseen": "held-out roles"}
+NAMES |= {SKILL: "scripted skill", "matched": "matched by the run"}
 CLOUDS = {"target_link": "cloud of the target link", "object": "cloud of the whole object"}
 VARIANTS = {  # as the paper has them; what decided in a run stands in cousins.json
     "a": "encoder model, VLM orientation",
@@ -21,24 +26,40 @@ def natural(text: str) -> tuple[tuple[int, int, str], ...]:
     return tuple((0, int(part), "") if part.isdigit() else (1, 0, part) for part in re.split(r"(\d+)", str(text)))
 
 
-def task_key(task: str) -> tuple[int, str]:
-    """Sort key of a task: the paper's order, others after it."""
-    known = list(TASKS)
-    return (known.index(task) if task in known else len(known), task)
+def ending(task: str) -> str:
+    """The ending of a row's name that tells the kind of its policies: _handle, _blind; else nothing."""
+    return next((name for name in KINDS if name and task.endswith(name)), "")
+
+
+def kind(task: str, assets_of: str) -> str:
+    """What tells a row's policies from the others of its group."""
+    return KINDS[ending(task)] if ending(task) or task == assets_of else title(task)
+
+
+def task_key(task: str) -> tuple[int, str, int]:
+    """Sort key of a task: the paper's order, others after it; kinds of policies beside each other."""
+    base, known = task.removesuffix(ending(task)), list(TASKS)
+    return (known.index(base) if base in known else len(known), base, list(KINDS).index(ending(task)))
 
 
 def set_key(name: str) -> tuple[int, tuple[tuple[int, int, str], ...]]:
-    """Sort key of a training set or test asset: twin, by number, 'all', 'dissimilar', 'trained', 'unseen'."""
-    first = {"twin": 0, "all": 2, "dissimilar": 2, "trained": 3, "unseen": 4}.get(name, 1)
-    return (first, natural(name))
+    """Sort key of a training set or test asset: twin, by number, 'all', 'dissimilar', 'trained', sets, the skill."""
+    first = {"twin": 0, "twin_randomised": 0, "all": 2, "dissimilar": 2, "trained": 3, "unseen": 4}
+    return ((first | dict.fromkeys(SPLITS, 5) | {SKILL: 6}).get(name, 1), natural(name))
 
 
 def title(name: str) -> str:
-    """A name for people: cousins_4 -> '4 cousins', cousin_2 -> 'cousin 2'."""
+    """A name for people: cousins_4 -> '4 cousins', cousin_2 -> 'cousin 2', door_handle -> 'Door opening, ...'."""
     if name in TASKS:
         return TASKS[name]
-    if match := re.fullmatch(r"cousins_(\d+)", name):
-        return f"{match[1]} cousins"
-    if name in NAMES:
-        return NAMES[name]
-    return name.replace("_", " ")
+    if ending(name):
+        base = title(name.removesuffix(ending(name)))
+        return f"{base[:1].upper()}{base[1:]}, {KINDS[ending(name)]}"
+    if match := re.fullmatch(r"(cousins|random)_(\d+)", name):
+        return f"{match[2]} cousins" if match[1] == "cousins" else f"{match[2]} random assets"
+    return NAMES.get(name, name.replace("_", " "))
+
+
+def role_title(role: str) -> str:
+    """A role for people; random_3 is one asset, as a training set it is three."""
+    return role.replace("_", " ") if role.startswith("random_") else title(role)

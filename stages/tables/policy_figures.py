@@ -8,6 +8,7 @@ from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from stages.tables import asset_panels
 from stages.tables.drawing import GREY, MARKERS, RULE, colour, legend_name, not_run, rate_axis, spread_out
 from stages.tables.order import set_key, task_key, title
 from stages.tables.table3 import TRAINED
@@ -33,28 +34,35 @@ def tested(pooled: pd.DataFrame) -> pd.DataFrame:
     return pooled[pooled["test_asset"] != TRAINED]
 
 
-def figure4(pooled: pd.DataFrame, published: pd.DataFrame) -> Figure:
-    """Success against the distance of the test asset from the twin: a panel per task that was run, a line per set.
+def figure4(
+    cells: pd.DataFrame, published: pd.DataFrame, over: tuple[pd.DataFrame, pd.DataFrame] | None = None
+) -> Figure:
+    """Success against what tells a test asset from the twin: a column per task that was run, a colour per set.
 
-    Our bars are Wilson intervals over all episodes of a cell. Below stands the paper's figure, its bars the standard
-    deviation over runs; its distances are under another encoder.
+    Above, of `over` (as `asset_panels.points` and `.thirds` give): success on unseen assets against distance and
+    against the length of the handle. Below, on the roles of Table 3, with our intervals; then the paper's figure, its
+    bars the standard deviation over runs; its distances are under another encoder.
     """
-    pooled = tested(pooled)
-    tasks = _tasks(pooled, published)
-    rows = 2 if len(pooled) and published["task"].isin(tasks).any() else 1
+    cells = tested(cells)
+    tasks = _tasks(cells if over is None else pd.concat([cells, over[0]]), published)
+    first = 0 if over is None else len(asset_panels.AXES)
+    rows = first + (2 if len(cells) and published["task"].isin(tasks).any() else 1)
     width = max(4.6, 3.4 * len(tasks))
-    figure, axes = plt.subplots(rows, len(tasks), figsize=(width, 3.4 * rows), squeeze=False, layout="constrained")
+    figure, axes = plt.subplots(rows, len(tasks), figsize=(width, 3.2 * rows), squeeze=False, layout="constrained")
     for column, task in enumerate(tasks):
-        cells = pooled[pooled["task"] == task].sort_values("dino_distance")
-        _distances(axes[0, column], cells, column == 0, title(task))
-        if rows == 2:
+        if over is not None:
+            points, thirds = (part[part["task"] == task] for part in over)
+            asset_panels.draw(axes[:first, column], points, thirds, column == 0)
+        ours = cells[cells["task"] == task].sort_values("dino_distance")
+        _distances(axes[first, column], ours, column == 0, f"{title(task)}{', roles' if first else ''}")
+        if rows == first + 2:
             theirs = published[published["task"] == task].sort_values("dino_distance")
             ends = [(theirs["mean"] + sign * theirs["std"]).clip(0, 1) for sign in (-1, 1)]
             theirs = theirs.assign(low=ends[0], high=ends[1])
-            _distances(axes[1, column], theirs, column == 0, f"{title(task)}, paper")
+            _distances(axes[first + 1, column], theirs, column == 0, f"{title(task)}, paper")
     handles, labels = _legend(axes.ravel())
     if handles:
-        figure.legend(handles, labels, loc="outside lower center", ncols=2 if len(tasks) == 1 else 5)
+        figure.legend(handles, labels, loc="outside lower center", ncols=int(width / 2.2))
     return figure
 
 

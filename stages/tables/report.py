@@ -1,25 +1,25 @@
 """Verb `report`: the whole run on one page that needs nothing but a browser, and its times on another."""
 
 import re
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import pandas as pd
 from markupsafe import Markup
 
 from stages.config.tables import TablesConfig
 from stages.contracts.files import read_options, read_text, write_text
-from stages.tables import claims, formatting, robustness, table2, table3
+from stages.tables import asset_tables, assets, claims, formatting, robustness, table2, table3
 from stages.tables.claim_tables import claims_table, stability_table
 from stages.tables.markup import Table, environment, number, percent
-from stages.tables.order import title as name_title
-from stages.tables.page import library, policies, rooms
+from stages.tables.order import role_title
+from stages.tables.page import library, policies, result, rooms
 from stages.tables.page.benchmarks import by_stage, duration, read_jobs
 from stages.tables.page.charts import inline
 from stages.tables.page.files import RunFiles
 from stages.tables.page.headline import rate, tiles
 from stages.tables.page.pictures import Album
-from stages.tables.page.result import results
 from stages.tables.rows import published_policies, read_table
 from stages.tables.scenes import named
 
@@ -29,14 +29,15 @@ SCRIPTS = ("page.js", "viewer.js", "turntable.js")
 STAGES = ["assets", "scenes", "extraction", "matching", "generation", "experiment"]
 STAGES += ["demonstrations", "training", "evaluation", "tables"]
 TEXT = ["scene", "protocol", "variant", "judge", "task", "cloud", "claim", "verdict", "test_asset", "training_set"]
-TEXT += ["baseline", "run", "checkpoint", "asset", "status"]
+TEXT += ["assets_of", "baseline", "over", "by", "handle"]
 WHOLE = re.compile(
-    r".*_correct|(published_)?n_.*|((baseline|published)_)?runs|(published_)?collapsed|states|episodes"
+    r".*_correct|(published_)?n_.*|((baseline|published)_)?runs|(published_)?collapsed|assets|families|places|episodes"
     r"|(official_)?successes|seed"
 )
 FIGURES = {
-    "figure4": "Figure 4: success against the distance of the test asset from the twin, with Wilson intervals; below, "
-    "the paper's, with standard deviations.",
+    "figure4": "Figure 4: success on unseen assets against their distance from the twin and the length of their "
+    "handles (faint: one asset; bold: thirds of the assets, with intervals over assets); below, on the roles of Table "
+    "3, and the paper's, with standard deviations.",
     "figure9": "Figure 9: success on the test assets for every training set; the paper's values are dashed.",
 }
 
@@ -48,27 +49,38 @@ def _table(path: Path | None, columns: list[str]) -> pd.DataFrame | None:
     return table.astype(dict.fromkeys((name for name in columns if WHOLE.fullmatch(name)), "Int64"))
 
 
-def _tables(
-    files: RunFiles, published: Path, options: TablesConfig
-) -> tuple[list[Table], dict[str, pd.DataFrame | None], Table | None]:
-    """Tables to show, the data behind the headline, and the paper's claims."""
-    scenes = _table(files.one("tables/table2.csv"), table2.ALL_COLUMNS)
-    runs = _table(files.one("tables/table3.csv"), table3.ALL_COLUMNS)
-    gains = _table(files.one("tables/table3_differences.csv"), table3.DIFFERENCE_COLUMNS)
-    answers = _table(files.one("tables/table3_claims.csv"), claims.COLUMNS)
-    stable = _table(files.one("tables/table3_stability.csv"), claims.STABILITY)
-    shown = [formatting.scenes_table(scenes, options)] if scenes is not None else []
-    met = _table(files.one("tables/table2_robustness.csv"), robustness.COLUMNS)
-    shown += [formatting.robustness_table(met)] if met is not None and len(met) else []
-    if runs is not None:
-        shown.append(formatting.policies_table(runs, published_policies(published), options))
-    if stable is not None and len(stable):
-        shown.append(stability_table(stable))
-    if gains is not None and len(gains):
-        shown.append(formatting.differences_table(gains, options))
-    pooled = None if runs is None else table3.pool(runs, options.confidence)
-    said = None if answers is None or answers.empty else claims_table(answers, options)
-    return shown, {"scenes": scenes, "pooled": pooled, "gains": gains}, said
+class Shown(NamedTuple):
+    """Tables of the run: about policies, their breakdown (folded), the others; and the frames behind the headline."""
+
+    policies: list[Table]
+    folded: list[Table]
+    others: list[Table]
+    scenes: pd.DataFrame | None
+    assets: pd.DataFrame | None
+    cells: pd.DataFrame | None
+    gains: pd.DataFrame | None
+
+
+def _tables(files: RunFiles, published: Path, options: TablesConfig) -> Shown:
+    def made(name: str, columns: list[str]) -> pd.DataFrame | None:
+        return _table(files.one(f"tables/{name}.csv"), columns)
+
+    def shown(form: Callable[..., Table], table: pd.DataFrame | None, *more: Any) -> list[Table]:
+        return [form(table, *more)] if table is not None and len(table) else []
+
+    scenes, cells = made("table2", table2.ALL_COLUMNS), made("table3_cells", table3.CELL_COLUMNS)
+    unseen, gains = made("assets", assets.COLUMNS), made("table3_differences", table3.DIFFERENCE_COLUMNS)
+    over, paper = shown(asset_tables.assets_table, unseen, options), published_policies(published)
+    others = shown(formatting.scenes_table, scenes, options)
+    others += shown(formatting.robustness_table, made("table2_robustness", robustness.COLUMNS))
+    others += [formatting.policies_table(cells, paper, options)] if cells is not None else []
+    others += shown(stability_table, made("table3_stability", claims.STABILITY))
+    others += shown(formatting.differences_table, gains, options)
+    return Shown(
+        policies=[*over, *shown(claims_table, made("table3_claims", claims.COLUMNS), options)],
+        folded=shown(asset_tables.by_handle_table, made("assets_by_handle", assets.BY_HANDLE), options),
+        others=others, scenes=scenes, assets=unseen, cells=cells, gains=gains,
+    )  # fmt: skip
 
 
 def _page(
@@ -79,7 +91,9 @@ def _page(
     width: int,
 ) -> str:
     album = Album(width, options.picture_quality)
-    shown, data, claimed = _tables(files, published, options)
+    shown = _tables(files, published, options)
+    over, by_role = result.over_assets(shown.assets), result.over_roles(shown.cells, shown.gains)
+    first = [*over, *(each for each in by_role if each.group not in {one.group for one in over})]
     models, tasks, made = library.collect(files, album), policies.collect(files, album), rooms.collect(files, album)
     of_tasks = [room for task in tasks for room in made if room.name == task.scene]
     drawn = {name: (files.one(f"figures/{name}.svg"), alt) for name, alt in FIGURES.items()}
@@ -89,13 +103,15 @@ def _page(
         .render(
             **facts,
             first=next(iter([*of_tasks, *made]), None),
-            results=results(data["pooled"], data["gains"]),
-            tiles=tiles(data["scenes"], models, tasks, options),
+            results=first,
+            roles=[each for each in by_role if each not in first],
+            tiles=tiles(shown.scenes, models, tasks, options),
             rooms=made,
             library=models,
             tasks=tasks,
-            tables=shown,
-            claimed=claimed,
+            tables=shown.others,
+            of_policies=shown.policies,
+            folded=shown.folded,
             figures={
                 name: (inline(read_text(path), alt) if path else None, alt) for name, (path, alt) in drawn.items()
             },
@@ -104,7 +120,7 @@ def _page(
             number=number,
             percent=percent,
             rate=lambda successes, episodes: rate(successes, episodes, options.confidence),
-            name=name_title,
+            role_title=role_title,
         )
     )
 

@@ -8,14 +8,13 @@ import pandas as pd
 from stages.config.model import Config
 from stages.contracts.files import read_json, write_text
 from stages.contracts.policies import ChosenRuns, Rollout, TaskAssets
-from stages.tables import claims, formatting, table3
-from stages.tables.claim_tables import claims_table, stability_table
-from stages.tables.drawing import look, save
+from stages.tables import table3
+from stages.tables.assets import of_splits
+from stages.tables.figures import write_figures
 from stages.tables.markup import Cell, Row, Table, markdown, number
-from stages.tables.order import title
-from stages.tables.policies import ONE_TEST
-from stages.tables.policy_figures import figure4, figure9
-from stages.tables.roles import roles_table
+from stages.tables.order import SKILL, SPLITS, title
+from stages.tables.policies import ONE_TEST, asset_tables, find, role_tables
+from stages.tables.roles import lists_table, roles_table
 from stages.tables.rows import published_policies, published_runs, read_rows
 from stages.tables.study import cost, facts, read_config
 from stages.tables.writing import as_csv
@@ -24,8 +23,11 @@ STAGES = ["demonstrations", "training", "evaluation"]
 
 
 def rollout_files(config: Config, results: Path) -> Iterator[Path]:
-    """The rollouts of the study's policies, as far as they are there."""
+    """The rollouts of the study's policies, and of the skill on the same assets, as far as they are there."""
     for task in config.experiment.tasks:
+        skill = results / f"evaluation/skill/{task}/rollouts.csv"
+        if skill.is_file():
+            yield skill
         plan = config.experiment.plan(task)
         for name in plan.training_sets:
             for run in plan.runs:
@@ -65,22 +67,21 @@ def _told(config: Config, episodes: pd.DataFrame) -> list[tuple[str, str]]:
     """Seeds and numbers of rollouts."""
     plans = [config.experiment.plan(task) for task in config.experiment.tasks]
     seeds = sorted({seed for plan in plans for seed in plan.seeds})
+    policies = episodes[episodes["training_set"] != SKILL]
     policy = ["task", "training_set", "run", "seed"]
-    policies = episodes.groupby(policy).ngroups if len(episodes) else 0
-    each = (
-        episodes.groupby([*policy, "test_asset"]).size().groupby("task").max()
-        if len(episodes)
-        else pd.Series(dtype=int)
-    )
-    counts = [f"{count} ({'; '.join(title(task) for task in part.index)})" for count, part in each.groupby(each)]
-    per_asset = (
-        " and ".join(counts) if len(counts) > 1 else f"{config.evaluation.rollouts if each.empty else each.iloc[0]}"
-    )
-    rollouts = f"{len(episodes)} episodes of {policies} policies, {per_asset} per test asset"
-    return [
-        ("Seeds", f"{', '.join(map(str, seeds))} of training; {config.seed} of everything else"),
-        ("Rollouts", rollouts),
-    ]
+    each = policies.groupby([*policy, "test_asset"]).size().groupby(["task", "test_asset"]).max()
+    rollouts = f"{len(policies)} episodes of {policies.groupby(policy).ngroups} policies"
+    roles = each[~each.index.isin(SPLITS, level="test_asset")].groupby("task").max()
+    counts = [f"{count} ({'; '.join(map(title, part.index))})" for count, part in roles.groupby(roles)]
+    if len(roles):
+        rollouts += f", {' and '.join(counts) if len(counts) > 1 else roles.iloc[0]} per role"
+    facts = [("Seeds", f"{', '.join(map(str, seeds))} of training; {config.seed} of everything else")]
+    facts.append(("Rollouts", rollouts))
+    for (group, split), part in of_splits(policies).groupby(["assets_of", "test_asset"]):
+        assets = f"{part['asset'].nunique()} of {part['family'].nunique()} families"
+        states = part.groupby("asset")["initial_state"].nunique().max()
+        facts.append((f"{title(str(group))}, {title(str(split))}", f"{assets}, {states} initial states each"))
+    return facts
 
 
 def run(
@@ -93,7 +94,7 @@ def run(
     machine: str = "",
     commit: str = "",
 ) -> None:
-    """Write table3.md, table3.csv, figure4 and figure9 into `out`: what is there of a study; the rest is `not run`.
+    """Write table3.md, its tables as CSV, figure4 and figure9 into `out`: what is there of a study.
 
     Args:
         out: folder to write into.
@@ -108,29 +109,25 @@ def run(
     options, paper, runs = config.tables, published_policies(published), published_runs(published)
     episodes = read_rows(Rollout, list(rollout_files(config, results)), ONE_TEST)
     cells = pd.concat([asked(config), paper[table3.CELL]]).drop_duplicates()
-    table = table3.build(episodes, cells, options)
-    pooled = table3.pool(table, options.confidence)
-    shown = [formatting.policies_table(table, paper, options)]
-    answers, stable = claims.answer(episodes, runs, options), claims.stability(table, runs)
-    gains = table3.differences(episodes, options)
-    shown += [claims_table(answers, options)] if len(answers) else []
-    shown += [stability_table(stable)] if len(stable) else []
-    shown += [formatting.differences_table(gains, options)] if len(gains) else []
+    found = find(episodes, cells, runs, options)
+    shown = [*asset_tables(found, options), *role_tables(found, paper, options)]
     for task in config.experiment.tasks:
         path = results / f"experiment/{config.experiment.policy_variant}/{task}/assets.json"
         if path.is_file():
-            roles = config.experiment.trained_roles(task)
-            shown.append(
-                roles_table(read_json(TaskAssets, path), roles, f"roles-{task}", f"{title(task)}: the assets.")
-            )
+            chosen, roles = read_json(TaskAssets, path), config.experiment.trained_roles(task)
+            shown.append(roles_table(chosen, roles, f"roles-{task}", f"{title(task)}: the assets."))
+            shown += lists_table(chosen, f"lists-{task}", f"{title(task)}: sets of assets.")
     shown += [each for each in (_chosen(config, results), cost(benchmarks, STAGES)) if each]
     text = ["# Table 3", "", facts("all", configs, commit, machine, _told(config, episodes)), *map(markdown, shown)]
     text += [f"![{name}]({name}.svg)\n" for name in ("figure4", "figure9")]
-    text.append("`table3.csv` has a row per task, test asset, training set, run and seed.\n")
-    with look():
-        save(figure4(pooled, paper), out, "figure4")
-        save(figure9(pooled, paper), out, "figure9")
-    write_text(out / "table3.csv", as_csv(table))
+    text.append(
+        "`table3.csv` has a row per task, role, training set, run and seed; `assets.csv` and `assets_by_handle.csv` "
+        "hold success over unseen assets ([what the columns are](../tables.md)).\n"
+    )
+    write_figures(out, episodes, paper, options)
+    write_text(out / "table3.csv", as_csv(found.runs))
+    write_text(out / "assets.csv", as_csv(found.assets))
+    write_text(out / "assets_by_handle.csv", as_csv(found.by_handle))
     write_text(out / "table3.md", "\n".join(text))
-    done = table[table["status"] == "run"].drop_duplicates(table3.CELL)
+    done = found.runs[found.runs["status"] == "run"].drop_duplicates(table3.CELL)
     print(f"{len(done)} of {len(asked(config))} cells of the study, {number(len(episodes), 0)} episodes")

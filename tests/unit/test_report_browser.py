@@ -82,9 +82,9 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> str:
     cabinet_to_turn(root, results / "generation/b/room_1/view.glb")
     scores = tuple(sorted(results.glob("evaluation/scenes/b/*/scores.csv")))
     scenes.run(out=results / "tables", figures=results / "figures", scores=scores, published=PUBLISHED)
-    rollouts = (results / "evaluation/policies/door/rollouts.csv",)
+    rollouts = tuple(sorted(results.glob("evaluation/policies/*/rollouts.csv")))
     policies.run(out=results / "tables", rollouts=rollouts, published=PUBLISHED)
-    figures.run(out=results / "figures", table3_csv=results / "tables" / "table3.csv", published=PUBLISHED)
+    figures.run(out=results / "figures", rollouts=rollouts, published=PUBLISHED)
     report.run(out=root / "index.html", published=PUBLISHED, **declared(root))  # type: ignore[arg-type]
     return (root / "index.html").as_uri()
 

@@ -12,7 +12,7 @@ from stages.contracts.errors import InputError
 from stages.contracts.files import write_json
 from stages.contracts.policies import ChosenRuns, RunScore
 from stages.tables import results, scene_results
-from tests.unit.tables_results import picture, rollout, score, write_rows, write_run
+from tests.unit.tables_results import over_assets, picture, rollout, score, write_rows, write_run
 
 ROOT = Path(__file__).parents[2]
 PUBLISHED = ROOT / "report" / "published"
@@ -46,6 +46,10 @@ def study(tmp_path: Path) -> Path:
             for n in range(10)
         ]
         write_rows(root / f"results/evaluation/policies/door/{name}/{run}/seed_{seed}/rollouts.csv", list(rows))
+        if run == "lite" and name == "twin":
+            unseen = [row for row in over_assets({("door", "twin"): 0.1}, 6) if row.seed == seed]
+            write_rows(root / f"results/evaluation/policies/door/twin/lite/seed_{seed}/rollouts.csv", [*rows, *unseen])
+    write_rows(root / "results/evaluation/skill/door/rollouts.csv", list(over_assets({("door", "skill"): 0.0}, 6)))
     scores = [
         RunScore(run=run, checkpoint="best", successes=k, episodes=15) for run, k in (("lite", 9), ("lite_slow", 7))
     ]
@@ -78,23 +82,23 @@ def test_what_is_there_is_told_and_what_is_not_is_said_to_be_so(study: Path, tmp
     )
     for words in (
         "Machine: 2 cores, a test", "Commit: `abc1234`", "Seeds: 0, 3 of training; 7 of everything else",
-        "90 episodes of 3 policies, 10 per test asset", "not run", "official 90 %", "*paper 90 ± 4 %*",
+        "102 episodes of 3 policies, 10 per role", "6 of 3 families, 2 initial states each", "scripted skill: 100 %",
+        "n = 1", "not run", "official 90 %", "*paper 90 ± 4 %*",
         "lite 9/15, lite_slow 7/15", "bar, hinge", "cannot be said", "1 run a side", "| all | ", "figure9.svg",
-        "cloud of the target link", "0 of 2",
+        "cloud of the target link", "0 of 2", "12 cm, at 50 % of the front", "true handle",
     ):  # fmt: skip
         assert words in text, words
     assert {path.name for path in (tmp_path / "out").iterdir()} == {
-        "table3.md", "table3.csv", *(f"figure{n}.{s}" for n in (4, 9) for s in ("svg", "png")),
+        "table3.md", "table3.csv", "assets.csv", "assets_by_handle.csv",
+        *(f"figure{n}.{s}" for n in (4, 9) for s in ("svg", "png")),
     }  # fmt: skip
 
 
 def test_a_task_that_was_rolled_out_less_often_is_said_to_be() -> None:
-    keys = {"training_set": "twin", "run": "lite", "seed": 0, "test_asset": "twin"}
-    episodes = pd.DataFrame(
-        [{"task": task, **keys} for task, count in (("door", 5), ("bowl", 2)) for _ in range(count)]
-    )
+    rows = [rollout(n, task=task) for task, count in (("door", 5), ("bowl", 2)) for n in range(count)]
+    episodes = pd.DataFrame([row.model_dump() for row in rows])
     told = dict(results._told(Config(), episodes))
-    assert told["Rollouts"] == "7 episodes of 2 policies, 2 (Putting away bowl) and 5 (Door opening) per test asset"
+    assert told["Rollouts"] == "7 episodes of 2 policies, 2 (Putting away bowl) and 5 (Door opening) per role"
 
 
 def test_nothing_but_the_study_is_looked_at_and_it_is_the_same_again(study: Path, tmp_path: Path) -> None:

@@ -10,7 +10,6 @@ from stages.config.tables import TablesConfig
 from stages.contracts.errors import InputError
 from stages.contracts.policies import Rollout, SceneScore
 from stages.tables import formatting, policies, robustness, scenes, table2, table3
-from stages.tables.difference import difference_interval
 from stages.tables.markup import Cell, Row, Table, html, latex, latex_escape, percent, points, span
 from stages.tables.order import natural, set_key
 from stages.tables.rows import published_policies, published_scenes, read_rows
@@ -18,7 +17,7 @@ from stages.tables.statistics import std, t_interval, wilson
 from tests.unit.tables_results import rollout, rollouts, score, write_rows
 
 PUBLISHED = Path(__file__).parents[2] / "report" / "published"
-OPTIONS = TablesConfig()
+OPTIONS = TablesConfig(bootstrap_samples=400)
 REST = "a,a,True,True,1,1,1,1,1,True,,,,,,,,,0,,"  # of a score, after its status
 
 
@@ -50,44 +49,6 @@ def test_t_interval_and_sample_deviation() -> None:
     low, high = t_interval([1, 2, 3], 0.95)
     assert (low, high) == pytest.approx((2 - 2.4841, 2 + 2.4841), abs=1e-3)
     assert np.isnan(std([4.0])) and np.isnan(t_interval([4.0], 0.95).low)
-
-
-def paired_table(both: int, ours: int, theirs: int, neither: int) -> tuple[np.ndarray, np.ndarray]:
-    """One run a side with these cells of the paired 2 x 2 table."""
-    counts = (both, ours, theirs, neither)
-    return np.repeat([1.0, 1, 0, 0], counts)[None], np.repeat([1.0, 0, 1, 0], counts)[None]
-
-
-@pytest.mark.parametrize(
-    ("cells", "interval"),
-    [
-        ((36, 12, 2, 0), (0.0569, 0.3404)),  # Newcombe 1998, table III, method 10
-        ((20, 12, 2, 16), (0.0562, 0.3292)),
-        ((0, 0, 0, 16), (-0.1936, 0.1936)),  # 0/16 against 0/16: as wide as Wilson's interval of 0/16
-        ((16, 0, 0, 0), (-0.1936, 0.1936)),
-    ],
-)
-def test_paired_score_interval(cells: tuple[int, int, int, int], interval: tuple[float, float]) -> None:
-    ours, theirs = paired_table(*cells)
-    assert difference_interval(ours, theirs, 0.95, 100, 0) == pytest.approx(interval, abs=1e-4)
-    mirrored = [-end for end in difference_interval(theirs, ours, 0.95, 100, 0)]
-    assert mirrored[::-1] == pytest.approx(interval, abs=1e-4)
-
-
-def test_paired_interval_is_narrower_than_an_unpaired_one() -> None:
-    paired = difference_interval(*paired_table(30, 5, 0, 15), 0.95, 100, 0)
-    ours, theirs = paired_table(30, 5, 0, 15)
-    unpaired = difference_interval(ours, np.random.default_rng(2).permutation(theirs[0])[None], 0.95, 100, 0)
-    assert paired.high - paired.low < 0.8 * (unpaired.high - unpaired.low)
-
-
-def test_several_runs_never_close_the_interval_and_widen_it_where_they_differ() -> None:
-    nothing = np.zeros((3, 16))
-    closed = difference_interval(nothing, nothing, 0.95, 500, 0)
-    assert closed == pytest.approx((-0.0741, 0.0741), abs=1e-4)  # as wide as Wilson's interval of 0/48
-    ends = np.array([[1.0] * 16, [0.0] * 16])  # one policy always, one never: training again may give either
-    apart = difference_interval(ends, nothing, 0.95, 500, 3)
-    assert apart.low <= 0 and apart.high >= 1 and apart == difference_interval(ends, nothing, 0.95, 500, 3)
 
 
 def test_order_of_names() -> None:
@@ -223,8 +184,8 @@ def test_table3_has_a_row_per_run_and_pools_over_runs() -> None:
     first = cell(table, status="run", seed=0)
     assert [first["episodes"], first["successes"], first["success_rate"]] == [10, 8, 0.8]
     assert (first["wilson_low"], first["wilson_high"]) == pytest.approx((0.4902, 0.9433), abs=1e-4)
-    (pooled,) = table3.pool(table, 0.95).to_dict("records")
-    assert [pooled["runs"], pooled["episodes"], pooled["successes"]] == [2, 20, 12]
+    (pooled,) = table3.cells(frame(rows), OPTIONS).to_dict("records")
+    assert [pooled["runs"], pooled["places"], pooled["episodes"], pooled["successes"]] == [2, 10, 20, 12]
     assert (pooled["mean"], pooled["std"]) == pytest.approx((0.6, np.sqrt(0.08)))
     assert (table["status"] == "not run").sum() == 47
 
@@ -233,7 +194,7 @@ def test_table3_differences_compare_shared_initial_states_only() -> None:
     twin = [rollout(n, False) for n in range(5)]
     cousins = [rollout(n, n != 9, training_set="cousins_4") for n in range(10)]  # states 1005-1009 are theirs alone
     (row,) = table3.differences(frame(twin + cousins), OPTIONS).to_dict("records")
-    assert (row["states"], row["difference"]) == (5, 1.0)
+    assert (row["places"], row["assets"], row["difference"]) == (5, 1, 1.0)
     assert 0.3 < row["low"] < 0.5 and row["high"] == 1.0
     assert table3.differences(frame(cousins), OPTIONS).empty
 
@@ -245,7 +206,8 @@ def test_table3_pools_what_the_twin_is_not_as_unseen() -> None:
     table = table3.differences(frame(rows), OPTIONS)
     assert table["test_asset"].tolist() == [*roles, "unseen"]
     unseen = cell(table, test_asset="unseen")
-    assert (unseen["states"], unseen["difference"]) == (8, 1.0) and cell(table, test_asset="twin")["difference"] == -1
+    assert (unseen["assets"], unseen["places"], unseen["difference"]) == (2, 8, 1.0)
+    assert cell(table, test_asset="twin")["difference"] == -1
 
 
 # Files ---------------------------------------------------------------------------------------------------------------
@@ -259,9 +221,10 @@ def test_verb_writes_the_tables_with_fixed_columns_and_the_same_bytes(tmp_path: 
         policies.run(out=tmp_path / out, rollouts=(episodes,), published=PUBLISHED)
     names = sorted(path.name for path in (tmp_path / "one").iterdir())
     assert names == sorted(
-        [f"{name}.{s}" for name in ("table2", "table2_robustness", "table3") for s in ("csv", "html", "tex")]
+        [f"{name}.{s}" for name in ("assets", "table2", "table2_robustness", "table3") for s in ("csv", "html", "tex")]
         + ["figure6.png", "figure6.svg"]
-        + [f"table3_{what}.csv" for what in ("claims", "differences", "stability")]
+        + ["assets_by_handle.csv"]
+        + [f"table3_{what}.csv" for what in ("cells", "claims", "differences", "stability")]
     )
     for name in names:
         assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes()
@@ -345,7 +308,7 @@ def test_intervals_are_rounded_outwards() -> None:
 
 
 def test_layouts_show_ours_beside_the_paper() -> None:
-    shown = formatting.policies_table(policy_cells(rollouts()), published_policies(PUBLISHED), OPTIONS)
+    shown = formatting.policies_table(table3.cells(frame(rollouts()), OPTIONS), published_policies(PUBLISHED), OPTIONS)
     first = shown.rows[0].cells
     assert [first[0].value, first[1].value] == ["Door opening", "twin"]
     assert first[3].published == "90 ± 4 %" and "2 runs" in first[3].remark

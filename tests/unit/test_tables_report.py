@@ -23,6 +23,7 @@ from stages.tables.page.result import verdict
 from stages.tables.page.snapshots import Snapshots
 from tests.unit.tables_results import declared, films, picture, write_run
 
+OPTIONS = '{"bootstrap_samples": 400}'
 PUBLISHED = Path(__file__).parents[2] / "report" / "published"
 
 
@@ -32,16 +33,19 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     root = write_run(tmp_path_factory.mktemp("run"))
     results = root / "results"
     out = results / "tables"
-    rollouts = (results / "evaluation/policies/door/rollouts.csv",)
-    policies.run(out=out, rollouts=rollouts, published=PUBLISHED)
+    policies.run(out=out, rollouts=rolled(root), published=PUBLISHED, options=OPTIONS)
     draw(root, results / "figures")
     write_scenes(root, out, results / "figures")
     page(root, results / "report" / "index.html")
     return root
 
 
+def rolled(root: Path) -> tuple[Path, ...]:
+    return tuple(sorted((root / "results/evaluation/policies").glob("*/rollouts.csv")))
+
+
 def draw(root: Path, out: Path) -> None:
-    figures.run(out=out, table3_csv=root / "results" / "tables" / "table3.csv", published=PUBLISHED)
+    figures.run(out=out, rollouts=rolled(root), published=PUBLISHED, options=OPTIONS)
 
 
 def write_scenes(root: Path, out: Path, drawn: Path) -> None:
@@ -124,12 +128,31 @@ def test_page_tells_what_happened(made: Path) -> None:
         "13</b><span>models in 2 categories", "only 12 points &lt;after cleaning&gt;", "fallen: lamp_1",
         "cabinet 01", "grasp slip 1", "8/10, 49–95 %", "16/20", "train loss", "Table 3:", "paper 5/5",
         "Trained on 4 cousins, lite, seed 0", "not run", "+55 points",
-        "Policies trained on 4 cousins succeed more often", "30 of 33 rows not run", "and 2 more by geometry",
+        "does not tell policies trained on 4 cousins apart", "30 of 33 rows not run", "and 2 more by geometry",
         "failure, opened 12 % in 23 steps", "Rebuilt from cousins of rank", "Not collected",
     ):  # fmt: skip
         assert words in text, words
     assert text.count("only 12 points") == 2  # once per room: a failure is told where it happened first
     assert "no cloud" not in text
+
+
+def test_first_screen_shows_unseen_assets_and_the_roles_stand_below(made: Path, tmp_path: Path) -> None:
+    text = (made / "results/report/index.html").read_text()
+    first, below = text[: text.index('<p class="lede">')], text[text.index('id="policies"') :]
+    for words in (
+        "success over 24 unseen assets", "paper's network", "handle flagged", "scripted skill", "48/96", "80/96",
+        "This run does not tell the paper's policies trained on 4 cousins apart from those trained on the twin",
+        "Policies that see the handle trained on the twin succeed more often than the paper's policies trained on it "
+        "(83 % against 50 %, 24 assets; +33 points [",
+    ):  # fmt: skip
+        assert words in first, words
+    assert "success of the policies by test asset" not in first and "On the roles of Table 3" in below
+    assert 'id="assets"' in below and below.index("<details><summary>Success over unseen assets, by kind") > 0
+    flags = declared(made)
+    files = tuple(path for path in flags["files"] if not path.name.startswith("assets"))  # type: ignore[attr-defined]
+    without = page(made, tmp_path / "index.html", files=files)
+    assert "success of the policies by test asset" in without[: without.index('<p class="lede">')]
+    assert "On the roles of Table 3" not in without and "unseen assets that no policy" not in without
 
 
 def test_page_and_figures_are_the_same_bytes_again(made: Path, tmp_path: Path) -> None:
@@ -198,11 +221,14 @@ def test_times_stand_on_a_page_of_their_own(made: Path, tmp_path: Path) -> None:
 
 
 def test_nothing_is_claimed_where_the_interval_holds_zero() -> None:
-    counts = {"cousins_4": "9 of 48", "twin": "3 of 48"}
-    row = {"training_set": "cousins_4", "difference": 0.125, "low": -0.012, "high": 0.27}
-    assert verdict(row, counts).startswith("This run does not tell")
-    assert "succeed more often" in verdict(row | {"low": 0.01}, counts)
-    assert "succeed less often" in verdict(row | {"difference": -0.3, "low": -0.5, "high": -0.1}, counts)
+    row = {"difference": 0.125, "low": -0.012, "high": 0.27}
+    sides = "policies trained on 4 cousins", "those trained on the twin"
+    text = verdict(*sides, row, "62 % against 50 %")
+    assert text.startswith(
+        "This run does not tell policies trained on 4 cousins apart from those trained on the twin ("
+    )
+    assert "succeed more often" in verdict(*sides, row | {"low": 0.01}, "")
+    assert "succeed less often" in verdict(*sides, {"difference": -0.3, "low": -0.5, "high": -0.1}, "")
 
 
 def test_a_film_outside_its_folder_is_refused(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, PercentFormatter
 
 from stages.tables.drawing import COLOURS, GREY, INK, MARKERS, PAPER, RULE, colour, look
-from stages.tables.order import set_key, title
+from stages.tables.order import SKILL, set_key, title
 
 Points = list[tuple[float, float]]
 
@@ -67,28 +67,33 @@ def line_chart(series: dict[str, Points], x_label: str, label: str) -> Markup:
         return _drawn(figure, label)
 
 
-def success_chart(cells: pd.DataFrame, label: str) -> Markup:
-    """Success by test asset (rows) and training set (colours), with Wilson intervals; `cells` as `table3.pool` gives.
+def success_chart(cells: pd.DataFrame, label: str, rows: dict[str, str], by: str, skill: float | None = None) -> Markup:
+    """Success (`cells` as `cells.rates` gives) with intervals: lines of the column `by`, training sets as colours.
 
     Counts stand at the right, so that the chart can be read without the table.
+
+    Args:
+        rows: value of the column `by` -> what it is called, from top to bottom.
+        skill: success of the scripted skill, drawn as a line across.
     """
-    assets = sorted(cells["test_asset"].unique(), key=set_key)
-    sets = sorted(cells["training_set"].unique(), key=set_key)
+    sets, names = sorted(cells["training_set"].unique(), key=set_key), list(rows)
     with look():
-        figure, axes = plt.subplots(figsize=(4.4, 0.75 + 0.2 * len(assets) * (len(sets) + 0.9)), layout="constrained")
+        figure, axes = plt.subplots(figsize=(4.4, 0.75 + 0.2 * len(rows) * (len(sets) + 0.9)), layout="constrained")
         step = 0.62 / max(len(sets), 1)
         for index, name in enumerate(sets):
             mine = cells[cells["training_set"] == name]
-            rows = mine["test_asset"].map(assets.index) + step * (index - (len(sets) - 1) / 2)
+            places = mine[by].map(names.index) + step * (index - (len(sets) - 1) / 2)
             bars = [100 * (mine["mean"] - mine["low"]).clip(0), 100 * (mine["high"] - mine["mean"]).clip(0)]
             axes.errorbar(
-                100 * mine["mean"], rows, xerr=bars, fmt=MARKERS.get(name, "x"), color=colour(name), markersize=5.5,
+                100 * mine["mean"], places, xerr=bars, fmt=MARKERS.get(name, "x"), color=colour(name), markersize=5.5,
                 elinewidth=2, capsize=0, clip_on=False, label=f"trained on {title(name)}",
             )  # fmt: skip
-            for row, successes, episodes in zip(rows, mine["successes"], mine["episodes"], strict=True):
-                axes.text(106, row, f"{successes}/{episodes}", va="center", size=7.5, color=colour(name))
-        axes.set_yticks(range(len(assets)), [title(name) for name in assets])
-        axes.set_ylim(len(assets) - 0.5, -0.5)
+            for place, successes, episodes in zip(places, mine["successes"], mine["episodes"], strict=True):
+                axes.text(106, place, f"{successes}/{episodes}", va="center", size=7.5, color=colour(name))
+        if skill is not None:
+            axes.axvline(100 * skill, color=GREY, linestyle="--", linewidth=1, clip_on=False, label=title(SKILL))
+        axes.set_yticks(range(len(rows)), list(rows.values()))
+        axes.set_ylim(len(rows) - 0.5, -0.5)
         axes.set_xlim(0, 100)
         axes.xaxis.set_major_formatter(PercentFormatter(decimals=0))
         axes.grid(False, axis="y")

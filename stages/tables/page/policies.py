@@ -11,13 +11,14 @@ from stages.contracts.files import read_json
 from stages.contracts.in_scene import SceneDemonstrations
 from stages.contracts.ledgers import read_attempts, read_metrics
 from stages.contracts.policies import TaskAsset, TaskAssets
-from stages.tables.order import natural, set_key, task_key, title
+from stages.tables.markup import Table
+from stages.tables.order import natural, role_title, set_key, task_key, title
 from stages.tables.page.charts import Points, line_chart
 from stages.tables.page.files import RunFiles
 from stages.tables.page.films import FilmedAsset, read_films
 from stages.tables.page.pictures import Album, Picture
 from stages.tables.page.snapshots import Snapshots
-from stages.tables.roles import kind_of, known_kinds
+from stages.tables.roles import by_role, kind_of, known_kinds, lists_table
 
 STEPS = ("step", "steps", "update", "iteration", "epoch")
 SIZE = 132  # pixels of an asset's picture
@@ -81,6 +82,7 @@ class TaskPart:
     scene: str
     source: str
     lines: list[Line]
+    lists: list[Table]
     curves: list[Curve]
     rollouts: list[Rollouts]
     in_scenes: InScenes | None
@@ -93,7 +95,7 @@ class TaskPart:
     @property
     def missing(self) -> list[str]:
         """Assets on which nothing was collected: test assets and cousins further away."""
-        return [title(line.role) for line in self.lines if not line.demonstrations]
+        return [role_title(line.role) for line in self.lines if not line.demonstrations]
 
 
 def losses(rows: list[dict[str, Any]]) -> tuple[str, dict[str, Points]]:
@@ -155,7 +157,7 @@ def _in_scenes(files: RunFiles, task: str, album: Album) -> InScenes | None:
 
 def _task(files: RunFiles, task: str, chosen: Path | None, album: Album, snapshots: Snapshots) -> TaskPart:
     assets = read_json(TaskAssets, chosen) if chosen else None
-    known = {item.role: item for item in assets.assets} if assets else {}
+    known = by_role(assets) if assets else {}
     done = {
         path.parent.name: _demonstrations(path, files.one(f"{task}/{path.parent.name}/films"), album)
         for path in files.all(f"demonstrations/{task}/*/attempts.jsonl")
@@ -163,7 +165,7 @@ def _task(files: RunFiles, task: str, chosen: Path | None, album: Album, snapsho
 
     def picture(role: str) -> Picture | None:
         view = snapshots.picture(known[role].asset) if role in known else None
-        return album.put(view, f"{known[role].asset}, {title(role)}", SIZE) if view else None
+        return album.put(view, f"{known[role].asset}, {role_title(role)}", SIZE) if view else None
 
     handles = known_kinds(assets, done) if assets else set()
 
@@ -171,13 +173,15 @@ def _task(files: RunFiles, task: str, chosen: Path | None, album: Album, snapsho
         asset = known.get(role)
         return Line(role, asset, picture(role), done.get(role), asset is not None and kind_of(asset) in handles)
 
-    roles = [*known, *sorted(set(done) - set(known), key=set_key)]
+    named = [role for role in known if role in done or not role.startswith("random_")]
+    roles = [*named, *sorted(set(done) - set(named), key=set_key)]
     return TaskPart(
         task=task,
         title=title(task),
         scene=assets.scene if assets else "",
         source=f"{title(assets.object)} of {title(assets.scene)}" if assets else "",
         lines=[line(role) for role in roles],
+        lists=lists_table(assets, f"lists-{task}", "Sets of assets.") if assets else [],
         curves=_curves(files, task),
         rollouts=_rollouts(files, task, album),
         in_scenes=_in_scenes(files, task, album),

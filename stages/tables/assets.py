@@ -1,0 +1,64 @@
+"""Success over sets of unseen assets: tables `assets` and `assets_by_handle`.
+
+Rows of the experiment that share their assets (`assets_of`) are a group: the paper's network, and other policies on
+the same demonstrations, assets and states.
+"""
+
+from typing import get_args
+
+import numpy as np
+import pandas as pd
+
+from stages.config.tables import TablesConfig
+from stages.contracts.library import HandleKind
+from stages.tables.cells import CELL, RATE, gains, in_order, rates
+from stages.tables.order import SKILL, SPLITS
+from stages.tables.table3 import BASELINE
+
+OWN = "own"  # of the column `kind`: the row that the others of its group share the assets of
+ENDS = ["difference", "low", "high"]
+FROM_TWIN, FROM_OWN = (
+    {old: f"{name}_{old}" for old in ENDS} for name in ("twin", "network")
+)  # minus the same row's twin; minus the group's own row, trained on the same
+COLUMNS = [*CELL, *RATE, *FROM_TWIN.values(), *FROM_OWN.values()]
+LENGTHS = [0, 0.05, 0.1, 0.2, np.inf]  # of handles, metres
+BINS = ["< 5 cm", "5-10 cm", "10-20 cm", "> 20 cm"]
+KINDS = sorted(get_args(HandleKind))
+BY_HANDLE = [*CELL, "by", "handle", *RATE]
+
+
+def of_splits(rollouts: pd.DataFrame) -> pd.DataFrame:
+    """The rollouts on sets of unseen assets; the skill's as well."""
+    return rollouts[rollouts["test_asset"].isin(SPLITS)]
+
+
+def judged_over(rollouts: pd.DataFrame) -> str:
+    """What unseen assets are: the set `test`, else `validation`, else (`roles`) the roles that are held out."""
+    return next((split for split in SPLITS if (rollouts["test_asset"] == split).any()), "roles")
+
+
+def build(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
+    """A row per task, set of assets and training set, with `COLUMNS`.
+
+    `twin_difference`: minus the policies of the same row trained on the twin; `network_difference`: minus those of the
+    row whose assets it shares, trained on the same set.
+    """
+    found = of_splits(rollouts)
+    policies = found[found["training_set"] != SKILL]
+    kinds = policies.assign(kind=policies["task"].where(policies["task"] != policies["assets_of"], OWN))
+    to_twin = gains(policies, ["task", "test_asset"], "training_set", BASELINE, options)
+    to_own = gains(kinds, ["assets_of", "test_asset", "training_set"], "kind", OWN, options)
+    table = rates(found, CELL, options)
+    table = table.merge(to_twin[[*CELL, *ENDS]].rename(columns=FROM_TWIN), "left", CELL, suffixes=("", "_"))
+    own = to_own.rename(columns={"kind": "task"} | FROM_OWN)
+    return table.merge(own[[*CELL, *FROM_OWN.values()]], "left", CELL)[COLUMNS]
+
+
+def by_handle(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
+    """A row per task, set of assets, training set and bin of handles (`by`: kind, length), with `BY_HANDLE`."""
+    found = of_splits(rollouts)
+    lengths = pd.cut(found["handle_length"], LENGTHS, labels=BINS, right=False).astype(str)
+    binned = pd.concat([found.assign(by="kind"), found.assign(by="length", handle=lengths)])
+    table = rates(binned, [*CELL, "by", "handle"], options)[BY_HANDLE]
+    order = table["handle"].map({name: number for number, name in enumerate([*KINDS, *BINS])})
+    return in_order(table.iloc[order.argsort(kind="stable")])

@@ -1,0 +1,70 @@
+"""Success rates and differences of rates with their intervals, of any groups of rollouts."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import pandas as pd
+
+from stages.config.tables import TablesConfig
+from stages.tables.intervals import difference_interval, paired, rate_interval, rate_of, side_of
+from stages.tables.order import set_key, task_key
+from stages.tables.statistics import std
+
+CELL = ["task", "test_asset", "training_set"]
+RATE = [
+    "assets_of", "cloud", "dino_distance", "assets", "families", "places", "runs", "episodes", "successes",
+    "official_successes", "mean", "std", "low", "high",
+]  # fmt: skip
+GAIN = ["assets", "places", "runs", "baseline_runs", "difference", "low", "high"]
+
+
+def in_order(table: pd.DataFrame) -> pd.DataFrame:
+    """Rows in the paper's order of tasks, test assets and training sets."""
+    keys = {"task": task_key, "test_asset": set_key, "training_set": set_key}
+    names = [name for name in keys if name in table]
+    return table.sort_values(names, key=lambda column: column.map(keys[str(column.name)]), ignore_index=True)
+
+
+def rates(rollouts: pd.DataFrame, by: Sequence[str], options: TablesConfig) -> pd.DataFrame:
+    """A row per group of rollouts that agree in `by`, with `RATE`.
+
+    `mean`: over assets, their states and runs, assets alike; `std`: sample deviation over runs; `places`: initial
+    states over all assets.
+    """
+    rows: list[dict[str, Any]] = []
+    for key, group in rollouts.groupby(list(by)):
+        side = side_of(group)
+        low, high = rate_interval(side.dropna(axis="columns"), options)
+        rows.append(
+            dict(zip(by, key, strict=True))
+            | {"assets_of": group["assets_of"].iloc[0], "cloud": group["cloud"].iloc[0]}
+            | {"dino_distance": float(group["dino_distance"].mean()), "places": side.shape[1], "runs": len(side)}
+            | {"assets": group["asset"].nunique(), "families": group["family"].nunique(), "episodes": len(group)}
+            | {"successes": int(group["success"].sum()), "official_successes": int(group["official_success"].sum())}
+            | {"mean": rate_of(side), "std": std(side.mean(axis=1)), "low": low, "high": high}
+        )
+    return in_order(pd.DataFrame(rows, columns=list(dict.fromkeys([*by, *RATE]))))
+
+
+def gains(
+    rollouts: pd.DataFrame, within: Sequence[str], side: str, baseline: str, options: TablesConfig
+) -> pd.DataFrame:
+    """Success of every value of the column `side` minus that of `baseline`, a row each with `within`, `side`, `GAIN`.
+
+    Only places where all policies of both were tested are compared, so that the pairs are whole.
+    """
+    rows: list[dict[str, Any]] = []
+    for key, group in rollouts.groupby(list(within)):
+        sides = {str(name): side_of(part) for name, part in group.groupby(side)}
+        for name in sides if baseline in sides else ():
+            ours, theirs = paired(sides[name], sides[baseline])
+            if name == baseline or ours.empty:
+                continue
+            low, high = difference_interval(ours, theirs, options)
+            rows.append(
+                dict(zip(within, key, strict=True))
+                | {side: name, "assets": ours.columns.get_level_values("asset").nunique(), "places": ours.shape[1]}
+                | {"runs": len(ours), "baseline_runs": len(theirs)}
+                | {"difference": rate_of(ours) - rate_of(theirs), "low": low, "high": high}
+            )
+    return in_order(pd.DataFrame(rows, columns=[*within, side, *GAIN]))

@@ -1,0 +1,145 @@
+"""Success over sets of unseen assets: what is compared with what, by handle, in Figure 4; names of rows; roles."""
+
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from stages.config.tables import TablesConfig
+from stages.contracts.policies import Rollout, TaskAsset, TaskAssets
+from stages.tables import asset_panels, assets, table3
+from stages.tables.asset_tables import assets_table, by_handle_table
+from stages.tables.markup import Table, markdown
+from stages.tables.order import kind, set_key, task_key, title
+from stages.tables.policy_figures import figure4
+from stages.tables.roles import lists_table, roles_table
+from stages.tables.rows import published_policies
+from tests.unit.tables_results import ABOUT, UNSEEN, over_assets, rollout
+
+PUBLISHED = Path(__file__).parents[2] / "report" / "published"
+OPTIONS = TablesConfig(bootstrap_samples=400)
+
+
+def frame(rows: list[Rollout]) -> pd.DataFrame:
+    return pd.DataFrame([row.model_dump() for row in rows])
+
+
+@pytest.fixture(scope="module")
+def rows() -> pd.DataFrame:
+    """Two kinds of policies, two training sets, the skill; and a role that is none of it."""
+    return frame([*over_assets(UNSEEN), *(rollout(n, test_asset="cousin_2") for n in range(4))])
+
+
+@pytest.fixture(scope="module")
+def table(rows: pd.DataFrame) -> pd.DataFrame:
+    return assets.build(rows, OPTIONS).set_index(["task", "training_set"])
+
+
+def texts(shown: Table) -> list[list[str]]:
+    return [[cell.value for cell in row.cells] for row in shown.rows]
+
+
+def test_every_kind_of_policy_is_compared_with_its_twin_and_with_the_papers_network(table: pd.DataFrame) -> None:
+    assert list(table.index) == [*list(UNSEEN)[:3], *list(UNSEEN)[3:]] and set(table["test_asset"]) == {"test"}
+    assert table["mean"].tolist() == pytest.approx([1 / 2, 2 / 3, 1, 5 / 6, 5 / 6])
+    assert set(table["assets"]) == {24} and set(table["families"]) == {12} and set(table["places"]) == {48}
+    assert table["runs"].tolist() == [2, 2, 1, 2, 2]
+    gains = table["twin_difference"]
+    assert gains[("door", "cousins_4")] == pytest.approx(1 / 6) and gains[("door_handle", "cousins_4")] == 0
+    gains = table["network_difference"]
+    assert gains[("door_handle", "twin")] == pytest.approx(1 / 3)
+    assert gains[("door_handle", "cousins_4")] == pytest.approx(1 / 6)
+    assert table["twin_difference"].isna().sum() == 3 and table["network_difference"].isna().sum() == 3
+    assert table.loc[("door_handle", "twin"), "network_low"] > 0 > table.loc[("door", "cousins_4"), "twin_low"]
+
+
+def test_table_of_assets(table: pd.DataFrame) -> None:
+    shown = assets_table(table.reset_index(), OPTIONS)
+    assert shown.columns[2:] == ["twin", "4 cousins"]
+    assert {row[0] for row in texts(shown)} == {"Door opening, unseen assets"}
+    assert [row[1:] for row in texts(shown)] == [
+        ["paper's network", "50 ± 0 %", "67 ± 0 %"],
+        ["handle flagged", "83 ± 0 %", "83 ± 0 %"],
+        ["paper's network, minus the twin's", "", "+17 points"],
+        ["handle flagged, minus the twin's", "", "0 points"],
+        ["handle flagged, minus the paper's network", "+33 points", "+17 points"],
+        ["scripted skill: 100 %", "", ""],
+    ]
+    assert shown.rows[0].cells[0].remark == "24 assets of 12 families, 48 initial states"
+    assert shown.rows[0].cells[2].remark.endswith("] 24 assets, 2 runs") and "48/48" in shown.rows[-1].cells[1].remark
+    assert "a mask by entity ids" in markdown(shown) and "nan" not in markdown(shown)
+
+
+def test_by_kind_and_length_of_the_handle(rows: pd.DataFrame) -> None:
+    found = assets.by_handle(rows, OPTIONS)
+    door = found[(found["task"] == "door") & (found["training_set"] == "twin")].set_index("handle")
+    assert list(door.index) == ["arch", "bar", "edge", "knob", *assets.BINS] and set(door["assets"]) == {6}
+    assert door["mean"].tolist() == pytest.approx([1 / 3, 1 / 3, 1, 1 / 3, 1 / 3, 1 / 3, 1 / 3, 1])
+    shown = by_handle_table(found, OPTIONS)
+    assert shown.columns[2:] == ["twin", "4 cousins", "scripted skill"] and len(shown.rows) == 16
+    assert shown.rows[0].cells[1].remark == "n = 6" and texts(shown)[1][1:] == ["bar", "33 ± 0 %", "100 ± 0 %", "100 %"]
+
+
+def test_table3_holds_roles_of_policies_alone(rows: pd.DataFrame) -> None:
+    assert table3.cells(rows, OPTIONS)["test_asset"].tolist() == ["cousin_2"]
+    assert set(table3.build(rows, published_policies(PUBLISHED), OPTIONS)["training_set"]) == {
+        "twin", "cousins_2", "cousins_4", "cousins_8", "all",
+    }  # fmt: skip
+    assert assets.build(frame([rollout()]), OPTIONS).empty and assets.by_handle(frame([rollout()]), OPTIONS).empty
+
+
+def test_figure_4_has_a_point_per_asset_and_thirds_of_the_assets(rows: pd.DataFrame) -> None:
+    both = [*over_assets(UNSEEN, split="validation"), *over_assets(UNSEEN)]
+    points, thirds = asset_panels.points(frame(both)), asset_panels.thirds(frame(both), OPTIONS)
+    assert len(points) == 4 * 24 and set(thirds["assets_of"]) == {"door"}
+    lengths = thirds[(thirds["axis"] == "handle_length") & (thirds["task"] == "door")]
+    assert sorted(lengths["assets"].unique()) == [6, 12]  # handles that are alike stay in one third
+    figure = figure4(table3.cells(rows, OPTIONS), published_policies(PUBLISHED), (points, thirds))
+    panels = figure.axes
+    assert [panel.get_xlabel() for panel in panels[:4:2]] == [
+        "distance of the unseen asset from the twin, 24 assets", "length of its handle (cm), 24 assets",
+    ]  # fmt: skip
+    assert len(panels) == 8 and panels[1].get_title(loc="left") == "Door opening, handle flagged"
+
+
+def test_names_of_rows_and_sets() -> None:
+    assert [title(name) for name in ("door_handle", "drawer_blind", "door_object", "my_door_handle")] == [
+        "Door opening, handle flagged", "Drawer opening, no cloud", "Door, whole object", "My door, handle flagged",
+    ]  # fmt: skip
+    tasks = ["own", "drawer", "door_blind", "door", "door_handle"]
+    assert sorted(tasks, key=task_key) == ["door", "door_handle", "door_blind", "drawer", "own"]
+    sets = ["skill", "all", "random_8", "cousins_8", "twin_randomised", "twin"]
+    assert sorted(sets, key=set_key) == ["twin", "twin_randomised", "cousins_8", "random_8", "all", "skill"]
+    assert [title(name) for name in sets[2:5]] == ["8 random assets", "8 cousins", "twin, randomised"]
+    assert [kind(*names) for names in (("door", "door"), ("door_handle", "door"), ("door_object", "door"))] == [
+        "paper's network", "handle flagged", "Door, whole object",
+    ]  # fmt: skip
+
+
+def chosen() -> TaskAssets:
+    """A twin, a cousin, two assets drawn by chance and three to test on."""
+
+    def asset(role: str, number: int, **changes: object) -> TaskAsset:
+        about = {"asset": f"cabinet_{number}", "category": "cabinet", "joint": "door", "size": (1, 1, 1)}
+        return TaskAsset.model_validate(ABOUT | about | {"role": role, "distance": number} | changes)
+
+    return TaskAssets(
+        task="door", scene="room_1", object="cabinet_1", encoder="hog",
+        assets=[asset("twin", 0), asset("cousin_1", 1), asset("dissimilar", 9, handle="edge")],
+        random_assets=[asset("random", 2, handle="knob"), asset("random", 3)],
+        test_assets=[asset("test", n, handle=handle, handle_length=n / 100, family=f"f_{n // 2}")
+                     for n, handle in ((4, "knob"), (5, "bar"), (6, "knob"))],
+    )  # fmt: skip
+
+
+def test_roles_tell_families_handles_and_what_was_demonstrated() -> None:
+    shown = roles_table(chosen(), ["twin", "twin_randomised", "random_1"], "roles", "")
+    assert [[row[0], row[6], row[7]] for row in texts(shown)] == [
+        ["twin", "yes, randomised", "yes"], ["cousin 1", "no", "yes"], ["dissimilar", "no", "no"],
+        ["random 1", "yes", "yes"],
+    ]  # fmt: skip
+    assert shown.rows[0].cells[2].value == "cabinet_00"
+    assert shown.rows[0].cells[4].remark == "12 cm, at 50 % of the front"
+    (lists,) = lists_table(chosen(), "lists", "")
+    assert texts(lists) == [["random assets", "2", "1", "bar 1, knob 1", "12-12 cm"],
+                            ["test", "3", "2", "bar 1, knob 2", "4-6 cm"]]  # fmt: skip
