@@ -119,7 +119,7 @@ def by_turn(poses: Array, hand: Array) -> Array:
 
     A gripper is the same turned half round: of the two ways the nearer one is taken. Of those that turn alike, within
     `ALIKE`, the nearest to the hand comes first: a bowl offers two opposite rims at the same turn, and where
-    demonstrations take either, a policy closes between them (docs/results/table3-why.md).
+    demonstrations take either, a policy closes between them (docs/results/742a43a/table3-why.md).
     """
     flipped = poses @ np.diag([-1.0, -1.0, 1.0, 1.0])
     turns = np.stack([turn_between(ways, hand) for ways in (poses, flipped)])
