@@ -11,6 +11,7 @@ from snakemake.exceptions import WorkflowError
 from snakemake.settings.types import ExecMode
 
 from stages.config.code import code_digest, cover, files_digest
+from stages.config.demonstrations import MotionOptions
 from stages.config.model import load
 from stages.config.names import modules
 from stages.config.outside import outside
@@ -46,6 +47,7 @@ SCORED_ROOMS = [room for room in ROOMS if room not in EXPERIMENT.inputs]
 MET = EXPERIMENT.met()
 VARIANTS = list(EXPERIMENT.variants)
 TASKS = list(EXPERIMENT.tasks)
+SOURCES = EXPERIMENT.sources  # of them those with assets and demonstrations of their own
 # Shards of the procedural models, or of what a command of the user's makes in their place.
 PROCEDURAL = (
     CONFIG.assets.shards if any(CONFIG.assets.counts.values()) or "library" in CONFIG.stages.get("assets", {}) else 0
@@ -62,8 +64,8 @@ wildcard_constraints:
     store=r"[A-Za-z0-9_]+-[0-9a-f]{8}",
     task="|".join(TASKS) or "-",
     object=r"[^/]+",
-    role=r"twin|cousin_\d+|all",
-    training_set=r"twin|cousins_\d+|all",
+    role=r"twin|twin_randomised|(cousin|random)_\d+|all",
+    training_set=r"twin|twin_randomised|(cousins|random)_\d+|all",
     run=r"[A-Za-z0-9_-]+",
     seed=r"\d+",
     shard=r"\d+|own_\w+",

@@ -47,7 +47,7 @@ rule table2:
 rule table3:
     """Table 3: every cell with its n, seeds and interval, the published value beside it."""
     input:
-        rollouts=cells(rules.gather.output.rollouts),
+        rollouts=[*cells(rules.gather.output.rollouts), *demonstrated(rules.skill.output.rollouts)],
         published="report/published/table3.csv",
     output:
         csv="results/tables/table3.csv",

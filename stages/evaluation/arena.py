@@ -41,11 +41,9 @@ class Acting(NamedTuple):
 class Arena:
     """Environments that turn from asset to asset: an exchange costs half of a new environment. To be used by `with`."""
 
-    render = True
-
-    def __init__(self, assets: Path, library: Path, options: TaskConfig, vary_scale: bool) -> None:
+    def __init__(self, assets: Path, library: Path, options: TaskConfig, vary_scale: bool, render: bool = True) -> None:
         self.plan, self.library = read_json(TaskAssets, assets), library
-        self.options, self.vary_scale = options, vary_scale
+        self.options, self.vary_scale, self.render = options, vary_scale, render
         entries = read_json(Library, library).assets
         self.folders = {entry.id: library.parent / entry.folder for entry in entries}
         self._tasks: list[TaskEnv] = []
