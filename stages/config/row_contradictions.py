@@ -4,13 +4,15 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from stages.config import places
-from stages.config.experiment import TaskPlan
+from stages.config.experiment import TaskPlan, TaskTarget
 from stages.config.mistakes import Mistake
 from stages.contracts.errors import InputError
 from stages.plugins import find
 
 if TYPE_CHECKING:
     from stages.config.model import Config
+
+UNSAID = TaskTarget()
 
 
 def tasks(config: "Config") -> Iterator[Mistake]:
@@ -60,7 +62,7 @@ def shared_rows(config: "Config") -> Iterator[Mistake]:
             yield Mistake(f"experiment.tasks.{name}.assets_of", what, f"one of {', '.join(others) or 'none'}")
             continue
         for key in ("task", "scene", "object", "options", "assets", "episodes"):
-            if key in row.model_fields_set and getattr(row, key) != getattr(rows[row.assets_of], key):
+            if getattr(row, key) not in (getattr(UNSAID, key), getattr(rows[row.assets_of], key)):
                 what = f"differs from that of {row.assets_of}, whose assets the row shares"
                 yield Mistake(f"experiment.tasks.{name}.{key}", what, "leave it out, or leave out assets_of")
 

@@ -49,17 +49,12 @@ def starts_of(
             starts[role] = [(plan.playing(role, where), state) for state in states]
         elif trained:
             starts[role] = taking_turns([asset for name in trained for asset in plan.behind(name, where)], states)
-    if unseen := unseen_assets(plan, settings):
-        starts[settings.split] = [
-            (asset, state)
-            for place, asset in enumerate(unseen)
-            for state in initial_states(settings.split, seed, settings.asset_rollouts, place)
-        ]
-    return starts
+    unseen = unseen_starts(plan, settings, seed)
+    return starts | {settings.split: unseen} if unseen else starts
 
 
-def unseen_assets(plan: TaskAssets, settings: SkillOptions) -> list[TaskAsset]:
-    """The first assets of the split; if there are fewer than asked, all of them, and a line on stderr says so."""
+def unseen_starts(plan: TaskAssets, settings: SkillOptions, seed: int) -> list[Start]:
+    """The episodes on the first assets of the split; if there are fewer than asked, a line on stderr says so."""
     found = plan.split(settings.split, settings.assets)
     if len(found) < settings.assets:
         rest = "all are used" if found else "only roles are tested"
@@ -67,7 +62,11 @@ def unseen_assets(plan: TaskAssets, settings: SkillOptions) -> list[TaskAsset]:
             f"evaluation: the {settings.split} split has {len(found)} assets of {settings.assets}: {rest}",
             file=sys.stderr,
         )
-    return found
+    return [
+        (asset, state)
+        for place, asset in enumerate(found)
+        for state in initial_states(settings.split, seed, settings.asset_rollouts, place)
+    ]
 
 
 def taking_turns(assets: Sequence[TaskAsset], states: Sequence[int]) -> list[Start]:

@@ -154,7 +154,7 @@ def _library(root: Path) -> None:
 def _policies(root: Path) -> None:
     sizes = {"size": [0.5, 0.6, 1.0], "category": "cabinet", "joint": "door_joint", **FRONT}
     roles = [("twin", "cabinet_0", 0.0), ("cousin_1", "cabinet_1", 1.0), ("cousin_2", "cabinet_2", 2.0)]
-    assets = [{"role": role, "asset": asset, "distance": far, **sizes} for role, asset, far in roles]
+    assets = [{"role": role, "asset": asset, "family": asset, "distance": far, **sizes} for role, asset, far in roles]
     _json(root / FILES["task"], task="door", scene="room", object="cabinet_1", encoder="hog", assets=assets)
     folder = root / "demonstrations"
     folder.mkdir()
@@ -233,10 +233,10 @@ def _evaluation(root: Path) -> None:
     folder = root / "evaluation"
     folder.mkdir()
     (folder / "rollouts.csv").write_text(
-        "task,cloud,training_set,run,seed,checkpoint,test_asset,asset,dino_distance,episode,initial_state,success,"
-        "official_success,steps,opened\n"
-        "door,target_link,twin,lite,0,best,twin,cabinet_0,0.0,0,2147483648,True,True,60,0.9\n"
-        "door,target_link,twin,lite,0,best,twin,cabinet_0,0.0,1,2147483649,False,True,100,0.2\n"
+        "task,assets_of,cloud,training_set,run,seed,checkpoint,test_asset,asset,family,handle,handle_length,"
+        "dino_distance,episode,initial_state,success,official_success,steps,opened\n"
+        "door,door,target_link,twin,lite,0,best,twin,cabinet_0,cabinet_0,bar,0.2,0.0,0,2147483648,True,True,60,0.9\n"
+        "door,door,target_link,twin,lite,0,best,twin,cabinet_0,cabinet_0,bar,0.2,0.0,1,2147483649,False,True,99,0.2\n"
     )
     score = {"checkpoint": "best", "episodes": 20}
     scores = [{"run": "lite", "successes": 19, **score}, {"run": "wide", "successes": 3, **score}]

@@ -4,9 +4,26 @@ from pathlib import Path
 from typing import Any
 
 from stages.contracts.library import Asset, Recipe
+from stages.contracts.policies import TaskAsset
 from stages.procedural import build
 
-FRONT: dict[str, Any] = {"handle": "bar", "hinge": "left", "panel_height": 0.4, "panel_size": (0.4, 0.6)}
+FRONT: dict[str, Any] = {
+    "digest": "c0ffee",
+    "handle": "bar",
+    "hinge": "left",
+    "panel_height": 0.4,
+    "panel_size": (0.4, 0.6),
+    "handle_length": 0.2,
+    "handle_height": 0.5,
+}
+
+
+def an_asset(name: str, distance: float = 1.0, **changes: Any) -> TaskAsset:
+    """An asset of the family that its name begins with: near_1 is of `near`."""
+    about = {"role": "usable", "asset": name, "family": name.split("_")[0], "category": "cabinet", "joint": "j"}
+    return TaskAsset(**about | FRONT | {"size": (1.0, 1.0, 1.0), "distance": distance} | changes)
+
+
 PARAMETERS: dict[str, Any] = {
     "layout": [["door"]],
     "major": "columns",
