@@ -4,13 +4,15 @@
         --assets results/experiment/b/drawer/assets.json --library results/assets/library/library.json --out drawer.csv
     python -m benchmarks.closings draw drawer.csv door.csv --out closings.png
 
-`roll` repeats rollouts of the workflow (same states, same outcome) without films. Its table has a line per episode:
+`roll` repeats rollouts of the workflow (same states, same outcome) without films; `--roles test` or `validation`: those
+on the unseen assets of that split. Its table has a line per episode:
 where the hand was, relative to the handle, when the gripper was first told to close; where there is a bowl to be
 picked up, relative to its middle, when that was first told beside it. `draw` has a panel per test asset
 and training set: the front as the robot sees it, handle or bowl as a grey bar, a point per episode.
 """
 
 import argparse
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -22,9 +24,10 @@ import numpy as np
 import pandas as pd
 from matplotlib.patches import Rectangle
 
-from stages.config.evaluation import EvaluationConfig
-from stages.contracts.policies import TaskAsset
-from stages.evaluation.arena import FIRST_STATE, Arena, initial_states
+from stages.config.evaluation import EvaluationConfig, SkillOptions
+from stages.contracts.policies import TaskAsset, TaskAssets
+from stages.evaluation.arena import PolicyArena
+from stages.evaluation.states import Start, initial_states, taking_turns, unseen_starts
 from stages.geometry.frames import apply, inverse
 from stages.tasks.api import TaskEnv
 from stages.tasks.movable import Movable
@@ -34,16 +37,16 @@ COLOURS = {True: "#2a7fb8", False: "#d1495b"}
 
 
 class Watched:
-    """A task that notes where the hand is when it is first told to close."""
+    """A task that notes where the hand is when it is first told to close, by asset and initial state."""
 
-    def __init__(self, task: TaskEnv, asset: TaskAsset, notes: dict[tuple[str, int], dict[str, Any]]) -> None:
-        self.task, self.asset, self.notes = task, asset, notes
+    def __init__(self, task: TaskEnv, notes: dict[tuple[str, int], dict[str, Any]]) -> None:
+        self.task, self.notes = task, notes
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.task, name)
 
     def reset(self, seed: int) -> Any:
-        self.key = (self.asset.asset, seed)
+        self.key = (self.task.asset, seed)
         return self.task.reset(seed)
 
     def step(self, action: Any) -> Any:
@@ -77,35 +80,30 @@ class Watched:
         return {"step": self.task.steps, "out": out, "sideways": sideways, "up": up, "wide": wide, "high": high}
 
 
-class WatchingArena(Arena):
+class WatchingArena(PolicyArena):
     """Its tasks are watched."""
 
+    @cached_property
+    def notes(self) -> dict[tuple[str, int], dict[str, Any]]:
+        return {}
+
     def task(self, asset: TaskAsset) -> TaskEnv:
-        self.notes: dict[tuple[str, int], dict[str, Any]] = self.__dict__.get("notes", {})
-        return Watched(super().task(asset), asset, self.notes)  # type: ignore[return-value]
+        return Watched(super().task(asset), self.notes)  # type: ignore[return-value]
 
 
 def roll(given: argparse.Namespace) -> None:
     """Roll the policies out and write a line per episode."""
     rows = []
-    settings = EvaluationConfig()
     for folder in given.policies:
-        arena = WatchingArena(folder, given.assets, given.library, settings, "cpu")
-        network = arena.network(given.checkpoint)
-        for role in given.roles:
-            assets = arena.plan.behind(role, given.assets)
-            states = initial_states(FIRST_STATE, given.seed, given.rollouts)
-            for asset, episode in arena.test(network, assets, states):
-                about = {
-                    "task": arena.plan.task,
-                    "training_set": folder.parts[-3],
-                    "policy": "/".join(folder.parts[-2:]),
-                }
-                about |= {"role": role, "asset": asset.asset, "handle": asset.handle, "state": episode.seed}
-                about |= {"success": episode.success, **arena.notes.get((asset.asset, episode.seed), {})}
-                rows.append(
-                    {key: round(value, 4) if isinstance(value, float) else value for key, value in about.items()}
-                )
+        with WatchingArena(folder, given.assets, given.library, EvaluationConfig(), "cpu") as arena:
+            network = arena.network(given.checkpoint)
+            for role in given.roles:
+                for episode in arena.play(network, starts(arena.plan, role, given)):
+                    asset, found = episode.asset, arena.notes.get((episode.asset.asset, episode.seed), {})
+                    about = {"task": arena.plan.task, "training_set": folder.parts[-3]}
+                    about |= {"policy": "/".join(folder.parts[-2:]), "role": role, "asset": asset.asset}
+                    about |= {"handle": asset.handle, "state": episode.seed, "success": episode.success}
+                    rows.append(about | {key: round(float(value), 4) for key, value in found.items()})
         table = pd.DataFrame(rows)
         table.to_csv(given.out, index=False)
         print(
@@ -115,6 +113,14 @@ def roll(given: argparse.Namespace) -> None:
             .success.sum()
             .to_dict(),
         )
+
+
+def starts(plan: TaskAssets, role: str, given: argparse.Namespace) -> list[Start]:
+    """The episodes of `evaluation rollout` for a role or split."""
+    if role in ("test", "validation"):
+        settings = SkillOptions(split=role, assets=given.unseen, asset_rollouts=given.unseen_rollouts)
+        return unseen_starts(plan, settings, given.seed)
+    return taking_turns(plan.behind(role, given.assets), initial_states("roles", given.seed, given.rollouts))
 
 
 def draw(given: argparse.Namespace) -> None:
@@ -154,9 +160,14 @@ def main() -> None:
     rolling.add_argument("--assets", type=Path, required=True, help="assets.json of the experiment")
     rolling.add_argument("--library", type=Path, required=True, help="library.json")
     rolling.add_argument(
-        "--roles", nargs="+", default=["dissimilar"], help="test assets; all: those of all_assets in turn"
+        "--roles",
+        nargs="+",
+        default=["dissimilar"],
+        help="test assets; all: those of all_assets in turn; test, validation: the unseen assets of that split",
     )
     rolling.add_argument("--rollouts", type=int, default=50, help="episodes per policy and role")
+    rolling.add_argument("--unseen", type=int, default=24, help="assets of a split (evaluation.assets)")
+    rolling.add_argument("--unseen-rollouts", type=int, default=2, help="episodes on each (asset_rollouts)")
     rolling.add_argument("--checkpoint", default="last", help="best, last, or a name in config.json")
     rolling.add_argument("--seed", type=int, default=0, help="of the initial states")
     rolling.add_argument("--out", type=Path, required=True, help="table to write")

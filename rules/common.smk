@@ -11,6 +11,7 @@ from snakemake.exceptions import WorkflowError
 from snakemake.settings.types import ExecMode
 
 from stages.config.code import code_digest, cover, files_digest
+from stages.config.demonstrations import MotionOptions
 from stages.config.model import load
 from stages.config.names import modules
 from stages.config.outside import outside
@@ -47,6 +48,7 @@ MET = EXPERIMENT.met()
 VARIANTS = list(EXPERIMENT.variants)
 TASKS = list(EXPERIMENT.tasks)
 PINNED = {task: target.assets for task, target in EXPERIMENT.tasks.items() if target.assets}
+SOURCES = EXPERIMENT.sources  # of them those with assets and demonstrations of their own
 # Shards of the procedural models, or of what a command of the user's makes in their place.
 PROCEDURAL = (
     CONFIG.assets.shards if any(CONFIG.assets.counts.values()) or "library" in CONFIG.stages.get("assets", {}) else 0

@@ -72,7 +72,7 @@ rule demonstrate_in_scene:
         options=options("demonstrations", "scene"),
         task_options=lambda wildcards: CONFIG.task_of(wildcards.task).model_dump_json(),
         task=lambda wildcards: implementation(wildcards.task),
-        object=lambda wildcards: EXPERIMENT.tasks[wildcards.task].object,
+        object=lambda wildcards: EXPERIMENT.plan(wildcards.task).target.object,
         seed=CONFIG.seed,
         out=subpath(output.in_scene, parent=True),
     shell:

@@ -1,12 +1,14 @@
 # Rollouts of the policies and scores of the scenes, one row each; nothing is aggregated here (paper B.1, B.3).
 # Reads:  policies, their trials and the task's assets; generated scenes and their truth.
+#         An assets.json is that of the row itself or of the row that it shares assets with (`assets_of`).
 # Writes: results/evaluation/policies/<task>/<training set>/<run>/seed_<n>/{rollouts.csv,film.png,films/},
 #         results/evaluation/policies/<task>/<training set>/rollouts.csv,
+#         results/evaluation/skill/<task>/rollouts.csv,
 #         results/evaluation/scenes/<variant>/<scene>/scores.csv.
 
 
 rule rollout:
-    """Roll one policy out on every test asset, from initial states that all policies share."""
+    """Roll one policy out on the test roles and on unseen assets, from initial states that all policies share."""
     input:
         policy=rules.train.output.policy,
         last=rules.train.output.last,
@@ -43,11 +45,43 @@ rule rollout:
         device=CONFIG.device,
         folder=subpath(input.policy, parent=True),
         roles=lambda wildcards: EXPERIMENT.roles(wildcards.training_set),
+        source=lambda wildcards: EXPERIMENT.source(wildcards.task),
     shell:
         "({params.command} --policy {params.folder:q} --assets {input.assets:q} --library {input.library:q} "
         "--task-name {wildcards.task} --training-set {wildcards.training_set} --trained-roles {params.roles} "
-        "--run-name {wildcards.run} --options {params.options:q} "
+        "--run-name {wildcards.run} --assets-of {params.source} --options {params.options:q} "
         "--trial {input.trial:q} --seed {params.seed} --device {params.device} --out {output.rollouts:q} && "
+        "{params.check}) 2>&1 | tee {log:q}"
+
+
+rule skill:
+    """Do a task by the scripted skill on what its policies are rolled out on, from the same states."""
+    input:
+        assets=lambda wildcards: task_assets(wildcards.task),
+        library=rules.library.output.library,
+    output:
+        rollouts="results/evaluation/skill/{task}/rollouts.csv",
+    log:
+        "logs/evaluation/skill_{task}.log",
+    benchmark:
+        "benchmarks/evaluation/skill_{task}.tsv"
+    container:
+        CONFIG.containers.simulation
+    threads: 1
+    resources:
+        mem_mb=3000,
+    params:
+        command=command("evaluation", "skill"),
+        code=task_code("evaluation", "skill"),
+        check=check(rollouts="rollouts"),
+        options=options("evaluation", "skill"),
+        skill_options=CONFIG.demonstrations.model_dump_json(include=set(MotionOptions.model_fields)),
+        task_options=lambda wildcards: CONFIG.task_of(wildcards.task).model_dump_json(),
+        seed=CONFIG.seed,
+    shell:
+        "({params.command} --assets {input.assets:q} --library {input.library:q} --task-name {wildcards.task} "
+        "--options {params.options:q} --skill-options {params.skill_options:q} "
+        "--task-options {params.task_options:q} --seed {params.seed} --out {output.rollouts:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
 
 
@@ -131,4 +165,5 @@ rule evaluation:
     input:
         expand(rules.score.output.scores, variant=VARIANTS, scene=SCORED_ROOMS),
         cells(rules.gather.output.rollouts),
+        demonstrated(rules.skill.output.rollouts),
     localrule: True

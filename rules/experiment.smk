@@ -31,7 +31,7 @@ rule select:
         code=task_code("experiment", "select"),
         check=check(task="assets"),
         task=lambda wildcards: implementation(wildcards.task),
-        object=lambda wildcards: EXPERIMENT.tasks[wildcards.task].object,
+        object=lambda wildcards: EXPERIMENT.plan(wildcards.task).target.object,
         cousins=EXPERIMENT.cousins,
         held_out=EXPERIMENT.held_out,
         truth=truth_flags,
@@ -110,5 +110,5 @@ rule draw_roles:
 rule experiment:
     """The assets of all tasks, and their pictures."""
     input:
-        expand(rules.draw_roles.output.picture, variant=EXPERIMENT.policy_variant, task=TASKS),
+        expand(rules.draw_roles.output.picture, variant=EXPERIMENT.policy_variant, task=SOURCES),
     localrule: True

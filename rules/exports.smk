@@ -85,12 +85,12 @@ rule exports:
         policies(rules.export_policy.output.folder),
         [
             folder
-            for task in TASKS
+            for task in SOURCES
             for folder in expand(
                 rules.export_demonstrations.output.folder,
                 format=["robomimic", "lerobot", "maniskill"],
                 task=task,
-                training_set=EXPERIMENT.plan(task).training_sets,
+                training_set=EXPERIMENT.sets_of(task),
             )
         ],
     localrule: True

@@ -112,30 +112,35 @@ def possible_policies(pattern):
 
 def trained(pattern):
     """The files of `pattern` for every task and role on which demonstrations are collected."""
-    return [file for task in TASKS for file in expand(pattern, task=task, role=EXPERIMENT.trained_roles(task))]
+    return [file for task in SOURCES for file in expand(pattern, task=task, role=EXPERIMENT.trained_roles(task))]
+
+
+def demonstrated(pattern):
+    """The files of `pattern` for every task that policies are trained for, once for rows that share their assets."""
+    return expand(pattern, task=[task for task in SOURCES if EXPERIMENT.sets_of(task)])
 
 
 def of_target(wildcards, pattern):
     """The file of `pattern` for a task's object or for the scene that holds it."""
-    target = EXPERIMENT.tasks[wildcards.task]
+    target = EXPERIMENT.plan(wildcards.task).target
     return expand(pattern, variant=wildcards.variant, scene=target.scene, object=target.object)
 
 
 def task_scenes(wildcards):
     """The generated scenes in which a task is demonstrated: of the first ranks, with the task's object in them."""
     pattern = "results/generation/{variant}/{scene}/scene_{rank}.json"
-    scene = EXPERIMENT.tasks[wildcards.task].scene
+    scene = EXPERIMENT.plan(wildcards.task).target.scene
     return expand(pattern, variant=EXPERIMENT.policy_variant, scene=scene, rank=RANKS[: EXPERIMENT.in_scene])
 
 
 def in_scenes(pattern):
     """The files of `pattern` for every task that is demonstrated inside generated scenes."""
-    return expand(pattern, task=TASKS) if EXPERIMENT.in_scene else []
+    return expand(pattern, task=SOURCES) if EXPERIMENT.in_scene else []
 
 
 def task_assets(task):
-    """The file that names the assets of a task's policy experiment."""
-    return f"results/experiment/{EXPERIMENT.policy_variant}/{task}/assets.json"
+    """The file that names the assets of a task's policy experiment; it may be another row's."""
+    return f"results/experiment/{EXPERIMENT.policy_variant}/{EXPERIMENT.source(task)}/assets.json"
 
 
 def shown(path, kind):

@@ -23,15 +23,16 @@ BENCHMARKS = [
         [rules.match.benchmark, rules.generate.benchmark, rules.draw_scenes.benchmark], variant=VARIANTS, scene=ROOMS
     ),
     *expand(rules.score.benchmark, variant=VARIANTS, scene=SCORED_ROOMS),
-    *expand(rules.select.benchmark, variant=EXPERIMENT.policy_variant, task=TASKS),
+    *expand(rules.select.benchmark, variant=EXPERIMENT.policy_variant, task=SOURCES),
     *[
         file
-        for task in TASKS
+        for task in SOURCES
         if task not in PINNED
         for file in of_target(SimpleNamespace(task=task, variant=EXPERIMENT.policy_variant), rules.distances.benchmark)
     ],
     *trained(rules.demonstrate.benchmark),
     *in_scenes(rules.demonstrate_in_scene.benchmark),
+    *demonstrated(rules.skill.benchmark),
     *possible_policies([rules.train.benchmark, rules.trial.benchmark, rules.rollout.benchmark]),
     *met([rules.room.benchmark, rules.extract.benchmark, rules.match.benchmark, rules.generate.benchmark]),
     *met(rules.score.benchmark),
@@ -52,7 +53,7 @@ rule report_page:
         cousins=expand(rules.match.output.cousins, variant=VARIANTS, scene=ROOMS),
         scenes=expand(rules.generate.output.scenes, variant=VARIANTS, scene=ROOMS),
         previews=expand(rules.draw_scenes.output.previews, variant=VARIANTS, scene=ROOMS),
-        assets=[task_assets(task) for task in TASKS],
+        assets=[task_assets(task) for task in SOURCES],
         films=DEMO_FILMS,
         scene_films=SCENE_FILMS,
         rollout_films=ROLLOUT_FILMS,

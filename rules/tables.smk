@@ -2,7 +2,7 @@
 # Reads:  evaluation rows, the published values in report/published, pictures of the generated scenes.
 # Writes: results/tables/{table2,table2_robustness,assets,table3}.{csv,html,tex}, results/figures/figure{4,6,9}.{svg,png}.
 
-ROLLOUTS = cells(rules.gather.output.rollouts)
+ROLLOUTS = [*cells(rules.gather.output.rollouts), *demonstrated(rules.skill.output.rollouts)]
 
 
 rule table2:

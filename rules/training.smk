@@ -8,7 +8,7 @@ rule train:
     input:
         episodes=lambda wildcards: expand(
             rules.demonstrate.output.episodes,
-            task=wildcards.task,
+            task=EXPERIMENT.source(wildcards.task),
             role=EXPERIMENT.roles(wildcards.training_set),
         ),
     output:

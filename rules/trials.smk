@@ -33,10 +33,11 @@ rule trial:
         seed=CONFIG.seed,
         device=CONFIG.device,
         folder=subpath(input.policy, parent=True),
+        source=lambda wildcards: EXPERIMENT.source(wildcards.task),
     shell:
         "({params.command} --policy {params.folder:q} --assets {input.assets:q} --library {input.library:q} "
         "--task-name {wildcards.task} --training-set {wildcards.training_set} --run-name {wildcards.run} "
-        "--options {params.options:q} --seed {params.seed} --device {params.device} --out {output.rollouts:q} && "
+        "--assets-of {params.source} --options {params.options:q} --seed {params.seed} --device {params.device} --out {output.rollouts:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
 
 

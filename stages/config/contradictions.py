@@ -8,13 +8,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stages.config import places
+from stages.config import row_contradictions as rows
 from stages.config.assets import COUNTS
-from stages.config.experiment import TaskPlan
 from stages.config.mistakes import Mistake
 from stages.config.pinned_assets import pinned_assets
 from stages.config.task import TaskConfig
 from stages.contracts.errors import InputError
-from stages.plugins import find
 
 if TYPE_CHECKING:
     from stages.config.model import Config
@@ -26,8 +25,8 @@ NAME = re.compile(r"[A-Za-z0-9-]+(_[A-Za-z0-9-]+)*")  # becomes part of paths
 def contradictions(config: "Config") -> list[Mistake]:
     """All of them, in the order of config.yaml."""
     checks = (
-        _photo, _names, _scenes, _tasks, pinned_assets, _training_sets, _test_assets, _library, _matching, _policies,
-        _environment, _stages,
+        _photo, _names, _scenes, rows.tasks, rows.shared_rows, pinned_assets, rows.training_sets, rows.test_assets,
+        _library, _matching, rows.policies, _environment, _stages,
     )  # fmt: skip
     return [found for check in checks for found in check(config)]
 
@@ -128,80 +127,6 @@ def _scenes(config: "Config") -> Iterator[Mistake]:
                 yield Mistake(f"assets.counts.{category}", what, mend)
 
 
-def _tasks(config: "Config") -> Iterator[Mistake]:
-    """Tasks about objects that their scenes have and that can be opened."""
-    experiment = config.experiment
-    try:
-        files = config.room_files()
-    except InputError:
-        files = {}  # said above
-    if experiment.tasks and experiment.policy_variant not in experiment.variants:
-        mend = f"one of {', '.join(experiment.variants)}"
-        what = f"'{experiment.policy_variant}' is not one of experiment.variants"
-        yield Mistake("experiment.policy_variant", what, mend)
-    for name, target in experiment.tasks.items():
-        key, task = f"experiment.tasks.{name}", experiment.plan(name).task
-        try:
-            find("tasks", task, config.plugins)
-        except InputError as error:
-            yield Mistake(f"{key}.task" if target.task else key, error.what.rstrip("."), error.fix)
-        if target.scene not in experiment.rooms:
-            mend = "add it there, or remove the task: `" + name + ": null`"
-            yield Mistake(f"{key}.scene", f"'{target.scene}' is not one of experiment.rooms", mend)
-        objects = places.objects(target.scene, experiment.inputs, files)
-        if not objects:
-            continue  # not known before the scene is read
-        able = [item for item, panels in objects.items() if panels.get(task, True)]
-        if target.object not in objects:
-            what = f"{target.scene} has no '{target.object}'"
-        elif target.object not in able:
-            what = f"'{target.object}' of {target.scene} has no {task}"
-        else:
-            continue
-        yield Mistake(f"{key}.object", what, f"one of {', '.join(able)}")
-
-
-def _training_sets(config: "Config") -> Iterator[Mistake]:
-    """Training sets that have cousins enough."""
-    experiment = config.experiment
-    for rank in experiment.held_out:
-        if rank > experiment.cousins:
-            what = f"there is no cousin {rank} of experiment.cousins = {experiment.cousins}"
-            yield Mistake("experiment.held_out", what, "leave it out or raise experiment.cousins")
-    left = experiment.training_ranks
-    asked = {"experiment.training_sets": experiment.training_sets}
-    asked |= {
-        f"experiment.tasks.{name}.training_sets": row.training_sets or [] for name, row in experiment.tasks.items()
-    }
-    for key, names in asked.items():
-        for name in names:
-            needed = experiment.size_of(name)
-            if needed > len(left):
-                what = f"{name} needs {needed} cousins, experiment.cousins = {experiment.cousins} leaves {len(left)}"
-                yield Mistake(key, what, "raise experiment.cousins or hold fewer out")
-
-
-def _test_assets(config: "Config") -> Iterator[Mistake]:
-    """Roles that the experiment gives."""
-    experiment = config.experiment
-    roles = ["twin", *(f"cousin_{rank}" for rank in range(1, experiment.cousins + 1)), "dissimilar", "trained"]
-    for role in config.evaluation.test_assets:
-        if role not in roles:
-            what = f"there is no '{role}' among experiment.cousins = {experiment.cousins}"
-            yield Mistake("evaluation.test_assets", what, f"twin, cousin_1 ... {roles[-3]}, dissimilar, trained")
-    if config.evaluation.checkpoint == "rollouts":
-        for run in dict.fromkeys(run for plan in _plans(config) for run in plan.runs):
-            if run in config.training.runs and not config.training.runs[run].keep:
-                what = f"is rollouts, but training.runs.{run}.keep = 0 leaves no checkpoints"
-                yield Mistake("evaluation.checkpoint", what, f"set training.runs.{run}.keep, or use best or last")
-
-
-def _plans(config: "Config") -> list[TaskPlan]:
-    """What is asked of the tasks for which policies are trained."""
-    plans = map(config.experiment.plan, config.experiment.tasks)
-    return [plan for plan in plans if plan.training_sets]
-
-
 def _library(config: "Config") -> Iterator[Mistake]:
     """Categories that exist, folders that exist, a library that is not empty."""
     for category in config.assets.counts:
@@ -237,31 +162,6 @@ def _matching(config: "Config") -> Iterator[Mistake]:
                     what = f"no {file} in '{weights.path}'"
                     yield Mistake(f"{where}.{name}.path", what, "the folder of the weights, or download: true")
                     break
-
-
-def _policies(config: "Config") -> Iterator[Mistake]:
-    """Hyper-parameter sets that there are, networks that see no more points than there are, checkpoints in reach."""
-    experiment, known = config.experiment, config.training.runs
-    asked = {"experiment.runs": experiment.runs}
-    asked |= {f"experiment.tasks.{name}.runs": row.runs or [] for name, row in experiment.tasks.items()}
-    for key, runs in asked.items():
-        for run in runs:
-            if run not in known:
-                yield Mistake(key, f"'{run}' is not one of training.runs", f"one of {', '.join(known)}")
-    for run in dict.fromkeys(run for runs in asked.values() for run in runs if run in known):
-        options = known[run]
-        points = {
-            config.task_of(name).points: "task" if "points" not in row.options else f"experiment.tasks.{name}.options"
-            for name, row in experiment.tasks.items()
-            if run in experiment.plan(name).runs
-        }
-        if points and options.network.points > min(points):
-            what = f"{options.network.points} of {points[min(points)]}.points = {min(points)}"
-            yield Mistake(f"training.runs.{run}.network.points", what, "lower it or raise task.points")
-        if options.keep > options.steps:
-            yield Mistake(
-                f"training.runs.{run}.keep", f"{options.keep} checkpoints of {options.steps} steps", "lower it"
-            )
 
 
 def _environment(config: "Config") -> Iterator[Mistake]:

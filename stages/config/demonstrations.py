@@ -4,13 +4,13 @@ from typing import Annotated
 
 from pydantic import Field
 
-from stages.config.base import Section
+from stages.config.base import Range, Section
 
 Share = Annotated[float, Field(gt=0, le=1)]
 
 
-class DemonstrationsConfig(Section):
-    """How the scripted skill moves, and how long collection tries."""
+class MotionOptions(Section):
+    """How the scripted skill moves."""
 
     goal_margin: float = Field(
         0.2, ge=0, le=0.5, description="open this fraction of the range further than success needs, then let go"
@@ -18,6 +18,24 @@ class DemonstrationsConfig(Section):
     pregrasp: float = Field(0.1, gt=0, description="where Approach ends and Converge begins, metres (official: 0.13)")
     approach_lookahead: float = Field(0.06, gt=0, description="how far ahead on its path the hand aims, metres")
     articulate_lookahead: float = Field(0.04, gt=0, description="the same while it holds the handle, metres")
+
+
+class RandomiseOptions(Section):
+    """What is drawn anew per attempt for the training set twin_randomised (its physics after OpenAI et al. 2018)."""
+
+    extents: Range = Field((0.6, 1.5), description="factor per axis on the twin's size, in place of task.scale_range")
+    friction: Range = Field(
+        (0.7, 1.3), description="factor on the friction of its surfaces, so of handle and fingers (OpenAI: 0.7 to 1.3)"
+    )
+    mass: Range = Field((0.5, 2.0), description="factor on the mass of its links (OpenAI: 0.5 to 1.5)")
+    joint_friction: Range = Field(
+        (0.3, 3.0), description="factor on friction and damping of its joints (OpenAI: damping 0.3 to 3)"
+    )
+
+
+class DemonstrationsConfig(MotionOptions):
+    """How the scripted skill moves, and how long collection tries."""
+
     noise: float = Field(
         0.005,
         ge=0,
@@ -33,6 +51,11 @@ class DemonstrationsConfig(Section):
     )
     approach_speed: tuple[Share, Share] = Field(
         (1.0, 1.0), description="between these shares of a full step the approach advances, drawn per attempt"
+    )
+    randomise: RandomiseOptions = Field(
+        RandomiseOptions(),
+        description="Ranges of the training set twin_randomised, log-uniform but for the extents; after OpenAI et al., "
+        "Learning Dexterous In-Hand Manipulation, Table 1.",
     )
     max_attempts_factor: float = Field(3.0, ge=1, description="attempts allowed per wanted episode")
     film_episodes: int = Field(1, ge=1, description="successes that are filmed")

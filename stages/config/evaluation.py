@@ -7,7 +7,15 @@ from pydantic import Field
 from stages.config.base import Section
 
 
-class ActingOptions(Section):
+class SceneOptions(Section):
+    """How a test asset is met."""
+
+    vary_scale: bool = Field(
+        False, description="rescale the test asset at random as in the demonstrations (official: no)"
+    )
+
+
+class ActingOptions(SceneOptions):
     """How a policy acts."""
 
     checkpoint: Literal["best", "last", "rollouts"] = Field(
@@ -19,9 +27,6 @@ class ActingOptions(Section):
         "sharpened",
         description="mode of the mixture to act by: drawn by its weight (official), by the square of its weight, or "
         "the heaviest; docs/training.md has figures",
-    )
-    vary_scale: bool = Field(
-        False, description="rescale the test asset at random as in the demonstrations (official: no)"
     )
     envs: int = Field(4, ge=1, description="environments that share a forward pass of the policy")
 
@@ -37,8 +42,8 @@ class TrialOptions(ActingOptions):
     )
 
 
-class RolloutOptions(ActingOptions):
-    """Rollouts that are counted."""
+class SkillOptions(SceneOptions):
+    """What policies are rolled out on, and the scripted skill beside them."""
 
     test_assets: list[str] = Field(
         ["twin", "cousin_2", "cousin_6", "dissimilar", "trained"],
@@ -60,6 +65,11 @@ class RolloutOptions(ActingOptions):
     asset_rollouts: int = Field(
         2, ge=1, description="episodes on each of them, the same initial states for all policies"
     )
+
+
+class RolloutOptions(ActingOptions, SkillOptions):
+    """Rollouts that are counted."""
+
     film_frames: int = Field(16, ge=2, description="pictures of a filmed episode")
 
 

@@ -161,16 +161,31 @@ class ExperimentConfig(Section):
             for room in scored
         }
 
+    def source(self, name: str) -> str:
+        """The row whose object, options, assets and demonstrations a row uses: that of its `assets_of`, or itself."""
+        shared = self.tasks[name].assets_of
+        return shared if shared in self.tasks else name
+
+    @property
+    def sources(self) -> list[str]:
+        """The rows that have assets and demonstrations of their own."""
+        return [name for name in self.tasks if self.source(name) == name]
+
+    def sharing(self, source: str) -> list[str]:
+        """The rows that use the assets and demonstrations of a row, itself included."""
+        return [name for name in self.tasks if self.source(name) == source]
+
     def plan(self, name: str) -> TaskPlan:
         """What is asked of one task."""
-        own = self.tasks[name]
+        own, source = self.tasks[name], self.source(name)
+        target = self.tasks[source]
         return TaskPlan(
-            task=own.task or name,
-            target=own,
+            task=target.task or source,
+            target=target,
             training_sets=self.training_sets if own.training_sets is None else own.training_sets,
             runs=self.runs if own.runs is None else own.runs,
             seeds=self.seeds if own.seeds is None else own.seeds,
-            episodes=self.episodes if own.episodes is None else own.episodes,
+            episodes=self.episodes if target.episodes is None else target.episodes,
         )
 
     def chooses(self, name: str) -> bool:
@@ -202,11 +217,14 @@ class ExperimentConfig(Section):
         """Demonstrations that each store gives to a training set (rounded up)."""
         return -(-self.plan(task).episodes // len(self.roles(training_set)))
 
+    def sets_of(self, task: str) -> list[str]:
+        """The training sets of all rows that use a row's demonstrations."""
+        return sorted({name for row in self.sharing(task) for name in self.plan(row).training_sets})
+
     def trained_roles(self, task: str) -> list[str]:
-        """Roles on which a task's demonstrations are collected."""
-        return sorted({role for name in self.plan(task).training_sets for role in self.roles(name)})
+        """Roles on which a task's demonstrations are collected; none where they are another row's."""
+        return sorted({role for name in self.sets_of(task) for role in self.roles(name)})
 
     def episodes_of(self, task: str, role: str) -> int:
-        """Demonstrations to collect for a role: the largest share that any training set asks of it."""
-        sets = self.plan(task).training_sets
-        return max((self.share(task, name) for name in sets if role in self.roles(name)), default=0)
+        """Demonstrations to collect for a role: the largest share that any training set of any row asks of it."""
+        return max((self.share(task, name) for name in self.sets_of(task) if role in self.roles(name)), default=0)

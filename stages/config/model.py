@@ -83,7 +83,7 @@ class Config(Section):
 
     def task_of(self, name: str) -> TaskConfig:
         """The task options of one row of the policy experiment: those of `task` with what it changes, key by key."""
-        return TaskConfig.model_validate(merged(self.task.model_dump(), self.experiment.tasks[name].options))
+        return TaskConfig.model_validate(merged(self.task.model_dump(), self.experiment.plan(name).target.options))
 
     def room_files(self) -> dict[str, Path]:
         """Files of all rooms that could be asked for, by their names."""

@@ -6,7 +6,7 @@ from stages.config.assets import LibraryOptions, OwnOptions, SnapshotOptions
 from stages.config.base import Section
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.config.encoder import EncoderTrainingOptions, PairOptions
-from stages.config.evaluation import RolloutOptions, TrialOptions
+from stages.config.evaluation import RolloutOptions, SkillOptions, TrialOptions
 from stages.config.extraction import ExtractionConfig
 from stages.config.generation import GenerationConfig
 from stages.config.matching import ComparisonOptions, EncoderOptions, MatchingConfig
@@ -37,6 +37,7 @@ READS: dict[tuple[str, str], type[Section]] = {
     ("training", "train"): TrainingRun,
     ("evaluation", "trial"): TrialOptions,
     ("evaluation", "rollout"): RolloutOptions,
+    ("evaluation", "skill"): SkillOptions,
     ("tables", "scenes"): TablesConfig,
     ("tables", "policies"): TablesConfig,
     ("tables", "figures"): TablesConfig,
@@ -69,6 +70,8 @@ def options_of(config: Config, stage: str, verb: str, wildcards: dict[str, str])
         kinds = [field for field in reads.model_fields if kind_of(reads, field)]
         used = {short(name) for field in kinds for name in _names(getattr(section, field))}
         kept["own"] = {name: options for name, options in kept["own"].items() if name in used}
+    if wildcards.get("role") != "twin_randomised":
+        kept.pop("randomise", None)  # of that role's demonstrations alone
     kept.get("dinov2", {}).pop("batch", None)  # how many pictures are taken at once changes no result
     return kept
 

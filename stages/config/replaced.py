@@ -16,7 +16,7 @@ VERBS = {
     "experiment": ("select", "pinned", "draw"),
     "demonstrations": ("collect", "scene", "export"),
     "training": ("train", "export"),
-    "evaluation": ("trial", "choose", "rollout", "gather", "leave_out", "score"),
+    "evaluation": ("trial", "choose", "rollout", "skill", "gather", "leave_out", "score"),
     "tables": ("scenes", "policies", "figures", "report", "picture"),
 }
 

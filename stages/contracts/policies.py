@@ -121,11 +121,23 @@ class TaskAssets(Document):
         Raises:
             InputError: there are none in the file `where`.
         """
+        if role == "twin_randomised":
+            return [self.playing("twin", where)]
+        if role.startswith("random_"):
+            number = int(role.removeprefix("random_"))
+            if number > len(self.random_assets):
+                what = f"has {len(self.random_assets)} assets drawn by chance, not {number}."
+                raise InputError(where, what, "use a smaller training set random_n")
+            return [self.random_assets[number - 1]]
         if role != "all":
             return [self.playing(role, where)]
         if not self.all_assets:
             raise InputError(where, "has no assets for the training set `all`.", "run `experiment select` again")
         return self.all_assets
+
+    def split(self, name: Literal["validation", "test"], count: int) -> list[TaskAsset]:
+        """The first `count` assets of a split; all if there are fewer."""
+        return (self.test_assets if name == "test" else self.validation_assets)[:count]
 
 
 class Attempt(Contract):

@@ -2,7 +2,6 @@
 
 import sys
 import time
-from dataclasses import replace
 
 import numpy as np
 
@@ -10,8 +9,8 @@ from stages.config.demonstrations import DemonstrationsConfig
 from stages.demonstrations.film import Taken
 from stages.demonstrations.recovery import draw_disturbance
 from stages.demonstrations.store import RecordedEpisode
-from stages.plugins import load, short
-from stages.skills import FAR, Float, Outcome, SkillProtocol
+from stages.skills import FAR, Float, Outcome
+from stages.skills.chain import SkillChain
 from stages.tasks.api import TaskEnv
 
 PROGRESS_SECONDS = 5.0
@@ -23,7 +22,7 @@ class Recorder:
     def __init__(self, task: TaskEnv, options: DemonstrationsConfig, film: int = 0, failures: bool = False) -> None:
         self.task, self.options, self.film, self.failures = task, options, film, failures
         self.taken: list[Taken] = []
-        self.skills: list[SkillProtocol] = [load("skills", name)(task, options) for name in task.task.skills]
+        self.chain = SkillChain(task, options)
         self._started = self._reported = time.monotonic()
 
     def attempt(self, seed: int) -> tuple[RecordedEpisode, Outcome]:
@@ -50,15 +49,7 @@ class Recorder:
                 moments.append(task.moment())
             task.act(executed)
 
-        outcome = Outcome(True, "success")
-        for name, skill in zip(task.task.skills, self.skills, strict=True):
-            outcome = skill.run(act)
-            if not outcome.success:
-                if len(self.skills) > 1:
-                    outcome = replace(outcome, cause=f"{short(name)}_{outcome.cause}")
-                break
-        if outcome.success and not task.success:
-            outcome = Outcome(False, "not_successful")
+        outcome = self.chain.run(act)
         if filming and (outcome.success or self.failures):
             moments.append(task.moment())
             clouds = [*episode.point_clouds, task.observe()["point_cloud"]]

@@ -41,7 +41,8 @@ def run(
     Args:
         assets: the experiment's assets (contract TaskAssets).
         library: library.json that they come from.
-        role: twin, cousin_1, ..., or all: the assets of `all_assets` take turns, nearest to the twin first.
+        role: twin, cousin_1, ...; random_1, ...: of `random_assets`; twin_randomised: the twin, its extents, friction
+            and mass drawn per attempt; all: the assets of `all_assets` take turns, nearest to the twin first.
         episodes: successes to collect.
         out: episodes.h5 to write.
         options: the `demonstrations` section as JSON.
@@ -53,7 +54,8 @@ def run(
     plan, index = read_json(TaskAssets, assets), read_json(Library, library)
     chosen = [(asset_folder(index, entry.asset, library), entry) for entry in plan.behind(role, assets)]
     folder, entry = chosen[0]
-    task = make_task(plan.task, folder, entry.joint, entry.size, world)
+    randomise = settings.randomise if role == "twin_randomised" else None
+    task = make_task(plan.task, folder, entry.joint, entry.size, world, randomise=randomise)
     recorder = Recorder(task, settings, film=settings.film_episodes)
     seeds = list(attempt_seeds(seed, role, int(np.ceil(episodes * settings.max_attempts_factor))))
     kept, ledger = take_turns(recorder, chosen, seeds, episodes)
@@ -74,7 +76,7 @@ def run(
         )
     failed.unlink(missing_ok=True)
     write_text(out.parent / "attempts.jsonl", lines)
-    write_episodes(out, StoreHeader(plan.task, task.task.gym_id, name, world), kept)
+    write_episodes(out, StoreHeader(plan.task, task.task.gym_id, name, world, randomise), kept)
 
 
 def take_turns(

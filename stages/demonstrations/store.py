@@ -9,6 +9,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from stages.config.demonstrations import RandomiseOptions
 from stages.config.task import TaskConfig
 from stages.contracts import atomic
 from stages.tasks.api import Observation
@@ -50,6 +51,7 @@ class StoreHeader:
     environment: str  # its name for gym.make
     asset: str  # that of all episodes, or 'all' if they are of several
     options: TaskConfig
+    randomise: RandomiseOptions | None = None
 
 
 def write_episodes(path: Path, header: StoreHeader, episodes: Sequence[RecordedEpisode]) -> None:
@@ -58,7 +60,8 @@ def write_episodes(path: Path, header: StoreHeader, episodes: Sequence[RecordedE
     Layout: `data/demo_i/{obs/point_cloud (T, P, 4) float16, obs/proprio (T, 9) float32, actions and executed (T, 7)
     float32, joint (T,) float32, rewards (T,) float32 and dones (T,) uint8: 1 at the end}`, uncompressed so that
     training can map it; attributes as in robomimic, which reads the file as it is. Each demo names its asset, joint
-    and nominal size; `env_args` are those of the first.
+    and nominal size; `env_args` are those of the first; `randomise` are the ranges that a randomised object was drawn
+    from, beside `task_options`, which evaluation takes over.
     """
     first = episodes[0]
     env_args = {
@@ -73,6 +76,8 @@ def write_episodes(path: Path, header: StoreHeader, episodes: Sequence[RecordedE
         data.attrs["task"] = header.task
         data.attrs["asset"] = header.asset
         data.attrs["task_options"] = header.options.model_dump_json()
+        if header.randomise:
+            data.attrs["randomise"] = header.randomise.model_dump_json()
         for index, episode in enumerate(episodes):
             group = data.create_group(f"demo_{index}")
             group.attrs["num_samples"] = len(episode.actions)

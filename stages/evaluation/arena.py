@@ -1,114 +1,108 @@
-"""A policy on the assets of an experiment, in the environment of its demonstrations."""
+"""The assets of an experiment in environments, and policies acting there."""
 
+import tempfile
+from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
+from types import TracebackType
+from typing import NamedTuple, Self
 
 import torch
 
 from stages.config.evaluation import ActingOptions
+from stages.config.task import TaskConfig
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json
 from stages.contracts.library import Library
 from stages.contracts.policies import Rollout, TaskAsset, TaskAssets
 from stages.contracts.policy_folder import read_config
 from stages.evaluation.episodes import RolloutEpisode, roll_out
-from stages.evaluation.film import Reel, take
+from stages.evaluation.states import Start
 from stages.policies import TrainablePolicy, closed_loop
 from stages.policies.checkpoint import load_policy
 from stages.simulation.studio import Studio
 from stages.tasks.api import TaskEnv, make_task
 
-FIRST_STATE = 2**31  # demonstrations use seeds below: no policy is tested on a state that it was shown
-TRIAL_STATE = FIRST_STATE + 2**30  # states that choose a policy are not those that it is judged by
-Played = list[tuple[TaskAsset, RolloutEpisode]]
 
+class Acting(NamedTuple):
+    """Who acts, as the experiment calls it: the columns of a row that are the same for all episodes.
 
-def initial_states(first: int, seed: int, count: int) -> list[int]:
-    """Seeds of the initial states of a run of the workflow, from `first` on."""
-    return [first + seed * 10_000 + i for i in range(count)]
+    task, assets_of: the experiment's row, and the row whose assets it uses. seed: of the training.
+    """
+
+    task: str
+    assets_of: str
+    training_set: str
+    run: str
+    seed: int
+    checkpoint: str
 
 
 class Arena:
-    """A policy and the assets that it is rolled out on.
+    """Environments that turn from asset to asset: an exchange costs half of a new environment. To be used by `with`."""
 
-    Raises:
-        InputError: the policy was trained on another task.
-    """
-
-    def __init__(self, policy: Path, assets: Path, library: Path, settings: ActingOptions, device: str) -> None:
-        self.policy, self.assets, self.library, self.settings, self.device = policy, assets, library, settings, device
-        self.trained, self.plan = read_config(policy), read_json(TaskAssets, assets)
-        if self.plan.task != self.trained.task:
-            what = f"was trained on the task '{self.trained.task}', {assets} is for '{self.plan.task}'."
-            raise InputError(policy, what)
-        torch.set_num_threads(1)
+    def __init__(self, assets: Path, library: Path, options: TaskConfig, vary_scale: bool, render: bool = True) -> None:
+        self.plan, self.library = read_json(TaskAssets, assets), library
+        self.options, self.vary_scale, self.render = options, vary_scale, render
         entries = read_json(Library, library).assets
         self.folders = {entry.id: library.parent / entry.folder for entry in entries}
+        self._tasks: list[TaskEnv] = []
+        self._sized = tempfile.TemporaryDirectory(prefix="acdc-sized-")
 
-    def network(self, checkpoint: str) -> TrainablePolicy:
-        """The policy with the weights of a checkpoint."""
-        return load_policy(self.policy, checkpoint, self.device)
+    def __enter__(self) -> Self:
+        return self
 
-    def test(
-        self, network: TrainablePolicy, assets: list[TaskAsset], states: list[int], reel: Reel | None = None
-    ) -> Played:
-        """One episode per initial state, the assets taking turns; of the first one some are filmed on the `reel`.
-
-        Of more assets than states some are left out, evenly over the list.
-        """
-        turns = min(len(assets), len(states))
-        played: dict[int, tuple[TaskAsset, RolloutEpisode]] = {}
-        for turn in range(turns):
-            asset, shared = assets[turn * len(assets) // turns], states[turn::turns]
-            episodes = self.episodes(network, asset, shared, None if turn else reel)
-            played |= {state: (asset, episode) for state, episode in zip(shared, episodes, strict=True)}
-        return [played[state] for state in states]
-
-    def episodes(
-        self, network: TrainablePolicy, asset: TaskAsset, states: list[int], reel: Reel | None = None
-    ) -> list[RolloutEpisode]:
-        """One episode per initial state; a success and a failure are filmed if there is a reel."""
-        tasks = [self.task(asset) for _ in range(min(self.settings.envs, len(states)))]
-        actor = closed_loop(network, len(tasks), self.settings.action)
-        try:
-            episodes = roll_out(tasks, actor, states, record=reel is not None)
-            if reel is not None:
-                reel.films += take(self.studio, episodes, asset.role, asset.asset, reel.frames)
-            return episodes
-        finally:
-            for task in tasks:
-                task.close()
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        for task in self._tasks:
+            task.close()
+        self._sized.cleanup()
 
     @cached_property
     def studio(self) -> Studio:
-        """Where films are made."""
+        """Where films are made, before the arena closes."""
         return Studio()
+
+    def tasks(self, count: int, asset: TaskAsset) -> list[TaskEnv]:
+        """So many environments; new ones are made with the asset."""
+        self._tasks += [self.task(asset) for _ in range(count - len(self._tasks))]
+        return self._tasks[:count]
 
     def task(self, asset: TaskAsset) -> TaskEnv:
         """A new environment with the asset."""
-        if asset.asset not in self.folders:
-            raise InputError(self.library, f"has no asset '{asset.asset}'.", "run the matching stage again")
         return make_task(
-            self.trained.task,
-            self.folders[asset.asset],
+            self.plan.task,
+            self.folder(asset),
             asset.joint,
             asset.size,
-            self.trained.task_options,
-            vary_scale=self.settings.vary_scale,
+            self.options,
+            render=self.render,
+            cache=Path(self._sized.name),
+            vary_scale=self.vary_scale,
         )
 
-    def rows(self, names: dict[str, str], role: str, checkpoint: str, played: Played) -> list[Rollout]:
-        """Episodes as rows; `names`: task, training_set and run as the experiment calls them."""
+    def folder(self, asset: TaskAsset) -> Path:
+        """The asset's folder in the library.
+
+        Raises:
+            InputError: the library does not have it.
+        """
+        if asset.asset not in self.folders:
+            raise InputError(self.library, f"has no asset '{asset.asset}'.", "run the matching stage again")
+        return self.folders[asset.asset]
+
+    def rows(self, acting: Acting, role: str, episodes: Sequence[RolloutEpisode]) -> list[Rollout]:
+        """Episodes on a test role as rows."""
         return [
             Rollout.model_validate(
-                names
+                acting._asdict()
                 | {
-                    "cloud": self.trained.task_options.cloud,
-                    "seed": self.trained.seed,
-                    "checkpoint": checkpoint,
+                    "cloud": self.options.cloud,
                     "test_asset": role,
-                    "asset": asset.asset,
-                    "dino_distance": asset.distance,
+                    "asset": episode.asset.asset,
+                    "family": episode.asset.family,
+                    "handle": episode.asset.handle,
+                    "handle_length": episode.asset.handle_length,
+                    "dino_distance": episode.asset.distance,
                     "episode": number,
                     "initial_state": episode.seed,
                     "success": episode.success,
@@ -117,5 +111,32 @@ class Arena:
                     "opened": round(episode.opened, 4),
                 }
             )
-            for number, (asset, episode) in enumerate(played)
+            for number, episode in enumerate(episodes)
         ]
+
+
+class PolicyArena(Arena):
+    """A policy's arena: the environment is that of its demonstrations.
+
+    Raises:
+        InputError: the policy was trained on another task.
+    """
+
+    def __init__(self, policy: Path, assets: Path, library: Path, settings: ActingOptions, device: str) -> None:
+        self.policy, self.settings, self.device = policy, settings, device
+        self.trained = read_config(policy)
+        super().__init__(assets, library, self.trained.task_options, settings.vary_scale)
+        if self.plan.task != self.trained.task:
+            what = f"was trained on the task '{self.trained.task}', {assets} is for '{self.plan.task}'."
+            raise InputError(policy, what)
+        torch.set_num_threads(1)
+
+    def network(self, checkpoint: str) -> TrainablePolicy:
+        """The policy with the weights of a checkpoint."""
+        return load_policy(self.policy, checkpoint, self.device)
+
+    def play(self, network: TrainablePolicy, starts: Sequence[Start], record: bool = False) -> list[RolloutEpisode]:
+        """The episodes, in the order of their starts."""
+        folders = {asset.asset: self.folder(asset) for asset, _ in starts}
+        tasks = self.tasks(min(self.settings.envs, len(starts)), starts[0][0])
+        return roll_out(tasks, folders, closed_loop(network, len(tasks), self.settings.action), starts, record)

@@ -1,8 +1,11 @@
-"""Episodes of a policy on one asset, several environments in step."""
+"""Episodes of a policy, several environments in step, each with an asset of its own."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 
+from stages.contracts.policies import TaskAsset
+from stages.evaluation.states import Start
 from stages.policies import ActorProtocol
 from stages.simulation.studio import Moment, Recording
 from stages.tasks.api import Observation, TaskEnv
@@ -12,6 +15,7 @@ from stages.tasks.api import Observation, TaskEnv
 class RolloutEpisode:
     """One rollout. `opened`: fraction of the joint's range at the end; `recording`: None if it was not recorded."""
 
+    asset: TaskAsset
     seed: int
     success: bool = False
     official_success: bool = False
@@ -22,10 +26,17 @@ class RolloutEpisode:
 
 
 def roll_out(
-    tasks: Sequence[TaskEnv], actor: ActorProtocol, seeds: Sequence[int], record: bool
+    tasks: Sequence[TaskEnv],
+    folders: Mapping[str, Path],
+    actor: ActorProtocol,
+    starts: Sequence[Start],
+    record: bool = False,
 ) -> list[RolloutEpisode]:
-    """One episode per seed, in their order; an episode ends at success or after `max_steps`."""
-    episodes = [RolloutEpisode(seed) for seed in seeds]
+    """One episode per start, in their order; an episode ends at success or after `max_steps`.
+
+    `folders`: of the assets, by id. An environment that is free takes the next start, whatever its asset.
+    """
+    episodes = [RolloutEpisode(asset, seed) for asset, seed in starts]
     waiting = list(episodes)
     running: dict[int, RolloutEpisode] = {}  # slot -> its episode
     observations: dict[int, Observation] = {}
@@ -34,6 +45,7 @@ def roll_out(
         running.pop(slot, None)
         if waiting:
             running[slot] = episode = waiting.pop(0)
+            tasks[slot].turn_to(folders[episode.asset.asset], episode.asset.joint, episode.asset.size)
             observations[slot] = tasks[slot].reset(episode.seed)
             actor.reset(slot, episode.seed)
 

@@ -1,7 +1,7 @@
 """Films of rollouts: one success and one failure per test asset; film.png: a strip of each."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -22,14 +22,6 @@ class Filmed:
     pictures: list[Image]
 
 
-@dataclass
-class Reel:
-    """The films of a policy, `frames` pictures each."""
-
-    frames: int
-    films: list[Filmed] = field(default_factory=list)
-
-
 def pick(episodes: Sequence[RolloutEpisode]) -> list[RolloutEpisode]:
     """The first recorded success and the first recorded failure, as far as there are any."""
     recorded = [episode for episode in episodes if episode.recording]
@@ -40,7 +32,7 @@ def pick(episodes: Sequence[RolloutEpisode]) -> list[RolloutEpisode]:
     ]
 
 
-def take(studio: Studio, episodes: Sequence[RolloutEpisode], role: str, asset: str, frames: int) -> list[Filmed]:
+def take(studio: Studio, episodes: Sequence[RolloutEpisode], role: str, frames: int) -> list[Filmed]:
     """Film the picked episodes; the more frequent outcome comes first."""
     filmed = []
     successes = sum(episode.success for episode in episodes)
@@ -48,7 +40,7 @@ def take(studio: Studio, episodes: Sequence[RolloutEpisode], role: str, asset: s
         assert episode.recording
         outcome = "success" if episode.success else "failure"
         film = Film(
-            role=role, asset=asset, seed=episode.seed, success=episode.success, steps=episode.steps,
+            role=role, asset=episode.asset.asset, seed=episode.seed, success=episode.success, steps=episode.steps,
             opened=round(episode.opened, 4), file=f"{role}_{outcome}.webp",
         )  # fmt: skip
         filmed.append(Filmed(film, studio.film(episode.recording, frames)))

@@ -1,4 +1,4 @@
-"""Verb `rollout`: success of one policy on every test asset, one row per episode (paper B.3, Table 3)."""
+"""Verb `rollout`: success of one policy on roles and on unseen assets, one row per episode (paper B.3, Table 3)."""
 
 import sys
 from pathlib import Path
@@ -10,14 +10,14 @@ import numpy as np
 from stages.config.evaluation import RolloutOptions
 from stages.contracts.errors import InputError
 from stages.contracts.files import atomic, read_options, read_rows
-from stages.contracts.policies import Rollout, TaskAsset, TaskAssets
-from stages.evaluation.arena import FIRST_STATE, Arena, Played, initial_states
+from stages.contracts.policies import Rollout
+from stages.evaluation.arena import Acting, PolicyArena
 from stages.evaluation.choose import best_checkpoint
-from stages.evaluation.film import Reel, strip
+from stages.evaluation.episodes import RolloutEpisode
+from stages.evaluation.film import Filmed, strip, take
 from stages.evaluation.rows import write_rows
+from stages.evaluation.states import starts_of
 from stages.simulation.films import write_films
-
-TRAINED = "trained"  # test role of the assets that a policy was trained on
 
 
 def run(
@@ -30,12 +30,13 @@ def run(
     trained_roles: tuple[str, ...],
     run_name: str,
     out: Path,
+    assets_of: str = "",
     trial: tuple[Path, ...] = (),
     options: str = "",
     seed: int = 0,
     device: Literal["cpu", "cuda"] = "cpu",
 ) -> None:
-    """Roll a policy out on the test assets, in the environment of its demonstrations.
+    """Roll a policy out on the test roles and on the unseen assets of a split, as it was demonstrated.
 
     Args:
         policy: folder that `training train` wrote.
@@ -46,45 +47,44 @@ def run(
         trained_roles: roles of the assets that it was trained on.
         run_name: name of the hyper-parameter set, for the rows.
         out: rollouts.csv; film.png and films/ lie beside it.
+        assets_of: the row whose assets these are, if another's.
         trial: rollouts.csv of the policy's trial, if there was one; `checkpoint: rollouts` goes by it.
         options: the `evaluation` section as JSON, or a JSON file.
         seed: of the initial states; the same for every policy that is to be compared.
         device: where the policy runs.
     """
     settings = read_options(RolloutOptions, options)
-    arena = Arena(policy, assets, library, settings, device)
-    tested = {role: players(arena.plan, role, trained_roles, assets) for role in settings.test_assets}
-    checkpoint: str = settings.checkpoint
-    if checkpoint == "rollouts":
-        if len(trial) != 1:
-            raise InputError("--trial", "is not one file; `checkpoint: rollouts` needs it.", "run `evaluation trial`")
-        checkpoint = best_checkpoint(read_rows(Rollout, trial[0])).checkpoint
-    network = arena.network(checkpoint)
-    states = initial_states(FIRST_STATE, seed, settings.rollouts)
-    names = {"task": task_name, "training_set": training_set, "run": run_name}
     rows: list[Rollout] = []
-    reel = Reel(settings.film_frames)
-    played: dict[tuple[str, ...], Played] = {}
-    for role, playing in tested.items():
-        same = tuple(
-            asset.asset for asset in playing
-        )  # the twin's policy was trained on the twin: one test serves both
-        episodes = played[same] = played.get(same) or arena.test(network, playing, states, reel)
-        successes = sum(episode.success for _, episode in episodes)
-        print(f"evaluation: {role} {successes}/{len(episodes)} succeeded", file=sys.stderr)
-        rows += arena.rows(names, role, checkpoint, episodes)
-    frequency = arena.trained.task_options.control_frequency
-    write_films(out.parent / "films", [(item.film, item.pictures) for item in reel.films], frequency)
-    write_png(out.parent / "film.png", np.concatenate([strip(item) for item in reel.films]))
+    films: list[Filmed] = []
+    played: dict[
+        tuple[tuple[str, int], ...], list[RolloutEpisode]
+    ] = {}  # the twin's policy: one test serves twin and trained
+    with PolicyArena(policy, assets, library, settings, device) as arena:
+        tested = starts_of(arena.plan, assets, settings, trained_roles, seed)
+        checkpoint = checkpoint_of(settings, trial)
+        network = arena.network(checkpoint)
+        acting = Acting(task_name, assets_of or task_name, training_set, run_name, arena.trained.seed, checkpoint)
+        for role, starts in tested.items():
+            same = tuple((asset.asset, state) for asset, state in starts)
+            if same not in played:
+                played[same] = arena.play(network, starts, record=True)
+                films += take(arena.studio, played[same], role, settings.film_frames)
+            successes = sum(episode.success for episode in played[same])
+            print(f"evaluation: {role} {successes}/{len(starts)} succeeded", file=sys.stderr)
+            rows += arena.rows(acting, role, played[same])
+    frequency = arena.options.control_frequency
+    write_films(out.parent / "films", [(item.film, item.pictures) for item in films], frequency)
+    write_png(out.parent / "film.png", np.concatenate([strip(item) for item in films]))
     write_rows(out, rows)
 
 
-def players(plan: TaskAssets, role: str, trained_roles: tuple[str, ...], where: Path) -> list[TaskAsset]:
-    """The assets that stand for a test role: one, or for `trained` all that the policy was trained on."""
-    if role != TRAINED:
-        return [plan.playing(role, where)]
-    assets = [asset for name in trained_roles for asset in plan.behind(name, where)]
-    return [asset.model_copy(update={"role": TRAINED}) for asset in assets]
+def checkpoint_of(settings: RolloutOptions, trial: tuple[Path, ...]) -> str:
+    """The name of the checkpoint to test; `rollouts`: the one that did best in the policy's trial."""
+    if settings.checkpoint != "rollouts":
+        return settings.checkpoint
+    if len(trial) != 1:
+        raise InputError("--trial", "is not one file; `checkpoint: rollouts` needs it.", "run `evaluation trial`")
+    return best_checkpoint(read_rows(Rollout, trial[0])).checkpoint
 
 
 def write_png(path: Path, picture: np.ndarray) -> None:

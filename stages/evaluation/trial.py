@@ -8,8 +8,9 @@ from stages.config.evaluation import TrialOptions
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_options
 from stages.contracts.policies import Rollout
-from stages.evaluation.arena import TRIAL_STATE, Arena, initial_states
+from stages.evaluation.arena import Acting, PolicyArena
 from stages.evaluation.rows import write_rows
+from stages.evaluation.states import initial_states
 
 
 def run(
@@ -21,6 +22,7 @@ def run(
     training_set: str,
     run_name: str,
     out: Path,
+    assets_of: str = "",
     options: str = "",
     seed: int = 0,
     device: Literal["cpu", "cuda"] = "cpu",
@@ -35,25 +37,26 @@ def run(
         training_set: name of the training set, for the rows.
         run_name: name of the hyper-parameter set, for the rows.
         out: rollouts.csv.
+        assets_of: the row whose assets these are, if another's.
         options: the `evaluation` section as JSON, or a JSON file.
         seed: of the initial states; the same for every policy that is to be compared.
         device: where the policy runs.
     """
     settings = read_options(TrialOptions, options)
-    arena = Arena(policy, assets, library, settings, device)
-    checkpoints: list[str] = [settings.checkpoint]
-    if settings.checkpoint == "rollouts":
-        checkpoints = arena.trained.checkpoints
-    if not checkpoints:
-        mend = "set training `keep`, or `checkpoint: best`"
-        raise InputError(policy, "has no kept checkpoints to choose from.", mend)
-    twin = arena.plan.playing("twin", assets)
-    states = initial_states(TRIAL_STATE, seed, settings.selection_rollouts)
-    names = {"task": task_name, "training_set": training_set, "run": run_name}
     rows: list[Rollout] = []
-    for name in checkpoints:
-        played = arena.test(arena.network(name), [twin], states)
-        successes = sum(episode.success for _, episode in played)
-        print(f"evaluation: {name} opens the twin {successes}/{len(states)} times", file=sys.stderr)
-        rows += arena.rows(names, "twin", name, played)
+    with PolicyArena(policy, assets, library, settings, device) as arena:
+        checkpoints: list[str] = [settings.checkpoint]
+        if settings.checkpoint == "rollouts":
+            checkpoints = arena.trained.checkpoints
+        if not checkpoints:
+            mend = "set training `keep`, or `checkpoint: best`"
+            raise InputError(policy, "has no kept checkpoints to choose from.", mend)
+        twin = arena.plan.playing("twin", assets)
+        starts = [(twin, state) for state in initial_states("trial", seed, settings.selection_rollouts)]
+        for name in checkpoints:
+            played = arena.play(arena.network(name), starts)
+            successes = sum(episode.success for episode in played)
+            print(f"evaluation: {name} opens the twin {successes}/{len(starts)} times", file=sys.stderr)
+            acting = Acting(task_name, assets_of or task_name, training_set, run_name, arena.trained.seed, name)
+            rows += arena.rows(acting, "twin", played)
     write_rows(out, rows)

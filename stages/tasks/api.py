@@ -13,6 +13,7 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
+from stages.config.demonstrations import RandomiseOptions
 from stages.config.task import TaskConfig
 from stages.contracts import Asset, InputError, read_json
 from stages.plugins import load
@@ -52,6 +53,7 @@ def make_task(
     cache: Path | None = None,
     vary_scale: bool = True,
     room: Room | None = None,
+    randomise: RandomiseOptions | None = None,
 ) -> "TaskEnv":
     """A task on one asset. Several may live in one process.
 
@@ -65,11 +67,12 @@ def make_task(
         cache: folder for the resized asset; default: a temporary one that `close` removes.
         vary_scale: False keeps the nominal size (official code leaves the evaluated asset's size alone).
         room: a generated scene about the asset.
+        randomise: draw the asset's friction and mass with the episode, and its scale from this range.
     """
     known: Task = load("tasks", task)
     if options.sim_backend == "physx_cuda" and not torch.cuda.is_available():
         raise InputError("task.sim_backend", "is physx_cuda, but torch finds no GPU.", "set it to physx_cpu")
-    return TaskEnv(known, assets, joint, size, options, render, cache, vary_scale, room)
+    return TaskEnv(known, assets, joint, size, options, render, cache, vary_scale, room, randomise)
 
 
 class TaskEnv:
@@ -86,10 +89,11 @@ class TaskEnv:
         cache: Path | None,
         vary_scale: bool,
         room: Room | None,
+        randomise: RandomiseOptions | None = None,
     ) -> None:
         self.task, self.options = task, options
         self.turn_to(assets, joint, size)
-        self.render, self.vary_scale, self.room = render, vary_scale, room
+        self.render, self.vary_scale, self.room, self.randomise = render, vary_scale, room, randomise
         self._temporary = None if cache else tempfile.TemporaryDirectory(prefix="acdc-sized-")
         self.sized = cache or Path(self._temporary.name)  # type: ignore[union-attr]
         self.max_steps = options.max_steps or task.horizon
@@ -130,6 +134,7 @@ class TaskEnv:
                 joint=self.joint,
                 options=self.options,
                 vary_scale=self.vary_scale,
+                randomise=self.randomise,
                 room=self.room,
                 obs_mode="none",
                 reward_mode="none",

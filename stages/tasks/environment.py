@@ -13,8 +13,8 @@ from mani_skill.utils.structs import Articulation
 from mani_skill.utils.structs.types import SceneConfig, SimConfig
 from numpy.typing import NDArray
 
+from stages.config.demonstrations import RandomiseOptions
 from stages.config.task import TaskConfig
-from stages.contracts.errors import InputError
 from stages.geometry.frames import apply, inverse, rigid
 from stages.simulation.kinematics import Array
 from stages.simulation.loading import ParsedAsset, load_asset, physics_scene, soften
@@ -25,9 +25,10 @@ from stages.simulation.room import Room
 from stages.simulation.studio import Prop
 from stages.simulation.target import Target, descends, read_target
 from stages.tasks.cameras import Camera, film_camera, shoulder
-from stages.tasks.initial_state import base_pose, draw_initial_state, nominal_root, object_motion, variant_scale
+from stages.tasks.initial_state import base_pose, draw_initial_state, drawn_scale, nominal_root, object_motion
 from stages.tasks.movable import Movable
 from stages.tasks.observation import Eyes, Observation
+from stages.tasks.randomised import draw_factors, randomise
 from stages.tasks.task import Task
 
 SIMULATION_FREQUENCY = 100  # steps per second; a task may have a multiple of it
@@ -47,6 +48,7 @@ class OpenTaskEnv(BaseEnv):
         joint: name of the joint to open; None: the one that suits the task best.
         options: the `task` section, or some of its keys.
         vary_scale: draw the asset's scale with the episode; on a GPU, where a scene cannot change, when it is built.
+        randomise: draw its friction and mass likewise, and its scale from this range, not `scale_range`.
         room: a generated scene about the asset; the world is then its floor frame.
         obs_mode: 'pointcloud' (what a policy sees: `Observation`), 'state', 'none', or another of ManiSkill's.
     """
@@ -66,13 +68,17 @@ class OpenTaskEnv(BaseEnv):
         options: TaskConfig | dict[str, Any] | None = None,
         robot_uids: str = "acdc_panda",
         vary_scale: bool = True,
+        randomise: RandomiseOptions | dict[str, Any] | None = None,
         room: Room | None = None,
         obs_mode: str = "pointcloud",
         **kwargs: Any,
     ) -> None:
         self.options = TaskConfig.model_validate(options or {})
-        self.asset_folder, self.vary_scale, self.room = Path(asset_folder), vary_scale, room
-        self.joint_name = joint or self._suitable_joint()
+        self.asset_folder, self.room = Path(asset_folder), room
+        self.randomise = RandomiseOptions.model_validate(randomise) if randomise else None
+        drawn_from = self.randomise.extents if self.randomise else self.options.scale_range
+        self.scale_range = drawn_from if vary_scale else None
+        self.joint_name = joint or self.task.suitable_joint(self.asset_folder)
         self.eyes = Eyes(self.cameras(), self.options)
         kwargs = {
             "control_mode": self.options.controller,
@@ -81,12 +87,6 @@ class OpenTaskEnv(BaseEnv):
             **kwargs,
         }
         super().__init__(*args, robot_uids=robot_uids, obs_mode=obs_mode, **kwargs)
-
-    def _suitable_joint(self) -> str:
-        panel = self.task.target_joint(self.asset_folder)
-        if panel is None:
-            raise InputError(self.asset_folder, f"has no {self.task.role} with a handle.", "choose another asset")
-        return panel.joint
 
     @property
     def max_episode_steps(self) -> int:
@@ -131,16 +131,13 @@ class OpenTaskEnv(BaseEnv):
 
     def _load_scene(self, options: dict[str, Any]) -> None:
         self._parsed: dict[Path, ParsedAsset] = {}  # of this scene
-        self._load_object(np.array([self._drawn_scale(int(seed)) for seed in self._episode_seed]))
+        self._load_object(self._drawn_scales(self._episode_seed))
         if self.room:
             for scene in self.scene.sub_scenes:
                 self.room.load(scene)
 
-    def _drawn_scale(self, seed: int) -> Array:
-        """(3,) scale of the asset in episode `seed`."""
-        if not self.vary_scale:
-            return np.ones(3)
-        return variant_scale(draw_initial_state(seed, self.options).variant, self.options)
+    def _drawn_scales(self, seeds: Sequence[int]) -> Array:
+        return np.array([drawn_scale(int(seed), self.options, self.scale_range) for seed in seeds])
 
     def _load_object(self, scales: Array) -> None:
         """Put the asset into every environment at its scale, (N, 3)."""
@@ -158,8 +155,10 @@ class OpenTaskEnv(BaseEnv):
             builder.set_scene_idxs(range(self.num_envs) if alike else [index])
             bodies.append(builder.build(name="target_object" if alike else f"target_object_{index}"))
         self.object: Articulation = bodies[0] if alike else Articulation.merge(bodies, name="target_object")
-        for body in self.object._objs:
+        for body, seed in zip(self.object._objs, self._episode_seed, strict=True):
             soften(body)
+            if self.randomise:
+                randomise(body, draw_factors(int(seed), self.randomise))
         index = [joint.name for joint in bodies[0].active_joints].index(self.joint_name)
         if self.gpu_sim_enabled:  # what is on the GPU cannot be measured before the first step: measure a twin of it
             world = physics_scene()
@@ -209,8 +208,8 @@ class OpenTaskEnv(BaseEnv):
         indices = env_idx.tolist()
         seeds = [int(self._episode_seed[i]) for i in indices]
         if not self.gpu_sim_enabled:
-            scales = np.array([self._drawn_scale(seed) for seed in seeds])
-            if (scales != self.scales).any() or self._loaded != (self.asset_folder, self.joint_name):
+            scales = self._drawn_scales(seeds)
+            if self.randomise or (scales != self.scales).any() or self._loaded != (self.asset_folder, self.joint_name):
                 self._exchange_object(scales)
         bases, roots, qpos = [], [], []
         for index, seed in zip(indices, seeds, strict=True):

@@ -38,10 +38,16 @@ def draw_initial_state(seed: int, options: TaskConfig) -> InitialState:
     )
 
 
-def variant_scale(variant: int, options: TaskConfig) -> Array:
+def drawn_scale(seed: int, options: TaskConfig, scale_range: tuple[float, float] | None) -> Array:
+    """(3,) scale factors of the asset in episode `seed`; None: its nominal size."""
+    if scale_range is None:
+        return np.ones(3)
+    return variant_scale(draw_initial_state(seed, options).variant, scale_range)
+
+
+def variant_scale(variant: int, scale_range: tuple[float, float]) -> Array:
     """(3,) scale factors of a variant. They are few, so that each rescaled asset is built once and cached."""
-    low, high = options.scale_range
-    scale: Array = np.random.default_rng((variant, 31)).uniform(low, high, 3).round(3)
+    scale: Array = np.random.default_rng((variant, 31)).uniform(*scale_range, 3).round(3)
     return scale
 
 

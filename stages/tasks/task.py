@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Literal
 
 from stages.articulated.affordance import Affordance, target_joint
+from stages.contracts.errors import InputError
 
 
 @dataclass(frozen=True)
@@ -31,6 +32,17 @@ class Task:
             flaps: whether of an asset with no other door a flap will do.
         """
         return target_joint(folder, self.role, like, flaps)
+
+    def suitable_joint(self, folder: Path) -> str:
+        """The name of that joint.
+
+        Raises:
+            InputError: the asset has none.
+        """
+        panel = self.target_joint(folder)
+        if panel is None:
+            raise InputError(folder, f"has no {self.role} with a handle.", "choose another asset")
+        return panel.joint
 
 
 def register(task: Task) -> Task:

@@ -8,18 +8,20 @@ import pandas as pd
 import pytest
 import torch
 
-from benchmarks.closings import Watched, draw
+from benchmarks.closings import Watched, draw, starts
+from stages.config.evaluation import RolloutOptions
 from stages.config.task import TaskConfig
-from stages.contracts.policies import TaskAsset
+from stages.contracts.policies import TaskAssets
+from stages.evaluation.states import starts_of
 from stages.geometry.frames import rigid
 from stages.tasks.api import make_task
-from tests.unit.demo_assets import cabinet
+from tests.unit.demo_assets import an_asset, cabinet
 
 
 def test_a_hand_is_noted_where_it_first_closes_wherever_the_joint_then_is(tmp_path: Path) -> None:
     cabinet(tmp_path / "door")
     task = make_task("door", tmp_path / "door", "door_0_joint", None, TaskConfig(scale_variants=1), render=False)
-    watched = Watched(task, TaskAsset.model_construct(asset="door"), {})
+    watched = Watched(task, {})
     watched.reset(5)
     still = np.array([0, 0, 0, 0, 0, 0, 1.0])
     watched.step(still)
@@ -46,7 +48,7 @@ def test_a_hand_that_is_to_pick_something_up_is_noted_beside_it(
     cabinet(tmp_path / "drawer", layout=[["drawer", "open", "open"]])
     options = TaskConfig(scale_variants=1)
     task = make_task("put_away_bowl", tmp_path / "drawer", "drawer_0_joint", None, options, render=False)
-    watched = Watched(task, TaskAsset.model_construct(asset="drawer"), {})
+    watched = Watched(task, {})
     watched.reset(5)
     close = np.array([0, 0, 0, 0, 0, 0, -1.0])
     watched.step(close)
@@ -60,6 +62,16 @@ def test_a_hand_that_is_to_pick_something_up_is_noted_beside_it(
     assert note["sideways"] == pytest.approx(-0.05, abs=0.005) and note["step"] == 1
     assert note["wide"] == pytest.approx(item.mesh.extents[1], rel=0.05)
     task.close()
+
+
+def test_rollouts_on_unseen_assets_are_those_of_the_workflow() -> None:
+    unseen = [an_asset(name, role="validation") for name in "ab"]
+    plan = TaskAssets.model_construct(assets=[an_asset("c", role="twin")], validation_assets=unseen)
+    given = argparse.Namespace(assets=Path("assets.json"), rollouts=2, unseen=2, unseen_rollouts=2, seed=3)
+    settings = RolloutOptions(test_assets=["twin"], rollouts=2, split="validation", assets=2, asset_rollouts=2)
+    expected = starts_of(plan, given.assets, settings, (), 3)
+    assert {role: starts(plan, role, given) for role in ("twin", "validation")} == expected
+    assert [asset.asset for asset, _ in expected["validation"]] == ["a", "a", "b", "b"]
 
 
 def test_a_panel_for_every_asset_and_set(tmp_path: Path) -> None:

@@ -31,6 +31,31 @@ def test_an_asset_gives_as_many_episodes_as_the_neediest_set_asks() -> None:
     assert experiment.trained_roles("door") == ["cousin_1", "cousin_3", "cousin_4", "cousin_5", "twin"]
 
 
+def test_training_sets_without_cousins_have_stores_of_their_own() -> None:
+    experiment = ExperimentConfig(training_sets=["twin_randomised", "random_2", "random_4"], episodes=80)
+    assert experiment.roles("twin_randomised") == ["twin_randomised"]
+    assert experiment.trained_roles("door") == ["random_1", "random_2", "random_3", "random_4", "twin_randomised"]
+    assert [experiment.episodes_of("door", f"random_{number}") for number in (1, 3)] == [40, 20]
+    assert experiment.episodes_of("door", "twin_randomised") == 80
+
+
+def test_rows_that_share_assets_share_demonstrations_and_options() -> None:
+    shared = {"assets_of": "near", "training_sets": ["cousins_2", "cousins_4"], "runs": ["lite_x"], "seeds": [5]}
+    near = {"task": "door", "options": {"max_steps": 200}, "episodes": 30, "training_sets": ["twin", "cousins_4"]}
+    runs = {"lite": {}, "lite_x": {"steps": 9}}
+    config = load({"experiment": {"tasks": {"near": near, "flag": shared}}, "training": {"runs": runs}})
+    experiment = config.experiment
+    plan = experiment.plan("flag")
+    assert (plan.task, plan.target, plan.runs, plan.seeds) == ("door", experiment.tasks["near"], ["lite_x"], [5])
+    assert plan.episodes == 30 and config.task_of("flag").max_steps == 200
+    assert (experiment.source("flag"), experiment.source("near")) == ("near", "near")
+    assert experiment.sources == ["near"] and experiment.sharing("near") == ["near", "flag"]
+    # cousin_1 gives 8 to cousins_4 of both rows, 15 to cousins_2 of the other row alone
+    assert experiment.episodes_of("near", "cousin_1") == 15 and experiment.episodes_of("near", "cousin_5") == 8
+    assert experiment.trained_roles("near") == ["cousin_1", "cousin_3", "cousin_4", "cousin_5", "twin"]
+    assert experiment.trained_roles("flag") == []
+
+
 def test_a_row_of_the_experiment_may_differ_from_the_others() -> None:
     options = {"max_steps": 200, "points": 2048}
     asked = {"training_sets": ["twin", "all"], "runs": ["paper"], "seeds": [3, 4], "episodes": 30}

@@ -101,6 +101,27 @@ CASES = [
     ("experiment: {tasks: {door: {runs: []}}}", "experiment.tasks.door.runs: List should have at least 1 item"),
     ("experiment: {tasks: {door: {seeds: [1, 1]}}}", "experiment.tasks.door.seeds: '1' is named 2 times"),
     ("experiment: {tasks: {far: {task: dor}}}", "experiment.tasks.far.task: there is no 'dor'. Fix: did you mean"),
+    (
+        "experiment: {tasks: {flag: {assets_of: dor}}}",
+        "experiment.tasks.flag.assets_of: 'dor' is no row with assets of its own. Fix: one of door",
+    ),
+    (
+        "experiment: {tasks: {a: {assets_of: door}, b: {assets_of: a}}}",
+        "experiment.tasks.b.assets_of: 'a' is no row with assets of its own. Fix: one of door",
+    ),
+    *(
+        (
+            f"experiment: {{tasks: {{flag: {{assets_of: door, {key}: {value}}}}}}}",
+            f"experiment.tasks.flag.{key}: differs from that of door, whose assets the row shares. Fix: leave it out",
+        )
+        for key, value in (
+            ("task", "drawer"),
+            ("scene", "room_1"),
+            ("object", "cabinet_1"),
+            ("options", "{max_steps: 50}"),
+            ("episodes", "9"),
+        )
+    ),
     ("experiment: {tasks: {'a/b': {task: door}}}", "experiment.tasks: 'a/b' is no name"),
     (
         "experiment: {tasks: {door: {options: {camera_eyes: [0, 0, 0]}}}}",

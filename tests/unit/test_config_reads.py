@@ -41,9 +41,8 @@ LISTED = {  # keys that do not simply run the one verb of their section again
     "evaluation.own": set(),
     "training.runs.lite.own": set(),
     "evaluation.selection_rollouts": {"trial"},
-    "evaluation.test_assets": {"rollout"},
-    "evaluation.rollouts": {"rollout"},
     "evaluation.film_frames": {"rollout"},
+    "demonstrations.randomise": set(),  # of one role's demonstrations alone
     "tables": {"scenes", "policies", "figures", "report", "picture"},
 }
 ONE = {"assets": {"snapshots"}, "matching": {"match"}}  # the verb of the other keys of a section
@@ -113,6 +112,12 @@ def test_a_verb_can_read_nothing_else(stage: str, verb: str) -> None:
         if isinstance(node.args[0], ast.Name)
     }
     assert READS[stage, verb].__name__ in models
+
+
+def test_ranges_of_the_randomised_twin_run_its_demonstrations_alone_again() -> None:
+    for role, told_of_it in (("twin", False), ("twin_randomised", True)):
+        told = options_of(CONFIG, "demonstrations", "collect", {"task": "door", "role": role})
+        assert ("randomise" in told) == told_of_it, role
 
 
 def test_rules_ask_for_the_options_of_their_own_verb() -> None:

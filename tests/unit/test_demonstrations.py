@@ -9,16 +9,18 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from stages.config.demonstrations import RandomiseOptions
 from stages.config.task import TaskConfig
 from stages.contracts import Attempt, InputError, Library, TaskAssets, read_json, write_json
 from stages.contracts.episode_store import read_episodes
 from stages.contracts.films import Films
 from stages.contracts.ledgers import read_attempts
 from stages.contracts.library import LibraryEntry
-from stages.contracts.policies import TaskAsset
 from stages.demonstrations.collect import attempt_seeds, run
+from stages.simulation.loading import SURFACE_FRICTION
 from stages.tasks.api import make_task
-from tests.unit.demo_assets import FRONT, cabinet
+from stages.tasks.randomised import draw_factors
+from tests.unit.demo_assets import an_asset, cabinet
 
 TASK = {"scale_variants": 1, "points": 128, "finger_points": 16, "camera_size": 64}
 
@@ -32,18 +34,12 @@ def experiment(folder: Path, **changes: object) -> dict[str, Path]:
         for id in ("cab", "narrow")
     ]
     write_json(folder / "library.json", Library(assets=entries))
-    twin = TaskAsset(
-        role="twin",
-        asset="cab",
-        category="bottom_cabinet",
-        joint="door_0_joint",
-        size=asset.size,
-        distance=0.0,
-        **FRONT,
-    )
+    twin = an_asset("cab", 0.0, role="twin", joint="door_0_joint", size=asset.size)
     near = twin.model_copy(update={"role": "all"})
-    far = near.model_copy(update={"asset": "narrow", "size": (0.35, 0.4, 0.65), "distance": 1.0})
-    plan = TaskAssets(task="door", scene="s", object="cab_1", encoder="patches", assets=[twin], all_assets=[near, far])
+    far = near.model_copy(update={"asset": "narrow", "family": "narrow", "size": (0.35, 0.4, 0.65), "distance": 1.0})
+    chance = far.model_copy(update={"role": "random"})
+    about = {"task": "door", "scene": "s", "object": "cab_1", "encoder": "patches"}
+    plan = TaskAssets(**about, assets=[twin], all_assets=[near, far], random_assets=[chance])
     write_json(folder / "assets.json", plan)
     return {"assets": folder / "assets.json", "library": folder / "library.json"}
 
@@ -123,6 +119,61 @@ def test_the_assets_of_the_role_all_take_turns_in_one_store(tmp_path: Path) -> N
     # hinged on opposite sides, the doors are opened by turning opposite ways
     turns = [np.arctan2(*proprio[-1, [1, 0]]) - np.arctan2(*proprio[0, [1, 0]]) for _, proprio, _ in store.episodes]
     assert turns[0] * turns[1] < 0 < turns[0] * turns[2]
+
+
+def test_a_randomised_twin_is_another_one_in_every_attempt(tmp_path: Path) -> None:
+    """Stretched farther than `scale_range`; what evaluation takes over is the same as for every other store."""
+    out = tmp_path / "randomised" / "episodes.h5"
+    files, world = experiment(tmp_path), TASK | {"scale_variants": 8}
+    ranges = {"extents": [0.6, 0.7], "friction": [1.2, 1.3], "mass": [2.0, 2.0], "joint_friction": [1.0, 1.0]}
+    options = {"randomise": ranges, "noise": 0.0, "recovery": 0.0}
+    run(
+        **files,
+        role="twin_randomised",
+        episodes=2,
+        out=out,
+        options=json.dumps(options),
+        task_options=json.dumps(world),
+    )
+    store = read_episodes(out)
+    assert store.asset == "cab" and store.task_options == TaskConfig(**world)
+    with h5py.File(out) as file:
+        assert RandomiseOptions.model_validate_json(file["data"].attrs["randomise"]).extents == (0.6, 0.7)
+        seed = int(file["data/demo_0"].attrs["seed"])
+    folder, joint = tmp_path / "models" / "cab", "door_0_joint"
+    made = {"assets": folder, "joint": joint, "size": None, "options": TaskConfig(**world), "render": False}
+    drawn = make_task("door", **made, randomise=RandomiseOptions(**ranges))
+    plain = make_task("door", **made, vary_scale=False)
+    for _ in range(2):  # nothing adds up from episode to episode
+        drawn.place(seed)
+        plain.place(seed)
+        assert ((drawn.env.scales >= 0.6) & (drawn.env.scales <= 0.7)).all()
+        weighs, weighed = (sum(link.mass for link in task.env.object._objs[0].links) for task in (drawn, plain))
+        assert weighs == pytest.approx(2.0 * weighed * np.prod(drawn.env.scales[0]), rel=0.02)
+        for task, low, high in ((drawn, 1.2, 1.3), (plain, 1.0, 1.0)):
+            (friction,) = {
+                round(shape.physical_material.static_friction / SURFACE_FRICTION, 4)
+                for link in task.env.object._objs[0].links
+                for shape in link.collision_shapes
+            }
+            assert low <= friction <= high
+    for task in (drawn, plain):
+        task.close()
+
+
+def test_factors_follow_from_the_seed_and_half_is_as_likely_as_double() -> None:
+    drawn = np.log2([draw_factors(seed, RandomiseOptions(mass=(0.5, 2.0))) for seed in range(400)])
+    assert np.abs(drawn[:, 1]).max() <= 1.0 and abs(np.median(drawn[:, 1])) < 0.15 and drawn[:, 1].std() > 0.5
+    assert abs(np.corrcoef(drawn.T)[0, 1]) < 0.15
+    assert draw_factors(3, RandomiseOptions()) == draw_factors(3, RandomiseOptions())
+
+
+def test_an_asset_that_was_drawn_by_chance_has_a_store_of_its_own(tmp_path: Path) -> None:
+    out = tmp_path / "random_1" / "episodes.h5"
+    run(**experiment(tmp_path), role="random_1", episodes=1, out=out, task_options=json.dumps(TASK))
+    assert read_episodes(out).assets == ["narrow"]
+    with pytest.raises(InputError, match="has 1 assets drawn by chance, not 2"):
+        run(**experiment(tmp_path), role="random_2", episodes=1, out=out)
 
 
 def test_too_few_successes_are_one_line_and_no_file(tmp_path: Path) -> None:

@@ -6,11 +6,12 @@ from pathlib import Path
 from stages.config.task import TaskConfig
 from stages.demonstrations.collect import run as collect
 from stages.evaluation.episodes import roll_out
-from stages.evaluation.rollout import FIRST_STATE
+from stages.evaluation.states import FIRST_STATE
 from stages.policies import TrainablePolicy, make_policy
 from stages.policies.checkpoint import load_policy
 from stages.tasks.api import TaskEnv, make_task
 from stages.training.train import run as train
+from tests.unit.demo_assets import an_asset
 from tests.unit.test_demonstrations import experiment
 
 # The robot stands anywhere within 6 cm and 12 degrees: learned from 16 demonstrations in some hundred updates.
@@ -18,9 +19,10 @@ WORLD = TaskConfig(points=160, finger_points=32, camera_size=96, base_z=0.03, ba
 
 
 def opened(policy: TrainablePolicy, task: TaskEnv, states: int) -> int:
-    """How many of the first initial states of the evaluation end with an open door."""
+    """How many initial states of an evaluation end with an open door."""
     actor = policy.actor(slots=1, choose="most_likely")
-    episodes = roll_out([task], actor, [FIRST_STATE + i for i in range(states)], record=False)
+    cabinet = an_asset("cab", joint=task.joint, size=task.size)
+    episodes = roll_out([task], {"cab": task.assets}, actor, [(cabinet, FIRST_STATE + i) for i in range(states)])
     return sum(episode.success for episode in episodes)
 
 

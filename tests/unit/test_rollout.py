@@ -3,6 +3,7 @@
 import csv
 import json
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -15,18 +16,21 @@ from stages.contracts.files import read_json, read_rows, write_json
 from stages.contracts.films import Films
 from stages.contracts.kinds import KINDS
 from stages.contracts.library import Library
-from stages.contracts.policies import ChosenRuns, Rollout, TaskAsset, TaskAssets
+from stages.contracts.policies import ChosenRuns, Rollout, TaskAssets
 from stages.evaluation import arena, choose, gather, rollout
 from stages.evaluation import trial as try_out
 from stages.evaluation.episodes import RolloutEpisode, roll_out
 from stages.evaluation.film import pick, strip, take
+from stages.evaluation.states import Purpose, Start, initial_states, starts_of, taking_turns
 from stages.policies.checkpoint import save_weights
 from stages.tasks.api import Observation, StepResult
 from stages.training.train import run as train
 from tests.toy_reach import Float, ToyReach, write_store
-from tests.unit.demo_assets import FRONT
+from tests.unit.demo_assets import an_asset
 from tests.unit.tables_results import rollout as made_rollout
 from tests.unit.tables_results import write_rows
+
+UNSEEN = ("c_1", "c_2", "d", "e")  # three of the test split, one for validation
 
 
 class ToyTask:
@@ -35,8 +39,11 @@ class ToyTask:
     open_tasks = 0
 
     def __init__(self, max_steps: int = 20) -> None:
-        self.max_steps, self.seeds = max_steps, list[int]()
+        self.max_steps, self.seeds, self.folders = max_steps, list[int](), list[Path]()
         ToyTask.open_tasks += 1
+
+    def turn_to(self, folder: Path, joint: str, size: tuple[float, float, float]) -> None:
+        self.folders.append(folder)
 
     def reset(self, seed: int) -> Observation:
         self.toy, self.steps = ToyReach(seed), 0
@@ -90,44 +97,50 @@ class Expert:
 def test_every_state_once_in_order_and_stopped_at_success() -> None:
     tasks = [ToyTask() for _ in range(3)]
     expert = Expert(tasks)
-    episodes = roll_out(tasks, expert, range(100, 108), record=True)  # type: ignore[arg-type]
-    assert [episode.seed for episode in episodes] == list(range(100, 108))
+    folders = {name: Path(name) for name in "ab"}
+    starts = [(an_asset("ab"[seed % 2]), seed) for seed in range(100, 108)]
+    episodes = roll_out(tasks, folders, expert, starts, record=True)  # type: ignore[arg-type]
+    assert [(episode.asset, episode.seed) for episode in episodes] == starts
     assert [episode.success for episode in episodes] == [True, False] * 4
     assert all(episode.steps == 20 for episode in episodes if not episode.success)
     assert all(episode.steps < 20 for episode in episodes if episode.success)
     assert sorted(seed for task in tasks for seed in task.seeds) == list(range(100, 108))
+    for task in tasks:
+        assert task.folders == [Path("ab"[seed % 2]) for seed in task.seeds]  # each start with its own asset
     assert expert.batches[0] == [0, 1, 2]  # one forward pass for all
     assert all(episode.recording == list(range(episode.steps + 1)) for episode in episodes)  # the end included
 
 
 def test_film_shows_a_success_and_a_failure() -> None:
-    episodes = [RolloutEpisode(i, success=i in (2, 3), steps=9, recording=[i] if i else None) for i in range(6)]  # type: ignore[arg-type]
+    cab = an_asset("cab")
+    episodes = [RolloutEpisode(cab, i, success=i in (2, 3), steps=9, recording=[i] if i else None) for i in range(6)]  # type: ignore[arg-type]
     assert [episode.seed for episode in pick(episodes)] == [2, 1]
-    filmed = take(ToyStudio(), episodes, "twin", "cab", 4)  # type: ignore[arg-type]
+    filmed = take(ToyStudio(), episodes, "twin", 4)  # type: ignore[arg-type]
+    assert {item.film.asset for item in filmed} == {"cab"}
     assert [(item.film.seed, item.film.file) for item in filmed] == [(1, "twin_failure.webp"), (2, "twin_success.webp")]
     assert strip(filmed[0]).shape == (24 + 128, 8 * 160, 3)
-    assert [len(take(ToyStudio(), part, "twin", "cab", 4)) for part in (episodes[4:], [])] == [1, 0]  # type: ignore[arg-type]
+    assert [len(take(ToyStudio(), part, "twin", 4)) for part in (episodes[4:], [])] == [1, 0]  # type: ignore[arg-type]
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A policy that can reach, and the files of an experiment with two assets."""
+    """A policy that can reach, and the files of an experiment with two assets and four unseen ones."""
     folder = tmp_path_factory.mktemp("rollout")
     store = write_store(folder / "episodes.h5", 30)
     network = {"points": 64, "pointnet_width": 16, "rnn_hidden": 16, "mlp": [16], "flag_embedding": 8}
     options = {"network": network, "steps": 20, "log_every": 10, "keep": 2, "wandb": "disabled"}
     train(episodes=(store,), per_store=30, options=json.dumps(options), out=folder / "policy", seed=4)
     entries = [
-        {"id": name, "category": "cabinet", "folder": name, "doors": 1, "drawers": 0, "checksum": ""} for name in "ab"
+        {"id": name, "category": "cabinet", "folder": name, "doors": 1, "drawers": 0, "checksum": ""}
+        for name in ("a", "b", *UNSEEN)
     ]
     write_json(folder / "library.json", Library.model_validate({"assets": entries}))
-    roles = [
-        TaskAsset(role=role, asset=name, category="cabinet", joint="door", size=(1, 1, 1), distance=distance, **FRONT)
-        for role, name, distance in (("twin", "a", 0.0), ("cousin_2", "b", 7.25))
-    ]
+    roles = [an_asset("a", 0.0, role="twin"), an_asset("b", 7.25, role="cousin_2")]
     everything = [item.model_copy(update={"role": "all"}) for item in roles]
     about = {"task": "door", "scene": "room_1", "object": "cabinet_1", "encoder": "hog"}
-    plan = TaskAssets.model_validate(about | {"assets": roles, "all_assets": everything})
+    unseen = [an_asset(name, role="test", handle="knob", handle_length=0.03) for name in UNSEEN]
+    splits = {"test_assets": unseen[:3], "validation_assets": [unseen[3].model_copy(update={"role": "validation"})]}
+    plan = TaskAssets.model_validate(about | {"assets": roles, "all_assets": everything} | splits)
     write_json(folder / "task.json", plan)
     return folder
 
@@ -137,9 +150,10 @@ def evaluate(
     out: Path,
     trained_roles: tuple[str, ...] = ("twin",),
     trial: tuple[Path, ...] = (),
+    assets_of: str = "",
     **options: object,
 ) -> list[dict[str, str]]:
-    settings = {"test_assets": ["twin", "cousin_2"], "rollouts": 5, "envs": 2} | options
+    settings = {"test_assets": ["twin", "cousin_2"], "rollouts": 5, "envs": 2, "assets": 0} | options
     rollout.run(
         policy=folder / "policy",
         assets=folder / "task.json",
@@ -149,6 +163,7 @@ def evaluate(
         trained_roles=trained_roles,
         run_name="lite",
         trial=trial,
+        assets_of=assets_of,
         options=json.dumps(settings),
         out=out,
     )
@@ -194,15 +209,50 @@ def test_the_assets_of_the_training_take_turns(folder: Path, tmp_path: Path, rol
     assert states == sorted(set(states))
     assert {row["dino_distance"] for row in rows} == {"0.0", "7.25"}
     films = read_json(Films, tmp_path / "films" / "films.json").films
-    assert {(film.role, film.asset) for film in films} == {("trained", "a")}
+    assert {film.role for film in films} == {"trained"}
 
 
 @pytest.mark.usefixtures("toy_simulator")
-def test_of_more_assets_than_rollouts_some_are_left_out_evenly(folder: Path) -> None:
-    stage = arena.Arena(folder / "policy", folder / "task.json", folder / "library.json", RolloutOptions(envs=2), "cpu")
-    many = [stage.plan.assets[0].model_copy(update={"distance": float(number)}) for number in range(7)]
-    played = stage.test(stage.network("last"), many, [1, 2, 3])
-    assert [asset.distance for asset, _ in played] == [0.0, 2.0, 4.0] and [e.seed for _, e in played] == [1, 2, 3]
+def test_unseen_assets_are_a_test_role_of_their_own(folder: Path, tmp_path: Path) -> None:
+    rows = evaluate(folder, tmp_path / "a.csv", assets=2, asset_rollouts=3, assets_of="door")
+    unseen = [row for row in rows if row["test_asset"] == "test"]
+    assert [(row["asset"], row["family"], row["episode"]) for row in unseen] == [
+        (name, name.split("_")[0], str(number)) for number, name in enumerate(["c_1"] * 3 + ["c_2"] * 3)
+    ]
+    assert {(row["handle"], row["handle_length"], row["assets_of"]) for row in unseen} == {("knob", "0.03", "door")}
+    assert len(rows) == 2 * 5 + 6 and len({row["initial_state"] for row in rows}) == 5 + 6  # states of their own
+    films = read_json(Films, tmp_path / "films" / "films.json").films
+    assert {film.role for film in films} == {"twin", "cousin_2", "test"}
+    other = evaluate(folder, tmp_path / "b.csv", assets=2, asset_rollouts=1, split="validation")
+    assert [row["asset"] for row in other if row["test_asset"] == "validation"] == ["e"]
+    assert {row["assets_of"] for row in other} == {"my_door"}
+
+
+@pytest.mark.usefixtures("toy_simulator")
+def test_too_short_a_split_is_said(folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    rows = evaluate(folder, tmp_path / "a.csv", assets=9, asset_rollouts=1)
+    assert "evaluation: the test split has 3 assets of 9: all are used\n" in capsys.readouterr().err
+    assert sum(row["test_asset"] == "test" for row in rows) == 3
+    plan = read_json(TaskAssets, folder / "task.json").model_copy(update={"test_assets": []})
+    assert set(starts_of(plan, folder, RolloutOptions(test_assets=["twin"]), (), 0)) == {"twin"}
+    assert "the test split has 0 assets of 24: only roles are tested" in capsys.readouterr().err
+
+
+def test_of_more_assets_than_states_some_are_left_out_evenly() -> None:
+    many = [an_asset("a", float(number)) for number in range(7)]
+    turns = taking_turns(many, [1, 2, 3])
+    assert [(asset.distance, state) for asset, state in turns] == [(0.0, 1), (2.0, 2), (4.0, 3)]
+    assert [asset.distance for asset, _ in taking_turns(many[:2], [1, 2, 3])] == [0.0, 1.0, 0.0]
+
+
+@pytest.mark.parametrize("seed", [0, 7, 214_749, 20_261_122, 2**40])
+def test_no_two_purposes_seeds_or_places_share_a_state(seed: int) -> None:
+    kinds = [initial_states(purpose, seed, 100) for purpose in get_args(Purpose)]
+    others = [initial_states("roles", seed + 1, 100), initial_states("test", seed, 100, place=1)]
+    states = [state for each in (*kinds, *others) for state in each]
+    assert len(set(states)) == len(states) == 600
+    assert min(states) >= 2**31 and max(states) < 2**32  # demonstrations stay below
+    assert initial_states("test", seed, 3) == initial_states("test", seed, 100)[:3]
 
 
 @pytest.mark.usefixtures("toy_simulator")
@@ -210,13 +260,13 @@ def test_the_twin_is_tested_once_for_a_policy_that_was_trained_on_it(
     folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     tested: list[str] = []
-    original = arena.Arena.test
+    original = arena.PolicyArena.play
 
-    def note(self: arena.Arena, network: object, assets: list[TaskAsset], *rest: object) -> object:
-        tested.append(assets[0].role)
-        return original(self, network, assets, *rest)  # type: ignore[arg-type]
+    def note(self: arena.PolicyArena, network: object, starts: list[Start], record: bool) -> object:
+        tested.append(starts[0][0].role)
+        return original(self, network, starts, record)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(arena.Arena, "test", note)
+    monkeypatch.setattr(arena.PolicyArena, "play", note)
     rows = evaluate(folder, tmp_path / "rollouts.csv", test_assets=["twin", "cousin_2", "trained"])
     assert tested == ["twin", "cousin_2"] and len(rows) == 15
     outcome = [[(row["initial_state"], row["steps"]) for row in rows if row["test_asset"] == role]
@@ -294,6 +344,8 @@ def test_bad_input_is_one_line(folder: Path, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="has no assets for the training set `all`"):
         plan = read_json(TaskAssets, folder / "task.json").model_copy(update={"all_assets": []})
         plan.behind("all", tmp_path)
+    with pytest.raises(InputError, match="has 0 assets drawn by chance, not 2"):
+        plan.behind("random_2", tmp_path)
     with pytest.raises(InputError, match=r"has no role 'cousin_9' \(it has twin, cousin_2\)"):
         evaluate(folder, tmp_path / "rollouts.csv", test_assets=["cousin_9"])
     (tmp_path / "policy").mkdir()

@@ -27,7 +27,7 @@ def test_an_episode_follows_from_its_seed() -> None:
 
 
 def test_scales_stay_in_their_range_and_differ() -> None:
-    scales = np.array([variant_scale(variant, TaskConfig(scale_range=(0.8, 0.9))) for variant in range(8)])
+    scales = np.array([variant_scale(variant, (0.8, 0.9)) for variant in range(8)])
     assert scales.min() >= 0.8 and scales.max() <= 0.9
     assert len(np.unique(scales[:, 0])) > 1
 

@@ -28,9 +28,10 @@ def rows() -> list[Rollout]:
     """A few plausible rows."""
     return [
         Rollout(
-            task="door", cloud="object", training_set="twin", run="lite", seed=0, checkpoint="last",
-            test_asset="twin", asset="a1", dino_distance=0.0, episode=k, initial_state=k, success=k % 3 > 0,
-            official_success=True, steps=50, opened=0.4,
+            task="door", assets_of="door", cloud="object", training_set="twin", run="lite", seed=0,
+            checkpoint="last", test_asset="twin", asset="a1", family="a1", handle="bar", handle_length=0.2,
+            dino_distance=0.0, episode=k, initial_state=k, success=k % 3 > 0, official_success=True, steps=50,
+            opened=0.4,
         )
         for k in range(8)
     ]  # fmt: skip
@@ -55,6 +56,10 @@ def main() -> int:
         experiment = "{rooms: [room_3], variants: {b: {}}, training_sets: [twin], runs: [lite], seeds: [0]}"
         (work / "one.yaml").write_text(f"experiment: {experiment}\n")
         write(work / "results/evaluation/policies/door/twin/rollouts.csv", rollouts)
+        of_skill = {"training_set": "skill", "run": "scripted", "checkpoint": "none"}
+        write(
+            work / "results/evaluation/skill/door/rollouts.csv", [row.model_copy(update=of_skill) for row in rollouts]
+        )
         base = [*SNAKEMAKE, "--configfile", "config.yaml", "one.yaml", "--", "table3"]
         produced = {}
         for place, extra in (

@@ -57,6 +57,34 @@ def test_a_task_may_have_rows_with_training_sets_and_options_of_their_own(folder
     assert re.search(r"--task door .*--out results/experiment/b/far/assets.json", done.stdout)
     rolled = re.findall(r"--task-name far --training-set (\w+) --trained-roles (.*?) --run-name", done.stdout)
     assert set(rolled) == {("cousins_2", "cousin_1 cousin_3"), ("all", "all")}
+    assert jobs["skill"] == 3 and re.search(r'evaluation skill .*--task-name far .*"base_xy":0.01', done.stdout)
+
+
+def test_a_row_may_share_the_assets_and_demonstrations_of_another(folder: Path) -> None:
+    rows = """
+    flag: {assets_of: door, training_sets: [cousins_2, random_2, twin_randomised], seeds: [5]}
+    """
+    (folder / "shared.yaml").write_text(
+        f"experiment:\n  training_sets: [twin]\n  seeds: [0]\n  episodes: 8\n  tasks:{rows}"
+    )
+    done = dry_run(folder, "all", "-p", "--configfile", "shared.yaml")
+    jobs = planned(done.stdout)
+    assert done.returncode == 0, done.stdout
+    assert jobs["select"] == jobs["skill"] == jobs["draw_roles"] == jobs["demonstrate_in_scene"] == 1
+    assert jobs["demonstrate"] == 1 + 2 + 2 + 1 and jobs["train"] == jobs["rollout"] == 1 + 3
+    trained = re.search(
+        r"training train --episodes (.*?) --per-store 4 .*--out results/training/flag/random_2", done.stdout
+    )
+    assert trained and trained[1].split() == [
+        f"results/demonstrations/door/random_{number}/episodes.h5" for number in (1, 2)
+    ]
+    rolled = re.findall(r"--assets (\S+) .*--task-name flag --training-set (\w+) .*--assets-of door ", done.stdout)
+    assert set(rolled) == {
+        ("results/experiment/b/door/assets.json", name) for name in ("cousins_2", "random_2", "twin_randomised")
+    }
+    assert "results/experiment/b/flag" not in done.stdout and "results/demonstrations/flag" not in done.stdout
+    exported = planned(dry_run(folder, "exports", "--configfile", "shared.yaml").stdout)
+    assert exported["export_demonstrations"] == 3 * 4 and exported["export_policy"] == 4
 
 
 def test_the_study_is_the_protocol_of_the_paper(folder: Path) -> None:

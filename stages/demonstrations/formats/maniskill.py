@@ -29,11 +29,15 @@ class Trajectory(NamedTuple):
 
 
 class Subject(NamedTuple):
-    """What a file of trajectories is about: an asset, the joint that is opened, and the asset's nominal size."""
+    """What a file of trajectories is about: an asset, the joint that is opened, and the asset's nominal size.
+
+    `randomise`: JSON of the ranges that the asset was drawn from, if it was randomised.
+    """
 
     asset: str
     joint: str
     size: tuple[float, float, float]
+    randomise: str
 
 
 def write(stores: Sequence[Path], out: Path, library: Path | None) -> None:
@@ -59,12 +63,12 @@ def trajectories(path: Path, count: int) -> list[tuple[Subject, Trajectory]]:
     found = []
     with h5py.File(path, "r") as file:
         for index in range(count):
-            demo = file[f"data/demo_{index}"]
+            demo, randomise = file[f"data/demo_{index}"], str(file["data"].attrs.get("randomise", ""))
             missing = {"seed", "asset", "joint", "size"} - set(demo.attrs) | {"executed"} - set(demo)
             if missing:
                 raise InputError(path, f"demo_{index}: has no {', '.join(sorted(missing))}.", AGAIN)
             x, y, z = (float(extent) for extent in demo.attrs["size"])
-            subject = Subject(str(demo.attrs["asset"]), str(demo.attrs["joint"]), (x, y, z))
+            subject = Subject(str(demo.attrs["asset"]), str(demo.attrs["joint"]), (x, y, z), randomise)
             executed = np.asarray(demo["executed"][()], np.float32)
             found.append((subject, Trajectory(int(demo.attrs["seed"]), executed)))
     return found
@@ -76,6 +80,7 @@ def record(out: Path, folder: Path, subject: Subject, store: EpisodeStore, episo
         "asset_folder": str(folder),
         "joint": subject.joint,
         "options": store.task_options.model_dump(mode="json"),
+        "randomise": json.loads(subject.randomise) if subject.randomise else None,
         "obs_mode": "state",
         "render_backend": "none",
     }

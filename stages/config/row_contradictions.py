@@ -1,0 +1,135 @@
+"""What is wrong with the rows of the policy experiment: their objects, training sets, test assets and policies."""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from stages.config import places
+from stages.config.experiment import TaskPlan, TaskTarget
+from stages.config.mistakes import Mistake
+from stages.contracts.errors import InputError
+from stages.plugins import find
+
+if TYPE_CHECKING:
+    from stages.config.model import Config
+
+UNSAID = TaskTarget()
+
+
+def tasks(config: "Config") -> Iterator[Mistake]:
+    """Tasks about objects that their scenes have and that can be opened."""
+    experiment = config.experiment
+    try:
+        files = config.room_files()
+    except InputError:
+        files = {}  # said above
+    if experiment.tasks and experiment.policy_variant not in experiment.variants:
+        mend = f"one of {', '.join(experiment.variants)}"
+        what = f"'{experiment.policy_variant}' is not one of experiment.variants"
+        yield Mistake("experiment.policy_variant", what, mend)
+    for name, target in experiment.tasks.items():
+        if target.assets_of:
+            continue
+        key, task = f"experiment.tasks.{name}", experiment.plan(name).task
+        try:
+            find("tasks", task, config.plugins)
+        except InputError as error:
+            yield Mistake(f"{key}.task" if target.task else key, error.what.rstrip("."), error.fix)
+        if target.scene not in experiment.rooms:
+            mend = "add it there, or remove the task: `" + name + ": null`"
+            yield Mistake(f"{key}.scene", f"'{target.scene}' is not one of experiment.rooms", mend)
+        objects = places.objects(target.scene, experiment.inputs, files)
+        if not objects:
+            continue  # not known before the scene is read
+        able = [item for item, panels in objects.items() if panels.get(task, True)]
+        if target.object not in objects:
+            what = f"{target.scene} has no '{target.object}'"
+        elif target.object not in able:
+            what = f"'{target.object}' of {target.scene} has no {task}"
+        else:
+            continue
+        yield Mistake(f"{key}.object", what, f"one of {', '.join(able)}")
+
+
+def shared_rows(config: "Config") -> Iterator[Mistake]:
+    """Rows that share another row's assets say nothing else of them."""
+    rows = config.experiment.tasks
+    for name, row in rows.items():
+        if row.assets_of is None:
+            continue
+        others = [other for other, its in rows.items() if its.assets_of is None]
+        if row.assets_of not in others:
+            what = f"'{row.assets_of}' is no row with assets of its own"
+            yield Mistake(f"experiment.tasks.{name}.assets_of", what, f"one of {', '.join(others) or 'none'}")
+            continue
+        for key in ("task", "scene", "object", "options", "assets", "episodes"):
+            if getattr(row, key) not in (getattr(UNSAID, key), getattr(rows[row.assets_of], key)):
+                what = f"differs from that of {row.assets_of}, whose assets the row shares"
+                yield Mistake(f"experiment.tasks.{name}.{key}", what, "leave it out, or leave out assets_of")
+
+
+def training_sets(config: "Config") -> Iterator[Mistake]:
+    """Training sets that have cousins enough."""
+    experiment = config.experiment
+    for rank in experiment.held_out:
+        if rank > experiment.cousins:
+            what = f"there is no cousin {rank} of experiment.cousins = {experiment.cousins}"
+            yield Mistake("experiment.held_out", what, "leave it out or raise experiment.cousins")
+    left = experiment.training_ranks
+    asked = {"experiment.training_sets": experiment.training_sets}
+    asked |= {
+        f"experiment.tasks.{name}.training_sets": row.training_sets or [] for name, row in experiment.tasks.items()
+    }
+    for key, names in asked.items():
+        for name in names:
+            needed = experiment.size_of(name)
+            if needed > len(left):
+                what = f"{name} needs {needed} cousins, experiment.cousins = {experiment.cousins} leaves {len(left)}"
+                yield Mistake(key, what, "raise experiment.cousins or hold fewer out")
+
+
+def test_assets(config: "Config") -> Iterator[Mistake]:
+    """Roles that the experiment gives."""
+    experiment = config.experiment
+    roles = ["twin", *(f"cousin_{rank}" for rank in range(1, experiment.cousins + 1)), "dissimilar", "trained"]
+    for role in config.evaluation.test_assets:
+        if role not in roles:
+            what = f"there is no '{role}' among experiment.cousins = {experiment.cousins}"
+            yield Mistake("evaluation.test_assets", what, f"twin, cousin_1 ... {roles[-3]}, dissimilar, trained")
+    if config.evaluation.checkpoint == "rollouts":
+        for run in dict.fromkeys(run for plan in _plans(config) for run in plan.runs):
+            if run in config.training.runs and not config.training.runs[run].keep:
+                what = f"is rollouts, but training.runs.{run}.keep = 0 leaves no checkpoints"
+                yield Mistake("evaluation.checkpoint", what, f"set training.runs.{run}.keep, or use best or last")
+
+
+def _plans(config: "Config") -> list[TaskPlan]:
+    """What is asked of the tasks for which policies are trained."""
+    plans = map(config.experiment.plan, config.experiment.tasks)
+    return [plan for plan in plans if plan.training_sets]
+
+
+def policies(config: "Config") -> Iterator[Mistake]:
+    """Hyper-parameter sets that there are, networks that see no more points than there are, checkpoints in reach."""
+    experiment, known = config.experiment, config.training.runs
+    asked = {"experiment.runs": experiment.runs}
+    asked |= {f"experiment.tasks.{name}.runs": row.runs or [] for name, row in experiment.tasks.items()}
+    for key, runs in asked.items():
+        for run in runs:
+            if run not in known:
+                yield Mistake(key, f"'{run}' is not one of training.runs", f"one of {', '.join(known)}")
+    for run in dict.fromkeys(run for runs in asked.values() for run in runs if run in known):
+        options = known[run]
+        points = {
+            config.task_of(name).points: f"experiment.tasks.{experiment.source(name)}.options"
+            if "points" in experiment.plan(name).target.options
+            else "task"
+            for name in experiment.tasks
+            if run in experiment.plan(name).runs
+        }
+        if points and options.network.points > min(points):
+            what = f"{options.network.points} of {points[min(points)]}.points = {min(points)}"
+            yield Mistake(f"training.runs.{run}.network.points", what, "lower it or raise task.points")
+        if options.keep > options.steps:
+            yield Mistake(
+                f"training.runs.{run}.keep", f"{options.keep} checkpoints of {options.steps} steps", "lower it"
+            )

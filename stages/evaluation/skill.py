@@ -1,0 +1,78 @@
+"""Verb `skill`: the scripted skill on what policies are rolled out on, as a reference: can it be done at all?"""
+
+import sys
+from pathlib import Path
+
+from stages.config.demonstrations import DemonstrationsConfig
+from stages.config.evaluation import SkillOptions
+from stages.config.task import TaskConfig
+from stages.contracts.files import read_options
+from stages.contracts.policies import Rollout
+from stages.evaluation.arena import Acting, Arena
+from stages.evaluation.episodes import RolloutEpisode
+from stages.evaluation.rows import write_rows
+from stages.evaluation.states import Start, starts_of
+from stages.skills import FAR, Float
+from stages.skills.chain import SkillChain
+
+
+def run(
+    *,
+    assets: Path,
+    library: Path,
+    task_name: str,
+    out: Path,
+    options: str = "",
+    skill_options: str = "",
+    task_options: str = "",
+    seed: int = 0,
+) -> None:
+    """Do a task by its skills from the states of `evaluation rollout`, without noise and disturbances.
+
+    It knows the true model; of the test roles `trained` is left out.
+
+    Args:
+        assets: the experiment's assets (contract TaskAssets).
+        library: library.json that they come from.
+        task_name: name of the task's row in the experiment, for the rows.
+        out: rollouts.csv; training_set is `skill`, run `scripted`, checkpoint `none`.
+        options: the `evaluation` section as JSON, or a JSON file.
+        skill_options: the `demonstrations` section, likewise.
+        task_options: the `task` section, likewise.
+        seed: of the initial states.
+    """
+    settings, world = read_options(SkillOptions, options), read_options(TaskConfig, task_options)
+    rows: list[Rollout] = []
+    with Arena(assets, library, world, settings.vary_scale, render=False) as arena:
+        skill = ScriptedSkill(arena, read_options(DemonstrationsConfig, skill_options))
+        for role, starts in starts_of(arena.plan, assets, settings, (), seed).items():
+            episodes = [skill.episode(start) for start in starts]
+            print(f"evaluation: {role} {sum(episode.success for episode in episodes)}/{len(starts)}", file=sys.stderr)
+            acting = Acting(task_name, task_name, "skill", "scripted", 0, "none")
+            rows += arena.rows(acting, role, episodes)
+    write_rows(out, rows)
+
+
+class ScriptedSkill:
+    """The skills of a task in one environment of an arena."""
+
+    def __init__(self, arena: Arena, options: DemonstrationsConfig) -> None:
+        self.arena = arena
+        (self.task,) = arena.tasks(1, arena.plan.assets[0])
+        self.chain = SkillChain(self.task, options)
+
+    def episode(self, start: Start) -> RolloutEpisode:
+        """One attempt; as for policies, it is over at the first success."""
+        (asset, seed), task = start, self.task
+        episode = RolloutEpisode(asset, seed)
+        task.turn_to(self.arena.folder(asset), asset.joint, asset.size)
+        task.place(seed)
+
+        def act(action: Float, noisy: bool, ahead: float = FAR) -> None:
+            task.act(action)
+            if not episode.success:
+                episode.success, episode.official_success = task.success, task.official_success
+                episode.steps, episode.opened = task.steps, task.opened
+
+        self.chain.run(act)
+        return episode

@@ -1,0 +1,75 @@
+"""Who is rolled out on what, and from where: pairs of an asset and the seed of an initial state."""
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Literal, get_args
+
+import numpy as np
+
+from stages.config.evaluation import SkillOptions
+from stages.contracts.policies import TaskAsset, TaskAssets
+
+Purpose = Literal["roles", "test", "validation", "trial"]
+Start = tuple[TaskAsset, int]
+FIRST_STATE = 2**31  # demonstrations use seeds below: no policy is tested on a state that it was shown
+TRAINED = "trained"  # test role of the assets that a policy was trained on
+
+
+def initial_states(purpose: Purpose, seed: int, count: int, place: int = 0) -> list[int]:
+    """Seeds of initial states in [2^31, 2^32), the same for every policy.
+
+    Args:
+        purpose: what they are for; each has a quarter of the range, so no two share a state.
+        seed: of the run of the workflow.
+        count: how many; fewer are the first of more.
+        place: of the asset in its split, for states of its own.
+    """
+    quarter = get_args(Purpose).index(purpose)
+    offset = int(np.random.SeedSequence((quarter, seed, place)).generate_state(1)[0]) % 2**28
+    return [FIRST_STATE + quarter * 2**29 + offset + i for i in range(count)]
+
+
+def starts_of(
+    plan: TaskAssets, where: Path, settings: SkillOptions, trained: Sequence[str], seed: int
+) -> dict[str, list[Start]]:
+    """The episodes of every test role, and of the split under its name.
+
+    Args:
+        plan: the experiment's assets, read from the file `where`.
+        trained: roles that the policy was trained on; none: nothing is rolled out for the role `trained`.
+
+    Raises:
+        InputError: `where` has no asset of a role.
+    """
+    states = initial_states("roles", seed, settings.rollouts)
+    starts: dict[str, list[Start]] = {}
+    for role in settings.test_assets:
+        if role != TRAINED:
+            starts[role] = [(plan.playing(role, where), state) for state in states]
+        elif trained:
+            starts[role] = taking_turns([asset for name in trained for asset in plan.behind(name, where)], states)
+    unseen = unseen_starts(plan, settings, seed)
+    return starts | {settings.split: unseen} if unseen else starts
+
+
+def unseen_starts(plan: TaskAssets, settings: SkillOptions, seed: int) -> list[Start]:
+    """The episodes on the first assets of the split; if there are fewer than asked, a line on stderr says so."""
+    found = plan.split(settings.split, settings.assets)
+    if len(found) < settings.assets:
+        rest = "all are used" if found else "only roles are tested"
+        print(
+            f"evaluation: the {settings.split} split has {len(found)} assets of {settings.assets}: {rest}",
+            file=sys.stderr,
+        )
+    return [
+        (asset, state)
+        for place, asset in enumerate(found)
+        for state in initial_states(settings.split, seed, settings.asset_rollouts, place)
+    ]
+
+
+def taking_turns(assets: Sequence[TaskAsset], states: Sequence[int]) -> list[Start]:
+    """The states shared evenly by the assets; of more assets than states some are left out, evenly over the list."""
+    turns = min(len(assets), len(states))
+    return [(assets[number % turns * len(assets) // turns], state) for number, state in enumerate(states)]
