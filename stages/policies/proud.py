@@ -76,13 +76,22 @@ def _before(xy: Tensor, planes: Tensor) -> Tensor:
     return (xy * planes[:, None, :2]).sum(-1) - planes[:, None, 2]
 
 
-def to_handle(clouds: Tensor, proprio: Tensor) -> Tensor:
-    """From the hand to the middle of the marked points' box, in tenths of metres, and 1; zeros where none is marked.
-
-    Clouds (..., P, 4) and proprioception (..., 9) in the robot base frame; (..., 4).
-    """
+def middles(clouds: Tensor) -> Tensor:
+    """Middle (x, y, z) of the box of the marked points, and how many they are; clouds (..., P, 4) give (..., 4)."""
     xyz, marked = clouds[..., :3], clouds[..., 3:] == -1
     low, high = (torch.where(marked, xyz, sign * torch.inf) for sign in (1, -1))
-    seen = marked.any(-2)
-    way = ((low.amin(-2) + high.amax(-2)) / 2 - proprio[..., :3]) / REACH
-    return torch.cat([torch.where(seen, way, 0.0), seen.to(way.dtype)], dim=-1)
+    middle = torch.where(marked.any(-2), (low.amin(-2) + high.amax(-2)) / 2, 0.0)
+    return torch.cat([middle, marked.sum(-2).to(xyz.dtype)], dim=-1)
+
+
+def to_handle(seen: Tensor, hand: Tensor) -> Tensor:
+    """From the hand (..., T, 3) to the handle at every step, in tenths of metres, and 1; zeros where none was seen yet.
+
+    `seen` (..., T, 4) as of `middles`. The fingers hide a small handle when they come near: at each step the handle is
+    where it was when, up to now, most of it was seen.
+    """
+    steps = torch.arange(seen.shape[-2], device=seen.device)
+    best = (seen[..., 3] * len(steps) + steps).cummax(-1).indices  # of equals the latest
+    then = seen.gather(-2, best[..., None].expand_as(seen))
+    known = (then[..., 3:] > 0).to(seen.dtype)
+    return torch.cat([(then[..., :3] - hand) / REACH * known, known], dim=-1)

@@ -9,7 +9,7 @@ from stages.config.task import TaskConfig
 from stages.config.training import HandleConfig, NetworkConfig, TrainingRun
 from stages.contracts.trained import TrainingStore
 from stages.policies import closed_loop, make_policy
-from stages.policies.proud import mark_proud, to_handle
+from stages.policies.proud import mark_proud, middles, to_handle
 from stages.training.dataset import Batch, DemonstrationSet, gather, held
 from stages.training.handles import hide_handles, mark_episodes, move_fronts, still, vary_handles, widen_grips
 
@@ -194,12 +194,15 @@ def test_an_actor_sees_marked_clouds_and_a_policy_of_the_paper_does_not() -> Non
 
 
 def test_the_way_to_the_handle_is_told_where_one_is_seen() -> None:
-    marked, _ = mark_proud(cabinet().repeat(2, 1, 1))
-    marked[1, ..., 3] = marked[1, ..., 3].clamp_min(0)
-    proprio = torch.zeros((2, 9))
-    proprio[:, :3] = torch.tensor([0.5, 0.1, 0.4])
-    way = to_handle(marked, proprio)
-    assert way[0].tolist() == pytest.approx([1.6, 0.4, 0.6, 1.0], abs=1e-4) and way[1].tolist() == [0, 0, 0, 0]
+    marked, _ = mark_proud(cabinet().repeat(4, 1, 1))
+    marked[0, ..., 3] = marked[0, ..., 3].clamp_min(0)  # nothing is seen yet
+    marked[2, 341:352, 3] = 0  # one point is left of it,
+    marked[3, ..., 3] = marked[3, ..., 3].clamp_min(0)  # then none: it is where most of it was seen
+    hand = torch.tensor([[0.5, 0.1, 0.4]] * 3 + [[0.6, 0.1, 0.4]])
+    way = to_handle(middles(marked), hand)
+    assert way[0].tolist() == [0, 0, 0, 0]
+    assert way[1].tolist() == way[2].tolist() == pytest.approx([1.6, 0.4, 0.6, 1.0], abs=1e-4)
+    assert way[3].tolist() == pytest.approx([0.6, 0.4, 0.6, 1.0], abs=1e-4)
 
 
 def test_a_policy_without_eyes_acts_by_proprioception_alone() -> None:

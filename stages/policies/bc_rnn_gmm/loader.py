@@ -33,9 +33,12 @@ class PortablePolicy:
         for i in range(self.about["point_layers"]):
             x = linear(gelu(x) if i else x, self.weights[f"point.{i}.weight"], self.weights[f"point.{i}.bias"])
         own = (proprio - self.weights["proprio_mean"]) / self.weights["proprio_std"]
-        way = [self.proud.to_handle(some, proprio)] if self.about["middle"] else []
-        self.past = [*self.past, torch.cat([relu(x.amax(0)), *way, own])][-self.about["horizon"] :]
-        x = self.lstm(torch.stack(self.past))[0][-1]
+        seen = [proprio[:3], self.proud.middles(some)] if self.about["middle"] else []
+        self.past = [*self.past, torch.cat([relu(x.amax(0)), own, *seen])][-self.about["horizon"] :]
+        x = torch.stack(self.past)
+        if self.about["middle"]:
+            x = torch.cat([x[:, :-7], self.proud.to_handle(x[:, -4:], x[:, -7:-4])], dim=1)
+        x = self.lstm(x)[0][-1]
         for i in range(self.about["head_layers"]):
             x = linear(relu(x) if i else x, self.weights[f"head.{i}.weight"], self.weights[f"head.{i}.bias"])
         return x[(n := self.about["modes"]) :].view(-1, 7)[torch.multinomial(x[:n].softmax(0), 1)[0]].tanh()  # a mode

@@ -11,7 +11,7 @@ from stages.policies import Choice, TrainablePolicy
 from stages.policies.bc_rnn_gmm.actor import Actor
 from stages.policies.bc_rnn_gmm.mixture import Mixture
 from stages.policies.bc_rnn_gmm.pointnet import PointNet
-from stages.policies.proud import to_handle
+from stages.policies.proud import middles, to_handle
 
 ACTION = 7  # delta position 3, delta axis-angle 3, gripper
 PROPRIO = 9  # end-effector position 3, quaternion 4, finger joints 2
@@ -61,16 +61,22 @@ class BcRnnGmm(TrainablePolicy):
         return torch.cat([xyz, clouds[..., 3:] == 1, clouds[..., 3:] == -1], dim=-1)
 
     def encode(self, clouds: Tensor, proprio: Tensor) -> Tensor:
-        """What the LSTM reads, (..., width (+ 4) + 9), of clouds (..., P, 4) and proprioception (..., 9)."""
+        """What is seen, (..., width) or nothing, and felt, of clouds (..., P, 4) and proprioception (..., 9): (..., F).
+
+        With `handle.middle` the middle of the handle (`policies.proud.middles`) stands last.
+        """
         own = (proprio - self.proprio_mean) / self.proprio_std
         if not self.network.cloud:
             return own
         features = self.pointnet(self.normalised(clouds, proprio).flatten(0, -3)).unflatten(0, clouds.shape[:-2])
-        seen = [to_handle(clouds, proprio)] if self.run.handle.middle else []
-        return torch.cat([features, *seen, own], dim=-1)
+        seen = [proprio[..., :3], middles(clouds)] if self.run.handle.middle else []
+        return torch.cat([features, own, *seen], dim=-1)
 
     def decode(self, encoded: Tensor, state: State | None = None) -> tuple[Mixture, State]:
         """Mixtures (B, T, ...) of encoded observations (B, T, F), and the LSTM's state behind the last one."""
+        if self.run.handle.middle:
+            encoded, hand, seen = encoded.split([encoded.shape[-1] - 7, 3, 4], dim=-1)
+            encoded = torch.cat([encoded, to_handle(seen, hand)], dim=-1)
         memory, state = self.lstm(encoded, state)
         out = self.head(self.mlp(memory))
         modes = self.network.gmm_modes
