@@ -24,8 +24,8 @@ class Axis(NamedTuple):
 
 
 AXES = (
-    Axis("dino_distance", "distance of the unseen asset from the twin"),
-    Axis("handle_length", "length of its handle (cm)", 100.0),
+    Axis("dino_distance", "distance from the twin"),
+    Axis("handle_length", "length of the handle (cm)", 100.0),
 )
 
 

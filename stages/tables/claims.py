@@ -162,12 +162,12 @@ def answer(rollouts: pd.DataFrame, published: pd.DataFrame, options: TablesConfi
     for task in sorted(rollouts["task"].unique(), key=task_key):
         mine = rollouts[rollouts["task"] == task]
         sets = set(mine["training_set"])
-        most = most_cousins(sets)
+        if (most := most_cousins(sets)) is None:
+            continue
+        pairs = {name: _sides(mine, most, name) for name in {claim.baseline for claim in CLAIMS.values()} & sets}
         for name, claim in CLAIMS.items():
-            if most is None or claim.baseline not in sets:
-                continue
-            ours, theirs = _sides(mine, most, claim.baseline)
             main = claim.plus or UNSEEN
+            ours, theirs = pairs.get(claim.baseline, ({}, {}))
             if not {main, claim.minus or main} <= set(ours):
                 continue
             row = {"task": task, "claim": name, "training_set": most, "baseline": claim.baseline}

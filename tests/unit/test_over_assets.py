@@ -97,7 +97,7 @@ def test_figure_4_has_a_point_per_asset_and_thirds_of_the_assets(rows: pd.DataFr
     figure = figure4(table3.cells(rows, OPTIONS), published_policies(PUBLISHED), (points, thirds))
     panels = figure.axes
     assert [panel.get_xlabel() for panel in panels[:4:2]] == [
-        "distance of the unseen asset from the twin, 24 assets", "length of its handle (cm), 24 assets",
+        "distance from the twin, 24 assets", "length of the handle (cm), 24 assets",
     ]  # fmt: skip
     assert len(panels) == 8 and panels[1].get_title(loc="left") == "Door opening, handle flagged"
 

@@ -142,8 +142,8 @@ def test_first_screen_shows_unseen_assets_and_the_roles_stand_below(made: Path, 
     for words in (
         "success over 24 unseen assets", "paper's network", "handle flagged", "scripted skill", "48/96", "80/96",
         "This run does not tell the paper's policies trained on 4 cousins apart from those trained on the twin",
-        "Policies that see the handle trained on the twin succeed more often than the paper's policies trained on it "
-        "(83 % against 50 %, 24 assets; +33 points [",
+        "Policies that see the handle trained on the twin succeed more often than the paper's policies trained on the "
+        "same (83 % against 50 %, 24 assets; +33 points [",
     ):  # fmt: skip
         assert words in first, words
     assert "success of the policies by test asset" not in first and "On the roles of Table 3" in below

@@ -56,7 +56,9 @@ def _verdicts(table: pd.DataFrame, group: str) -> list[str]:
         if name == most and pd.notna(row["twin_difference"]):
             texts.append(_compared(row, rows[task, BASELINE], "twin", (ours, "those trained on the twin")))
         if name in (BASELINE, most) and pd.notna(row["network_difference"]):
-            texts.append(_compared(row, rows[group, name], "network", (ours, "the paper's policies trained on it")))
+            texts.append(
+                _compared(row, rows[group, name], "network", (ours, "the paper's policies trained on the same"))
+            )
     return texts
 
 
