@@ -7,10 +7,10 @@ from stages.contracts import LeftOut, Library, Truth, read_json, write_json
 
 
 def run(*, truth: Path, library: Path, out: Path) -> None:
-    """Name every model of the families of the room's true models: no other model of the room's families stays.
+    """Name every model of the true models' families: founders with their variations.
 
-    A family is a founder with its variations: a relative left in the library would be nearly the model itself. This is
-    all that matching learns of the truth.
+    A relative that stayed in the library would be nearly the model itself. This is all that matching learns of the
+    truth.
 
     Args:
         truth: truth.json of the room.
