@@ -68,13 +68,16 @@ def choose_cousins(
 def _of_known_handles(pool: list[TaskAsset], count: int, held_out: Collection[int]) -> list[TaskAsset]:
     """Cousins without relatives among them. A held-out one with a kind of handle that none of the nearest in training
     has is left out, as long as there are enough: its failures would say nothing of generalisation."""
-    chosen = _in_order(pool, count, held_out)
-    kinds = {asset.handle for asset in [a for n, a in enumerate(chosen, 1) if n not in held_out][:TAUGHT]}
-    strange = [asset for n, asset in enumerate(chosen, 1) if n in held_out and asset.handle not in kinds]
-    if not strange or len(chosen) < count:
-        return chosen
-    others = _of_known_handles([asset for asset in pool if asset is not strange[0]], count, held_out)
-    return others if len(others) == count else chosen
+    first = chosen = _in_order(pool, count, held_out)
+    while len(chosen) == count:
+        shown = [asset.handle for number, asset in enumerate(chosen, 1) if number not in held_out][:TAUGHT]
+        hidden = [asset for number, asset in enumerate(chosen, 1) if number in held_out]
+        strange = next((asset for asset in hidden if asset.handle not in shown), None)
+        if strange is None:
+            return chosen
+        pool = [asset for asset in pool if asset is not strange]
+        chosen = _in_order(pool, count, held_out)
+    return first
 
 
 def _in_order(pool: list[TaskAsset], count: int, held_out: Collection[int], relatives: bool = False) -> list[TaskAsset]:

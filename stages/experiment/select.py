@@ -76,8 +76,7 @@ def run(
         would_do = [e.id for e in matched.objects if any(opens(cousin.asset) for cousin in e.cousins[:1])]
         what = f"object '{object}' {_why_not(item, kind.role, size, true)}."
         raise InputError(cousins, what, f"objects that would do for a {kind.role}: {', '.join(would_do) or 'none'}")
-    if best and best != twin:
-        print(f"twin: {twin}, the true model; matching chose {best}", file=sys.stderr)
+    print(f"twin: {twin}, {f'the true model; matching chose {best}' if true else 'by matching'}", file=sys.stderr)
     if twin not in alike.distances:
         raise InputError(distances, f"has no distances from {twin}, the twin.", STALE)
     usable = usable_assets(kind, folders, kind.target_joint(folders[twin]), alike.from_asset(twin), size)
