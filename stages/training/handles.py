@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from stages.training.dataset import Batch
 
 TURNED, PULLED = 0.07, 0.015  # radians, metres: from here on a front moves, if two frames in a row say so
-NEAR = 0.06  # metres between hand and handle: from here on the fingers may hide it
+NEAR = 0.05  # metres between hand and handle: from here on the fingers may hide it
 HOLDING = (0.002, 0.02)  # metres of a finger joint with something between the fingers; below it they have missed
 FAR = 10.0  # metres: beyond every cloud
 
