@@ -141,12 +141,22 @@ PAPER = TrainingRun(
     keep=10,
 )
 
+# What a policy needs to go by the handle, chosen on validation assets (docs/training.md).
+LITE_HANDLE = TrainingRun(
+    steps=5000,
+    let_go=False,
+    handle=HandleConfig(
+        flag=True, keep=True, middle=True, front_probability=0.8, scale=(0.2, 1.5), hide=0.5, grip=0.012
+    ),
+)
+
 
 class TrainingConfig(Section):
     """How policies are trained."""
 
     runs: dict[str, TrainingRun] = Field(
-        {"lite": TrainingRun(), "paper": PAPER},
+        {"lite": TrainingRun(), "lite_handle": LITE_HANDLE, "paper": PAPER},
         description="Hyper-parameter sets by name; `experiment.runs` says which are trained. Keys that a set of your "
-        "own does not name have the values of `lite`. `paper` is for a GPU.",
+        "own does not name have the values of `lite`. `lite_handle` is `lite` that goes by the handle; `paper` is for a "
+        "GPU.",
     )
