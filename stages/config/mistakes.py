@@ -37,6 +37,17 @@ def without_removed(value: Any, annotation: Any) -> Any:
     return value
 
 
+def without_sharers(config: dict[str, Any]) -> dict[str, Any]:
+    """`config` without the rows of the policy experiment that share the assets of a removed (null) row."""
+    experiment = config.get("experiment")
+    rows = experiment.get("tasks") if isinstance(experiment, dict) else None
+    if not isinstance(rows, dict):
+        return config
+    gone = {name for name, row in rows.items() if row is None}
+    kept = {name: row for name, row in rows.items() if not (isinstance(row, dict) and row.get("assets_of") in gone)}
+    return config | {"experiment": experiment | {"tasks": kept}}
+
+
 def validated(model: type[M], given: dict[str, Any]) -> tuple[M, list[Mistake]]:
     """The config and its mistakes; where there is one, the config has its default instead."""
     mistakes: list[Mistake] = []

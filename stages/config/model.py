@@ -16,7 +16,7 @@ from stages.config.experiment import ExperimentConfig
 from stages.config.extraction import ExtractionConfig
 from stages.config.generation import GenerationSection
 from stages.config.matching import MatchingConfig
-from stages.config.mistakes import Mistake, mistakes_of, validated, without_removed
+from stages.config.mistakes import Mistake, mistakes_of, validated, without_removed, without_sharers
 from stages.config.names import resolved
 from stages.config.own_scene import scene_of
 from stages.config.photo import PhotoConfig
@@ -110,7 +110,7 @@ def load(config: dict[str, Any]) -> Config:
     Raises:
         InputError: names all mistakes, a line each, with key and mend.
     """
-    valid, mistakes = validated(Config, without_removed(config, Config))
+    valid, mistakes = validated(Config, without_removed(without_sharers(config), Config))
     wrong = [mistake.key for mistake in mistakes]
     valid = valid.model_copy(update={"plugins": _packages(valid.plugins, mistakes)})
     valid = resolved(valid, valid.plugins, "", mistakes)

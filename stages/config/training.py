@@ -143,7 +143,6 @@ PAPER = TrainingRun(
 
 # What a policy needs to go by the handle, chosen on validation assets (docs/training.md).
 LITE_HANDLE = TrainingRun(
-    steps=5000,
     let_go=False,
     handle=HandleConfig(
         flag=True, keep=True, middle=True, front_probability=0.8, scale=(0.2, 1.5), hide=0.5, grip=0.012
@@ -157,6 +156,6 @@ class TrainingConfig(Section):
     runs: dict[str, TrainingRun] = Field(
         {"lite": TrainingRun(), "lite_handle": LITE_HANDLE, "paper": PAPER},
         description="Hyper-parameter sets by name; `experiment.runs` says which are trained. Keys that a set of your "
-        "own does not name have the values of `lite`. `lite_handle` is `lite` that goes by the handle; `paper` is for a "
+        "own does not name have the values of `lite`. `lite_handle` goes by the handle, `paper` is for a "
         "GPU.",
     )
