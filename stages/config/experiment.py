@@ -114,8 +114,8 @@ class ExperimentConfig(Section):
             "door_handle": TaskTarget(assets_of="door", runs=["lite_handle"]),
         },
         description="Tasks of the policy experiment (Table 3), by names that paths and tables use. One task may stand "
-        "here twice, e.g. as `door` and, with other `options`, as `my_door: {task: door, ...}`. A row goes with the row "
-        "whose assets it shares: `door: null` removes `door_handle` as well.",
+        "here twice, e.g. as `door` and, with other `options`, as `my_door: {task: door, ...}`. A row goes "
+        "with the one whose assets it shares: `door: null` removes `door_handle` as well.",
     )
     training_sets: list[TrainingSet] = Field(
         ["twin", "cousins_4"],
