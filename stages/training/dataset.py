@@ -153,13 +153,21 @@ def gather(
     index = torch.from_numpy(frames).to(device)
     if points < available:
         chance = torch.rand((len(index), available), generator=random).to(device)
+        order = chance.argsort(1)[:, None].expand(-1, index.shape[1], -1)
         if keep:
-            left = chance[:, None] + (data.clouds[index][..., 3] != -1)
-            clouds = data.clouds[index[:, :, None], left.argsort(2)[..., :points]]
-        else:
-            clouds = data.clouds[index[:, :, None], chance.argsort(1)[:, None, :points]]
+            order = marked_first(data.clouds[index][..., 3], order)
+        clouds = data.clouds[index[:, :, None], order[..., :points]]
     else:
         clouds = data.clouds[index]
     weights = torch.from_numpy(real).to(device).float()
     fronts = None if data.fronts is None else data.fronts[index]
     return Batch(clouds.float(), data.proprio[index], data.actions[index], weights, fronts)
+
+
+def marked_first(flags: Tensor, order: Tensor) -> Tensor:
+    """An order (B, T, P) of points in which those with flag -1 come first and all else stays as it was."""
+    marked = flags.gather(2, order) == -1
+    before = marked.cumsum(2)
+    others = torch.arange(order.shape[2], device=order.device) - before
+    place = torch.where(marked, before - 1, before[..., -1:] + others)
+    return torch.empty_like(order).scatter_(2, place, order)
