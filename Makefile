@@ -24,8 +24,8 @@ all: setup ## run the default workflow: library, scenes, policies, tables, repor
 	$(BIN)/snakemake --cores $(CORES) all
 
 study: setup ## Table 3 on two cores, overnight; the cells that tell most come first
-	$(STUDY) $(call cells,door,twin cousins_8)
-	$(STUDY) $(call cells,drawer,twin cousins_8)
+	$(STUDY) $(call cells,door door_handle,twin cousins_8)
+	$(STUDY) $(call cells,drawer drawer_handle,twin cousins_8)
 	$(STUDY) $(call cells,door_object,twin cousins_8)
 	$(STUDY) $(call cells,door drawer,cousins_4 all cousins_2)
 	$(STUDY) all
