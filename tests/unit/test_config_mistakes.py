@@ -32,7 +32,10 @@ CASES = [
     ("evaluation: {test_assets: [cousin_0]}", "evaluation.test_assets: there is no 'cousin_0'"),
     ("evaluation: {test_assets: [cousin_11]}", "evaluation.test_assets: there is no 'cousin_11'"),
     ("evaluation: {test_assets: []}", "evaluation.test_assets: List should have at least 1 item"),
-    ("evaluation: {checkpoint: rollouts}", "evaluation.checkpoint: is rollouts, but training.runs.lite.keep = 0"),
+    (
+        "{evaluation: {checkpoint: rollouts}, experiment: {tasks: {door: {}}}}",
+        "evaluation.checkpoint: is rollouts, but training.runs.lite.keep = 0",
+    ),
     ("evaluation: {rollouts: 0}", "evaluation.rollouts: Input should be greater than or equal to 1"),
     (
         "training: {runs: {lite: {network: {points: 600}}}}",
@@ -128,7 +131,7 @@ CASES = [
         "experiment.tasks.door.options.camera_eyes: unknown key. Fix: did you mean 'camera_eye'?",
     ),
     (
-        "experiment: {tasks: {door: {options: {points: 128}}}}",
+        "experiment: {tasks: {door: {options: {points: 128}}, door_handle: null}}",
         "training.runs.lite.network.points: 192 of experiment.tasks.door.options.points = 128",
     ),
     (
@@ -176,7 +179,7 @@ def test_all_mistakes_are_told_at_once() -> None:
         ("experiment: {tasks: {door: null}}", "experiment.tasks", set()),
         ("experiment: {tasks: null}", "experiment.tasks", set()),
         ("experiment: {variants: {b: null, c: {}}, policy_variant: c}", "experiment.variants", {"c"}),
-        ("training: {runs: {paper: null}}", "training.runs", {"lite"}),
+        ("training: {runs: {paper: null}}", "training.runs", {"lite", "lite_handle"}),
         ("tables: {variants: {a: null, b: null}}", "tables.variants", {"c", "d"}),
         ("assets: {counts: {book: null}}", "assets.counts", set(COUNTS) - {"book"}),
         ("stages: {matching: null}", "stages", set()),
