@@ -2,6 +2,7 @@
 
 import re
 import shutil
+from html import unescape
 from html.parser import HTMLParser
 from itertools import pairwise
 from pathlib import Path
@@ -137,7 +138,7 @@ def test_page_tells_what_happened(made: Path) -> None:
 
 
 def test_first_screen_shows_unseen_assets_and_the_roles_stand_below(made: Path, tmp_path: Path) -> None:
-    text = (made / "results/report/index.html").read_text()
+    text = unescape((made / "results/report/index.html").read_text())
     first, below = text[: text.index('<p class="lede">')], text[text.index('id="policies"') :]
     for words in (
         "success over 24 unseen assets", "paper's network", "handle flagged", "scripted skill", "48/96", "80/96",
