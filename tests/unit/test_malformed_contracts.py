@@ -224,7 +224,7 @@ def test_a_field(bench: Bench, case: tuple) -> None:
         ("rollouts", "door,target_link,", "door,everything,", "cloud"),
         ("rollouts", "0.0,1,2147483649", "-1,1,2147483649", "rollouts.csv:3"),
         ("rollouts", "0.0,1,2147483649", "0.0,,2147483649", "episode"),
-        ("rollouts", "door,target_link,twin,lite,0,best,twin,cabinet_0,0.0,0", 'door,"twin,lite,0', "rollouts.csv"),
+        ("rollouts", "door,door,target_link,twin,lite,0,best,twin", 'door,"twin,lite,0', "rollouts.csv"),
         ("rollouts", "0.0,1,2147483649", "0.0,0,2147483649", "rollouts.csv:3: is line 2 again"),
         ("scores", "3.68,lamp_1", "3.68,cabinet_1", "scores.csv:3: is line 2 again"),
         ("scores", "3.68,lamp_1", "nan,lamp_1", "scale_m"),
