@@ -33,7 +33,7 @@ CASES = [
     ("evaluation: {test_assets: [cousin_11]}", "evaluation.test_assets: there is no 'cousin_11'"),
     ("evaluation: {test_assets: []}", "evaluation.test_assets: List should have at least 1 item"),
     (
-        "{evaluation: {checkpoint: rollouts}, experiment: {tasks: {door: {}}}}",
+        "{evaluation: {checkpoint: rollouts}, experiment: {tasks: {door_handle: null}}}",
         "evaluation.checkpoint: is rollouts, but training.runs.lite.keep = 0",
     ),
     ("evaluation: {rollouts: 0}", "evaluation.rollouts: Input should be greater than or equal to 1"),

@@ -97,7 +97,7 @@ def test_the_study_is_the_protocol_of_the_paper(folder: Path) -> None:
     jobs = planned(dry_run(folder, "evaluation", *study).stdout)
     sets, candidates = {"door": 7, "drawer": 7}, 3
     assert jobs["choose"] == sum(sets.values())
-    # Whole object, bowl, by the handle, without a cloud: training sets x seeds, one hyper-parameter set: nothing to choose.
+    # Whole object, bowl, by the handle, without a cloud: training sets x seeds, and nothing to choose from.
     more = 2 * 3 + 2 * 5 + 2 * 7 * 3 + 2 * 3
     assert jobs["train"] == jobs["trial"] == candidates * sum(sets.values()) + more
     assert (
@@ -117,7 +117,8 @@ def test_the_study_is_about_committed_assets_and_matches_nothing_for_them(folder
     assert jobs["pinned"] == 3 and jobs["demonstrate"] == 3, done.stdout
     assert not {"select", "distances", "match", "features", "generate", "room"} & set(jobs)
     assert re.search(r"--assets config/study/assets/drawer.json --task put_away_bowl .*experiment/b/bowl/", done.stdout)
-    anew = planned(dry_run(folder, *cells, *study, "--config", "experiment={tasks: {door: {assets: null}}}").stdout)
+    (folder / "anew.yaml").write_text("experiment: {tasks: {door: {assets: null}}}")
+    anew = planned(dry_run(folder, *cells, *study, "anew.yaml").stdout)
     assert anew["pinned"] == 2 and anew["select"] == anew["distances"] == 1
 
 
