@@ -32,7 +32,7 @@ def truth_of(wildcards):
 
 def known_truth(wildcards):
     """The truth of a scene, or of the scene of a task; none if it is one of the user's."""
-    scene = EXPERIMENT.tasks[wildcards.task].scene if "task" in wildcards.keys() else wildcards.scene
+    scene = EXPERIMENT.plan(wildcards.task).target.scene if "task" in wildcards.keys() else wildcards.scene
     return [] if scene in EXPERIMENT.inputs else truth_of(SimpleNamespace(scene=scene))
 
 
