@@ -22,7 +22,7 @@ from tests.unit.demo_assets import FRONT
 CAMERA = [[200.0, 0.0, 120.0], [0.0, 200.0, 80.0], [0.0, 0.0, 1.0]]
 POSE = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
 LABELS = {"room_1": ["cabinet", "bowl", "lamp"], "room_2": ["table", "chair"]}
-ABOUT = FRONT | {"family": "cabinet_00", "digest": "0", "handle_length": 0.12, "handle_height": 0.5}
+ABOUT = FRONT | {"digest": "0", "handle_length": 0.12, "handle_height": 0.5}
 ROLES = {"twin": 0.0, "cousin_1": 3.1, "cousin_2": 4.0, "cousin_6": 7.5, "dissimilar": 12.25}
 
 
@@ -202,7 +202,8 @@ def _room(results: Path, name: str) -> None:
 def _policies(results: Path) -> None:
     assets = [
         TaskAsset(role=role, asset=f"cabinet_{number:02d}", category="cabinet", joint="door", size=(0.5, 0.6, 0.7),
-                  distance=distance, **ABOUT) for number, (role, distance) in enumerate(ROLES.items())
+                  distance=distance, family=f"cabinet_{number:02d}", **ABOUT)
+        for number, (role, distance) in enumerate(ROLES.items())
     ]  # fmt: skip
     chosen = TaskAssets(task="door", scene="room_1", object="cabinet_1", encoder="hog", assets=assets)
     write_json(results / "experiment" / "b" / "door" / "assets.json", chosen)
