@@ -40,8 +40,7 @@ def without_removed(value: Any, annotation: Any) -> Any:
 def without_sharers(config: dict[str, Any]) -> dict[str, Any]:
     """`config` without the rows of the policy experiment that share the assets of a removed (null) row."""
     experiment = config.get("experiment")
-    rows = experiment.get("tasks") if isinstance(experiment, dict) else None
-    if not isinstance(rows, dict):
+    if not isinstance(experiment, dict) or not isinstance(rows := experiment.get("tasks"), dict):
         return config
     gone = {name for name, row in rows.items() if row is None}
     kept = {name: row for name, row in rows.items() if not (isinstance(row, dict) and row.get("assets_of") in gone)}
