@@ -53,7 +53,7 @@ def main() -> int:
         work = Path(folder) / "workflow"
         passed_over = (".venv", ".git", ".snakemake", "results", "logs", "*.egg-info", "__pycache__")
         shutil.copytree(ROOT, work, symlinks=True, ignore=shutil.ignore_patterns(*passed_over))
-        experiment = "{rooms: [room_3], variants: {b: {}}, training_sets: [twin], runs: [lite], seeds: [0]}"
+        experiment = "{rooms: [room_3], training_sets: [twin], tasks: {door_handle: null}}"
         (work / "one.yaml").write_text(f"experiment: {experiment}\n")
         write(work / "results/evaluation/policies/door/twin/rollouts.csv", rollouts)
         of_skill = {"training_set": "skill", "run": "scripted", "checkpoint": "none"}
