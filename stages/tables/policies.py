@@ -82,8 +82,8 @@ def run(
         options: JSON of the config section `tables`.
     """
     settings = read_options(TablesConfig, options)
-    paper = published_policies(published)
-    found = find(read_rows(Rollout, rollouts, ONE_TEST), paper, published_runs(published), settings)
+    episodes, paper = read_rows(Rollout, rollouts, ONE_TEST), published_policies(published)
+    found = find(episodes, paper, published_runs(published), settings)
     write(out, "assets", found.assets, asset_tables(found, settings) or [assets_table(found.assets, settings)])
     write_text(out / "assets_by_handle.csv", as_csv(found.by_handle))
     shown = role_tables(found, paper, settings)

@@ -120,12 +120,18 @@ def chosen() -> TaskAssets:
     """A twin, a cousin, two assets drawn by chance and three to test on."""
 
     def asset(role: str, number: int, **changes: object) -> TaskAsset:
-        about = {"asset": f"cabinet_{number}", "category": "cabinet", "joint": "door", "size": (1, 1, 1)}
+        about = {
+            "asset": f"cabinet_{number}",
+            "family": "cabinet_00",
+            "category": "cabinet",
+            "joint": "door",
+            "size": (1, 1, 1),
+        }
         return TaskAsset.model_validate(ABOUT | about | {"role": role, "distance": number} | changes)
 
     return TaskAssets(
         task="door", scene="room_1", object="cabinet_1", encoder="hog",
-        assets=[asset("twin", 0), asset("cousin_1", 1), asset("dissimilar", 9, handle="edge")],
+        assets=[asset("twin", 0), asset("cousin_1", 1), asset("dissimilar", 9, handle="edge", family="f_9")],
         random_assets=[asset("random", 2, handle="knob"), asset("random", 3)],
         test_assets=[asset("test", n, handle=handle, handle_length=n / 100, family=f"f_{n // 2}")
                      for n, handle in ((4, "knob"), (5, "bar"), (6, "knob"))],

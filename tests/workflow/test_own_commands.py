@@ -15,7 +15,18 @@ SCORES = "results/evaluation/scenes/b/room_1/scores.csv"
 ASSETS = "results/experiment/b/door/assets.json"
 SCENES = {"generate", "draw_scenes", "score"}
 CHOICE = {"train", "trial", "choose", "gather"}  # whose rollouts follow is not known before
-POLICIES = {"demonstrate", "demonstrate_in_scene", *CHOICE, "table2", "table3", "figures", "report_page"}
+# `rollout` is that of the row which has nothing to choose.
+POLICIES = {
+    "demonstrate",
+    "demonstrate_in_scene",
+    *CHOICE,
+    "rollout",
+    "skill",
+    "table2",
+    "table3",
+    "figures",
+    "report_page",
+}
 
 
 def stages(stage: str, verb: str, command: str, *code: str) -> str:

@@ -31,7 +31,9 @@ def test_the_best_hyper_parameter_set_is_chosen_by_its_trial_and_only_it_is_test
     rows = pd.read_csv(policies / "rollouts.csv")
     assert tried["checkpoint"].nunique() == 2 and set(rows["checkpoint"]) < set(tried["checkpoint"])
     assert not set(tried["initial_state"]) & set(rows["initial_state"])
-    assert set(rows["test_asset"]) == {"twin", "dissimilar", "trained"} and set(rows["cloud"]) == {"target_link"}
+    assert set(rows["test_asset"]) == {"twin", "dissimilar", "trained", "test"} and set(rows["cloud"]) == {
+        "target_link"
+    }
 
 
 def test_second_run_has_nothing_to_do_and_says_so_soon(run: Path) -> None:
@@ -50,6 +52,7 @@ def test_another_seed_of_training_keeps_everything_before_it(run: Path, tmp_path
         "train",
         "trial",
         "choose",
+        "rollout",  # of the row that has nothing to choose
         "gather",
         "table3",
         "figures",
