@@ -2,7 +2,7 @@
 
 from typing import Any, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from stages.config.base import OWN, Range, Rank, Section
 
@@ -32,6 +32,13 @@ class HandleConfig(Section):
     grip: float = Field(0.0, ge=0, description="metres that each finger may stop farther out in training, as at a knob")
     front_shift: float = Field(0.1, ge=0, description="uniform +/- metres along the front, sideways and up")
     front_scale: Range = Field((0.6, 1.6), description="stretch of the front about the handle, per axis")
+
+    @model_validator(mode="after")
+    def _flagged(self) -> "HandleConfig":
+        asked = [name for name in ("keep", "middle", "front_probability", "hide", "grip") if getattr(self, name)]
+        if asked and not self.flag:
+            raise ValueError(f"{', '.join(asked)}: nothing is flagged; set flag: true")
+        return self
 
 
 class NetworkConfig(Section):
@@ -105,7 +112,8 @@ class TrainingRun(Section):
     let_go: bool = Field(
         True,
         description="false: demonstrations end before the hand opens for the last time. A test is over at success, and "
-        "policies that learn to let go do so by where the hand is: wide doors too early (docs/training.md)",
+        "policies that learn to let go do so by where the hand is: wide doors too early (docs/training.md). Not for "
+        "tasks that succeed by letting go, such as put_away_bowl",
     )
     validation_fraction: float = Field(0.1, ge=0, lt=1, description="episodes kept for validation (official: 0.1)")
     select: Literal["validation", "last"] = Field(
@@ -118,6 +126,12 @@ class TrainingRun(Section):
         "disabled", description="Weights & Biases run beside metrics.jsonl, below logs/training/wandb"
     )
     own: dict[str, dict[str, Any]] = OWN
+
+    @model_validator(mode="after")
+    def _sees(self) -> "TrainingRun":
+        if self.handle.flag and not self.network.cloud:
+            raise ValueError("handle.flag: marks points of a cloud, but network.cloud is false")
+        return self
 
 
 PAPER_NETWORK = NetworkConfig(

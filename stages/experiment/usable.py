@@ -37,7 +37,7 @@ def described(folder: Path, front: Affordance, distance: float, size: Vector) ->
         role="usable",
         asset=asset.id,
         category=asset.category,
-        family=(asset.recipe and asset.recipe.variation_of) or asset.id,
+        family=asset.family,
         digest=asset.checksum,
         joint=front.joint,
         size=size,

@@ -118,7 +118,12 @@ def run(
             shown.append(roles_table(chosen, roles, f"roles-{task}", f"{title(task)}: the assets."))
             shown += lists_table(chosen, f"lists-{task}", f"{title(task)}: sets of assets.")
     shown += [each for each in (_chosen(config, results), cost(benchmarks, STAGES)) if each]
-    text = ["# Table 3", "", facts("all", configs, commit, machine, _told(config, episodes)), *map(markdown, shown)]
+    text = [
+        "# Table 3: success over unseen assets, and by role",
+        "",
+        facts("all", configs, commit, machine, _told(config, episodes)),
+        *map(markdown, shown),
+    ]
     text += [f"![{name}]({name}.svg)\n" for name in ("figure4", "figure9")]
     text.append(
         "`table3.csv` has a row per task, role, training set, run and seed; `assets.csv` and `assets_by_handle.csv` "

@@ -42,6 +42,11 @@ CASES = [
         "training.runs.lite.network.points: 600 of task.points = 512",
     ),
     ("training: {runs: {lite: {network: {mlp: [-5]}}}}", "training.runs.lite.network.mlp.0: Input should be greater"),
+    ("training: {runs: {lite: {handle: {hide: 0.5}}}}", "training.runs.lite.handle: hide: nothing is flagged"),
+    (
+        "training: {runs: {paper: {handle: {flag: true}, network: {cloud: false}}}}",
+        "training.runs.paper: handle.flag: marks points of a cloud",
+    ),
     ("training: {runs: {lite: {keep: 9, steps: 5}}}", "training.runs.lite.keep: 9 checkpoints of 5 steps"),
     ("training: {runs: {'a/b': {}}}", "training.runs: 'a/b' is no name"),
     ("task: {control_frequency: 0}", "task.control_frequency: Input should be greater than 0"),
