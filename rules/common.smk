@@ -16,6 +16,7 @@ from stages.config.model import load
 from stages.config.names import modules
 from stages.config.outside import outside
 from stages.config.reads import options_of, stores
+from stages.config.sizes import sized
 from stages.contracts.errors import InputError
 from stages.plugins import qualified
 from stages.scenes.rooms import series
@@ -35,6 +36,7 @@ try:
         from stages.assets.shards import own_shards  # takes a second
 
         OWN = own_shards(CONFIG.assets)
+    CONFIG = sized(CONFIG, sum(CONFIG.assets.counts.values()) + sum(len(shard.models) for shard in OWN.values()))
     if workflow.exec_mode == ExecMode.DEFAULT and not workflow.output_settings.dryrun and makes_files(sys.argv):
         LOCKED = hold_folder()
 except InputError as error:

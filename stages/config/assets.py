@@ -97,8 +97,9 @@ class AssetsConfig(SnapshotOptions, OwnOptions, LibraryOptions):
         description="Folders with your own models, <folder>/<category>/<model>, each a URDF, GLB or OBJ file or a "
         "folder that holds one (docs/assets.md).",
     )
-    shards: int = Field(
-        2,
+    shards: int | None = Field(
+        None,
         ge=1,
-        description="Jobs that the procedural models are photographed in; as many as there are cores is best.",
+        description="Jobs that the procedural models are photographed and encoded in. null: two, and one more per "
+        "300 models beyond 600.",
     )

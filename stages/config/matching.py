@@ -81,11 +81,11 @@ class EncoderOptions(Section):
     coverage: float = Field(
         0.5, gt=0, le=1, description="Least share of a patch that the mask covers for it to be compared."
     )
-    dimensions: int = Field(
-        0,
+    dimensions: int | None = Field(
+        None,
         ge=0,
-        description="Features are stored as so many principal components of one byte each, e.g. 72: a seventh of the "
-        "disk. 0: as they are.",
+        description="Features are stored as so many principal components of one byte each: 72 take a seventh of the "
+        "disk. 0: as they are. null: 72 in a library of more than 2,000 models, else 0.",
     )
     hog: HogConfig = Field(HogConfig(), description="The encoder `hog`.")
     patchnet: PatchNetConfig = Field(PatchNetConfig(), description="The encoder `patchnet`.")
@@ -104,7 +104,7 @@ class EncoderOptions(Section):
             own: dict[str, Any] = {"own": {name: self.own[name]} if name in self.own else {}}
         else:
             own = {self.encoder: given.model_dump(mode="json", exclude=given.unread())}
-        return {"encoder": self.encoder, "coverage": self.coverage, "dimensions": self.dimensions} | own
+        return {"encoder": self.encoder, "coverage": self.coverage, "dimensions": self.dimensions or 0} | own
 
     def store(self) -> str:
         """Name of the feature store: two variants share one if it holds the same for both."""
@@ -155,11 +155,11 @@ class MatchingConfig(ComparisonOptions):
         description="How labels are compared with categories. clip: the official code's; give clip.path.",
     )
     k_cat: int = Field(3, ge=1, description="Nearest categories to search.")
-    shortlist: int = Field(
-        0,
+    shortlist: int | None = Field(
+        None,
         ge=0,
-        description="Models compared patch by patch: those whose views look nearest as a whole. Pays beyond a "
-        "thousand models. 0: all.",
+        description="Models compared patch by patch: those whose views look nearest as a whole. 0: all. null: 30 in a "
+        "library of more than 2,000 models, else all.",
     )
     k_model: int = Field(10, ge=1, description="Models taken from them by voting (paper: 10).")
     k_ori: int = Field(4, ge=1, description="Orientations taken from a model's views (paper: 4).")

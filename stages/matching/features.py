@@ -33,8 +33,9 @@ def run(*, snapshots: Path, out: Path, options: str = "{}", batch: int = 0) -> N
     rows: list[NDArray[np.float16] | NDArray[np.int8]] = []
     wholes, starts = [], [0]
     with SnapshotFile(snapshots) as shard:
-        compressed = settings.dimensions and shard.sidecar.assets
-        codec = learn(sample_rows(shard, encoder), settings.dimensions, BESIDE) if compressed else None
+        codec = None
+        if settings.dimensions and shard.sidecar.assets:
+            codec = learn(sample_rows(shard, encoder), settings.dimensions, BESIDE)
         for asset in progress(shard.sidecar.assets, "assets encoded", len(shard.sidecar.assets)):
             for patches in encode_rows(encoder, shard.views(asset)):
                 rows.append(codec.encode(patches) if codec else patches)
