@@ -10,11 +10,12 @@ from pathlib import Path
 from snakemake.exceptions import WorkflowError
 from snakemake.settings.types import ExecMode
 
+import stages
 from stages.config.code import code_digest, cover, files_digest
 from stages.config.demonstrations import MotionOptions
 from stages.config.model import load
 from stages.config.names import modules
-from stages.config.outside import outside
+from stages.config.outside import online, outside
 from stages.config.reads import options_of, stores
 from stages.config.sizes import sized
 from stages.contracts.errors import InputError
@@ -42,7 +43,16 @@ try:
 except InputError as error:
     raise WorkflowError(str(error)) from None
 
-os.environ.update(ACDC_OUTSIDE="\n".join(outside(CONFIG)))  # containers/podman-shell mounts them
+# What containers/podman-shell asks for: images, folders to mount, the network and keys, a GPU.
+os.environ.update(
+    ACDC_IMAGE=CONFIG.containers.template,
+    ACDC_OUTSIDE="\n".join(outside(CONFIG)),
+    ACDC_CODE=str(Path(stages.__file__).resolve().parents[1]),
+    ACDC_GPU=CONFIG.device.replace("cpu", ""),
+)
+os.environ.pop("ACDC_ONLINE", None)
+if online(CONFIG) is not None:
+    os.environ.update(ACDC_ONLINE=" ".join(online(CONFIG)))
 EXPERIMENT = CONFIG.experiment
 ROOMS = EXPERIMENT.rooms
 SCORED_ROOMS = [room for room in ROOMS if room not in EXPERIMENT.inputs]

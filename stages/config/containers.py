@@ -1,13 +1,71 @@
-"""Config section `containers`: one table of images."""
+"""Config section `containers`: the images that rules can run in."""
 
-from pydantic import Field
+from functools import cache
+from hashlib import sha256
+from pathlib import Path
+
+from pydantic import Field, field_validator
 
 from stages.config.base import Section
 
+ROOT = Path(__file__).resolve().parents[2]
+LOCAL = "localhost/"  # of images that podman or docker built here
+
 
 class ContainersConfig(Section):
-    """Images, one per environment family; every rule names one of them."""
+    """One name for the images of all environment families."""
 
-    simulation: str = Field("images/simulation-0.1.0.sif", description="Rules that render or simulate.")
-    learning: str = Field("images/learning-0.1.0.sif", description="Rules that train or match.")
-    report: str = Field("images/report-0.1.0.sif", description="Rules that only make tables and pages.")
+    image: str = Field(
+        LOCAL + "acdc-{family}:{tag}",
+        description="Image of a rule. {family}: simulation, learning or report; {tag}: digest of what the images are "
+        "built from (envs, containers), so that an old image is not taken for a new one. "
+        "For yours in a registry: docker://REGISTRY/acdc-{family}:{tag}.",
+    )
+
+    @field_validator("image")
+    @classmethod
+    def _of_families(cls, image: str) -> str:
+        if "{family}" not in image:
+            raise ValueError("names no {family}: simulation, learning and report have an image each")
+        return image
+
+    @property
+    def template(self) -> str:
+        """The image as podman and docker name it, with {family} to be filled in."""
+        return self.image.replace("{tag}", tag()).removeprefix("docker://")
+
+    def _apptainer(self, family: str) -> str:
+        """What the directive `container:` of a family's rules names: local images are files in images/."""
+        image = self.image.replace("{tag}", tag()).replace("{family}", family)
+        if not image.startswith(LOCAL):
+            return image
+        return f"images/{image.removeprefix(LOCAL).replace(':', '-').replace('/', '-')}.sif"
+
+    @property
+    def simulation(self) -> str:
+        """Of rules that render or simulate."""
+        return self._apptainer("simulation")
+
+    @property
+    def learning(self) -> str:
+        """Of rules that train or match."""
+        return self._apptainer("learning")
+
+    @property
+    def report(self) -> str:
+        """Of rules that only make tables and pages."""
+        return self._apptainer("report")
+
+
+@cache
+def tag() -> str:
+    """Digest of all files that images are built from; "none" where the package is installed without them."""
+    files = sorted([*ROOT.glob("envs/*.txt"), *ROOT.glob("envs/*.sh"), *ROOT.glob("containers/Containerfile")])
+    digest = sha256()
+    for path in files:
+        digest.update(f"{path.relative_to(ROOT)} {sha256(path.read_bytes()).hexdigest()}\n".encode())
+    return digest.hexdigest()[:12] if files else "none"
+
+
+if __name__ == "__main__":
+    print(ContainersConfig().template)

@@ -1,4 +1,4 @@
-"""Files of the user's that a run reads: containers have to see those that lie outside the working directory."""
+"""What containers of a run need from outside: files of the user's, the network, keys."""
 
 from pathlib import Path
 
@@ -23,6 +23,16 @@ def outside(config: Config) -> list[str]:
     ]
     paths = {Path(name).resolve() for name in named if Path(name).exists()}
     return sorted(str(path) for path in paths if not path.is_relative_to(Path.cwd()))
+
+
+def online(config: Config) -> list[str] | None:
+    """Environment variables that hold keys of the language models that are asked; None: nothing asks the network."""
+    matching = [config.matching, *map(config.matching_of, config.experiment.variants)]
+    asked = [options.vlm for options in matching if "vlm" not in options.unread()]
+    asked += [config.photo.vlm] if config.image and "vlm" not in config.photo.unread() else []
+    keys = {model.key_env for model in asked if model.mode == "record"}
+    hubs = [options.clip.download or options.dinov2.download for options in matching]
+    return sorted(keys - {""}) if keys or any(hubs) else None
 
 
 def _of_picture(config: Config) -> list[str]:

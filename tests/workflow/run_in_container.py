@@ -1,86 +1,76 @@
-"""Run the rule `table3` in its container with podman, on rows made for the purpose, and compare with a run on the host.
+"""Run the micro config in its images with podman, by profiles/podman, and compare every file with a run on the host.
 
-Called by containers/check.sh once the report image is built; it is a script because pytest must not need podman.
+Called by containers/check.sh with the families whose images are built; with all three the whole workflow runs, with
+`report` alone the rules of its family, on what a run on the host left. With `workflow` the all-in-one image makes the
+library, too. It is a script because pytest must not need podman.
 """
 
-import csv
 import shutil
 import subprocess
 import sys
 import tempfile
+from hashlib import sha256
 from pathlib import Path
 
-from stages.contracts import Rollout
+from stages.config.containers import ContainersConfig
 
 ROOT = Path(__file__).resolve().parents[2]
-SNAKEMAKE = [
-    str(Path(sys.executable).parent / "snakemake"),
-    "--cores",
-    "1",
-    "--allowed-rules",
-    "table3",
-    "--quiet",
-    "rules",
-]
+SNAKEMAKE = [str(Path(sys.executable).parent / "snakemake"), "--cores", "2", "--quiet", "all"]
+MICRO = ["--configfile", "config.yaml", "config/test/micro.yaml"]
+OF_REPORT = ("results/tables", "results/figures", "results/report")
+CLOCK = "results/report/times.html"  # says how long the jobs took
+PASSED_OVER = (".venv*", ".git", ".snakemake", "results", "logs", "*.egg-info", "__pycache__")
 
 
-def rows() -> list[Rollout]:
-    """A few plausible rows."""
-    return [
-        Rollout(
-            task="door", assets_of="door", cloud="object", training_set="twin", run="lite", seed=0,
-            checkpoint="last", test_asset="twin", asset="a1", family="a1", handle="bar", handle_length=0.2,
-            dino_distance=0.0, episode=k, initial_state=k, success=k % 3 > 0, official_success=True, steps=50,
-            opened=0.4,
-        )
-        for k in range(8)
-    ]  # fmt: skip
+def run(folder: Path, *command: str) -> None:
+    """Run a command in a folder; what it prints is shown if it fails."""
+    done = subprocess.run(command, cwd=folder, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    if done.returncode:
+        sys.exit(f"{done.stdout}\ncontainers: failed in {folder}: {' '.join(command)}")
 
 
-def write(path: Path, items: list) -> None:
-    """Write rows as CSV."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open("w", newline="") as file:
-        writer = csv.DictWriter(file, list(type(items[0]).model_fields))
-        writer.writeheader()
-        writer.writerows(item.model_dump() for item in items)
+def digests(folder: Path) -> dict[str, str]:
+    """Of all files of a run, by name."""
+    files = [path for path in sorted((folder / "results").rglob("*")) if path.is_file()]
+    named = {str(path.relative_to(folder)): sha256(path.read_bytes()).hexdigest() for path in files}
+    named.pop(CLOCK, None)
+    return named
 
 
-def main() -> int:
-    """Exit code 0 if the container's tables equal the host's."""
-    rollouts = rows()
+def main(families: list[str]) -> int:
+    """Exit code 0 if what the containers wrote equals what the host wrote."""
+    whole = {"simulation", "learning", "report"} <= set(families)
     with tempfile.TemporaryDirectory() as folder:
-        work = Path(folder) / "workflow"
-        passed_over = (".venv", ".git", ".snakemake", "results", "logs", "*.egg-info", "__pycache__")
-        shutil.copytree(ROOT, work, symlinks=True, ignore=shutil.ignore_patterns(*passed_over))
-        experiment = "{rooms: [room_3], training_sets: [twin], tasks: {door_handle: null}}"
-        (work / "one.yaml").write_text(f"experiment: {experiment}\n")
-        write(work / "results/evaluation/policies/door/twin/rollouts.csv", rollouts)
-        of_skill = {"training_set": "skill", "run": "scripted", "checkpoint": "none"}
-        write(
-            work / "results/evaluation/skill/door/rollouts.csv", [row.model_copy(update=of_skill) for row in rollouts]
-        )
-        base = [*SNAKEMAKE, "--configfile", "config.yaml", "one.yaml", "--", "table3"]
-        produced = {}
-        for place, extra in (
-            ("host", []),
-            ("container", ["--set-resources", "table3:shell_exec=containers/sh-report"]),
-        ):
-            shutil.rmtree(work / "results/tables", ignore_errors=True)
-            command = [base[0], *extra, *base[1:]]
-            done = subprocess.run(command, cwd=work, text=True, capture_output=True)
-            if done.returncode:
-                print(done.stdout, done.stderr, sep="\n")
-                print(f"containers: the rule failed on the {place}")
-                return 1
-            produced[place] = {path.name: path.read_bytes() for path in sorted((work / "results/tables").iterdir())}
-        if produced["host"] != produced["container"]:
-            print("containers: the tables of the container differ from those of the host")
+        host, contained = Path(folder) / "host", Path(folder) / "container"
+        shutil.copytree(ROOT, host, symlinks=True, ignore=shutil.ignore_patterns(*PASSED_OVER))
+        if whole:
+            shutil.copytree(host, contained, symlinks=True)
+        run(host, *SNAKEMAKE, *MICRO)
+        if not whole:
+            shutil.copytree(host, contained, symlinks=True)
+            for name in OF_REPORT:
+                shutil.rmtree(contained / name)
+        run(contained, *SNAKEMAKE, "--profile", "profiles/podman", *MICRO)
+        ours, theirs = digests(host), digests(contained)
+        differ = sorted(name for name in ours.keys() | theirs.keys() if ours.get(name) != theirs.get(name))
+        if differ:
+            print(f"containers: {len(differ)} of {len(ours)} files differ from the host's: {', '.join(differ[:10])}")
             return 1
-    count = len(produced["host"])
-    print(f"containers: rule table3 ran in its image and wrote {count} files, byte for byte those of the host")
+        what = "the whole micro run" if whole else "the rules of the report image"
+        print(f"containers: {what} by profiles/podman, {len(ours)} files, byte for byte those of the host")
+        if "workflow" in families:
+            shutil.rmtree(contained / "results")
+            image = ContainersConfig().template.replace("{family}", "workflow")
+            inside = ["snakemake", "--cores", "2", "--quiet", "all", *MICRO, "--", "library"]
+            podman = [str(ROOT / "containers/podman"), "run", "--rm", "--network=none"]
+            run(contained, *podman, "-v", f"{contained}:{contained}", "-w", str(contained), image, *inside)
+            made = digests(contained)
+            if any(ours[name] != digest for name, digest in made.items()):
+                print("containers: the library made inside the workflow image differs")
+                return 1
+            print(f"containers: target library inside the workflow image, {len(made)} files, those of the host")
     return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main(sys.argv[1:]))

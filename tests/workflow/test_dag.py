@@ -10,8 +10,9 @@ import pytest
 import yaml
 
 from stages.config import reference
+from stages.config.containers import ContainersConfig, tag
 from stages.config.model import Config
-from stages.config.outside import outside
+from stages.config.outside import online, outside
 from stages.config.places import INPUT_FILES
 from tests.workflow.workspace import ROOT, dry_run, make, planned
 
@@ -235,13 +236,57 @@ def test_containers_see_what_the_config_names_outside(
     monkeypatch.chdir(folder)
     config = Config.model_validate({"assets": {"folders": [str(mine), "inside"]}})
     assert outside(config) == [str(mine)]
-    (tmp_path / "podman").write_text("#!/bin/sh\nprintf '%s\\n' \"$@\"\n")
-    (tmp_path / "podman").chmod(0o755)
-    environment = {"PATH": f"{tmp_path}:{os.environ['PATH']}", "ACDC_OUTSIDE": f"{mine}\n/data"}
-    shell = [str(ROOT / "containers/sh-report"), "-c", "true"]
-    told = subprocess.run(shell, env=environment, text=True, capture_output=True, check=True).stdout.splitlines()
+    told = asked_of_podman("report", tmp_path, ACDC_OUTSIDE=f"{mine}\n/data")
     mounts = [after for before, after in pairwise(told) if before == "-v"]
-    assert mounts[1:] == [f"{mine}:{mine}:ro", "/data:/data:ro"]
+    assert mounts[1:] == [f"{mine}:{mine}:ro", "/data:/data:ro", "/code:/code:ro"]
+
+
+def asked_of_podman(shell: str, folder: Path, missing: bool = False, **environment: str) -> list[str]:
+    """Arguments that the shell of a rule gives to podman."""
+    script = "[ $1 = image ] && exit 1; echo" if missing else "[ $1 = image ] || printf '%s\\n' \"$@\""
+    (folder / "podman").write_text(f"#!/bin/sh\n{script}\n")
+    (folder / "podman").chmod(0o755)
+    given = {"PATH": f"{folder}:{os.environ['PATH']}", "ACDC_IMAGE": "localhost/acdc-{family}:1", "ACDC_CODE": "/code"}
+    command = [str(ROOT / f"containers/sh-{shell}"), "-c", "true"]
+    done = subprocess.run(command, env=given | environment, text=True, capture_output=True)
+    return done.stderr.splitlines() if missing else done.stdout.splitlines()
+
+
+def test_containers_get_what_their_rule_needs_and_no_more(tmp_path: Path) -> None:
+    def asked(shell: str, **environment: str) -> set[str]:
+        wanted = {"--network=host", "--network=none", "nvidia.com/gpu=all", "MY_KEY"}
+        return wanted & set(asked_of_podman(shell, tmp_path, **environment))
+
+    assert asked("learning-online", ACDC_GPU="cuda") == {"--network=none"}
+    assert asked("learning-online", ACDC_ONLINE="MY_KEY") == {"--network=host", "MY_KEY"}
+    assert asked("learning", ACDC_ONLINE="MY_KEY") == {"--network=none"}
+    assert asked("learning-fetch") == {"--network=host"}
+    assert asked("simulation-gpu", ACDC_GPU="cuda") == {"--network=none", "nvidia.com/gpu=all"}
+    assert asked("learning-online-gpu", ACDC_GPU="cuda", ACDC_ONLINE="") == {"--network=host", "nvidia.com/gpu=all"}
+
+
+def test_an_image_of_other_environments_is_told(tmp_path: Path) -> None:
+    (line,) = asked_of_podman("report", tmp_path, missing=True)
+    assert "error: localhost/acdc-report:1: there is no such image" in line
+    assert "FAMILIES=report make containers" in line
+
+
+def test_the_network_is_for_language_models_that_are_asked() -> None:
+    def of(text: str) -> list[str] | None:
+        return online(Config.model_validate(yaml.safe_load(text)))
+
+    assert of("{}") is None
+    assert of("matching: {model_selection: vlm, vlm: {key_env: MY_KEY}}") == ["MY_KEY"]
+    assert of("experiment: {variants: {b: {model_selection: vlm, vlm: {mode: replay}}}}") is None
+    assert of("matching: {clip: {path: openai/clip, download: true}}") == []
+
+
+def test_images_are_named_once_by_what_they_are_built_from() -> None:
+    ours, theirs = ContainersConfig(), ContainersConfig(image="docker://example.org/acdc-{family}:{tag}")
+    assert re.fullmatch(r"localhost/acdc-\{family\}:[0-9a-f]{12}", ours.template)
+    assert ours.report == f"images/acdc-report-{tag()}.sif"
+    assert theirs.template == f"example.org/acdc-{{family}}:{tag()}"
+    assert theirs.learning == f"docker://example.org/acdc-learning:{tag()}"
 
 
 def test_generated_files_are_up_to_date() -> None:
@@ -276,7 +321,9 @@ def test_podman_profile_covers_every_working_rule() -> None:
     for name, body in rules_text().items():
         if name in working:
             family = re.search(r"CONFIG\.containers\.(\w+)", body)
-            assert family and profile["set-resources"][name]["shell_exec"] == f"containers/sh-{family[1]}"
+            shell = ROOT / profile["set-resources"][name]["shell_exec"]
+            assert family and shell.name.split("-")[1] == family[1] and shell.is_file()
+            assert ("gpu=" in body) == ("-gpu" in shell.name), name
 
 
 def test_files_stay_small() -> None:
