@@ -100,5 +100,6 @@ class AssetsConfig(SnapshotOptions, OwnOptions, LibraryOptions):
     shards: int = Field(
         2,
         ge=1,
-        description="Jobs that the procedural models are photographed in; as many as there are cores is best.",
+        description="Jobs that the procedural models are made and photographed in, and archives that hold them; "
+        "as many as there are cores is best.",
     )
