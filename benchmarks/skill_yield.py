@@ -17,7 +17,7 @@ import numpy as np
 from stages.articulated.asset_folder import read_asset
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.config.task import TaskConfig
-from stages.contracts import Library, read_json
+from stages.contracts.library_folder import AssetFolders
 from stages.demonstrations.attempt import Recorder
 from stages.demonstrations.film import write_demonstration_films
 from stages.plugins import load
@@ -86,10 +86,10 @@ def summary(rows: list[dict[str, str]]) -> str:
 
 
 def film(
-    models: Path, task: str, row: dict[str, str], size: Size | None, options: DemonstrationsConfig, out: Path
+    folder: Path, task: str, row: dict[str, str], size: Size | None, options: DemonstrationsConfig, out: Path
 ) -> None:
     """Films of one failed attempt, as it was."""
-    world = make_task(task, models / row["asset"], row["joint"], size, TaskConfig(), render=True)
+    world = make_task(task, folder, row["joint"], size, TaskConfig(), render=True)
     recorder = Recorder(world, options, film=1, failures=True)
     recorder.attempt(int(row["seed"]))
     write_demonstration_films(out, recorder.taken, "twin", world.options.control_frequency)
@@ -117,16 +117,17 @@ def main() -> None:
     ledger = given.out / "attempts.csv"
     rows = list(csv.DictReader(ledger.open())) if ledger.exists() else []
     seen = {(row["asset"], row["joint"], int(row["seed"])) for row in rows}
+    models = AssetFolders(given.library)
     with ledger.open("a", newline="") as file:
         writer = csv.DictWriter(file, FIELDS)
         if file.tell() == 0:
             writer.writeheader()
-        for entry in read_json(Library, given.library).assets:
-            if not entry.doors + entry.drawers or given.only not in entry.id:
+        for asset in models:
+            if not models.asset(asset).articulated or given.only not in asset:
                 continue
-            folder = given.library.parent / entry.folder
+            folder = models[asset]
             for joint in joints(folder, given.task, given.every):
-                states = [seed for seed in seeds(entry.id, given.attempts) if (entry.id, joint, seed) not in seen]
+                states = [seed for seed in seeds(asset, given.attempts) if (asset, joint, seed) not in seen]
                 for row in attempts(folder, given.task, joint, size, states, options) if states else ():
                     writer.writerow(row)
                     file.flush()
@@ -134,11 +135,9 @@ def main() -> None:
     (given.out / "summary.md").write_text(summary(rows))
     print(summary(rows))
     failed = [row for row in rows if row["success"] == "0" and int(row["steps"])]
-    models = given.library.parent / "models"
     for row in failed[: given.films]:
-        film(
-            models, given.task, row, size, options, given.out / "films" / f"{row['asset']}-{row['seed']}-{row['cause']}"
-        )
+        out = given.out / "films" / f"{row['asset']}-{row['seed']}-{row['cause']}"
+        film(models[row["asset"]], given.task, row, size, options, out)
 
 
 if __name__ == "__main__":

@@ -25,7 +25,7 @@ from benchmarks.tables import table
 from stages.articulated.asset_folder import read_asset
 from stages.assets.snapshots import PACKED, Turntable, largest_extent
 from stages.config.assets import SnapshotOptions
-from stages.contracts import Library, read_json
+from stages.contracts.library_folder import AssetFolders
 from stages.simulation.loading import load_looks, move, remove, root_pose
 
 PARTS = ["SAPIEN: loading", "SAPIEN: pictures", "ours: `photograph`", "ours: packing"]
@@ -96,11 +96,12 @@ def main() -> None:
     parser.add_argument("--models", type=int, default=30, help="so many, evenly over the library")
     parser.add_argument("--sizes", type=int, nargs="+", default=[192, 256])
     asked = parser.parse_args()
-    assets = read_json(Library, asked.library).assets
+    folders = AssetFolders(asked.library)
+    assets = list(folders)
     chosen = [assets[k] for k in np.linspace(0, len(assets) - 1, min(asked.models, len(assets))).round().astype(int)]
     heading = ["pixels", *(f"{part} (ms each)" for part in PARTS)]
     heading += ["raw, per CPU s", "ours, per CPU s", "ours of raw"]
-    table(heading, rows([asked.library.parent / entry.folder for entry in chosen], asked.sizes))
+    table(heading, rows([folders[asset] for asset in chosen], asked.sizes))
 
 
 if __name__ == "__main__":

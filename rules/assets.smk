@@ -1,17 +1,23 @@
 # The asset library and its snapshots (paper A.1).
 # Reads:  nothing, or the user's folders named in `assets.folders`.
-# Writes: results/assets/library/library.json, of procedural.json and own_<shard>.json with a folder per asset beside it,
+# Writes: results/assets/library/shard_<i>.{json,zip} and library.json, the index of them all,
 #         results/assets/snapshots/shard_<i>.{h5,json}, and for people shard_<i>.png.
+
+# The archives of all models. Those who unpack some name them as inputs; that a model changed is seen in library.json.
+MODELS = ancient(expand("results/assets/library/shard_{shard}.zip", shard=SHARDS))
 
 
 rule procedural:
-    """Make the procedural models."""
+    """Make one shard of the procedural models."""
     output:
-        library="results/assets/library/procedural.json",
+        part="results/assets/library/shard_{shard}.json",
+        models="results/assets/library/shard_{shard}.zip",
     log:
-        "logs/assets/procedural.log",
+        "logs/assets/procedural_{shard}.log",
     benchmark:
-        "benchmarks/assets/procedural.tsv"
+        "benchmarks/assets/procedural_{shard}.tsv"
+    wildcard_constraints:
+        shard=r"\d+",
     container:
         CONFIG.containers.simulation
     threads: 1
@@ -20,11 +26,13 @@ rule procedural:
     params:
         command=command("assets", "library"),
         code=code("assets", "library"),
-        check=check(library="library"),
+        check=check(library_part="part"),
         options=options("assets", "library"),
+        shards=PROCEDURAL,
         seed=CONFIG.seed,
     shell:
-        "({params.command} --options {params.options:q} --seed {params.seed} --out {output.library:q} && "
+        "({params.command} --shard {wildcards.shard} --shards {params.shards} --options {params.options:q} "
+        "--seed {params.seed} --out {output.part:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
 
 
@@ -33,7 +41,8 @@ rule own:
     input:
         files=lambda wildcards: ancient(OWN[wildcards.shard].files),  # their digest counts
     output:
-        part="results/assets/library/{shard}.json",
+        part="results/assets/library/shard_{shard}.json",
+        models="results/assets/library/shard_{shard}.zip",
     log:
         "logs/assets/{shard}.log",
     benchmark:
@@ -62,8 +71,8 @@ rule own:
 rule library:
     """Join the procedural models and the user's own."""
     input:
-        procedural=[rules.procedural.output.library] if PROCEDURAL else [],
-        own=expand(rules.own.output.part, shard=OWN),
+        procedural=files(rules.procedural.output.part, shard=range(PROCEDURAL)),
+        own=files(rules.own.output.part, shard=OWN),
     output:
         library="results/assets/library/library.json",
     log:
@@ -85,7 +94,8 @@ rule library:
 rule snapshots:
     """Render the yaw views of one shard of the library."""
     input:
-        models=lambda wildcards: (rules.own if wildcards.shard in OWN else rules.procedural).output[0],
+        part="results/assets/library/shard_{shard}.json",
+        models=ancient("results/assets/library/shard_{shard}.zip"),
     output:
         images="results/assets/snapshots/shard_{shard}.h5",
         index="results/assets/snapshots/shard_{shard}.json",
@@ -103,11 +113,8 @@ rule snapshots:
         code=code("assets", "snapshots"),
         check=check(snapshots="images"),
         options=options("assets", "snapshots"),
-        shard=lambda wildcards: 0 if wildcards.shard in OWN else wildcards.shard,
-        shards=lambda wildcards: 1 if wildcards.shard in OWN else PROCEDURAL,
     shell:
-        "({params.command} --library {input.models:q} --shard {params.shard} --shards {params.shards} "
-        "--options {params.options:q} --out {output.images:q} && "
+        "({params.command} --library {input.part:q} --options {params.options:q} --out {output.images:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
 
 

@@ -4,7 +4,7 @@ import os
 import shlex
 import sys
 from hashlib import sha256
-from itertools import chain
+from itertools import chain, product
 from pathlib import Path
 
 from snakemake.exceptions import WorkflowError
@@ -82,6 +82,18 @@ wildcard_constraints:
     run=r"[A-Za-z0-9_-]+",
     seed=r"\d+",
     shard=r"\d+|own_\w+",
+
+
+def files(patterns, **values):
+    """Snakemake's `expand` for outputs of rules, also where a storage provider holds them; other wildcards stay."""
+    found = []
+    for pattern in [patterns] if isinstance(patterns, str) else patterns:
+        names = pattern.get_wildcard_names()
+        lists = {name: [value] if isinstance(value, (str, int)) else value for name, value in values.items()}
+        for chosen in product(*(lists[name] for name in lists if name in names)):
+            given = dict(zip((name for name in lists if name in names), chosen))
+            found.append(pattern.apply_wildcards({name: f"{{{name}}}" for name in names} | given))
+    return found
 
 
 def options(stage, verb):

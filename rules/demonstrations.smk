@@ -9,6 +9,7 @@ rule demonstrate:
     input:
         assets=lambda wildcards: task_assets(wildcards.task),
         library=rules.library.output.library,
+        models=MODELS,
     output:
         **filmed(
             "demonstrations",
@@ -48,6 +49,7 @@ rule demonstrate_in_scene:
     input:
         scenes=task_scenes,
         library=rules.library.output.library,
+        models=MODELS,
     output:
         **(
             {}

@@ -31,7 +31,7 @@ rule encoder_pairs:
 rule encoder:
     """Train the network on them."""
     input:
-        pairs=expand(rules.encoder_pairs.output.pairs, shard=range(CONFIG.encoder.shards)),
+        pairs=files(rules.encoder_pairs.output.pairs, shard=range(CONFIG.encoder.shards)),
     output:
         weights="results/encoder/patchnet.safetensors",
         metrics="results/encoder/metrics.jsonl",

@@ -15,6 +15,7 @@ rule rollout:
         config=rules.train.output.config,
         assets=lambda wildcards: task_assets(wildcards.task),
         library=rules.library.output.library,
+        models=MODELS,
         trial=rules.trial.output.rollouts if CONFIG.evaluation.checkpoint == "rollouts" else [],
     output:
         **filmed(
@@ -59,6 +60,7 @@ rule skill:
     input:
         assets=lambda wildcards: task_assets(wildcards.task),
         library=rules.library.output.library,
+        models=MODELS,
     output:
         rollouts="results/evaluation/skill/{task}/rollouts.csv",
     log:
@@ -112,6 +114,7 @@ rule leave_out:
     input:
         truth=truth_of,
         library=rules.library.output.library,
+        models=MODELS,
     output:
         assets="results/evaluation/left_out/{scene}.json",
     log:
@@ -136,6 +139,7 @@ rule score:
         objects=rules.extract.output.objects,
         truth=truth_of,
         library=rules.library.output.library,
+        models=MODELS,
     output:
         scores="results/evaluation/scenes/{variant}/{scene}/scores.csv",
     log:
@@ -163,7 +167,7 @@ rule score:
 rule evaluation:
     """All scores and rollouts of this run."""
     input:
-        expand(rules.score.output.scores, variant=VARIANTS, scene=SCORED_ROOMS),
+        files(rules.score.output.scores, variant=VARIANTS, scene=SCORED_ROOMS),
         cells(rules.gather.output.rollouts),
         demonstrated(rules.skill.output.rollouts),
     localrule: True

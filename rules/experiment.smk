@@ -11,6 +11,7 @@ rule select:
         distances=lambda wildcards: of_target(wildcards, rules.distances.output.distances),
         scene=lambda wildcards: of_target(wildcards, rules.generate.output.scenes[0]),
         library=rules.library.output.library,
+        models=MODELS,
         truth=known_truth,
         objects=lambda wildcards: of_target(wildcards, rules.extract.output.objects),
     output:
@@ -50,6 +51,7 @@ rule pinned:
     input:
         assets=lambda wildcards: PINNED[wildcards.task],
         library=rules.library.output.library,
+        models=MODELS,
     output:
         assets="results/experiment/{variant}/{task}/assets.json",
     log:
@@ -78,7 +80,8 @@ rule draw_roles:
     """Draw the assets of a task with their roles and what a gripper meets there."""
     input:
         assets=lambda wildcards: task_assets(wildcards.task),
-        snapshots=expand(rules.snapshots.output.images, shard=SHARDS),
+        snapshots=files(rules.snapshots.output.images, shard=SHARDS),
+        indices=files(rules.snapshots.output.index, shard=SHARDS),
     output:
         picture=report(
             "results/experiment/{variant}/{task}/assets.png",
@@ -110,5 +113,5 @@ rule draw_roles:
 rule experiment:
     """The assets of all tasks, and their pictures."""
     input:
-        expand(rules.draw_roles.output.picture, variant=EXPERIMENT.policy_variant, task=SOURCES),
+        files(rules.draw_roles.output.picture, variant=EXPERIMENT.policy_variant, task=SOURCES),
     localrule: True

@@ -10,6 +10,7 @@ rule export_scenes:
         scenes=rules.generate.output.scenes,
         look=rules.draw_scenes.output.look,
         library=rules.library.output.library,
+        models=MODELS,
     output:
         folder=directory("results/exports/scenes/{format}/{variant}/{scene}"),
     log:
@@ -34,6 +35,7 @@ rule export_demonstrations:
     input:
         episodes=rules.train.input.episodes,
         library=rules.library.output.library,
+        models=MODELS,
     output:
         folder=directory("results/exports/demonstrations/{format}/{task}/{training_set}"),
     log:
@@ -81,12 +83,12 @@ rule export_policy:
 rule exports:
     """All scenes, demonstrations and policies of this run, in all formats."""
     input:
-        expand(rules.export_scenes.output.folder, format=["glb", "urdf", "mjcf", "usd"], variant=VARIANTS, scene=ROOMS),
+        files(rules.export_scenes.output.folder, format=["glb", "urdf", "mjcf", "usd"], variant=VARIANTS, scene=ROOMS),
         policies(rules.export_policy.output.folder),
         [
             folder
             for task in SOURCES
-            for folder in expand(
+            for folder in files(
                 rules.export_demonstrations.output.folder,
                 format=["robomimic", "lerobot", "maniskill"],
                 task=task,

@@ -66,5 +66,5 @@ rule draw_objects:
 rule extraction:
     """Objects of all scenes."""
     input:
-        expand(rules.draw_objects.output.overview, scene=ROOMS),
+        files(rules.draw_objects.output.overview, scene=ROOMS),
     localrule: True

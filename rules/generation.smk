@@ -12,6 +12,7 @@ rule generate:
         clouds=rules.extract.output.clouds,
         masks=rules.extract.output.masks,
         library=rules.library.output.library,
+        models=MODELS,
     output:
         scenes=[f"results/generation/{{variant}}/{{scene}}/scene_{rank}.json" for rank in RANKS],
     log:
@@ -45,6 +46,7 @@ rule draw_scenes:
         depth=rules.extract.output.depth,
         image=scene_image,
         library=rules.library.output.library,
+        models=MODELS,
     output:
         previews=[f"results/generation/{{variant}}/{{scene}}/scene_{rank}.png" for rank in RANKS],
         exports=[f"results/generation/{{variant}}/{{scene}}/scene_{rank}.glb" for rank in RANKS],
@@ -78,5 +80,5 @@ rule draw_scenes:
 rule generation:
     """Generated scenes of all rooms and variants."""
     input:
-        expand(rules.draw_scenes.output.comparison, variant=VARIANTS, scene=ROOMS),
+        files(rules.draw_scenes.output.comparison, variant=VARIANTS, scene=ROOMS),
     localrule: True

@@ -43,8 +43,11 @@ rule match:
         depth=rules.extract.output.depth,
         image=scene_image,
         library=rules.library.output.library,
+        models=MODELS,
         features=lambda wildcards: pictures_of(wildcards.variant, features_of(wildcards.variant)),
-        snapshots=lambda wildcards: pictures_of(wildcards.variant, expand(rules.snapshots.output.images, shard=SHARDS)),
+        beside_features=lambda wildcards: pictures_of(wildcards.variant, beside_features(wildcards.variant)),
+        snapshots=lambda wildcards: pictures_of(wildcards.variant, files(rules.snapshots.output.images, shard=SHARDS)),
+        indices=lambda wildcards: pictures_of(wildcards.variant, files(rules.snapshots.output.index, shard=SHARDS)),
         without=left_out,
     output:
         cousins="results/matching/{variant}/{scene}/cousins.json",
@@ -77,6 +80,7 @@ rule distances:
         objects=rules.extract.output.objects,
         library=rules.library.output.library,
         features=lambda wildcards: features_of(wildcards.variant),
+        beside_features=lambda wildcards: beside_features(wildcards.variant),
     output:
         distances="results/matching/{variant}/{scene}/distances/{object}.json",
     log:
@@ -109,7 +113,9 @@ rule draw_cousins:
         depth=rules.extract.output.depth,
         image=scene_image,
         library=rules.library.output.library,
-        snapshots=expand(rules.snapshots.output.images, shard=SHARDS),
+        models=MODELS,
+        snapshots=files(rules.snapshots.output.images, shard=SHARDS),
+        indices=files(rules.snapshots.output.index, shard=SHARDS),
     output:
         picture=report(
             "results/matching/{variant}/{scene}/cousins.png",
@@ -135,5 +141,5 @@ rule draw_cousins:
 rule matching:
     """Cousins of all scenes, in all variants."""
     input:
-        expand(rules.draw_cousins.output.picture, variant=VARIANTS, scene=ROOMS),
+        files(rules.draw_cousins.output.picture, variant=VARIANTS, scene=ROOMS),
     localrule: True

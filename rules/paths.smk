@@ -1,10 +1,14 @@
 # Helpers: which files a job reads, and which a report shows. Nothing here makes a file.
 
 
-def features_of(variant):
-    """The feature store that a variant uses, shard by shard."""
-    store = CONFIG.matching_of(variant).store()
-    return [f"results/matching/features/{store}/shard_{shard}.npy" for shard in SHARDS]
+def features_of(variant, kind="features"):
+    """The feature store that a variant uses, shard by shard; `kind`: features, or the index or companion beside them."""
+    return files(getattr(rules.features.output, kind), store=CONFIG.matching_of(variant).store(), shard=SHARDS)
+
+
+def beside_features(variant):
+    """Index and companion of every shard of the feature store that a variant uses."""
+    return [*features_of(variant, "index"), *features_of(variant, "companion")]
 
 
 def pictures_of(variant, files):
@@ -49,7 +53,7 @@ def of_picture(pattern):
     def found(wildcards):
         if not CONFIG.image:
             raise WorkflowError("image: there is no picture. Fix: snakemake --cores 2 photo --config image=kitchen.jpg")
-        return expand(pattern, variant=VARIANTS, scene=ROOMS)
+        return files(pattern, variant=VARIANTS, scene=ROOMS)
 
     return found
 
@@ -76,13 +80,13 @@ def runs_of(task, training_set):
 def policies_of(task, training_set, pattern):
     """The files of `pattern` for the policies of one training set, one per run and seed."""
     runs, seeds = runs_of(task, training_set), EXPERIMENT.plan(task).seeds
-    return expand(pattern, task=task, training_set=training_set, run=runs, seed=seeds)
+    return files(pattern, task=task, training_set=training_set, run=runs, seed=seeds)
 
 
 def cells(pattern):
     """The files of `pattern` for every task and training set."""
     return [
-        file for task in TASKS for file in expand(pattern, task=task, training_set=EXPERIMENT.plan(task).training_sets)
+        file for task in TASKS for file in files(pattern, task=task, training_set=EXPERIMENT.plan(task).training_sets)
     ]
 
 
@@ -106,24 +110,24 @@ def possible_policies(pattern):
     return [
         file
         for task, plan in plans.items()
-        for file in expand(pattern, task=task, training_set=plan.training_sets, run=plan.runs, seed=plan.seeds)
+        for file in files(pattern, task=task, training_set=plan.training_sets, run=plan.runs, seed=plan.seeds)
     ]
 
 
 def trained(pattern):
     """The files of `pattern` for every task and role on which demonstrations are collected."""
-    return [file for task in SOURCES for file in expand(pattern, task=task, role=EXPERIMENT.trained_roles(task))]
+    return [file for task in SOURCES for file in files(pattern, task=task, role=EXPERIMENT.trained_roles(task))]
 
 
 def demonstrated(pattern):
     """The files of `pattern` for every task that policies are trained for, once for rows that share their assets."""
-    return expand(pattern, task=[task for task in SOURCES if EXPERIMENT.sets_of(task)])
+    return files(pattern, task=[task for task in SOURCES if EXPERIMENT.sets_of(task)])
 
 
 def of_target(wildcards, pattern):
     """The file of `pattern` for a task's object or for the scene that holds it."""
     target = EXPERIMENT.plan(wildcards.task).target
-    return expand(pattern, variant=wildcards.variant, scene=target.scene, object=target.object)
+    return files(pattern, variant=wildcards.variant, scene=target.scene, object=target.object)
 
 
 def task_scenes(wildcards):
@@ -135,7 +139,7 @@ def task_scenes(wildcards):
 
 def in_scenes(pattern):
     """The files of `pattern` for every task that is demonstrated inside generated scenes."""
-    return expand(pattern, task=SOURCES) if EXPERIMENT.in_scene else []
+    return files(pattern, task=SOURCES) if EXPERIMENT.in_scene else []
 
 
 def task_assets(task):

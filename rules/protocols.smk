@@ -16,7 +16,11 @@ def pictured(wildcards):
 def room_library(wildcards):
     """What furnishes a room: ours with procedural models, the same whatever else is in the library; yours with all."""
     ours = CONFIG.room_files().get(room_of(wildcards)) in series()
-    return (rules.procedural if ours and PROCEDURAL else rules.library).output.library
+    if not (ours and PROCEDURAL):
+        return {"library": rules.library.output.library, "models": MODELS}
+    parts, models = rules.procedural.output
+    shards = range(PROCEDURAL)
+    return {"library": files(parts, shard=shards), "models": ancient(files(models, shard=shards))}
 
 
 def seed_of(wildcards):
@@ -49,8 +53,8 @@ def left_out(wildcards):
 
 def met(pattern):
     """The files of `pattern` for all scenes of all protocols."""
-    files = [file for scene, variants in MET.items() for file in expand(pattern, scene=scene, variant=variants)]
-    return list(dict.fromkeys(files))
+    every = [file for scene, variants in MET.items() for file in files(pattern, scene=scene, variant=variants)]
+    return list(dict.fromkeys(every))
 
 
 def room_flags(wildcards):

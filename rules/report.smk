@@ -13,17 +13,17 @@ ROLLOUT_FILMS = (
 )
 # Benchmark files cannot be inputs: those of this run are named to the page, so that it counts no others.
 BENCHMARKS = [
-    *([rules.procedural.benchmark] if PROCEDURAL else []),
-    *expand(rules.own.benchmark, shard=OWN),
-    *expand(rules.snapshots.benchmark, shard=SHARDS),
-    *expand(rules.room.benchmark, scene=SCORED_ROOMS),
-    *expand(rules.extract.benchmark, scene=ROOMS),
-    *expand(rules.features.benchmark, store=STORES, shard=SHARDS),
-    *expand(
+    *files(rules.procedural.benchmark, shard=range(PROCEDURAL)),
+    *files(rules.own.benchmark, shard=OWN),
+    *files(rules.snapshots.benchmark, shard=SHARDS),
+    *files(rules.room.benchmark, scene=SCORED_ROOMS),
+    *files(rules.extract.benchmark, scene=ROOMS),
+    *files(rules.features.benchmark, store=STORES, shard=SHARDS),
+    *files(
         [rules.match.benchmark, rules.generate.benchmark, rules.draw_scenes.benchmark], variant=VARIANTS, scene=ROOMS
     ),
-    *expand(rules.score.benchmark, variant=VARIANTS, scene=SCORED_ROOMS),
-    *expand(rules.select.benchmark, variant=EXPERIMENT.policy_variant, task=SOURCES),
+    *files(rules.score.benchmark, variant=VARIANTS, scene=SCORED_ROOMS),
+    *files(rules.select.benchmark, variant=EXPERIMENT.policy_variant, task=SOURCES),
     *[
         file
         for task in SOURCES
@@ -45,14 +45,14 @@ rule report_page:
     """One page that shows this run: what these inputs hold, and nothing else that lies in results/."""
     input:
         library=rules.library.output.library,
-        snapshots=expand([*rules.snapshots.output], shard=SHARDS),
-        sheets=expand(rules.draw_snapshots.output.sheet, shard=SHARDS),
+        snapshots=files([*rules.snapshots.output], shard=SHARDS),
+        sheets=files(rules.draw_snapshots.output.sheet, shard=SHARDS),
         images=[scene_image(SimpleNamespace(scene=room)) for room in ROOMS],
-        objects=expand(rules.extract.output.objects, scene=ROOMS),
-        overviews=expand(rules.draw_objects.output.overview, scene=ROOMS),
-        cousins=expand(rules.match.output.cousins, variant=VARIANTS, scene=ROOMS),
-        scenes=expand(rules.generate.output.scenes, variant=VARIANTS, scene=ROOMS),
-        previews=expand(rules.draw_scenes.output.previews, variant=VARIANTS, scene=ROOMS),
+        objects=files(rules.extract.output.objects, scene=ROOMS),
+        overviews=files(rules.draw_objects.output.overview, scene=ROOMS),
+        cousins=files(rules.match.output.cousins, variant=VARIANTS, scene=ROOMS),
+        scenes=files(rules.generate.output.scenes, variant=VARIANTS, scene=ROOMS),
+        previews=files(rules.draw_scenes.output.previews, variant=VARIANTS, scene=ROOMS),
         assets=[task_assets(task) for task in SOURCES],
         films=DEMO_FILMS,
         scene_films=SCENE_FILMS,
@@ -62,6 +62,7 @@ rule report_page:
         metrics=policies(rules.train.output.metrics, first=True),
         tables=rules.tables.input,
         figures=rules.figures.output,
+        published=workflow.source_path("../report/published/table3.csv"),
     output:
         page=shown("results/report/index.html", "report"),
         times="results/report/times.html",
@@ -83,21 +84,20 @@ rule report_page:
     shell:
         "{params.command} --files {input:q} --images {params.images:q} --benchmarks {params.benchmarks:q} "
         "--seed {params.seed} --config-digest {params.digest} --options {params.options:q} "
-        "--out {output.page:q} 2>&1 | tee {log:q}"
+        "--published $(dirname {input.published:q}) --out {output.page:q} 2>&1 | tee {log:q}"
 
 
 rule scene_page:
     """One page about one picture: what was found, cousins, scenes, every object's story, files to save."""
     input:
         unpack(scene_inputs),
-        snapshots=expand([*rules.snapshots.output], shard=SHARDS),
+        snapshots=files([*rules.snapshots.output], shard=SHARDS),
         found=[*rules.extract.output, rules.draw_objects.output.overview],
-        cousins=expand(rules.match.output.cousins, variant=VARIANTS, allow_missing=True),
-        scenes=expand(rules.generate.output.scenes, variant=VARIANTS, allow_missing=True),
-        drawn=expand(
+        cousins=files(rules.match.output.cousins, variant=VARIANTS),
+        scenes=files(rules.generate.output.scenes, variant=VARIANTS),
+        drawn=files(
             [*rules.draw_scenes.output.previews, *rules.draw_scenes.output.exports, rules.draw_scenes.output.view],
             variant=VARIANTS,
-            allow_missing=True,
         ),
     output:
         page=shown("results/report/scenes/{scene}.html", "report"),
@@ -121,7 +121,7 @@ rule scene_page:
 rule pages:
     """A page of its own for every picture of the run."""
     input:
-        expand(rules.scene_page.output.page, scene=ROOMS),
+        files(rules.scene_page.output.page, scene=ROOMS),
     localrule: True
 
 

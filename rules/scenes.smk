@@ -7,7 +7,7 @@
 rule room:
     """Furnish one room with models of the library and photograph it."""
     input:
-        library=room_library,
+        unpack(room_library),
     output:
         rgb="results/scenes/{scene}/input/rgb.png",
         camera="results/scenes/{scene}/input/camera.json",
@@ -43,12 +43,12 @@ rule room:
 rule scenes:
     """The rooms of this run."""
     input:
-        expand(rules.room.output.rgb, scene=SCORED_ROOMS),
+        files(rules.room.output.rgb, scene=SCORED_ROOMS),
     localrule: True
 
 
 rule scenes8:
     """All eight rooms of Table 2."""
     input:
-        expand(rules.room.output.rgb, scene=[f"room_{k}" for k in range(1, 9)]),
+        files(rules.room.output.rgb, scene=[f"room_{k}" for k in range(1, 9)]),
     localrule: True

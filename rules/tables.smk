@@ -8,10 +8,10 @@ ROLLOUTS = [*cells(rules.gather.output.rollouts), *demonstrated(rules.skill.outp
 rule table2:
     """Table 2 and Figure 6, and the companion on rooms met otherwise; the published values beside ours."""
     input:
-        scores=expand(rules.score.output.scores, variant=VARIANTS, scene=SCORED_ROOMS),
+        scores=files(rules.score.output.scores, variant=VARIANTS, scene=SCORED_ROOMS),
         met=met(rules.score.output.scores),
-        comparisons=expand(rules.draw_scenes.output.comparison, variant=VARIANTS, scene=ROOMS),
-        published="report/published/table2.csv",
+        comparisons=files(rules.draw_scenes.output.comparison, scene=ROOMS, variant=VARIANTS),
+        published=workflow.source_path("../report/published/table2.csv"),
     output:
         csv=expand("results/tables/{table}.csv", table=["table2", "table2_robustness"]),
         html=shown("results/tables/table2.html", "tables"),
@@ -32,17 +32,14 @@ rule table2:
         command=command("tables", "scenes"),
         code=code("tables", "scenes"),
         options=options("tables", "scenes"),
-        published=subpath(input.published, parent=True),
-        comparisons=[
-            f"{room}/{variant}=results/generation/{variant}/{room}/comparison.png"
-            for room in ROOMS
-            for variant in VARIANTS
+        comparisons=lambda wildcards, input: [
+            f"{room}/{variant}={file}" for (room, variant), file in zip(product(ROOMS, VARIANTS), input.comparisons)
         ],
         out=subpath(output.html, parent=True),
         figures=subpath(output.figure6, parent=True),
     shell:
         "{params.command} --scores {input.scores:q} {input.met:q} --comparisons {params.comparisons:q} "
-        "--published {params.published:q} --options {params.options:q} --figures {params.figures:q} "
+        "--published $(dirname {input.published:q}) --options {params.options:q} --figures {params.figures:q} "
         "--out {params.out:q} 2>&1 | tee {log:q}"
 
 
@@ -50,7 +47,7 @@ rule table3:
     """Success over unseen assets; Table 3: every cell with its n, seeds and interval, the published value beside it."""
     input:
         rollouts=ROLLOUTS,
-        published="report/published/table3.csv",
+        published=workflow.source_path("../report/published/table3.csv"),
     output:
         csv="results/tables/table3.csv",
         more=expand("results/tables/table3_{what}.csv", what=["cells", "differences", "claims", "stability"]),
@@ -71,11 +68,10 @@ rule table3:
         command=command("tables", "policies"),
         code=code("tables", "policies"),
         options=options("tables", "policies"),
-        published=subpath(input.published, parent=True),
         out=subpath(output.csv, parent=True),
     shell:
         "{params.command} --rollouts {input.rollouts:q} "
-        "--published {params.published:q} --options {params.options:q} --out {params.out:q} 2>&1 | tee {log:q}"
+        "--published $(dirname {input.published:q}) --options {params.options:q} --out {params.out:q} 2>&1 | tee {log:q}"
 
 
 rule tables:
@@ -90,7 +86,7 @@ rule figures:
     """Figures 4 and 9."""
     input:
         rollouts=ROLLOUTS,
-        published="report/published/table3.csv",
+        published=workflow.source_path("../report/published/table3.csv"),
     output:
         figure4=shown("results/figures/figure4.svg", "figures"),
         figure9=shown("results/figures/figure9.svg", "figures"),
@@ -108,8 +104,7 @@ rule figures:
         command=command("tables", "figures"),
         code=code("tables", "figures"),
         options=options("tables", "figures"),
-        published=subpath(input.published, parent=True),
         out=subpath(output.figure4, parent=True),
     shell:
-        "{params.command} --rollouts {input.rollouts:q} --published {params.published:q} "
+        "{params.command} --rollouts {input.rollouts:q} --published $(dirname {input.published:q}) "
         "--options {params.options:q} --out {params.out:q} 2>&1 | tee {log:q}"

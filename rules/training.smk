@@ -6,7 +6,7 @@
 rule train:
     """Train one policy."""
     input:
-        episodes=lambda wildcards: expand(
+        episodes=lambda wildcards: files(
             rules.demonstrate.output.episodes,
             task=EXPERIMENT.source(wildcards.task),
             role=EXPERIMENT.roles(wildcards.training_set),

@@ -13,6 +13,7 @@ rule trial:
         config=rules.train.output.config,
         assets=lambda wildcards: task_assets(wildcards.task),
         library=rules.library.output.library,
+        models=MODELS,
     output:
         rollouts="results/evaluation/trials/{task}/{training_set}/{run}/seed_{seed}/rollouts.csv",
     log:
@@ -44,7 +45,7 @@ rule trial:
 checkpoint choose:
     """Choose the hyper-parameter sets of one training set by their trials."""
     input:
-        trials=lambda wildcards: expand(
+        trials=lambda wildcards: files(
             rules.trial.output.rollouts,
             run=EXPERIMENT.plan(wildcards.task).runs,
             seed=EXPERIMENT.plan(wildcards.task).seeds[0],

@@ -1,21 +1,25 @@
-"""Make the procedural models: one folder per model and an index of them (paper A.1)."""
+"""Make the procedural models: an archive of them and its index (paper A.1)."""
 
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from stages.cli import progress
 from stages.config.assets import LibraryOptions
 from stages.contracts.errors import InputError
-from stages.contracts.files import read_options, write_json
-from stages.contracts.library import Asset, Library, LibraryEntry
+from stages.contracts.files import read_options
+from stages.contracts.library import Asset
+from stages.contracts.library_folder import write_part
 from stages.procedural.catalogue import CATEGORIES, model_name, sample
 from stages.procedural.folder import build
 
 
-def run(*, out: Path, options: str = "{}", seed: int = 0) -> None:
-    """Write the index and, beside it, models/<id>/ for every model.
+def run(*, out: Path, shard: int = 0, shards: int = 1, options: str = "{}", seed: int = 0) -> None:
+    """Write the index and, beside it, the archive of every `shards`-th model, beginning with number `shard`.
 
     Args:
-        out: path of the index, a library.json.
+        out: path of the index; the archive (.zip) gets the same name.
+        shard: which part, 0 to shards - 1.
+        shards: number of parts.
         options: JSON of the config section `assets`.
         seed: of the models.
     """
@@ -26,16 +30,12 @@ def run(*, out: Path, options: str = "{}", seed: int = 0) -> None:
     wanted = [(category, k) for category, count in sorted(config.counts.items()) for k in range(count)]
     if not wanted:
         raise InputError("assets", "the library would be empty.", "set assets.counts or assets.folders")
-    folder = out.parent / "models"
-    assets = [make(category, k, seed, folder) for category, k in progress(wanted, "models", len(wanted))]
-    write_json(
-        out,
-        Library(
-            assets=sorted(
-                (LibraryEntry.of(asset, f"models/{asset.id}") for asset in assets), key=lambda entry: entry.id
-            )
-        ),
-    )
+    if not 0 <= shard < shards:
+        raise InputError("--shard", f"{shard} is not below --shards {shards}.")
+    with TemporaryDirectory(prefix="acdc-library-") as folder:
+        for category, k in progress(wanted[shard::shards], "models", len(wanted[shard::shards])):
+            make(category, k, seed, Path(folder))
+        write_part(out, Path(folder))
 
 
 def make(category: str, index: int, seed: int, folder: Path) -> Asset:

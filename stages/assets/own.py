@@ -1,23 +1,23 @@
-"""Import some models of a user's folder: one folder per model and an index of them."""
+"""Import some models of a user's folder: an archive of them and its index."""
 
-import shutil
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from stages.assets.discover import discover
 from stages.assets.imports import by_suffix, import_models
 from stages.config.assets import OwnOptions
 from stages.contracts.errors import InputError
-from stages.contracts.files import read_options, write_json
-from stages.contracts.library import LibraryEntry, LibraryPart
+from stages.contracts.files import read_options
+from stages.contracts.library_folder import write_part
 
 
 def run(*, folder: Path, models: tuple[str, ...], out: Path, options: str = "{}") -> None:
-    """Write the index and, in the folder of its name, <id>/ for every model; what cannot be used is left out.
+    """Write the index and, beside it, the archive of the models; what cannot be used is left out.
 
     Args:
         folder: of the user.
         models: <id>=<file> each, files below `folder`.
-        out: path of the index.
+        out: path of the index; the archive (.zip) gets the same name.
         options: JSON of the config section `assets`.
     """
     kinds = by_suffix(read_options(OwnOptions, options).importers)
@@ -25,8 +25,6 @@ def run(*, folder: Path, models: tuple[str, ...], out: Path, options: str = "{}"
     wanted = {names[one.path]: one for one in discover(folder, list(kinds)) if one.path in names}
     if gone := set(names.values()) - set(wanted):
         raise InputError(folder, f"holds no model of '{min(gone)}'.", "each of --models is <id>=<file>")
-    place = out.with_suffix("")
-    shutil.rmtree(place, ignore_errors=True)
-    assets, left_out = import_models(wanted, kinds, place)
-    entries = [LibraryEntry.of(asset, f"{place.name}/{asset.id}") for asset in assets]
-    write_json(out, LibraryPart(assets=sorted(entries, key=lambda entry: entry.id), left_out=left_out))
+    with TemporaryDirectory(prefix="acdc-own-") as folder:
+        _, left_out = import_models(wanted, kinds, Path(folder))
+        write_part(out, Path(folder), left_out)

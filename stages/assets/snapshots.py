@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from stages.cli import progress
 from stages.config.assets import SnapshotOptions
-from stages.contracts.errors import InputError
-from stages.contracts.files import atomic, read_json, read_options, write_json
-from stages.contracts.library import Asset, LibraryPart, SnapshotShard
+from stages.contracts.files import atomic, read_options, write_json
+from stages.contracts.library import Asset, SnapshotShard
+from stages.contracts.library_folder import AssetFolders
 from stages.geometry.cameras import intrinsics_from_fov, look_at
 
 THOUSANDTHS = 1000.0
@@ -20,34 +20,29 @@ FARTHEST = 30.0  # metres: the camera measures in whole millimetres, 32 m at mos
 PACKED = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
 
 
-def run(*, library: Path, shard: int, shards: int, out: Path, options: str = "{}") -> None:
-    """Render every `shards`-th asset of a library or of a part of one, beginning with number `shard`.
+def run(*, library: Path, out: Path, options: str = "{}") -> None:
+    """Render the assets of a part of a library, or of all of it.
 
     Args:
-        library: library.json, or the index of a part.
-        shard: which part, 0 to shards - 1.
-        shards: number of parts.
+        library: index of the part, its archive beside it.
         out: the HDF5 file; the sidecar (.json) gets the same name.
         options: JSON of the config section `assets`.
     """
     config = read_options(SnapshotOptions, options)
-    if not 0 <= shard < shards:
-        raise InputError("--shard", f"{shard} is not below --shards {shards}.")
-    entries = read_json(LibraryPart, library).assets[shard::shards]
+    folders = AssetFolders(library)
     yaws = [2 * math.pi * k / config.n_snap for k in range(config.n_snap)]
     turntable = Turntable(config)
     views, side = len(yaws) + 1, config.image_size
     with atomic(out) as temporary:
         with h5py.File(temporary, "w") as file:
-            shape, picture = (len(entries), views, side, side), (1, 1, side, side)
-            packed = PACKED if entries else {}  # a shard of broken models is empty, which cannot be packed
-            rgb = file.create_dataset("rgb", (*shape, 3), "u1", chunks=(*picture, 3) if entries else None, **packed)
-            depth = file.create_dataset("depth", shape, "u2", chunks=picture if entries else None, **packed)
-            for index, entry in enumerate(progress(entries, "assets")):
-                folder = library.parent / entry.folder
-                rgb[index], depth[index] = turntable.photograph(folder, [*yaws, config.representative_yaw])
+            shape, picture = (len(folders), views, side, side), (1, 1, side, side)
+            packed = PACKED if folders else {}  # a shard of broken models is empty, which cannot be packed
+            rgb = file.create_dataset("rgb", (*shape, 3), "u1", chunks=(*picture, 3) if folders else None, **packed)
+            depth = file.create_dataset("depth", shape, "u2", chunks=picture if folders else None, **packed)
+            for index, asset in enumerate(progress(folders, "assets", len(folders))):
+                rgb[index], depth[index] = turntable.photograph(folders[asset], [*yaws, config.representative_yaw])
         sidecar = SnapshotShard(
-            assets=[entry.id for entry in entries],
+            assets=list(folders),
             yaws=yaws,
             representative_yaw=config.representative_yaw,
             image_size=side,

@@ -100,6 +100,6 @@ class AssetsConfig(SnapshotOptions, OwnOptions, LibraryOptions):
     shards: int | None = Field(
         None,
         ge=1,
-        description="Jobs that the procedural models are photographed and encoded in. null: two, and one more per "
-        "300 models beyond 600.",
+        description="Jobs that the procedural models are made, photographed and encoded in, and archives that hold "
+        "them. null: two, and one more per 300 models beyond 600.",
     )

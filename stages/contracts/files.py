@@ -110,7 +110,11 @@ def read_json(model: type[M], path: Path, fix: str = "") -> M:
     Raises:
         InputError: the file is missing, is not JSON, or breaks its contract (file and field named).
     """
-    text = read_text(path, fix)
+    return parse_json(model, read_text(path, fix), path, fix)
+
+
+def parse_json(model: type[M], text: str, path: Path, fix: str = "") -> M:
+    """The same of the text of a file `path`, wherever it was read."""
     if issubclass(model, Document):
         check_version(path, text, fix)
     try:

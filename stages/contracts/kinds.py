@@ -13,6 +13,7 @@ from stages.contracts.files import read_json, read_rows
 from stages.contracts.films import read_films
 from stages.contracts.generated import GeneratedScene
 from stages.contracts.in_scene import SceneDemonstrations
+from stages.contracts.library import Library
 from stages.contracts.policies import ChosenRuns, Rollout, SceneScore, TaskAssets
 from stages.contracts.scenes import Truth
 
@@ -41,8 +42,8 @@ def _with_companions(function: str) -> Callable[[Path], object]:
 
 
 KINDS: dict[str, FileKind] = {
-    "library": FileKind(_with_companions("library_folder:check_library")),
-    "library_part": FileKind(_with_companions("library_folder:check_part")),
+    "library": FileKind(_json(Library)),
+    "library_part": FileKind(_with_companions("library_folder:check_models"), ("{stem}.zip",)),
     "asset": FileKind(_with_companions("library_folder:check_asset")),
     "snapshots": FileKind(_with_companions("snapshot_file:check_snapshots"), ("{stem}.json", "{stem}.h5")),
     "features": FileKind(_with_companions("feature_rows:check_features"), ("{stem}.json", "{stem}.npy", "{stem}.npz")),

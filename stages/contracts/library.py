@@ -1,4 +1,4 @@
-"""Contracts of the `assets` stage: one `asset.json` per asset folder, one `library.json` per library."""
+"""Contracts of the `assets` stage: an `asset.json` per model, an index per shard of them and one per library."""
 
 from typing import Annotated, Literal
 
@@ -133,7 +133,7 @@ class LibraryEntry(Contract):
 
     id: Id
     category: Id
-    folder: RelativePath = Field(description="asset folder relative to library.json")
+    archive: RelativePath = Field(description="zip archive that holds the folder <id>/, relative to the index")
     doors: Panels
     drawers: Panels
     size: tuple[Extent, Extent, Extent] | None = Field(None, description="its closed box; null: not known")
@@ -141,12 +141,12 @@ class LibraryEntry(Contract):
     checksum: str
 
     @classmethod
-    def of(cls, asset: Asset, folder: str) -> "LibraryEntry":
-        """The line of an asset in the folder `folder`, relative to the index."""
+    def of(cls, asset: Asset, archive: str) -> "LibraryEntry":
+        """The line of an asset in the zip file `archive`, relative to the index."""
         return cls(
             id=asset.id,
             category=asset.category,
-            folder=folder,
+            archive=archive,
             doors=asset.doors,
             drawers=asset.drawers,
             size=asset.size,

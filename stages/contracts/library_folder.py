@@ -1,37 +1,151 @@
-"""A library on disk: library.json and the asset folders that it names."""
+"""Libraries on disk: an index of models, and beside it zip archives that hold a folder per model."""
 
-from pathlib import Path
+import tempfile
+import zipfile
+import zlib
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from functools import cache, lru_cache
+from pathlib import Path, PurePosixPath
 
 from stages.contracts.errors import InputError
-from stages.contracts.files import read_json
-from stages.contracts.library import Asset, Library, LibraryPart
+from stages.contracts.files import MAX_TEXT, atomic, parse_json, read_json, write_json
+from stages.contracts.library import Asset, LibraryEntry, LibraryPart
 
 AGAIN = "make it again: python -m stages.assets library"
+FIRST = "make it first: python -m stages.assets library"
+OPEN = 64  # archives at a time
+UNREADABLE = (OSError, zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError)  # what zipfile raises
+
+
+def pack(folder: Path, out: Path) -> None:
+    """Write all files below `folder` into a zip archive, by name and undated: the same files make the same bytes."""
+    files = {path.relative_to(folder).as_posix(): path for path in folder.rglob("*") if path.is_file()}
+    with atomic(out) as temporary, zipfile.ZipFile(temporary, "w") as archive:
+        for name in sorted(files):
+            about = zipfile.ZipInfo(name)  # of 1980
+            about.external_attr = 0o644 << 16
+            archive.writestr(about, files[name].read_bytes(), zipfile.ZIP_DEFLATED, compresslevel=1)
+
+
+def write_part(out: Path, folder: Path, left_out: Iterable[str] = ()) -> None:
+    """Write the index `out` of the asset folders in `folder`, and beside it the archive that they are packed into."""
+    archive = out.with_suffix(".zip")
+    assets = sorted((read_json(Asset, path) for path in folder.glob("*/asset.json")), key=lambda asset: asset.id)
+    pack(folder, archive)
+    write_json(
+        out,
+        LibraryPart(assets=[LibraryEntry.of(asset, archive.name) for asset in assets], left_out=list(left_out)),
+    )
+
+
+class AssetFolders(Mapping[str, Path]):
+    """The models of a library, or of parts of one, as folders by id, in order of id.
+
+    A model is unpacked when its folder is asked for; the folder lasts as long as the process.
+
+    Raises:
+        InputError: an index cannot be read; when a model is asked for: its archive does not hold what the index says.
+    """
+
+    def __init__(self, *indices: Path) -> None:
+        found = {
+            entry.id: (path.parent / entry.archive, entry.checksum)
+            for path in indices
+            for entry in read_json(LibraryPart, path, FIRST).assets
+        }
+        self._entries = dict(sorted(found.items()))
+
+    def __getitem__(self, asset: str) -> Path:
+        return _unpacked(*self._entries[asset], asset)
+
+    def __contains__(self, asset: object) -> bool:
+        return asset in self._entries
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._entries)
+
+    def __len__(self) -> int:
+        return len(self._entries)
+
+    def asset(self, asset: str) -> Asset:
+        """The asset.json of a model, for which nothing is unpacked."""
+        return _asset(*self._entries[asset], asset)
+
+    def archive(self, asset: str) -> Path:
+        """The archive of a model."""
+        return self._entries[asset][0]
+
+
+def _asset(path: Path, checksum: str, asset: str) -> Asset:
+    where, name = path / asset / "asset.json", f"{asset}/asset.json"
+    with _reading(path) as archive:
+        if name not in archive.NameToInfo:
+            raise InputError(path, f"holds no {name}.", AGAIN)
+        if archive.getinfo(name).file_size > MAX_TEXT:
+            raise InputError(where, f"is larger than {MAX_TEXT // 10**6} MB.", AGAIN)
+        content = archive.read(name)
+    found = parse_json(Asset, content.decode("utf-8-sig", errors="replace"), where, AGAIN)
+    if found.checksum != checksum:
+        raise InputError(where, f"checksum: is {found.checksum!r}, the index says {checksum!r} of '{asset}'.", AGAIN)
+    return found
+
+
+@cache
+def _unpacked(path: Path, checksum: str, asset: str) -> Path:
+    """Cached by checksum, too: another model of the same name has a folder of its own."""
+    _asset(path, checksum, asset)
+    into = Path(tempfile.mkdtemp(dir=_scratch().name))
+    with _reading(path) as archive:
+        names = [name for name in archive.namelist() if name.startswith(f"{asset}/") and not name.endswith("/")]
+        content = {name: archive.read(name) for name in names}
+    for name in names:
+        if ".." in PurePosixPath(name).parts:
+            raise InputError(path, f"holds '{name}', which leads out of it.", AGAIN)
+        file = into / name
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_bytes(content[name])
+    return into / asset
+
+
+@cache
+def _scratch() -> tempfile.TemporaryDirectory[str]:
+    return tempfile.TemporaryDirectory(prefix="acdc-models-")
+
+
+@contextmanager
+def _reading(path: Path) -> Iterator[zipfile.ZipFile]:
+    try:
+        yield _opened(path, path.stat().st_mtime_ns)
+    except FileNotFoundError:
+        raise InputError(path, "no such file.", AGAIN) from None
+    except UNREADABLE as error:
+        raise InputError(path, f"is no zip archive that can be read ({error}).", AGAIN) from None
+
+
+@lru_cache(maxsize=OPEN)
+def _opened(path: Path, changed: int) -> zipfile.ZipFile:
+    return zipfile.ZipFile(path)
 
 
 def check_asset(path: Path) -> Asset:
-    """asset.json, and that the URDF which it names is there."""
+    """asset.json of an asset folder, and that the URDF which it names is there."""
     asset = read_json(Asset, path, AGAIN)
     if not (path.parent / asset.urdf).is_file():
         raise InputError(path, f"urdf: there is no {asset.urdf} beside it.", AGAIN)
     return asset
 
 
-def check_library(path: Path) -> None:
-    """library.json and every asset: what the index says of one is what its asset.json says."""
-    _check_assets(path, read_json(Library, path, AGAIN))
-
-
-def check_part(path: Path) -> None:
-    """The same for a part of a library, which may be empty."""
-    _check_assets(path, read_json(LibraryPart, path, AGAIN))
-
-
-def _check_assets(path: Path, library: LibraryPart) -> None:
-    for entry in library.assets:
-        file = path.parent / entry.folder / "asset.json"
-        asset = check_asset(file)
-        for name in ("id", "category", "doors", "drawers", "checksum"):
+def check_models(path: Path) -> None:
+    """An index and every model of its archives: what the index says of one is what its asset.json says."""
+    folders = AssetFolders(path)
+    for entry in read_json(LibraryPart, path, AGAIN).assets:
+        asset, archive = folders.asset(entry.id), path.parent / entry.archive
+        for name in ("id", "category", "doors", "drawers"):
             found, said = getattr(asset, name), getattr(entry, name)
             if found != said:
-                raise InputError(file, f"{name}: is {found!r}, {path.name} says {said!r} of '{entry.id}'.", AGAIN)
+                what = f"{name}: is {found!r}, {path.name} says {said!r} of '{entry.id}'."
+                raise InputError(archive / entry.id / "asset.json", what, AGAIN)
+        with _reading(archive) as opened:
+            if f"{entry.id}/{asset.urdf}" not in opened.NameToInfo:
+                raise InputError(archive / entry.id, f"urdf: there is no {asset.urdf} beside it.", AGAIN)

@@ -9,7 +9,8 @@ import numpy as np
 
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.config.task import TaskConfig
-from stages.contracts import InputError, Library, TaskAssets, read_json, read_options, write_text
+from stages.contracts import InputError, TaskAssets, read_json, read_options, write_text
+from stages.contracts.library_folder import AssetFolders
 from stages.contracts.policies import Attempt, TaskAsset
 from stages.demonstrations.attempt import Recorder
 from stages.demonstrations.film import write_demonstration_films
@@ -51,8 +52,12 @@ def run(
     """
     settings = read_options(DemonstrationsConfig, options)
     world = read_options(TaskConfig, task_options)
-    plan, index = read_json(TaskAssets, assets), read_json(Library, library)
-    chosen = [(asset_folder(index, entry.asset, library), entry) for entry in plan.behind(role, assets)]
+    plan, models = read_json(TaskAssets, assets), AssetFolders(library)
+    wanted = plan.behind(role, assets)
+    if gone := [entry.asset for entry in wanted if entry.asset not in models]:
+        fix = "was the library rebuilt? run the stages after it again"
+        raise InputError(library, f"has no asset {gone[0]!r}.", fix)
+    chosen = [(models[entry.asset], entry) for entry in wanted]
     folder, entry = chosen[0]
     randomise = settings.randomise if role == "twin_randomised" else None
     task = make_task(plan.task, folder, entry.joint, entry.size, world, randomise=randomise)
@@ -111,14 +116,6 @@ def take_turns(
         if len(kept) == episodes or len(ledger) == len(seeds):
             break
     return kept, ledger
-
-
-def asset_folder(library: Library, asset: str, where: Path) -> Path:
-    """Folder of an asset of a library."""
-    for entry in library.assets:
-        if entry.id == asset:
-            return where.parent / entry.folder
-    raise InputError(where, f"has no asset {asset!r}.", "was the library rebuilt? run the stages after it again")
 
 
 def attempt_seeds(seed: int, role: str, count: int) -> Iterator[int]:

@@ -13,7 +13,7 @@ from stages.config.evaluation import ActingOptions
 from stages.config.task import TaskConfig
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json
-from stages.contracts.library import Library
+from stages.contracts.library_folder import AssetFolders
 from stages.contracts.policies import Rollout, TaskAsset, TaskAssets
 from stages.contracts.policy_folder import read_config
 from stages.evaluation.episodes import RolloutEpisode, roll_out
@@ -44,8 +44,7 @@ class Arena:
     def __init__(self, assets: Path, library: Path, options: TaskConfig, vary_scale: bool, render: bool = True) -> None:
         self.plan, self.library = read_json(TaskAssets, assets), library
         self.options, self.vary_scale, self.render = options, vary_scale, render
-        entries = read_json(Library, library).assets
-        self.folders = {entry.id: library.parent / entry.folder for entry in entries}
+        self.folders = AssetFolders(library)
         self._tasks: list[TaskEnv] = []
         self._sized = tempfile.TemporaryDirectory(prefix="acdc-sized-")
 

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from stages.articulated.asset_folder import read_asset
-from stages.contracts import LeftOut, Library, Truth, read_json, write_json
+from stages.contracts import LeftOut, Truth, read_json, write_json
+from stages.contracts.library_folder import AssetFolders
 
 
 def run(*, truth: Path, library: Path, out: Path) -> None:
@@ -14,11 +14,11 @@ def run(*, truth: Path, library: Path, out: Path) -> None:
 
     Args:
         truth: truth.json of the room.
-        library: library.json, asset folders beside it.
+        library: library.json, its archives beside it.
         out: JSON file of the ids.
     """
     true = {item.asset for item in read_json(Truth, truth).objects}
-    entries = read_json(Library, library).assets
-    family = {entry.id: read_asset(library.parent / entry.folder).family for entry in entries}
+    models = AssetFolders(library)
+    family = {asset: models.asset(asset).family for asset in models}
     gone = {family.get(asset, asset) for asset in true}
     write_json(out, LeftOut(assets=sorted(asset for asset, of in family.items() if of in gone)))

@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pandas as pd
 
-from stages.contracts import Cousins, GeneratedScene, InputError, Library, Objects, Truth, atomic, read_json
+from stages.contracts import Cousins, GeneratedScene, InputError, Objects, Truth, atomic, read_json
+from stages.contracts.library_folder import AssetFolders
 from stages.contracts.policies import SceneScore
 from stages.evaluation.scoring import score_scene
 
@@ -63,7 +64,7 @@ def run(
     generated = [read_json(GeneratedScene, path) for path in scenes]
     seen, true = read_json(Objects, objects), read_json(Truth, truth)
     check_same_scene(generated, seen, true)
-    folders = {entry.id: library.parent / entry.folder for entry in read_json(Library, library).assets}
+    folders = AssetFolders(library)
     strangers = sorted({item.asset for item in true.objects} - set(folders))
     if strangers:
         raise InputError(truth, f"has assets that {library} lacks: {', '.join(strangers)}.", "render the room again")

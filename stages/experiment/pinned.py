@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from stages.articulated.asset_folder import read_asset
-from stages.contracts import InputError, Library, TaskAssets, read_json, write_json
+from stages.contracts import Asset, InputError, TaskAssets, read_json, write_json
+from stages.contracts.library_folder import AssetFolders
 from stages.contracts.policies import TaskAsset
 from stages.plugins import load
 from stages.tasks.task import Task
@@ -19,7 +19,7 @@ def run(*, assets: Path, task: str, library: Path, out: Path) -> None:
     Args:
         assets: committed TaskAssets, as `experiment select` wrote them.
         task: name of the task, e.g. door; one of a package of yours by its module.
-        library: library.json, with the asset folders it names.
+        library: library.json, its archives beside it.
         out: file to write.
 
     Raises:
@@ -27,19 +27,18 @@ def run(*, assets: Path, task: str, library: Path, out: Path) -> None:
     """
     kind: Task = load("tasks", task)
     plan = read_json(TaskAssets, assets)
-    folders = {entry.id: library.parent / entry.folder for entry in read_json(Library, library).assets}
+    models = AssetFolders(library)
     lists = (plan.assets, plan.all_assets, plan.random_assets, plan.validation_assets, plan.test_assets)
     for item in {item.asset: item for each in lists for item in each}.values():
-        if what := difference(item, folders.get(item.asset), kind):
+        if what := difference(item, models.asset(item.asset) if item.asset in models else None, kind):
             raise InputError(library, f"{what} in {assets}.", MEND)
     write_json(out, plan.model_copy(update={"task": task}))
 
 
-def difference(item: TaskAsset, folder: Path | None, kind: Task) -> str:
+def difference(item: TaskAsset, asset: Asset | None, kind: Task) -> str:
     """How the library's model differs from the one that was chosen; empty: not at all."""
-    if folder is None:
+    if asset is None:
         return f"lacks {item.asset}, which is"
-    asset = read_asset(folder)
     if asset.checksum != item.digest:
         return f"has another {item.asset} (digest {asset.checksum[:12]}) than the one (digest {item.digest[:12]})"
     joint = next((joint for joint in asset.joints if joint.name == item.joint), None)

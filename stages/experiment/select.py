@@ -3,10 +3,11 @@
 import sys
 from pathlib import Path
 
-from stages.contracts import Cousins, GeneratedScene, InputError, Library, TaskAssets, read_json, write_json
+from stages.contracts import Cousins, GeneratedScene, InputError, TaskAssets, read_json, write_json
 from stages.contracts.cousins import ObjectCousins
 from stages.contracts.distances import Distances
 from stages.contracts.library import Vector
+from stages.contracts.library_folder import AssetFolders
 from stages.contracts.true_models import true_model
 from stages.experiment.cousins import name_roles
 from stages.experiment.splits import with_lists
@@ -49,7 +50,7 @@ def run(
         scene_file: scene_1.json of generation; the object's size is read from it.
         object: id of the object, e.g. cabinet_1.
         task: its name, e.g. door; one of a package of yours by its module.
-        library: library.json, with the asset folders it names.
+        library: library.json, its archives beside it.
         distances: distances/<object>.json of matching.
         out: file to write.
         truth: truth.json of the room, if there is one.
@@ -60,7 +61,7 @@ def run(
         seed: of the deal and of the assets drawn by chance.
     """
     kind: Task = load("tasks", task)
-    folders = {e.id: library.parent / e.folder for e in read_json(Library, library).assets if e.doors + e.drawers}
+    folders = AssetFolders(library)
     matched, scene = read_json(Cousins, cousins), read_json(GeneratedScene, scene_file)
     alike = read_distances(distances, matched, object)
 

@@ -1,13 +1,15 @@
 """Verb `draw`: generated scenes as pictures from the input camera, as GLB, and side by side with the input."""
 
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from PIL import Image
 
 from stages.cli import progress
-from stages.contracts import GeneratedScene, Library, Objects, atomic, read_json, write_json
+from stages.contracts import GeneratedScene, Objects, atomic, read_json, write_json
 from stages.contracts.extracted import read_metres, read_object_masks
 from stages.contracts.images import check_size, read_rgb
+from stages.contracts.library_folder import AssetFolders
 from stages.generation.exports import glb, room_of
 from stages.generation.painting import furnished, look_of
 from stages.generation.pictures import preview, resized_to, side_by_side
@@ -25,27 +27,28 @@ def run(*, scenes: tuple[Path, ...], objects: Path, image: Path, library: Path, 
         image: the input picture.
         library: library.json.
         out: folder; gets a .png and a .glb for each scene, view.glb (the first with small textures, for the report),
-            comparison.png, look.json, and in assets/ resized models it lacks.
+            comparison.png, look.json.
         width: of the pictures, pixels.
     """
-    folders = {entry.id: library.parent / entry.folder for entry in read_json(Library, library).assets}
+    folders = AssetFolders(library)
     extracted, rgb = read_json(Objects, objects), read_rgb(image)
     check_size(image, rgb, extracted.width, extracted.height, objects.name)
     seen = rgb, read_object_masks(objects, extracted), read_metres(objects, extracted)
     pictures = [("input", resized_to(rgb, width))]
     look = None
-    for path in progress(scenes, "scenes drawn", len(scenes)):
-        made = read_json(GeneratedScene, path)
-        items, sized = placed_items(made, folders, out / "assets", path)
-        look = look or look_of(extracted, seen, made, items, sized)
-        picture = preview(furnished(made, items, sized, look), made, width)
-        with atomic(out / f"{path.stem}.png") as temporary:
-            Image.fromarray(picture).save(temporary)
-        room = room_of(made, items, sized, look)
-        glb.write(room, out / f"{path.stem}.glb")
-        if path == scenes[0]:
-            glb.write(room, out / "view.glb", VIEW_TEXTURE)
-        pictures.append((f"rank {made.rank}", picture))
+    with TemporaryDirectory(prefix="acdc-sized-") as cache:
+        for path in progress(scenes, "scenes drawn", len(scenes)):
+            made = read_json(GeneratedScene, path)
+            items, sized = placed_items(made, folders, Path(cache), path)
+            look = look or look_of(extracted, seen, made, items, sized)
+            picture = preview(furnished(made, items, sized, look), made, width)
+            with atomic(out / f"{path.stem}.png") as temporary:
+                Image.fromarray(picture).save(temporary)
+            room = room_of(made, items, sized, look)
+            glb.write(room, out / f"{path.stem}.glb")
+            if path == scenes[0]:
+                glb.write(room, out / "view.glb", VIEW_TEXTURE)
+            pictures.append((f"rank {made.rank}", picture))
     with atomic(out / "comparison.png") as temporary:
         side_by_side(pictures).save(temporary)
     if look is not None:

@@ -2,9 +2,11 @@
 
 from importlib import import_module
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Literal
 
-from stages.contracts import GeneratedScene, Library, read_json
+from stages.contracts import GeneratedScene, read_json
+from stages.contracts.library_folder import AssetFolders
 from stages.contracts.look import Look
 from stages.generation.exports import room_of
 from stages.generation.standing import placed_items
@@ -28,11 +30,12 @@ def run(
         out: folder; gets rank_<n>/ of each scene.
         look: look.json of the picture, for the colours of floor and walls and the light; default: grey.
     """
-    folders = {entry.id: library.parent / entry.folder for entry in read_json(Library, library).assets}
+    folders = AssetFolders(library)
     writer = import_module(f"stages.generation.exports.{format}")
     looks = read_json(Look, look) if look else None
-    for path in scenes:
-        made = read_json(GeneratedScene, path)
-        items, sized = placed_items(made, folders, path.parent / "assets", path)
-        folder = out / f"rank_{made.rank}"
-        writer.write(room_of(made, items, sized, looks), folder / "scene.glb" if format == "glb" else folder)
+    with TemporaryDirectory(prefix="acdc-sized-") as cache:
+        for path in scenes:
+            made = read_json(GeneratedScene, path)
+            items, sized = placed_items(made, folders, Path(cache), path)
+            folder = out / f"rank_{made.rank}"
+            writer.write(room_of(made, items, sized, looks), folder / "scene.glb" if format == "glb" else folder)

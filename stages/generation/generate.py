@@ -1,9 +1,7 @@
 """Verb `generate`: cousins + objects -> one scene per rank, with its physics check."""
 
-import shutil
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
@@ -103,15 +101,15 @@ def run(
         objects: objects.json of extraction; clouds.npz lies beside it.
         library: library.json.
         variant: name of the matching variant, written into the scenes.
-        out: folder; gets scene_<rank>.json of every rank, and assets/ (resized models).
+        out: folder; gets scene_<rank>.json of every rank.
         options: JSON of the config section `generation`.
     """
     config = read_options(GenerationConfig, options)
     inputs = read_inputs(cousins, objects, library)
     scenes = []
-    with swept(out / "assets") as cache:
+    with TemporaryDirectory(prefix="acdc-sized-") as cache:
         for rank in progress(range(1, config.ranks + 1), "scenes", config.ranks):
-            built = build(inputs, rank, config, cache)
+            built = build(inputs, rank, config, Path(cache))
             if not built.items:
                 raise InputError(
                     objects, "has no object that could be placed.", "see the reasons in it and in cousins.json"
@@ -120,18 +118,3 @@ def run(
             print(summary(scenes[-1], built.left))
     for scene in scenes:
         write_json(out / f"scene_{scene.rank}.json", scene)
-
-
-@contextmanager
-def swept(folder: Path) -> Iterator[Path]:
-    """A folder from which an `InputError` takes everything that was not there before."""
-    there = folder.is_dir()
-    before = set(folder.iterdir()) if there else set()
-    try:
-        yield folder
-    except InputError:
-        for path in set(folder.iterdir()) - before if folder.is_dir() else ():
-            shutil.rmtree(path)
-        if not there and folder.is_dir():
-            folder.rmdir()
-        raise

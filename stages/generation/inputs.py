@@ -1,14 +1,16 @@
 """What generation reads: objects and their clouds, cousins, the library's asset folders."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts import Cousins, InputError, Library, Objects, read_json
+from stages.contracts import Cousins, InputError, Objects, read_json
 from stages.contracts.cousins import Cousin, ObjectCousins
 from stages.contracts.extracted import read_clouds, read_object_masks
+from stages.contracts.library_folder import AssetFolders
 from stages.contracts.objects import SceneObject
 from stages.geometry.viewing import view_angle
 
@@ -23,7 +25,7 @@ class Inputs:
     objects: Objects
     cousins: dict[str, ObjectCousins]
     clouds: dict[str, NDArray[np.float32]]
-    folders: dict[str, Path]
+    folders: Mapping[str, Path]
     bearings: dict[str, tuple[float, float]]
 
     def ranked(self, item: SceneObject) -> list[Cousin] | str:
@@ -59,12 +61,11 @@ def read_inputs(cousins: Path, objects: Path, library: Path) -> Inputs:
         raise InputError(
             cousins, f"is of scene '{matched.scene}', {objects} of '{extracted.scene}'.", "match them again"
         )
-    index = read_json(Library, library, "make it first: python -m stages.assets library")
     return Inputs(
         objects=extracted,
         cousins={entry.id: entry for entry in matched.objects},
         clouds=read_clouds(objects, extracted),
-        folders={entry.id: library.parent / entry.folder for entry in index.assets},
+        folders=AssetFolders(library),
         bearings=bearings_of(extracted, read_object_masks(objects, extracted)),
     )
 

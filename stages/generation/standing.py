@@ -1,5 +1,6 @@
 """What stands in a generated scene, read from its file."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from stages.articulated.asset_folder import read_asset
@@ -13,7 +14,7 @@ STANDING = Mounting(type=2)  # for scenes that do not say
 
 
 def placed_items(
-    made: GeneratedScene, folders: dict[str, Path], cache: Path, path: Path
+    made: GeneratedScene, folders: Mapping[str, Path], cache: Path, path: Path
 ) -> tuple[list[Placed], dict[str, Path]]:
     """What stands in a scene, and by id the folders of the models at their sizes.
 

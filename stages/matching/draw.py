@@ -18,6 +18,6 @@ def run(
         image: the scene's picture.
         snapshots: shards of snapshots (.h5).
         out: the picture to write.
-        library: library.json, asset folders beside it: cousins are shown in the object's place, too.
+        library: library.json, its archives beside it: cousins are shown in the object's place, too.
     """
     write_picture(out, read_json(Cousins, cousins), Scene(objects, image), snapshots, library)

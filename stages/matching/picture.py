@@ -25,7 +25,7 @@ def write_picture(
 ) -> None:
     """Write one row per object: its crop, then its first cousins with asset, distance and yaw.
 
-    With `library` (library.json, asset folders beside it): below each cousin what it looks like in the object's place.
+    With `library` (library.json, its archives beside it): below each cousin what it looks like in the object's place.
     """
     in_place = InPlace(scene, library) if library is not None else None
     rows = max(1, len(result.objects))

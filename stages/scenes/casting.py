@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from stages.contracts import Asset, InputError, Library, read_json
+from stages.contracts import Asset, InputError
 from stages.scenes.layout import Layout, arrange
 from stages.scenes.recipe import Room
 
@@ -21,12 +21,6 @@ class CastRoom:
     room: Room
     layout: Layout
     assets: dict[str, Asset]
-
-
-def read_models(library: Path) -> dict[str, Asset]:
-    """All assets of a library by id."""
-    index = read_json(Library, library, "make it first: python -m stages.assets library")
-    return {entry.id: read_json(Asset, library.parent / entry.folder / "asset.json") for entry in index.assets}
 
 
 def founders(models: dict[str, Asset]) -> set[str]:

@@ -11,7 +11,6 @@ import sapien
 from numpy.typing import NDArray
 
 from stages.config.scenes import ScenesConfig
-from stages.contracts import Library, read_json
 from stages.scenes.casting import CastRoom
 from stages.scenes.recipe import Room
 from stages.scenes.repaint import AS_IS, Look
@@ -59,27 +58,32 @@ def _shell(scene: sapien.Scene, room: Room, half_width: float, length: float, se
 
 
 def furnish(
-    scene: sapien.Scene, cast_room: CastRoom, library: Path, fixed: bool, made: Mapping[str, Path] | None = None
+    scene: sapien.Scene,
+    cast_room: CastRoom,
+    folders: Mapping[str, Path],
+    fixed: bool,
+    made: Mapping[str, Path] | None = None,
 ) -> dict[str, sapien.Entity | sapien.physx.PhysxArticulation]:
     """Load every item at its place.
 
     Args:
+        folders: of the library's models, by id.
         fixed: all of them are; else only what hangs on a wall.
         made: folders of models, by item, that stand in for the library's.
     """
-    folders = {entry.id: library.parent / entry.folder for entry in read_json(Library, library).assets}
     bodies = {}
     for name, standing in cast_room.layout.standing.items():
         asset = cast_room.assets[name]
         pose = root_pose(asset, np.asarray(standing.box.center, dtype=float).tolist(), standing.box.yaw)
         held = fixed or standing.support == "wall"
-        bodies[name] = load_asset(scene, (made or {}).get(name, folders[asset.id]), pose, held, name)
+        folder = made[name] if made else folders[asset.id]
+        bodies[name] = load_asset(scene, folder, pose, held, name)
     return bodies
 
 
 def photograph(
     cast_room: CastRoom,
-    library: Path,
+    folders: Mapping[str, Path],
     intrinsics: NDArray[np.float64],
     world_from_camera: NDArray[np.float64],
     options: ScenesConfig,
@@ -92,7 +96,7 @@ def photograph(
     scene = make_scene(shadows=options.shadows, light=look.light or (-0.55, 0.5 * side, -1.0))
     length = float(world_from_camera[0, 3]) + 1.0
     shell = _shell(scene, room, cast_room.layout.half_width, length, seed)
-    bodies = furnish(scene, cast_room, library, fixed=True, made=look.folders)
+    bodies = furnish(scene, cast_room, folders, fixed=True, made=look.folders)
 
     groups = [[instance_id(body)] for body in bodies.values()]
     groups += [[instance_id(entity) for entity in part] for part in shell]

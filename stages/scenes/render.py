@@ -8,9 +8,10 @@ import numpy as np
 
 from stages.config.scenes import ScenesConfig
 from stages.contracts import Annotations, Camera, InputError, Truth, atomic, read_options, write_json
+from stages.contracts.library_folder import AssetFolders
 from stages.contracts.scenes import Annotation, TrueObject
 from stages.geometry.boxes import corners
-from stages.scenes.casting import CastRoom, cast, read_models
+from stages.scenes.casting import CastRoom, cast
 from stages.scenes.chance import draw_room
 from stages.scenes.framing import frame
 from stages.scenes.layout import scale_of
@@ -72,7 +73,7 @@ def annotations_of(cast_room: CastRoom) -> Annotations:
 
 def run(
     *,
-    library: Path,
+    library: tuple[Path, ...],
     scene: str,
     out: Path,
     options: str = "{}",
@@ -84,7 +85,7 @@ def run(
     """Furnish and photograph one room.
 
     Args:
-        library: library.json, whose models play the objects.
+        library: indices of the models that play the objects, their archives beside them.
         scene: name of the room, e.g. room_1.
         out: folder; gets input/ and truth.json.
         options: JSON of the config section `scenes`.
@@ -98,18 +99,19 @@ def run(
         raise InputError("--scene", f"no room is called '{scene}'.", f"one of {', '.join(room_files())}")
     names = [path.stem for path in series()]
     rooms = [read_room(room)] if room else [read_room(path) for path in series()[: names.index(scene) + 1]]
-    models = read_models(library)
+    folders = AssetFolders(*library)
+    models, where = {asset: folders.asset(asset) for asset in folders}, library[0].parent
     if layout_seed is None:
-        cast_room = cast(rooms, models, seed, library)[scene]
+        cast_room = cast(rooms, models, seed, where)[scene]
     else:
-        cast_room = draw_room(rooms[-1], models, layout_seed, library, config)
+        cast_room = draw_room(rooms[-1], models, layout_seed, where, config)
     with TemporaryDirectory() as made:
         look = AS_IS
         if finish_seed is not None:
-            cast_room, look = repainted(cast_room, library, Path(made), finish_seed)
+            cast_room, look = repainted(cast_room, folders, Path(made), finish_seed)
         points = np.concatenate([corners(standing.box) for standing in cast_room.layout.standing.values()])
         intrinsics, world_from_camera = frame(points, cast_room.room.camera, config.width, config.height, config.margin)
-        picture = photograph(cast_room, library, intrinsics, world_from_camera, config, seed, look)
+        picture = photograph(cast_room, folders, intrinsics, world_from_camera, config, seed, look)
 
     folder = out / "input"
     with atomic(folder / "rgb.png") as path:

@@ -1,5 +1,6 @@
 """A room painted, lit and scaled otherwise than the library's snapshots (protocol `recoloured`)."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -7,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.articulated.asset_folder import stretch_asset
-from stages.contracts import Asset, InputError, Library, read_json
+from stages.contracts import Asset, InputError
 from stages.contracts.library import Vector
 from stages.procedural import build
 from stages.procedural.refinishing import refinished
@@ -34,10 +35,10 @@ class Look:
 AS_IS = Look({})
 
 
-def repainted(cast_room: CastRoom, library: Path, out: Path, seed: int) -> tuple[CastRoom, Look]:
+def repainted(cast_room: CastRoom, library: Mapping[str, Path], out: Path, seed: int) -> tuple[CastRoom, Look]:
     """The room with models made anew in `out`: other sizes, finishes, walls and light; ids and counts stay.
 
-    Models without a recipe (a user's) keep their finish.
+    `library`: folders of its models, by id. Models without a recipe (a user's) keep their finish.
 
     Raises:
         InputError: the models fit at no size.
@@ -49,11 +50,11 @@ def repainted(cast_room: CastRoom, library: Path, out: Path, seed: int) -> tuple
         if layout is not None:
             break
     else:
-        raise InputError(library, f"{cast_room.room.name}: its models fit at no other size.", "change the seed")
-    homes = {entry.id: library.parent / entry.folder for entry in read_json(Library, library).assets}
+        raise InputError(cast_room.room.name, "its models fit at no other size.", "change the seed")
     folders = {name: out / name for name in cast_room.assets}
     assets = {
-        name: _made(asset, homes[asset.id], sizes[name], folders[name], rng) for name, asset in cast_room.assets.items()
+        name: _made(asset, library[asset.id], sizes[name], folders[name], rng)
+        for name, asset in cast_room.assets.items()
     }
     room = cast_room.room.model_copy(update=colours(rng))
     light = (-rng.uniform(0.3, 0.8), rng.uniform(-0.7, 0.7), -1.0)

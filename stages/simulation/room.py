@@ -20,7 +20,8 @@ from stages.articulated.asset_folder import read_asset
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json
 from stages.contracts.generated import GeneratedScene, PlacedObject
-from stages.contracts.library import Asset, Library
+from stages.contracts.library import Asset
+from stages.contracts.library_folder import AssetFolders
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import apply, inverse, rigid, yaw_matrix
 from stages.procedural.resize import resized
@@ -97,7 +98,7 @@ def read_room(path: Path, target: str, library: Path, cache: Path) -> Room:
         InputError: the scene has no such object, or a model that the library does not have.
     """
     made = read_json(GeneratedScene, path, AGAIN)
-    folders = {entry.id: library.parent / entry.folder for entry in read_json(Library, library).assets}
+    folders = AssetFolders(library)
     placed = {item.id: item for item in made.objects if item.status == "ok"}
     if target not in placed:
         failed = {item.id: item.reason for item in made.objects if item.status == "failed"}

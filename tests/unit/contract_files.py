@@ -15,6 +15,7 @@ from safetensors.numpy import save_file
 from stages.config.task import TaskConfig
 from stages.config.training import TrainingRun
 from stages.contracts.__main__ import main
+from stages.contracts.library_folder import pack
 from tests.unit.demo_assets import FRONT
 
 WIDTH, HEIGHT = 48, 36
@@ -146,7 +147,8 @@ def _library(root: Path) -> None:
               box_max=[0.25, 0.3, 1.0], mass=12.0, joints=joints, recipe=recipe, licence="CC0-1.0",
               provenance="test")  # fmt: skip
         (folder / "model.urdf").write_text(f'<robot name="{name}"><link name="base"/></robot>')
-        entries.append({"id": name, "folder": f"models/{name}", **about})
+        entries.append({"id": name, "archive": "own_0.zip", **about})
+    pack(root / "library/models", root / "library/own_0.zip")
     _json(root / FILES["library"], assets=entries)
     _json(root / FILES["library_part"], assets=entries, left_out=["chair.obj: is flat."])
 

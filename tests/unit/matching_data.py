@@ -69,7 +69,12 @@ def write_library(folder: Path, models: dict[str, tuple] = MODELS) -> Path:
     """library.json; returns its path."""
     entries = [
         LibraryEntry(
-            id=name, category=model[0], folder=f"models/{name}", doors=model[3], drawers=model[4], checksum="0"
+            id=name,
+            category=model[0],
+            archive="models.zip",
+            doors=model[3],
+            drawers=model[4],
+            checksum=f"digest of {name}",
         )
         for name, model in sorted(models.items())
     ]
@@ -148,7 +153,7 @@ SHOWN: list[tuple[str, float, dict]] = [
 
 class World:
     """Files of one library and one scene; `options`: keys of `matching` that hold for all that is made. The models have
-    pictures, no asset folders: distance judges."""
+    pictures, no archive: distance judges."""
 
     def __init__(self, folder: Path, **options: Any) -> None:
         self.folder, self.options = (

@@ -243,7 +243,7 @@ def write_run(root: Path) -> Path:
     for name in LABELS:
         _room(results, name)
     models = [
-        LibraryEntry(id=f"{category}_{number:02d}", category=category, folder="x", doors=category == "cabinet",
+        LibraryEntry(id=f"{category}_{number:02d}", category=category, archive="x.zip", doors=category == "cabinet",
                      drawers=0, checksum="0")
         for category, count in (("cabinet", 9), ("bowl", 4)) for number in range(count)
     ]  # fmt: skip

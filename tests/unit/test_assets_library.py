@@ -1,16 +1,18 @@
-"""The library verb: index, folders, one clear line for a bad option."""
+"""The library verb: index, archives, one clear line for a bad option."""
 
 import json
+import zipfile
 from pathlib import Path
 
 import pytest
 
-from stages.articulated.asset_folder import checksum
+from stages.articulated.asset_folder import checksum, read_asset
 from stages.assets.join import run as join
 from stages.assets.library import make, run
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json, write_json
 from stages.contracts.library import Asset, Library, LibraryEntry, LibraryPart
+from stages.contracts.library_folder import AssetFolders, write_part
 
 OPTIONS = json.dumps({"counts": {"mug": 2, "bottom_cabinet": 2, "picture": 1}})
 
@@ -20,21 +22,54 @@ def test_library_has_all_models_sorted_and_whole(tmp_path: Path) -> None:
     library = read_json(Library, tmp_path / "library.json")
     names = ["bottom_cabinet_00", "bottom_cabinet_01", "mug_00", "mug_01", "picture_00"]
     assert [entry.id for entry in library.assets] == names
+    folders = AssetFolders(tmp_path / "library.json")
     for entry in library.assets:
-        folder = tmp_path / entry.folder
-        asset = read_json(Asset, folder / "asset.json")
-        assert entry.checksum == asset.checksum == checksum(folder)
+        asset = folders.asset(entry.id)
+        assert asset == read_asset(folders[entry.id]) and entry.archive == "library.zip"
+        assert entry.checksum == asset.checksum == checksum(folders[entry.id])
         assert (entry.doors, entry.drawers, entry.category) == (asset.doors, asset.drawers, asset.category)
         assert asset.licence == "CC0-1.0"
         assert asset.provenance.endswith("seed 5")
-    assert {path.name for path in tmp_path.iterdir()} == {"library.json", "models"}
+    assert {path.name for path in tmp_path.iterdir()} == {"library.json", "library.zip"}
 
 
 def test_same_seed_same_bytes_whatever_else_is_made(tmp_path: Path) -> None:
     alone = make("mug", 1, 5, tmp_path / "a")
-    run(out=tmp_path / "b" / "library.json", options=OPTIONS, seed=5)
-    other = read_json(Asset, tmp_path / "b" / "models" / "mug_01" / "asset.json")
-    assert alone == other
+    for name in ("b", "c"):
+        run(out=tmp_path / name / "shard_1.json", shard=1, shards=2, options=OPTIONS, seed=5)
+    part = AssetFolders(tmp_path / "b" / "shard_1.json")
+    assert list(part) == ["bottom_cabinet_01", "mug_01"] and part.asset("mug_01") == alone
+    assert (tmp_path / "b/shard_1.zip").read_bytes() == (tmp_path / "c/shard_1.zip").read_bytes()
+    run(out=tmp_path / "b" / "shard_0.json", shard=0, shards=2, options=OPTIONS, seed=5)
+    both = AssetFolders(tmp_path / "b" / "shard_1.json", tmp_path / "b" / "shard_0.json")
+    assert list(both) == ["bottom_cabinet_00", "bottom_cabinet_01", "mug_00", "mug_01", "picture_00"]
+
+
+def test_archives_are_read_safely(tmp_path: Path) -> None:
+    """What does not fit the index, leads out of the archive or is broken is one line, and nothing is unpacked."""
+    asset = make("mug", 0, 0, tmp_path / "models")
+    index, archive = tmp_path / "library.json", tmp_path / "library.zip"
+    write_part(index, tmp_path / "models")
+    whole = archive.read_bytes()
+    with zipfile.ZipFile(archive, "a") as opened:
+        opened.writestr(f"{asset.id}/../../escaped", "x")
+    with pytest.raises(InputError, match=r"library\.zip: holds 'mug_00/../../escaped', which leads out"):
+        AssetFolders(index)[asset.id]
+    archive.write_bytes(whole[:3000] + b"????" + whole[3004:])
+    with pytest.raises(InputError, match=r"library\.zip: is no zip archive that can be read"):
+        AssetFolders(index)[asset.id]
+    archive.write_bytes(whole[:3000])
+    with pytest.raises(InputError, match=r"library\.zip: is no zip archive that can be read"):
+        AssetFolders(index).asset(asset.id)
+    archive.unlink()
+    with pytest.raises(InputError, match=r"library\.zip: no such file"):
+        AssetFolders(index)[asset.id]
+    write_part(tmp_path / "other" / "library.json", tmp_path / "models")
+    make("mug", 0, 1, tmp_path / "models")
+    write_part(index, tmp_path / "models")
+    (tmp_path / "other" / "library.zip").write_bytes(archive.read_bytes())
+    with pytest.raises(InputError, match=r"mug_00/asset\.json: checksum: is '.*', the index says '.*' of 'mug_00'"):
+        AssetFolders(tmp_path / "other" / "library.json")[asset.id]
 
 
 def test_bad_options_are_one_clear_line(tmp_path: Path) -> None:
@@ -44,11 +79,13 @@ def test_bad_options_are_one_clear_line(tmp_path: Path) -> None:
         run(out=tmp_path / "library.json", options='{"counts": {}}')
     with pytest.raises(InputError, match="counts"):
         run(out=tmp_path / "library.json", options='{"counts": {"mug": "many"}}')
+    with pytest.raises(InputError, match="not below --shards 2"):
+        run(out=tmp_path / "library.json", shard=2, shards=2, options=OPTIONS)
     assert not (tmp_path / "library.json").exists()
 
 
 def part(path: Path, *assets: Asset, left_out: tuple[str, ...] = ()) -> Path:
-    entries = [LibraryEntry.of(asset, f"models/{asset.id}") for asset in assets]
+    entries = [LibraryEntry.of(asset, f"{path.stem}.zip") for asset in assets]
     write_json(path, LibraryPart(assets=entries, left_out=list(left_out)))
     return path
 

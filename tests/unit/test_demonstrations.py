@@ -11,11 +11,11 @@ from PIL import Image
 
 from stages.config.demonstrations import RandomiseOptions
 from stages.config.task import TaskConfig
-from stages.contracts import Attempt, InputError, Library, TaskAssets, read_json, write_json
+from stages.contracts import Attempt, InputError, TaskAssets, read_json, write_json
 from stages.contracts.episode_store import read_episodes
 from stages.contracts.films import Films
 from stages.contracts.ledgers import read_attempts
-from stages.contracts.library import LibraryEntry
+from stages.contracts.library_folder import write_part
 from stages.demonstrations.collect import attempt_seeds, run
 from stages.simulation.loading import SURFACE_FRICTION
 from stages.tasks.api import make_task
@@ -29,11 +29,7 @@ def experiment(folder: Path, **changes: object) -> dict[str, Path]:
     """A library with two cabinets, and an experiment that has one of them as twin."""
     asset = cabinet(folder / "models" / "cab", **changes)
     cabinet(folder / "models" / "narrow", hinge=-1)
-    entries = [
-        LibraryEntry(id=id, category="bottom_cabinet", folder=f"models/{id}", doors=1, drawers=0, checksum="0" * 64)
-        for id in ("cab", "narrow")
-    ]
-    write_json(folder / "library.json", Library(assets=entries))
+    write_part(folder / "library.json", folder / "models")
     twin = an_asset("cab", 0.0, role="twin", joint="door_0_joint", size=asset.size)
     near = twin.model_copy(update={"role": "all"})
     far = near.model_copy(update={"asset": "narrow", "family": "narrow", "size": (0.35, 0.4, 0.65), "distance": 1.0})

@@ -13,6 +13,7 @@ from stages.contracts import Asset, GeneratedScene, InputError, Objects, TaskAss
 from stages.contracts.distances import Distances
 from stages.contracts.generated import PlacedObject
 from stages.contracts.library import FrontPanel, Joint
+from stages.contracts.library_folder import pack
 from stages.contracts.policies import TaskAsset
 from stages.contracts.scenes import TrueObject
 from stages.experiment.cousins import choose_cousins, choose_dissimilar
@@ -117,10 +118,10 @@ def test_a_cousin_is_opened_at_the_joint_most_like_the_twins(world: World) -> No
 
 @pytest.fixture(scope="module")
 def experiment(world: World) -> dict[str, Any]:
-    """A scene with matched cousins whose assets have doors."""
+    """A scene with matched cousins, some of whose assets have doors."""
     for name, (_, _, _, doors, drawers) in MODELS.items():
-        if doors + drawers:
-            write_asset(world, name, [("bar", 0.4, 0.5, "left")])
+        write_asset(world, name, [("bar", 0.4, 0.5, "left")] if doors + drawers else [])
+    pack(world.folder / "models", world.folder / "models.zip")
     cousins = world.folder / "cousins.json"
     world.match(cousins, count_threshold=None)
     scene = world.folder / "scene_1.json"

@@ -10,9 +10,9 @@ import trimesh
 from PIL import Image
 
 from stages.config.generation import GenerationConfig
-from stages.contracts import Asset, Cousins, GeneratedScene, InputError, Library, Objects, read_json, write_json
+from stages.contracts import Asset, Cousins, GeneratedScene, InputError, Objects, read_json, write_json
 from stages.contracts.cousins import Cousin, ObjectCousins, Orientation
-from stages.contracts.library import LibraryEntry
+from stages.contracts.library_folder import AssetFolders, write_part
 from stages.contracts.objects import Box, Mounting, SceneObject, Wall
 from stages.generation.build import build
 from stages.generation.draw import run as draw
@@ -33,22 +33,11 @@ MUG = ((2.95, 0.3, 0.85), (0.1, 0.1, 0.1))
 
 
 def _library(folder: Path) -> Path:
-    entries = []
     for category in ("bottom_cabinet", "mug"):
         for index in range(2):
             name = f"{category}_{index}"
-            made = build_asset(sample(category, index, 0), None, folder / "models" / name, name, category)
-            entries.append(
-                LibraryEntry(
-                    id=name,
-                    category=category,
-                    folder=f"models/{name}",
-                    doors=made.doors,
-                    drawers=made.drawers,
-                    checksum=made.checksum,
-                )
-            )
-    write_json(folder / "library.json", Library(assets=entries))
+            build_asset(sample(category, index, 0), None, folder / "models" / name, name, category)
+    write_part(folder / "library.json", folder / "models")
     return folder / "library.json"
 
 
@@ -144,7 +133,7 @@ def test_the_cabinet_stands_at_the_wall_and_the_mug_on_it(made: Path, scene: dic
     assert cabinet.asset == "bottom_cabinet_0"
     assert abs(cabinet.yaw) == pytest.approx(np.pi, abs=1e-3)  # looks back at the camera, square to the wall
     assert cabinet.position[0] + cabinet.size[0] / 2 == pytest.approx(3.3, abs=1e-5)
-    handles = beyond_front(visual_meshes(scene["library"].parent / "models/bottom_cabinet_0"))
+    handles = beyond_front(visual_meshes(AssetFolders(scene["library"])["bottom_cabinet_0"]))
     assert 0.02 < handles < 0.06  # before the front, which is at 2.75
     assert cabinet.position[0] - cabinet.size[0] / 2 == pytest.approx(2.75 - handles, abs=0.01)
     assert cabinet.size[1:] == pytest.approx((0.9, 0.8), abs=0.015)  # this cloud lacks the noise that is allowed for
@@ -223,7 +212,7 @@ def test_same_input_same_bytes(scene: dict[str, Path], made: Path, tmp_path: Pat
 
 
 def test_collision_and_visual_meshes_fill_the_closed_box(scene: dict[str, Path]) -> None:
-    folder = scene["library"].parent / "models/bottom_cabinet_0"
+    folder = AssetFolders(scene["library"])["bottom_cabinet_0"]
     asset = read_json(Asset, folder / "asset.json")
     bounds = trimesh.util.concatenate(visual_meshes(folder)).bounds
     assert bounds == pytest.approx(np.array([asset.box_min, asset.box_max]), abs=1e-3)
@@ -325,7 +314,6 @@ def test_a_scene_that_fails_leaves_nothing(
     scene: dict[str, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def unreadable(*args: object) -> None:
-        assert any((tmp_path / "out/assets").iterdir())  # resized models are there by now
         raise InputError("mesh.obj", "is broken.")
 
     monkeypatch.setattr("stages.generation.generate.physics_check", unreadable)

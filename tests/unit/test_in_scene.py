@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from stages.config.task import TaskConfig
-from stages.contracts import InputError, Library, read_json, write_json
+from stages.contracts import InputError, read_json, write_json
 from stages.contracts.episode_store import read_episodes
 from stages.contracts.films import read_films
 from stages.contracts.generated import GeneratedScene, PlacedObject
 from stages.contracts.in_scene import SceneDemonstration, SceneDemonstrations
-from stages.contracts.library import LibraryEntry
+from stages.contracts.library_folder import write_part
 from stages.contracts.objects import Wall
 from stages.demonstrations.scene import run
 from stages.demonstrations.standing import in_the_way, places
@@ -49,21 +49,10 @@ def block(name: str, position: tuple[float, float, float], size: tuple[float, fl
 @pytest.fixture(scope="module")
 def library(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("library")
-    entries = []
     layouts = {"cab": [["door"]], "shelf": [["open"]], "chest": [["drawer"], ["drawer"]], "oven": [["panel"], ["flap"]]}
     for name, layout in layouts.items():
-        asset = cabinet(folder / "models" / name, layout=layout, major="rows", handle_length=0.5)
-        entries.append(
-            LibraryEntry(
-                id=name,
-                category="bottom_cabinet",
-                folder=f"models/{name}",
-                doors=asset.doors,
-                drawers=asset.drawers,
-                checksum=asset.checksum,
-            )
-        )
-    write_json(folder / "library.json", Library(assets=entries))
+        cabinet(folder / "models" / name, layout=layout, major="rows", handle_length=0.5)
+    write_part(folder / "library.json", folder / "models")
     return folder / "library.json"
 
 

@@ -145,11 +145,14 @@ FIELDS: dict[str, list[tuple]] = {  # kind of file: entry, value, what the line 
         ("scores.1.run", "lite"), ("scores.0.episodes", 0), ("scores.0.successes", -1), ("task", "../door"),
     ],
     "library": [
-        ("assets", []), ("assets.0.folder", "../../etc"), ("assets.0.folder", "/etc"),
-        ("assets.0.folder", "models\\..\\x"), ("assets.0.folder", ""), ("assets.0.folder", "a\u0000b"),
-        ("assets.1.id", "bowl_0", "ids"), ("assets.0.doors", -3), ("assets.0.doors", 2, "doors"),
-        ("assets.0.checksum", "other", "checksum"), ("assets.0.category", ""),
-        ("assets.0.folder", "models/none", "no such file"),
+        ("assets", []), ("assets.0.archive", "../../etc"), ("assets.0.archive", "/etc"),
+        ("assets.0.archive", "models\\..\\x"), ("assets.0.archive", ""), ("assets.0.archive", "a\u0000b"),
+        ("assets.1.id", "bowl_0", "ids"), ("assets.0.doors", -3), ("assets.0.category", ""),
+    ],
+    "library_part": [
+        ("assets.0.archive", "../own_0.zip"), ("assets.1.id", "bowl_0", "ids"), ("assets.0.doors", 2, "doors"),
+        ("assets.0.id", "bowl_1", "holds no bowl_1/asset.json"), ("assets.0.checksum", "other", "checksum"),
+        ("assets.0.archive", "none.zip", "no such file"), ("assets.0.archive", "own_0.json", "no zip archive"),
     ],
     "asset": [
         ("urdf", "../model.urdf"), ("urdf", "none.urdf"), ("box_max.0", NAN), ("box_max.0", -0.25, "box_max"),

@@ -14,9 +14,10 @@ from PIL import Image
 from stages.articulated.asset_folder import Description, write_asset
 from stages.articulated.model import Link, RobotModel, Visual
 from stages.config.matching import GeometryConfig, MatchingConfig
-from stages.contracts import Library, Objects, write_json
+from stages.contracts import Library, LibraryPart, Objects, read_json, write_json
 from stages.contracts.cousins import Candidate, Cousin, Orientation
 from stages.contracts.library import LibraryEntry
+from stages.contracts.library_folder import write_part
 from stages.contracts.objects import Box, Mounting, SceneObject
 from stages.geometry.boxes import UprightBox
 from stages.geometry.cameras import intrinsics_from_fov, look_at
@@ -73,9 +74,9 @@ def library(tmp_path_factory: pytest.TempPathFactory) -> Path:
         write_model(folder / name, panels)
     write_model(folder / "striped", (2, 1), textured=True)
     models["striped"] = (2, 1)
-    entries = [LibraryEntry(id=n, category="cabinet", folder=n, doors=0, drawers=0, checksum="0") for n in models]
-    entries.append(LibraryEntry(id="unseen", category="cabinet", folder="unseen", doors=0, drawers=0, checksum="0"))
-    write_json(folder / "library.json", Library(assets=entries))
+    write_part(folder / "part.json", folder)
+    unseen = LibraryEntry(id="unseen", category="cabinet", archive="unseen.zip", doors=0, drawers=0, checksum="0")
+    write_json(folder / "library.json", Library(assets=[*read_json(LibraryPart, folder / "part.json").assets, unseen]))
     return folder / "library.json"
 
 
@@ -200,7 +201,7 @@ def test_nobody_decides_without_depth_pixels_or_models(library: Path, judge: typ
     ):
         with pytest.raises(AbstainedError, match=reason):
             judge(MatchingConfig()).orientations(changed, "two", [], views(0.0))
-    with pytest.raises(AbstainedError, match=r"no unseen beside library\.json"):
+    with pytest.raises(AbstainedError, match=r"no unseen.zip beside library\.json"):
         judge(MatchingConfig()).orientations(asked, "unseen", [], views(0.0))
 
 

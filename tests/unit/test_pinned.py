@@ -7,8 +7,8 @@ import pytest
 import yaml
 
 from stages.config.model import load, merged
-from stages.contracts import InputError, Library, TaskAssets, read_json, write_json
-from stages.contracts.library import LibraryEntry
+from stages.contracts import InputError, TaskAssets, read_json, write_json
+from stages.contracts.library_folder import write_part
 from stages.experiment.pinned import run as pinned
 from tests.unit.demo_assets import an_asset, cabinet
 
@@ -20,8 +20,7 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     """A library of two cabinets, and a plan with one as the twin and one to test on."""
     folder = tmp_path_factory.mktemp("study")
     built = {name: cabinet(folder / name, handle=handle) for name, handle in (("cab_1", "bar"), ("lone_1", "knob"))}
-    entries = [LibraryEntry.of(asset, name) for name, asset in built.items()]
-    write_json(folder / "library.json", Library(assets=entries))
+    write_part(folder / "library.json", folder)
     known = {name: {"digest": asset.checksum, "joint": asset.joints[0].name} for name, asset in built.items()}
     twin = an_asset("cab_1", 0, role="twin", **known["cab_1"])
     test = an_asset("lone_1", role="test", **known["lone_1"])

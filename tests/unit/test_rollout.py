@@ -15,7 +15,8 @@ from stages.contracts.errors import InputError
 from stages.contracts.files import read_json, read_rows, write_json
 from stages.contracts.films import Films
 from stages.contracts.kinds import KINDS
-from stages.contracts.library import Library
+from stages.contracts.library import Asset
+from stages.contracts.library_folder import write_part
 from stages.contracts.policies import ChosenRuns, Rollout, TaskAssets
 from stages.evaluation import arena, choose, gather, rollout
 from stages.evaluation import trial as try_out
@@ -130,11 +131,11 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     network = {"points": 64, "pointnet_width": 16, "rnn_hidden": 16, "mlp": [16], "flag_embedding": 8}
     options = {"network": network, "steps": 20, "log_every": 10, "keep": 2, "wandb": "disabled"}
     train(episodes=(store,), per_store=30, options=json.dumps(options), out=folder / "policy", seed=4)
-    entries = [
-        {"id": name, "category": "cabinet", "folder": name, "doors": 1, "drawers": 0, "checksum": ""}
-        for name in ("a", "b", *UNSEEN)
-    ]
-    write_json(folder / "library.json", Library.model_validate({"assets": entries}))
+    about = {"category": "cabinet", "licence": "", "provenance": "", "checksum": ""}
+    for name in ("a", "b", *UNSEEN):
+        asset = Asset(id=name, box_min=(0, 0, 0), box_max=(1, 1, 1), mass=1, **about)
+        write_json(folder / "models" / name / "asset.json", asset)
+    write_part(folder / "library.json", folder / "models")
     roles = [an_asset("a", 0.0, role="twin"), an_asset("b", 7.25, role="cousin_2")]
     everything = [item.model_copy(update={"role": "all"}) for item in roles]
     about = {"task": "door", "scene": "room_1", "object": "cabinet_1", "encoder": "hog"}
@@ -351,8 +352,8 @@ def test_bad_input_is_one_line(folder: Path, tmp_path: Path) -> None:
     (tmp_path / "policy").mkdir()
     (tmp_path / "policy" / "config.json").write_text((folder / "policy" / "config.json").read_text())
     save_weights(tmp_path / "policy" / "policy.safetensors", {"x": __import__("torch").zeros(1)})
-    for name in ("task.json", "library.json"):
-        (tmp_path / name).write_text((folder / name).read_text())
+    for name in ("task.json", "library.json", "library.zip"):
+        (tmp_path / name).write_bytes((folder / name).read_bytes())
     with pytest.raises(InputError, match=r"policy\.safetensors: proprio_mean: has shape None"):
         evaluate(tmp_path, tmp_path / "rollouts.csv")
     assert not (tmp_path / "rollouts.csv").exists()

@@ -9,9 +9,10 @@ import pytest
 
 from stages.assets.library import run as make_library
 from stages.contracts import Annotations, Camera, InputError, Truth, read_json
+from stages.contracts.library_folder import AssetFolders
 from stages.geometry.cameras import back_project
 from stages.geometry.frames import apply, yaw_matrix
-from stages.scenes.casting import cast, read_models
+from stages.scenes.casting import cast
 from stages.scenes.photograph import furnish
 from stages.scenes.render import run
 from stages.scenes.rooms import read_room, series
@@ -31,10 +32,12 @@ def library(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_every_room_stands_still(library: Path) -> None:
-    for room in cast(ROOMS, read_models(library), 0, library).values():
+    folders = AssetFolders(library)
+    models = {asset: folders.asset(asset) for asset in folders}
+    for room in cast(ROOMS, models, 0, library).values():
         scene = physics_scene()
         add_ground(scene)
-        bodies = furnish(scene, room, library, fixed=False)
+        bodies = furnish(scene, room, folders, fixed=False)
         start = {name: position_of(body) for name, body in bodies.items()}
         for _ in range(round(SECONDS / scene.timestep)):
             scene.step()
@@ -46,7 +49,7 @@ def test_every_room_stands_still(library: Path) -> None:
 @pytest.fixture(scope="module")
 def photographed(library: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("room_1")
-    run(library=library, scene="room_1", out=folder, options=OPTIONS)
+    run(library=(library,), scene="room_1", out=folder, options=OPTIONS)
     return folder
 
 
@@ -79,7 +82,7 @@ def test_photograph_agrees_with_the_truth(photographed: Path) -> None:
 def test_a_recoloured_room_has_the_same_models_in_other_sizes(
     library: Path, photographed: Path, tmp_path: Path
 ) -> None:
-    run(library=library, scene="room_1", out=tmp_path, options=OPTIONS, finish_seed=1)
+    run(library=(library,), scene="room_1", out=tmp_path, options=OPTIONS, finish_seed=1)
     before, after = (read_json(Truth, folder / "truth.json") for folder in (photographed, tmp_path))
     for one, other in zip(before.objects, after.objects, strict=True):
         assert one.asset == other.asset
@@ -90,7 +93,7 @@ def test_a_recoloured_room_has_the_same_models_in_other_sizes(
 
 
 def test_same_seed_same_bytes(library: Path, photographed: Path, tmp_path: Path) -> None:
-    run(library=library, scene="room_1", out=tmp_path, options=OPTIONS)
+    run(library=(library,), scene="room_1", out=tmp_path, options=OPTIONS)
     files = sorted(path.relative_to(tmp_path) for path in tmp_path.rglob("*") if path.is_file())
     assert len(files) == 6
     for path in files:
@@ -99,7 +102,7 @@ def test_same_seed_same_bytes(library: Path, photographed: Path, tmp_path: Path)
 
 def test_an_unknown_room_is_named(library: Path, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="room_9"):
-        run(library=library, scene="room_9", out=tmp_path)
+        run(library=(library,), scene="room_9", out=tmp_path)
     with pytest.raises(InputError, match=r"nowhere\.json"):
-        run(library=tmp_path / "nowhere.json", scene="room_1", out=tmp_path)
+        run(library=(tmp_path / "nowhere.json",), scene="room_1", out=tmp_path)
     assert list(tmp_path.iterdir()) == []

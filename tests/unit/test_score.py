@@ -22,6 +22,7 @@ from stages.contracts.__main__ import main as check_contract
 from stages.contracts.cousins import Cousin, ObjectCousins, Orientation
 from stages.contracts.generated import PlacedObject, Plausibility
 from stages.contracts.library import LibraryEntry
+from stages.contracts.library_folder import write_part
 from stages.contracts.objects import Box, Mounting, SceneObject
 from stages.contracts.scenes import TrueObject
 from stages.evaluation import leave_out
@@ -191,15 +192,13 @@ def test_models_are_compared_by_shape_and_by_what_they_offer(tmp_path: Path) -> 
 @pytest.mark.parametrize("shown", ["cabinet_0", "cabinet_2"])
 def test_true_models_are_left_out_with_all_their_relatives(tmp_path: Path, shown: str) -> None:
     founders = {"cabinet_0": None, "cabinet_1": None, "cabinet_2": "cabinet_0", "cabinet_3": "cabinet_1"}
-    entries = []
     for name, founder in {**founders, "cabinet_4": "cabinet_0", "mine_0": None}.items():
         asset = build(sample("box", 0, 0), None, tmp_path / name, name, "cabinet")
         recipe = (
             None if name == "mine_0" else asset.recipe and asset.recipe.model_copy(update={"variation_of": founder})
         )
         write_json(tmp_path / name / "asset.json", asset.model_copy(update={"recipe": recipe}))
-        entries.append(LibraryEntry.of(asset, name))
-    write_json(tmp_path / "library.json", Library(assets=entries))
+    write_part(tmp_path / "library.json", tmp_path)
     objects = [true(1, shown, (0, 0, 0)), true(2, "mine_0", (1, 0, 0)), true(3, "gone_0", (2, 0, 0))]
     write_json(tmp_path / "truth.json", TRUTH.model_copy(update={"objects": objects}))
     leave_out.run(truth=tmp_path / "truth.json", library=tmp_path / "library.json", out=tmp_path / "out.json")
@@ -208,16 +207,11 @@ def test_true_models_are_left_out_with_all_their_relatives(tmp_path: Path, shown
 
 def _write(folder: Path) -> dict:
     scene, seen = scene_and_objects()
-    library = Library(
-        assets=[
-            LibraryEntry(id=t.asset, category=t.category, folder=t.asset, doors=0, drawers=0, checksum="0")
-            for t in TRUTH.objects
-        ]
-    )
     for true in TRUTH.objects:
         about = {"id": true.asset, "category": true.category, "licence": "", "provenance": "", "checksum": "0"}
         write_json(folder / true.asset / "asset.json", Asset(box_min=(0, 0, 0), box_max=true.size, mass=1, **about))
-    for name, value in {"scene_1": scene, "objects": seen, "truth": TRUTH, "library": library}.items():
+    write_part(folder / "library.json", folder)
+    for name, value in {"scene_1": scene, "objects": seen, "truth": TRUTH}.items():
         write_json(folder / f"{name}.json", value)
     write_json(folder / "scene_2.json", scene.model_copy(update={"rank": 2}))
     return {name: folder / f"{name}.json" for name in ("objects", "truth", "library")} | {
@@ -263,7 +257,7 @@ def test_files_of_different_rooms_are_refused(tmp_path: Path) -> None:
 
 def test_a_truth_of_another_library_is_refused(tmp_path: Path) -> None:
     files = _write(tmp_path)
-    other = LibraryEntry(id="sofa_0", category="sofa", folder="models/sofa_0", doors=0, drawers=0, checksum="0")
+    other = LibraryEntry(id="sofa_0", category="sofa", archive="none.zip", doors=0, drawers=0, checksum="0")
     write_json(files["library"], Library(assets=[other]))
     with pytest.raises(InputError, match="cabinet_0"):
         run(**files)

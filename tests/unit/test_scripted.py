@@ -7,6 +7,7 @@ import pytest
 
 from stages.config.evaluation import RolloutOptions
 from stages.contracts.files import read_json, read_rows, write_json
+from stages.contracts.library_folder import write_part
 from stages.contracts.policies import Rollout, TaskAssets
 from stages.evaluation.skill import run
 from stages.evaluation.states import starts_of
@@ -21,10 +22,8 @@ def rows(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Rollout]]
     """The skill on a twin that opens, and on two unseen assets of which one has no handle."""
     folder = tmp_path_factory.mktemp("skill")
     files = experiment(folder)
-    library = json.loads(files["library"].read_text())
     smooth = cabinet(folder / "models" / "smooth", handle="none")
-    library["assets"].append({**library["assets"][0], "id": "smooth", "folder": "models/smooth"})
-    files["library"].write_text(json.dumps(library))
+    write_part(files["library"], folder / "models")
     plan = read_json(TaskAssets, files["assets"])
     unseen = [
         an_asset(name, role="test", joint="door_0_joint", size=size)

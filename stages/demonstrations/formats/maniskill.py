@@ -1,6 +1,7 @@
 """ManiSkill trajectories: the episodes done again in the environment itself, recorded by ManiSkill's own wrapper."""
 
 import json
+import shutil
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -12,8 +13,9 @@ import numpy as np
 from mani_skill.utils.wrappers.record import RecordEpisode
 from numpy.typing import NDArray
 
-from stages.contracts import InputError, Library, read_json, write_json
+from stages.contracts import InputError, write_json
 from stages.contracts.episode_store import AGAIN, EpisodeStore, read_episodes
+from stages.contracts.library_folder import AssetFolders
 from stages.plugins import load
 from stages.procedural.resize import resized
 
@@ -41,10 +43,10 @@ class Subject(NamedTuple):
 
 
 def write(stores: Sequence[Path], out: Path, library: Path | None) -> None:
-    """Write `<asset>.h5` and `<asset>.json` per asset into the folder `out`; assets at their sizes in `out/assets`."""
+    """Write `<asset>.h5` and `<asset>.json` per asset into the folder `out`; the assets lie in `out/assets`."""
     if library is None:
         raise InputError("--library", "is missing: ManiSkill trajectories name the asset's folder.")
-    folders = {entry.id: library.parent / entry.folder for entry in read_json(Library, library).assets}
+    folders = AssetFolders(library)
     found: dict[Subject, tuple[EpisodeStore, list[Trajectory]]] = {}
     for path in stores:
         store = read_episodes(path)
@@ -54,6 +56,8 @@ def write(stores: Sequence[Path], out: Path, library: Path | None) -> None:
             found.setdefault(subject, (store, []))[1].append(trajectory)
     for subject, (store, episodes) in found.items():
         folder = resized(folders[subject.asset], subject.size, out / "assets")
+        if folder == folders[subject.asset]:
+            folder = shutil.copytree(folder, out / "assets" / subject.asset, dirs_exist_ok=True)
         kept = record(out, folder, subject, store, episodes)
         print(f"exported: {kept} of {len(episodes)} episodes on {subject.asset} succeed again", file=sys.stderr)
 

@@ -16,7 +16,7 @@ from stages.plugins import load
 class Question(NamedTuple):
     """What a judge may look at: the object as the camera sees it, its label, and the models.
 
-    library: library.json, asset folders beside it; snapshots: pictures of the models; name: scene and object, no two
+    library: library.json, its archives beside it; snapshots: pictures of the models; name: scene and object, no two
     alike; rank: of the cousin whose orientation is asked for; item, scene: what extraction found of the object, of all.
     """
 

@@ -18,7 +18,7 @@ UNSEEN = 0.55  # what is hidden in the picture is darker
 
 
 class InPlace:
-    """Renders cousins of a scene's objects; `library`: library.json, asset folders beside it."""
+    """Renders cousins of a scene's objects; `library`: library.json, its archives beside it."""
 
     def __init__(self, scene: Scene, library: Path) -> None:
         self.scene, self.library = scene, library

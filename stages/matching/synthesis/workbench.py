@@ -1,6 +1,6 @@
 """What the judges that render share: the object at hand, ready to be fitted to, and the models read so far."""
 
-from stages.contracts import Library, read_json
+from stages.contracts.library_folder import AssetFolders
 from stages.matching.judges import AbstainedError, Question
 from stages.matching.synthesis.fits import Fitter
 from stages.matching.synthesis.solid import Solid
@@ -15,7 +15,7 @@ class Workbench:
 
     def __init__(self, judge: str, resolution: int) -> None:
         self.judge, self.resolution = judge, resolution
-        self._folders: dict[str, str] = {}
+        self._folders: AssetFolders | None = None
         self._solids: dict[str, Solid] = {}
         self._object: tuple[str, Fitter] | None = None
 
@@ -41,15 +41,13 @@ class Workbench:
         """A model of the library.
 
         Raises:
-            AbstainedError: the library has no asset folders, only pictures.
+            AbstainedError: there is only the library's index.
         """
-        if not self._folders:
-            self._folders = {entry.id: entry.folder for entry in read_json(Library, question.library).assets}
+        self._folders = self._folders or AssetFolders(question.library)
         if asset not in self._solids:
-            folder = question.library.parent / self._folders[asset]
-            if not folder.is_dir():
-                raise AbstainedError(f"{self.judge}: there is no {folder.name} beside {question.library.name}")
+            if not (archive := self._folders.archive(asset)).is_file():
+                raise AbstainedError(f"{self.judge}: there is no {archive.name} beside {question.library.name}")
             while len(self._solids) >= MODELS:
                 self._solids.pop(next(iter(self._solids)))
-            self._solids[asset] = Solid(folder)
+            self._solids[asset] = Solid(self._folders[asset])
         return self._solids[asset]
