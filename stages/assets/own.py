@@ -25,6 +25,6 @@ def run(*, folder: Path, models: tuple[str, ...], out: Path, options: str = "{}"
     wanted = {names[one.path]: one for one in discover(folder, list(kinds)) if one.path in names}
     if gone := set(names.values()) - set(wanted):
         raise InputError(folder, f"holds no model of '{min(gone)}'.", "each of --models is <id>=<file>")
-    with TemporaryDirectory(prefix="acdc-own-") as folder:
-        _, left_out = import_models(wanted, kinds, Path(folder))
-        write_part(out, Path(folder), left_out)
+    with TemporaryDirectory(prefix="acdc-own-") as made:
+        _, left_out = import_models(wanted, kinds, Path(made))
+        write_part(out, Path(made), left_out)

@@ -70,7 +70,7 @@ class PhotoConfig(FetchOptions):
     field_of_view: float | None = Field(
         None,
         ge=5,
-        le=150,
+        le=135,
         description="Degrees over the picture's width. null: Depth Pro's if it is used, else by EXIF, by lines in the "
         "picture, or that of a usual camera; which is said.",
     )

@@ -115,12 +115,16 @@ CameraMatrix = Annotated[Matrix, AfterValidator(_camera_matrix)]
 
 
 def check_view(width: int, height: int, intrinsics: Matrix) -> None:
-    """Refuse a camera that nobody has: a matrix in shares of the picture instead of pixels, or of another picture."""
-    for name, side, focal in (("fx", width, intrinsics[0][0]), ("fy", height, intrinsics[1][1])):
-        angle = math.degrees(2 * math.atan(side / 2 / focal))
-        if not 0.5 < angle < 175:
-            view = f"intrinsics: {name} {focal:g} for {side} pixels is a field of view of {angle:.3g} degrees"
-            raise ValueError(f"{view}: write {name} in pixels")
+    """Refuse a camera that cannot have taken a picture of this size: 3 to 136 degrees, nearly square pixels, an axis
+    near the middle. So a matrix in shares of the picture, or of another picture size, is found.
+    """
+    (fx, _, cx), (_, fy, cy), _ = intrinsics
+    if not (0.2 * width < fx < 20 * width and 0.7 * fy < fx < 1.4 * fy):
+        what = f"fx {fx:g}, fy {fy:g} are not those of a picture of {width}x{height} pixels"
+        raise ValueError(f"intrinsics: {what}: write them in its pixels")
+    if not (0.2 * width < cx < 0.8 * width and 0.2 * height < cy < 0.8 * height):
+        what = f"cx {cx:g}, cy {cy:g} are far from the middle of {width}x{height} pixels"
+        raise ValueError(f"intrinsics: {what}: write those of this picture size, in pixels")
 
 
 def check_unique(what: str, values: Iterable[Hashable]) -> None:

@@ -32,7 +32,7 @@ DETECTOR_SIDES = 800, 1333  # pixels: the shorter side is made so long, the long
 DEPTH_SIDE = 518  # pixels of the shorter side (Depth-Anything V2), in patches
 MOST_TOKENS = 250  # of one text that Grounding DINO reads
 NEAREST, FARTHEST = 0.05, 100.0  # metres
-BELIEVED = 5.0, 150.0  # degrees across the picture
+BELIEVED = 5.0, 135.0  # degrees across the picture
 
 
 class Detection(NamedTuple):

@@ -71,8 +71,9 @@ FIELDS: dict[str, list[tuple]] = {  # kind of file: entry, value, what the line 
         ("height", None), ("intrinsics", [[]]), ("intrinsics", []), ("intrinsics", K3[:2]),
         ("intrinsics", [[*row, 0.0] for row in K3]), ("intrinsics.0.0", NAN), ("intrinsics.0.0", INF),
         ("intrinsics.0.0", 0.0), ("intrinsics.1.1", -50.0), ("intrinsics.2.2", 2.0),
-        ("intrinsics.0.0", 0.9, "field of view"), ("intrinsics.1.1", 0.5, "fy"),
-        ("intrinsics.0.1", 3.0), ("intrinsics.0.2", 1e9),
+        ("intrinsics.0.0", 0.9, "fx 0.9"), ("intrinsics.1.1", 0.5, "fy 0.5"), ("intrinsics.1.1", 20.0, "fy 20"),
+        ("intrinsics.0.0", 2000.0, "fx 2000"), ("intrinsics.0.1", 3.0), ("intrinsics.0.2", 1e9),
+        ("intrinsics.0.2", 300.0, "cx 300"), ("intrinsics.1.2", 1.0, "cy 1"),
     ],
     "films": [
         ("films.0.file", "../twin_5.webp"), ("films.0.file", "none.webp", "none.webp"), ("films.0.seed", -1),

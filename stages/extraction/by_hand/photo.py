@@ -68,7 +68,7 @@ def exif_focal(exif: Image.Exif, width: int, height: int) -> float | None:
             found *= max(width, height) / float(fine.get(EXIF_WIDTH) or max(width, height))
     except (ValueError, TypeError, ZeroDivisionError, ArithmeticError, SyntaxError):
         return None
-    return float(found) if 0.2 < found / max(width, height) < 30 else None
+    return float(found) if 0.2 * max(width, height) < found < 20 * min(width, height) else None
 
 
 def _exif(path: Path) -> tuple[Image.Exif, bool]:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from stages.contracts import InputError
 from stages.contracts.arrays import readable
+from stages.contracts.types import check_view
 
 Matrix = NDArray[np.float64]
 
@@ -42,8 +43,8 @@ def resized(intrinsics: Matrix, width: float, height: float) -> Matrix:
 
 def of_field_of_view(degrees: float, width: int, height: int) -> Matrix:
     """K of square pixels with the axis in the middle, from the field of view over the picture's width."""
-    if not 5 <= degrees <= 150:
-        raise InputError("--fov", f"is {degrees:g} degrees.", "5 to 150, over the picture's width")
+    if not 5 <= degrees <= 135:
+        raise InputError("--fov", f"is {degrees:g} degrees.", "5 to 135, over the picture's width")
     focal = width / 2 / np.tan(np.deg2rad(degrees) / 2)
     return matrix(focal, focal, (width - 1) / 2, (height - 1) / 2)
 
@@ -83,12 +84,10 @@ def checked(where: object, intrinsics: Matrix, width: int, height: int) -> Matri
     Raises:
         InputError: it cannot.
     """
-    (fx, _, cx), (_, fy, cy), _ = intrinsics
-    if not (np.isfinite(intrinsics).all() and 0.2 * width < fx < 20 * width and 0.7 < fx / fy < 1.4):
-        raise InputError(where, f"fx {fx:g}, fy {fy:g} are not those of a picture of {width}x{height} pixels.", KNOWS)
-    if not (0.2 * width < cx < 0.8 * width and 0.2 * height < cy < 0.8 * height):
-        what = f"cx {cx:g}, cy {cy:g} are far from the middle of {width}x{height} pixels: of another picture size?"
-        raise InputError(where, what, "intrinsics of the colour picture, in its pixels")
+    try:
+        check_view(width, height, intrinsics.tolist())
+    except ValueError as error:
+        raise InputError(where, f"{error}.", KNOWS) from None
     return intrinsics
 
 
