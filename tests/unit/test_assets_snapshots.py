@@ -73,6 +73,17 @@ def test_shard_holds_every_asset_from_all_sides(shard: Path) -> None:
     assert (shard / "shard_0.png").exists()
 
 
+def test_a_box_that_the_meshes_do_not_fill_is_refused(tmp_path: Path) -> None:
+    library.run(out=tmp_path / "library.json", options=json.dumps({"counts": {"mug": 1}}))
+    file = tmp_path / "models/mug_00/asset.json"
+    about = json.loads(file.read_text())
+    about["box_max"] = [10 * value for value in about["box_max"]]
+    file.write_text(json.dumps(about))
+    with pytest.raises(InputError, match=r"mug_00/asset\.json: box_min, box_max: a box of .* but its meshes are"):
+        snapshots.run(library=tmp_path / "library.json", shard=0, shards=1, out=tmp_path / "shard.h5", options=OPTIONS)
+    assert not (tmp_path / "shard.h5").exists()
+
+
 def test_assets_face_the_camera_and_turn_counter_clockwise(shard: Path) -> None:
     """At 0 the front is seen; turned by 90 degrees about z, an asset shows its -y side, by 270 its +y side."""
     with h5py.File(shard / "shard_0.h5") as file:
