@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from stages.cli import progress
 from stages.config.assets import SnapshotOptions
+from stages.contracts.errors import InputError
 from stages.contracts.files import atomic, read_options, write_json
 from stages.contracts.library import Asset, SnapshotShard
 from stages.contracts.library_folder import AssetFolders
@@ -77,7 +78,7 @@ class Turntable:
         scale = self.unit / largest_extent(asset)
         body = load_looks(self.scene, folder, scale)
         move(body, root_pose(asset, (0.0, 0.0, 0.0), 0.0, scale))
-        check_box(folder / "asset.json", asset, np.ptp(seen_bounds(body), axis=0) / scale)
+        check_box(asset, np.ptp(seen_bounds(body), axis=0) / scale)
         rgb = np.empty((len(yaws), *self.shape, 3), np.uint8)
         depth = np.empty((len(yaws), *self.shape), np.uint16)
         for number, yaw in enumerate(yaws):
@@ -89,11 +90,12 @@ class Turntable:
         return rgb, depth
 
 
-def check_box(file: Path, asset: Asset, seen: NDArray[np.float64]) -> None:
+def check_box(asset: Asset, seen: NDArray[np.float64]) -> None:
     """Refuse an asset whose box has other extents than what is seen of it, (3,) metres."""
     if np.abs(seen - asset.size).max() > BOX_TOLERANCE * largest_extent(asset):
         said, found = (" x ".join(f"{extent:.3g}" for extent in extents) for extents in (asset.size, seen))
-        raise InputError(file, f"box_min, box_max: a box of {said} m, but its meshes are {found} m.", "make it again")
+        what = f"box_min, box_max: a box of {said} m, but its meshes are {found} m."
+        raise InputError(f"asset.json of {asset.id}", what, "make it again")
 
 
 def largest_extent(asset: Asset) -> float:

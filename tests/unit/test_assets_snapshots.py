@@ -11,8 +11,10 @@ from stages.articulated.asset_folder import read_asset
 from stages.assets import join, library, own, snapshots
 from stages.assets.draw import run as draw
 from stages.assets.library import make
-from stages.contracts.files import read_json
+from stages.contracts.errors import InputError
+from stages.contracts.files import read_json, write_json
 from stages.contracts.library import SnapshotShard
+from stages.contracts.library_folder import write_part
 from stages.geometry.cameras import back_project, intrinsics_from_fov, look_at
 from stages.geometry.frames import apply
 from stages.simulation import shaders
@@ -74,13 +76,12 @@ def test_shard_holds_every_asset_from_all_sides(shard: Path) -> None:
 
 
 def test_a_box_that_the_meshes_do_not_fill_is_refused(tmp_path: Path) -> None:
-    library.run(out=tmp_path / "library.json", options=json.dumps({"counts": {"mug": 1}}))
-    file = tmp_path / "models/mug_00/asset.json"
-    about = json.loads(file.read_text())
-    about["box_max"] = [10 * value for value in about["box_max"]]
-    file.write_text(json.dumps(about))
-    with pytest.raises(InputError, match=r"mug_00/asset\.json: box_min, box_max: a box of .* but its meshes are"):
-        snapshots.run(library=tmp_path / "library.json", shard=0, shards=1, out=tmp_path / "shard.h5", options=OPTIONS)
+    asset = make("mug", 0, 0, tmp_path / "models")
+    large = asset.model_copy(update={"box_max": tuple(10 * value for value in asset.box_max)})
+    write_json(tmp_path / "models/mug_00/asset.json", large)
+    write_part(tmp_path / "part.json", tmp_path / "models")
+    with pytest.raises(InputError, match=r"asset\.json of mug_00: box_min, box_max: a box of .* but its meshes are"):
+        snapshots.run(library=tmp_path / "part.json", out=tmp_path / "shard.h5", options=OPTIONS)
     assert not (tmp_path / "shard.h5").exists()
 
 

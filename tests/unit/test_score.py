@@ -87,7 +87,7 @@ def scene_and_objects() -> tuple[GeneratedScene, Objects]:
         "scene": "room_t",
         "width": 8,
         "height": 6,
-        "intrinsics": np.diag([8.0, 8.0, 1.0]).tolist(),
+        "intrinsics": [[8.0, 0.0, 3.5], [0.0, 8.0, 2.5], [0.0, 0.0, 1.0]],
         "floor_from_camera": FLOOR_FROM_CAMERA.tolist(),
         "walls": [],
     }

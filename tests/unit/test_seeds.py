@@ -18,7 +18,7 @@ from stages.demonstrations.collect import attempt_seeds
 from stages.evaluation.states import initial_states
 from stages.policies.bc_rnn_gmm.actor import Actor
 from stages.procedural.catalogue import sample
-from stages.tables.intervals import resampled
+from stages.tables.intervals import PLACE, resampled
 from stages.tasks.cameras import jitter
 from stages.tasks.initial_state import draw_initial_state
 from stages.tasks.randomised import draw_factors
@@ -37,8 +37,8 @@ def random_actions(seed: int) -> list[float]:
 
 
 def resamples(seed: int) -> list[Any]:
-    side = pd.DataFrame([[0.0, 1.0, 1.0]], columns=pd.MultiIndex.from_tuples([("f", "a", 0), ("g", "b", 0), ("h", "c", 0)],
-                        names=["family", "asset", "initial_state"]))  # fmt: skip
+    places = pd.MultiIndex.from_tuples([("f", "a", 0), ("g", "b", 0), ("h", "c", 0)], names=PLACE)
+    side = pd.DataFrame([[0.0, 1.0, 1.0]], columns=places)
     return [array[:20].tolist() for (array,) in resampled([[side]], TablesConfig(seed=seed))]
 
 
