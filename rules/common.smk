@@ -13,6 +13,7 @@ from snakemake.settings.types import ExecMode
 import stages
 from stages.config.code import code_digest, cover, files_digest
 from stages.config.demonstrations import MotionOptions
+from stages.config.mistakes import check_keys
 from stages.config.model import load
 from stages.config.names import modules
 from stages.config.outside import online, outside
@@ -30,6 +31,8 @@ os.environ.update(PATH=os.pathsep.join([str(Path(sys.executable).parent), *os.ge
 sys.path.append(os.getcwd())
 
 try:
+    for file in workflow.configfiles:
+        check_keys(file)
     CONFIG = load(config)
     cover(CONFIG.plugins)
     OWN = {}

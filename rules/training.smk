@@ -31,11 +31,12 @@ rule train:
         code=lambda wildcards: code("training", "train", *modules(CONFIG.training.runs[wildcards.run], "policy")),
         check=check(policy="config", metrics="metrics"),
         options=options("training", "train"),
+        task=lambda wildcards: implementation(wildcards.task),
         share=lambda wildcards: EXPERIMENT.share(wildcards.task, wildcards.training_set),
         device=CONFIG.device,
         out=subpath(output.policy, parent=True),
     shell:
-        "({params.command} --episodes {input.episodes:q} --per-store {params.share} --options {params.options:q} "
+        "({params.command} --episodes {input.episodes:q} --per-store {params.share} --task {params.task} --options {params.options:q} "
         "--seed {wildcards.seed} --threads {threads} --device {params.device} --out {params.out:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
 

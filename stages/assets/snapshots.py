@@ -9,12 +9,14 @@ from numpy.typing import NDArray
 
 from stages.cli import progress
 from stages.config.assets import SnapshotOptions
+from stages.contracts.errors import InputError
 from stages.contracts.files import atomic, read_options, write_json
 from stages.contracts.library import Asset, SnapshotShard
 from stages.contracts.library_folder import AssetFolders
 from stages.geometry.cameras import intrinsics_from_fov, look_at
 
 THOUSANDTHS = 1000.0
+BOX_TOLERANCE = 0.02  # of the largest extent
 FARTHEST = 30.0  # metres: the camera measures in whole millimetres, 32 m at most
 # As fast as lzf here, and smaller; and lzf's bytes depend on memory that HDF5 does not initialise.
 PACKED = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
@@ -70,11 +72,13 @@ class Turntable:
     def photograph(self, folder: Path, yaws: list[float]) -> tuple[NDArray[np.uint8], NDArray[np.uint16]]:
         """Pictures at the given turns: rgb (V, H, W, 3), depth (V, H, W) in thousandths of the largest extent."""
         from stages.articulated.asset_folder import read_asset
-        from stages.simulation.loading import load_looks, move, remove, root_pose
+        from stages.simulation.loading import load_looks, move, remove, root_pose, seen_bounds
 
         asset = read_asset(folder)
         scale = self.unit / largest_extent(asset)
         body = load_looks(self.scene, folder, scale)
+        move(body, root_pose(asset, (0.0, 0.0, 0.0), 0.0, scale))
+        check_box(asset, np.ptp(seen_bounds(body), axis=0) / scale)
         rgb = np.empty((len(yaws), *self.shape, 3), np.uint8)
         depth = np.empty((len(yaws), *self.shape), np.uint16)
         for number, yaw in enumerate(yaws):
@@ -84,6 +88,14 @@ class Turntable:
             depth[number] = np.minimum(picture.depth * np.float32(THOUSANDTHS / self.unit), 65535).round()
         remove(self.scene, body)
         return rgb, depth
+
+
+def check_box(asset: Asset, seen: NDArray[np.float64]) -> None:
+    """Refuse an asset whose box has other extents than what is seen of it, (3,) metres."""
+    if np.abs(seen - asset.size).max() > BOX_TOLERANCE * largest_extent(asset):
+        said, found = (" x ".join(f"{extent:.3g}" for extent in extents) for extents in (asset.size, seen))
+        what = f"box_min, box_max: a box of {said} m, but its meshes are {found} m."
+        raise InputError(f"asset.json of {asset.id}", what, "make it again")
 
 
 def largest_extent(asset: Asset) -> float:

@@ -28,4 +28,5 @@ Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
 Range = Annotated[tuple[Positive, Positive], AfterValidator(_ordered)]  # the lower bound first
 Count = Annotated[int, Field(ge=0)]
+Seed = Annotated[int, Field(ge=0, lt=2**53)]  # what JSON and tables hold exactly
 Rank = Annotated[int, Field(ge=1)]

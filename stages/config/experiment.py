@@ -4,7 +4,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import Field
 
-from stages.config.base import Count, Rank, Section
+from stages.config.base import Rank, Section, Seed
 
 TrainingSet = Annotated[str, Field(pattern=r"^(twin|twin_randomised|all|(cousins|random)_[1-9]\d*)$")]
 
@@ -28,7 +28,7 @@ class TaskTarget(Section):
     )
     training_sets: list[TrainingSet] | None = Field(None, description="null: those of the experiment; so for the rest")
     runs: list[str] | None = Field(None, min_length=1)
-    seeds: list[Count] | None = Field(None, min_length=1)
+    seeds: list[Seed] | None = Field(None, min_length=1)
     episodes: int | None = Field(None, ge=1)
 
 
@@ -46,7 +46,7 @@ class TaskPlan(NamedTuple):
 class Protocol(Section):
     """Rooms met otherwise than for Table 2: rows of its companion `table2_robustness.csv`."""
 
-    seeds: list[Count] = Field(
+    seeds: list[Seed] = Field(
         [0],
         min_length=1,
         description="Every room is met once with each: the seed of the depth noise and of what is drawn below.",
@@ -126,7 +126,10 @@ class ExperimentConfig(Section):
     held_out: list[Rank] = Field([2, 6], description="Cousins kept out of every training set (paper: 2nd and 6th).")
     cousins: int = Field(10, ge=1, description="How many cousins the policy experiment knows.")
     episodes: int = Field(
-        160, ge=1, description="Demonstrations in every training set, shared evenly by its assets so that sets compare."
+        160,
+        ge=1,
+        description="Demonstrations in every training set, shared evenly by its assets so that sets compare: a "
+        "multiple of their numbers.",
     )
     runs: list[str] = Field(["lite"], description="Hyper-parameter sets to train, from `training.runs`.")
     best_runs: int = Field(
@@ -135,7 +138,7 @@ class ExperimentConfig(Section):
         description="How many of `runs` are trained with all seeds, per task and training set: if there are more, "
         "each is trained with the first seed and tried on the twin, and the best are chosen (paper: 2).",
     )
-    seeds: list[Count] = Field([0], description="Training seeds. The paper: best two hyper-parameter sets x 3 seeds.")
+    seeds: list[Seed] = Field([0], description="Training seeds. The paper: best two hyper-parameter sets x 3 seeds.")
     in_scene: int = Field(
         2,
         ge=0,
@@ -216,8 +219,8 @@ class ExperimentConfig(Section):
         return int(training_set.removeprefix("cousins_")) if training_set.startswith("cousins_") else 0
 
     def share(self, task: str, training_set: str) -> int:
-        """Demonstrations that each store gives to a training set (rounded up)."""
-        return -(-self.plan(task).episodes // len(self.roles(training_set)))
+        """Demonstrations that each store gives to a training set."""
+        return self.plan(task).episodes // len(self.roles(training_set))
 
     def sets_of(self, task: str) -> list[str]:
         """The training sets of all rows that use a row's demonstrations."""

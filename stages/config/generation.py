@@ -88,7 +88,7 @@ class GenerationConfig(Section):
     )
 
     # Physics check
-    settle_seconds: float = Field(1.0, ge=0, description="Simulated time of the settling test; 0: no test.")
+    settle_seconds: float = Field(1.0, ge=0, le=60, description="Simulated time of the settling test; 0: no test.")
     fallen_distance: float = Field(0.05, gt=0, description="An object that moves farther in it has fallen, metres ...")
     fallen_tilt: float = Field(10.0, gt=0, description="... and so has one that tilts more than so many degrees.")
 

@@ -3,9 +3,13 @@
 from collections.abc import Iterator
 from copy import deepcopy
 from difflib import get_close_matches
+from pathlib import Path
 from typing import Any, NamedTuple, TypeVar, get_args, get_origin
 
+import yaml
 from pydantic import BaseModel, ValidationError
+
+from stages.contracts.errors import InputError
 
 M = TypeVar("M", bound=BaseModel)
 
@@ -19,6 +23,30 @@ class Mistake(NamedTuple):
 
     def __str__(self) -> str:
         return f"{self.key}: {self.what}." + (f" Fix: {self.mend}" if self.mend else "")
+
+
+def check_keys(file: Path) -> None:
+    """Refuse a YAML file that gives a key twice: the last would win without a word.
+
+    Raises:
+        InputError: file, line and key are named.
+    """
+    try:
+        nodes = [yaml.compose(Path(file).read_text(encoding="utf-8"), Loader=yaml.CSafeLoader)]
+    except (OSError, UnicodeDecodeError, yaml.YAMLError):
+        return  # who reads it says so
+    for node in nodes:
+        if isinstance(node, yaml.SequenceNode):
+            nodes += [each for each in node.value if each not in nodes]
+        if not isinstance(node, yaml.MappingNode):
+            continue
+        lines: dict[str, int] = {}
+        for key, value in node.value:
+            name, line = str(key.value), key.start_mark.line + 1
+            if name in lines and name != "<<":
+                raise InputError(f"{file}:{line}", f"'{name}' stands in line {lines[name]}, too.", "keep one")
+            lines[name] = line
+            nodes += [value] * (value not in nodes)
 
 
 def without_removed(value: Any, annotation: Any) -> Any:
@@ -49,8 +77,10 @@ def without_sharers(config: dict[str, Any]) -> dict[str, Any]:
 
 def validated(model: type[M], given: dict[str, Any]) -> tuple[M, list[Mistake]]:
     """The config and its mistakes; where there is one, the config has its default instead."""
-    mistakes: list[Mistake] = []
+    mistakes = truths(given, model)
     given = deepcopy(given)
+    for mistake in mistakes:
+        _drop(given, tuple(mistake.key.split(".")))
     while True:
         try:
             return model.model_validate(given), mistakes
@@ -58,6 +88,28 @@ def validated(model: type[M], given: dict[str, Any]) -> tuple[M, list[Mistake]]:
             mistakes += mistakes_of(model, error)
             for detail in error.errors():
                 _drop(given, detail["loc"])
+
+
+def truths(given: Any, annotation: Any, key: str = "") -> list[Mistake]:
+    """Where a number is true or false, which YAML makes of yes, no, on and off, and Python takes for 1 and 0."""
+    if isinstance(given, dict):
+        models = _models(annotation)
+        fields = models[0].model_fields if models and get_origin(annotation) is not dict else {}
+        inner = get_args(annotation)[1] if get_origin(annotation) is dict else None
+        items = [(name, item, fields[name].annotation if name in fields else inner) for name, item in given.items()]
+        return [each for name, item, kind in items for each in truths(item, kind, f"{key}.{name}".lstrip("."))]
+    if isinstance(given, list):
+        return [each for item in given for each in truths(item, annotation, key)][:1]
+    kinds = list(_kinds(annotation)) if isinstance(given, bool) else [bool]
+    wrong = (int in kinds or float in kinds) and bool not in kinds
+    return [Mistake(key, f"is {given} (YAML's yes and no, too), not a number")] if wrong else []
+
+
+def _kinds(annotation: Any) -> Iterator[Any]:
+    """All types inside an annotation."""
+    yield annotation
+    for argument in get_args(annotation):
+        yield from _kinds(argument)
 
 
 def mistakes_of(root: type[BaseModel], error: ValidationError, prefix: str = "") -> list[Mistake]:

@@ -6,7 +6,7 @@ from typing import Any, Literal
 from pydantic import Field, ValidationError
 
 from stages.config.assets import AssetsConfig
-from stages.config.base import Section
+from stages.config.base import Section, Seed
 from stages.config.containers import ContainersConfig
 from stages.config.contradictions import contradictions
 from stages.config.demonstrations import DemonstrationsConfig
@@ -16,7 +16,7 @@ from stages.config.experiment import ExperimentConfig
 from stages.config.extraction import ExtractionConfig
 from stages.config.generation import GenerationSection
 from stages.config.matching import MatchingConfig
-from stages.config.mistakes import Mistake, mistakes_of, validated, without_removed, without_sharers
+from stages.config.mistakes import Mistake, mistakes_of, truths, validated, without_removed, without_sharers
 from stages.config.names import resolved
 from stages.config.own_scene import scene_of
 from stages.config.photo import PhotoConfig
@@ -33,9 +33,7 @@ from stages.scenes.rooms import room_files
 class Config(Section):
     """Config of the workflow. What is not set keeps the default given here."""
 
-    seed: int = Field(
-        0, ge=0, description="Seed of everything random: library, rooms, noise, demonstrations, rollouts."
-    )
+    seed: Seed = Field(0, description="Seed of everything random: library, rooms, noise, demonstrations, rollouts.")
     image: str = Field(
         "",
         description="A picture, for the target `photo`: the one scene in the place of `experiment.rooms`, without "
@@ -115,6 +113,7 @@ def load(config: dict[str, Any]) -> Config:
     valid = valid.model_copy(update={"plugins": _packages(valid.plugins, mistakes)})
     valid = resolved(valid, valid.plugins, "", mistakes)
     for variant in valid.experiment.variants:
+        mistakes += truths(valid.experiment.variants[variant], MatchingConfig, f"experiment.variants.{variant}")
         try:
             valid.matching_of(variant)
         except ValidationError as error:
@@ -126,12 +125,14 @@ def load(config: dict[str, Any]) -> Config:
             continue
         valid.experiment.variants[variant] = {}
     for variant in list(valid.experiment.placements):
+        mistakes += truths(valid.experiment.placements[variant], GenerationSection, f"experiment.placements.{variant}")
         try:
             valid.generation_of(variant)
         except ValidationError as error:
             mistakes += mistakes_of(GenerationSection, error, f"experiment.placements.{variant}.")
             valid.experiment.placements[variant] = {}
     for name, target in valid.experiment.tasks.items():
+        mistakes += truths(target.options, TaskConfig, f"experiment.tasks.{name}.options")
         try:
             valid.task_of(name)
         except ValidationError as error:

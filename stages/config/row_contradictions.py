@@ -1,6 +1,7 @@
 """What is wrong with the rows of the policy experiment: their objects, training sets, test assets and policies."""
 
 from collections.abc import Iterator
+from math import lcm
 from typing import TYPE_CHECKING
 
 from stages.config import places
@@ -68,7 +69,7 @@ def shared_rows(config: "Config") -> Iterator[Mistake]:
 
 
 def training_sets(config: "Config") -> Iterator[Mistake]:
-    """Training sets that have cousins enough."""
+    """Training sets that have cousins enough, and as many demonstrations as each other."""
     experiment = config.experiment
     for rank in experiment.held_out:
         if rank > experiment.cousins:
@@ -85,6 +86,16 @@ def training_sets(config: "Config") -> Iterator[Mistake]:
             if needed > len(left):
                 what = f"{name} needs {needed} cousins, experiment.cousins = {experiment.cousins} leaves {len(left)}"
                 yield Mistake(key, what, "raise experiment.cousins or hold fewer out")
+    uneven: dict[str, Mistake] = {}
+    for task in experiment.tasks:
+        plan, source = experiment.plan(task), experiment.source(task)
+        numbers = {name: len(experiment.roles(name)) or 1 for name in plan.training_sets}
+        odd = [name for name, number in numbers.items() if plan.episodes % number]
+        if odd:
+            key = "experiment.episodes" if plan.target.episodes is None else f"experiment.tasks.{source}.episodes"
+            what = f"{plan.episodes} cannot be shared evenly by the assets of {', '.join(odd)}"
+            uneven[key] = Mistake(key, what, f"a multiple of {lcm(*numbers.values())}")
+    yield from uneven.values()
 
 
 def test_assets(config: "Config") -> Iterator[Mistake]:

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from stages.config.base import Section
+from stages.config.base import Section, Seed
 
 
 class TablesConfig(Section):
@@ -25,6 +25,6 @@ class TablesConfig(Section):
         ge=100,
         description="Resamples (of assets, initial states and runs) behind the intervals of policies.",
     )
-    seed: int = Field(0, ge=0, description="Seed of the resamples.")
+    seed: Seed = Field(0, description="Seed of the resamples.")
     picture_width: int = Field(1100, ge=200, description="Largest width of a picture in the report page, pixels.")
     picture_quality: int = Field(80, ge=10, le=100, description="WebP quality of the pictures in the report page.")

@@ -17,6 +17,7 @@ from stages.contracts.ledgers import read_attempts
 
 AGAIN = "collect the demonstrations again"
 ACTION, PROPRIO = 7, 9
+QUATERNION, UNIT = slice(3, 7), 0.01  # columns of proprioception, and how far their norm may be off 1
 LIMIT = 1.001  # actions are within [-1, 1], but for rounding
 REACH = 100.0  # metres: of clouds and proprioception
 Float = NDArray[np.float32]
@@ -88,6 +89,8 @@ def _episode(path: Path, data: h5py.Group, name: str, points: int) -> tuple[NDAr
         arrays.append(found[()])
         check_within(path, f"{name}/{key}", arrays[-1], -bound, bound, AGAIN)
     clouds, proprio, actions = arrays
+    if (np.abs(np.linalg.norm(proprio[:, QUATERNION], axis=1) - 1) > UNIT).any():
+        raise InputError(path, f"{name}/obs/proprio: holds quaternions (columns 3 to 6) that are no turns.", AGAIN)
     return clouds.astype(np.float16), proprio.astype(np.float32), actions.astype(np.float32)
 
 

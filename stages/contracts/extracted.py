@@ -10,10 +10,12 @@ from stages.contracts.arrays import check_array, check_within, read_npz
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json
 from stages.contracts.images import check_size, read_masks
-from stages.contracts.objects import Objects
+from stages.contracts.objects import Box, Objects
 from stages.contracts.types import FARTHEST
+from stages.geometry.frames import yaw_matrix
 
 AGAIN = "extraction writes it beside objects.json"
+BESIDE = 0.1  # metres by which half of a cloud may be outside its box
 
 
 def read_object_masks(path: Path, objects: Objects) -> NDArray[np.uint16]:
@@ -61,7 +63,15 @@ def read_clouds(path: Path, objects: Objects) -> dict[str, NDArray[np.float32]]:
             what = f"{item.id}: has {len(cloud)} points, {path.name} says {item.points}."
             raise InputError(file, what, AGAIN)
         check_within(file, item.id, cloud, -FARTHEST, FARTHEST)
+        if item.box is not None and np.median(outside(item.box, cloud)) > BESIDE:
+            raise InputError(file, f"{item.id}: is not where its box of {path.name} is.", AGAIN)
     return {item.id: clouds[item.id].astype(np.float32) for item in wanted}
+
+
+def outside(box: Box, cloud: NDArray[np.floating]) -> NDArray[np.float64]:
+    """How far (N,) the points of a cloud (N, 3) are outside a box, along the axis where they are farthest; metres."""
+    local = (cloud - np.asarray(box.center)) @ yaw_matrix(box.yaw)
+    return np.asarray(np.abs(local) - np.asarray(box.size) / 2).max(axis=1)
 
 
 def check_extracted(path: Path) -> None:

@@ -5,7 +5,7 @@ from typing import Literal
 from pydantic import Field, model_validator
 
 from stages.contracts.files import Contract, Document
-from stages.contracts.objects import Mounting, Wall, check_mounting, check_status
+from stages.contracts.objects import Mounting, Wall, check_mounting, check_room, check_status
 from stages.contracts.types import (
     LARGEST,
     Angle,
@@ -73,7 +73,7 @@ class GeneratedScene(Document):
     @model_validator(mode="after")
     def _resolvable(self) -> "GeneratedScene":
         check_view(self.width, self.height, self.intrinsics)
-        check_unique("walls: ids", [wall.id for wall in self.walls])
+        check_room(self.floor_from_camera, self.walls)
         check_unique("objects: ids", [item.id for item in self.objects])
         walls = {wall.id for wall in self.walls}
         for item in self.objects:

@@ -1,5 +1,6 @@
 """Contract of the `extraction` stage: `objects.json` and the arrays beside it."""
 
+import math
 import re
 from collections import Counter
 from collections.abc import Iterable
@@ -9,6 +10,7 @@ from pydantic import Field, model_validator
 
 from stages.contracts.files import Contract, Document
 from stages.contracts.types import (
+    RIGID_TOLERANCE,
     Angle,
     CameraMatrix,
     Coordinate,
@@ -26,6 +28,8 @@ from stages.contracts.types import (
     check_view,
 )
 
+FAR_FROM_WALL = 2.0  # metres: what touches a wall is never so far away from it, however wrong its depth
+
 
 class Wall(Contract):
     """A wall plane in the floor frame: points p with normal . p = offset; the normal is horizontal and faces us."""
@@ -42,6 +46,12 @@ class Box(Contract):
     center: Position
     size: Size
     yaw: Angle
+
+    @model_validator(mode="after")
+    def _within_a_quarter(self) -> "Box":
+        if abs(self.yaw) > math.pi / 4 + RIGID_TOLERANCE:
+            raise ValueError(f"yaw: {self.yaw:g} is not within pi/4: turn the box by quarters, and swap its x and y")
+        return self
 
 
 class Mounting(Contract):
@@ -91,21 +101,44 @@ class Objects(Document):
     @model_validator(mode="after")
     def _resolvable(self) -> "Objects":
         check_view(self.width, self.height, self.intrinsics)
-        check_unique("walls: ids", [wall.id for wall in self.walls])
+        check_room(self.floor_from_camera, self.walls)
         check_unique("objects: ids", [item.id for item in self.objects])
         check_unique("objects: mask values", [item.mask for item in self.objects])
-        walls = {wall.id for wall in self.walls}
+        walls = {wall.id: wall for wall in self.walls}
         for item in self.objects:
             check_status(item.id, item.status, item.reason)
             if item.status == "ok" and (item.box is None or item.mounting is None):
                 raise ValueError(f"objects: '{item.id}' is ok, but has no box or no mounting")
-            check_mounting(item.id, item.mounting, walls)
-            check_mounting(item.id, item.measured_mounting, walls)
+            check_mounting(item.id, item.mounting, set(walls))
+            check_mounting(item.id, item.measured_mounting, set(walls))
+            if item.box is not None and item.mounting is not None:
+                for name in item.mounting.walls:
+                    if (gap := distance_between(item.box, walls[name])) > FAR_FROM_WALL:
+                        raise ValueError(f"objects: '{item.id}' touches '{name}', but is {gap:.1f} m away from it")
             if item.pixels is not None:
                 x0, y0, x1, y1 = item.pixels
                 if not (x0 < x1 <= self.width and y0 < y1 <= self.height):
                     raise ValueError(f"objects: pixels of '{item.id}' are no box inside the picture")
         return self
+
+
+def check_room(floor_from_camera: RigidTransform, walls: list[Wall]) -> None:
+    """The camera is in the room: above the floor, before every wall."""
+    camera = [row[3] for row in floor_from_camera[:3]]
+    if camera[2] <= 0:
+        raise ValueError("floor_from_camera: the camera is not above the floor: z is up")
+    check_unique("walls: ids", [wall.id for wall in walls])
+    for wall in walls:
+        if sum(n * c for n, c in zip(wall.normal, camera, strict=True)) < wall.offset:
+            raise ValueError(f"walls: the camera is behind '{wall.id}': normal and offset of a wall face it")
+
+
+def distance_between(box: Box, wall: Wall) -> float:
+    """Metres between a box and the plane of a wall; 0 if they meet."""
+    c, s = math.cos(box.yaw), math.sin(box.yaw)
+    x, y, _ = wall.normal
+    reach = (abs(x * c + y * s) * box.size[0] + abs(y * c - x * s) * box.size[1]) / 2
+    return max(0.0, abs(x * box.center[0] + y * box.center[1] - wall.offset) - reach)
 
 
 def check_status(name: str, status: str, reason: str) -> None:

@@ -53,7 +53,8 @@ def run(*, pairs: list[Path], out: Path, options: str = "{}", seed: int = 0) -> 
     training = started(json.dumps([about, seed, data.models, data.views]), config, seed)
     resume(training, out / STATE)
     for step in progress(range(training.step, config.steps), "steps", config.steps - training.step):
-        update(training, draw(data, step, seed, config), config, torch.Generator().manual_seed(seed * 1_000_003 + step))
+        pick = torch.Generator().manual_seed((seed * 1_000_003 + step) % 2**63)
+        update(training, draw(data, step, seed, config), config, pick)
         if training.step % config.save_every == 0 and training.step < config.steps:
             save_state(training, out / STATE)
             save_weights(training.average.module, out / "patchnet.safetensors", data.categories)

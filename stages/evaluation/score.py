@@ -1,12 +1,15 @@
 """Verb `score`: generated scenes of one room + its truth -> one row per rank and object (paper B.1)."""
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import pandas as pd
 
-from stages.contracts import Cousins, GeneratedScene, InputError, Objects, Truth, atomic, read_json
+from stages.contracts import Cousins, GeneratedScene, InputError, Library, Objects, Truth, atomic, read_json
+from stages.contracts.generated import PlacedObject
 from stages.contracts.library_folder import AssetFolders
 from stages.contracts.policies import SceneScore
+from stages.contracts.scenes import TrueObject
 from stages.evaluation.scoring import score_scene
 
 
@@ -19,6 +22,19 @@ def check_same_scene(scenes: list[GeneratedScene], objects: Objects, truth: Trut
     names = {scene.scene for scene in scenes} | {objects.scene, truth.scene}
     if len(names) > 1:
         raise InputError("--scenes, --objects, --truth", f"are of different scenes: {', '.join(sorted(names))}.")
+
+
+def check_categories(path: Path, items: Sequence[PlacedObject | TrueObject], categories: Mapping[str, str]) -> None:
+    """Models are of the categories that the library knows by their ids.
+
+    Raises:
+        InputError: one is not.
+    """
+    for item in items:
+        known = categories.get(item.asset, item.category)
+        if item.category != known:
+            what = f"says that {item.asset} is a '{item.category}', but in the library it is a '{known}'."
+            raise InputError(path, what, "make it again")
 
 
 def judges(cousins: Path | None, scene: str) -> dict[str, dict[str, str]]:
@@ -68,6 +84,9 @@ def run(
     strangers = sorted({item.asset for item in true.objects} - set(folders))
     if strangers:
         raise InputError(truth, f"has assets that {library} lacks: {', '.join(strangers)}.", "render the room again")
+    categories = {entry.id: entry.category for entry in read_json(Library, library).assets}
+    for path, items in [*zip(scenes, (scene.objects for scene in generated), strict=True), (truth, true.objects)]:
+        check_categories(path, items, categories)
     decided = judges(cousins, true.scene)
     met = {"protocol": protocol, "draw": draw}
     rows = [

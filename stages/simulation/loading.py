@@ -196,6 +196,16 @@ def move(body: PhysxArticulation | sapien.Entity, pose: sapien.Pose) -> None:
         body.set_pose(pose)
 
 
+def seen_bounds(body: PhysxArticulation | sapien.Entity) -> NDArray[np.float64]:
+    """(2, 3) lowest and highest corner of a box around all that is seen of a body, in the world."""
+    entities = [link.entity for link in body.links] if isinstance(body, PhysxArticulation) else [body]
+    shown = [
+        part for each in entities for part in each.components if isinstance(part, sapien.render.RenderBodyComponent)
+    ]
+    boxes = np.array([part.compute_global_aabb_tight() for part in shown], dtype=float)
+    return np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
+
+
 def remove(scene: sapien.Scene, body: PhysxArticulation | sapien.Entity) -> None:
     """Take an asset out of the scene."""
     if isinstance(body, PhysxArticulation):

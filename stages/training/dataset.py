@@ -71,8 +71,10 @@ def held(actions: Float) -> int:
     return int(closed[-1]) + 1 if len(closed) else len(actions)
 
 
-def read_demonstrations(paths: Sequence[Path], per_store: int, let_go: bool = True) -> DemonstrationSet:
+def read_demonstrations(paths: Sequence[Path], per_store: int, let_go: bool = True, task: str = "") -> DemonstrationSet:
     """The first `per_store` episodes of every store; without `let_go` each up to where the hand last opens.
+
+    `task`: that they must be of; '': any.
 
     Raises:
         InputError: a file is no episode store, has too few episodes, or differs in task or task options.
@@ -86,6 +88,8 @@ def read_demonstrations(paths: Sequence[Path], per_store: int, let_go: bool = Tr
     for path, store in zip(paths, stores, strict=True):
         if (store.task, store.task_options) != (first.task, first.task_options):
             raise InputError(path, f"was collected for another task or with other task options than {paths[0]}.")
+        if task and store.task != task:
+            raise InputError(path, f"was collected for the task '{store.task}', not '{task}'.", "collect it again")
     episodes = [
         episode if let_go else tuple(array[: held(episode[2])] for array in episode)
         for store in stores

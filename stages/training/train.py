@@ -30,6 +30,7 @@ def run(
     episodes: tuple[Path, ...],
     per_store: int,
     out: Path,
+    task: str = "",
     options: str = "",
     seed: int = 0,
     threads: int = 1,
@@ -42,6 +43,7 @@ def run(
     Args:
         episodes: episode stores (episodes.h5) of the training set.
         per_store: how many episodes of each are used, from the first.
+        task: that they must be of; '': any.
         out: folder for policy.safetensors (best), last.safetensors, config.json, metrics.jsonl.
         options: one entry of `training.runs` as JSON, or a JSON file.
         seed: of initial weights, validation split, sampling and augmentation.
@@ -53,7 +55,7 @@ def run(
         raise InputError("device", "cuda is asked for, but torch finds no GPU.", "set `device: cpu`")
     torch.set_num_threads(threads)
     torch.manual_seed(seed)
-    data = read_demonstrations(episodes, per_store, hyper.let_go)
+    data = read_demonstrations(episodes, per_store, hyper.let_go, task)
     if data.clouds.shape[1] < hyper.network.points:
         raise InputError(
             "training.network.points", f"is {hyper.network.points}, but the clouds have {data.clouds.shape[1]} points."

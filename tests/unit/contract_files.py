@@ -21,6 +21,8 @@ from tests.unit.demo_assets import FRONT
 WIDTH, HEIGHT = 48, 36
 K = [[50.0, 0.0, 23.5], [0.0, 50.0, 17.5], [0.0, 0.0, 1.0]]
 POSE = [[0.0, 0.0, 1.0, 0.0], [-1.0, 0.0, 0.0, 0.0], [0.0, -1.0, 0.0, 1.5], [0.0, 0.0, 0.0, 1.0]]
+CLOUD = np.random.default_rng(0).uniform([1.8, -0.2, 0.1], [2.2, 0.2, 0.9], (50, 3)).astype(np.float32)
+HAND = np.full((6, 9), 0.5, np.float32)  # proprioception: its quaternion is a turn
 FILES = {  # kind of file: where it lies
     "camera": "input/camera.json",
     "annotations": "input/annotations.json",
@@ -93,8 +95,7 @@ def _extraction(root: Path) -> None:
     _json(folder / "objects.json", **frame, walls=walls, objects=objects)
     Image.fromarray(np.where(masks() < 3, masks(), 0).astype(np.uint16)).save(folder / "masks.png")
     np.savez_compressed(folder / "depth.npz", depth=np.full((HEIGHT, WIDTH), 2.5, np.float32))
-    cloud = np.random.default_rng(0).uniform(0, 1, (50, 3)).astype(np.float32)
-    np.savez_compressed(folder / "clouds.npz", cabinet_1=cloud, bowl_1=cloud)
+    np.savez_compressed(folder / "clouds.npz", cabinet_1=CLOUD, bowl_1=CLOUD)
     placed = {"status": "ok", "position": [2.0, 0.0, 0.5], "yaw": 0.1, "size": [0.5, 0.6, 1.0]}
     items = [
         {"id": "cabinet_1", "label": "cabinet", "asset": "cabinet_0", "category": "cabinet", "support": "floor",
@@ -199,7 +200,7 @@ def _policies(root: Path) -> None:
         data.attrs.update(task="door", asset="cabinet_0", task_options=options.model_dump_json())
         for number in range(2):
             data[f"demo_{number}/obs/point_cloud"] = np.ones((6, 64, 4), np.float16)
-            data[f"demo_{number}/obs/proprio"] = np.ones((6, 9), np.float32)
+            data[f"demo_{number}/obs/proprio"] = HAND
             data[f"demo_{number}/actions"] = np.full((6, 7), 0.5, np.float32)
             data[f"demo_{number}"].attrs["asset"] = "cabinet_0"
     film = {"role": "twin", "asset": "cabinet_0", "success": True, "steps": 6, "opened": 0.8}

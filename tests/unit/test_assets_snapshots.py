@@ -11,8 +11,10 @@ from stages.articulated.asset_folder import read_asset
 from stages.assets import join, library, own, snapshots
 from stages.assets.draw import run as draw
 from stages.assets.library import make
-from stages.contracts.files import read_json
+from stages.contracts.errors import InputError
+from stages.contracts.files import read_json, write_json
 from stages.contracts.library import SnapshotShard
+from stages.contracts.library_folder import write_part
 from stages.geometry.cameras import back_project, intrinsics_from_fov, look_at
 from stages.geometry.frames import apply
 from stages.simulation import shaders
@@ -71,6 +73,16 @@ def test_shard_holds_every_asset_from_all_sides(shard: Path) -> None:
     assert distances.max() < 3.3
     draw(snapshots=(shard / "shard_0.h5",))
     assert (shard / "shard_0.png").exists()
+
+
+def test_a_box_that_the_meshes_do_not_fill_is_refused(tmp_path: Path) -> None:
+    asset = make("mug", 0, 0, tmp_path / "models")
+    large = asset.model_copy(update={"box_max": tuple(10 * value for value in asset.box_max)})
+    write_json(tmp_path / "models/mug_00/asset.json", large)
+    write_part(tmp_path / "part.json", tmp_path / "models")
+    with pytest.raises(InputError, match=r"asset\.json of mug_00: box_min, box_max: a box of .* but its meshes are"):
+        snapshots.run(library=tmp_path / "part.json", out=tmp_path / "shard.h5", options=OPTIONS)
+    assert not (tmp_path / "shard.h5").exists()
 
 
 def test_assets_face_the_camera_and_turn_counter_clockwise(shard: Path) -> None:

@@ -41,17 +41,17 @@ def test_training_sets_without_cousins_have_stores_of_their_own() -> None:
 
 def test_rows_that_share_assets_share_demonstrations_and_options() -> None:
     shared = {"assets_of": "near", "training_sets": ["cousins_2", "cousins_4"], "runs": ["lite_x"], "seeds": [5]}
-    near = {"task": "door", "options": {"max_steps": 200}, "episodes": 30, "training_sets": ["twin", "cousins_4"]}
+    near = {"task": "door", "options": {"max_steps": 200}, "episodes": 32, "training_sets": ["twin", "cousins_4"]}
     runs = {"lite": {}, "lite_x": {"steps": 9}}
     config = load({"experiment": {"tasks": {"near": near, "flag": shared}}, "training": {"runs": runs}})
     experiment = config.experiment
     plan = experiment.plan("flag")
     assert (plan.task, plan.target, plan.runs, plan.seeds) == ("door", experiment.tasks["near"], ["lite_x"], [5])
-    assert plan.episodes == 30 and config.task_of("flag").max_steps == 200
+    assert plan.episodes == 32 and config.task_of("flag").max_steps == 200
     assert (experiment.source("flag"), experiment.source("near")) == ("near", "near")
     assert experiment.sources == ["near"] and experiment.sharing("near") == ["near", "flag"]
-    # cousin_1 gives 8 to cousins_4 of both rows, 15 to cousins_2 of the other row alone
-    assert experiment.episodes_of("near", "cousin_1") == 15 and experiment.episodes_of("near", "cousin_5") == 8
+    # cousin_1 gives 8 to cousins_4 of both rows, 16 to cousins_2 of the other row alone
+    assert experiment.episodes_of("near", "cousin_1") == 16 and experiment.episodes_of("near", "cousin_5") == 8
     assert experiment.trained_roles("near") == ["cousin_1", "cousin_3", "cousin_4", "cousin_5", "twin"]
     assert experiment.trained_roles("flag") == []
 

@@ -10,6 +10,7 @@ import yaml
 from stages.config import places
 from stages.config.assets import COUNTS
 from stages.config.contradictions import SIMULATION_FREQUENCY
+from stages.config.mistakes import check_keys
 from stages.config.model import load, merged
 from stages.contracts import InputError
 from stages.procedural.catalogue import CATEGORIES, sample
@@ -148,6 +149,25 @@ CASES = [
         "experiment.training_sets: cousins_8 needs 8 cousins, experiment.cousins = 6 leaves 4",
     ),
     ("experiment: {runs: [huge]}", "experiment.runs: 'huge' is not one of training.runs"),
+    ("seed: yes", "seed: is True (YAML's yes and no, too), not a number"),
+    ("experiment: {seeds: [no]}", "experiment.seeds: is False"),
+    ("training: {runs: {lite: {steps: on}}}", "training.runs.lite.steps: is True"),
+    ("generation: {snap_other: yes}", "generation.snap_other: is True"),
+    ("experiment: {variants: {b: {k_model: yes}}}", "experiment.variants.b.k_model: is True"),
+    (
+        "{experiment: {tasks: {door_handle: null, door: {options: {scale_variants: yes}}}}}",
+        "experiment.tasks.door.options.scale_variants: is True",
+    ),
+    (f"seed: {2**53}", "seed: Input should be less than 9007199254740992"),
+    ("generation: {settle_seconds: 1e9}", "generation.settle_seconds: Input should be less than or equal to 60"),
+    (
+        "experiment: {training_sets: [twin, cousins_2, cousins_4], episodes: 3}",
+        "experiment.episodes: 3 cannot be shared evenly by the assets of cousins_2, cousins_4. Fix: a multiple of 4",
+    ),
+    (
+        "experiment: {tasks: {door: {training_sets: [random_3], episodes: 4}, door_handle: null}}",
+        "experiment.tasks.door.episodes: 4 cannot be shared evenly by the assets of random_3",
+    ),
     ("experiment: {seeds: [-1]}", "experiment.seeds.0: Input should be greater than or equal to 0"),
     ("matching: {encoder: dinov2}", "matching.dinov2.path: no config.json in ''"),
     ("tables: {scenes: {room_1: 9}}", "tables.scenes.room_1: Input should be less than or equal to 8"),
@@ -164,6 +184,28 @@ def test_a_mistake_is_one_line_with_its_key(text: str, line: str) -> None:
     found = lines(text)
     assert [each for each in found if each.startswith(line)], found
     assert len(found) == 1
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("seed: 1\nassets: {n_snap: 4}\nseed: 2\n", r"mine\.yaml:3: 'seed' stands in line 1, too"),
+        ("assets: {n_snap: 4, n_snap: 8}\n", r"mine\.yaml:1: 'n_snap'"),
+        ("task: [{a: 1}, {b: 1,\n b: 2}]\n", r"mine\.yaml:2: 'b'"),
+        ('{"seed": 1, "seed": 2}', r"mine\.yaml:1: 'seed'"),
+    ],
+)
+def test_a_key_given_twice_is_refused(tmp_path: Path, text: str, words: str) -> None:
+    (tmp_path / "mine.yaml").write_text(text)
+    with pytest.raises(InputError, match=words):
+        check_keys(tmp_path / "mine.yaml")
+
+
+def test_keys_given_once_are_no_fault(tmp_path: Path) -> None:
+    for file in ROOT.glob("config/**/*.yaml"):
+        check_keys(file)
+    (tmp_path / "mine.yaml").write_text("a: &one {x: 1}\nb: {<<: *one, y: 1}\nc: [&all [*all]]\n? [1, 2]\n: 3\n")
+    check_keys(tmp_path / "mine.yaml")
 
 
 def test_all_mistakes_are_told_at_once() -> None:

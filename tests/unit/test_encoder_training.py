@@ -110,9 +110,16 @@ def test_training_learns_and_goes_on_where_it_was(pairs: Path, tmp_path: Path, m
     assert (tmp_path / "parts/patchnet.safetensors").read_bytes() != whole
 
 
+def test_the_largest_seed_trains(pairs: Path, tmp_path: Path) -> None:
+    train(pairs=[pairs], out=tmp_path, options=options(1), seed=2**53 - 1)
+    assert (tmp_path / "patchnet.safetensors").is_file()
+
+
 def test_a_batch_depends_on_seed_and_step_alone(pairs: Path) -> None:
     chosen = EncoderTrainingOptions(batch_models=3, batch_views=2)
     one, again, next_one = (draw(Pairs([pairs]), step, 0, chosen) for step in (5, 5, 6))
+    other_seed = draw(Pairs([pairs]), 5, 2**53 - 1, chosen)
+    assert not torch.equal(one.crops, other_seed.crops)
     assert torch.equal(one.crops, again.crops) and not torch.equal(one.crops, next_one.crops)
     assert one.crops.shape == (2, 6, 4, SIZE, SIZE) and one.crops.abs().max() <= 1.001
     assert one.visible.all() and one.models.tolist() == [0, 0, 1, 1, 2, 2]

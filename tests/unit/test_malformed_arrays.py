@@ -16,10 +16,7 @@ from stages.contracts.extracted import read_clouds
 from stages.matching.scene import Scene
 from stages.matching.snapshots import SnapshotFile
 from stages.matching.store import FeatureStore
-from tests.unit.contract_files import HEIGHT, WIDTH, Bench, masks, with_value
-
-CLOUD = np.random.default_rng(0).uniform(0, 1, (50, 3)).astype(np.float32)
-
+from tests.unit.contract_files import CLOUD, HEIGHT, WIDTH, Bench, masks, with_value
 
 CLOUDS = {
     "no arrays": ({}, "has no cloud of 'cabinet_1'"),
@@ -35,6 +32,7 @@ CLOUDS = {
     "NaN": ({"cabinet_1": with_value(CLOUD, np.nan), "bowl_1": CLOUD}, "cabinet_1: holds NaN"),
     "infinite": ({"cabinet_1": with_value(CLOUD, np.inf), "bowl_1": CLOUD}, "cabinet_1: holds NaN or infinity"),
     "millimetres": ({"cabinet_1": with_value(CLOUD, 2500), "bowl_1": CLOUD}, "cabinet_1: holds 2500"),
+    "elsewhere": ({"cabinet_1": CLOUD + np.float32([0, 1, 0]), "bowl_1": CLOUD}, "cabinet_1: is not where its box"),
 }
 
 

@@ -107,6 +107,8 @@ FIELDS: dict[str, list[tuple]] = {  # kind of file: entry, value, what the line 
         ("walls.0.id", "wall_2", "wall_1"), ("objects.1.id", "cabinet_1", "ids"),
         ("objects.1.mask", 1, "mask values"), ("objects.0.id", "a/b"), ("objects.0.id", ".."),
         ("objects.0.box", None), ("objects.0.mounting", None), ("objects.0.box.size.1", -0.5, "size"),
+        ("floor_from_camera.2.3", -1.4, "not above the floor"), ("walls.0.normal", [1.0, 0.0, 0.0], "m away from it"),
+        ("walls.0.offset", 3.0, "behind 'wall_1'"), ("objects.0.box.yaw", 3.0, "within pi/4"),
         ("objects.0.box.size.1", 1e30, "size"), ("objects.0.box.center.0", NAN, "center"), ("objects.0.box.yaw", NAN),
         ("objects.0.mounting.type", 4), ("objects.0.mounting.walls", ["wall_9"], "wall_9"),
         ("objects.0.pixels", [20, 10, 5, 30]), ("objects.0.pixels", [5, 10, 20, 99]), ("objects.0.pixels", [1, 2, 3]),
@@ -133,6 +135,7 @@ FIELDS: dict[str, list[tuple]] = {  # kind of file: entry, value, what the line 
         ("objects.1.support", "bowl_1", "circle"), ("objects.1.id", "cabinet_1", "ids"),
         ("plausibility.fallen", ["nobody"]), ("plausibility.mean_displacement", NAN), ("plausibility.collisions", -1),
         ("objects.0.mounting.walls", ["wall_9"], "wall_9"), ("objects.0.moved", -0.1), ("floor_from_camera", []),
+        ("floor_from_camera.2.3", 0.0, "not above the floor"), ("walls.0.offset", 3.0, "behind 'wall_1'"),
         ("objects.2.reason", ""),
     ],
     "task": [

@@ -19,7 +19,7 @@ from stages.policies import TrainablePolicy, make_policy
 from stages.policies.checkpoint import load_policy, save_weights
 from stages.training.dataset import read_demonstrations
 from stages.training.state import TrainingState
-from tests.unit.contract_files import Bench, weights, with_value
+from tests.unit.contract_files import HAND, Bench, weights, with_value
 
 
 def cut(path: Path) -> None:
@@ -50,7 +50,8 @@ EPISODES = {
     "more actions": (ACTIONS, np.repeat(STEPS, 2, axis=0), "not (12, 64, 4)"),
     "fewer proprio": (PROPRIO, np.ones((5, 9), np.float32), "obs/proprio: has shape (5, 9)"),
     "wide proprio": (PROPRIO, np.ones((6, 10), np.float32), "obs/proprio: has shape (6, 10)"),
-    "NaN proprio": (PROPRIO, with_value(np.ones((6, 9), np.float32), np.nan), "obs/proprio: holds NaN"),
+    "no turns": (PROPRIO, np.zeros((6, 9), np.float32), "obs/proprio: holds quaternions"),
+    "NaN proprio": (PROPRIO, with_value(HAND, np.nan), "obs/proprio: holds NaN"),
     "three columns": (POINTS, np.ones((6, 64, 3), np.float16), "obs/point_cloud: has shape (6, 64, 3)"),
     "other points": (POINTS, np.ones((6, 32, 4), np.float16), "obs/point_cloud: has shape (6, 32, 4)"),
     "fewer clouds": (POINTS, np.ones((5, 64, 4), np.float16), "obs/point_cloud: has shape (5, 64, 4)"),

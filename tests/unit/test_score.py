@@ -87,7 +87,7 @@ def scene_and_objects() -> tuple[GeneratedScene, Objects]:
         "scene": "room_t",
         "width": 8,
         "height": 6,
-        "intrinsics": np.diag([8.0, 8.0, 1.0]).tolist(),
+        "intrinsics": [[8.0, 0.0, 3.5], [0.0, 8.0, 2.5], [0.0, 0.0, 1.0]],
         "floor_from_camera": FLOOR_FROM_CAMERA.tolist(),
         "walls": [],
     }
@@ -261,3 +261,13 @@ def test_a_truth_of_another_library_is_refused(tmp_path: Path) -> None:
     write_json(files["library"], Library(assets=[other]))
     with pytest.raises(InputError, match="cabinet_0"):
         run(**files)
+
+
+@pytest.mark.parametrize("name", ["scene_2", "truth"])
+def test_a_category_that_the_library_does_not_give_a_model_is_refused(tmp_path: Path, name: str) -> None:
+    files = _write(tmp_path)
+    path = tmp_path / f"{name}.json"
+    path.write_text(path.read_text().replace('"category": "cabinet"', '"category": "chair"', 1))
+    with pytest.raises(InputError, match=rf"{name}\.json: says that cabinet_0 is a 'chair'"):
+        run(**files)
+    assert not files["out"].exists()

@@ -199,6 +199,8 @@ def test_too_few_episodes_and_broken_stores_are_input_errors(store: Path, tmp_pa
         file["data"].attrs["task"] = "drawer"
     with pytest.raises(InputError, match=r"other\.h5: was collected for another task"):
         read_demonstrations([store, other], 2)
+    with pytest.raises(InputError, match=r"other\.h5: was collected for the task 'drawer', not 'door'"):
+        train(episodes=(other,), per_store=2, task="door", options=options(), out=tmp_path / "policy")
     with pytest.raises(InputError, match=r"training\.network\.points"):
         train(episodes=(store,), per_store=2, options=json.dumps({"network": {"points": 97}}), out=tmp_path / "policy")
     assert not (tmp_path / "policy").exists()

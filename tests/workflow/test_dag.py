@@ -48,7 +48,7 @@ def test_the_encoder_is_trained_when_asked_for_alone(folder: Path) -> None:
 
 def test_a_task_may_have_rows_with_training_sets_and_options_of_their_own(folder: Path) -> None:
     rows = """
-    far: {task: door, options: {base_xy: 0.01}, training_sets: [cousins_2, all], seeds: [0, 1, 2], episodes: 7}
+    far: {task: door, options: {base_xy: 0.01}, training_sets: [cousins_2, all], seeds: [0, 1, 2], episodes: 8}
     drawer: {scene: room_2, object: chest_of_drawers_1, training_sets: [twin]}
     door_handle: null
     """
@@ -58,7 +58,7 @@ def test_a_task_may_have_rows_with_training_sets_and_options_of_their_own(folder
     assert jobs["select"] == 3 and jobs["demonstrate"] == 3 + 3 + 1, done.stdout
     assert jobs["train"] == jobs["rollout"] == 2 + 2 * 3 + 1
     collected = re.search(r"demonstrations collect .*/far/assets.json .*--role all .*", done.stdout)
-    assert collected and "--episodes 7 " in collected[0] and '"base_xy":0.01' in collected[0]
+    assert collected and "--episodes 8 " in collected[0] and '"base_xy":0.01' in collected[0]
     assert re.search(r"--task door .*--out results/experiment/b/far/assets.json", done.stdout)
     rolled = re.findall(r"--task-name far --training-set (\w+) --trained-roles (.*?) --run-name", done.stdout)
     assert set(rolled) == {("cousins_2", "cousin_1 cousin_3"), ("all", "all")}

@@ -1,0 +1,87 @@
+"""Every seed that the config takes works where it is used, and gives something of its own."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pandas as pd
+import pytest
+import torch
+
+from stages.config.demonstrations import RandomiseOptions
+from stages.config.experiment import ExperimentConfig
+from stages.config.tables import TablesConfig
+from stages.config.task import TaskConfig
+from stages.demonstrations.collect import attempt_seeds
+from stages.evaluation.states import initial_states
+from stages.policies.bc_rnn_gmm.actor import Actor
+from stages.procedural.catalogue import sample
+from stages.tables.intervals import PLACE, resampled
+from stages.tasks.cameras import jitter
+from stages.tasks.initial_state import draw_initial_state
+from stages.tasks.randomised import draw_factors
+from stages.training.loop import generator
+from stages.training.train import run as train
+from tests.toy_reach import write_store
+
+LARGEST = 2**53 - 1
+SEEDS = [0, 20261122, 2**32, LARGEST]
+
+
+def random_actions(seed: int) -> list[float]:
+    actor = Actor(SimpleNamespace(proprio_mean=torch.zeros(9)), 1, 1, "sample")  # type: ignore[arg-type]
+    actor.reset(0, seed)
+    return [actor.random[0].random() for _ in range(3)]
+
+
+def resamples(seed: int) -> list[Any]:
+    places = pd.MultiIndex.from_tuples([("f", "a", 0), ("g", "b", 0), ("h", "c", 0)], names=PLACE)
+    side = pd.DataFrame([[0.0, 1.0, 1.0]], columns=places)
+    return [array[:20].tolist() for (array,) in resampled([[side]], TablesConfig(seed=seed))]
+
+
+DRAWS: dict[str, Callable[[int], Any]] = {
+    "model": lambda seed: sample("mug", 0, seed).parameters,
+    "attempts": lambda seed: list(attempt_seeds(seed, "twin", 4)),
+    "states of the roles": lambda seed: initial_states("roles", seed, 4),
+    "states of the split": lambda seed: initial_states("test", seed, 4, place=3),
+    "initial state": lambda seed: str(draw_initial_state(seed, TaskConfig())),
+    "camera": lambda seed: jitter(seed, 0, TaskConfig(camera_jitter=(0.1, 0.1))).tolist(),
+    "factors": lambda seed: draw_factors(seed, RandomiseOptions()),
+    "actions": random_actions,
+    "batches": lambda seed: torch.rand(3, generator=generator(seed, 5)).tolist(),
+    "resamples": resamples,
+}
+
+
+@pytest.mark.parametrize("name", list(DRAWS))
+def test_every_seed_works_and_matters(name: str) -> None:
+    found = [DRAWS[name](seed) for seed in SEEDS]
+    assert found == [DRAWS[name](seed) for seed in SEEDS]
+    assert len({str(each) for each in found}) == len(SEEDS)
+
+
+def test_the_states_of_the_largest_seed_are_ones_that_the_simulator_takes() -> None:
+    states = [state for purpose in ("roles", "test", "trial") for state in initial_states(purpose, LARGEST, 3)]  # type: ignore[arg-type]
+    assert all(2**31 <= state < 2**32 for state in states) and len(set(states)) == 9
+    assert all(0 <= seed < 2**31 for seed in attempt_seeds(LARGEST, "twin", 9))
+
+
+def test_a_policy_is_trained_with_the_largest_seed(tmp_path: Path) -> None:
+    store = write_store(tmp_path / "episodes.h5", episodes=2)
+    small = {"network": {"points": 64, "pointnet_width": 8, "rnn_hidden": 8, "mlp": [8]}, "steps": 1, "batch_size": 2}
+    weights = []
+    for seed in (0, LARGEST):
+        out = tmp_path / str(seed)
+        train(episodes=(store,), per_store=2, out=out, options=json.dumps(small), seed=seed)
+        weights.append((out / "policy.safetensors").read_bytes())
+        assert json.loads((out / "config.json").read_text())["seed"] == seed
+    assert weights[0] != weights[1]
+
+
+def test_the_config_says_how_large_a_seed_may_be() -> None:
+    assert ExperimentConfig(seeds=[LARGEST]).seeds == [LARGEST]
+    with pytest.raises(ValueError, match="less than 9007199254740992"):
+        ExperimentConfig(seeds=[LARGEST + 1])
