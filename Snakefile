@@ -15,6 +15,7 @@ report: "report/workflow.rst"
 
 
 include: "rules/common.smk"
+include: "rules/needs.smk"
 include: "rules/protocols.smk"
 include: "rules/paths.smk"
 include: "rules/assets.smk"
@@ -46,3 +47,7 @@ rule all:
         rules.figures.output,
         rules.report_page.output,
     localrule: True
+
+
+if workflow.remote_exec:
+    run_in_this_process()

@@ -22,7 +22,7 @@ rule procedural:
         CONFIG.containers.simulation
     threads: 1
     resources:
-        mem_mb=2000,
+        **needs(1000 + MODELS / 10, 10 + MODELS / 400),
     params:
         command=command("assets", "library"),
         code=code("assets", "library"),
@@ -53,7 +53,7 @@ rule own:
         CONFIG.containers.simulation
     threads: 1
     resources:
-        mem_mb=2000,
+        **needs(4000, lambda wildcards: 10 + models_in(wildcards.shard)),
     params:
         command=command("assets", "own"),
         code=code("assets", "own", *modules(CONFIG.assets, "importers")),
@@ -77,11 +77,12 @@ rule library:
         library="results/assets/library/library.json",
     log:
         "logs/assets/library.log",
+    localrule: True
     container:
         CONFIG.containers.simulation
     threads: 1
     resources:
-        mem_mb=1000,
+        **needs(1000, 10),
     params:
         command=command("assets", "join"),
         code=code("assets", "join"),
@@ -103,11 +104,16 @@ rule snapshots:
         "logs/assets/snapshots_{shard}.log",
     benchmark:
         "benchmarks/assets/snapshots_{shard}.tsv"
+    group:
+        "shard"
     container:
         CONFIG.containers.simulation
     threads: 1
     resources:
-        mem_mb=2000,
+        **needs(
+            lambda wildcards: 1500 + models_in(wildcards.shard),
+            lambda wildcards: 10 + views_in(wildcards.shard) / 3000,
+        ),
     params:
         command=command("assets", "snapshots"),
         code=code("assets", "snapshots"),
@@ -127,11 +133,13 @@ rule draw_snapshots:
         sheet="results/assets/snapshots/shard_{shard}.png",
     log:
         "logs/assets/draw_{shard}.log",
+    group:
+        "shard"
     container:
         CONFIG.containers.simulation
     threads: 1
     resources:
-        mem_mb=1000,
+        **needs(1000, 10),
     params:
         command=command("assets", "draw"),
         code=code("assets", "draw"),

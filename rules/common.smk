@@ -71,7 +71,6 @@ PROCEDURAL = (
 SHARDS = [*map(str, range(PROCEDURAL)), *OWN]
 RANKS = list(range(1, CONFIG.generation.ranks + 1))
 STORES = stores(CONFIG)
-GPUS = 1 if CONFIG.device == "cuda" else 0
 
 
 wildcard_constraints:

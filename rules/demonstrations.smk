@@ -28,7 +28,7 @@ rule demonstrate:
         CONFIG.containers.simulation
     threads: 1
     resources:
-        mem_mb=3000,
+        **needs(3000, lambda wildcards: 15 + EXPERIMENT.episodes_of(wildcards.task, wildcards.role) / 5),
     params:
         command=command("demonstrations", "collect"),
         code=task_code("demonstrations", "collect"),
@@ -66,7 +66,7 @@ rule demonstrate_in_scene:
         CONFIG.containers.simulation
     threads: 1
     resources:
-        mem_mb=3000,
+        **needs(3000, 60),
     params:
         command=command("demonstrations", "scene"),
         code=task_code("demonstrations", "scene"),

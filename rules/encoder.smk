@@ -16,7 +16,7 @@ rule encoder_pairs:
         CONFIG.containers.simulation
     threads: 1
     resources:
-        mem_mb=2000,
+        **needs(2000, 120),
     params:
         command=command("encoder", "render"),
         code=code("encoder", "render"),
@@ -43,7 +43,7 @@ rule encoder:
         CONFIG.containers.learning
     threads: 1
     resources:
-        mem_mb=4000,
+        **needs(4000, 240),
     params:
         command=command("encoder", "train"),
         code=code("encoder", "train"),

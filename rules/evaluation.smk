@@ -35,8 +35,7 @@ rule rollout:
         CONFIG.containers.simulation
     threads: 1
     resources:
-        mem_mb=4000,
-        gpu=GPUS,
+        **needs(4000, 15 + tests() / 10, gpu=True),
     params:
         command=command("evaluation", "rollout"),
         code=policy_code("rollout"),
@@ -71,7 +70,7 @@ rule skill:
         CONFIG.containers.simulation
     threads: 1
     resources:
-        mem_mb=3000,
+        **needs(3000, 15 + tests() / 10),
     params:
         command=command("evaluation", "skill"),
         code=task_code("evaluation", "skill"),
@@ -95,11 +94,12 @@ rule gather:
         rollouts="results/evaluation/policies/{task}/{training_set}/rollouts.csv",
     log:
         "logs/evaluation/gather_{task}_{training_set}.log",
+    localrule: True
     container:
         CONFIG.containers.learning
     threads: 1
     resources:
-        mem_mb=1000,
+        **needs(1000, 10),
     params:
         command=command("evaluation", "gather"),
         code=code("evaluation", "gather"),
@@ -119,11 +119,13 @@ rule leave_out:
         assets="results/evaluation/left_out/{scene}.json",
     log:
         "logs/evaluation/left_out_{scene}.log",
+    group:
+        of_scene
     container:
         CONFIG.containers.learning
     threads: 1
     resources:
-        mem_mb=1000,
+        **needs(1000, 10),
     params:
         command=command("evaluation", "leave_out"),
         code=code("evaluation", "leave_out"),
@@ -146,11 +148,13 @@ rule score:
         "logs/evaluation/{variant}_{scene}.log",
     benchmark:
         "benchmarks/evaluation/{variant}_{scene}.tsv"
+    group:
+        of_scene
     container:
         CONFIG.containers.learning
     threads: 1
     resources:
-        mem_mb=1000,
+        **needs(1000, 10),
     params:
         command=command("evaluation", "score"),
         code=code("evaluation", "score"),

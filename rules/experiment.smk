@@ -22,11 +22,12 @@ rule select:
         "benchmarks/experiment/{variant}_{task}.tsv"
     wildcard_constraints:
         task="|".join(task for task in TASKS if task not in PINNED) or "-",
+    localrule: True
     container:
         CONFIG.containers.learning
     threads: 1
     resources:
-        mem_mb=1000,
+        **needs(1000, 10),
     params:
         command=command("experiment", "select"),
         code=task_code("experiment", "select"),
@@ -60,11 +61,12 @@ rule pinned:
         "benchmarks/experiment/{variant}_{task}.tsv"
     wildcard_constraints:
         task="|".join(PINNED) or "-",
+    localrule: True
     container:
         CONFIG.containers.learning
     threads: 1
     resources:
-        mem_mb=1000,
+        **needs(1000, 10),
     params:
         command=command("experiment", "pinned"),
         code=task_code("experiment", "pinned"),
@@ -97,11 +99,12 @@ rule draw_roles:
         ),
     log:
         "logs/experiment/draw_{variant}_{task}.log",
+    localrule: True
     container:
         CONFIG.containers.learning
     threads: 1
     resources:
-        mem_mb=1000,
+        **needs(1000, 10),
     params:
         command=command("experiment", "draw"),
         code=code("experiment", "draw"),

@@ -21,7 +21,7 @@ rule export_scenes:
         CONFIG.containers.simulation
     threads: 1
     resources:
-        mem_mb=2000,
+        **needs(2000, 30),
     params:
         command=command("generation", "export"),
         code=lambda wildcards: code("generation", "export", f"stages.generation.exports.{wildcards.format}"),
@@ -46,7 +46,7 @@ rule export_demonstrations:
         CONFIG.containers.simulation
     threads: 1
     resources:
-        mem_mb=3000,
+        **needs(3000, 60),
     params:
         command=command("demonstrations", "export"),
         code=task_code("demonstrations", "export"),
@@ -70,7 +70,7 @@ rule export_policy:
         CONFIG.containers.learning
     threads: 1
     resources:
-        mem_mb=2000,
+        **needs(2000, 10),
     params:
         command=command("training", "export"),
         code=lambda wildcards: code("training", "export", *modules(CONFIG.training.runs[wildcards.run], "policy")),

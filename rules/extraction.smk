@@ -16,11 +16,13 @@ rule extract:
         "logs/extraction/{scene}.log",
     benchmark:
         "benchmarks/extraction/{scene}.tsv"
+    group:
+        of_scene
     container:
         CONFIG.containers.learning
     threads: 1
     resources:
-        mem_mb=2000,
+        **needs(2000, 10),
     params:
         command=command("extraction", "extract"),
         code=code("extraction", "extract", *modules(CONFIG.extraction, "source")),
@@ -50,11 +52,13 @@ rule draw_objects:
         ),
     log:
         "logs/extraction/draw_{scene}.log",
+    group:
+        of_scene
     container:
         CONFIG.containers.learning
     threads: 1
     resources:
-        mem_mb=1000,
+        **needs(1000, 10),
     params:
         command=command("extraction", "draw"),
         code=code("extraction", "draw"),

@@ -19,11 +19,13 @@ rule generate:
         "logs/generation/{variant}_{scene}.log",
     benchmark:
         "benchmarks/generation/{variant}_{scene}.tsv"
+    group:
+        of_scene
     container:
         CONFIG.containers.simulation
     threads: 1
     resources:
-        mem_mb=3000,
+        **needs(2000, 20),
     params:
         command=command("generation", "generate"),
         code=code("generation", "generate"),
@@ -62,11 +64,13 @@ rule draw_scenes:
         "logs/generation/draw_{variant}_{scene}.log",
     benchmark:
         "benchmarks/generation/draw_{variant}_{scene}.tsv"
+    group:
+        of_scene
     container:
         CONFIG.containers.simulation
     threads: 1
     resources:
-        mem_mb=2000,
+        **needs(2000, 10),
     params:
         command=command("generation", "draw"),
         code=code("generation", "draw"),

@@ -18,11 +18,16 @@ rule features:
         "logs/matching/features_{store}_{shard}.log",
     benchmark:
         "benchmarks/matching/features_{store}_{shard}.tsv"
+    group:
+        "shard"
     container:
         CONFIG.containers.learning
     threads: 1
     resources:
-        mem_mb=3000,
+        **needs(
+            lambda wildcards: 1000 + 4 * models_in(wildcards.shard),
+            lambda wildcards: 10 + views_in(wildcards.shard) / 200,
+        ),
         batch=CONFIG.matching.dinov2.batch,
     params:
         command=command("matching", "features"),
@@ -55,11 +60,13 @@ rule match:
         "logs/matching/{variant}_{scene}.log",
     benchmark:
         "benchmarks/matching/{variant}_{scene}.tsv"
+    group:
+        of_scene
     container:
         CONFIG.containers.learning
     threads: 1
     resources:
-        mem_mb=3000,
+        **needs(2000 + 0.6 * MODELS, 30),
     params:
         command=command("matching", "match"),
         code=matching_code("match", "encoder", "text_encoder", "search", "model_selection", "orientation_selection"),
@@ -87,11 +94,13 @@ rule distances:
         "logs/matching/distances_{variant}_{scene}_{object}.log",
     benchmark:
         "benchmarks/matching/distances_{variant}_{scene}_{object}.tsv"
+    group:
+        of_scene
     container:
         CONFIG.containers.learning
     threads: 1
     resources:
-        mem_mb=2000,
+        **needs(2000 + 0.2 * MODELS, 10),
     params:
         command=command("matching", "distances"),
         code=matching_code("distances", "encoder", "search"),
@@ -125,11 +134,13 @@ rule draw_cousins:
         ),
     log:
         "logs/matching/draw_{variant}_{scene}.log",
+    group:
+        of_scene
     container:
         CONFIG.containers.learning
     threads: 1
     resources:
-        mem_mb=1000,
+        **needs(1000, 10),
     params:
         command=command("matching", "draw"),
         code=code("matching", "draw"),

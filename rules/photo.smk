@@ -14,7 +14,7 @@ rule fetch:
         CONFIG.containers.learning
     threads: 1
     resources:
-        mem_mb=1000,
+        **needs(1000, 60),
     params:
         command=command("photo", "fetch"),
         code=code("photo", "fetch"),
@@ -42,8 +42,7 @@ rule estimate:
         CONFIG.containers.learning
     threads: 2
     resources:
-        mem_mb=8000,
-        gpu=GPUS,
+        **needs(8000, 60, gpu=True),
     params:
         command=command("photo", "estimate"),
         code=code("photo", "estimate"),

@@ -68,11 +68,12 @@ rule report_page:
         times="results/report/times.html",
     log:
         "logs/tables/report.log",
+    localrule: True
     container:
         CONFIG.containers.report
     threads: 1
     resources:
-        mem_mb=1000,
+        **needs(2000, 30),
     params:
         command=command("tables", "report"),
         code=code("tables", "report"),
@@ -103,11 +104,13 @@ rule scene_page:
         page=shown("results/report/scenes/{scene}.html", "report"),
     log:
         "logs/tables/scene_page_{scene}.log",
+    group:
+        f"scene_{VARIANTS[-1]}"
     container:
         CONFIG.containers.report
     threads: 1
     resources:
-        mem_mb=1000,
+        **needs(1000, 10),
     params:
         command=command("tables", "picture"),
         code=code("tables", "picture"),

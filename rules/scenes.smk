@@ -23,7 +23,7 @@ rule room:
         CONFIG.containers.simulation
     threads: 1
     resources:
-        mem_mb=2000,
+        **needs(2000, 10),
     params:
         command=command("scenes", "render"),
         code=code("scenes", "render"),

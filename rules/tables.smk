@@ -23,11 +23,12 @@ rule table2:
         "logs/tables/table2.log",
     benchmark:
         "benchmarks/tables/table2.tsv"
+    localrule: True
     container:
         CONFIG.containers.report
     threads: 1
     resources:
-        mem_mb=1000,
+        **needs(1000, 10),
     params:
         command=command("tables", "scenes"),
         code=code("tables", "scenes"),
@@ -59,11 +60,12 @@ rule table3:
         "logs/tables/table3.log",
     benchmark:
         "benchmarks/tables/table3.tsv"
+    localrule: True
     container:
         CONFIG.containers.report
     threads: 1
     resources:
-        mem_mb=1000,
+        **needs(1000, 10),
     params:
         command=command("tables", "policies"),
         code=code("tables", "policies"),
@@ -95,11 +97,12 @@ rule figures:
         "logs/tables/figures.log",
     benchmark:
         "benchmarks/tables/figures.tsv"
+    localrule: True
     container:
         CONFIG.containers.report
     threads: 1
     resources:
-        mem_mb=1000,
+        **needs(1000, 10),
     params:
         command=command("tables", "figures"),
         code=code("tables", "figures"),

@@ -24,8 +24,7 @@ rule train:
         CONFIG.containers.learning
     threads: EXPERIMENT.training_threads
     resources:
-        mem_mb=4000,
-        gpu=GPUS,
+        **needs(4000, lambda wildcards: training_minutes(wildcards.run), gpu=True),
     params:
         command=command("training", "train"),
         code=lambda wildcards: code("training", "train", *modules(CONFIG.training.runs[wildcards.run], "policy")),

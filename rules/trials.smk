@@ -24,8 +24,7 @@ rule trial:
         CONFIG.containers.simulation
     threads: 1
     resources:
-        mem_mb=4000,
-        gpu=GPUS,
+        **needs(4000, lambda wildcards: 15 + trials(wildcards.run) / 10, gpu=True),
     params:
         command=command("evaluation", "trial"),
         code=policy_code("trial"),
@@ -55,11 +54,12 @@ checkpoint choose:
         chosen="results/evaluation/trials/{task}/{training_set}/chosen.json",
     log:
         "logs/evaluation/choose_{task}_{training_set}.log",
+    localrule: True
     container:
         CONFIG.containers.learning
     threads: 1
     resources:
-        mem_mb=1000,
+        **needs(1000, 10),
     params:
         command=command("evaluation", "choose"),
         code=code("evaluation", "choose"),

@@ -1,8 +1,8 @@
-"""Say what this machine has and lacks: `python -m stages.doctor [--mend]`.
+"""Say what this machine has and lacks: `python -m stages.doctor [--mend | --slurm]`.
 
 Every line is a check; a failed one comes with the command that mends it. `--mend` runs the
 mends that are safe to run unasked: a Vulkan driver and the libraries of Open3D, where we are root
-on Debian or Ubuntu.
+on Debian or Ubuntu. `--slurm`, on a login node, says what the cluster has and lacks instead.
 Exit code 1 if something that the default run needs is missing.
 """
 
@@ -148,18 +148,28 @@ def mended(check: Mendable) -> Check:
     return check()
 
 
+def checks(mend: bool) -> list[Check]:
+    """Those about this machine."""
+    vulkan, open3d = (mended(check) if mend else check() for check in (check_vulkan, check_open3d))
+    found = [check_python(), check_packages(), vulkan, open3d, check_cuda(), check_disk()]
+    return [*found, check_containers(), check_photo()]
+
+
 def main(arguments: list[str]) -> int:
     """Print all checks; returns the exit code."""
-    vulkan, open3d = (mended(check) if "--mend" in arguments else check() for check in (check_vulkan, check_open3d))
-    checks = [check_python(), check_packages(), vulkan, open3d, check_cuda(), check_disk()]
-    checks += [check_containers(), check_photo()]
-    for check in checks:
+    if "--slurm" in arguments:
+        from stages.doctor_slurm import checks as of_cluster
+
+        found = of_cluster()
+    else:
+        found = checks("--mend" in arguments)
+    for check in found:
         mark = "ok  " if check.good else ("MISS" if check.needed else "-   ")
         print(
             f"{mark} {check.name:<11} {check.found}"
             + (f"\n     fix: {check.fix}" if not check.good and check.fix else "")
         )
-    return int(any(check.needed and not check.good for check in checks))
+    return int(any(check.needed and not check.good for check in found))
 
 
 if __name__ == "__main__":

@@ -15,15 +15,14 @@ from pathlib import Path
 from typing import IO
 
 from stages.contracts.errors import InputError
+from stages.contracts.holder import LOCK, PARTIAL, WORKFLOW, Holder, start_time, taken_over
+from stages.slurm import cancel_left_over
 
-WORKFLOW = (
-    "ACDC_WORKFLOW"  # environment variable of all jobs: pid and start time of the workflow's process, and where it runs
-)
-LOCK = Path(".snakemake/acdc.lock")
 # Options with which Snakemake runs no job: they may be used while a workflow is running.
 LOOKS = {"--report", "--lint", "-l", "--list-rules", "--list", "--summary", "-S", "--detailed-summary", "-D", "--dag",
          "--rulegraph", "--filegraph", "--d3dag", "--list-changes", "--list-params-changes", "--list-input-changes",
          "--list-untracked", "--containerize", "--generate-unit-tests", "--unlock"}  # fmt: skip
+LOOK_EVERY = 5.0  # seconds: how often a job on another machine looks whose the folder is
 
 
 def makes_files(arguments: list[str]) -> bool:
@@ -31,28 +30,13 @@ def makes_files(arguments: list[str]) -> bool:
     return not LOOKS & {argument.partition("=")[0] for argument in arguments}
 
 
-def start_time(pid: int) -> str:
-    """When a process started, in clock ticks since boot, so that a pid used again is not taken for it; '' if gone."""
-    try:
-        stat = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8")
-    except OSError:
-        return ""
-    return stat.rpartition(")")[2].split()[19]
-
-
-def here() -> str:
-    """This machine since its last start, and the namespace of its process ids; '' where there is no /proc."""
-    try:
-        boot = Path("/proc/sys/kernel/random/boot_id").read_text(encoding="utf-8").strip()
-        return f"{boot} {Path('/proc/self/ns/pid').readlink()}"
-    except OSError:
-        return ""
-
-
-def hold_folder() -> IO[str]:
+def hold_folder(results: Path = Path("results")) -> IO[str]:
     """Lock the working directory for this process; the kernel lets go of the lock when the process dies.
 
-    Snakemake's own locks outlive a killed workflow: those that are left while nobody holds this one are removed.
+    Snakemake's own locks outlive a killed workflow: those that are left while nobody holds this one are removed, and so
+    are half-written files below `results`. Jobs that a killed workflow left on a cluster are ended: those of SLURM are
+    cancelled here, all others see that the folder is no longer theirs (`end_with_workflow`). On a filesystem that has
+    no locks Snakemake's own are left alone, and a line says so.
 
     Returns:
         the open lock file: the folder is locked as long as it is open.
@@ -62,37 +46,63 @@ def hold_folder() -> IO[str]:
     """
     LOCK.parent.mkdir(exist_ok=True)
     file = LOCK.open("a+", encoding="utf-8")
+    file.seek(0)
+    before = Holder.read(file.read())
+    locked = True
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
-        file.seek(0)
-        owner = file.read().strip() or "unknown"
+        owner = f"process {before.pid} on {before.host}" if before else "process unknown"
         raise InputError(
-            Path.cwd(), f"another workflow is running here (process {owner}).", "wait until it ends, or stop it"
+            Path.cwd(), f"another workflow is running here ({owner}).", "wait until it ends, or stop it"
         ) from None
+    except OSError as error:
+        locked = False
+        print(
+            f"note: {Path.cwd()}: this filesystem has no locks ({error.strerror}), Snakemake's own takes their place: "
+            "after a kill -9, and if nothing runs here, `snakemake --unlock` first",
+            file=sys.stderr,
+        )
     file.truncate(0)
-    file.write(f"{os.getpid()}\n")
+    file.write(Holder.this_process().text)
     file.flush()
-    shutil.rmtree(LOCK.parent / "locks", ignore_errors=True)
-    os.environ[WORKFLOW] = f"{os.getpid()} {start_time(os.getpid())} {here()}"
+    os.environ[WORKFLOW] = Holder.this_process().text
+    if locked:
+        shutil.rmtree(LOCK.parent / "locks", ignore_errors=True)
+        cancel_left_over(Path.cwd())
+        sweep(results)
     return file
+
+
+def sweep(folder: Path) -> None:
+    """Remove what killed jobs had begun to write."""
+    for place, folders, files in os.walk(folder):
+        for name in [name for name in folders if name.startswith(PARTIAL)]:
+            folders.remove(name)
+            shutil.rmtree(Path(place, name), ignore_errors=True)
+        for name in [name for name in files if name.startswith(PARTIAL)]:
+            Path(place, name).unlink(missing_ok=True)
 
 
 def end_with_workflow() -> None:
     """Let this process, and all that it starts, be killed when the workflow that started it is gone.
 
     A child of its own watches, since a thread waits for as long as native code keeps Python's lock (seconds, while
-    shaders are compiled). Outputs are written atomically, so that nothing half-written stays. Nothing is done for a
-    process started by hand, on another machine, or in a container with processes of its own.
+    shaders are compiled). Outputs are written atomically, so that nothing half-written stays. A job on another machine,
+    or in a container with processes of its own, cannot see its workflow: it ends when another one has taken over the
+    folder that both share. Nothing is done for a process started by hand.
     """
-    pid, _, rest = os.environ.get(WORKFLOW, "").partition(" ")
-    started, _, place = rest.partition(" ")
-    if not pid.isdigit() or not place or place != here():
+    workflow = Holder.read(os.environ.get(WORKFLOW, ""))
+    if workflow is None:
         return
     job = os.getpid()
+    near = bool(workflow.place) and workflow.place == Holder.this_process().place
+    watched = []
     try:
-        own, workflow = os.pidfd_open(job), os.pidfd_open(int(pid))
-        alive = start_time(int(pid)) == started
+        watched.append(os.pidfd_open(job))
+        if near:
+            watched.append(os.pidfd_open(workflow.pid))
+        alive = start_time(workflow.pid) == workflow.started if near else not taken_over()
     except OSError:
         alive = False
     if not alive:
@@ -100,8 +110,10 @@ def end_with_workflow() -> None:
     if os.fork():
         return
     try:
-        ended, _, _ = select.select([workflow, own], [], [])
-        if workflow in ended:
+        ended: list[int] = []
+        while not ended and not taken_over():
+            ended = select.select(watched, [], [], None if near else LOOK_EVERY)[0]
+        if watched[0] not in ended:
             kill_all(job)
     finally:
         os._exit(0)

@@ -17,7 +17,8 @@ from stages.articulated.stretching import stretched
 from stages.articulated.urdf_reader import read_urdf
 from stages.articulated.urdf_writer import write_urdf
 from stages.contracts.errors import InputError
-from stages.contracts.files import read_json, write_json
+from stages.contracts.files import partial, read_json, write_json
+from stages.contracts.holder import stop_if_taken_over
 from stages.contracts.library import Asset, Placement, Recipe, Symmetry, Vector
 
 
@@ -117,11 +118,11 @@ def atomic_folder(out: Path) -> Iterator[Path]:
     """A temporary folder that takes the place of `out` only if the block succeeds."""
     out = Path(out)
     out.parent.mkdir(parents=True, exist_ok=True)
-    folder = out.with_name(f".partial-{out.name}")  # the same at every try: what a killed process left goes
-    shutil.rmtree(folder, ignore_errors=True)
+    folder = partial(out)
     folder.mkdir()
     try:
         yield folder
+        stop_if_taken_over(out)
         if out.exists():
             shutil.rmtree(out)
         folder.replace(out)

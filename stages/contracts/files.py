@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+import secrets
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,6 +12,7 @@ from typing import Any, Literal, TypeVar, get_args
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from stages.contracts.errors import InputError
+from stages.contracts.holder import PARTIAL, stop_if_taken_over
 
 VERSION = 1
 MAX_TEXT = 200_000_000  # bytes: no text file that passes between stages comes near
@@ -31,17 +33,24 @@ class Document(Contract):
 M = TypeVar("M", bound=BaseModel)
 
 
+def partial(path: Path) -> Path:
+    """A path in the same folder that no other writer has; the next workflow sweeps what a killed one leaves."""
+    return path.with_name(f"{PARTIAL}{secrets.token_hex(4)}-{path.name}")
+
+
 @contextmanager
 def atomic(path: Path) -> Iterator[Path]:
     """Yield a temporary path (same folder and suffix) that replaces `path` only if the block succeeds.
 
-    Its name is always the same, so that what a killed process left behind is written over, not heaped up.
+    Raises:
+        InputError: meanwhile another workflow has taken over the folder.
     """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".partial-{path.name}")
+    temporary = partial(path)
     try:
         yield temporary
+        stop_if_taken_over(path)
         temporary.replace(path)
     finally:
         temporary.unlink(missing_ok=True)

@@ -1,5 +1,7 @@
 """One workflow per folder, and jobs that end with their workflow."""
 
+import errno
+import fcntl
 import os
 import signal
 import subprocess
@@ -9,12 +11,16 @@ from pathlib import Path
 
 import pytest
 
-from stages.contracts import InputError
-from stages.guard import LOCK, WORKFLOW, descendants, here, hold_folder, makes_files, start_time
+from stages.contracts import InputError, atomic
+from stages.contracts.holder import LOCK, WORKFLOW, Holder, start_time
+from stages.guard import descendants, hold_folder, makes_files
 
 HOLD = "import sys, stages.guard as g; lock = g.hold_folder(); print('held', flush=True); sys.stdin.read()"
 # keeps Python's lock for long in native code, as the renderer does
-WATCH = "import stages.guard as g; g.end_with_workflow(); print('on', flush=True); sum(range(10**11))"
+WATCH = (
+    "import stages.guard as g; g.LOOK_EVERY = 0.1; g.end_with_workflow(); print('on', flush=True); sum(range(10**11))"
+)
+FAR = Holder(7, "5", "another-machine pid:[1]", "node7")
 
 
 def start(*command: str, **options: object) -> subprocess.Popen[str]:
@@ -44,20 +50,76 @@ def test_a_folder_is_held_by_one_workflow_and_let_go_by_kill(tmp_path: Path, mon
     stale = LOCK.parent / "locks" / "0.output.lock"
     stale.parent.mkdir()
     stale.write_text("results/a\n")
-    with pytest.raises(InputError, match=f"another workflow is running here \\(process {other.pid}\\)"):
+    half = [Path("results/a/.partial-00-b.json"), Path("results/.partial-01-model/mesh.obj")]
+    for path in half:
+        path.parent.mkdir(parents=True)
+        path.touch()
+    with pytest.raises(InputError, match=f"another workflow is running here \\(process {other.pid} on "):
         hold_folder()
-    assert stale.exists(), "the locks of a workflow that runs are not touched"
+    assert all(path.exists() for path in [stale, *half]), "what a running workflow has is not touched"
     other.kill()
     other.wait()
     with hold_folder():
         assert not stale.exists(), "Snakemake's locks of a dead workflow are removed"
-        assert os.environ[WORKFLOW] == f"{os.getpid()} {start_time(os.getpid())} {here()}"
+        assert list(Path("results").rglob("*")) == [Path("results/a")], "and what it had begun to write"
+        assert Holder.read(os.environ[WORKFLOW]) == Holder.this_process() == Holder.read(LOCK.read_text())
+
+
+def test_a_filesystem_without_locks_leaves_them_to_snakemake_and_says_so(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def refuse(*_: object) -> None:
+        raise OSError(errno.ENOLCK, "No locks available")
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv(WORKFLOW, "")
+    monkeypatch.setattr(fcntl, "flock", refuse)
+    lock = LOCK.parent / "locks" / "0.output.lock"
+    lock.parent.mkdir(parents=True)
+    lock.touch()
+    with hold_folder():
+        assert lock.exists(), "it may be that of a workflow that runs"
+    assert "no locks (No locks available)" in capsys.readouterr().err
+
+
+def test_what_a_job_has_begun_is_not_written_once_another_workflow_has_its_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv(WORKFLOW, FAR.text)
+    LOCK.parent.mkdir()
+    LOCK.write_text(FAR.text)
+    with atomic(Path("a.txt")) as first, atomic(Path("a.txt")) as second:
+        assert first != second, "two writers never share a file"
+        first.write_text("1")
+        second.write_text("2")
+    assert Path("a.txt").read_text() == "1"
+    with pytest.raises(InputError, match=r"a\.txt: is not written: another workflow has taken over this folder"):  # noqa: SIM117
+        with atomic(Path("a.txt")) as path:
+            path.write_text("3")
+            LOCK.write_text(Holder.this_process().text)
+    assert Path("a.txt").read_text() == "1"
+    assert not list(tmp_path.glob(".partial-*"))
+
+
+def test_a_job_on_another_machine_ends_when_another_workflow_has_its_folder(tmp_path: Path) -> None:
+    lock = tmp_path / LOCK
+    lock.parent.mkdir()
+    lock.write_text(FAR.text)
+    job = start(sys.executable, "-c", WATCH, env=os.environ | {WORKFLOW: FAR.text}, cwd=tmp_path)
+    says(job, "on")
+    assert not gone(job.pid, 0.5)
+    lock.write_text(FAR._replace(pid=8).text)
+    assert gone(job.pid)
+    late = start(sys.executable, "-c", WATCH, env=os.environ | {WORKFLOW: FAR.text}, cwd=tmp_path)
+    assert late.communicate(timeout=20)[0] == "" and late.returncode == -signal.SIGKILL
 
 
 @pytest.mark.parametrize("command", [(), ("-m", "stages.guard")], ids=["stage", "foreign program"])
 def test_a_job_ends_with_its_workflow(command: tuple[str, ...]) -> None:
     workflow = start("sleep", "60")
-    environment = os.environ | {WORKFLOW: f"{workflow.pid} {start_time(workflow.pid)} {here()}"}
+    holder = Holder.this_process()._replace(pid=workflow.pid, started=start_time(workflow.pid))
+    environment = os.environ | {WORKFLOW: holder.text}
     if command:
         job = start(sys.executable, *command, "bash", "-c", "sleep 61 & echo on; wait", env=environment)
     else:
@@ -71,12 +133,13 @@ def test_a_job_ends_with_its_workflow(command: tuple[str, ...]) -> None:
 
 
 def test_a_job_that_starts_after_its_workflow_ended_ends_at_once() -> None:
-    job = start(sys.executable, "-c", WATCH, env=os.environ | {WORKFLOW: f"999999999 5 {here()}"})
+    dead = Holder.this_process()._replace(pid=999999999, started="5")
+    job = start(sys.executable, "-c", WATCH, env=os.environ | {WORKFLOW: dead.text})
     assert job.wait(20) == -signal.SIGKILL
     assert job.communicate()[0] == ""
 
 
-@pytest.mark.parametrize("known", ["", "1 0", "999999999 5 another-machine pid:[1]", "nonsense"])
+@pytest.mark.parametrize("known", ["", "1\t0", FAR.text, "nonsense"])
 def test_a_job_without_its_workflow_here_runs_on(known: str) -> None:
     job = start(sys.executable, "-c", WATCH, env=os.environ | {WORKFLOW: known})
     says(job, "on")

@@ -1,0 +1,62 @@
+# Helpers: what jobs ask an engine for, and which of them are one submission (docs/cluster.md). Nothing here makes a file.
+
+MODELS = sum(CONFIG.assets.counts.values()) + sum(len(shard.models) for shard in OWN.values())
+
+
+def needs(mem_mb, minutes, gpu=False):
+    """Resources of a rule: megabytes and minutes, numbers or functions of wildcards, twice as much at each new attempt.
+
+    gpu: whether it asks for a GPU if the config says `device: cuda`. `step` keeps jobs of one submission from running
+    at once (profiles/slurm), so that it asks for no more than its largest job.
+    """
+
+    def grown(amount):
+        def at(wildcards, attempt):
+            return round((amount(wildcards) if callable(amount) else amount) * 2 ** (attempt - 1))
+
+        return at
+
+    asked = {"mem_mb": grown(mem_mb), "runtime": grown(minutes), "step": 1}
+    return asked | ({"gpu": 1} if gpu and CONFIG.device == "cuda" else {})
+
+
+def models_in(shard):
+    """How many models a shard has."""
+    return len(OWN[shard].models) if shard in OWN else -(-MODELS // max(PROCEDURAL, 1))
+
+
+def views_in(shard):
+    """How many pictures are taken of a shard's models."""
+    return models_in(shard) * CONFIG.assets.n_snap
+
+
+def tests():
+    """How many episodes one policy is rolled out for."""
+    options = CONFIG.evaluation
+    return len(options.test_assets) * options.rollouts + options.assets * options.asset_rollouts
+
+
+def trials(run):
+    """How many episodes one policy is tried for."""
+    return CONFIG.evaluation.selection_rollouts * max(1, CONFIG.training.runs[run].keep)
+
+
+def training_minutes(run):
+    """Three times what a hyper-parameter set takes: measured on one core, for a GPU reckoned at 20 TFLOP/s."""
+    options = CONFIG.training.runs[run]
+    network, seconds = options.network, 3e-13 if CONFIG.device == "cuda" else 2.5e-11
+    clouds = options.batch_size * options.rnn_horizon * network.points
+    products = clouds * network.pointnet_width * (8 + network.pointnet_width * (network.pointnet_layers - 1))
+    return 30 + 3 * options.steps * (0.015 + seconds * products) / 60
+
+
+def of_scene(wildcards):
+    """The submission of a job about one scene: one per variant, the first makes what they share."""
+    return f"scene_{wildcards.get('variant', VARIANTS[0])}"
+
+
+def run_in_this_process():
+    """Let this Snakemake, which a node runs, run the jobs of its submission itself, not one more Snakemake for each."""
+    for each in workflow.rules:
+        each.group = None
+    workflow.localrules(*(each.name for each in workflow.rules))
