@@ -22,7 +22,7 @@ rule procedural:
         CONFIG.containers.simulation
     threads: 1
     resources:
-        **needs(1000 + MODELS / 10, 10 + MODELS / 400),
+        **needs(1000, lambda wildcards: 10 + models_in(wildcards.shard) / 20),
     params:
         command=command("assets", "library"),
         code=code("assets", "library"),

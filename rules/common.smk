@@ -40,7 +40,8 @@ try:
         from stages.assets.shards import own_shards  # takes a second
 
         OWN = own_shards(CONFIG.assets)
-    CONFIG = sized(CONFIG, sum(CONFIG.assets.counts.values()) + sum(len(shard.models) for shard in OWN.values()))
+    LIBRARY_SIZE = sum(CONFIG.assets.counts.values()) + sum(len(shard.models) for shard in OWN.values())
+    CONFIG = sized(CONFIG, LIBRARY_SIZE)
     if workflow.exec_mode == ExecMode.DEFAULT and not workflow.output_settings.dryrun and makes_files(sys.argv):
         LOCKED = hold_folder()
 except InputError as error:

@@ -66,7 +66,7 @@ rule match:
         CONFIG.containers.learning
     threads: 1
     resources:
-        **needs(2000 + 0.6 * MODELS, 30),
+        **needs(2000 + 0.6 * LIBRARY_SIZE, 30),
     params:
         command=command("matching", "match"),
         code=matching_code("match", "encoder", "text_encoder", "search", "model_selection", "orientation_selection"),
@@ -100,7 +100,7 @@ rule distances:
         CONFIG.containers.learning
     threads: 1
     resources:
-        **needs(2000 + 0.2 * MODELS, 10),
+        **needs(2000 + 0.2 * LIBRARY_SIZE, 10),
     params:
         command=command("matching", "distances"),
         code=matching_code("distances", "encoder", "search"),

@@ -1,7 +1,5 @@
 # Helpers: what jobs ask an engine for, and which of them are one submission (docs/cluster.md). Nothing here makes a file.
 
-MODELS = sum(CONFIG.assets.counts.values()) + sum(len(shard.models) for shard in OWN.values())
-
 
 def needs(mem_mb, minutes, gpu=False):
     """Resources of a rule: megabytes and minutes, numbers or functions of wildcards, twice as much at each new attempt.
@@ -22,7 +20,7 @@ def needs(mem_mb, minutes, gpu=False):
 
 def models_in(shard):
     """How many models a shard has."""
-    return len(OWN[shard].models) if shard in OWN else -(-MODELS // max(PROCEDURAL, 1))
+    return len(OWN[shard].models) if shard in OWN else -(-sum(CONFIG.assets.counts.values()) // max(PROCEDURAL, 1))
 
 
 def views_in(shard):

@@ -85,8 +85,9 @@ def run(
     if strangers:
         raise InputError(truth, f"has assets that {library} lacks: {', '.join(strangers)}.", "render the room again")
     categories = {entry.id: entry.category for entry in read_json(Library, library).assets}
-    for path, items in [*zip(scenes, (scene.objects for scene in generated), strict=True), (truth, true.objects)]:
-        check_categories(path, items, categories)
+    for path, scene in zip(scenes, generated, strict=True):
+        check_categories(path, scene.objects, categories)
+    check_categories(truth, true.objects, categories)
     decided = judges(cousins, true.scene)
     met = {"protocol": protocol, "draw": draw}
     rows = [
