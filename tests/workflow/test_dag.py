@@ -223,8 +223,10 @@ def test_our_rooms_are_furnished_with_procedural_models_and_yours_with_all(folde
         "experiment: {rooms: [room_1, attic], room_files: [attic.yaml], tasks: {door: null}}"
     )
     done = dry_run(folder, "scenes", "-p", "--configfile", "rooms.yaml")
-    said = re.findall(r"--library results/assets/library/(\w+).json --scene (\w+)", done.stdout)
-    assert sorted(said) == [("library", "attic"), ("procedural", "room_1")], done.stdout
+    said = re.findall(r"--library (.*?) --scene (\w+)", done.stdout)
+    library = "results/assets/library"
+    both = f"{library}/shard_0.json {library}/shard_1.json"
+    assert sorted(said) == [(f"{library}/library.json", "attic"), (both, "room_1")], done.stdout
 
 
 def test_containers_see_what_the_config_names_outside(
@@ -330,7 +332,7 @@ def test_podman_profile_covers_every_working_rule() -> None:
 def asked(output: str, rule: str) -> dict[str, str]:
     """The resources that the first job of a rule asks for in a dry run."""
     line = re.search(
-        rf"^(?:local)?(?:rule|checkpoint) {rule}:.*?^    resources: (.*?)$", output, re.MULTILINE | re.DOTALL
+        rf"^ *(?:local)?(?:rule|checkpoint) {rule}:.*?^ *resources: (.*?)$", output, re.MULTILINE | re.DOTALL
     )
     assert line, output[-3000:]
     return dict(pair.split("=", 1) for pair in line[1].split(", "))
@@ -355,6 +357,6 @@ def test_training_asks_for_the_hours_that_its_size_takes(folder: Path) -> None:
 def test_files_stay_small() -> None:
     assert len((ROOT / "Snakefile").read_text().splitlines()) <= 80
     for path in (ROOT / "rules").glob("*.smk"):
-        assert len(path.read_text().splitlines()) <= 175, path.name
+        assert len(path.read_text().splitlines()) <= 180, path.name
     for path in (ROOT / "stages").rglob("*.py"):
         assert len(path.read_text().splitlines()) <= 300, path.name
