@@ -1,4 +1,4 @@
-"""Exports of what is tilted: camera, bodies and joint origins that roll and pitch, joints whose lower limit is not 0."""
+"""Exports of what is tilted: camera, bodies and joint origins that roll and pitch, lower limits that are not 0."""
 
 import json
 from pathlib import Path
