@@ -14,8 +14,9 @@ T = TypeVar("T")
 
 
 def main(stage: str, verbs: dict[str, str]) -> None:
-    """Run the verb named by `sys.argv[1]`; an `InputError` becomes one line and exit code 1."""
+    """Run the verb named by `sys.argv[1]`; an `InputError` or what the system refuses becomes one line, exit code 1."""
     from stages.contracts.errors import InputError
+    from stages.contracts.system import line_of
 
     usage = f"usage: python -m stages.{stage} VERB --help\n" + "".join(
         f"  {verb:<12} {text}\n" for verb, text in verbs.items()
@@ -37,6 +38,12 @@ def main(stage: str, verbs: dict[str, str]) -> None:
         tyro.cli(run, args=argv[1:], prog=f"python -m stages.{stage} {argv[0]}")
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
+        sys.exit(1)
+    except (OSError, MemoryError, RuntimeError) as error:
+        line = line_of(error)
+        if line is None:
+            raise
+        print(f"error: {line}", file=sys.stderr)
         sys.exit(1)
 
 

@@ -20,6 +20,7 @@ from stages.contracts.errors import InputError
 from stages.contracts.files import partial, read_json, write_json
 from stages.contracts.holder import stop_if_taken_over
 from stages.contracts.library import Asset, Placement, Recipe, Symmetry, Vector
+from stages.contracts.system import naming
 
 
 @dataclass(frozen=True)
@@ -121,10 +122,11 @@ def atomic_folder(out: Path) -> Iterator[Path]:
     folder = partial(out)
     folder.mkdir()
     try:
-        yield folder
-        stop_if_taken_over(out)
-        if out.exists():
-            shutil.rmtree(out)
-        folder.replace(out)
+        with naming(out):
+            yield folder
+            stop_if_taken_over(out)
+            if out.exists():
+                shutil.rmtree(out)
+            folder.replace(out)
     finally:
         shutil.rmtree(folder, ignore_errors=True)

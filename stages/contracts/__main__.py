@@ -11,6 +11,7 @@ from pathlib import Path
 
 from stages.contracts.errors import InputError
 from stages.contracts.kinds import KINDS
+from stages.contracts.system import line_of
 
 REFUSED = ".refused"
 
@@ -55,8 +56,15 @@ def main(arguments: list[str]) -> int:
     try:
         for kind, path in pairs:
             KINDS[kind].check(path)
+    except OSError as error:
+        print(f"error: {line_of(error)}", file=sys.stderr)
+        return 1
     except InputError as error:
-        kept = set_aside(pairs) if refuse else []
+        try:
+            kept = set_aside(pairs) if refuse else []
+        except OSError as refused:
+            kept = []
+            print(f"error: {line_of(refused)}", file=sys.stderr)
         where = f" Kept as {kept[0]}" + (f" and {len(kept) - 1} more *{REFUSED}" if kept[1:] else "") if kept else ""
         print(f"error: {error}{where}", file=sys.stderr)
         return 1

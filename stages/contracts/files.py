@@ -5,7 +5,7 @@ import io
 import json
 import secrets
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, Literal, TypeVar, get_args
 
@@ -13,6 +13,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from stages.contracts.errors import InputError
 from stages.contracts.holder import PARTIAL, stop_if_taken_over
+from stages.contracts.system import naming, sync, sync_names
 
 VERSION = 1
 MAX_TEXT = 200_000_000  # bytes: no text file that passes between stages comes near
@@ -49,11 +50,15 @@ def atomic(path: Path) -> Iterator[Path]:
     path.parent.mkdir(parents=True, exist_ok=True)
     temporary = partial(path)
     try:
-        yield temporary
-        stop_if_taken_over(path)
-        temporary.replace(path)
+        with naming(path, temporary):
+            yield temporary
+            sync(temporary)
+            stop_if_taken_over(path)
+            temporary.replace(path)
+            sync_names(path.parent)
     finally:
-        temporary.unlink(missing_ok=True)
+        with suppress(OSError):
+            temporary.unlink(missing_ok=True)
 
 
 def write_text(path: Path, text: str) -> None:

@@ -12,7 +12,7 @@ from stages.contracts.objects import SceneObject
 from stages.matching.candidates import Candidates
 from stages.matching.crop import View
 from stages.matching.encoders import PatchEncoder, column_weights, encode_rows, whole, whole_weights
-from stages.matching.judges import AbstainedError, Judges, Question
+from stages.matching.judges import AbstainedError, Judges, Question, checked
 from stages.matching.priors import addends
 from stages.matching.search import distance_table, load_search
 from stages.matching.store import FeatureStore, Snapshot
@@ -197,7 +197,8 @@ def rank_cousins(
     decided_by, orientation_decided_by = judges.model_name, judges.orientation_name
     by_votes, by_distance = models
     try:
-        chosen = judges.of_models.models(question, by_votes, by_distance)
+        answer = judges.of_models.models(question, by_votes, by_distance)
+        chosen = checked(judges.names[0], Candidate, answer, {one.asset for one in by_distance})
     except AbstainedError as abstained:
         chosen = abstained.chosen + [one for one in by_distance if one not in abstained.chosen]
         decided_by = decided_by if abstained.chosen else BY_DISTANCE
@@ -207,7 +208,8 @@ def rank_cousins(
         voted, near = orientations_of(candidate.asset)
         asked = question._replace(rank=number)
         try:
-            orientations = judges.of_orientations.orientations(asked, candidate.asset, voted, near)
+            turns = judges.of_orientations.orientations(asked, candidate.asset, voted, near)
+            orientations = checked(judges.names[1], Orientation, turns)
         except AbstainedError as abstained:
             orientations = abstained.chosen + [one for one in near if one not in abstained.chosen]
             orientation_decided_by = BY_DISTANCE if number == 1 and not abstained.chosen else orientation_decided_by

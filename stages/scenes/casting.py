@@ -1,5 +1,6 @@
 """Which model plays which item: drawn by seed for all rooms together, no model in two rooms (paper B.1)."""
 
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -60,22 +61,35 @@ def cast(rooms: Sequence[Room], models: dict[str, Asset], seed: int, library: Pa
     """Models and layout of every room, by the room's name.
 
     A room's cast depends on the rooms before it, never on those after it: jobs for single rooms agree. Near relatives
-    of other models play no part: a larger library has the same rooms.
+    of other models play no part: a larger library has the same rooms. A room that no models fit which are left (one
+    seed of twenty has such a room) has some of other rooms, and a line on stderr says so.
 
     Raises:
         InputError: a category is short, or its models are too large for the room.
     """
     rng = np.random.default_rng(np.random.SeedSequence((seed, SALT)))
-    free = founders(models)
+    able = founders(models)
+    free = set(able)
     result = {}
     for room in rooms:
-        for _ in range(ATTEMPTS):
-            assets = choose_models(room, models, free, rng, library)
-            layout = arrange(room, {item.name: asset.size for item, asset in zip(room.items, assets, strict=True)})
-            if layout is not None:
-                break
-        else:
-            raise InputError(library, f"{room.name}: no choice of models fits its layout.", "change the seed")
-        result[room.name] = CastRoom(room, layout, {i.name: a for i, a in zip(room.items, assets, strict=True)})
-        free -= {asset.id for asset in assets}
+        found = fitting(room, models, free, rng, library)
+        if found is None:
+            found = fitting(room, models, able, rng, library)
+            print(f"{room.name}: no models that are left fit its layout: some are of other rooms", file=sys.stderr)
+        if found is None:
+            raise InputError(library, f"{room.name}: no choice of models fits its layout.", "raise assets.counts")
+        result[room.name] = found
+        free -= {asset.id for asset in found.assets.values()}
     return result
+
+
+def fitting(
+    room: Room, models: dict[str, Asset], able: set[str], rng: np.random.Generator, library: Path
+) -> CastRoom | None:
+    """The room with models of those `able` to play, by chance; None if no choice of many fits its layout."""
+    for _ in range(ATTEMPTS):
+        assets = choose_models(room, models, able, rng, library)
+        layout = arrange(room, {item.name: asset.size for item, asset in zip(room.items, assets, strict=True)})
+        if layout is not None:
+            return CastRoom(room, layout, {i.name: a for i, a in zip(room.items, assets, strict=True)})
+    return None

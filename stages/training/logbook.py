@@ -5,6 +5,8 @@ import sys
 from pathlib import Path
 from typing import Any, Literal
 
+from stages.contracts.system import naming
+
 Line = dict[str, float | int | None]
 Mode = Literal["disabled", "offline", "online"]
 
@@ -14,14 +16,15 @@ class Logbook:
 
     def __init__(self, path: Path, lines: list[Line], wandb_mode: Mode, folder: Path, config: dict[str, Any]) -> None:
         self.path = path
-        self.path.write_text("".join(json.dumps(line) + "\n" for line in lines), encoding="utf-8")
+        with naming(path):
+            self.path.write_text("".join(json.dumps(line) + "\n" for line in lines), encoding="utf-8")
         self.run = start_wandb(wandb_mode, folder, config)
         for line in lines:
             self._mirror(line)
 
     def write(self, line: Line) -> None:
         """Append one line."""
-        with self.path.open("a", encoding="utf-8") as file:
+        with naming(self.path), self.path.open("a", encoding="utf-8") as file:
             file.write(json.dumps(line) + "\n")
         self._mirror(line)
 

@@ -12,7 +12,7 @@ import torch
 from stages.config.code import code_digest, cover
 from stages.config.training import TrainingRun
 from stages.contracts.errors import InputError
-from stages.contracts.files import read_options, write_json, write_text
+from stages.contracts.files import atomic, read_options, write_json, write_text
 from stages.contracts.trained import TrainedPolicy
 from stages.plugins import qualified
 from stages.policies import make_policy
@@ -80,8 +80,8 @@ def run(
     kept = sorted((setting.work / "checkpoints").glob("*.safetensors")) if hyper.keep else []
     shutil.rmtree(out / "checkpoints", ignore_errors=True)
     for path in kept:  # copied: the work folder stays whole until everything is written
-        (out / "checkpoints").mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(path, out / "checkpoints" / path.name)
+        with atomic(out / "checkpoints" / path.name) as temporary:
+            shutil.copyfile(path, temporary)
     save_weights(out / FILES["last"], policy.state_dict())
     save_weights(out / FILES["best"], state.best)
     write_text(out / "metrics.jsonl", metrics.read_text(encoding="utf-8"))

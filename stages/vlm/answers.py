@@ -7,6 +7,7 @@ from pydantic import BaseModel, ValidationError
 from stages.contracts.files import first_error
 
 LONGEST = 20_000  # characters of an answer
+MOST = 10**9  # tokens that a server can have counted
 A = TypeVar("A", bound=BaseModel)
 
 
@@ -34,7 +35,8 @@ def text_of(reply: dict[str, Any]) -> str:
     if reason == "content_filter":
         raise UnusableError("the server's filter took the answer")
     if isinstance(content, list):
-        content = "".join(str(part.get("text", "")) for part in content if isinstance(part, dict))
+        parts = [part.get("text") for part in content if isinstance(part, dict)]
+        content = "".join(part for part in parts if isinstance(part, str))
     if not isinstance(content, str) or not content.strip():
         raise UnusableError("the answer is empty")
     if len(content) > LONGEST:
@@ -63,7 +65,7 @@ def usage_of(reply: dict[str, Any]) -> tuple[int, int] | None:
     usage = reply.get("usage")
     counts = [usage.get(name) for name in ("prompt_tokens", "completion_tokens")] if isinstance(usage, dict) else []
     sent, received = counts or (None, None)
-    valid = all(isinstance(count, int) and not isinstance(count, bool) and count >= 0 for count in (sent, received))
+    valid = all(type(count) is int and 0 <= count <= MOST for count in (sent, received))
     return (sent, received) if valid and sent is not None and received is not None else None
 
 

@@ -118,13 +118,18 @@ class Asker:
         try:
             reply = self._reply(messages, answer, size)
             text = self.endpoint.hidden(text_of(reply))
-            value = parsed(text, answer)
+            found = parsed(text, answer)
+            if self.endpoint.hidden(found.model_dump_json()) != found.model_dump_json():
+                text = ""  # written with escapes
+                raise UnusableError("the answer holds the key")
+            value = found
         except (UnusableError, OversizedError) as error:
             problem = str(error)
-        usage = usage_of(reply)
+        usage, served = usage_of(reply), reply.get("model")
+        served = served if isinstance(served, str) else ""
         tokens_in, tokens_out = usage or (size, len(text) // 3)
         exchange = Exchange(
-            requests=self._sent, text=text[:KEPT], problem=problem, served_by=str(reply.get("model", ""))[:100],
+            requests=self._sent, text=text[:KEPT], problem=problem, served_by=self.endpoint.hidden(served)[:100],
             tokens_in=tokens_in, tokens_out=tokens_out, estimated=usage is None,
         )  # fmt: skip
         return exchange, value

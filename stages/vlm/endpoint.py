@@ -10,10 +10,11 @@ from email.utils import parsedate_to_datetime
 from http.client import HTTPException
 from typing import Any
 from urllib.error import HTTPError
-from urllib.request import HTTPRedirectHandler, Request, build_opener
+from urllib.request import Request
 
 from stages.config.vlm import VlmConfig
 from stages.contracts.errors import InputError
+from stages.vlm.deadline import opened
 
 LARGEST = 1_000_000  # bytes of a reply; answers are short
 BUSY = {408, 409, 425, 429, 500, 502, 503, 504, 529}
@@ -36,19 +37,11 @@ class OversizedError(Exception):
     """The reply is longer than any answer."""
 
 
-class _NoRedirect(HTTPRedirectHandler):
-    """A redirect would carry the key to another host."""
-
-    def redirect_request(self, *_: Any) -> None:
-        return None
-
-
 class Endpoint:
     """`url`/chat/completions, with the key of the environment."""
 
     def __init__(self, options: VlmConfig, sleep: Callable[[float], None] = time.sleep) -> None:
         self.options, self._sleep = options, sleep
-        self._opener = build_opener(_NoRedirect)
 
     def key(self) -> str:
         """The key; empty if none is asked for.
@@ -98,15 +91,12 @@ class Endpoint:
             headers["Authorization"] = f"Bearer {key}"
         data = json.dumps(body, ensure_ascii=False).encode()
         request = Request(f"{self.options.url}/chat/completions", data, headers, method="POST")
-        end = time.monotonic() + self.options.timeout
         content = b""
-        with self._opener.open(request, timeout=self.options.timeout) as response:
+        with opened(request, self.options.timeout) as response:
             while chunk := response.read1(1 << 16):
                 content += chunk
                 if len(content) > LARGEST:
                     raise OversizedError(f"a reply of more than {LARGEST} bytes")
-                if time.monotonic() > end:
-                    raise TimeoutError
             if len(content) < int(response.headers.get("Content-Length") or 0):
                 raise HTTPException("the reply is cut off")
         try:
@@ -153,8 +143,9 @@ class Endpoint:
         return " ".join(self.hidden(text).split())[:SHOWN]
 
     def hidden(self, text: str) -> str:
-        """Text without the key, should a server repeat it."""
+        """Text without the key, should a server repeat it, and without halves of characters, which no file holds."""
         key = os.environ.get(self.options.key_env, "").strip() if self.options.key_env else ""
+        text = text.encode("utf-8", "replace").decode("utf-8")
         return text.replace(key, "***") if key else text
 
 
@@ -167,5 +158,5 @@ def _asked_for(headers: Message) -> float | None:
         pass
     try:
         return max(0.0, (parsedate_to_datetime(text) - datetime.now(UTC)).total_seconds())
-    except (ValueError, TypeError):
+    except (ValueError, TypeError, OverflowError):
         return None

@@ -119,6 +119,18 @@ def sleeps(seconds: float) -> Step:
     return lambda handler, body: time.sleep(seconds)
 
 
+def drips(head: bytes, again: bytes, pause: float = 0.01) -> Step:
+    """Sends `head`, then `again` and again, and never an end."""
+
+    def step(handler: Handler, body: dict[str, Any]) -> None:
+        handler.wfile.write(head)
+        while True:
+            handler.wfile.write(again)
+            time.sleep(pause)
+
+    return step
+
+
 def hangs_up(handler: Handler, body: dict[str, Any]) -> None:
     handler.close_connection = True
 

@@ -124,6 +124,9 @@ def write_scene(folder: Path, shown: list[tuple[str, float, dict]], models: dict
         base = {"id": f"{category}_{number}", "label": category, "mask": number, "doors": doors, "drawers": drawers}
         base |= {"box": Box(center=(0, 0, 0), size=size, yaw=0), "mounting": Mounting(type=2)}
         items.append(SceneObject(**(base | {"articulated": doors + drawers > 0} | fields)))
+    margin = min(2, len(tiles) // 2)  # empty tiles: the camera of the first one is near the middle of the picture
+    tiles = [tuple(np.zeros_like(part) for part in tiles[0])] * margin + tiles
+    intrinsics[0, 2] += margin * side
     rgb, depth, masks = (np.concatenate([tile[k] for tile in tiles], axis=1) for k in range(3))
     cv2.imwrite(str(folder / "rgb.png"), rgb[..., ::-1])
     cv2.imwrite(str(folder / "masks.png"), masks.astype(np.uint16))

@@ -1,5 +1,6 @@
 """Any photograph, what is written of a drawing, and a server that answers nobody but its own page."""
 
+import errno
 import http.client
 import json
 import sys
@@ -372,6 +373,22 @@ def test_only_its_own_page_and_names_are_answered(served: tuple[PageServer, Sess
     assert _ask(server, "POST", base + "close", b"{}", Content_Type="text/plain")[0] == 415
     assert not session.finished
     assert _ask(server, "DELETE", base + "start")[0] == 501
+
+
+def test_a_full_disk_is_told_to_the_page(
+    served: tuple[PageServer, Session], capsys: pytest.CaptureFixture[str]
+) -> None:
+    server, session = served
+
+    def full(_: Any = None) -> Any:
+        raise OSError(errno.ENOSPC, "x", "project.json")
+
+    session.posts["save"] = session.start = full  # type: ignore[method-assign]
+    for method, name, body in (("POST", "save", b"{}"), ("GET", "start", None)):
+        status, answer = _ask(server, method, f"/{server.token}/{name}", body)
+        assert status == 500 and b"project.json: No space left on device" in answer
+    assert capsys.readouterr().err.count("error: project.json: No space left on device") == 2
+    assert _ask(server, "GET", f"/{server.token}/")[0] == 200
 
 
 def test_hostile_drawings_are_refused_in_a_line(served: tuple[PageServer, Session]) -> None:

@@ -1,5 +1,6 @@
 """Every kind of implementation from a package outside the checkout: the one of docs/extending.md, through the verbs."""
 
+import importlib
 import json
 import re
 import sys
@@ -142,6 +143,44 @@ def test_an_edit_of_a_plugin_or_of_what_it_imports_changes_the_digest(
     encoder.write_text(text)
     helper.unlink()
     assert digest() in seen
+
+
+@pytest.mark.parametrize(
+    ("models", "orientations", "words"),
+    [
+        ("None", "by_distance", "gives None, no list of Candidate"),
+        ("[]", "by_distance", r"gives \[\], no list of Candidate"),
+        ("[by_distance[0], by_distance[0]]", "by_distance", "gives cabinet_00 twice"),
+        (
+            "[by_distance[0].model_copy(update={'asset': 'sofa_9'})]",
+            "by_distance",
+            "gives sofa_9, which it was not shown",
+        ),
+        ("[one.asset for one in by_distance]", "by_distance", r"gives \['cabinet_00'.*, no list of Candidate"),
+        ("by_distance", "[]", r"gives \[\], no list of Orientation"),
+        ("by_distance", "None", "gives None, no list of Orientation"),
+        ("by_distance", "[0.5]", r"gives \[0\.5\], no list of Orientation"),
+    ],
+)
+def test_a_judge_that_answers_wrongly_is_named(
+    package: Path, tmp_path: Path, models: str, orientations: str, words: str
+) -> None:
+    judge = package / "judges" / "wrong.py"
+    judge.write_text(
+        "class Judge:\n"
+        "    def __init__(self, options): pass\n"
+        f"    def models(self, question, by_votes, by_distance): return {models}\n"
+        f"    def orientations(self, question, asset, by_votes, by_distance): return {orientations}\n"
+    )
+    sys.modules.pop("my_package.judges.wrong", None)
+    importlib.invalidate_caches()
+    name = "my_package.judges.wrong"
+    try:
+        world = World(tmp_path, model_selection=name, orientation_selection=name)
+        with pytest.raises(InputError, match=f"judge {name}: {words}"):
+            world.match(tmp_path / "cousins.json")
+    finally:
+        judge.unlink()
 
 
 def test_encoder_text_encoder_search_and_judge(package: Path, tmp_path: Path) -> None:

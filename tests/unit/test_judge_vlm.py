@@ -76,7 +76,7 @@ def test_it_is_shown_the_room_the_object_and_the_candidates(world: World, tmp_pa
         first, *_ = judged(world, tmp_path, server.url, **BOTH)
         of_models, of_views = server.requests[:2]
     room, alone, *candidates = pictures(of_models)
-    assert (room == (255, 0, 0)).all(-1).any() and room.shape[:2] == (85, 512) and alone.shape[0] < 128
+    assert (room == (255, 0, 0)).all(-1).any() and room.shape[:2] == (64, 512) and alone.shape[0] < 128
     assert len(candidates) == len(first.by_distance) == 3 and len(pictures(of_views)) == 2 + 4
     sidecars = {path: json.loads(path.with_suffix(".json").read_text())["assets"] for path in world.snapshots}
     shard = {name: path for path, names in sidecars.items() for name in names}

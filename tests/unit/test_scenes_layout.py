@@ -250,3 +250,11 @@ def test_unreadable_rooms_and_names_that_are_taken(tmp_path: Path) -> None:
         room_files([str(tmp_path / "room_1.yaml")])
     with pytest.raises(InputError, match="there is no file nowhere"):
         room_files(["nowhere.yaml"])
+
+
+def test_a_room_that_no_models_left_fit_has_some_of_other_rooms(capsys: pytest.CaptureFixture[str]) -> None:
+    seed = 214749  # of whose models those left over fit room_5 in no way
+    rooms = cast(ROOMS, default_models(seed), seed, NOWHERE)
+    used = [asset.id for room in rooms.values() for asset in room.assets.values()]
+    assert len(rooms) == 8 and len(set(used)) == len(used) - 1
+    assert "room_5: no models that are left fit its layout" in capsys.readouterr().err

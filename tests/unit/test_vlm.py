@@ -24,6 +24,7 @@ from tests.unit.chat_server import (
     KEY,
     Step,
     chooses,
+    drips,
     fails,
     hangs_up,
     only,
@@ -165,6 +166,15 @@ BUSY: dict[str, tuple[Step, Callable[[float], bool]]] = {
     "overloaded": (fails(503, Retry_After="9999"), lambda pause: pause == 60),
     "hangs up": (hangs_up, lambda pause: pause == 2),
     "no reply": (sleeps(1.0), lambda pause: pause == 2),
+    "dripped status": (drips(b"HTTP/1.1 200 ", b"O"), lambda pause: pause == 2),
+    "dripped header": (drips(b"HTTP/1.1 200 OK\r\nX-Slow: ", b"x"), lambda pause: pause == 2),
+    "endless continue": (drips(b"", b"HTTP/1.1 100 Continue\r\n\r\n"), lambda pause: pause == 2),
+    "dripped body": (drips(b"HTTP/1.1 200 OK\r\nContent-Length: 9999\r\n\r\n{", b" "), lambda pause: pause == 2),
+    "body without end": (drips(b"HTTP/1.1 200 OK\r\n\r\n{", b" "), lambda pause: pause == 2),
+    "dripped refusal": (drips(b"HTTP/1.1 503 Busy\r\nContent-Length: 9999\r\n\r\n", b"x"), lambda pause: pause == 2),
+    "odd length": (sends(b"{}", Content_Length="many"), lambda pause: pause == 2),
+    "no time to wait": (fails(429, Retry_After="nan"), lambda pause: pause == 0),
+    "no date": (fails(429, Retry_After="Mon, 01 Jan 99999999999 00:00:00 GMT"), lambda pause: pause == 2),
     "a page": (sends(b"<html>Bad gateway</html>"), lambda pause: pause == 2),
     "a list": (sends(b"[]"), lambda pause: pause == 2),
     "cut off": (sends(json.dumps(reply("{}")).encode(), Content_Length="5000"), lambda pause: pause == 2),
@@ -179,6 +189,50 @@ def test_a_busy_server_is_waited_for(tmp_path: Path, name: str) -> None:
         assert ask(asker(tmp_path, server.url, pauses, timeout=0.3)) == "1"
     assert len(pauses) == 1 and expected(pauses[0])
     assert entries(tmp_path)[0]["exchanges"][0]["requests"] == 2
+
+
+def test_a_reply_ends_in_time_however_it_is_dripped(tmp_path: Path) -> None:
+    for step in (BUSY["dripped header"][0], BUSY["endless continue"][0], BUSY["dripped body"][0]):
+        with serving(step) as server:
+            began = time.monotonic()
+            with pytest.raises(NoAnswerError, match=r"no reply within 0\.3 s"):
+                ask(asker(tmp_path, server.url, timeout=0.3, attempts=1))
+            assert time.monotonic() - began < 2
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"model": "\ud800"},
+        {"model": {"name": "toy"}},
+        {"usage": {"prompt_tokens": 10**30, "completion_tokens": 10**9 + 1}},
+        {"usage": {"prompt_tokens": 1.5, "completion_tokens": True}},
+        {"choices": [{"message": {"content": '{"reason": "\ud83d", "choice": "1"}'}}]},
+        {"choices": [{"message": {"content": [{"text": 3}, {"text": '{"reason": "", "choice": "1"}'}]}}]},
+    ],
+    ids=["half a character", "no text", "many tokens", "odd tokens", "half in the answer", "odd parts"],
+)
+def test_no_odd_reply_costs_its_entry(tmp_path: Path, change: dict[str, Any]) -> None:
+    content = reply('{"reason": "it looks like it", "choice": "1"}') | change
+    with serving(sends(json.dumps(content).encode())) as server:
+        assert ask(asker(tmp_path, server.url)) == "1"
+    (entry,) = entries(tmp_path)
+    assert entry["outcome"] == "answered" and entry["cost"] < 0.1
+
+
+@pytest.mark.parametrize("field", ["model", "escaped answer"])
+def test_a_key_that_the_server_repeats_is_written_nowhere(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, field: str
+) -> None:
+    monkeypatch.setenv("TOY_KEY", KEY)
+    content = reply('{"reason": "it looks like it", "choice": "1"}') | {"model": f"toy {KEY}"}
+    if field != "model":
+        hidden = "".join(f"\\u{ord(letter):04x}" for letter in KEY)
+        content = reply(f'{{"reason": "{hidden}", "choice": "1"}}')
+    with serving(sends(json.dumps(content).encode()), chooses("1"), key=KEY) as server:
+        assert ask(asker(tmp_path, server.url, key_env="TOY_KEY")) == "1"
+    text = json.dumps(entries(tmp_path))
+    assert KEY not in text and "u0073" not in text
 
 
 def test_a_server_that_stays_silent_gives_no_answer_and_is_asked_again_another_time(tmp_path: Path) -> None:

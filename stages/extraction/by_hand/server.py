@@ -13,6 +13,7 @@ from pydantic import ValidationError
 
 from stages.contracts.errors import InputError
 from stages.contracts.files import first_error
+from stages.contracts.system import line_of
 from stages.extraction.by_hand.correcting import Correction
 from stages.extraction.by_hand.session import Session
 
@@ -65,6 +66,13 @@ class Handler(BaseHTTPRequestHandler):
         self.close_connection = True  # what is left of the request is not read
         self._json(status, {"error": why})
 
+    def _fail(self, error: Exception) -> None:
+        """Say what the operating system refused; a connection that is gone is told nothing."""
+        if isinstance(error, ConnectionError | TimeoutError):
+            raise error
+        print(f"error: {line_of(error)}", file=sys.stderr)
+        self._refuse(500, str(line_of(error)))
+
     def do_GET(self) -> None:
         """The page, its picture, and what was drawn."""
         name, session = self._name(), self.server.session
@@ -85,6 +93,8 @@ class Handler(BaseHTTPRequestHandler):
                 self._refuse(404, "no such page")
         except InputError as error:
             self._refuse(400, str(error))
+        except (OSError, MemoryError) as error:
+            self._fail(error)
 
     def do_POST(self) -> None:
         """One of the session's verbs, with a JSON body."""
@@ -107,6 +117,8 @@ class Handler(BaseHTTPRequestHandler):
             return self._refuse(400, f"the drawing breaks its contract at {first_error(error)}")
         except (ValueError, KeyError, TypeError, RecursionError) as error:
             return self._refuse(400, f"not a drawing ({error.__class__.__name__})")
+        except (OSError, MemoryError) as error:
+            return self._fail(error)
         self._json(200, answer)
         if self.server.session.finished:
             Thread(target=self.server.shutdown).start()  # from this thread it would wait for itself

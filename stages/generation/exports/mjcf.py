@@ -13,6 +13,7 @@ from stages.articulated import mesh_writer
 from stages.articulated.asset_folder import atomic_folder
 from stages.articulated.model import JointModel, Link, Matrix
 from stages.articulated.urdf_writer import FRICTION, PRISMATIC_DAMPING, REVOLUTE_DAMPING
+from stages.contracts.system import sync
 from stages.generation.exports import CAMERA, Body, Room
 from stages.generation.exports.surfaces import GAMMA, Surface, surfaces, write_obj
 from stages.geometry.frames import quaternion_from_matrix, yaw_quaternion
@@ -42,6 +43,7 @@ def write(room: Room, out: Path) -> None:
         writer.room(ET.SubElement(root, "worldbody"), room)
         ET.indent(root)
         (folder / "scene.xml").write_text(ET.tostring(root, encoding="unicode") + "\n", encoding="utf-8")
+        sync(folder)
 
 
 class _Writer:

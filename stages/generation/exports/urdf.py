@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from stages.articulated.asset_folder import atomic_folder
 from stages.articulated.model import Matrix
+from stages.contracts.system import sync
 from stages.generation.exports import CAMERA, Body, Room
 from stages.generation.exports.surfaces import GAMMA
 from stages.geometry.frames import quaternion_from_matrix, rigid, yaw_matrix
@@ -45,6 +46,7 @@ def write(room: Room, out: Path) -> None:
         ET.indent(robot)
         (folder / "scene.urdf").write_text(ET.tostring(robot, encoding="unicode") + "\n", encoding="utf-8")
         (folder / "scene.json").write_text(json.dumps(_index(room), indent=1) + "\n", encoding="utf-8")
+        sync(folder)
 
 
 def _index(room: Room) -> dict[str, object]:

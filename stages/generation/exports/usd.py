@@ -9,6 +9,7 @@ from stages.articulated.asset_folder import atomic_folder
 from stages.articulated.model import JointModel, Link, Matrix
 from stages.articulated.urdf_writer import PRISMATIC_DAMPING, REVOLUTE_DAMPING
 from stages.contracts import InputError
+from stages.contracts.system import sync
 from stages.generation.exports import CAMERA, Body, Room
 from stages.generation.exports.surfaces import Surface, surface_of, surfaces
 from stages.geometry.frames import quaternion_from_matrix, rigid, yaw_matrix
@@ -41,6 +42,7 @@ def write(room: Room, out: Path) -> None:
         for body in room.bodies:
             writer.body(body)
         stage.GetRootLayer().Save()
+        sync(folder)
 
 
 class _Writer:

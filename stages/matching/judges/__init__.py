@@ -1,16 +1,18 @@
 """Who decides on model and orientation (paper A.6, B.1); the judges lie beside this file."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 from stages.config.matching import MatchingConfig
-from stages.contracts import Objects
+from stages.contracts import InputError, Objects
 from stages.contracts.cousins import Candidate, Orientation
 from stages.contracts.objects import SceneObject
 from stages.matching.crop import View
 from stages.matching.snapshots import Snapshots
 from stages.plugins import load
+
+T = TypeVar("T")
 
 
 class Question(NamedTuple):
@@ -60,12 +62,31 @@ class Judge(Protocol):
         ...
 
 
+def checked(judge: str, kind: type[T], answer: object, shown: Collection[str] | None = None) -> list[T]:
+    """The answer of a judge: a list of a kind that is not empty; if something was `shown`, some of that, none twice.
+
+    Raises:
+        InputError: it is not; the judge is named.
+    """
+    where, mend = f"judge {judge}", "docs/extending.md says what a judge gives"
+    if not isinstance(answer, list | tuple) or not answer or not all(isinstance(each, kind) for each in answer):
+        raise InputError(where, f"gives {repr(answer)[:80]}, no list of {kind.__name__}.", mend)
+    if shown is not None:
+        names = [str(each.asset) for each in answer]  # type: ignore[attr-defined]
+        for number, name in enumerate(names):
+            if name not in shown or name in names[:number]:
+                why = f"{name} twice" if name in shown else f"{name}, which it was not shown"
+                raise InputError(where, f"gives {why}.", mend)
+    return list(answer)
+
+
 class Judges:
     """The judges that the options name (one, if it decides both), and the models that they may look at."""
 
     def __init__(self, options: MatchingConfig, library: Path, snapshots: Snapshots) -> None:
         self.library, self.snapshots = library, snapshots
-        names = dict.fromkeys((options.model_selection, options.orientation_selection))
+        self.names = options.model_selection, options.orientation_selection
+        names = dict.fromkeys(self.names)
         self._by_name = {name: load("judges", name)(options) for name in names}
         self.of_models: Judge = self._by_name[options.model_selection]
         self.of_orientations: Judge = self._by_name[options.orientation_selection]

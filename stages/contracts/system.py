@@ -1,0 +1,74 @@
+"""What the operating system refuses, in one line; and what it has to have on the disk before a file is finished."""
+
+import contextlib
+import errno
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+MENDS = {
+    errno.ENOSPC: "make room on the disk, and run it again",
+    errno.EDQUOT: "make room in your quota, and run it again",
+    errno.EROFS: "choose a folder that can be written",
+    errno.EACCES: "choose a folder that you may use, or change its permissions",
+    errno.EPERM: "choose a folder that you may use, or change its permissions",
+    errno.EIO: "is there room on the disk?",
+    errno.EMFILE: "raise the limit of open files: ulimit -n",
+}
+FULL_MEMORY = ("allocate memory", "out of memory", "Insufficient memory")  # of torch, CUDA, OpenCV
+
+
+def line_of(error: Exception) -> str | None:
+    """What the operating system refused: the file, why, how to mend it. None for errors of another kind."""
+    if isinstance(error, MemoryError) or any(words in str(error) for words in FULL_MEMORY):
+        return "out of memory. Fix: run fewer jobs at once (--cores), or with smaller options"
+    if not isinstance(error, OSError):
+        return None
+    code = errno.ENOSPC if "No space left" in str(error) else error.errno
+    reason = os.strerror(code) if code else " ".join(str(error).split())[:200]
+    mend = MENDS.get(code or 0)
+    return (f"{error.filename}: " if error.filename else "") + f"{reason}." + (f" Fix: {mend}" if mend else "")
+
+
+@contextlib.contextmanager
+def naming(path: Path, temporary: Path | None = None) -> Iterator[None]:
+    """Let errors of the operating system name `path`, which those of writing do not, nor those of HDF5 and torch."""
+    try:
+        yield
+    except (OSError, RuntimeError) as error:
+        full = "No space left" in str(error) or (isinstance(error, RuntimeError) and _is_full(path))
+        if full or (isinstance(error, OSError) and error.filename in (None, str(temporary))):
+            gone = isinstance(error, FileNotFoundError)  # OpenCV takes away what it cannot write, without a word
+            code = errno.ENOSPC if full else errno.EIO if gone else getattr(error, "errno", None)
+            if code:
+                raise OSError(code, os.strerror(code), str(path)) from error
+        raise
+
+
+def _is_full(path: Path) -> bool:
+    """Whether the disk has no room for another block."""
+    try:
+        found = os.statvfs(path.parent)
+    except OSError:
+        return False
+    return found.f_blocks > 0 and found.f_bavail == 0
+
+
+def sync(path: Path) -> None:
+    """Wait until a file, or a folder and all in it, is on the disk: only then a power cut leaves it whole."""
+    for each in [path, *path.rglob("*")] if path.is_dir() else [path]:
+        descriptor = os.open(each, os.O_RDONLY)
+        try:
+            os.fsync(descriptor)
+        finally:
+            os.close(descriptor)
+
+
+def sync_names(folder: Path) -> None:
+    """The same of the names in a folder, where the filesystem can do that."""
+    with contextlib.suppress(OSError):
+        descriptor = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(descriptor)
+        finally:
+            os.close(descriptor)

@@ -1,0 +1,83 @@
+"""The same cabinet with joints that count from elsewhere: nothing of a task changes with the lower limit."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+from stages.articulated.asset_folder import Description, read_model, write_asset
+from stages.config.task import TaskConfig
+from stages.geometry.frames import inverse, rigid
+from stages.skills.path import articulation
+from stages.tasks.api import TaskEnv, make_task
+from tests.unit.demo_assets import cabinet
+
+SHIFT = {"door": 0.4, "drawer": -0.25}  # what is added to both limits: radians, metres
+FULL = TaskConfig(points=64, finger_points=8, success_fraction=0.9)
+
+
+def shifted(folder: Path, role: str) -> Path:
+    """The cabinet in `folder`, closed as it was, with the limits of its joint moved; in a folder beside it."""
+    model = read_model(folder)
+    joints = []
+    for joint in model.joints:
+        if joint.type != "fixed":
+            by = SHIFT[role]
+            origin = joint.origin @ joint.motion(joint.lower) @ inverse(joint.motion(joint.lower + by))
+            joint = replace(joint, origin=origin, lower=joint.lower + by, upper=joint.upper + by)
+        joints.append(joint)
+    out = folder.with_name(f"{folder.name}_shifted")
+    write_asset(replace(model, joints=joints), out, Description(out.name, "bottom_cabinet", "CC0-1.0", "test"))
+    return out
+
+
+@pytest.fixture(scope="module", params=["door", "drawer"])
+def both(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[TaskEnv, TaskEnv]:
+    """The task with the plain cabinet and with the one whose limits are moved."""
+    role, folder = request.param, tmp_path_factory.mktemp("cabinets") / request.param
+    cabinet(folder, layout=[[role]])
+    tasks = [
+        make_task(role, each, f"{role}_0_joint", None, FULL, render=False) for each in (folder, shifted(folder, role))
+    ]
+    for task in tasks:
+        task.place(3)
+    return tasks[0], tasks[1]
+
+
+def test_limits_are_moved(both: tuple[TaskEnv, TaskEnv]) -> None:
+    plain, other = (task.env.unwrapped.target for task in both)
+    by = SHIFT["door" if plain.revolute else "drawer"]
+    assert (plain.lower, other.lower, other.upper - plain.upper) == pytest.approx((0, by, by), abs=1e-4)
+    assert other.axis == pytest.approx(plain.axis, abs=1e-4)
+
+
+def test_an_episode_begins_closed(both: tuple[TaskEnv, TaskEnv]) -> None:
+    for task in both:
+        task.place(3)
+        assert task.opened == pytest.approx(0, abs=1e-4)
+        assert task.env.unwrapped.target.reference == pytest.approx(both[0].env.unwrapped.target.reference, abs=1e-3)
+
+
+def test_success_and_openings_are_the_same(both: tuple[TaskEnv, TaskEnv]) -> None:
+    thresholds = []
+    for task in both:
+        task.place(3)
+        env = task.env.unwrapped
+        target = env.target
+        thresholds.append(env.success_opening())
+        for opened in (0.2, 0.6, 1.0):
+            env.object.set_qpos(torch.tensor([[target.lower + opened * (target.upper - target.lower)]]))
+            assert float(env.opened()[0]) == pytest.approx(opened, abs=1e-3)
+            assert bool(env.succeeded()[0]) == (opened >= thresholds[0])
+    assert thresholds[0] == pytest.approx(thresholds[1], abs=1e-4) and thresholds[0] < 0.9
+
+
+def test_the_hand_follows_the_handle_alike(both: tuple[TaskEnv, TaskEnv]) -> None:
+    grasp = rigid(np.eye(3), [0.3, 0.1, 0.4])
+    ways = []
+    for task in both:
+        target = task.env.unwrapped.target
+        ways.append(articulation(target, grasp, target.lower, target.lower + 0.2, follow=0.7))
+    assert ways[0] == pytest.approx(ways[1], abs=1e-3) and ways[0][0] == pytest.approx(grasp, abs=1e-6)

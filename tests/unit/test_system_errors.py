@@ -1,0 +1,133 @@
+"""What the operating system refuses is one line with the file's name, and what is finished is on the disk."""
+
+import errno
+import os
+import resource
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import cv2
+import h5py
+import numpy as np
+import pandas as pd
+import pytest
+from PIL import Image
+
+from stages.contracts import system
+from stages.contracts.__main__ import main as check
+from stages.contracts.files import atomic, write_json
+from stages.contracts.system import line_of
+from stages.training.logbook import Logbook
+
+NOISE = np.random.default_rng(0).integers(0, 255, (200, 200, 3), np.uint8)
+
+
+def hdf5(path: Path) -> None:
+    with h5py.File(path, "w") as file:
+        file["x"] = NOISE
+
+
+WRITERS: dict[str, Callable[[Path], object]] = {
+    "text.json": lambda path: path.write_text("x" * 100_000),
+    "table.csv": lambda path: pd.DataFrame(NOISE[0]).to_csv(path),
+    "arrays.npz": lambda path: np.savez(path, a=NOISE),
+    "pillow.png": lambda path: Image.fromarray(NOISE).save(path),
+    "opencv.png": lambda path: cv2.imwrite(str(path), NOISE),
+    "store.h5": hdf5,
+}
+
+
+@contextmanager
+def little_room(size: int = 1000) -> Iterator[None]:
+    """No file grows beyond `size` bytes, as if the disk were full."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+
+@pytest.mark.parametrize("name", list(WRITERS))
+def test_a_file_that_cannot_be_written_is_named_and_the_old_one_stays(tmp_path: Path, name: str) -> None:
+    (tmp_path / name).write_text("old")
+    with pytest.raises(OSError) as caught, little_room(), atomic(tmp_path / name) as temporary:
+        WRITERS[name](temporary)
+    line = line_of(caught.value)
+    assert line and line.startswith(f"{tmp_path / name}: ") and "\n" not in line and ".partial" not in line
+    assert [path.name for path in tmp_path.iterdir()] == [name] and (tmp_path / name).read_text() == "old"
+
+
+def test_the_log_of_a_training_is_named(tmp_path: Path) -> None:
+    logbook = Logbook(tmp_path / "metrics.jsonl", [], "disabled", tmp_path, {})
+    with pytest.raises(OSError, match=r"metrics\.jsonl"), little_room(10):
+        logbook.write({"step": 1, "loss": 0.123456789})
+
+
+@pytest.mark.parametrize(
+    ("error", "line"),
+    [
+        (OSError(errno.ENOSPC, "x", "a.json"), "a.json: No space left on device. Fix: make room on the disk"),
+        (OSError(errno.EROFS, "x", "a.json"), "a.json: Read-only file system. Fix: choose a folder"),
+        (PermissionError(errno.EACCES, "x", "a.json"), "a.json: Permission denied. Fix: choose a folder"),
+        (MemoryError("Unable to allocate 9 TiB"), "out of memory. Fix: run fewer jobs"),
+        (RuntimeError("DefaultCPUAllocator: can't allocate memory"), "out of memory"),
+        (OSError("two\nlines"), "two lines."),
+    ],
+)
+def test_lines(error: Exception, line: str) -> None:
+    assert str(line_of(error)).startswith(line)
+
+
+def test_other_errors_are_ours() -> None:
+    assert line_of(ValueError("x")) is None and line_of(RuntimeError("x")) is None
+
+
+def test_a_stage_ends_with_one_line() -> None:
+    command = [sys.executable, "-m", "stages.assets", "library", "--out", "/proc/none/library.json"]
+    done = subprocess.run([*command, "--options", '{"counts": {"mug": 1}}'], capture_output=True, text=True)
+    assert done.returncode == 1 and "Traceback" not in done.stderr
+    assert done.stderr.strip().splitlines()[-1].startswith("error: /proc/none: ")
+
+
+def test_a_check_ends_with_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "truth.json").write_text("{}")
+
+    def refuse(*_: object) -> None:
+        raise OSError(errno.EROFS, "x", "truth.json")
+
+    monkeypatch.setattr(Path, "replace", refuse)
+    assert check(["--refuse", "truth", str(tmp_path / "truth.json")]) == 1
+    assert capsys.readouterr().err.startswith("error: truth.json: Read-only file system.")
+
+
+def test_a_file_is_on_the_disk_before_it_has_its_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    done: list[str] = []
+    fsync, replace = os.fsync, Path.replace
+
+    def synced(descriptor: int) -> None:
+        done.append(f"sync {Path(f'/proc/self/fd/{descriptor}').readlink().name}")
+        fsync(descriptor)
+
+    def named(path: Path, target: Path) -> Path:
+        done.append(f"name {target.name}")
+        return replace(path, target)
+
+    monkeypatch.setattr(system.os, "fsync", synced)
+    monkeypatch.setattr(Path, "replace", named)
+    write_json(tmp_path / "a.json", {"a": 1})
+    assert done[0].startswith("sync .partial-") and done[1:] == ["name a.json", f"sync {tmp_path.name}"]
+
+
+def test_a_folder_is_synced_with_all_in_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "models/cup").mkdir(parents=True)
+    (tmp_path / "models/cup/a.obj").write_text("o")
+    done: set[str] = set()
+    monkeypatch.setattr(system.os, "fsync", lambda fd: done.add(Path(f"/proc/self/fd/{fd}").readlink().name))
+    system.sync(tmp_path)
+    assert done == {tmp_path.name, "models", "cup", "a.obj"}
