@@ -3,8 +3,11 @@
 # Writes: results/assets/library/shard_<i>.{json,zip} and library.json, the index of them all,
 #         results/assets/snapshots/shard_<i>.{h5,json}, and for people shard_<i>.png.
 
-# The archives of all models. Those who unpack some name them as inputs; that a model changed is seen in library.json.
-MODELS = ancient(expand("results/assets/library/shard_{shard}.zip", shard=SHARDS))
+# What a job reads that needs a model: that one changed is seen in the index, not by the age of the archives.
+LIBRARY = {
+    "library": "results/assets/library/library.json",
+    "models": ancient(expand("results/assets/library/shard_{shard}.zip", shard=SHARDS)),
+}
 
 
 rule procedural:
@@ -74,7 +77,7 @@ rule library:
         procedural=files(rules.procedural.output.part, shard=range(PROCEDURAL)),
         own=files(rules.own.output.part, shard=OWN),
     output:
-        library="results/assets/library/library.json",
+        library=LIBRARY["library"],
     log:
         "logs/assets/library.log",
     localrule: True
