@@ -62,8 +62,11 @@ rule own:
         code=code("assets", "own", *modules(CONFIG.assets, "importers")),
         check=check(library_part="part"),
         options=options("assets", "own"),
-        folder=lambda wildcards: str(OWN[wildcards.shard].folder),
-        models=lambda wildcards: [f"{name}={file}" for name, file in OWN[wildcards.shard].models.items()],
+        folder=own_folder,
+        models=lambda wildcards, input: [
+            f"{name}={Path(own_folder(wildcards, input), file.relative_to(OWN[wildcards.shard].folder))}"
+            for name, file in OWN[wildcards.shard].models.items()
+        ],
         digest=lambda wildcards: OWN[wildcards.shard].digest(),
     shell:
         "({params.command} --folder {params.folder:q} --models {params.models:q} --options {params.options:q} "

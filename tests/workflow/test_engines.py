@@ -3,6 +3,7 @@
 Files lie in a storage; a job takes from there what its rule declares, and nothing else is there.
 """
 
+import json
 import os
 import shutil
 import socket
@@ -10,25 +11,28 @@ import subprocess
 import time
 import urllib.request
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+import trimesh
 
+from stages.config.assets import COUNTS
 from tests.workflow.kubernetes_api import cluster
 from tests.workflow.workspace import LINKED, MICRO, ROOT, make
 
 PYTHON = ROOT / ".venv-engines/bin/python"
 BUCKET = "acdc"
 KEYS = {"SNAKEMAKE_STORAGE_S3_ACCESS_KEY": "key", "SNAKEMAKE_STORAGE_S3_SECRET_KEY": "secret"}
+OWN = ("--shared-fs-usage", "persistence", "source-cache", "sources", "software-deployment")
 pytestmark = pytest.mark.skipif(not PYTHON.exists(), reason="no .venv-engines: bash envs/engines.sh makes it")
 
 
-def engine(folder: Path, *arguments: str, **environment: str) -> str:
+def engine(folder: Path, *arguments: str, config: Sequence[str] = MICRO, **environment: str) -> str:
     """What `snakemake` with the plugins printed."""
     done = subprocess.run(
-        [str(PYTHON), "-m", "snakemake", *arguments, *MICRO],
+        [str(PYTHON), "-m", "snakemake", *arguments, *config],
         cwd=folder,
         env=os.environ | {"PYTHONPATH": str(ROOT)} | environment,
         text=True,
@@ -49,12 +53,24 @@ def same(stored: dict[str, bytes], run: Path) -> None:
 @pytest.mark.skipif(not shutil.which("rsync"), reason="the plugin copies by rsync")
 def test_a_folder_as_storage(run: Path, tmp_path: Path) -> None:
     storage = ("--default-storage-provider", "fs", "--default-storage-prefix", str(tmp_path / "store"))
-    own = ("--shared-fs-usage", "persistence", "source-cache", "sources", "software-deployment")
     folder = make(tmp_path / "run")
-    engine(folder, "--cores", "2", "tables", *storage, *own)
+    engine(folder, "--cores", "2", "tables", *storage, *OWN)
     assert not (folder / "results").exists()
     found = (path for path in (tmp_path / "store").rglob("*") if path.is_file())
     same({path.relative_to(tmp_path / "store").as_posix(): path.read_bytes() for path in found}, run)
+
+
+@pytest.mark.skipif(not shutil.which("rsync"), reason="the plugin copies by rsync")
+def test_models_of_yours_lie_in_the_storage_too(tmp_path: Path) -> None:
+    folder, store = make(tmp_path / "run"), tmp_path / "store"
+    for place in (folder, store):
+        (place / "mine/crate/a").mkdir(parents=True)
+        trimesh.creation.box((0.2, 0.3, 0.4)).export(place / "mine/crate/a/box.obj")
+    (folder / "own.yaml").write_text(json.dumps({"assets": {"counts": dict.fromkeys(COUNTS, 0), "folders": ["mine"]}}))
+    storage = ("--default-storage-provider", "fs", "--default-storage-prefix", str(store))
+    index = "results/assets/library/library.json"
+    engine(folder, "--cores", "1", index, *storage, *OWN, config=("--configfile", "own.yaml"))
+    assert [entry["id"] for entry in json.loads((store / index).read_text())["assets"]] == ["crate_a"]
 
 
 @contextmanager
@@ -94,9 +110,8 @@ def test_a_bucket_as_storage(run: Path, tmp_path: Path) -> None:
     """The plugin for S3 by itself, to the objects of the room; the next test has it to the tables."""
     with bucket() as address:
         storage = ("--default-storage-provider", "s3", "--default-storage-prefix", f"s3://{BUCKET}/run")
-        own = ("--shared-fs-usage", "persistence", "source-cache", "sources", "software-deployment")
         server = ("--storage-s3-endpoint-url", address)
-        engine(make(tmp_path / "run"), "--cores", "2", "extraction", *storage, *own, *server, **KEYS)
+        engine(make(tmp_path / "run"), "--cores", "2", "extraction", *storage, *OWN, *server, **KEYS)
         stored = contents(address, "run")
     assert "results/extraction/room_1/objects.json" in stored
     for name, content in stored.items():
