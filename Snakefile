@@ -3,12 +3,15 @@
 #   snakemake --cores 2 tables     the tables; likewise: table2, library, scenes, scenes8, extraction, matching, generation,
 #                                  demonstrations, training, evaluation, figures, report; exports: data for other tools
 #   snakemake --cores 2 photo --config image=kitchen.jpg    a picture of yours; fetch: the weights that it needs
+from pathlib import Path
+
 from snakemake.utils import min_version
 
 min_version("9.27")
 
 
-configfile: "config.yaml"
+# That of the working directory, if there is one; without any, ours.
+configfile: next(filter(Path.exists, map(Path, ["config.yaml", "config/config.yaml"])), workflow.source_path("config.yaml"))
 
 
 report: "report/workflow.rst"
@@ -29,6 +32,7 @@ include: "rules/experiment.smk"
 include: "rules/demonstrations.smk"
 include: "rules/training.smk"
 include: "rules/trials.smk"
+include: "rules/scores.smk"
 include: "rules/evaluation.smk"
 include: "rules/tables.smk"
 include: "rules/report.smk"

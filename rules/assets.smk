@@ -3,8 +3,11 @@
 # Writes: results/assets/library/shard_<i>.{json,zip} and library.json, the index of them all,
 #         results/assets/snapshots/shard_<i>.{h5,json}, and for people shard_<i>.png.
 
-# The archives of all models. Those who unpack some name them as inputs; that a model changed is seen in library.json.
-MODELS = ancient(expand("results/assets/library/shard_{shard}.zip", shard=SHARDS))
+# What a job reads that needs a model: that one changed is seen in the index, not by the age of the archives.
+LIBRARY = {
+    "library": "results/assets/library/library.json",
+    "models": ancient(expand("results/assets/library/shard_{shard}.zip", shard=SHARDS)),
+}
 
 
 rule procedural:
@@ -59,8 +62,11 @@ rule own:
         code=code("assets", "own", *modules(CONFIG.assets, "importers")),
         check=check(library_part="part"),
         options=options("assets", "own"),
-        folder=lambda wildcards: str(OWN[wildcards.shard].folder),
-        models=lambda wildcards: [f"{name}={file}" for name, file in OWN[wildcards.shard].models.items()],
+        folder=own_folder,
+        models=lambda wildcards, input: [
+            f"{name}={Path(own_folder(wildcards, input), file.relative_to(OWN[wildcards.shard].folder))}"
+            for name, file in OWN[wildcards.shard].models.items()
+        ],
         digest=lambda wildcards: OWN[wildcards.shard].digest(),
     shell:
         "({params.command} --folder {params.folder:q} --models {params.models:q} --options {params.options:q} "
@@ -74,7 +80,7 @@ rule library:
         procedural=files(rules.procedural.output.part, shard=range(PROCEDURAL)),
         own=files(rules.own.output.part, shard=OWN),
     output:
-        library="results/assets/library/library.json",
+        library=LIBRARY["library"],
     log:
         "logs/assets/library.log",
     localrule: True

@@ -7,9 +7,8 @@
 rule demonstrate:
     """Collect the demonstrations of one asset."""
     input:
+        **LIBRARY,
         assets=lambda wildcards: task_assets(wildcards.task),
-        library=rules.library.output.library,
-        models=MODELS,
     output:
         **filmed(
             "demonstrations",
@@ -47,9 +46,8 @@ rule demonstrate:
 rule demonstrate_in_scene:
     """Demonstrate a task once in the generated scene of every rank, furniture in the way."""
     input:
+        **LIBRARY,
         scenes=task_scenes,
-        library=rules.library.output.library,
-        models=MODELS,
     output:
         **(
             {}

@@ -1,21 +1,19 @@
-# Rollouts of the policies and scores of the scenes, one row each; nothing is aggregated here (paper B.1, B.3).
-# Reads:  policies, their trials and the task's assets; generated scenes and their truth.
+# Rollouts of the policies, one row each; nothing is aggregated here (paper B.3).
+# Reads:  policies, their trials and the task's assets.
 #         An assets.json is that of the row itself or of the row that it shares assets with (`assets_of`).
 # Writes: results/evaluation/policies/<task>/<training set>/<run>/seed_<n>/{rollouts.csv,film.png,films/},
 #         results/evaluation/policies/<task>/<training set>/rollouts.csv,
-#         results/evaluation/skill/<task>/rollouts.csv,
-#         results/evaluation/scenes/<variant>/<scene>/scores.csv.
+#         results/evaluation/skill/<task>/rollouts.csv.
 
 
 rule rollout:
     """Roll one policy out on the test roles and on unseen assets, from initial states that all policies share."""
     input:
+        **LIBRARY,
         policy=rules.train.output.policy,
         last=rules.train.output.last,
         config=rules.train.output.config,
         assets=lambda wildcards: task_assets(wildcards.task),
-        library=rules.library.output.library,
-        models=MODELS,
         trial=rules.trial.output.rollouts if CONFIG.evaluation.checkpoint == "rollouts" else [],
     output:
         **filmed(
@@ -57,9 +55,8 @@ rule rollout:
 rule skill:
     """Do a task by the scripted skill on what its policies are rolled out on, from the same states."""
     input:
+        **LIBRARY,
         assets=lambda wildcards: task_assets(wildcards.task),
-        library=rules.library.output.library,
-        models=MODELS,
     output:
         rollouts="results/evaluation/skill/{task}/rollouts.csv",
     log:
@@ -106,65 +103,6 @@ rule gather:
         check=check(rollouts="rollouts"),
     shell:
         "({params.command} --rollouts {input.rollouts:q} --out {output.rollouts:q} && "
-        "{params.check}) 2>&1 | tee {log:q}"
-
-
-rule leave_out:
-    """Name the true models of a room with all their relatives, for matching to do without."""
-    input:
-        truth=truth_of,
-        library=rules.library.output.library,
-        models=MODELS,
-    output:
-        assets="results/evaluation/left_out/{scene}.json",
-    log:
-        "logs/evaluation/left_out_{scene}.log",
-    group:
-        of_scene
-    container:
-        CONFIG.containers.learning
-    threads: 1
-    resources:
-        **needs(1000, 10),
-    params:
-        command=command("evaluation", "leave_out"),
-        code=code("evaluation", "leave_out"),
-    shell:
-        "{params.command} --truth {input.truth:q} --library {input.library:q} --out {output.assets:q} 2>&1 | tee {log:q}"
-
-
-rule score:
-    """Compare the generated scenes of one room with its truth."""
-    input:
-        scenes=rules.generate.output.scenes,
-        cousins=rules.match.output.cousins,
-        objects=rules.extract.output.objects,
-        truth=truth_of,
-        library=rules.library.output.library,
-        models=MODELS,
-    output:
-        scores="results/evaluation/scenes/{variant}/{scene}/scores.csv",
-    log:
-        "logs/evaluation/{variant}_{scene}.log",
-    benchmark:
-        "benchmarks/evaluation/{variant}_{scene}.tsv"
-    group:
-        of_scene
-    container:
-        CONFIG.containers.learning
-    threads: 1
-    resources:
-        **needs(1000, 10),
-    params:
-        command=command("evaluation", "score"),
-        code=code("evaluation", "score"),
-        check=check(scores="scores"),
-        protocol=lambda wildcards: EXPERIMENT.meeting(wildcards.scene).name,
-        draw=seed_of,
-    shell:
-        "({params.command} --scenes {input.scenes:q} --objects {input.objects:q} --truth {input.truth:q} "
-        "--library {input.library:q} --cousins {input.cousins:q} --protocol '{params.protocol}' --draw {params.draw} "
-        "--out {output.scores:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
 
 

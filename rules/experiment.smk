@@ -7,11 +7,10 @@
 rule select:
     """Name the assets of a task: the object's twin, its cousins, a dissimilar one, those of training and test."""
     input:
+        **LIBRARY,
         cousins=lambda wildcards: of_target(wildcards, rules.match.output.cousins),
         distances=lambda wildcards: of_target(wildcards, rules.distances.output.distances),
         scene=lambda wildcards: of_target(wildcards, rules.generate.output.scenes[0]),
-        library=rules.library.output.library,
-        models=MODELS,
         truth=known_truth,
         objects=lambda wildcards: of_target(wildcards, rules.extract.output.objects),
     output:
@@ -50,9 +49,8 @@ rule select:
 rule pinned:
     """Take the assets of a task from a committed file, if the library has the very same models."""
     input:
+        **LIBRARY,
         assets=lambda wildcards: PINNED[wildcards.task],
-        library=rules.library.output.library,
-        models=MODELS,
     output:
         assets="results/experiment/{variant}/{task}/assets.json",
     log:

@@ -7,10 +7,9 @@
 rule export_scenes:
     """The generated scenes of one room in another tool's format."""
     input:
+        **LIBRARY,
         scenes=rules.generate.output.scenes,
         look=rules.draw_scenes.output.look,
-        library=rules.library.output.library,
-        models=MODELS,
     output:
         folder=directory("results/exports/scenes/{format}/{variant}/{scene}"),
     log:
@@ -33,9 +32,8 @@ rule export_scenes:
 rule export_demonstrations:
     """The demonstrations of a training set in another tool's format."""
     input:
+        **LIBRARY,
         episodes=rules.train.input.episodes,
-        library=rules.library.output.library,
-        models=MODELS,
     output:
         folder=directory("results/exports/demonstrations/{format}/{task}/{training_set}"),
     log:

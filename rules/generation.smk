@@ -7,12 +7,11 @@
 rule generate:
     """Place the cousins of every rank and let physics judge."""
     input:
+        **LIBRARY,
         cousins=rules.match.output.cousins,
         objects=rules.extract.output.objects,
         clouds=rules.extract.output.clouds,
         masks=rules.extract.output.masks,
-        library=rules.library.output.library,
-        models=MODELS,
     output:
         scenes=[f"results/generation/{{variant}}/{{scene}}/scene_{rank}.json" for rank in RANKS],
     log:
@@ -42,13 +41,12 @@ rule generate:
 rule draw_scenes:
     """Draw the generated scenes of one room beside its picture, in its light and colours, and export them as GLB."""
     input:
+        **LIBRARY,
         scenes=rules.generate.output.scenes,
         objects=rules.extract.output.objects,
         masks=rules.extract.output.masks,
         depth=rules.extract.output.depth,
         image=scene_image,
-        library=rules.library.output.library,
-        models=MODELS,
     output:
         previews=[f"results/generation/{{variant}}/{{scene}}/scene_{rank}.png" for rank in RANKS],
         exports=[f"results/generation/{{variant}}/{{scene}}/scene_{rank}.glb" for rank in RANKS],

@@ -43,12 +43,11 @@ rule features:
 rule match:
     """Rank the cousins of every object of one scene."""
     input:
+        **LIBRARY,
         objects=rules.extract.output.objects,
         masks=rules.extract.output.masks,
         depth=rules.extract.output.depth,
         image=scene_image,
-        library=rules.library.output.library,
-        models=MODELS,
         features=lambda wildcards: pictures_of(wildcards.variant, features_of(wildcards.variant)),
         beside_features=lambda wildcards: pictures_of(wildcards.variant, beside_features(wildcards.variant)),
         snapshots=lambda wildcards: pictures_of(wildcards.variant, files(rules.snapshots.output.images, shard=SHARDS)),
@@ -116,13 +115,12 @@ rule distances:
 rule draw_cousins:
     """Draw the objects of one scene beside their cousins."""
     input:
+        **LIBRARY,
         cousins=rules.match.output.cousins,
         objects=rules.extract.output.objects,
         masks=rules.extract.output.masks,
         depth=rules.extract.output.depth,
         image=scene_image,
-        library=rules.library.output.library,
-        models=MODELS,
         snapshots=files(rules.snapshots.output.images, shard=SHARDS),
         indices=files(rules.snapshots.output.index, shard=SHARDS),
     output:

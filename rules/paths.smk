@@ -47,6 +47,12 @@ def scene_inputs(wildcards):
     }
 
 
+def own_folder(wildcards, input):
+    """The user's folder that a shard's models lie in, or its place among the local copies of a storage."""
+    shard = OWN[wildcards.shard]
+    return str(input.files[0]).removesuffix(str(shard.files[0].relative_to(shard.folder))).rstrip("/")
+
+
 def of_picture(pattern):
     """A function of what Snakemake calls a job's inputs: the files of `pattern` for the picture of this run."""
 

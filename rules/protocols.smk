@@ -17,7 +17,7 @@ def room_library(wildcards):
     """What furnishes a room: ours with procedural models, the same whatever else is in the library; yours with all."""
     ours = CONFIG.room_files().get(room_of(wildcards)) in series()
     if not (ours and PROCEDURAL):
-        return {"library": rules.library.output.library, "models": MODELS}
+        return LIBRARY
     parts, models = rules.procedural.output
     shards = range(PROCEDURAL)
     return {"library": files(parts, shard=shards), "models": ancient(files(models, shard=shards))}

@@ -8,12 +8,11 @@
 rule trial:
     """Roll the checkpoints of one policy out on the twin, from states that no test uses."""
     input:
+        **LIBRARY,
         policy=rules.train.output.policy,
         last=rules.train.output.last,
         config=rules.train.output.config,
         assets=lambda wildcards: task_assets(wildcards.task),
-        library=rules.library.output.library,
-        models=MODELS,
     output:
         rollouts="results/evaluation/trials/{task}/{training_set}/{run}/seed_{seed}/rollouts.csv",
     log:
