@@ -18,6 +18,8 @@ rule procedural:
         "benchmarks/assets/procedural_{shard}.tsv"
     wildcard_constraints:
         shard=r"\d+",
+    group:
+        "shard"
     container:
         CONFIG.containers.simulation
     threads: 1
@@ -49,6 +51,8 @@ rule own:
         "benchmarks/assets/{shard}.tsv"
     wildcard_constraints:
         shard=r"own_\w+",
+    group:
+        "shard"
     container:
         CONFIG.containers.simulation
     threads: 1
