@@ -16,6 +16,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from stages.contracts.holder import WORKFLOW, Holder
 from stages.guard import descendants
 
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch")
@@ -133,9 +134,11 @@ class Cluster:
             self._kill(name)
 
     def _start(self, name: str, *command: str) -> None:
+        guarded = [sys.executable, "-m", "stages.guard", *command]  # daemons end with the tests, however these end
+        environment = os.environ | self.environment | {WORKFLOW: Holder.this_process().text}
         with (self.folder / f"{name}.out").open("ab") as log:
             self._running[name] = subprocess.Popen(
-                command, env=os.environ | self.environment, stdout=log, stderr=log, start_new_session=True
+                guarded, env=environment, stdout=log, stderr=log, start_new_session=True
             )
 
     def _kill(self, name: str) -> None:
