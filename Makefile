@@ -2,6 +2,7 @@
 # make test   the same set-up, then lint, types and tests
 .DEFAULT_GOAL := help
 CORES ?= 2
+CLUSTER ?= tests/cluster
 BIN := .venv/bin
 STAMP := .venv/.installed
 
@@ -11,9 +12,9 @@ STUDY := -$(BIN)/snakemake --cores $(CORES) --keep-going --configfile config.yam
 UNSEEN := $(BIN)/snakemake --cores $(CORES) --keep-going --configfile config.yaml config/study/table3.yaml config/study/over_assets.yaml --
 cells = $(foreach task,$(1),$(foreach set,$(2),results/evaluation/policies/$(task)/$(set)/rollouts.csv))
 
-.PHONY: help setup all study unseen table2 photo test lint types config lock containers clean
+.PHONY: help setup all study unseen table2 photo test slurm test-cluster lint types config lock containers clean
 help: ## list the verbs
-	@grep -hE '^[a-z0-9]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 14
+	@grep -hE '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 14
 
 setup: $(STAMP) ## create .venv from the pinned requirements, make sure a Vulkan device exists
 	@$(BIN)/python -m stages.doctor --mend
@@ -47,6 +48,13 @@ photo: setup ## a picture of yours, e.g. make photo IMAGE=kitchen.jpg; needs wei
 test: setup lint types ## lint, types and all tests; Chromium for those of the report page
 	@bash envs/chromium.sh
 	$(BIN)/python -m pytest -n $(CORES) --dist loadfile --no-loadscope-reorder
+
+slurm: $(STAMP) ## the executor plugin that profiles/slurm needs
+	VIRTUAL_ENV=.venv $(BIN)/uv pip install --quiet --require-hashes -r envs/slurm.txt
+
+test-cluster: setup slurm ## the workflow on a real SLURM of two nodes on this machine, and its faults; installs SLURM (as root)
+	bash envs/slurm.sh
+	$(BIN)/python -m pytest -m cluster $(CLUSTER)
 
 lint: $(STAMP) ## ruff, snakefmt, snakemake --lint
 	$(BIN)/ruff check .

@@ -10,6 +10,9 @@ for family in simulation learning report; do
     [ "$family" = learning ] && extras+=(--extra models)
     "$uv" pip compile pyproject.toml "${extras[@]}" -c envs/requirements.txt "${flags[@]}" -o "envs/$family.txt"
 done
+# The executor plugin of profiles/slurm; what it shares with the rest has the same versions.
+echo snakemake-executor-plugin-slurm |
+    "$uv" pip compile - -c envs/requirements.txt "${flags[@]}" -o envs/slurm.txt
 # Readers of other people (envs/readers.sh): the project's torch, and nothing that reading a data set does not need.
 torch=$(sed -n 's/^\(torch==[^ ]*\).*/\1/p' envs/requirements.txt)
 left_out=(cloudpickle cmake deepdiff diffusers egl-probe evdev farama-notifications gitdb gitpython gymnasium

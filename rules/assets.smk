@@ -21,6 +21,8 @@ rule procedural:
         "benchmarks/assets/procedural_{shard}.tsv"
     wildcard_constraints:
         shard=r"\d+",
+    group:
+        "shard"
     container:
         CONFIG.containers.simulation
     threads: 1
@@ -52,6 +54,8 @@ rule own:
         "benchmarks/assets/{shard}.tsv"
     wildcard_constraints:
         shard=r"own_\w+",
+    group:
+        "shard"
     container:
         CONFIG.containers.simulation
     threads: 1

@@ -2,7 +2,7 @@
 
 
 def needs(mem_mb, minutes, gpu=False):
-    """Resources of a rule: megabytes and minutes, numbers or functions of wildcards, twice as much at each new attempt.
+    """Resources of a rule: megabytes and minutes, numbers or functions of wildcards, as much again at each new attempt.
 
     gpu: whether it asks for a GPU if the config says `device: cuda`. `step` keeps jobs of one submission from running
     at once (profiles/slurm), so that it asks for no more than its largest job.
@@ -10,7 +10,7 @@ def needs(mem_mb, minutes, gpu=False):
 
     def grown(amount):
         def at(wildcards, attempt):
-            return round((amount(wildcards) if callable(amount) else amount) * 2 ** (attempt - 1))
+            return round((amount(wildcards) if callable(amount) else amount) * attempt)
 
         return at
 

@@ -98,7 +98,7 @@ def test_a_command_is_one(folder: Path, page: str, line: str) -> None:
 def check_flags(stage: str, words: list[str]) -> None:
     """A stage's verb takes these flags, and needs no others."""
     if not (ROOT / "stages" / stage).is_dir():  # doctor
-        assert (ROOT / "stages" / f"{stage}.py").is_file() and not words
+        assert (ROOT / "stages" / f"{stage}.py").is_file() and words in ([], ["--slurm"])
         return
     if stage in ("config", "contracts"):
         return
