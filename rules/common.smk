@@ -3,6 +3,7 @@ import json
 import os
 import shlex
 import sys
+from functools import cache
 from hashlib import sha256
 from itertools import chain, product
 from pathlib import Path
@@ -62,6 +63,7 @@ ROOMS = EXPERIMENT.rooms
 SCORED_ROOMS = [room for room in ROOMS if room not in EXPERIMENT.inputs]
 MET = EXPERIMENT.met()
 VARIANTS = list(EXPERIMENT.variants)
+matching_of = cache(CONFIG.matching_of)  # asked for by every job of matching
 TASKS = list(EXPERIMENT.tasks)
 PINNED = {task: target.assets for task, target in EXPERIMENT.tasks.items() if target.assets}
 SOURCES = EXPERIMENT.sources  # of them those with assets and demonstrations of their own
@@ -101,7 +103,16 @@ def files(patterns, **values):
 
 def options(stage, verb):
     """The --options of a verb, as JSON: what it reads of the config and no more, so that no other change runs it."""
-    return lambda wildcards: json.dumps(options_of(CONFIG, stage, verb, dict(wildcards)), sort_keys=True)
+
+    @cache
+    def told(**wildcards):
+        return json.dumps(options_of(CONFIG, stage, verb, wildcards), sort_keys=True)
+
+    def found(wildcards):
+        met = {"scene": "".join(wildcards.scene.partition(".")[1:])} if "scene" in wildcards.keys() else {}
+        return told(**dict(wildcards) | met)  # of a scene only its protocol counts
+
+    return found
 
 
 def config_digest():
@@ -156,4 +167,4 @@ def policy_code(verb):
 
 def matching_code(verb, *keys):
     """The code of a verb of matching with the implementations that some keys name."""
-    return lambda wildcards: code("matching", verb, *modules(CONFIG.matching_of(wildcards.variant), *keys))
+    return lambda wildcards: code("matching", verb, *modules(matching_of(wildcards.variant), *keys))
