@@ -9,6 +9,7 @@ from stages.contracts import GeneratedScene
 from stages.simulation.rendering import RenderCamera
 
 TITLE, COLUMNS, GAP = 34, 3, 6
+THUMBNAIL = 144  # pixels across each
 SMOOTHING = 2  # rendered so many times larger and averaged
 INK, PAPER = (30, 30, 30), (255, 255, 255)
 
@@ -41,4 +42,15 @@ def side_by_side(pictures: list[tuple[str, NDArray[np.uint8]]]) -> Image.Image:
         x, y = index % columns * cell_width, index // columns * cell_height
         canvas.text((x + width / 2, y + TITLE / 2), title, fill=INK, font=ImageFont.load_default(20), anchor="mm")
         sheet.paste(Image.fromarray(picture).resize((width, height)), (x, y + TITLE))
+    return sheet
+
+
+def thumbnail(pictures: list[NDArray[np.uint8]]) -> Image.Image:
+    """Pictures of one size beside each other, small."""
+    height = round(THUMBNAIL * pictures[0].shape[0] / pictures[0].shape[1])
+    sheet = Image.new("RGB", (THUMBNAIL * len(pictures), height), PAPER)
+    for index, picture in enumerate(pictures):
+        sheet.paste(
+            Image.fromarray(picture).resize((THUMBNAIL, height), Image.Resampling.LANCZOS), (index * THUMBNAIL, 0)
+        )
     return sheet
