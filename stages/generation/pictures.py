@@ -47,10 +47,4 @@ def side_by_side(pictures: list[tuple[str, NDArray[np.uint8]]]) -> Image.Image:
 
 def thumbnail(pictures: list[NDArray[np.uint8]]) -> Image.Image:
     """Pictures of one size beside each other, small."""
-    height = round(THUMBNAIL * pictures[0].shape[0] / pictures[0].shape[1])
-    sheet = Image.new("RGB", (THUMBNAIL * len(pictures), height), PAPER)
-    for index, picture in enumerate(pictures):
-        sheet.paste(
-            Image.fromarray(picture).resize((THUMBNAIL, height), Image.Resampling.LANCZOS), (index * THUMBNAIL, 0)
-        )
-    return sheet
+    return Image.fromarray(np.hstack([resized_to(picture, THUMBNAIL) for picture in pictures]))
