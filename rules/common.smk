@@ -66,6 +66,9 @@ if online(CONFIG) is not None:
 EXPERIMENT = CONFIG.experiment
 ROOMS = EXPERIMENT.rooms
 SCORED_ROOMS = [room for room in ROOMS if room not in EXPERIMENT.inputs]
+# The report shows a handful of the user's pictures; where there are more, the overview has them all.
+MORE = [room for room in ROOMS if room in EXPERIMENT.inputs][8:]
+SHOWN = [room for room in ROOMS if room not in set(MORE)]
 MET = EXPERIMENT.met()
 VARIANTS = list(EXPERIMENT.variants)
 matching_of = cache(CONFIG.matching_of)  # asked for by every job of matching

@@ -111,7 +111,7 @@ def load(config: dict[str, Any]) -> Config:
     config, unread = with_inputs(config)
     valid, mistakes = validated(Config, without_removed(without_sharers(config), Config))
     mistakes += unread
-    wrong = [mistake.key for mistake in mistakes]
+    wrong = [mistake.key for mistake in mistakes] + (["experiment.rooms"] if unread else [])
     valid = valid.model_copy(update={"plugins": _packages(valid.plugins, mistakes)})
     valid = resolved(valid, valid.plugins, "", mistakes)
     for variant in valid.experiment.variants:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import pytest
 import yaml
 
-from stages.config import places
+from stages.config.inputs import INPUT_FILES
 from stages.config.model import load, merged
 from tests.workflow.workspace import ROOT, dry_run, make
 
@@ -57,7 +57,7 @@ def commands() -> list[tuple[str, str]]:
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A clone in which the files stand that the pages speak of."""
     folder = make(tmp_path_factory.mktemp("clone"))
-    for name in places.INPUT_FILES:
+    for name in INPUT_FILES:
         (folder / "my/kitchen").mkdir(parents=True, exist_ok=True)
         (folder / "my/kitchen" / name).touch()
     known = {"objects": [{"mask": 1, "label": "cabinet", "articulated": True, "doors": 1}]}
