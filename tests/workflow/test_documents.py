@@ -4,6 +4,7 @@ import ast
 import json
 import re
 import shlex
+import shutil
 from pathlib import Path
 from typing import NamedTuple
 
@@ -60,6 +61,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for name in INPUT_FILES:
         (folder / "my/kitchen").mkdir(parents=True, exist_ok=True)
         (folder / "my/kitchen" / name).touch()
+    table = ("scene,folder", "shelf,kitchen")
+    (folder / "my/pictures.csv").write_text("\n".join(table))
+    shutil.copytree(folder / "my/kitchen", folder / "my/folders/hall")
     known = {"objects": [{"mask": 1, "label": "cabinet", "articulated": True, "doors": 1}]}
     (folder / "my/kitchen/annotations.json").write_text(json.dumps(known))
     weights = [f"weights/dinov2_small/{name}" for name in ("config.json", "model.safetensors")]
