@@ -56,11 +56,13 @@ rule frame:
         "logs/scenes/frame_{scene}.log",
     benchmark:
         "benchmarks/scenes/frame_{scene}.tsv"
+    group:
+        of_scene
     container:
         CONFIG.containers.learning
     threads: 1
     resources:
-        mem_mb=2000,
+        **needs(2000, 10),
     params:
         command=command("scenes", "from-rgbd"),
         code=code("scenes", "from_rgbd"),
@@ -68,7 +70,7 @@ rule frame:
         frame=frame_flags,
         out=subpath(output.rgb, parent=True),
     shell:
-        "({params.command} {params.frame} --out {params.out:q} && " "{params.check}) 2>&1 | tee {log:q}"
+        "({params.command} {params.frame} --out {params.out:q} && {params.check}) 2>&1 | tee {log:q}"
 
 
 rule scenes:
