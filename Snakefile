@@ -39,6 +39,10 @@ include: "rules/report.smk"
 include: "rules/exports.smk"
 
 
+onerror:
+    tell_of_failures()
+
+
 rule all:
     """Everything: scenes, policies, tables, figures and the report page."""
     default_target: True
@@ -50,6 +54,7 @@ rule all:
         rules.tables.input,
         rules.figures.output,
         rules.report_page.output,
+        rules.overview.input if MORE else [],
     localrule: True
 
 

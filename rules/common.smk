@@ -1,8 +1,10 @@
 # Helpers: the validated config, options and code digests of each job, commands. Nothing here makes a file.
+import gc
 import json
 import os
 import shlex
 import sys
+from functools import cache
 from hashlib import sha256
 from itertools import chain, product
 from pathlib import Path
@@ -23,6 +25,10 @@ from stages.contracts.errors import InputError
 from stages.plugins import qualified
 from stages.scenes.rooms import series
 from stages.guard import hold_folder, makes_files
+
+# The graph of jobs only grows: to look through it for garbage again and again is a third of a plan's time.
+gc.freeze()
+gc.set_threshold(100_000, 100, 100)
 
 # `.venv/bin/snakemake` works without activating the environment: jobs find its python first.
 os.environ.update(PATH=os.pathsep.join([str(Path(sys.executable).parent), *os.get_exec_path()]))
@@ -62,8 +68,12 @@ if online(CONFIG) is not None:
 EXPERIMENT = CONFIG.experiment
 ROOMS = EXPERIMENT.rooms
 SCORED_ROOMS = [room for room in ROOMS if room not in EXPERIMENT.inputs]
+# The report shows a handful of the user's pictures; where there are more, the overview has them all.
+MORE = [room for room in ROOMS if room in EXPERIMENT.inputs][8:]
+SHOWN = [room for room in ROOMS if room not in set(MORE)]
 MET = EXPERIMENT.met()
 VARIANTS = list(EXPERIMENT.variants)
+matching_of = cache(CONFIG.matching_of)  # asked for by every job of matching
 TASKS = list(EXPERIMENT.tasks)
 PINNED = {task: target.assets for task, target in EXPERIMENT.tasks.items() if target.assets}
 SOURCES = EXPERIMENT.sources  # of them those with assets and demonstrations of their own
@@ -103,7 +113,16 @@ def files(patterns, **values):
 
 def options(stage, verb):
     """The --options of a verb, as JSON: what it reads of the config and no more, so that no other change runs it."""
-    return lambda wildcards: json.dumps(options_of(CONFIG, stage, verb, dict(wildcards)), sort_keys=True)
+
+    @cache
+    def told(**wildcards):
+        return json.dumps(options_of(CONFIG, stage, verb, wildcards), sort_keys=True)
+
+    def found(wildcards):
+        met = {"scene": "".join(wildcards.scene.partition(".")[1:])} if "scene" in wildcards.keys() else {}
+        return told(**dict(wildcards) | met)  # of a scene only its protocol counts
+
+    return found
 
 
 def config_digest():
@@ -158,4 +177,4 @@ def policy_code(verb):
 
 def matching_code(verb, *keys):
     """The code of a verb of matching with the implementations that some keys name."""
-    return lambda wildcards: code("matching", verb, *modules(CONFIG.matching_of(wildcards.variant), *keys))
+    return lambda wildcards: code("matching", verb, *modules(matching_of(wildcards.variant), *keys))

@@ -7,6 +7,7 @@ rule extract:
     """Find the objects of one scene."""
     input:
         unpack(scene_inputs),
+        own=own_options,
     output:
         objects="results/extraction/{scene}/objects.json",
         masks="results/extraction/{scene}/masks.png",
@@ -33,7 +34,7 @@ rule extract:
         folder=subpath(input.rgb, parent=True),
     shell:
         "({params.command} --input {params.folder:q} --scene {params.name} --options {params.options:q} "
-        "--seed {params.seed} --out {output.objects:q} && "
+        "--own {input.own:q} --seed {params.seed} --out {output.objects:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
 
 

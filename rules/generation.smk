@@ -1,7 +1,7 @@
 # Scenes made of cousins: placement, support, walls, collisions, settling (paper A.3, A.7).
 # Reads:  objects, cousins, library.
 # Writes: results/generation/<variant>/<scene>/scene_<rank>.json, and for people scene_<rank>.{png,glb}, comparison.png,
-#         look.json and view.glb (the first scene, small, for the report).
+#         look.json, view.glb (the first scene, small, for the report) and thumbnail.webp (for the overview).
 
 
 rule generate:
@@ -51,6 +51,7 @@ rule draw_scenes:
         previews=[f"results/generation/{{variant}}/{{scene}}/scene_{rank}.png" for rank in RANKS],
         exports=[f"results/generation/{{variant}}/{{scene}}/scene_{rank}.glb" for rank in RANKS],
         look="results/generation/{variant}/{scene}/look.json",
+        thumbnail="results/generation/{variant}/{scene}/thumbnail.webp",
         view="results/generation/{variant}/{scene}/view.glb",
         comparison=report(
             "results/generation/{variant}/{scene}/comparison.png",

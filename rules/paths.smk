@@ -3,7 +3,7 @@
 
 def features_of(variant, kind="features"):
     """The feature store that a variant uses, shard by shard; `kind`: features, or the index or companion beside them."""
-    return files(getattr(rules.features.output, kind), store=CONFIG.matching_of(variant).store(), shard=SHARDS)
+    return files(getattr(rules.features.output, kind), store=matching_of(variant).store(), shard=SHARDS)
 
 
 def beside_features(variant):
@@ -13,7 +13,7 @@ def beside_features(variant):
 
 def pictures_of(variant, files):
     """Files that matching looks at pictures in: none for a variant that compares no pictures."""
-    return files if CONFIG.matching_of(variant).compares_pictures else []
+    return files if matching_of(variant).compares_pictures else []
 
 
 def recipes_digest(wildcards):
@@ -37,7 +37,7 @@ def filmed(stage, verb, folder, **labels):
 def scene_inputs(wildcards):
     """The files of a scene's input folder: rendered for rooms, the user's own for `experiment.inputs`."""
     own = EXPERIMENT.inputs.get(wildcards.scene)
-    folder = own or f"results/scenes/{pictured(wildcards)}/input"
+    folder = own.place(wildcards.scene) if own else f"results/scenes/{pictured(wildcards)}/input"
     return {
         "rgb": f"{folder}/rgb.png",
         "camera": f"{folder}/camera.json",
@@ -51,6 +51,30 @@ def own_folder(wildcards, input):
     """The user's folder that a shard's models lie in, or its place among the local copies of a storage."""
     shard = OWN[wildcards.shard]
     return str(input.files[0]).removesuffix(str(shard.files[0].relative_to(shard.folder))).rstrip("/")
+
+
+def own_options(wildcards):
+    """The config.yaml beside a picture of the user's: what it says of extraction suits that picture."""
+    own = EXPERIMENT.inputs.get(wildcards.scene)
+    path = Path(own.place(wildcards.scene), "config.yaml") if own and not own.alone else None
+    return [str(path)] if path and (not own.folder or path.is_file()) else []
+
+
+def frame_files(wildcards):
+    """The user's files that a frame is made of."""
+    return EXPERIMENT.inputs[wildcards.scene].files()
+
+
+def frame_flags(wildcards, input):
+    """What `from-rgbd` is told of a frame."""
+    frame = EXPERIMENT.inputs[wildcards.scene]
+    said = {"rgb" if key == "image" else "intrinsics" if key == "camera" else key: path for key, path in input.items()}
+    said |= {"unit": frame.unit} if frame.depth else {"number": frame.number}
+    said |= {"camera": frame.camera} if frame.camera and "intrinsics" not in said else {}
+    said |= {"fov": frame.fov} if frame.fov else {}
+    told = [word for key, value in said.items() for word in (f"--{key}", str(value))]
+    matrix = ["--matrix", *map(str, frame.intrinsics)] if frame.intrinsics else []
+    return shlex.join([*told, *matrix, *(["--clusters"] if frame.clusters else [])])
 
 
 def of_picture(pattern):
@@ -67,7 +91,15 @@ def of_picture(pattern):
 def weight_files():
     """The weights of the networks that a picture needs, as far as they lie here."""
     paths = [Path(network.path) / "model.safetensors" for network in CONFIG.photo.networks().values()]
-    return [str(path) for path in paths if CONFIG.image and path.is_file()]
+    return [str(path) for path in paths if path.is_file()]
+
+
+def picture_options(wildcards):
+    """What the networks are told of one picture: the config, and its own field of view."""
+    own = EXPERIMENT.inputs[wildcards.scene].fov
+    return json.dumps(
+        options_of(CONFIG, "photo", "estimate", {}) | ({"field_of_view": own} if own else {}), sort_keys=True
+    )
 
 
 def scene_image(wildcards):

@@ -1,5 +1,5 @@
 # One picture of the user's, found by pretrained networks (paper 2.1, A.2, A.7). No part of `all`.
-# Reads:  the picture that `--config image=...` names, weights.
+# Reads:  the picture that `--config image=...` or `experiment.inputs` names, weights.
 # Writes: results/photo/<scene>/{rgb.png,camera.json,depth.npz,masks.png,annotations.json},
 #         weights/<network>/, weights.lock.json.
 
@@ -26,7 +26,7 @@ rule fetch:
 rule estimate:
     """Find what the picture shows, where and how far."""
     input:
-        image=lambda wildcards: CONFIG.image,
+        image=lambda wildcards: EXPERIMENT.inputs[wildcards.scene].image,
         weights=weight_files(),
     output:
         rgb="results/photo/{scene}/rgb.png",
@@ -47,7 +47,7 @@ rule estimate:
         command=command("photo", "estimate"),
         code=code("photo", "estimate"),
         check=check(camera="camera", annotations="annotations"),
-        options=options("photo", "estimate"),
+        options=picture_options,
         device=CONFIG.device,
         out=subpath(output.rgb, parent=True),
     shell:

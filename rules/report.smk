@@ -1,6 +1,8 @@
 # The report page: one file that shows this run, exactly the files that its rule names, and one about its times.
 # Reads:  what the other stages wrote, benchmark files.
-# Writes: results/report/{index,times}.html, results/report/scenes/<scene>.html.
+# Writes: results/report/{index,times}.html, results/report/scenes/<scene>.html, results/report/overview/<variant>.html;
+#         where a run of many scenes failed <variant>.failed.html.
+import subprocess
 from types import SimpleNamespace
 
 # A command in the place of our verb need not make films.
@@ -17,10 +19,10 @@ BENCHMARKS = [
     *files(rules.own.benchmark, shard=OWN),
     *files(rules.snapshots.benchmark, shard=SHARDS),
     *files(rules.room.benchmark, scene=SCORED_ROOMS),
-    *files(rules.extract.benchmark, scene=ROOMS),
+    *files(rules.extract.benchmark, scene=SHOWN),
     *files(rules.features.benchmark, store=STORES, shard=SHARDS),
     *files(
-        [rules.match.benchmark, rules.generate.benchmark, rules.draw_scenes.benchmark], variant=VARIANTS, scene=ROOMS
+        [rules.match.benchmark, rules.generate.benchmark, rules.draw_scenes.benchmark], variant=VARIANTS, scene=SHOWN
     ),
     *files(rules.score.benchmark, variant=VARIANTS, scene=SCORED_ROOMS),
     *files(rules.select.benchmark, variant=EXPERIMENT.policy_variant, task=SOURCES),
@@ -47,12 +49,12 @@ rule report_page:
         library=rules.library.output.library,
         snapshots=files([*rules.snapshots.output], shard=SHARDS),
         sheets=files(rules.draw_snapshots.output.sheet, shard=SHARDS),
-        images=[scene_image(SimpleNamespace(scene=room)) for room in ROOMS],
-        objects=files(rules.extract.output.objects, scene=ROOMS),
-        overviews=files(rules.draw_objects.output.overview, scene=ROOMS),
-        cousins=files(rules.match.output.cousins, variant=VARIANTS, scene=ROOMS),
-        scenes=files(rules.generate.output.scenes, variant=VARIANTS, scene=ROOMS),
-        previews=files(rules.draw_scenes.output.previews, variant=VARIANTS, scene=ROOMS),
+        images=[scene_image(SimpleNamespace(scene=room)) for room in SHOWN],
+        objects=files(rules.extract.output.objects, scene=SHOWN),
+        overviews=files(rules.draw_objects.output.overview, scene=SHOWN),
+        cousins=files(rules.match.output.cousins, variant=VARIANTS, scene=SHOWN),
+        scenes=files(rules.generate.output.scenes, variant=VARIANTS, scene=SHOWN),
+        previews=files(rules.draw_scenes.output.previews, variant=VARIANTS, scene=SHOWN),
         assets=[task_assets(task) for task in SOURCES],
         films=DEMO_FILMS,
         scene_films=SCENE_FILMS,
@@ -78,14 +80,57 @@ rule report_page:
         command=command("tables", "report"),
         code=code("tables", "report"),
         options=options("tables", "report"),
-        images=lambda wildcards, input: [f"{room}={image}" for room, image in zip(ROOMS, input.images)],
+        images=lambda wildcards, input: [f"{room}={image}" for room, image in zip(SHOWN, input.images)],
         benchmarks=BENCHMARKS,
         seed=CONFIG.seed,
         digest=config_digest(),
+        more=len(MORE),
     shell:
         "{params.command} --files {input:q} --images {params.images:q} --benchmarks {params.benchmarks:q} "
         "--seed {params.seed} --config-digest {params.digest} --options {params.options:q} "
-        "--published $(dirname {input.published:q}) --out {output.page:q} 2>&1 | tee {log:q}"
+        "--published $(dirname {input.published:q}) --more {params.more} --out {output.page:q} 2>&1 | tee {log:q}"
+
+
+rule overview_page:
+    """Every scene as a row: pictures of input and rank 1, what failed and why, doubts."""
+    input:
+        objects=files(rules.extract.output.objects, scene=ROOMS),
+        cousins=files(rules.match.output.cousins, scene=ROOMS),
+        scenes=files(rules.generate.output.scenes, scene=ROOMS),
+        thumbnails=files(rules.draw_scenes.output.thumbnail, scene=ROOMS),
+    output:
+        page=shown("results/report/overview/{variant}.html", "report"),
+    log:
+        "logs/tables/overview_{variant}.log",
+    localrule: True
+    container:
+        CONFIG.containers.report
+    threads: 1
+    resources:
+        **needs(2000, 30),
+    params:
+        command=command("tables", "overview"),
+        code=code("tables", "overview"),
+        results=lambda wildcards, input: input.objects[0].partition("extraction/")[0],
+        scenes=ROOMS,
+    shell:
+        "{params.command} --scenes {params.scenes} --variant {wildcards.variant} --results {params.results:q} "
+        "--out {output.page:q} 2>&1 | tee {log:q}"
+
+
+rule overview:
+    """One page over all scenes, for every variant."""
+    input:
+        files(rules.overview_page.output.page, variant=VARIANTS),
+    localrule: True
+
+
+def tell_of_failures():
+    """After a failed run of many scenes: the same pages of what there is, with where and why scenes stopped."""
+    for variant in VARIANTS if MORE and workflow.exec_mode == ExecMode.DEFAULT else []:
+        page = files(rules.overview_page.output.page, variant=variant)[0].removesuffix("html") + "failed.html"
+        line = [*shlex.split(command("tables", "overview")), "--variant", variant, "--out", page, "--scenes", *ROOMS]
+        subprocess.run(line)
 
 
 rule scene_page:

@@ -10,7 +10,7 @@ rule table2:
     input:
         scores=files(rules.score.output.scores, variant=VARIANTS, scene=SCORED_ROOMS),
         met=met(rules.score.output.scores),
-        comparisons=files(rules.draw_scenes.output.comparison, scene=ROOMS, variant=VARIANTS),
+        comparisons=files(rules.draw_scenes.output.comparison, scene=SHOWN, variant=VARIANTS),
         published=workflow.source_path("../report/published/table2.csv"),
     output:
         csv=expand("results/tables/{table}.csv", table=["table2", "table2_robustness"]),
@@ -34,7 +34,7 @@ rule table2:
         code=code("tables", "scenes"),
         options=options("tables", "scenes"),
         comparisons=lambda wildcards, input: [
-            f"{room}/{variant}={file}" for (room, variant), file in zip(product(ROOMS, VARIANTS), input.comparisons)
+            f"{room}/{variant}={file}" for (room, variant), file in zip(product(SHOWN, VARIANTS), input.comparisons)
         ],
         out=subpath(output.html, parent=True),
         figures=subpath(output.figure6, parent=True),

@@ -1,6 +1,5 @@
 """What a config asks for that cannot be: found before anything runs, all at once, each with its mend."""
 
-import re
 import shlex
 from collections import Counter
 from collections.abc import Iterable, Iterator
@@ -10,6 +9,7 @@ from typing import TYPE_CHECKING
 from stages.config import places
 from stages.config import row_contradictions as rows
 from stages.config.assets import COUNTS
+from stages.config.inputs import NAME
 from stages.config.mistakes import Mistake
 from stages.config.pinned_assets import pinned_assets
 from stages.config.task import TaskConfig
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from stages.config.model import Config
 
 SIMULATION_FREQUENCY = 100  # of stages.simulation; a test compares them
-NAME = re.compile(r"[A-Za-z0-9-]+(_[A-Za-z0-9-]+)*")  # becomes part of paths
+NAMED = 20  # names that a line lists
 
 
 def contradictions(config: "Config") -> list[Mistake]:
@@ -32,11 +32,13 @@ def contradictions(config: "Config") -> list[Mistake]:
 
 
 def _photo(config: "Config") -> Iterator[Mistake]:
-    """The picture, and the weights that find what it shows."""
-    if not config.image:
+    """Pictures without depth, and the weights that find what they show."""
+    pictures = config.experiment.pictures
+    if not pictures:
         return
-    if not Path(config.image).is_file():
-        yield Mistake("image", f"no file {config.image}", "name a picture")
+    key = "image" if config.image else "experiment.inputs"
+    if config.image and not Path(config.image).is_file():
+        yield Mistake(key, f"no file {config.image}", "name a picture")
     lacking = [
         f"photo.{name}.path ({network.path})"
         for name, network in config.photo.networks().items()
@@ -44,7 +46,7 @@ def _photo(config: "Config") -> Iterator[Mistake]:
     ]
     if lacking and "estimate" not in config.stages.get("photo", {}):
         mend = "python -m stages.photo fetch, or without weights draw it: python -m stages.extraction annotate"
-        yield Mistake("image", f"there are no weights in {', '.join(lacking)}", f"{mend} {shlex.quote(config.image)}")
+        yield Mistake(key, f"there are no weights in {', '.join(lacking)}", f"{mend} {shlex.quote(pictures[0])}")
 
 
 def _names(config: "Config") -> Iterator[Mistake]:
@@ -97,18 +99,19 @@ def _scenes(config: "Config") -> Iterator[Mistake]:
     except InputError as error:
         yield Mistake("experiment.room_files", error.what.rstrip("."), error.fix)
         return
-    known = [*files, *experiment.inputs]
     for name in experiment.rooms:
-        if name not in known:
-            mend = f"one of {', '.join(known)}, or a folder of yours in experiment.inputs"
+        if name not in files and name not in experiment.inputs:
+            known = [*files, *experiment.inputs]
+            several = ", ".join(known[:NAMED]) + (", ..." if len(known) > NAMED else "")
+            mend = f"one of {several}, or a picture of yours in experiment.inputs"
             yield Mistake("experiment.rooms", f"unknown scene '{name}'", mend)
-    for name, folder in experiment.inputs.items():
+    run = set(experiment.rooms)
+    for name, given in experiment.inputs.items():
         key = f"experiment.inputs.{name}"
         if name in files:
             yield Mistake(key, "is the name of a room", "give your scene another name")
-        elif name in experiment.rooms and not config.image:
-            for what in places.missing(Path(folder)):
-                yield Mistake(key, what, "docs/scenes.md says what an input folder holds")
+        elif name in run and not config.image:
+            yield from given.mistakes(key)
     if config.assets.folders:
         return  # what the user's folders hold is seen when they are read
     last = max((rooms.index(name) for name in experiment.rooms if name in rooms), default=-1)

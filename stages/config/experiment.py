@@ -1,10 +1,13 @@
 """Config section `experiment`: which cells of the paper's tables this run computes."""
 
+import fnmatch
+from itertools import chain
 from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import Field
 
 from stages.config.base import Rank, Section, Seed
+from stages.config.inputs import Input
 
 TrainingSet = Annotated[str, Field(pattern=r"^(twin|twin_randomised|all|(cousins|random)_[1-9]\d*)$")]
 
@@ -77,21 +80,32 @@ class Meeting(NamedTuple):
     protocol: Protocol
 
 
+def _as_written(schema: dict[str, Any]) -> None:
+    """What may stand under `inputs`, for editors."""
+    one = {"anyOf": [{"type": "string"}, schema.pop("additionalProperties")]}
+    text = {"type": "string"}
+    schema.pop("type")
+    schema["anyOf"] = [{"type": "object", "additionalProperties": one}, text, {"type": "array", "items": text}]
+
+
 class ExperimentConfig(Section):
     """Rooms, variants and policies of this run."""
 
     rooms: list[str] = Field(
         ["room_1", "room_2", "room_3"],
         min_length=1,
-        description="Scenes to reconstruct: room_1 ... room_8 (Table 2), rooms of your own, or names from `inputs`.",
+        description="Scenes to reconstruct: room_1 ... room_8 (Table 2), rooms of your own, or names from `inputs`, "
+        'where * stands for anything: ["*"] is all of them.',
     )
     room_files: list[str] = Field(
         [], description="Rooms of your own: YAML files as in stages/scenes/rooms (docs/scenes.md), named by their stem."
     )
-    inputs: dict[str, str] = Field(
+    inputs: dict[str, Input] = Field(
         {},
-        description="Your own scenes: name -> folder with rgb.png, camera.json, depth.npz, masks.png and "
-        "annotations.json (docs/scenes.md). They are reconstructed like the rooms, but not scored: there is no truth.",
+        json_schema_extra=_as_written,
+        description="Your own scenes: name -> input folder (docs/scenes.md), or what a row of a table says; or a table "
+        "(CSV), a folder of input folders, or a list of these (docs/your-data.md). They are reconstructed like the "
+        "rooms, but not scored: there is no truth.",
     )
     variants: dict[str, dict[str, Any]] = Field(
         {"b": {}},
@@ -148,6 +162,18 @@ class ExperimentConfig(Section):
     training_threads: int = Field(
         1, ge=1, description="CPU threads per training job; 1 lets two policies train at once."
     )
+
+    def named(self) -> list[str]:
+        """`rooms`, with names from `inputs` in the place of patterns, each once."""
+        plain = [room for room in self.rooms if "*" not in room]
+        matched = [fnmatch.filter(self.inputs, room) or [room] for room in self.rooms if "*" in room]
+        return [*plain, *(name for name in dict.fromkeys(chain(*matched)) if name not in plain)]
+
+    @property
+    def pictures(self) -> list[str]:
+        """Pictures of this run that networks look at."""
+        given = [self.inputs[room] for room in self.rooms if room in self.inputs]
+        return [one.image for one in given if one.alone]
 
     def meeting(self, scene: str) -> Meeting:
         """What a scene is: `<room>`, or `<room>.<protocol>.<seed>`."""

@@ -15,10 +15,10 @@ from stages.config.evaluation import EvaluationConfig
 from stages.config.experiment import ExperimentConfig
 from stages.config.extraction import ExtractionConfig
 from stages.config.generation import GenerationSection
+from stages.config.inputs import Input, scene_of, with_inputs
 from stages.config.matching import MatchingConfig
 from stages.config.mistakes import Mistake, mistakes_of, truths, validated, without_removed, without_sharers
 from stages.config.names import resolved
-from stages.config.own_scene import scene_of
 from stages.config.photo import PhotoConfig
 from stages.config.replaced import Replaced
 from stages.config.scenes import ScenesConfig
@@ -108,8 +108,10 @@ def load(config: dict[str, Any]) -> Config:
     Raises:
         InputError: names all mistakes, a line each, with key and mend.
     """
+    config, unread = with_inputs(config)
     valid, mistakes = validated(Config, without_removed(without_sharers(config), Config))
-    wrong = [mistake.key for mistake in mistakes]
+    mistakes += unread
+    wrong = [mistake.key for mistake in mistakes] + (["experiment.rooms"] if unread else [])
     valid = valid.model_copy(update={"plugins": _packages(valid.plugins, mistakes)})
     valid = resolved(valid, valid.plugins, "", mistakes)
     for variant in valid.experiment.variants:
@@ -138,8 +140,9 @@ def load(config: dict[str, Any]) -> Config:
         except ValidationError as error:
             mistakes += mistakes_of(TaskConfig, error, f"experiment.tasks.{name}.options.")
             valid.experiment.tasks[name] = target.model_copy(update={"options": {}})
-    if valid.image and not mistakes:
-        valid = valid.model_copy(update={"experiment": of_picture(valid)})
+    rooms = valid.experiment.model_copy(update={"rooms": valid.experiment.named()})
+    of_run = of_picture(valid) if valid.image and not mistakes else rooms
+    valid = valid.model_copy(update={"experiment": of_run})
     mistakes += [each for each in contradictions(valid) if not any(_overlap(each.key, key) for key in wrong)]
     if mistakes:
         lines = [str(mistake) for mistake in mistakes]
@@ -152,7 +155,7 @@ def of_picture(config: Config) -> ExperimentConfig:
     """The experiment whose one scene is the picture of `image`, found by `photo estimate`; no tasks, no protocols."""
     name = scene_of(Path(config.image).with_suffix(""))
     name = f"{name}-photo" if name in config.room_files() else name
-    only = {"rooms": [name], "inputs": {name: f"results/photo/{name}"}, "tasks": {}, "protocols": {}}
+    only = {"rooms": [name], "inputs": {name: Input(image=config.image)}, "tasks": {}, "protocols": {}}
     return config.experiment.model_copy(update=only)
 
 

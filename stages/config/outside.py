@@ -1,10 +1,13 @@
 """What containers of a run need from outside: files of the user's, the network, keys."""
 
+from collections import Counter
 from pathlib import Path
 
 from stages import plugins
 from stages.config.matching import MatchingConfig
 from stages.config.model import Config
+
+MANY = 8  # files in one folder: containers see it whole then
 
 
 def outside(config: Config) -> list[str]:
@@ -12,10 +15,9 @@ def outside(config: Config) -> list[str]:
     commands = [own for verbs in config.stages.values() for own in verbs.values()]
     matching = [config.matching, *map(config.matching_of, config.experiment.variants)]
     named = [
-        *config.experiment.inputs.values(),
+        *_of_inputs(config),
         *config.experiment.room_files,
         *(target.assets for target in config.experiment.tasks.values() if target.assets),
-        *_of_picture(config),
         *config.assets.folders,
         *(name for own in commands for name in own.code),
         *(path for options in matching for path in _weights(options)),
@@ -29,17 +31,22 @@ def online(config: Config) -> list[str] | None:
     """Environment variables that hold keys of the language models that are asked; None: nothing asks the network."""
     matching = [config.matching, *map(config.matching_of, config.experiment.variants)]
     asked = [options.vlm for options in matching if "vlm" not in options.unread()]
-    asked += [config.photo.vlm] if config.image and "vlm" not in config.photo.unread() else []
+    asked += [config.photo.vlm] if config.experiment.pictures and "vlm" not in config.photo.unread() else []
     keys = {model.key_env for model in asked if model.mode == "record"}
     hubs = [options.clip.download or options.dinov2.download for options in matching]
     return sorted(keys - {""}) if keys or any(hubs) else None
 
 
-def _of_picture(config: Config) -> list[str]:
-    if not config.image:
-        return []
+def _of_inputs(config: Config) -> list[str]:
+    """The user's pictures, or, where they are many, the folders that these lie in; weights for pictures alone."""
+    inputs = [config.experiment.inputs[room] for room in config.experiment.rooms if room in config.experiment.inputs]
+    files = [path for given in inputs for path in given.files().values()]
+    folders = Counter(str(Path(path).parent) for path in files)
+    named = dict.fromkeys(folder if folders[folder := str(Path(path).parent)] > MANY else path for path in files)
+    if not config.experiment.pictures:
+        return [*named]
     ledger = [] if "vlm" in config.photo.unread() else [config.photo.vlm.ledger]
-    return [config.image, *(network.path for network in config.photo.networks().values()), *ledger]
+    return [*named, *(network.path for network in config.photo.networks().values()), *ledger]
 
 
 def _weights(options: MatchingConfig) -> list[str]:

@@ -1,18 +1,13 @@
 """The config that makes an input folder a scene of an experiment."""
 
-import re
 from pathlib import Path
 from typing import Any
 
 import yaml
 
 from stages.config.experiment import ExperimentConfig
+from stages.config.inputs import scene_of
 from stages.contracts import write_text
-
-
-def scene_of(folder: Path) -> str:
-    """The name of the scene in a folder: letters, digits, - and single _ inside."""
-    return "_".join(re.findall(r"[A-Za-z0-9-]+", folder.name)).lstrip("-") or "photo"
 
 
 def write_config(folder: Path, **sections: dict[str, Any]) -> Path:

@@ -5,11 +5,11 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
+from stages.config.inputs import Input
 from stages.contracts.errors import InputError
 from stages.contracts.objects import object_ids
 from stages.scenes.rooms import read_room, series
 
-INPUT_FILES = ("rgb.png", "camera.json", "depth.npz", "masks.png", "annotations.json")
 EITHER = {"bottom_cabinet", "fridge", "nightstand", "oven", "sideboard", "tv_stand", "wardrobe"}
 DOORS = EITHER | {"dishwasher", "microwave", "wall_cabinet"}
 DRAWERS = EITHER | {"chest_of_drawers", "desk"}
@@ -26,10 +26,10 @@ def models_for(files: Iterable[Path]) -> dict[str, int]:
     return dict(Counter(item.category for path in files for item in read_room(path).items))
 
 
-def objects(scene: str, inputs: Mapping[str, str], files: Mapping[str, Path]) -> dict[str, Panels]:
+def objects(scene: str, inputs: Mapping[str, Input], files: Mapping[str, Path]) -> dict[str, Panels]:
     """Ids of the objects of a scene, each with whether it can have a door and a drawer; empty: not known."""
     if scene in inputs:
-        return _of_folder(Path(inputs[scene]))
+        return _of_folder(Path(inputs[scene].place(scene)))
     try:
         items = read_room(files[scene]).items
     except (KeyError, InputError):
@@ -42,13 +42,6 @@ def objects(scene: str, inputs: Mapping[str, str], files: Mapping[str, Path]) ->
         for item in items
     )
     return dict(zip(object_ids(item.label for item in items), panels, strict=True))
-
-
-def missing(folder: Path) -> list[str]:
-    """What an input folder lacks, in words."""
-    if not folder.is_dir():
-        return [f"no folder {folder}"]
-    return [f"{folder} has no {name}" for name in INPUT_FILES if not (folder / name).is_file()]
 
 
 def _of_folder(folder: Path) -> dict[str, Panels]:

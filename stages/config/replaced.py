@@ -17,7 +17,7 @@ VERBS = {
     "demonstrations": ("collect", "scene", "export"),
     "training": ("train", "export"),
     "evaluation": ("trial", "choose", "rollout", "skill", "gather", "leave_out", "score"),
-    "tables": ("scenes", "policies", "figures", "report", "picture"),
+    "tables": ("scenes", "policies", "figures", "report", "overview", "picture"),
 }
 
 

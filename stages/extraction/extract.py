@@ -5,15 +5,18 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+import yaml
+from pydantic import ValidationError
 
 from stages.config.extraction import ExtractionConfig
-from stages.contracts import atomic, read_options, write_json
+from stages.contracts import InputError, atomic, read_options, write_json
+from stages.contracts.files import first_error, read_text
 from stages.extraction.reconstruct import reconstruct
 from stages.extraction.sources import Source
 from stages.plugins import load
 
 
-def run(*, input: Path, scene: str, out: Path, options: str = "{}", seed: int = 0) -> None:
+def run(*, input: Path, scene: str, out: Path, options: str = "{}", own: tuple[Path, ...] = (), seed: int = 0) -> None:
     """Find the objects of one picture in space.
 
     Args:
@@ -21,9 +24,12 @@ def run(*, input: Path, scene: str, out: Path, options: str = "{}", seed: int = 
         scene: name of the scene, written into the result.
         out: objects.json; masks.png, depth.npz and clouds.npz are written beside it.
         options: JSON of the config section `extraction`.
+        own: config.yaml beside the picture: its section `extraction` holds where `options` are the defaults.
         seed: seed of the depth noise and of RANSAC.
     """
     config = read_options(ExtractionConfig, options)
+    for path in own:
+        config = suited(config, path)
     noise, steps = np.random.default_rng(np.random.SeedSequence((seed, zlib.crc32(scene.encode())))).spawn(2)
     observe: Source = load("sources", config.source)
     image = observe(input, config, noise)
@@ -40,3 +46,20 @@ def run(*, input: Path, scene: str, out: Path, options: str = "{}", seed: int = 
     for item in result.objects.objects:
         kind = f"mounting {item.mounting.type}" if item.mounting else f"failed: {item.reason}"
         print(f"{scene} {item.id}: {kind}, {item.points} points")
+
+
+def suited(config: ExtractionConfig, own: Path) -> ExtractionConfig:
+    """The options with what config.yaml beside a picture says of extraction, where they are the defaults.
+
+    Raises:
+        InputError: it is no config.
+    """
+    mend = "write it as `from-rgbd` does, or take it away"
+    try:
+        told = yaml.safe_load(read_text(own)) or {}
+        section = told.get("extraction") or {}
+        return ExtractionConfig.model_validate(section | config.model_dump(exclude_defaults=True))
+    except ValidationError as error:
+        raise InputError(own, f"extraction: {first_error(error)}.", mend) from None
+    except (yaml.YAMLError, AttributeError, TypeError):
+        raise InputError(own, "is no config.", mend) from None

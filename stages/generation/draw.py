@@ -12,7 +12,7 @@ from stages.contracts.images import check_size, read_rgb
 from stages.contracts.library_folder import AssetFolders
 from stages.generation.exports import glb, room_of
 from stages.generation.painting import furnished, look_of
-from stages.generation.pictures import preview, resized_to, side_by_side
+from stages.generation.pictures import preview, resized_to, side_by_side, thumbnail
 from stages.generation.standing import placed_items
 
 VIEW_TEXTURE = 128  # pixels: textures of the scene that the report lets turn
@@ -27,7 +27,7 @@ def run(*, scenes: tuple[Path, ...], objects: Path, image: Path, library: Path, 
         image: the input picture.
         library: library.json.
         out: folder; gets a .png and a .glb for each scene, view.glb (the first with small textures, for the report),
-            comparison.png, look.json.
+            comparison.png, thumbnail.webp (input and first scene), look.json.
         width: of the pictures, pixels.
     """
     folders = AssetFolders(library)
@@ -51,5 +51,7 @@ def run(*, scenes: tuple[Path, ...], objects: Path, image: Path, library: Path, 
             pictures.append((f"rank {made.rank}", picture))
     with atomic(out / "comparison.png") as temporary:
         side_by_side(pictures).save(temporary)
+    with atomic(out / "thumbnail.webp") as temporary:
+        thumbnail([picture for _, picture in pictures[:2]]).save(temporary, quality=70)
     if look is not None:
         write_json(out / "look.json", look)

@@ -9,6 +9,7 @@ from stages.contracts import GeneratedScene
 from stages.simulation.rendering import RenderCamera
 
 TITLE, COLUMNS, GAP = 34, 3, 6
+THUMBNAIL = 144  # pixels across each
 SMOOTHING = 2  # rendered so many times larger and averaged
 INK, PAPER = (30, 30, 30), (255, 255, 255)
 
@@ -42,3 +43,8 @@ def side_by_side(pictures: list[tuple[str, NDArray[np.uint8]]]) -> Image.Image:
         canvas.text((x + width / 2, y + TITLE / 2), title, fill=INK, font=ImageFont.load_default(20), anchor="mm")
         sheet.paste(Image.fromarray(picture).resize((width, height)), (x, y + TITLE))
     return sheet
+
+
+def thumbnail(pictures: list[NDArray[np.uint8]]) -> Image.Image:
+    """Pictures of one size beside each other, small."""
+    return Image.fromarray(np.hstack([resized_to(picture, THUMBNAIL) for picture in pictures]))

@@ -8,7 +8,8 @@ import cv2
 
 from stages.contracts import InputError, atomic
 from stages.contracts.images import read_rgb
-from stages.scenes.rgbd.cameras import KNOWS, Matrix, of_camera, of_field_of_view, read_intrinsics
+from stages.scenes.rgbd.cameras import KNOWS, Matrix, checked, of_camera, of_field_of_view, read_intrinsics
+from stages.scenes.rgbd.cameras import matrix as intrinsics_of
 from stages.scenes.rgbd.clusters import clustered
 from stages.scenes.rgbd.depth_files import in_metres, read_raw
 from stages.scenes.rgbd.edges import without_edges
@@ -30,6 +31,7 @@ def run(
     intrinsics: Path | None = None,
     camera: str = "",
     fov: float = 0.0,
+    matrix: tuple[float, ...] = (),
     masks: Path | None = None,
     labels: Path | None = None,
     clusters: bool = False,
@@ -46,19 +48,24 @@ def run(
         intrinsics: file with the colour camera's intrinsics (JSON, YAML, text); distortion in it is taken out.
         camera: its name, in the place of a file, e.g. realsense_d435.
         fov: its field of view over the picture's width in degrees, in the place of both.
+        matrix: fx, fy, cx, cy in pixels, in the place of all three.
         masks: COCO or labelme JSON, or a PNG of indices or colours.
         labels: names of the PNG's values, as JSON.
         clusters: make masks by geometry, of what stands on the largest level plane, to be named by you.
     """
-    if sum((intrinsics is not None, bool(camera), fov > 0)) > 1:
-        raise InputError("--intrinsics, --camera, --fov", "say the same thing.", "give one of them")
+    known = sum((intrinsics is not None, bool(camera), fov > 0, bool(matrix)))
+    if known > 1:
+        raise InputError("--intrinsics, --camera, --fov, --matrix", "say the same thing.", "give one of them")
+    if matrix and len(matrix) != 4:
+        raise InputError("--matrix", f"has {len(matrix)} numbers.", "fx fy cx cy, in pixels")
 
     def told(width: int, height: int) -> Matrix:
         if intrinsics is not None:
             return read_intrinsics(intrinsics, width, height)
+        if matrix:
+            return checked("--matrix", intrinsics_of(*matrix), width, height)
         return of_camera(camera, width, height) if camera else of_field_of_view(fov, width, height)
 
-    known = intrinsics is not None or bool(camera) or fov > 0
     if recording is not None:
         if rgb is not None or depth is not None:
             raise InputError("--recording", "has its own pictures.", "leave out --rgb and --depth")

@@ -11,6 +11,7 @@ main(
         "results": "what a study found, as Markdown, CSV and figures for docs/results",
         "scene_results": "the same of a study of Table 2",
         "report": "one self-contained page about the whole run",
+        "overview": "every scene of a run as a row of one page",
         "picture": "one self-contained page about one picture and what became of it",
     },
 )

@@ -125,14 +125,15 @@ def _page(
     )
 
 
-def _times_page(benchmarks: tuple[Path, ...], root: Path, page: str) -> str:
-    """The page of the times, with a link back to `page`."""
+def _times_page(benchmarks: tuple[Path, ...], root: Path, page: str, more: int) -> str:
+    """The page of the times, with a link back to `page`; `more` scenes are not counted."""
     jobs = read_jobs(benchmarks, root)
     return (
         environment()
         .get_template("page/times.html.jinja")
         .render(
             page=page,
+            more=more,
             times=by_stage(jobs, STAGES),
             longest=sorted(jobs, key=lambda job: (-job.seconds, job.name))[:8],
             duration=duration,
@@ -153,6 +154,7 @@ def run(
     title: str = "Digital cousins from one picture",
     config_digest: str = "",
     seed: int | None = None,
+    more: int = 0,
     options: str = "",
 ) -> None:
     """Write the page; every part that was not run is said to be so.
@@ -169,14 +171,15 @@ def run(
         title: title of the page.
         config_digest: digest of the config, to be shown.
         seed: seed of the run, to be shown.
+        more: how many more scenes the run has, which are neither shown nor counted here.
         options: JSON of the config section `tables`.
     """
     settings = read_options(TablesConfig, options)
     declared = RunFiles(files, {room: path for (room, _), path in named(images, "--images").items()})
-    facts = {"title": title, "config_digest": config_digest, "seed": seed}
+    facts = {"title": title, "config_digest": config_digest, "seed": seed, "more": more}
     for width in (settings.picture_width, settings.picture_width * 2 // 3, settings.picture_width // 2):
         page = _page(declared, published, facts, settings, width)
         if len(page.encode()) <= MAX_BYTES:
             break
-    write_text(out.with_name(TIMES_PAGE), _times_page(benchmarks, benchmarks_root, out.name))
+    write_text(out.with_name(TIMES_PAGE), _times_page(benchmarks, benchmarks_root, out.name, more))
     write_text(out, page)

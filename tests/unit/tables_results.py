@@ -73,7 +73,8 @@ def snapshots(folder: Path, assets: list[str]) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     with h5py.File(folder / "shard_0.h5", "w") as file:
         file["rgb"], file["depth"] = np.full((*shape, 3), 120, np.uint8), depth
-    shard = SnapshotShard(assets=assets, yaws=yaws, representative_yaw=-0.5, image_size=24, intrinsics=CAMERA)
+    camera = [[40.0, 0.0, 11.5], [0.0, 40.0, 11.5], [0.0, 0.0, 1.0]]
+    shard = SnapshotShard(assets=assets, yaws=yaws, representative_yaw=-0.5, image_size=24, intrinsics=camera)
     write_json(folder / "shard_0.json", shard)
     picture(folder / "shard_0.png", 600, 400, seed=8)
 

@@ -10,6 +10,7 @@ import yaml
 from stages.config import places
 from stages.config.assets import COUNTS
 from stages.config.contradictions import SIMULATION_FREQUENCY
+from stages.config.inputs import INPUT_FILES
 from stages.config.mistakes import check_keys
 from stages.config.model import load, merged
 from stages.contracts import InputError
@@ -253,7 +254,7 @@ def test_a_variant_changes_only_what_it_names() -> None:
 
 
 def test_objects_of_an_own_scene_are_known_by_its_annotations(tmp_path: Path) -> None:
-    for name in places.INPUT_FILES:
+    for name in INPUT_FILES:
         (tmp_path / name).touch()
     objects = [{"mask": 1, "label": "Tall Cabinet", "articulated": True, "doors": 1}, {"mask": 2, "label": "bowl"}]
     (tmp_path / "annotations.json").write_text(json.dumps({"objects": objects}))

@@ -10,11 +10,12 @@ import cv2
 import numpy as np
 import pytest
 
+from stages.config.extraction import ExtractionConfig
 from stages.contracts import InputError, Objects, read_json
 from stages.contracts.__main__ import main as check_contract
 from stages.contracts.objects import Mounting
 from stages.extraction.draw import run as draw
-from stages.extraction.extract import run
+from stages.extraction.extract import run, suited
 from stages.extraction.observation import read_folder
 from stages.geometry.boxes import UprightBox, oriented_iou
 from stages.geometry.frames import apply, inverse, wrap_angle, yaw_of_matrix
@@ -92,6 +93,19 @@ def test_ids_files_and_annotations(furnished: tuple[Path, Objects]) -> None:
         assert item.pixels == (columns.min(), rows.min(), columns.max() + 1, rows.max() + 1)
     draw(objects=folder / "out/objects.json", image=folder / "input/rgb.png", out=folder / "overview.png")
     assert (folder / "overview.png").stat().st_size > 10_000
+
+
+def test_options_beside_the_picture_hold_where_the_run_has_the_default(tmp_path: Path) -> None:
+    own = tmp_path / "config.yaml"
+    own.write_text("experiment: {rooms: [mine]}\nextraction: {crop: 1.0, trim: 0.005}\n")
+    found = suited(ExtractionConfig(trim=0.02, depth_noise="none"), own)
+    assert (found.crop, found.trim, found.depth_noise) == (1.0, 0.02, "none")
+    own.write_text("experiment: {rooms: [mine]}\n")
+    assert suited(ExtractionConfig(), own) == ExtractionConfig()
+    for text in ("extraction: {crop: 2}", "extraction: 3", "- 1", "a: ["):
+        own.write_text(text)
+        with pytest.raises(InputError, match=r"config\.yaml: (extraction: crop|is no config)"):
+            suited(ExtractionConfig(), own)
 
 
 def test_same_seed_same_bytes(furnished: tuple[Path, Objects], tmp_path: Path) -> None:

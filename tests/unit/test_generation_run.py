@@ -126,6 +126,7 @@ def test_every_file_of_every_rank(made: Path) -> None:
         assert picture.shape == (96, 128, 3)
         assert picture.std() > 5
     assert Image.open(made / "comparison.png").width > 3 * 128
+    assert Image.open(made / "thumbnail.webp").size == (2 * 144, 108)
 
 
 def test_the_cabinet_stands_at_the_wall_and_the_mug_on_it(made: Path, scene: dict[str, Path]) -> None:

@@ -85,6 +85,18 @@ def test_depth_of_another_size_is_laid_on_the_picture(files: SimpleNamespace, ro
     assert not (files.folder / "b").exists()
 
 
+def test_intrinsics_may_be_told_as_numbers(files: SimpleNamespace) -> None:
+    told = tuple(INTRINSICS[[0, 1, 0, 1], [0, 1, 2, 2]].tolist())
+    options: dict[str, Any] = {"rgb": files.color, "depth": files.depth, "masks": files.masks, "labels": files.names}
+    from_rgbd.run(out=files.folder / "a", matrix=told, **options)
+    assert read_scene_input(files.folder / "a").camera.intrinsics == INTRINSICS.tolist()
+    for wrong, words in ((told[:3], "has 3 numbers"), ((*told[:3], 5000.0), "cy 5000"), ((30.0, *told[1:]), "fx 30")):
+        with pytest.raises(InputError, match=f"--matrix: .*{words}"):
+            from_rgbd.run(out=files.folder / "b", matrix=wrong, **options)
+    with pytest.raises(InputError, match="say the same thing"):
+        from_rgbd.run(out=files.folder / "b", matrix=told, fov=60.0, **options)
+
+
 def test_without_masks_the_page_is_named(files: SimpleNamespace, capsys: pytest.CaptureFixture[str]) -> None:
     out = files.folder / "bare"
     from_rgbd.run(out=out, rgb=files.color, depth=files.depth, intrinsics=files.K)

@@ -11,9 +11,9 @@ import yaml
 
 from stages.config import reference
 from stages.config.containers import ContainersConfig, tag
+from stages.config.inputs import INPUT_FILES
 from stages.config.model import Config
 from stages.config.outside import online, outside
-from stages.config.places import INPUT_FILES
 from tests.workflow.workspace import ROOT, dry_run, make, planned
 
 STUDY = Path("config/study/table3.yaml")

@@ -4,13 +4,14 @@ import ast
 import json
 import re
 import shlex
+import shutil
 from pathlib import Path
 from typing import NamedTuple
 
 import pytest
 import yaml
 
-from stages.config import places
+from stages.config.inputs import INPUT_FILES
 from stages.config.model import load, merged
 from tests.workflow.workspace import ROOT, dry_run, make
 
@@ -57,9 +58,12 @@ def commands() -> list[tuple[str, str]]:
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A clone in which the files stand that the pages speak of."""
     folder = make(tmp_path_factory.mktemp("clone"))
-    for name in places.INPUT_FILES:
+    for name in INPUT_FILES:
         (folder / "my/kitchen").mkdir(parents=True, exist_ok=True)
         (folder / "my/kitchen" / name).touch()
+    table = ("scene,folder", "shelf,kitchen")
+    (folder / "my/pictures.csv").write_text("\n".join(table))
+    shutil.copytree(folder / "my/kitchen", folder / "my/folders/hall")
     known = {"objects": [{"mask": 1, "label": "cabinet", "articulated": True, "doors": 1}]}
     (folder / "my/kitchen/annotations.json").write_text(json.dumps(known))
     weights = [f"weights/dinov2_small/{name}" for name in ("config.json", "model.safetensors")]

@@ -8,24 +8,13 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
+from stages.config.cameras import FIELDS_OF_VIEW
 from stages.contracts import InputError
 from stages.contracts.arrays import readable
 from stages.contracts.types import check_view
 
 Matrix = NDArray[np.float64]
 
-# Fields of view of colour cameras in degrees, width and height, by their makers. Pictures that are narrower than the
-# sensor are taken to be cut at the sides, wider ones above and below.
-FIELDS_OF_VIEW = {
-    "azure_kinect": (90.0, 74.3),
-    "kinect_v1": (62.0, 48.6),
-    "kinect_v2": (84.1, 53.8),
-    "realsense_d415": (69.4, 42.5),
-    "realsense_d435": (69.4, 42.5),
-    "realsense_d455": (90.0, 65.0),
-    "realsense_l515": (70.0, 43.0),
-    "xtion": (58.0, 45.0),
-}
 DEEPER = ("color", "rgb", "color_intrinsics", "rgb_intrinsics", "intrinsic", "intrinsics", "camera", "cam0")
 KNOWS = "a file with fx, fy, cx, cy or a 3x3 matrix (JSON, YAML, text), see docs/your-data.md"
 

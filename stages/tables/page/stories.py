@@ -66,7 +66,7 @@ def story(entry: ObjectCousins, item: SceneObject, evidence: Evidence, album: Al
         facts=_facts(entry, item, placed),
         rivals=[_rival(one, entry, album, snapshots) for one in entry.by_distance[:CANDIDATES]],
         compared=len(entry.by_distance),
-        doubts=_doubts(entry, item, placed, evidence.objects),
+        doubts=doubts(entry, item, placed, evidence.objects),
     )
 
 
@@ -194,7 +194,7 @@ def _rival(one: Candidate, entry: ObjectCousins, album: Album, snapshots: Snapsh
     return Rival(one.asset, one.distance, ", ".join(about), ranks.get(one.asset, 0), picture)
 
 
-def _doubts(entry: ObjectCousins, item: SceneObject, placed: PlacedObject | None, objects: Objects) -> list[str]:
+def doubts(entry: ObjectCousins, item: SceneObject, placed: PlacedObject | None, objects: Objects) -> list[str]:
     """What a reader should not take for certain."""
     found = [entry.note] if entry.note else []
     if item.note:

@@ -1,0 +1,131 @@
+"""What the page over all scenes says of each: what came of it, what failed and why, what is in doubt."""
+
+import base64
+import re
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from stages.contracts.cousins import Cousins
+from stages.contracts.files import read_json
+from stages.contracts.generated import GeneratedScene
+from stages.contracts.objects import Objects
+from stages.tables.page.stories import doubts
+
+NOT_RUN = "not run"
+NUMBER = re.compile(r"\d+(\.\d+)?")
+
+
+@dataclass(frozen=True)
+class Failure:
+    """An object that failed, or (`about` empty) a scene that stopped, in a stage, for a reason."""
+
+    about: str
+    stage: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class SceneRow:
+    """A scene: `picture` of input and rank 1 as a data URI; `steady` of `ranks` scenes stood still, None: not asked."""
+
+    name: str
+    picture: str
+    objects: int
+    placed: int
+    ranks: int
+    steady: int | None
+    failures: list[Failure]
+    doubts: list[tuple[str, str]]
+
+    @property
+    def stopped(self) -> Failure | None:
+        """Where and why nothing came of it."""
+        return next((failure for failure in self.failures if not failure.about), None)
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Where the run's files lie: `results` and `logs`, of one variant."""
+
+    results: Path
+    logs: Path
+    variant: str
+
+    def steps(self, scene: str) -> Iterator[tuple[str, Path, list[Path]]]:
+        """Stage, what it makes, and its logs, the last job's first, in the order of the stages."""
+        before = (f"extraction/{scene}", f"scenes/frame_{scene}", f"photo/{scene}", f"scenes/{scene}")
+        made = self.results / "generation" / self.variant / scene
+        yield "extraction", self.results / f"extraction/{scene}/objects.json", [*map(self._log, before)]
+        yield "matching", self.cousins(scene), [self._log(f"matching/{self.variant}_{scene}")]
+        yield "generation", made / "scene_1.json", [self._log(f"generation/{self.variant}_{scene}")]
+        yield "drawing", made / "thumbnail.webp", [self._log(f"generation/draw_{self.variant}_{scene}")]
+
+    def cousins(self, scene: str) -> Path:
+        """Its cousins.json."""
+        return self.results / f"matching/{self.variant}/{scene}/cousins.json"
+
+    def _log(self, name: str) -> Path:
+        return self.logs / f"{name}.log"
+
+
+def row(scene: str, layout: Layout) -> SceneRow:
+    """The row of a scene. What later stages left of an earlier run does not count where a stage has stopped."""
+    done: dict[str, Path] = {}
+    failures: list[Failure] = []
+    for stage, path, logs in layout.steps(scene):
+        if not path.is_file():
+            failures.append(Failure("", stage, _last_line(logs)))
+            break
+        done[stage] = path
+    objects = read_json(Objects, done["extraction"]) if "extraction" in done else None
+    found = read_json(Cousins, done["matching"]) if "matching" in done else None
+    paths = sorted(done["generation"].parent.glob("scene_*.json")) if "generation" in done else []
+    scenes = [read_json(GeneratedScene, path) for path in paths]
+    first = {item.id: item for item in scenes[0].objects} if scenes else {}
+    for stage, items in (
+        ("extraction", objects.objects if objects else []),
+        ("matching", found.objects if found else []),
+        ("generation", first.values()),
+    ):
+        told = {failure.about for failure in failures}
+        failures += [Failure(i.id, stage, i.reason) for i in items if i.status == "failed" and i.id not in told]
+    seen = {item.id: item for item in objects.objects} if objects else {}
+    about = [
+        (entry.id, doubt)
+        for entry in (found.objects if found else [])
+        if objects and entry.status == "ok" and entry.id in seen
+        for doubt in doubts(entry, seen[entry.id], first.get(entry.id), objects)
+    ]
+    checks = [made.plausibility for made in scenes if made.plausibility]
+    return SceneRow(
+        name=scene,
+        picture=_embedded(done.get("drawing")),
+        objects=len(seen),
+        placed=sum(item.status == "ok" for item in first.values()),
+        ranks=len(scenes),
+        steady=sum(check.stable for check in checks) if checks else None,
+        failures=failures,
+        doubts=about,
+    )
+
+
+def _last_line(logs: list[Path]) -> str:
+    """The last line of the first log that is there."""
+    log = next((path for path in logs if path.is_file()), None)
+    if log is None:
+        return NOT_RUN
+    lines = log.read_text(encoding="utf-8", errors="replace").split("\n")
+    last = next((line.strip() for line in reversed(lines) if line.strip()), f"{log} is empty: the job was killed")
+    return last.removeprefix("error: ")
+
+
+def _embedded(picture: Path | None) -> str:
+    return f"data:image/webp;base64,{base64.b64encode(picture.read_bytes()).decode('ascii')}" if picture else ""
+
+
+def common(rows: Iterable[SceneRow], most: int = 8) -> list[tuple[str, int]]:
+    """What failed most, with how often; numbers in reasons do not tell them apart."""
+    failures = (failure for one in rows for failure in one.failures if failure.reason != NOT_RUN)
+    return Counter(f"{each.stage}: {NUMBER.sub('…', each.reason)}" for each in failures).most_common(most)
