@@ -41,8 +41,8 @@ def opened(request: Request, seconds: float) -> Iterator[HTTPResponse]:
         HTTPError, OSError, HTTPException: as urllib's.
     """
     sockets: list[socket.socket] = []
-    plain = type("Plain", (_Kept, HTTPConnection), {"sockets": sockets})
-    secure = type("Secure", (_Kept, HTTPSConnection), {"sockets": sockets})
+    plain: Any = type("Plain", (_Kept, HTTPConnection), {"sockets": sockets})
+    secure: Any = type("Secure", (_Kept, HTTPSConnection), {"sockets": sockets})
 
     class Plainly(HTTPHandler):
         def http_open(self, request: Request) -> HTTPResponse:
