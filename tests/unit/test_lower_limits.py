@@ -39,7 +39,8 @@ def both(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
     role, folder = request.param, tmp_path_factory.mktemp("cabinets") / request.param
     cabinet(folder, layout=[[role]])
     tasks = [
-        make_task(role, each, f"{role}_0_joint", None, FULL, render=False) for each in (folder, shifted(folder, role))
+        make_task(role, each, f"{role}_0_joint", None, FULL, render=False, vary_scale=False)
+        for each in (folder, shifted(folder, role))
     ]
     for task in tasks:
         task.place(3)
