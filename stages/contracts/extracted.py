@@ -63,7 +63,7 @@ def read_clouds(path: Path, objects: Objects) -> dict[str, NDArray[np.float32]]:
             what = f"{item.id}: has {len(cloud)} points, {path.name} says {item.points}."
             raise InputError(file, what, AGAIN)
         check_within(file, item.id, cloud, -FARTHEST, FARTHEST)
-        if item.box is not None and np.median(outside(item.box, cloud)) > BESIDE:
+        if item.box is not None and not item.whole and np.median(outside(item.box, cloud)) > BESIDE:
             raise InputError(file, f"{item.id}: is not where its box of {path.name} is.", AGAIN)
     return {item.id: clouds[item.id].astype(np.float32) for item in wanted}
 

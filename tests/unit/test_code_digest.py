@@ -44,3 +44,15 @@ def test_an_edit_of_a_template_style_or_script_changes_the_digest_of_the_page(co
     finally:
         (copied / name).write_text(text)
     assert digest("stages.tables.report") == before["stages.tables.report"]
+
+
+@pytest.mark.parametrize("suffix", [".json", ".safetensors", ".csv"])
+def test_other_data_beside_a_module_counts(copied: Path, suffix: str) -> None:
+    before, file = digest("stages.matching.match"), copied / f"matching/weights{suffix}"
+    file.write_text("1")
+    try:
+        with_file = digest("stages.matching.match")
+        file.write_text("2")
+        assert len({before, with_file, digest("stages.matching.match")}) == 3
+    finally:
+        file.unlink()

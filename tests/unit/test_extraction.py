@@ -14,6 +14,7 @@ from stages.config.extraction import ExtractionConfig
 from stages.contracts import InputError, Objects, read_json
 from stages.contracts.__main__ import main as check_contract
 from stages.contracts.objects import Mounting
+from stages.extraction import reconstruct
 from stages.extraction.draw import run as draw
 from stages.extraction.extract import run, suited
 from stages.extraction.observation import read_folder
@@ -124,6 +125,17 @@ def test_noise_shifts_boxes_but_keeps_mounting(furnished: tuple[Path, Objects], 
         assert exact.box is not None and item.box is not None and item.mounting is not None
         assert 1e-3 < np.linalg.norm(np.subtract(exact.box.center, item.box.center)) < 0.25
         assert item.mounting.type == BOXES[item.label][1]
+
+
+def test_what_is_behind_is_told_from_where_the_camera_is(
+    furnished: tuple[Path, Objects], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    eyes: list[np.ndarray] = []
+    cleaned = reconstruct.cleaned_cloud
+    monkeypatch.setattr(reconstruct, "cleaned_cloud", lambda *given: eyes.append(given[3]) or cleaned(*given))
+    found = _extract(furnished[0] / "input", tmp_path)
+    assert len(eyes) == len(BOXES)
+    assert eyes[0] == pytest.approx(np.array(found.floor_from_camera)[:3, 3]) and eyes[0][2] > 0.5
 
 
 def test_measured_depth_is_not_disturbed(furnished: tuple[Path, Objects], tmp_path: Path) -> None:

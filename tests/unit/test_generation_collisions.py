@@ -1,5 +1,7 @@
 """Pushing things apart: shortest way, whole stacks, walls, the cap."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from shapely import Point
@@ -48,6 +50,12 @@ def test_what_touches_a_wall_stays_even_if_it_is_the_smaller_one():
     assert not left
     assert items["cabinet"].moved == 0
     assert items["free"].center == pytest.approx([2.9, 0, 0.5], abs=1e-3)
+
+
+def test_what_had_moved_before_has_moved_by_both_pushes():
+    big, small = thing("big", (2, 0, 0.5), (1, 1, 1)), thing("small", (2.6, 0.1, 0.25), (0.4, 0.4, 0.5))
+    items, left = solve([big, replace(small, moved=0.05)])
+    assert not left and items["small"].moved == pytest.approx(0.15, abs=1e-3)
 
 
 def test_a_stack_moves_together():

@@ -13,6 +13,8 @@ from tests.unit.contract_files import FILES, POSE, Bench
 NAN, INF = float("nan"), float("inf")
 DELETE = object()
 MIRRORED = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, -1.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
+LARGER = [[1.01, 0.0, 0.0, 0.0], [0.0, 1.01, 0.0, 0.0], [0.0, 0.0, 1.01, 0.0], [0.0, 0.0, 0.0, 1.0]]
+SHEARED = [[1.0, 0.02, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
 SCALED = [[2.0, 0.0, 0.0, 0.0], [0.0, 2.0, 0.0, 0.0], [0.0, 0.0, 2.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
 K3 = [[50.0, 0.0, 23.5], [0.0, 50.0, 17.5], [0.0, 0.0, 1.0]]
 
@@ -95,6 +97,7 @@ FIELDS: dict[str, list[tuple]] = {  # kind of file: entry, value, what the line 
     ],
     "truth": [
         ("objects", []), ("scale", NAN), ("scale", -1.0), ("world_from_camera", POSE[:3]),
+        ("world_from_camera", LARGER), ("world_from_camera", SHEARED),
         ("world_from_camera", MIRRORED), ("objects.0.position.1", NAN), ("objects.0.size.0", 0.0),
         ("objects.0.size.2", -1.0), ("objects.0.size.0", 400.0), ("objects.0.yaw", INF), ("objects.0.yaw", 90.0),
         ("objects.1.support", "9"), ("objects.0.support", "2", "circle"), ("objects.1.mask", 1, "mask values"),

@@ -28,11 +28,11 @@ from stages.matching.judges.geometry import Judge as Geometry
 from stages.matching.judges.rerender import Judge as Rerender
 from stages.matching.snapshots import Snapshots
 from stages.matching.synthesis.fitting import Measured, laid_over, measure
-from stages.matching.synthesis.observation import free_sides, observe
-from stages.matching.synthesis.picture import render
+from stages.matching.synthesis.observation import Observation, free_sides, observe
+from stages.matching.synthesis.picture import Picture, render
 from stages.matching.synthesis.shown import InPlace
 from stages.matching.synthesis.solid import Solid, outermost
-from stages.matching.synthesis.terms import line_agreement, line_field, outline_agreement
+from stages.matching.synthesis.terms import compare, line_agreement, line_field, outline_agreement
 from tests.unit.matching_data import trace_box
 
 SIZE = (0.4, 1.0, 0.8)
@@ -279,3 +279,17 @@ def test_outlines_are_made_of_the_outermost_points() -> None:
     assert len(outermost(np.concatenate([corners, 0.5 * corners]))) == 8
     flat = np.array([[0.0, 0, 0], [0, 1, 0], [0, 0, 1], [0, 1, 1]])
     assert len(outermost(flat)) == 4  # a poster without thickness
+
+
+def test_an_error_of_the_depths_scale_is_no_misfit() -> None:
+    depth = np.linspace(2.0, 2.4, 30, dtype=np.float32)[None].repeat(20, axis=0)
+    grey, mask = np.full((20, 30, 3), 0.5, np.float32), np.ones((20, 30), bool)
+    nothing = np.zeros(0)
+    shown = Picture(grey, grey, mask.astype(np.float32), depth)
+
+    def misfit(seen_depth: np.ndarray) -> float:
+        seen = Observation(grey, mask, seen_depth, mask, nothing, 1.0, np.eye(3), np.eye(4), nothing, mask[0], nothing)
+        return compare(seen, shown, (0.4, 0.4, 0.4), (0.4, 0.4, 0.4), line_field(grey))[1]
+
+    right, scaled, turned = misfit(depth), misfit(1.2 * depth), misfit(depth[:, ::-1].copy())
+    assert right > 0.99 and scaled > 0.97 and turned < 0.8

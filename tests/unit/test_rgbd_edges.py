@@ -14,7 +14,7 @@ from stages.geometry.boxes import UprightBox
 from stages.geometry.cameras import back_project
 from stages.scenes import from_rgbd
 from stages.scenes.rgbd.clusters import clustered
-from stages.scenes.rgbd.edges import without_edges
+from stages.scenes.rgbd.edges import STEP, _as_far_as, without_edges
 from stages.scenes.rgbd.frame import Frame, Labelled
 from stages.scenes.rgbd.levels import level_planes
 from stages.scenes.rgbd.write import write_frame
@@ -154,3 +154,10 @@ def test_a_halo_on_a_lit_part_of_the_table_is_told_by_what_has_no_depth_beside_i
     rgb[lit] = [210, 220, 225]
     found = clustered((0.4 * depth).astype(np.float32), INTRINSICS, rgb.astype(np.uint8))[0].values
     assert (found[true] > 0).mean() > 0.95 and (found[halo] > 0).mean() < 0.2
+
+
+def test_what_is_as_far_is_told_by_the_share_of_the_distance() -> None:
+    depth = np.float32([[4.0, 4.0 + 3 * STEP, 4.0 + 6 * STEP]])
+    part = np.array([[True, False, False]])
+    assert _as_far_as(part, depth).tolist() == [[True, True, False]]
+    assert _as_far_as(part, depth / 8).tolist() == [[True, True, False]]

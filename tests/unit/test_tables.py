@@ -108,6 +108,8 @@ def test_rooms_met_otherwise_stand_in_the_companion_alone() -> None:
     text = formatting.robustness_table(table).rows[1].cells
     assert [each.value for each in text[:6]] == ["noise", "(b)", "", "2 × 2", "2.0 ± 0.0 of 2", "1.5 ± 0.7 of 2"]
     assert robustness.build(frame(rows[:2])).empty
+    untested = [score(number=n, protocol="noise", draw=1, stable=None) for n in (1, 2)]
+    assert cell(robustness.build(frame(rows[:2] + untested)), protocol="noise")["fallen_mean"] == 0
 
 
 def test_table2_counts_orientation_twice_modulo_the_period_and_as_the_paper() -> None:
@@ -203,6 +205,8 @@ def test_table3_pools_what_the_twin_is_not_as_unseen() -> None:
     roles = ("twin", "cousin_2", "dissimilar")
     rows = [rollout(n, role == "twin", test_asset=role) for n in range(4) for role in roles]
     rows += [rollout(n, role != "twin", training_set="cousins_4", test_asset=role) for n in range(4) for role in roles]
+    rows += [rollout(n, True, test_asset="trained") for n in range(4)]  # on what each was trained on: nothing to pair
+    rows += [rollout(n, False, training_set="cousins_4", test_asset="trained") for n in range(4)]
     table = table3.differences(frame(rows), OPTIONS)
     assert table["test_asset"].tolist() == [*roles, "unseen"]
     unseen = cell(table, test_asset="unseen")

@@ -1,7 +1,9 @@
 """Training: it learns, resumes exactly, repeats itself, refuses bad stores."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import h5py
 import numpy as np
@@ -132,6 +134,16 @@ def test_windows_pad_at_the_end_without_weight(store: Path) -> None:
     assert real[-1].tolist() == [True] + [False] * 9
 
 
+def test_the_split_and_the_batches_follow_the_seed(store: Path, tmp_path: Path) -> None:
+    data = read_demonstrations([store], 40)
+    assert len({tuple(split_episodes(data, 0.2, seed)[1]) for seed in range(4)}) > 1
+    losses = []
+    for seed in (0, 1):
+        random = [loop.generator(seed, step) for step in (1, 2)]
+        losses.append([torch.randint(1000, (4,), generator=each).tolist() for each in random])
+    assert losses[0] != losses[1] and losses[0][0] != losses[0][1]
+
+
 def test_split_is_by_episode_and_store(store: Path) -> None:
     data = read_demonstrations([store, store], 10)
     training, validation = split_episodes(data, 0.2, seed=0)
@@ -216,6 +228,27 @@ def test_the_best_weights_are_those_of_the_lowest_validation_loss(select: str, k
         state.note(policy, loss, {"step": step}, select)
     assert state.best_step == kept
     assert (state.best["head.bias"] == kept).all()
+
+
+def test_the_validation_loss_is_the_mean_over_steps_not_over_batches(store: Path) -> None:
+    data = read_demonstrations([store], 3)
+    frames, real = windows(data, [0, 1, 2], 5, 5)
+    one = gather(data, frames[:2], real[:2], 64, loop.generator(0))
+    batches = [replace(one, weights=torch.ones(2, 5)), replace(one, weights=torch.full((2, 5), 0.1))]
+    policy = SimpleNamespace(loss=lambda *each: (10 * each[3].mean(), 20 * each[3].mean()))
+    found = loop.validate(policy, batches)  # type: ignore[arg-type]
+    assert found["validation_loss"] == pytest.approx((10 * 10 + 1 * 1) / 11, abs=1e-4)
+    assert found["validation_error"] == pytest.approx(2 * found["validation_loss"], abs=1e-4)
+
+
+def test_a_policy_is_fitted_to_its_training_episodes(store: Path, tmp_path: Path) -> None:
+    small = json.loads(options()) | {"validation_fraction": 0.5, "steps": 1}
+    train(episodes=(store,), per_store=8, out=tmp_path / "policy", options=json.dumps(small), seed=1)
+    data = read_demonstrations([store], 8)
+    training, validation = split_episodes(data, 0.5, 1)
+    mean = load_file(tmp_path / "policy/policy.safetensors")["proprio_mean"]
+    whole, own = (data.proprio[frames_of(data, chosen)].mean(0) for chosen in ([*training, *validation], training))
+    assert torch.allclose(mean, own, atol=1e-5) and not torch.allclose(mean, whole, atol=1e-5)
 
 
 def test_gradients_are_clipped(store: Path, tmp_path: Path) -> None:
