@@ -33,7 +33,7 @@ class Recorder:
         filming = len(self.taken) < self.film
         rng = np.random.default_rng((seed, 1))
         disturbance = draw_disturbance(np.random.default_rng((seed, 2)), self.options.recovery)
-        speed = np.random.default_rng((seed, 3)).uniform(*self.options.approach_speed)
+        speed = approach_speed(seed, self.options)
         episode.recovery = disturbance.kind if disturbance else None
 
         def act(action: Float, noisy: bool, ahead: float = FAR) -> None:
@@ -62,3 +62,8 @@ class Recorder:
         if now - self._reported > PROGRESS_SECONDS or kept == wanted:
             self._reported = now
             print(f"demonstrations: {kept}/{wanted} from {attempts} attempts", file=sys.stderr)
+
+
+def approach_speed(seed: int, options: DemonstrationsConfig) -> float:
+    """The share of the full speed at which the hand approaches in the attempt `seed`."""
+    return float(np.random.default_rng((seed, 3)).uniform(*options.approach_speed))

@@ -296,3 +296,12 @@ def test_what_is_far_too_deep_to_reach_its_wall_stands_before_it(mounting, front
     placed = sized(box, near, item, held, [wall], np.array([2.0, 0, 1.6]), GenerationConfig())
     assert placed.size[0] == pytest.approx(size)
     assert placed.center[0] == pytest.approx(x)
+
+
+@pytest.mark.parametrize(("away", "seen"), [(2.0, True), (12.0, False)])
+def test_the_depth_of_a_top_far_away_is_noise(away, seen):
+    """Noise grows with the square of the distance: six deviations of it are more than a small top is deep."""
+    camera, box = np.array([0.0, 0.0, 0.5 + away]), UprightBox((away, 0, 0.25), (0.5, 0.5, 0.5), 0.0)
+    top = np.random.default_rng(6).uniform([away - 0.25, -0.25, 0.5], [away + 0.25, 0.25, 0.5], (4000, 3))
+    assert top_seen(top, box, camera, (0.003, 0.0015)) == seen
+    assert top_seen(top, box, camera, None)

@@ -11,7 +11,7 @@ from stages.config.matching import MatchingConfig
 from stages.contracts import Cousins, InputError, Objects, read_json
 from stages.contracts.cousins import Candidate, Orientation
 from stages.contracts.objects import Box, Mounting, SceneObject, Wall
-from stages.geometry.frames import angle_difference, wrap_angle
+from stages.geometry.frames import angle_difference, rigid, wrap_angle
 from stages.matching.crop import View
 from stages.matching.judges import AbstainedError, Question
 from stages.matching.judges.priors import Judge
@@ -29,7 +29,7 @@ def world(tmp_path_factory: pytest.TempPathFactory) -> World:
 
 
 def question(mounting: Mounting, yaw: float = 0.0, box: bool = True) -> Question:
-    """An object two metres before a camera at the origin that looks along x; the wall behind it faces the camera."""
+    """An object two metres before a camera above the origin that looks along x; the wall behind it faces the camera."""
     item = SceneObject(
         id="x_1",
         label="x",
@@ -43,8 +43,8 @@ def question(mounting: Mounting, yaw: float = 0.0, box: bool = True) -> Question
         scene="s",
         width=4,
         height=4,
-        intrinsics=np.diag([4.0, 4.0, 1.0]).tolist(),
-        floor_from_camera=np.eye(4).tolist(),
+        intrinsics=[[4.0, 0.0, 1.5], [0.0, 4.0, 1.5], [0.0, 0.0, 1.0]],
+        floor_from_camera=rigid(np.eye(3), [0.0, 0.0, 1.5]).tolist(),
         walls=[side],
         objects=[item],
     )

@@ -83,7 +83,7 @@ def test_distances_do_not_depend_on_the_order_of_categories() -> None:
 
 def entry(id: str, doors: int = 0, drawers: int = 0) -> LibraryEntry:
     category = id.rsplit("_", 1)[0]
-    return LibraryEntry(id=id, category=category, folder=id, doors=doors, drawers=drawers, checksum="")
+    return LibraryEntry(id=id, category=category, archive="shard_0.zip", doors=doors, drawers=drawers, checksum="")
 
 
 LIBRARY = Library(

@@ -91,6 +91,7 @@ def test_lists_hold_no_relatives_of_the_other_sides() -> None:
     assert families(full.random_assets) <= families(full.all_assets)
     assert {asset.hinge for asset in [*full.test_assets, *full.validation_assets]} == {"left"}
     assert with_lists(plan, usable[::-1], [], 10, 0).test_assets == full.test_assets
+    assert with_lists(plan, usable, [], 10, 1).test_assets != full.test_assets
 
 
 def test_a_family_on_two_sides_breaks_the_contract() -> None:
