@@ -13,7 +13,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from stages.contracts.holder import WORKFLOW, Holder
@@ -129,9 +129,10 @@ class Cluster:
         return done.stdout if done.returncode == 0 else ""
 
     def stop(self) -> None:
-        """Kill the daemons and what they started."""
+        """Kill the daemons, what they started, and workflows that a failed test left."""
         for name in [*NODES, "slurmctld", "munged"]:
             self._kill(name)
+        kill(processes_with(f"SLURM_CONF={self.environment['SLURM_CONF']}"))
 
     def _start(self, name: str, *command: str) -> None:
         guarded = [sys.executable, "-m", "stages.guard", *command]  # daemons end with the tests, however these end
@@ -146,23 +147,27 @@ class Cluster:
         if process is None:
             return
         # a job's steps are in sessions of their own, whose parents may have ended: they are known by their node's name
-        for pid in [*descendants(process.pid), *steps_of(name, self.environment["SLURM_CONF"]), process.pid]:
-            try:
-                os.kill(pid, signal.SIGKILL)
-            except ProcessLookupError:
-                continue
+        steps = processes_with(f"SLURM_CONF={self.environment['SLURM_CONF']}", f"SLURMD_NODENAME={name}")
+        kill([*descendants(process.pid), *steps, process.pid])
         process.wait()
 
 
-def steps_of(node: str, conf: str) -> list[int]:
-    """Processes of all jobs that run on a node of this cluster."""
+def kill(pids: list[int]) -> None:
+    """SIGKILL for those that are still there."""
+    for pid in pids:
+        with suppress(ProcessLookupError):
+            os.kill(pid, signal.SIGKILL)
+
+
+def processes_with(*variables: str) -> list[int]:
+    """Processes that have all these variables, `NAME=value`, in their environment; not this one."""
     pids = []
     for process in Path("/proc").glob("[0-9]*"):
         try:
-            variables = (process / "environ").read_bytes().split(b"\0")
+            environment = (process / "environ").read_bytes().split(b"\0")
         except OSError:
             continue
-        if f"SLURM_CONF={conf}".encode() in variables and f"SLURMD_NODENAME={node}".encode() in variables:
+        if process.name != str(os.getpid()) and all(variable.encode() in environment for variable in variables):
             pids.append(int(process.name))
     return pids
 
