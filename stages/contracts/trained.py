@@ -11,7 +11,7 @@ from stages.contracts.types import Count, Finite, Id, RelativePath, Seed, Text
 class TrainingStore(Contract):
     """What was used of one episode store."""
 
-    file: Text
+    file: Text = Field(description="the last three names of its path, wherever results/ lies")
     asset: Id
     episodes: Count
     frames: Count

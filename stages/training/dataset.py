@@ -107,7 +107,7 @@ def read_demonstrations(paths: Sequence[Path], per_store: int, let_go: bool = Tr
         store_of=[number for number, store in enumerate(stores) for _ in store.episodes],
         stores=[
             TrainingStore(
-                file=str(path),
+                file="/".join(path.parts[-3:]),
                 asset=store.asset,
                 episodes=len(store.episodes),
                 frames=sum(len(actions) if let_go else held(actions) for _, _, actions in store.episodes),
