@@ -50,8 +50,8 @@ rule match:
         image=scene_image,
         features=lambda wildcards: pictures_of(wildcards.variant, features_of(wildcards.variant)),
         beside_features=lambda wildcards: pictures_of(wildcards.variant, beside_features(wildcards.variant)),
-        snapshots=lambda wildcards: pictures_of(wildcards.variant, files(rules.snapshots.output.images, shard=SHARDS)),
-        indices=lambda wildcards: pictures_of(wildcards.variant, files(rules.snapshots.output.index, shard=SHARDS)),
+        snapshots=lambda wildcards: snapshots_of(wildcards.variant, "images"),
+        indices=lambda wildcards: snapshots_of(wildcards.variant, "index"),
         without=left_out,
     output:
         cousins="results/matching/{variant}/{scene}/cousins.json",

@@ -1,6 +1,7 @@
 # Helpers: which files a job reads, and which a report shows. Nothing here makes a file.
 
 
+@cache
 def features_of(variant, kind="features"):
     """The feature store that a variant uses, shard by shard; `kind`: features, or the index or companion beside them."""
     return files(getattr(rules.features.output, kind), store=matching_of(variant).store(), shard=SHARDS)
@@ -9,6 +10,12 @@ def features_of(variant, kind="features"):
 def beside_features(variant):
     """Index and companion of every shard of the feature store that a variant uses."""
     return [*features_of(variant, "index"), *features_of(variant, "companion")]
+
+
+@cache
+def snapshots_of(variant, kind):
+    """The snapshots that a variant looks at, shard by shard, or their indices."""
+    return pictures_of(variant, files(getattr(rules.snapshots.output, kind), shard=SHARDS))
 
 
 def pictures_of(variant, files):
