@@ -20,6 +20,7 @@ from stages.experiment.cousins import choose_cousins, choose_dissimilar
 from stages.experiment.draw import CAPTION, COLUMNS, TILE, caption
 from stages.experiment.draw import run as draw
 from stages.experiment.select import run as select
+from stages.geometry.frames import rigid
 from stages.matching.distances import distances_to
 from stages.matching.distances import run as distances
 from stages.matching.encoders import column_weights, make_encoder, settings_digest
@@ -129,15 +130,14 @@ def experiment(world: World) -> dict[str, Any]:
         PlacedObject(id="cabinet_1", label="cabinet", asset="cabinet_00", category="cabinet", size=(0.5, 0.8, 0.9)),
         PlacedObject(id="bowl_4", label="bowl", asset="bowl_01", category="bowl", size=(0.2, 0.2, 0.2)),
     ]
-    identity = np.eye(4).tolist()
     generated = GeneratedScene(
         scene="test",
         variant="b",
         rank=1,
         width=8,
         height=8,
-        intrinsics=np.eye(3).tolist(),
-        floor_from_camera=identity,
+        intrinsics=[[8.0, 0.0, 3.5], [0.0, 8.0, 3.5], [0.0, 0.0, 1.0]],
+        floor_from_camera=rigid(np.eye(3), [0.0, 0.0, 1.5]).tolist(),
         walls=[],
         objects=placed,
     )

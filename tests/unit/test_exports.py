@@ -39,6 +39,7 @@ def stores(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
             episode = RecordedEpisode(seed, asset, "door_0_joint", (0.4, 0.4, 0.7))
             for _ in range(steps):
                 cloud, proprio, action = (random.uniform(-1, 1, n).astype(np.float32) for n in ((64, 4), 9, 7))
+                proprio[3:7] /= np.linalg.norm(proprio[3:7])  # a turn
                 episode.add({"point_cloud": cloud, "proprio": proprio}, action, action, 0.1)
             episodes.append(episode)
         header = StoreHeader("door", "ACDC-OpenDoor-v1", asset, OPTIONS)

@@ -36,7 +36,7 @@ def thing(size: tuple[float, float, float], mounting: int = 2, **fields: object)
 
 
 def model(id: str, **fields: object) -> LibraryEntry:
-    base = {"id": id, "category": id, "folder": id, "doors": 0, "drawers": 0, "checksum": ""}
+    base = {"id": id, "category": id, "archive": "x.zip", "doors": 0, "drawers": 0, "checksum": ""}
     return LibraryEntry.model_validate(base | fields)
 
 

@@ -113,10 +113,10 @@ def test_nothing_but_the_study_is_looked_at_and_it_is_the_same_again(study: Path
 
 
 def test_configs_are_merged_as_the_workflow_merges_them(tmp_path: Path) -> None:
-    (tmp_path / "a.yaml").write_text("experiment: {seeds: [1], episodes: 9}")
+    (tmp_path / "a.yaml").write_text("experiment: {seeds: [1], episodes: 8}")
     (tmp_path / "b.yaml").write_text("experiment: {seeds: [2]}")
     config: Config = results.read_config((tmp_path / "a.yaml", tmp_path / "b.yaml"))
-    assert (config.experiment.seeds, config.experiment.episodes) == ([2], 9)
+    assert (config.experiment.seeds, config.experiment.episodes) == ([2], 8)
     (tmp_path / "c.yaml").write_text("[1")
     with pytest.raises(InputError, match="is not YAML"):
         results.read_config((tmp_path / "c.yaml",))
