@@ -60,3 +60,5 @@ rule all:
 
 if workflow.remote_exec:
     run_in_this_process()
+elif has_shells():
+    ungroup()
