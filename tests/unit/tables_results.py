@@ -20,7 +20,7 @@ from stages.contracts.policies import Attempt, Rollout, SceneScore, TaskAsset, T
 from tests.unit.demo_assets import FRONT
 
 CAMERA = [[200.0, 0.0, 120.0], [0.0, 200.0, 80.0], [0.0, 0.0, 1.0]]
-POSE = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 1.5], [0.0, 0.0, 0.0, 1.0]]
+POSE = [[0.0, 0.0, 1.0, 0.0], [-1.0, 0.0, 0.0, 0.0], [0.0, -1.0, 0.0, 1.4], [0.0, 0.0, 0.0, 1.0]]
 LABELS = {"room_1": ["cabinet", "bowl", "lamp"], "room_2": ["table", "chair"]}
 ABOUT = FRONT | {"digest": "0", "handle_length": 0.12, "handle_height": 0.5}
 ROLES = {"twin": 0.0, "cousin_1": 3.1, "cousin_2": 4.0, "cousin_6": 7.5, "dissimilar": 12.25}
