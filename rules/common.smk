@@ -55,7 +55,7 @@ except InputError as error:
 
 # What containers/podman-shell asks for: images, folders to mount, the network and keys, a GPU.
 # Snakemake keeps copies of what `workflow.source_path` names, in a folder of its own.
-PUBLISHED = str(Path(workflow.source_path("../report/published/table3.csv")).parent)
+PUBLISHED = str(Path([workflow.source_path(f"../report/published/table{n}.csv") for n in (2, 3)][0]).parent)
 os.environ.update(
     ACDC_IMAGE=CONFIG.containers.template,
     ACDC_OUTSIDE="\n".join([*outside(CONFIG), PUBLISHED]),
@@ -153,6 +153,11 @@ def check(**outputs):
         return shlex.join(["python", "-m", "stages.contracts", "--refuse", *chain(*named)])
 
     return line
+
+
+def paper(table):
+    """Digest of a table of the paper's values, for the rules that read its copy in PUBLISHED."""
+    return sha256(Path(PUBLISHED, f"{table}.csv").read_bytes()).hexdigest()[:12]
 
 
 def implementation(task):

@@ -30,11 +30,12 @@ rule extract:
         check=check(objects="objects"),
         options=options("extraction", "extract"),
         name=room_of,
+        own=lambda wildcards, input: shlex.join(["--own", *input.own]) if input.own else "",
         seed=seed_of,
         folder=subpath(input.rgb, parent=True),
     shell:
         "({params.command} --input {params.folder:q} --scene {params.name} --options {params.options:q} "
-        "--own {input.own:q} --seed {params.seed} --out {output.objects:q} && "
+        "{params.own} --seed {params.seed} --out {output.objects:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
 
 

@@ -64,7 +64,6 @@ rule report_page:
         metrics=policies(rules.train.output.metrics, first=True),
         tables=rules.tables.input,
         figures=rules.figures.output,
-        published=workflow.source_path("../report/published/table3.csv"),
     output:
         page=shown("results/report/index.html", "report"),
         times="results/report/times.html",
@@ -78,6 +77,7 @@ rule report_page:
         **needs(2000, 30),
     params:
         command=command("tables", "report"),
+        paper=paper("table3"),
         code=code("tables", "report"),
         options=options("tables", "report"),
         images=lambda wildcards, input: [f"{room}={image}" for room, image in zip(SHOWN, input.images)],
@@ -88,7 +88,7 @@ rule report_page:
     shell:
         "{params.command} --files {input:q} --images {params.images:q} --benchmarks {params.benchmarks:q} "
         "--seed {params.seed} --config-digest {params.digest} --options {params.options:q} "
-        "--published $(dirname {input.published:q}) --more {params.more} --out {output.page:q} 2>&1 | tee {log:q}"
+        "--published {PUBLISHED:q} --more {params.more} --out {output.page:q} 2>&1 | tee {log:q}"
 
 
 rule overview_page:

@@ -11,7 +11,6 @@ rule table2:
         scores=files(rules.score.output.scores, variant=VARIANTS, scene=SCORED_ROOMS),
         met=met(rules.score.output.scores),
         comparisons=files(rules.draw_scenes.output.comparison, scene=SHOWN, variant=VARIANTS),
-        published=workflow.source_path("../report/published/table2.csv"),
     output:
         csv=expand("results/tables/{table}.csv", table=["table2", "table2_robustness"]),
         html=shown("results/tables/table2.html", "tables"),
@@ -31,6 +30,7 @@ rule table2:
         **needs(1000, 10),
     params:
         command=command("tables", "scenes"),
+        paper=paper("table2"),
         code=code("tables", "scenes"),
         options=options("tables", "scenes"),
         comparisons=lambda wildcards, input: [
@@ -40,7 +40,7 @@ rule table2:
         figures=subpath(output.figure6, parent=True),
     shell:
         "{params.command} --scores {input.scores:q} {input.met:q} --comparisons {params.comparisons:q} "
-        "--published $(dirname {input.published:q}) --options {params.options:q} --figures {params.figures:q} "
+        "--published {PUBLISHED:q} --options {params.options:q} --figures {params.figures:q} "
         "--out {params.out:q} 2>&1 | tee {log:q}"
 
 
@@ -48,7 +48,6 @@ rule table3:
     """Success over unseen assets; Table 3: every cell with its n, seeds and interval, the published value beside it."""
     input:
         rollouts=ROLLOUTS,
-        published=workflow.source_path("../report/published/table3.csv"),
     output:
         csv="results/tables/table3.csv",
         more=expand("results/tables/table3_{what}.csv", what=["cells", "differences", "claims", "stability"]),
@@ -68,12 +67,13 @@ rule table3:
         **needs(1000, 10),
     params:
         command=command("tables", "policies"),
+        paper=paper("table3"),
         code=code("tables", "policies"),
         options=options("tables", "policies"),
         out=subpath(output.csv, parent=True),
     shell:
         "{params.command} --rollouts {input.rollouts:q} "
-        "--published $(dirname {input.published:q}) --options {params.options:q} --out {params.out:q} 2>&1 | tee {log:q}"
+        "--published {PUBLISHED:q} --options {params.options:q} --out {params.out:q} 2>&1 | tee {log:q}"
 
 
 rule tables:
@@ -88,7 +88,6 @@ rule figures:
     """Figures 4 and 9."""
     input:
         rollouts=ROLLOUTS,
-        published=workflow.source_path("../report/published/table3.csv"),
     output:
         figure4=shown("results/figures/figure4.svg", "figures"),
         figure9=shown("results/figures/figure9.svg", "figures"),
@@ -105,9 +104,10 @@ rule figures:
         **needs(1000, 10),
     params:
         command=command("tables", "figures"),
+        paper=paper("table3"),
         code=code("tables", "figures"),
         options=options("tables", "figures"),
         out=subpath(output.figure4, parent=True),
     shell:
-        "{params.command} --rollouts {input.rollouts:q} --published $(dirname {input.published:q}) "
+        "{params.command} --rollouts {input.rollouts:q} --published {PUBLISHED:q} "
         "--options {params.options:q} --out {params.out:q} 2>&1 | tee {log:q}"
