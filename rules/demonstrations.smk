@@ -1,7 +1,7 @@
 # Automatic demonstrations by the skills, successes only (paper A.4, A.5), and some inside generated scenes (Figure 7).
 # Reads:  the assets of a task, generated scenes, the library.
-# Writes: results/demonstrations/<task>/<role>/{episodes.h5,attempts.jsonl,film.png,films/},
-#         results/demonstrations/<task>/in_scene/{in_scene.json,episodes/,films/}.
+# Writes: results/demonstrations/<task>/<role>/{episodes.h5,attempts.jsonl,film.png,films.zip},
+#         results/demonstrations/<task>/in_scene/{in_scene.json,episodes.zip,film.png,films.zip}.
 
 
 rule demonstrate:
@@ -52,10 +52,10 @@ rule demonstrate_in_scene:
         **(
             {}
             if "scene" in CONFIG.stages.get("demonstrations", {})
-            else {"films": directory("results/demonstrations/{task}/in_scene/films")}
+            else {name: f"results/demonstrations/{{task}}/in_scene/{file}" for name, file in FILMS.items()}
         ),
         in_scene="results/demonstrations/{task}/in_scene/in_scene.json",
-        episodes=directory("results/demonstrations/{task}/in_scene/episodes"),
+        episodes="results/demonstrations/{task}/in_scene/episodes.zip",
     log:
         "logs/demonstrations/{task}_in_scene.log",
     benchmark:

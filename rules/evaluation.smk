@@ -1,7 +1,7 @@
 # Rollouts of the policies, one row each; nothing is aggregated here (paper B.3).
 # Reads:  policies, their trials and the task's assets.
 #         An assets.json is that of the row itself or of the row that it shares assets with (`assets_of`).
-# Writes: results/evaluation/policies/<task>/<training set>/<run>/seed_<n>/{rollouts.csv,film.png,films/},
+# Writes: results/evaluation/policies/<task>/<training set>/<run>/seed_<n>/{rollouts.csv,film.png,films.zip},
 #         results/evaluation/policies/<task>/<training set>/rollouts.csv,
 #         results/evaluation/skill/<task>/rollouts.csv.
 

@@ -30,14 +30,17 @@ def recipes_digest(wildcards):
     return sha256(b"\0".join(file.read_bytes() for file in used)).hexdigest()[:12]
 
 
+FILMS = {"film": "film.png", "films": "films.zip"}  # what our own verbs that film write
+
+
 def filmed(stage, verb, folder, **labels):
     """Films of episodes as outputs of our own verb; a command in its place need not make any."""
     if verb in CONFIG.stages.get(stage, {}):
         return {}
     caption, category = "../report/captions/demos.rst", {"collect": "Demonstrations", "rollout": "Rollouts"}[verb]
     return {
-        "film": report(f"{folder}/film.png", caption=caption, category=category, labels=labels),
-        "films": directory(f"{folder}/films"),
+        "film": report(f"{folder}/{FILMS['film']}", caption=caption, category=category, labels=labels),
+        "films": f"{folder}/{FILMS['films']}",
     }
 
 

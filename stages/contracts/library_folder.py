@@ -1,31 +1,16 @@
 """Libraries on disk: an index of models, and beside it zip archives that hold a folder per model."""
 
-import tempfile
-import zipfile
-import zlib
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
-from functools import cache, lru_cache
-from pathlib import Path, PurePosixPath
+from functools import cache
+from pathlib import Path
 
+from stages.contracts.archives import pack, reading, unpack
 from stages.contracts.errors import InputError
-from stages.contracts.files import MAX_TEXT, atomic, parse_json, read_json, write_json
+from stages.contracts.files import MAX_TEXT, parse_json, read_json, write_json
 from stages.contracts.library import Asset, LibraryEntry, LibraryPart
 
 AGAIN = "make it again: python -m stages.assets library"
 FIRST = "make it first: python -m stages.assets library"
-OPEN = 64  # archives at a time
-UNREADABLE = (OSError, zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError)  # what zipfile raises
-
-
-def pack(folder: Path, out: Path) -> None:
-    """Write all files below `folder` into a zip archive, by name and undated: the same files make the same bytes."""
-    files = {path.relative_to(folder).as_posix(): path for path in folder.rglob("*") if path.is_file()}
-    with atomic(out) as temporary, zipfile.ZipFile(temporary, "w") as archive:
-        for name in sorted(files):
-            about = zipfile.ZipInfo(name)  # of 1980
-            about.external_attr = 0o644 << 16
-            archive.writestr(about, files[name].read_bytes(), zipfile.ZIP_DEFLATED, compresslevel=1)
 
 
 def write_part(out: Path, folder: Path, left_out: Iterable[str] = ()) -> None:
@@ -79,7 +64,7 @@ class AssetFolders(Mapping[str, Path]):
 
 def _asset(path: Path, checksum: str, asset: str) -> Asset:
     where, name = path / asset / "asset.json", f"{asset}/asset.json"
-    with _reading(path) as archive:
+    with reading(path, AGAIN) as archive:
         if name not in archive.NameToInfo:
             raise InputError(path, f"holds no {name}.", AGAIN)
         if archive.getinfo(name).file_size > MAX_TEXT:
@@ -95,37 +80,7 @@ def _asset(path: Path, checksum: str, asset: str) -> Asset:
 def _unpacked(path: Path, checksum: str, asset: str) -> Path:
     """Cached by checksum, too: another model of the same name has a folder of its own."""
     _asset(path, checksum, asset)
-    into = Path(tempfile.mkdtemp(dir=_scratch().name))
-    with _reading(path) as archive:
-        names = [name for name in archive.namelist() if name.startswith(f"{asset}/") and not name.endswith("/")]
-        content = {name: archive.read(name) for name in names}
-    for name in names:
-        if ".." in PurePosixPath(name).parts:
-            raise InputError(path, f"holds '{name}', which leads out of it.", AGAIN)
-        file = into / name
-        file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_bytes(content[name])
-    return into / asset
-
-
-@cache
-def _scratch() -> tempfile.TemporaryDirectory[str]:
-    return tempfile.TemporaryDirectory(prefix="acdc-models-")
-
-
-@contextmanager
-def _reading(path: Path) -> Iterator[zipfile.ZipFile]:
-    try:
-        yield _opened(path, path.stat().st_mtime_ns)
-    except FileNotFoundError:
-        raise InputError(path, "no such file.", AGAIN) from None
-    except UNREADABLE as error:
-        raise InputError(path, f"is no zip archive that can be read ({error}).", AGAIN) from None
-
-
-@lru_cache(maxsize=OPEN)
-def _opened(path: Path, changed: int) -> zipfile.ZipFile:
-    return zipfile.ZipFile(path)
+    return unpack(path, AGAIN, f"{asset}/") / asset
 
 
 def check_asset(path: Path) -> Asset:
@@ -146,6 +101,6 @@ def check_models(path: Path) -> None:
             if found != said:
                 what = f"{name}: is {found!r}, {path.name} says {said!r} of '{entry.id}'."
                 raise InputError(archive / entry.id / "asset.json", what, AGAIN)
-        with _reading(archive) as opened:
+        with reading(archive, AGAIN) as opened:
             if f"{entry.id}/{asset.urdf}" not in opened.NameToInfo:
                 raise InputError(archive / entry.id, f"urdf: there is no {asset.urdf} beside it.", AGAIN)

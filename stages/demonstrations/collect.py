@@ -32,7 +32,7 @@ def run(
     task_options: str = "",
     seed: int = 0,
 ) -> None:
-    """Write `episodes.h5` with as many successes as asked, and beside it attempts.jsonl, film.png and films/.
+    """Write `episodes.h5` with as many successes as asked, and beside it attempts.jsonl, film.png and films.zip.
 
     With several assets each has its turn, of one success or `TRIES` failures, so that the first n episodes of the store
     are spread over them as evenly as all are.

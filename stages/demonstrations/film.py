@@ -63,7 +63,7 @@ def strip(pictures: Sequence[Image], clouds: Sequence[NDArray[np.floating]]) -> 
 
 
 def write_demonstration_films(folder: Path, taken: Sequence[Taken], role: str, frequency: float) -> None:
-    """Write films/ and film.png into `folder`; what was recorded must still be open."""
+    """Write films.zip and film.png into `folder`; what was recorded must still be open."""
     studio = Studio()
     films, strips = [], []
     for number, item in enumerate(taken):
@@ -75,6 +75,6 @@ def write_demonstration_films(folder: Path, taken: Sequence[Taken], role: str, f
         )  # fmt: skip
         films.append((film, pictures))
         strips.append(strip(pictures, item.clouds))
-    write_films(folder / "films", films, frequency)
+    write_films(folder / "films.zip", films, frequency)
     with atomic(folder / "film.png") as temporary:
         cv2.imwrite(str(temporary), np.concatenate(strips)[..., ::-1])

@@ -1,10 +1,10 @@
 """Verb `scene`: demonstrations inside generated scenes, with furniture in the way and behind (the paper's Figure 7)."""
 
 import sys
-import tempfile
 from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import cv2
@@ -13,6 +13,7 @@ import numpy as np
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.config.task import TaskConfig
 from stages.contracts import GeneratedScene, InputError, atomic, read_json, read_options, write_json
+from stages.contracts.archives import pack
 from stages.contracts.films import Film
 from stages.contracts.in_scene import SceneDemonstration, SceneDemonstrations
 from stages.demonstrations.attempt import Recorder
@@ -29,6 +30,7 @@ from stages.tasks.task import Task
 
 STILL = {"object_xy": 0.0, "object_yaw": 0.0, "scale_range": (1.0, 1.0)}  # the scene says where the object stands
 TRIES = 10  # attempts in one scene
+NOTHING = np.full((24, 256, 3), 255, np.uint8)  # film.png where no scene has a film
 
 
 @dataclass(frozen=True)
@@ -39,7 +41,7 @@ class Setting:
     options: DemonstrationsConfig
     world: TaskConfig
     seed: int
-    out: Path
+    stores: Path
 
 
 def run(
@@ -53,7 +55,9 @@ def run(
     task_options: str = "",
     seed: int = 0,
 ) -> None:
-    """Demonstrate a task once in every scene; write in_scene.json, films/ and an episode store per scene.
+    """Demonstrate a task once in every scene; write in_scene.json, films.zip, film.png and an episode store per scene.
+
+    The stores are packed into episodes.zip.
 
     A scene in which the robot cannot do it is marked failed, with the reason.
 
@@ -69,14 +73,13 @@ def run(
     """
     settings = read_options(DemonstrationsConfig, options).model_copy(update={"recovery": 0.0})
     world = read_options(TaskConfig, task_options).model_copy(update=STILL)
-    setting = Setting(task, settings, world, seed, out)
     read = {path: read_json(GeneratedScene, path) for path in scenes}
     if not any(item.id == object for made in read.values() for item in made.objects):
         known = dict.fromkeys(item.id for made in read.values() for item in made.objects)
         raise InputError("--object", f"no scene has an object '{object}'.", f"those there are: {', '.join(known)}")
-    (out / "episodes").mkdir(parents=True, exist_ok=True)
     found, films, strips = [], [], []
-    with tempfile.TemporaryDirectory(prefix="acdc-room-") as cache:
+    with TemporaryDirectory(prefix="acdc-room-") as cache, TemporaryDirectory(prefix="acdc-stores-") as stores:
+        setting = Setting(task, settings, world, seed, Path(stores))
         studio = Studio(ROOM_LIGHT)
         for path, made in read.items():
             try:
@@ -90,10 +93,10 @@ def run(
                 films.append((one.film, pictures))
                 strips.append(strip(pictures, taken.clouds))
             print(f"demonstrations: rank {one.rank}: {one.reason or 'ok'}", file=sys.stderr)
-    write_films(out / "films", films, world.control_frequency)
-    if strips:
-        with atomic(out / "films" / "film.png") as temporary:
-            cv2.imwrite(str(temporary), np.concatenate(strips)[..., ::-1])
+        pack(Path(stores), out / "episodes.zip")
+    write_films(out / "films.zip", films, world.control_frequency)
+    with atomic(out / "film.png") as temporary:
+        cv2.imwrite(str(temporary), np.concatenate(strips or [NOTHING])[..., ::-1])
     write_json(out / "in_scene.json", SceneDemonstrations(task=task, object=object, demonstrations=found))
 
 
@@ -126,7 +129,7 @@ def in_one(
         episode, outcome = recorder.attempt(seed)
         if outcome.success:
             header = StoreHeader(setting.task, known.gym_id, asset, setting.world)
-            write_episodes(setting.out / "episodes" / f"rank_{made.rank}.h5", header, [episode])
+            write_episodes(setting.stores / f"rank_{made.rank}.h5", header, [episode])
             film = Film(
                 role=f"rank_{made.rank}", asset=asset, seed=seed, success=True, steps=len(episode.actions),
                 opened=round(task.opened, 4), file=f"rank_{made.rank}.webp",

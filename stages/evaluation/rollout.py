@@ -46,7 +46,7 @@ def run(
         training_set: name of the training set, for the rows.
         trained_roles: roles of the assets that it was trained on.
         run_name: name of the hyper-parameter set, for the rows.
-        out: rollouts.csv; film.png and films/ lie beside it.
+        out: rollouts.csv; film.png and films.zip lie beside it.
         assets_of: the row whose assets these are, if another's.
         trial: rollouts.csv of the policy's trial, if there was one; `checkpoint: rollouts` goes by it.
         options: the `evaluation` section as JSON, or a JSON file.
@@ -73,7 +73,7 @@ def run(
             print(f"evaluation: {role} {successes}/{len(starts)} succeeded", file=sys.stderr)
             rows += arena.rows(acting, role, played[same])
     frequency = arena.options.control_frequency
-    write_films(out.parent / "films", [(item.film, item.pictures) for item in films], frequency)
+    write_films(out.parent / "films.zip", [(item.film, item.pictures) for item in films], frequency)
     write_png(out.parent / "film.png", np.concatenate([strip(item) for item in films]))
     write_rows(out, rows)
 

@@ -15,7 +15,7 @@ from safetensors.numpy import save_file
 from stages.config.task import TaskConfig
 from stages.config.training import TrainingRun
 from stages.contracts.__main__ import main
-from stages.contracts.library_folder import pack
+from stages.contracts.archives import pack
 from tests.unit.demo_assets import FRONT
 
 WIDTH, HEIGHT = 48, 36

@@ -9,6 +9,7 @@ import numpy as np
 from PIL import Image, ImageDraw
 from pydantic import BaseModel
 
+from stages.contracts.archives import pack
 from stages.contracts.cousins import Cousin, Cousins, ObjectCousins, Orientation
 from stages.contracts.files import read_json, write_json
 from stages.contracts.films import Film, Films
@@ -52,7 +53,7 @@ def film(path: Path, frames: int = 6) -> None:
 
 
 def films(folder: Path, roles: list[str]) -> None:
-    """A success and a failure per asset, and their list."""
+    """A success and a failure per asset and their list, and the archive of them."""
     entries = []
     for role in roles:
         for number, success in enumerate((True, False)):
@@ -62,6 +63,7 @@ def films(folder: Path, roles: list[str]) -> None:
                 Film(role=role, asset="cabinet_07", seed=number, success=success, steps=23, opened=0.12, file=name)
             )
     write_json(folder / "films.json", Films(films=entries))
+    pack(folder, folder.with_suffix(".zip"))
 
 
 def snapshots(folder: Path, assets: list[str]) -> None:
@@ -281,10 +283,9 @@ def write_run(root: Path) -> Path:
 def declared(root: Path) -> dict[str, object]:
     """What the rule of the page names: all files of the run, as arguments of the verb."""
     results = root / "results"
-    folders = [path for path in results.rglob("films") if path.is_dir()]
     files = [path for path in results.rglob("*") if path.is_file() and path.parent.name not in ("films", "report")]
     return {
-        "files": (*files, *folders),
+        "files": tuple(files),
         "images": tuple(f"{room}={results}/scenes/{room}/input/rgb.png" for room in LABELS),
         "benchmarks": tuple(path for path in (root / "benchmarks").rglob("*") if path.is_file()),
         "benchmarks_root": root / "benchmarks",

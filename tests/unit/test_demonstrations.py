@@ -12,6 +12,7 @@ from PIL import Image
 from stages.config.demonstrations import RandomiseOptions
 from stages.config.task import TaskConfig
 from stages.contracts import Attempt, InputError, TaskAssets, read_json, write_json
+from stages.contracts.archives import unpack
 from stages.contracts.episode_store import read_episodes
 from stages.contracts.films import Films
 from stages.contracts.ledgers import read_attempts
@@ -58,11 +59,10 @@ def test_collect_writes_successes_that_replay(tmp_path: Path) -> None:
     ledger = [Attempt.model_validate_json(line) for line in lines]
     kept = [attempt for attempt in ledger if attempt.success]
     assert [attempt.episode for attempt in kept] == [0, 1] and all(attempt.opened > 0.5 for attempt in kept)
-    assert [path.read_bytes() for path in sorted((tmp_path / "a" / "films").iterdir())] == [
-        path.read_bytes() for path in sorted((tmp_path / "b" / "films").iterdir())
-    ]
-    (filmed,) = read_json(Films, tmp_path / "a" / "films" / "films.json").films
-    with Image.open(tmp_path / "a" / "films" / filmed.file) as opened:
+    assert (tmp_path / "a" / "films.zip").read_bytes() == (tmp_path / "b" / "films.zip").read_bytes()
+    films = unpack(tmp_path / "a" / "films.zip", "")
+    (filmed,) = read_json(Films, films / "films.json").films
+    with Image.open(films / filmed.file) as opened:
         assert opened.n_frames == 16  # type: ignore[attr-defined]
     film = cv2.imread(str(tmp_path / "a" / "film.png"))
     assert film is not None and len(np.unique(film.reshape(-1, 3), axis=0)) > 50

@@ -10,10 +10,10 @@ from PIL import Image
 from stages.articulated.affordance import target_joint
 from stages.config.matching import MatchingConfig
 from stages.contracts import Asset, GeneratedScene, InputError, Objects, TaskAssets, Truth, read_json, write_json
+from stages.contracts.archives import pack
 from stages.contracts.distances import Distances
 from stages.contracts.generated import PlacedObject
 from stages.contracts.library import FrontPanel, Joint
-from stages.contracts.library_folder import pack
 from stages.contracts.policies import TaskAsset
 from stages.contracts.scenes import TrueObject
 from stages.experiment.cousins import choose_cousins, choose_dissimilar

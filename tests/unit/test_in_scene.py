@@ -8,6 +8,7 @@ import pytest
 
 from stages.config.task import TaskConfig
 from stages.contracts import InputError, read_json, write_json
+from stages.contracts.archives import unpack
 from stages.contracts.episode_store import read_episodes
 from stages.contracts.films import read_films
 from stages.contracts.generated import GeneratedScene, PlacedObject
@@ -72,10 +73,12 @@ def test_one_demonstration_per_scene_or_the_reason_for_none(library: Path, tmp_p
     assert blocked.status == "failed" and "chest_1 is in the robot's place" in blocked.reason
     assert shelf.reason == "cabinet_1 is shelf, which has no door that the robot can open"
     assert gone.status == "failed" and "'gone', which the library does not have" in gone.reason
-    assert [film.role for film in read_films(tmp_path / "out" / "films" / "films.json").films] == ["rank_1"]
-    assert (tmp_path / "out" / "films" / "film.png").is_file()
+    assert [film.role for film in read_films(unpack(tmp_path / "out" / "films.zip", "") / "films.json").films] == [
+        "rank_1"
+    ]
+    assert (tmp_path / "out" / "film.png").is_file()
 
-    store = read_episodes(tmp_path / "out" / "episodes" / "rank_1.h5")
+    store = read_episodes(unpack(tmp_path / "out" / "episodes.zip", "") / "rank_1.h5")
     (clouds, _, actions), *others = store.episodes
     assert not others and len(actions) == good.film.steps
     scenery = clouds[0][clouds[0][:, 3] == 0, :3].astype(float)

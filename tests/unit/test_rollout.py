@@ -11,6 +11,7 @@ from PIL import Image
 from pydantic import BaseModel
 
 from stages.config.evaluation import RolloutOptions
+from stages.contracts.archives import unpack
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json, read_rows, write_json
 from stages.contracts.films import Films
@@ -189,12 +190,13 @@ def test_rows_are_paired_and_repeatable(folder: Path, tmp_path: Path) -> None:
     assert {row["seed"] for row in rows} == {"4"} and {row["task"] for row in rows} == {"my_door"}
     assert {row["dino_distance"] for row in rows[5:]} == {"7.25"}
     evaluate(folder, tmp_path / "b" / "rollouts.csv")
-    assert sorted(path.name for path in (tmp_path / "a").iterdir()) == ["film.png", "films", "rollouts.csv"]
-    films = read_json(Films, tmp_path / "a" / "films" / "films.json").films
+    assert sorted(path.name for path in (tmp_path / "a").iterdir()) == ["film.png", "films.zip", "rollouts.csv"]
+    folder = unpack(tmp_path / "a" / "films.zip", "")
+    films = read_json(Films, folder / "films.json").films
     assert {film.role for film in films} == {"twin", "cousin_2"}
-    with Image.open(tmp_path / "a" / "films" / films[0].file) as opened:
+    with Image.open(folder / films[0].file) as opened:
         assert opened.n_frames == 16 and opened.size == (80, 64)  # type: ignore[attr-defined]
-    for name in ["film.png", "rollouts.csv", "films/films.json", *(f"films/{film.file}" for film in films)]:
+    for name in ["film.png", "rollouts.csv", "films.zip"]:
         assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes(), name
     assert ToyTask.open_tasks <= 3  # those of the first test
 
@@ -209,7 +211,7 @@ def test_the_assets_of_the_training_take_turns(folder: Path, tmp_path: Path, rol
     states = [int(row["initial_state"]) for row in rows]
     assert states == sorted(set(states))
     assert {row["dino_distance"] for row in rows} == {"0.0", "7.25"}
-    films = read_json(Films, tmp_path / "films" / "films.json").films
+    films = read_json(Films, unpack(tmp_path / "films.zip", "") / "films.json").films
     assert {film.role for film in films} == {"trained"}
 
 
@@ -222,7 +224,7 @@ def test_unseen_assets_are_a_test_role_of_their_own(folder: Path, tmp_path: Path
     ]
     assert {(row["handle"], row["handle_length"], row["assets_of"]) for row in unseen} == {("knob", "0.03", "door")}
     assert len(rows) == 2 * 5 + 6 and len({row["initial_state"] for row in rows}) == 5 + 6  # states of their own
-    films = read_json(Films, tmp_path / "films" / "films.json").films
+    films = read_json(Films, unpack(tmp_path / "films.zip", "") / "films.json").films
     assert {film.role for film in films} == {"twin", "cousin_2", "test"}
     other = evaluate(folder, tmp_path / "b.csv", assets=2, asset_rollouts=1, split="validation")
     assert [row["asset"] for row in other if row["test_asset"] == "validation"] == ["e"]

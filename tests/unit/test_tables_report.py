@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
+from stages.contracts.archives import pack
 from stages.contracts.errors import InputError
 from stages.contracts.ledgers import read_attempts
 from stages.tables import figures, policies, report, scenes
@@ -233,11 +234,13 @@ def test_nothing_is_claimed_where_the_interval_holds_zero() -> None:
 
 
 def test_a_film_outside_its_folder_is_refused(tmp_path: Path) -> None:
-    films(tmp_path, ["twin"])
-    text = (tmp_path / "films.json").read_text()
-    (tmp_path / "films.json").write_text(text.replace("twin_1.webp", "../twin_1.webp"))
+    folder = tmp_path / "films"
+    films(folder, ["twin"])
+    text = (folder / "films.json").read_text()
+    (folder / "films.json").write_text(text.replace("twin_1.webp", "../twin_1.webp"))
+    pack(folder, tmp_path / "films.zip")
     with pytest.raises(InputError, match=r"films.json: breaks the Films contract at films.1.file"):
-        read_films(tmp_path, "Rollout", Album(100, 80))
+        read_films(tmp_path / "films.zip", "Rollout", Album(100, 80))
 
 
 @pytest.mark.parametrize(
@@ -248,7 +251,7 @@ def test_a_film_outside_its_folder_is_refused(tmp_path: Path) -> None:
         ("results/training/door/twin/lite/seed_0/metrics.jsonl", '{"step": 1}\nnan,\n', "metrics.jsonl:2: breaks"),
         ("results/generation/b/room_1/scene_1.png", "no picture", "is not a readable image"),
         ("results/assets/snapshots/shard_0.h5", "no snapshots", "is not a readable snapshot shard"),
-        ("results/demonstrations/door/twin/films/twin_0.webp", "no film", "is not a readable picture"),
+        ("results/demonstrations/door/twin/films.zip", "no film", "is no zip archive that can be read"),
         ("benchmarks/assets/library.tsv", "a\tb\n1\t2\n", "not a benchmark file"),
         ("results/tables/table2.csv", "scene\n", "lacks the column"),
     ],

@@ -10,7 +10,6 @@ import socket
 import subprocess
 import time
 import urllib.request
-import xml.etree.ElementTree as ET
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -26,6 +25,18 @@ PYTHON = ROOT / ".venv-engines/bin/python"
 BUCKET = "acdc"
 KEYS = {"SNAKEMAKE_STORAGE_S3_ACCESS_KEY": "key", "SNAKEMAKE_STORAGE_S3_SECRET_KEY": "secret"}
 OWN = ("--shared-fs-usage", "persistence", "source-cache", "sources", "software-deployment")
+FETCH = """
+import sys
+from pathlib import Path
+import boto3
+
+address, bucket, folder = sys.argv[1:]
+server = boto3.resource("s3", endpoint_url=address, aws_access_key_id="key", aws_secret_access_key="secret")
+for item in server.Bucket(bucket).objects.all():
+    path = Path(folder, item.key)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    server.Bucket(bucket).download_file(item.key, str(path))
+"""
 pytestmark = pytest.mark.skipif(not PYTHON.exists(), reason="no .venv-engines: bash envs/engines.sh makes it")
 
 
@@ -95,15 +106,11 @@ def bucket() -> Iterator[str]:
         server.wait()
 
 
-def contents(address: str, prefix: str) -> dict[str, bytes]:
-    """Everything in the bucket below `prefix/`, by name."""
-
-    def get(path: str) -> bytes:
-        with urllib.request.urlopen(f"{address}/{BUCKET}{path}") as answer:
-            return answer.read()
-
-    keys = [str(key.text) for key in ET.fromstring(get(f"?prefix={prefix}/")).iter() if key.tag.endswith("Key")]
-    return {key.removeprefix(f"{prefix}/"): get(f"/{key}") for key in keys}
+def contents(address: str, folder: Path) -> dict[str, bytes]:
+    """Everything in the bucket below run/, by name; taken into `folder`."""
+    subprocess.run([str(PYTHON), "-c", FETCH, address, BUCKET, str(folder)], check=True)
+    files = (path for path in (folder / "run").rglob("*") if path.is_file())
+    return {path.relative_to(folder / "run").as_posix(): path.read_bytes() for path in files}
 
 
 def test_a_bucket_as_storage(run: Path, tmp_path: Path) -> None:
@@ -112,7 +119,7 @@ def test_a_bucket_as_storage(run: Path, tmp_path: Path) -> None:
         storage = ("--default-storage-provider", "s3", "--default-storage-prefix", f"s3://{BUCKET}/run")
         server = ("--storage-s3-endpoint-url", address)
         engine(make(tmp_path / "run"), "--cores", "2", "extraction", *storage, *OWN, *server, **KEYS)
-        stored = contents(address, "run")
+        stored = contents(address, tmp_path / "taken")
     assert "results/extraction/room_1/objects.json" in stored
     for name, content in stored.items():
         if name.startswith("results/"):
@@ -134,7 +141,7 @@ def test_a_cluster_without_a_shared_filesystem(run: Path, tmp_path: Path) -> Non
         quick = ("--seconds-between-status-checks", "1", "--set-resources", "train:gpu=1")
         config = str(tmp_path / "cluster/kubeconfig")
         engine(folder, "tables", *profile, *storage, *quick, KUBECONFIG=config, **KEYS)
-        stored = contents(address, "run")
+        stored = contents(address, tmp_path / "taken")
     assert not (folder / "results").exists() and set(kubernetes.exits.values()) == {0}
     same(stored, run)
     asked = {

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+from stages.contracts.archives import unpack
 from stages.contracts.films import Film
 from stages.contracts.films import read_films as read_list
 from stages.tables.markup import percent
@@ -25,14 +26,15 @@ def caption(film: Film) -> str:
     return f"failure, opened {percent(max(0.0, film.opened))} in {film.steps} steps"
 
 
-def read_films(folder: Path | None, whose: str, album: Album) -> list[FilmedAsset]:
-    """The films of a folder, by asset, in their order.
+def read_films(archive: Path | None, whose: str, album: Album) -> list[FilmedAsset]:
+    """The films of a films.zip, by asset, in their order.
 
     Raises:
         InputError: the list of films is broken, or a film is missing.
     """
-    if folder is None:
+    if archive is None:
         return []
+    folder = unpack(archive, "make the films again")
     cells: dict[str, FilmedAsset] = {}
     for film in read_list(folder / "films.json").films:
         alt = f"{whose} on {title(film.role)}: {caption(film)}"

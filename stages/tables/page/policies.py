@@ -140,7 +140,7 @@ def _curves(files: RunFiles, task: str) -> list[Curve]:
 
 def _rollouts(files: RunFiles, task: str, album: Album) -> list[Rollouts]:
     made = []
-    for folder in sorted(files.all(f"evaluation/policies/{task}/*/*/*/films"), key=_folder_key):
+    for folder in sorted(files.all(f"evaluation/policies/{task}/*/*/*/films.zip"), key=_folder_key):
         name = _policy_name(folder.parent)
         made.append(Rollouts(name, read_films(folder, f"Rollout of the policy {name},", album)))
     return [item for item in made if item.cells]
@@ -151,7 +151,7 @@ def _in_scenes(files: RunFiles, task: str, album: Album) -> InScenes | None:
     if path is None:
         return None
     found = read_json(SceneDemonstrations, path).demonstrations
-    films = read_films(files.one(f"{task}/in_scene/films"), "Demonstration in the scene", album)
+    films = read_films(files.one(f"{task}/in_scene/films.zip"), "Demonstration in the scene", album)
     return InScenes(films, [(title(f"rank_{one.rank}"), one.reason) for one in found if one.status == "failed"])
 
 
@@ -159,7 +159,7 @@ def _task(files: RunFiles, task: str, chosen: Path | None, album: Album, snapsho
     assets = read_json(TaskAssets, chosen) if chosen else None
     known = by_role(assets) if assets else {}
     done = {
-        path.parent.name: _demonstrations(path, files.one(f"{task}/{path.parent.name}/films"), album)
+        path.parent.name: _demonstrations(path, files.one(f"{task}/{path.parent.name}/films.zip"), album)
         for path in files.all(f"demonstrations/{task}/*/attempts.jsonl")
     }
 
@@ -196,6 +196,6 @@ def collect(files: RunFiles, album: Album) -> list[TaskPart]:
         *chosen,
         *files.names("demonstrations/*/*/attempts.jsonl", 1),
         *files.names("training/*/*/*/*/metrics.jsonl", 3),
-        *files.names("evaluation/policies/*/*/*/*/films", 3),
+        *files.names("evaluation/policies/*/*/*/*/films.zip", 3),
     }
     return [_task(files, task, chosen.get(task), album, snapshots) for task in sorted(tasks, key=task_key)]

@@ -1,0 +1,65 @@
+"""Zip archives that stand for folders: a rule declares one file, and who reads it unpacks what it needs."""
+
+import tempfile
+import zipfile
+import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import cache, lru_cache
+from pathlib import Path, PurePosixPath
+
+from stages.contracts.errors import InputError
+from stages.contracts.files import atomic
+
+OPEN = 64  # archives at a time
+UNREADABLE = (OSError, zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError)  # what zipfile raises
+
+
+def pack(folder: Path, out: Path) -> None:
+    """Write all files below `folder` into a zip archive, by name and undated: the same files make the same bytes."""
+    files = {path.relative_to(folder).as_posix(): path for path in folder.rglob("*") if path.is_file()}
+    with atomic(out) as temporary, zipfile.ZipFile(temporary, "w") as archive:
+        for name in sorted(files):
+            about = zipfile.ZipInfo(name)  # of 1980
+            about.external_attr = 0o644 << 16
+            archive.writestr(about, files[name].read_bytes(), zipfile.ZIP_DEFLATED, compresslevel=1)
+
+
+def unpack(path: Path, fix: str, below: str = "") -> Path:
+    """A folder with the files of an archive, or with those whose names begin with `below`, until the process ends.
+
+    Raises:
+        InputError: it is no archive, is damaged, or a name leads out of it.
+    """
+    with reading(path, fix) as archive:
+        names = [name for name in archive.namelist() if name.startswith(below) and not name.endswith("/")]
+        content = {name: archive.read(name) for name in names}
+    folder = Path(tempfile.mkdtemp(dir=_scratch().name))
+    for name in names:
+        if ".." in PurePosixPath(name).parts or PurePosixPath(name).is_absolute():
+            raise InputError(path, f"holds '{name}', which leads out of it.", fix)
+        file = folder / name
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_bytes(content[name])
+    return folder
+
+
+@contextmanager
+def reading(path: Path, fix: str) -> Iterator[zipfile.ZipFile]:
+    """An archive, opened once for whoever reads it again; what is wrong with it becomes an `InputError`."""
+    try:
+        yield _opened(path, path.stat().st_mtime_ns)
+    except FileNotFoundError:
+        raise InputError(path, "no such file.", fix) from None
+    except UNREADABLE as error:
+        raise InputError(path, f"is no zip archive that can be read ({error}).", fix) from None
+
+
+@cache
+def _scratch() -> tempfile.TemporaryDirectory[str]:
+    return tempfile.TemporaryDirectory(prefix="acdc-unpacked-")
+
+
+@lru_cache(maxsize=OPEN)
+def _opened(path: Path, changed: int) -> zipfile.ZipFile:
+    return zipfile.ZipFile(path)
