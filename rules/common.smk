@@ -53,12 +53,13 @@ try:
 except InputError as error:
     raise WorkflowError(str(error)) from None
 
-# What containers/podman-shell asks for: images, folders to mount, the network and keys, a GPU.
 # Snakemake keeps copies of what `workflow.source_path` names, in a folder of its own.
 PUBLISHED = str(Path([workflow.source_path(f"../report/published/table{n}.csv") for n in (2, 3)][0]).parent)
+# What containers/podman-shell asks for: images, folders to mount, the network and keys, a GPU.
 os.environ.update(
     ACDC_IMAGE=CONFIG.containers.template,
     ACDC_OUTSIDE="\n".join([*outside(CONFIG), PUBLISHED]),
+    ACDC_PAPER=PUBLISHED,  # where the tables of the paper's values lie
     ACDC_CODE=str(Path(stages.__file__).resolve().parents[1]),
     ACDC_GPU=CONFIG.device.replace("cpu", ""),
 )

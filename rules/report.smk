@@ -88,7 +88,7 @@ rule report_page:
     shell:
         "{params.command} --files {input:q} --images {params.images:q} --benchmarks {params.benchmarks:q} "
         "--seed {params.seed} --config-digest {params.digest} --options {params.options:q} "
-        "--published {PUBLISHED:q} --more {params.more} --out {output.page:q} 2>&1 | tee {log:q}"
+        '--published "$ACDC_PAPER" --more {params.more} --out {output.page:q} 2>&1 | tee {log:q}'
 
 
 rule overview_page:

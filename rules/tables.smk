@@ -40,7 +40,7 @@ rule table2:
         figures=subpath(output.figure6, parent=True),
     shell:
         "{params.command} --scores {input.scores:q} {input.met:q} --comparisons {params.comparisons:q} "
-        "--published {PUBLISHED:q} --options {params.options:q} --figures {params.figures:q} "
+        '--published "$ACDC_PAPER" --options {params.options:q} --figures {params.figures:q} '
         "--out {params.out:q} 2>&1 | tee {log:q}"
 
 
@@ -73,7 +73,7 @@ rule table3:
         out=subpath(output.csv, parent=True),
     shell:
         "{params.command} --rollouts {input.rollouts:q} "
-        "--published {PUBLISHED:q} --options {params.options:q} --out {params.out:q} 2>&1 | tee {log:q}"
+        '--published "$ACDC_PAPER" --options {params.options:q} --out {params.out:q} 2>&1 | tee {log:q}'
 
 
 rule tables:
@@ -109,5 +109,5 @@ rule figures:
         options=options("tables", "figures"),
         out=subpath(output.figure4, parent=True),
     shell:
-        "{params.command} --rollouts {input.rollouts:q} --published {PUBLISHED:q} "
+        '{params.command} --rollouts {input.rollouts:q} --published "$ACDC_PAPER" '
         "--options {params.options:q} --out {params.out:q} 2>&1 | tee {log:q}"
