@@ -67,3 +67,11 @@ def room_flags(wildcards):
         "--finish-seed": seed if protocol.finish == "other" else None,
     }
     return " ".join(f"{flag} {shlex.quote(str(value))}" for flag, value in flags.items() if value is not None)
+
+
+def tell_of_failures():
+    """After a failed run of many scenes: the same pages of what there is, with where and why scenes stopped."""
+    for variant in VARIANTS if MORE and workflow.exec_mode == ExecMode.DEFAULT else []:
+        page = files(rules.overview_page.output.page, variant=variant)[0].removesuffix("html") + "failed.html"
+        line = [*shlex.split(command("tables", "overview")), "--variant", variant, "--out", page, "--scenes", *ROOMS]
+        subprocess.run(line)

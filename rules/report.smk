@@ -125,14 +125,6 @@ rule overview:
     localrule: True
 
 
-def tell_of_failures():
-    """After a failed run of many scenes: the same pages of what there is, with where and why scenes stopped."""
-    for variant in VARIANTS if MORE and workflow.exec_mode == ExecMode.DEFAULT else []:
-        page = files(rules.overview_page.output.page, variant=variant)[0].removesuffix("html") + "failed.html"
-        line = [*shlex.split(command("tables", "overview")), "--variant", variant, "--out", page, "--scenes", *ROOMS]
-        subprocess.run(line)
-
-
 rule scene_page:
     """One page about one picture: what was found, cousins, scenes, every object's story, files to save."""
     input:
