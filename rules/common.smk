@@ -54,7 +54,7 @@ except InputError as error:
     raise WorkflowError(str(error)) from None
 
 # Snakemake keeps copies of what `workflow.source_path` names, in a folder of its own.
-PUBLISHED = str(Path([workflow.source_path(f"../report/published/table{n}.csv") for n in (2, 3)][0]).parent)
+PUBLISHED = str(Path([workflow.source_path(f"../report/published/table{n}.csv") for n in (2, 3)][0]).resolve().parent)
 # What containers/podman-shell asks for: images, folders to mount, the network and keys, a GPU.
 os.environ.update(
     ACDC_IMAGE=CONFIG.containers.template,
