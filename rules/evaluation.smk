@@ -12,6 +12,7 @@ rule rollout:
         **LIBRARY,
         policy=rules.train.output.policy,
         last=rules.train.output.last,
+        checkpoints=rules.train.output.checkpoints,
         config=rules.train.output.config,
         assets=lambda wildcards: task_assets(wildcards.task),
         trial=rules.trial.output.rollouts if CONFIG.evaluation.checkpoint == "rollouts" else [],

@@ -1,6 +1,7 @@
 # Policies: BC-RNN-GMM on point clouds (paper B.3).
 # Reads:  the demonstrations of a training set.
-# Writes: results/training/<task>/<training set>/<run>/seed_<n>/{policy.safetensors,last.safetensors,config.json,metrics.jsonl}.
+# Writes: results/training/<task>/<training set>/<run>/seed_<n>/{policy,last}.safetensors,
+#         .../{checkpoints.zip,config.json,metrics.jsonl}.
 
 
 rule train:
@@ -14,6 +15,7 @@ rule train:
     output:
         policy="results/training/{task}/{training_set}/{run}/seed_{seed}/policy.safetensors",
         last="results/training/{task}/{training_set}/{run}/seed_{seed}/last.safetensors",
+        checkpoints="results/training/{task}/{training_set}/{run}/seed_{seed}/checkpoints.zip",
         config="results/training/{task}/{training_set}/{run}/seed_{seed}/config.json",
         metrics="results/training/{task}/{training_set}/{run}/seed_{seed}/metrics.jsonl",
     log:

@@ -11,6 +11,7 @@ rule trial:
         **LIBRARY,
         policy=rules.train.output.policy,
         last=rules.train.output.last,
+        checkpoints=rules.train.output.checkpoints,
         config=rules.train.output.config,
         assets=lambda wildcards: task_assets(wildcards.task),
     output:

@@ -57,7 +57,9 @@ KINDS: dict[str, FileKind] = {
     "task": FileKind(_json(TaskAssets)),
     "attempts": FileKind(_with_companions("ledgers:read_attempts")),
     "episodes": FileKind(_with_companions("episode_store:check_episodes")),
-    "policy": FileKind(_with_companions("policy_folder:check_policy"), ("policy.safetensors", "last.safetensors")),
+    "policy": FileKind(
+        _with_companions("policy_folder:check_policy"), ("policy.safetensors", "last.safetensors", "checkpoints.zip")
+    ),
     "metrics": FileKind(_with_companions("ledgers:read_metrics")),
     "films": FileKind(read_films),
     "in_scene": FileKind(_json(SceneDemonstrations)),

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 from safetensors import safe_open
 
+from stages.contracts.archives import unpack
 from stages.contracts.arrays import readable
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json
@@ -15,7 +16,14 @@ AGAIN = "train the policy first"
 NORMALISER = {"proprio_mean": (9,), "proprio_std": (9,), "cloud_mean": (3,), "cloud_std": ()}
 NUMPY = {"F64", "F32", "F16", "I64", "I32", "I16", "I8", "U8", "BOOL"}
 PAPERS = "bc_rnn_gmm"
+CHECKPOINTS = "checkpoints.zip"
 Shapes = dict[str, tuple[int, ...]]
+
+
+def weights_of(folder: Path, name: str) -> Path:
+    """The file of weights that config.json calls `name`: beside it, or checkpoints/<file> of checkpoints.zip."""
+    inside = name.removeprefix("checkpoints/")
+    return folder / name if inside == name else unpack(folder / CHECKPOINTS, AGAIN, inside) / inside
 
 
 def read_config(folder: Path) -> TrainedPolicy:
@@ -58,5 +66,5 @@ def check_policy(path: Path) -> None:
     config = read_config(folder)
     shapes = check_weights(folder / "policy.safetensors", config)
     for name in ("last.safetensors", *config.checkpoints):
-        if check_weights(folder / name, config) != shapes:
+        if check_weights(weights_of(folder, name), config) != shapes:
             raise InputError(folder / name, "has other weights than policy.safetensors.", AGAIN)

@@ -34,7 +34,9 @@ class TrainedPolicy(Document):
     parameters: Count = Field(description="learned numbers of the network")
     best_step: Count
     best_loss: Finite | None = Field(description="validation loss of policy.safetensors; null: no validation")
-    checkpoints: list[RelativePath] = Field([], description="further weights kept for selection by rollouts")
+    checkpoints: list[RelativePath] = Field(
+        [], description="weights kept for selection by rollouts, in checkpoints.zip"
+    )
 
 
 class MetricsLine(RootModel[dict[Text, Finite | None]]):

@@ -7,7 +7,7 @@ from torch import Tensor
 
 from stages.contracts.errors import InputError
 from stages.contracts.files import atomic
-from stages.contracts.policy_folder import check_weights, read_config
+from stages.contracts.policy_folder import check_weights, read_config, weights_of
 from stages.policies import TrainablePolicy, make_policy
 
 FILES = {"best": "policy.safetensors", "last": "last.safetensors"}
@@ -31,7 +31,7 @@ def load_policy(folder: Path, checkpoint: str, device: str = "cpu") -> Trainable
     """
     config = read_config(folder)
     policy = make_policy(config.run)
-    path = folder / FILES.get(checkpoint, checkpoint)
+    path = weights_of(folder, FILES.get(checkpoint, checkpoint))
     check_weights(path, config)
     try:
         policy.load_state_dict(load_file(path))

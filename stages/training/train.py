@@ -11,8 +11,10 @@ import torch
 
 from stages.config.code import code_digest, cover
 from stages.config.training import TrainingRun
+from stages.contracts.archives import pack
 from stages.contracts.errors import InputError
-from stages.contracts.files import atomic, read_options, write_json, write_text
+from stages.contracts.files import read_options, write_json, write_text
+from stages.contracts.policy_folder import CHECKPOINTS
 from stages.contracts.trained import TrainedPolicy
 from stages.plugins import qualified
 from stages.policies import make_policy
@@ -78,10 +80,7 @@ def run(
     logbook.close()
 
     kept = sorted((setting.work / "checkpoints").glob("*.safetensors")) if hyper.keep else []
-    shutil.rmtree(out / "checkpoints", ignore_errors=True)
-    for path in kept:  # copied: the work folder stays whole until everything is written
-        with atomic(out / "checkpoints" / path.name) as temporary:
-            shutil.copyfile(path, temporary)
+    pack(setting.work / "checkpoints", out / CHECKPOINTS)  # the work folder stays whole until everything is written
     save_weights(out / FILES["last"], policy.state_dict())
     save_weights(out / FILES["best"], state.best)
     write_text(out / "metrics.jsonl", metrics.read_text(encoding="utf-8"))

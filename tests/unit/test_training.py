@@ -13,7 +13,7 @@ from safetensors.torch import load_file
 
 from stages.config.training import TrainingRun
 from stages.contracts.errors import InputError
-from stages.contracts.policy_folder import read_config
+from stages.contracts.policy_folder import read_config, weights_of
 from stages.policies import make_policy
 from stages.policies.checkpoint import load_policy
 from stages.training import loop
@@ -112,7 +112,7 @@ def test_writes_what_the_contract_says(store: Path, tmp_path: Path) -> None:
     assert config.training_episodes + config.validation_episodes == 10
     assert config.task_options.points == 96
     assert config.checkpoints == ["checkpoints/step_3.safetensors", "checkpoints/step_6.safetensors"]
-    kept = load_file(tmp_path / "policy" / config.checkpoints[-1])
+    kept = load_file(weights_of(tmp_path / "policy", config.checkpoints[-1]))
     last = load_file(tmp_path / "policy" / "last.safetensors")
     assert all(torch.equal(kept[name], last[name]) for name in last)
     policy = load_policy(tmp_path / "policy", "checkpoints/step_3.safetensors")
