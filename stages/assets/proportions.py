@@ -67,6 +67,18 @@ def usual(category: str) -> Usual | None:
     return Usual(extents.min(axis=0), extents.max(axis=0))
 
 
+def unusual(category: str | None, size: Matrix) -> str:
+    """What is odd about extents (depth, width, height), metres, of a thing of a category of ours; empty: nothing.
+
+    Which of depth and width is which does not matter.
+    """
+    known = usual(category or "")
+    if known is None or known.misfit(size[:2], float(size[2])) == 0:
+        return ""
+    shorter, longer = np.sort(size[:2])
+    return f"is {100 * shorter:.0f} by {100 * longer:.0f} cm, {100 * size[2]:.0f} cm high; usual are {known}"
+
+
 def likest(extents: Matrix, categories: Sequence[str]) -> str:
     """Of some categories of ours the one that has such proportions (3,), whatever the size; of several the first."""
 

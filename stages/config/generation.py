@@ -57,8 +57,8 @@ class GenerationConfig(Section):
     max_stretch: float | None = Field(
         2.0,
         ge=1,
-        description="From rank 2 on, cousins whose size is farther from the library's than by this factor, or "
-        "whose scales along the axes are farther apart, are passed over: a sofa is no stool. null: none (paper).",
+        description="Cousins whose size is farther from the library's than by this factor, or whose scales along the "
+        "axes are farther apart, are passed over: a sofa is no stool. null: none (paper).",
     )
     min_extent: float = Field(0.01, gt=0, description="Smallest extent of a placed asset, metres.")
 

@@ -17,7 +17,14 @@ class CategoryMatch(Contract):
     distance: Finite
 
 
-class Candidate(Contract):
+class Judged(Contract):
+    """What the judge that decided says of a candidate or a yaw, if it gives scores."""
+
+    score: Finite | None = Field(None, description="more is better; null: the judge gives none, or did not look at it")
+    terms: dict[str, Finite] = Field({}, description="what the score is made of, by name, before weights")
+
+
+class Candidate(Judged):
     """An asset compared with the object (paper A.6)."""
 
     asset: Id
@@ -29,15 +36,15 @@ class Candidate(Contract):
     votes: Count | None = Field(None, description="patches won in its voting round; null: not among the top k_model")
 
 
-class Orientation(Contract):
-    """A yaw snapshot compared with the object."""
+class Orientation(Judged):
+    """A way to stand: that of a snapshot compared with the object, or one that a judge found."""
 
     yaw: Angle = Field(description="turn of the asset about z as the camera sees it; 0: front faces the camera")
-    distance: NonNegative
+    distance: NonNegative | None = Field(None, description="of the snapshot at this yaw; null: there is none")
     votes: Count | None = None
 
 
-class Cousin(Contract):
+class Cousin(Judged):
     """One digital cousin, best first."""
 
     rank: Rank

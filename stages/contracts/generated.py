@@ -41,6 +41,9 @@ class PlacedObject(Contract):
         "floor", description="'floor', 'wall', the id of the object beneath, or 'unnamed': on what is no object here"
     )
     mounting: Mounting | None = None
+    cousin: Rank | None = Field(None, description="rank in cousins.json of the model that stands here")
+    steps: list[str] = Field([], description="what each step of placing changed, in order, and by how much")
+    doubts: list[str] = Field([], description="what a reader should not take for certain")
     moved: NonNegative = Field(0.0, description="xy distance it was pushed to resolve collisions, metres")
     settled_shift: NonNegative | None = Field(None, description="how far it moved in the settling test, metres")
 

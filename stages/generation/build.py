@@ -1,21 +1,22 @@
 """One scene: every object's cousin placed, resized, stacked and freed from collisions."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from itertools import islice
 from pathlib import Path
 
 from stages.config.generation import GenerationConfig
 from stages.contracts import Asset, InputError, read_json
 from stages.contracts.objects import SceneObject
 from stages.generation.collisions import resolve
+from stages.generation.doubts import doubts
 from stages.generation.extents import beyond_front
 from stages.generation.inputs import Inputs
 from stages.generation.meshes import visual_meshes
 from stages.generation.placed import Placed
 from stages.generation.placement import place, stacked
 from stages.generation.prisms import asset_prisms
-from stages.generation.sizing import fits
+from stages.generation.sizing import stretch
+from stages.generation.steps import told
 from stages.procedural.resize import resized
 
 
@@ -30,7 +31,7 @@ class Built:
 
 
 def placed_cousins(item: SceneObject, inputs: Inputs, options: GenerationConfig) -> Iterator[Placed]:
-    """An object's cousins at their places and sizes, best first: the first, and of the others those that fit.
+    """An object's cousins at their places, best first.
 
     Raises:
         InputError: the object has no cousin, or the library lacks it.
@@ -38,28 +39,43 @@ def placed_cousins(item: SceneObject, inputs: Inputs, options: GenerationConfig)
     ranked = inputs.ranked(item)
     if isinstance(ranked, str):
         raise InputError(item.id, ranked)
-    for index, cousin in enumerate(ranked):
+    for cousin in ranked:
         if cousin.asset not in inputs.folders:
             raise InputError(item.id, f"asset '{cousin.asset}' is not in the library")
         asset = read_json(Asset, inputs.folders[cousin.asset] / "asset.json")
         beyond = beyond_front(visual_meshes(inputs.folders[cousin.asset])) if options.depth_error else 0.0
         seen = inputs.bearings.get(item.id)
-        placed = place(item, cousin, asset, inputs.clouds[item.id], inputs.objects, options, beyond, seen)
-        if index == 0 or fits(asset.size, placed.box, options.max_stretch):
-            yield placed
+        yield place(item, cousin, asset, inputs.clouds[item.id], inputs.objects, options, beyond, seen)
 
 
-def placed_and_resized(
-    item: SceneObject, rank: int, inputs: Inputs, options: GenerationConfig, cache: Path
-) -> tuple[Placed, Path]:
-    """An object's cousin of a rank, the last one if fewer fit, and the folder of the asset at its size.
+def chosen(placed: Iterable[Placed], rank: int, limit: float | None) -> Placed:
+    """The cousin that stands in the scene of a rank: of those that fit, best first, the one of that rank.
 
-    Raises:
-        InputError: the object has no cousin, or the asset is missing or cannot be resized.
+    Where fewer fit, the last of them; where none does, the one that is stretched least. It says so.
+
+    Args:
+        placed: the cousins at their places, best first.
+        limit: how far they may be stretched; None: they all fit.
     """
-    *_, placed = islice(placed_cousins(item, inputs, options), rank)
-    folder = resized(inputs.folders[placed.asset.id], placed.size.tolist(), cache)
-    return replace(placed, asset=read_json(Asset, folder / "asset.json")), folder
+    fitting: list[Placed] = []
+    passed: list[tuple[float, Placed]] = []
+    for one in placed:
+        times = stretch(one.asset.size, one.box)
+        if limit is None or times <= limit:
+            fitting.append(one)
+        else:
+            passed.append((times, one))
+        if len(fitting) == rank:
+            break
+    over = ", ".join(f"{one.cousin} ({times:.1f})" for times, one in passed)
+    steps = (f"passed over, for so many times they would be stretched: cousins {over}",) if over else ()
+    if not fitting:
+        times, least = min(passed, key=lambda one: one[0])
+        return replace(least, doubts=(f"no cousin has its size: this one is stretched {times:.1f} times",))
+    if len(fitting) < rank:
+        doubt = f"only {len(fitting)} of its cousins have its size: the last of them stands here again"
+        return replace(fitting[-1], steps=(*steps, *fitting[-1].steps), doubts=(doubt,))
+    return replace(fitting[-1], steps=(*steps, *fitting[-1].steps))
 
 
 def build(inputs: Inputs, rank: int, options: GenerationConfig, cache: Path) -> Built:
@@ -71,10 +87,14 @@ def build(inputs: Inputs, rank: int, options: GenerationConfig, cache: Path) -> 
     items, folders, failed = [], {}, {}
     for item in inputs.objects.objects:
         try:
-            placed, folders[item.id] = placed_and_resized(item, rank, inputs, options, cache)
-            items.append(placed)
+            placed = chosen(placed_cousins(item, inputs, options), rank, options.max_stretch)
+            folders[item.id] = resized(inputs.folders[placed.asset.id], placed.size.tolist(), cache)
+            items.append(replace(placed, asset=read_json(Asset, folders[item.id] / "asset.json")))
         except InputError as error:
             failed[item.id] = error.what
     prisms = {item.id: asset_prisms(folders[item.id]) for item in items}
-    result = resolve(stacked(items, prisms, options), prisms, inputs.objects.walls, options)
-    return Built(result.items, folders, failed, result.left)
+    stood = stacked(items, prisms, options)
+    result = resolve(stood, prisms, inputs.objects.walls, options)
+    apart = told("out of collisions", stood, result.items)
+    doubted = [replace(item, doubts=(*item.doubts, *doubts(item, inputs.objects.walls))) for item in apart]
+    return Built(doubted, folders, failed, result.left)

@@ -49,6 +49,9 @@ def scene_of(built: Built, settled: Settled, inputs: Inputs, variant: str, rank:
                 size=rounded(item.size),
                 support=item.support,
                 mounting=item.mounting,
+                cousin=item.cousin,
+                steps=list(item.steps),
+                doubts=list(item.doubts),
                 moved=round(item.moved, 6),
                 settled_shift=settled.shifts[item.id],
             )
@@ -81,6 +84,7 @@ def summary(scene: GeneratedScene, left: list[tuple[str, str]]) -> str:
     held = [item.id for item in scene.objects if item.support == UNNAMED]
     if held:
         parts.append(f"held where seen, for what carries it is not named: {', '.join(held)}")
+    parts += [f"{item.id}: {what}" for item in scene.objects for what in item.doubts if item.support != UNNAMED]
     parts += [f"{a} and {b} still collide" for a, b in left]
     return "; ".join(parts)
 

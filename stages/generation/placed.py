@@ -15,7 +15,8 @@ FLOOR, WALL, UNNAMED = "floor", "wall", "unnamed"
 @dataclass(frozen=True)
 class Placed:
     """An asset whose closed box is `box` (floor frame). `support`: 'floor', 'wall', the id of the object
-    beneath, or 'unnamed': it is seen to stand on something that is no object of the scene."""
+    beneath, or 'unnamed': it is seen to stand on something that is no object of the scene. `cousin`: its rank in
+    cousins.json; `steps`: what each step changed so far; `doubts`: what should not be taken for certain."""
 
     id: str
     label: str
@@ -24,6 +25,9 @@ class Placed:
     mounting: Mounting
     support: str = FLOOR
     moved: float = 0.0
+    cousin: int | None = None
+    steps: tuple[str, ...] = ()
+    doubts: tuple[str, ...] = ()
 
     @property
     def center(self) -> NDArray[np.float64]:

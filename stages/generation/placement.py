@@ -1,6 +1,7 @@
 """From one matched object to a placed asset, and from all of them to a scene (paper 2.1, A.3, A.7)."""
 
 from collections.abc import Mapping
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ from stages.generation.placed import Placed
 from stages.generation.pose import rear_at_wall, rectangularity, turned_to, wall_axes
 from stages.generation.prisms import Prism, Surface, placed_prisms, surface_beneath
 from stages.generation.sizing import as_wide_as_seen, believable_box, round_box, sight_yaw, told_box
+from stages.generation.steps import Change, changed, told
 from stages.generation.support import sorted_by_height, support_tree
 from stages.geometry.boxes import UprightBox, volume
 from stages.geometry.viewing import view_yaw
@@ -116,22 +118,34 @@ def place(
     yaw = final_yaw(
         matched_yaw(cousin, extracted, camera, touched, options), item.box, cloud, touched, asset.articulated, options
     )
+    at_least = options.min_extent
     if item.whole:
-        told = told_box(extracted, yaw, reached, options.min_extent)
-        return Placed(item.id, item.label, asset, told if reached else out_of_walls(told, scene.walls), mounting)
-    axes = sight_yaw(extracted, camera) if is_round else yaw
-    box = measured_box(cloud, extracted, axes, camera, options.trim, options.depth_error, beyond, not is_round)
-    for wall in reached:
-        box = against_wall(box, wall, options.min_extent)
-    if is_round:
-        box = as_wide_as_seen(box, camera, bearings) if bearings else box
-        box = round_box(box, options.aspect_range)._replace(yaw=yaw)
-    elif native:
-        box = sized(box, cloud, asset, mounting, reached, camera, options)
+        changes: list[tuple[str, Change]] = [
+            ("as the input tells it", lambda box: told_box(box, yaw, reached, at_least))
+        ]
+    else:
+        axes = sight_yaw(extracted, camera) if is_round else yaw
+
+        def measured(box: UprightBox) -> UprightBox:
+            return measured_box(cloud, box, axes, camera, options.trim, options.depth_error, beyond, not is_round)
+
+        def deep(box: UprightBox) -> UprightBox:
+            if is_round:
+                return round_box(box, options.aspect_range)._replace(yaw=yaw)
+            return sized(box, cloud, asset, mounting, reached, camera, options)
+
+        changes = [("measured along the model's axes", measured)]
+        for wall in reached:
+            changes.append((f"rear to {wall.id}", partial(against_wall, wall=wall, min_extent=at_least)))
+        if is_round and bearings:
+            changes.append(("as wide as its outline", partial(as_wide_as_seen, camera=camera, bearings=bearings)))
+        if native:
+            changes.append(("as deep as it can be", deep))
     if not reached:
-        box = out_of_walls(box, scene.walls)
-    box = box._replace(size=np.maximum(np.asarray(box.size), options.min_extent))
-    return Placed(item.id, item.label, asset, box, mounting)
+        changes.append(("out of walls", partial(out_of_walls, walls=scene.walls)))
+    changes.append(("least extent", lambda box: box._replace(size=np.maximum(box.size, at_least))))
+    box, steps = changed(extracted, changes)
+    return Placed(item.id, item.label, asset, box, mounting, cousin=cousin.rank, steps=steps)
 
 
 def stacked(items: list[Placed], prisms: Mapping[str, list[Prism]], options: GenerationConfig) -> list[Placed]:
@@ -142,4 +156,6 @@ def stacked(items: list[Placed], prisms: Mapping[str, list[Prism]], options: Gen
 
     ordered = sorted_by_height(items)
     supports = support_tree(ordered, options.support_overlap, options.stack_tolerance, beneath)
-    return on_supports(ordered, supports, beneath, steady=options.stack_tolerance is not None)
+    return told(
+        "on what carries it", ordered, on_supports(ordered, supports, beneath, options.stack_tolerance is not None)
+    )

@@ -92,11 +92,11 @@ def believable_box(
     return UprightBox(center - np.sign(along[depth]) * growth / 2 * yaw_matrix(box.yaw)[:, depth], size, box.yaw)
 
 
-def fits(native: ArrayLike, box: UprightBox, limit: float | None) -> bool:
-    """Whether an asset stays what it is in a box: no scale, and no two scales to each other, beyond `limit`.
+def stretch(native: ArrayLike, box: UprightBox) -> float:
+    """How far an asset is stretched in a box, 1 or more: as a whole, or one axis against another, whatever is more.
 
     A sofa of 2 m is no stool: it would be squeezed to a fifth of its width.
     """
     scales = np.asarray(box.size, dtype=float) / np.asarray(native, dtype=float)
-    low, high = float(scales.min()), float(scales.max())
-    return limit is None or (high <= limit * low and 1 / limit <= float(np.median(scales)) <= limit)
+    middle = float(np.median(scales))
+    return max(float(scales.max() / scales.min()), middle, 1 / middle)

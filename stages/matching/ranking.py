@@ -203,6 +203,8 @@ def rank_cousins(
         chosen = abstained.chosen + [one for one in by_distance if one not in abstained.chosen]
         decided_by = decided_by if abstained.chosen else BY_DISTANCE
         notes.append(f"models from {len(abstained.chosen) + 1} on by distance: {abstained.reason}")
+    judged = {one.asset: one for one in chosen}
+    by_distance = [judged.get(one.asset, one) for one in by_distance]
     cousins = []
     for number, candidate in enumerate(chosen[: options.k_cousins], 1):
         voted, near = orientations_of(candidate.asset)

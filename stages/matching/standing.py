@@ -3,7 +3,6 @@
 import numpy as np
 
 from stages.contracts import Objects
-from stages.contracts.cousins import Orientation
 from stages.contracts.objects import SceneObject, Wall
 from stages.geometry.frames import wrap_angle
 
@@ -21,8 +20,3 @@ def aligned_yaws(item: SceneObject, wall: Wall | None) -> list[float]:
     assert item.box is not None
     first = item.box.yaw if wall is None else float(np.arctan2(wall.normal[1], wall.normal[0]))
     return [wrap_angle(first + quarter) for quarter in QUARTERS]
-
-
-def nearest_view(yaw: float, views: list[Orientation]) -> Orientation:
-    """The view whose yaw is nearest."""
-    return min(views, key=lambda view: abs(wrap_angle(view.yaw - yaw)))

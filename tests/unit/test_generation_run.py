@@ -15,17 +15,20 @@ from stages.contracts.cousins import Cousin, ObjectCousins, Orientation
 from stages.contracts.library_folder import AssetFolders, write_part
 from stages.contracts.objects import Box, Mounting, SceneObject, Wall
 from stages.generation.build import build
+from stages.generation.doubts import doubts
 from stages.generation.draw import run as draw
 from stages.generation.extents import beyond_front
 from stages.generation.generate import physics_check, run, scene_of, summary
 from stages.generation.inputs import Inputs, read_inputs
 from stages.generation.meshes import collision_pieces, visual_meshes
+from stages.generation.placed import Placed
 from stages.generation.settling import load_items, settle
 from stages.geometry.cameras import intrinsics_from_fov, look_at
 from stages.geometry.frames import yaw_matrix
 from stages.procedural import build as build_asset
 from stages.procedural.catalogue import sample
 from stages.simulation.loading import add_ground, physics_scene
+from tests.unit.generation_scenes import thing
 
 WIDTH, HEIGHT = 160, 120
 CABINET = ((3.0, 0.2, 0.4), (0.5, 0.9, 0.8))  # centre and extents; its rear 5 cm from the wall x = 3.3
@@ -34,9 +37,9 @@ MUG = ((2.95, 0.3, 0.85), (0.1, 0.1, 0.1))
 
 def _library(folder: Path) -> Path:
     for category in ("bottom_cabinet", "mug"):
-        for index in range(2):
+        for index, number in enumerate((1, 3)):  # those that fit the cabinet
             name = f"{category}_{index}"
-            build_asset(sample(category, index, 0), None, folder / "models" / name, name, category)
+            build_asset(sample(category, number, 0), None, folder / "models" / name, name, category)
     write_part(folder / "library.json", folder / "models")
     return folder / "library.json"
 
@@ -256,14 +259,42 @@ def test_what_stands_on_something_unnamed_is_held_and_said(scene: dict[str, Path
     assert summary(made, []).endswith("what carries it is not named: mug_1")
 
 
-def test_a_cousin_that_would_be_squeezed_is_passed_over(scene: dict[str, Path], tmp_path: Path) -> None:
+def test_a_cousin_that_would_be_squeezed_is_passed_over_at_every_rank(scene: dict[str, Path], tmp_path: Path) -> None:
     inputs = read_inputs(scene["cousins"], scene["objects"], scene["library"])
     found = inputs.cousins["mug_1"]
-    large = found.cousins[0].model_copy(update={"asset": "bottom_cabinet_0", "rank": 2})
-    inputs.cousins["mug_1"] = found.model_copy(update={"cousins": [found.cousins[0], large]})
-    for limit, asset in ((2.0, "mug_0"), (None, "bottom_cabinet_0")):
-        built = build(inputs, 2, GenerationConfig(max_stretch=limit), tmp_path)
-        assert next(item.asset.id for item in built.items if item.id == "mug_1") == asset
+    small = found.cousins[0].model_copy(update={"rank": 2})
+    large = found.cousins[0].model_copy(update={"asset": "bottom_cabinet_0", "rank": 1})
+
+    def mug(rank: int, cousins: list[Cousin], limit: float | None = 2.0) -> Placed:
+        inputs.cousins["mug_1"] = found.model_copy(update={"cousins": cousins})
+        built = build(inputs, rank, GenerationConfig(max_stretch=limit), tmp_path)
+        return next(item for item in built.items if item.id == "mug_1")
+
+    first, second = mug(1, [large, small]), mug(2, [large, small])
+    assert (first.asset.id, first.cousin, first.doubts) == ("mug_0", 2, ())
+    assert first.steps[0].startswith("passed over, for so many times they would be stretched: cousins 1 (")
+    assert second.asset.id == "mug_0" and second.doubts[0].startswith("only 1 of its cousins have its size")
+    none = mug(1, [large])
+    assert none.asset.id == "bottom_cabinet_0" and none.doubts[0].startswith("no cousin has its size: this one is")
+    assert mug(1, [large, small], None).asset.id == "bottom_cabinet_0"
+
+
+def test_the_story_of_a_place_is_told(made: Path) -> None:
+    cabinet, mug = read_json(GeneratedScene, made / "scene_1.json").objects[:2]
+    assert cabinet.cousin == 1 and cabinet.doubts == []
+    assert cabinet.steps[1] == "rear to wall_1: 0.589 x 0.889 x 0.800 m, moved 3.3 cm"
+    assert mug.steps == ["measured along the model's axes: turned +180.0°, 0.076 x 0.097 x 0.100 m"]
+
+
+def test_what_is_too_large_or_behind_a_wall_is_doubted() -> None:
+    back = Wall(id="wall_1", normal=(-1, 0, 0), offset=-4.0, points=100)  # seen from x < 4
+    mirror = thing("mirror", (4.2, 0, 1.5), (0.6, 2.2, 2.65))
+    assert doubts(mirror, [back]) == [
+        "is 60 by 220 cm, 265 cm high; usual are 3 to 4 by 35 to 63 cm, 77 to 128 cm high",
+        "reaches 50 cm behind wall_1",
+    ]
+    assert doubts(thing("mirror", (3.9, 0, 1.5), (0.04, 0.6, 0.9)), [back]) == []
+    assert len(doubts(thing("gizmo", (0, 0, 1.5), (9, 9, 9), support="unnamed"), [])) == 1
 
 
 def test_what_has_toppled_has_fallen_however_near_it_lies(scene: dict[str, Path], tmp_path: Path) -> None:

@@ -138,6 +138,7 @@ def test_a_box_fits_best_at_its_own_yaw(library: Path, yaw: float) -> None:
     judge = Geometry(MatchingConfig())
     best, *rest = judge.orientations(question(library, yaw), "two", [], views(0.0, 2.0))
     assert wrap_angle(best.yaw - (yaw - TOWARDS)) == pytest.approx(0, abs=0.03)
+    assert best.distance is None and best.score == max(one.score for one in (best, *rest))
     assert len(rest) == 5  # three quarter turns, and two views
 
 
@@ -148,6 +149,9 @@ def test_panels_tell_models_apart(library: Path) -> None:
         ranked = judge.models(question(library, 0.3, panels), [], given)
         assert ranked[0].asset == name
         assert ranked[-1].asset == "unseen"  # beyond the nearest: by distance
+        scores = [one.score for one in ranked[:-1]]
+        assert None not in scores and scores == sorted(scores, reverse=True) and ranked[-1].score is None
+        assert set(ranked[0].terms) == {"outline", "depth", "lines", "colour", "proportions", "priors"}
 
 
 def test_textures_and_patches_count_for_nothing_priors_do(library: Path) -> None:

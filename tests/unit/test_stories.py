@@ -111,8 +111,8 @@ def placed(**changes: Any) -> PlacedObject:
         (
             {},
             {},
-            {"support": "unnamed"},
-            "stands on something that was not named, and is held there: name what carries it",
+            {"doubts": ["stands on something that was not named"]},
+            "stands on something that was not named",
         ),
         ({}, {}, {"status": "failed", "reason": "no room"}, "not placed: no room"),
     ],

@@ -1,5 +1,6 @@
-"""One micro run of the whole workflow, made once and shared by all workers."""
+"""One micro run of the whole workflow, made once and shared by all workers; kept in the folder MICRO_RUN if that is set."""
 
+import os
 from pathlib import Path
 
 import pytest
@@ -12,8 +13,9 @@ def run(tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> Path:
     """A finished run that nobody changes; `workspace.copy` gives one to change."""
     base = tmp_path_factory.getbasetemp()
     shared = base if worker_id == "master" else base.parent
-    folder, log = shared / "micro", shared / "micro.log"
-    with only_one(shared / "micro.lock"):
+    folder = Path(os.environ.get("MICRO_RUN", shared / "micro"))
+    log = folder.with_name("micro.log")
+    with only_one(folder.with_name("micro.lock")):
         if not folder.exists():
             done = snakemake(make(folder), "all", *MICRO)
             log.write_text(("" if done.returncode == 0 else "failed\n") + done.stdout)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.assets.discover import category_in
-from stages.assets.proportions import sizes_of
+from stages.assets.proportions import unusual
 from stages.extraction.by_hand.metrology import (
     MetrologyError,
     RearCornerError,
@@ -26,7 +26,6 @@ from stages.geometry.frames import yaw_matrix
 NEAREST, FARTHEST = 0.05, 30.0  # metres: a camera is nowhere else above the floor
 EDGE = 6.0  # pixels beside the top of an object that still count as on it
 THINNEST = 0.002  # metres
-ODD = 1.4  # times beyond the extents of our models a box is doubted
 BEHIND = 0.05  # of the picture's height, that the foot of what stands may be marked above the top that it stands on
 NEARER = 0.7  # of its distance at least, at which something that was marked too high is put onto what carries it
 SIDES = {"width": 0, "depth": 1, "height": 2}
@@ -64,13 +63,7 @@ def _unusual(item: DrawnObject, box: UprightBox) -> str:
     size = np.asarray(box.size, dtype=float)
     if size.min() < THINNEST:
         return f"would be {1000 * size.min():.1f} mm thin: draw it anew"
-    ours = sizes_of(category_in(item.label) or "")
-    drawn = size[[0, 1] if item.faces in ("left", "right") else [1, 0]]
-    for name, extent, known in zip(("deep", "wide", "high"), (*drawn, size[2]), ours.T, strict=True):
-        if len(known) and not known.min() / ODD < extent < known.max() * ODD:
-            usual = f"{100 * known.min():.0f} to {100 * known.max():.0f} cm {name}"
-            return f"is {100 * extent:.0f} cm {name}, ours are {usual}: is that right?"
-    return ""
+    return unusual(category_in(item.label), size)
 
 
 class _Room:

@@ -11,7 +11,6 @@ from stages.config.matching import MatchingConfig
 from stages.contracts.cousins import Candidate, Orientation
 from stages.matching.judges import Question
 from stages.matching.priors import added
-from stages.matching.standing import nearest_view
 from stages.matching.synthesis.fits import Fit
 from stages.matching.synthesis.workbench import Workbench
 
@@ -29,11 +28,14 @@ class Judge:
         """The nearest by their best fit, ties by distance; then the others."""
         near, rest = by_distance[: self.weights.nearest], by_distance[self.weights.nearest :]
 
-        def value(candidate: Candidate) -> float:
-            best = self._fits(question, candidate.asset)[0].score(self.weights)
-            return round(best - self.weights.priors * added(candidate), DIGITS)
+        def judged(candidate: Candidate) -> Candidate:
+            fit = self._fits(question, candidate.asset)[0]
+            known = added(candidate)
+            terms = _rounded(fit) | {"priors": round(known, DIGITS)}
+            score = round(fit.score(self.weights) - self.weights.priors * known, DIGITS)
+            return candidate.model_copy(update={"score": score, "terms": terms})
 
-        return sorted(near, key=value, reverse=True) + rest
+        return sorted(map(judged, near), key=lambda one: one.score or 0.0, reverse=True) + rest
 
     def orientations(
         self, question: Question, asset: str, by_votes: list[Orientation], by_distance: list[Orientation]
@@ -41,7 +43,9 @@ class Judge:
         """By fit: turned along the wall or the object's box, and, away from walls, as in the k_ori nearest views."""
         views = [] if self.workbench.fitter(question).touches else by_distance[: self.options.k_ori]
         fits = self._fits(question, asset, [view.yaw for view in views])
-        return [nearest_view(fit.yaw, by_distance).model_copy(update={"yaw": fit.yaw}) for fit in fits]
+        return [
+            Orientation(yaw=fit.yaw, score=round(fit.score(self.weights), DIGITS), terms=_rounded(fit)) for fit in fits
+        ]
 
     def _fits(self, question: Question, asset: str, views: Sequence[float] = ()) -> list[Fit]:
         """Best first."""
@@ -49,3 +53,7 @@ class Judge:
         yaws = fitter.aligned + [fitter.floor_yaw(view) for view in views]
         fits = fitter.fit(self.workbench.solid(question, asset), yaws)
         return sorted(fits, key=lambda fit: round(fit.score(self.weights), DIGITS), reverse=True)
+
+
+def _rounded(fit: Fit) -> dict[str, float]:
+    return {name: round(float(value), DIGITS) for name, value in fit.terms._asdict().items()}

@@ -10,7 +10,7 @@ from stages.contracts.cousins import Candidate, Orientation
 from stages.geometry.viewing import view_angle
 from stages.matching.judges import AbstainedError, Question
 from stages.matching.priors import added
-from stages.matching.standing import aligned_yaws, nearest_view, touched_wall
+from stages.matching.standing import aligned_yaws, touched_wall
 
 DIGITS = 4  # of sums: what is equal up to here is a tie
 
@@ -35,4 +35,4 @@ class Judge:
         wall, eye = touched_wall(item, scene), np.array(scene.floor_from_camera)[:3, 3]
         yaws = [view_angle(eye, item.box.center, yaw) for yaw in aligned_yaws(item, wall)]
         ordered = sorted(yaws, key=abs) if wall is None else yaws
-        return [nearest_view(yaw, by_distance).model_copy(update={"yaw": yaw}) for yaw in ordered]
+        return [Orientation(yaw=yaw) for yaw in ordered]

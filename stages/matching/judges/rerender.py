@@ -40,8 +40,5 @@ class Judge:
         _, distances = compare(
             query, lambda number: rows[shown[number]], len(shown), self.options, symmetric=self.options.symmetric
         )
-        again = [
-            near[number].model_copy(update={"distance": round(float(distance), DIGITS)})
-            for number, distance in zip(shown, distances, strict=True)
-        ]
-        return sorted(again, key=lambda one: one.distance)
+        again = sorted(zip(distances.round(DIGITS), shown, strict=True))
+        return [near[number].model_copy(update={"distance": float(distance)}) for distance, number in again]

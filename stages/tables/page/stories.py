@@ -162,6 +162,7 @@ def _facts(entry: ObjectCousins, item: SceneObject, placed: PlacedObject | None)
             f"{placed.asset.replace('_', ' ')} {on}, {_metres(placed.size)}, turned by {np.degrees(placed.yaw):.0f}°"
         )
         facts.append(("placed", place))
+        facts += [("then" if number else "how", what) for number, what in enumerate(placed.steps)]
     return facts
 
 
@@ -187,7 +188,8 @@ def _agree(item: SceneObject) -> bool:
 
 def _rival(one: Candidate, entry: ObjectCousins, album: Album, snapshots: Snapshots) -> Rival:
     ranks = {cousin.asset: cousin.rank for cousin in entry.cousins}
-    about = [f"{name} {value:.2f}" for name, value in one.parts.items()]
+    about = [f"score {one.score:.2f}"] if one.score is not None else []
+    about += [f"{name} {value:.2f}" for name, value in (one.terms or one.parts).items()]
     about += [f"{one.votes} votes"] if one.votes is not None else []
     view = snapshots.picture(one.asset)
     picture = album.put(view, f"{one.asset}, compared with {entry.id}", SIZE // 2) if view else None
@@ -221,8 +223,7 @@ def doubts(entry: ObjectCousins, item: SceneObject, placed: PlacedObject | None,
         ours, clouds = sorted(placed.size[:2]), sorted(item.box.size[:2])
         if any(abs(a / max(b, 1e-6) - 1) > ANOTHER_SIZE for a, b in zip(ours, clouds, strict=True)):
             found.append("placed with another depth or width than its cloud has: the far side is hidden")
-    if placed.support == "unnamed":
-        found.append("stands on something that was not named, and is held there: name what carries it")
+    found += placed.doubts
     if placed.moved > MOVED:
         found.append(f"pushed {100 * placed.moved:.0f} cm out of a collision")
     if placed.settled_shift is not None and placed.settled_shift > SHIFTED:

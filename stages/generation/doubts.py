@@ -1,0 +1,25 @@
+"""What of a placed object should not be taken for certain: its size, its place, what holds it."""
+
+import numpy as np
+
+from stages.assets.discover import category_in
+from stages.assets.proportions import unusual
+from stages.contracts.objects import Wall
+from stages.generation.placed import UNNAMED, Placed
+from stages.geometry.boxes import corners
+
+BEHIND = 0.05  # metres
+
+
+def doubts(item: Placed, walls: list[Wall]) -> list[str]:
+    """In words; none: nothing is odd."""
+    found = []
+    if what := unusual(category_in(item.label), item.size):
+        found.append(what)
+    for wall in walls:
+        behind = wall.offset - float((corners(item.box) @ np.asarray(wall.normal)).min())
+        if behind > BEHIND:
+            found.append(f"reaches {100 * behind:.0f} cm behind {wall.id}")
+    if item.support == UNNAMED:
+        found.append("stands on something that was not named, and is held there: name what carries it")
+    return found
