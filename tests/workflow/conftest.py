@@ -1,4 +1,4 @@
-"""One micro run of the whole workflow, made once and shared by all workers; kept in the folder MICRO_RUN if that is set."""
+"""One micro run of the whole workflow, made once and shared by all workers, in the folder MICRO_RUN if that is set."""
 
 import os
 from pathlib import Path

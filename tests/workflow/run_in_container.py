@@ -1,8 +1,8 @@
 """Run the micro config in its images with podman, by profiles/podman, and compare every file with a run on the host.
 
 Called by containers/check.sh with the families whose images are built; with all three the whole workflow runs, with
-`report` alone the rules of its family, on what a run on the host left (that of MICRO_RUN, if that is set). With `workflow` the all-in-one image makes the
-library, too. It is a script because pytest must not need podman.
+`report` alone the rules of its family, on what a run on the host left: that in MICRO_RUN, if that is set. With
+`workflow` the all-in-one image makes the library, too. It is a script because pytest must not need podman.
 """
 
 import os
