@@ -22,7 +22,8 @@ ROOM = "results/scenes/room_1/truth.json"
 
 def start(cluster: Cluster, folder: Path, *arguments: str) -> subprocess.Popen[bytes]:
     """Snakemake on the cluster; what it prints is appended to out.log."""
-    command = [str(Path(sys.executable).parent / "snakemake"), *PROFILES, *arguments]
+    heeds = ["env", "--default-signal=INT"]  # Ctrl-C, also where a shell has started the tests in the background
+    command = [*heeds, str(Path(sys.executable).parent / "snakemake"), *PROFILES, *arguments]
     with (folder / "out.log").open("ab") as log:
         return subprocess.Popen(
             command, cwd=folder, env=os.environ | cluster.environment, stdout=log, stderr=log, start_new_session=True
