@@ -52,11 +52,24 @@ class Plausibility(Contract):
     """Physics check of the scene: load it, let it settle for `seconds`."""
 
     seconds: NonNegative
-    stable: bool
+    stable: bool = Field(description="nothing has fallen or overlaps, is held without a wall, or reaches behind one")
     fallen: list[str] = Field(description="objects that dropped or tipped")
+    held: list[str] = Field([], description="objects kept where they were seen, since what carries them is not named")
+    behind: list[str] = Field([], description="objects that reach behind a wall")
     mean_displacement: NonNegative
     max_penetration: NonNegative
     collisions: Count
+
+    @property
+    def wrong(self) -> str:
+        """What keeps the scene from being stable, in words; empty: nothing does."""
+        named = {
+            "fallen": self.fallen,
+            "held, for what carries it is not named": self.held,
+            "behind a wall": self.behind,
+        }
+        told = [f"{what}: {', '.join(names)}" for what, names in named.items() if names]
+        return "; ".join(told + ([f"{self.collisions} collisions"] if self.collisions else []))
 
 
 class GeneratedScene(Document):
@@ -90,7 +103,7 @@ class GeneratedScene(Document):
             check_mounting(item.id, item.mounting, walls)
         placed = {item.id: item.support for item in self.objects if item.status == "ok"}
         check_supports(placed, ("floor", "wall", "unnamed"))
-        strangers = set(self.plausibility.fallen if self.plausibility else []) - set(placed)
-        if strangers:
-            raise ValueError(f"plausibility.fallen: names '{min(strangers)}', which is not placed")
+        for kind in ("fallen", "held", "behind") if self.plausibility else ():
+            if strangers := set(getattr(self.plausibility, kind)) - set(placed):
+                raise ValueError(f"plausibility.{kind}: names '{min(strangers)}', which is not placed")
         return self

@@ -54,7 +54,7 @@ def settled(scene: GeneratedScene, placed: PlacedObject) -> dict[str, object]:
     if check is None or not check.seconds:
         return {}
     return {
-        "stable": placed.id not in check.fallen,
+        "stable": placed.id not in [*check.fallen, *check.held, *check.behind],
         "shift_cm": None if placed.settled_shift is None else 100 * placed.settled_shift,
         "penetration_cm": 100 * check.max_penetration,
     }

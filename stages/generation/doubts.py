@@ -11,14 +11,18 @@ from stages.geometry.boxes import corners
 BEHIND = 0.05  # metres
 
 
+def reach_behind(item: Placed, wall: Wall) -> float:
+    """How far an object's box reaches behind a wall, metres; negative: it is before it."""
+    return wall.offset - float((corners(item.box) @ np.asarray(wall.normal)).min())
+
+
 def doubts(item: Placed, walls: list[Wall]) -> list[str]:
     """In words; none: nothing is odd."""
     found = []
     if what := unusual(category_in(item.label), item.size):
         found.append(what)
     for wall in walls:
-        behind = wall.offset - float((corners(item.box) @ np.asarray(wall.normal)).min())
-        if behind > BEHIND:
+        if (behind := reach_behind(item, wall)) > BEHIND:
             found.append(f"reaches {100 * behind:.0f} cm behind {wall.id}")
     if item.support == UNNAMED:
         found.append("stands on something that was not named, and is held there: name what carries it")

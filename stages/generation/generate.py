@@ -11,7 +11,6 @@ from stages.contracts import GeneratedScene, InputError, read_options, write_jso
 from stages.contracts.generated import PlacedObject
 from stages.generation.build import Built, build
 from stages.generation.inputs import Inputs, read_inputs
-from stages.generation.placed import UNNAMED
 from stages.generation.settling import Settled, load_items, settle
 from stages.geometry.frames import rounded
 from stages.simulation.backdrop import add_backdrop
@@ -24,7 +23,7 @@ def physics_check(built: Built, inputs: Inputs, options: GenerationConfig) -> Se
     camera = np.array(inputs.objects.floor_from_camera)[:3, 3]
     add_backdrop(scene, [item.box for item in built.items], inputs.objects.walls, camera)
     bodies = load_items(scene, built.items, built.folders)
-    return settle(scene, bodies, built.items, len(built.left), options)
+    return settle(scene, bodies, built.items, len(built.left), options, inputs.objects.walls)
 
 
 def scene_of(built: Built, settled: Settled, inputs: Inputs, variant: str, rank: int) -> GeneratedScene:
@@ -79,12 +78,9 @@ def summary(scene: GeneratedScene, left: list[tuple[str, str]]) -> str:
     if failed:
         parts.append(f"failed {', '.join(failed)}")
     if check is not None:
-        parts.append("stable" if check.stable else f"NOT stable, fallen: {', '.join(check.fallen) or 'none'}")
+        parts.append("stable" if check.stable else f"NOT stable: {check.wrong}")
         parts.append(f"penetration {1000 * check.max_penetration:.1f} mm")
-    held = [item.id for item in scene.objects if item.support == UNNAMED]
-    if held:
-        parts.append(f"held where seen, for what carries it is not named: {', '.join(held)}")
-    parts += [f"{item.id}: {what}" for item in scene.objects for what in item.doubts if item.support != UNNAMED]
+    parts += [f"{item.id}: {what}" for item in scene.objects for what in item.doubts]
     parts += [f"{a} and {b} still collide" for a, b in left]
     return "; ".join(parts)
 

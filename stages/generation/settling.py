@@ -1,6 +1,6 @@
 """The physics check: put the scene into SAPIEN, let it settle, and see what moves (CPU PhysX)."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeAlias
@@ -13,7 +13,9 @@ from scipy.spatial.transform import Rotation
 
 from stages.config.generation import GenerationConfig
 from stages.contracts.generated import Plausibility
-from stages.generation.placed import Placed
+from stages.contracts.objects import Wall
+from stages.generation.doubts import BEHIND, reach_behind
+from stages.generation.placed import UNNAMED, Placed
 from stages.simulation.loading import load_asset, root_pose
 
 Body: TypeAlias = PhysxArticulation | sapien.Entity
@@ -68,12 +70,14 @@ def settle(
     items: list[Placed],
     collisions: int,
     options: GenerationConfig,
+    walls: Sequence[Wall] = (),
 ) -> Settled:
     """Run the scene for `settle_seconds` and compare where everything is with where it was put.
 
     Args:
         scene: holds the bodies of `load_items`, a floor and the walls.
         collisions: pairs of collision shapes that the pushes could not free.
+        walls: what reaches behind one is wrong, however still it stands.
     """
     steps = round(options.settle_seconds / scene.timestep)
     penetration = 0.0
@@ -89,10 +93,14 @@ def settle(
         if shift > options.fallen_distance or _tilt(pose) > options.fallen_tilt:
             fallen.append(item.id)
     free = [shifts[item.id] for item in items if not item.held]
+    held = [item.id for item in items if item.support == UNNAMED]
+    behind = [item.id for item in items if any(reach_behind(item, wall) > BEHIND for wall in walls)]
     verdict = Plausibility(
         seconds=options.settle_seconds,
-        stable=not fallen and not collisions,
+        stable=not (fallen or collisions or held or behind),
         fallen=fallen,
+        held=held,
+        behind=behind,
         mean_displacement=round(float(np.mean(free)), 5) if free else 0.0,
         max_penetration=round(penetration, 5),
         collisions=collisions,

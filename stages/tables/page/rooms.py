@@ -69,9 +69,8 @@ def _scene(scene: GeneratedScene, picture: Picture | None) -> RebuiltScene:
     check = scene.plausibility
     physics = "not checked"
     if check:
-        fallen = f", fallen: {', '.join(check.fallen)}" if check.fallen else ""
         physics = (
-            f"{'stable' if check.stable else 'not stable'} after {check.seconds:g} s{fallen}; "
+            f"{'stable' if check.stable else f'not stable ({check.wrong})'} after {check.seconds:g} s; "
             f"moved {100 * check.mean_displacement:.1f} cm on average, {check.collisions} collisions, "
             f"deepest penetration {1000 * check.max_penetration:.1f} mm"
         )
