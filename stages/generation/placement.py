@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from stages.config.generation import GenerationConfig
 from stages.contracts import Asset, Objects
 from stages.contracts.cousins import Cousin
-from stages.contracts.objects import Box, Mounting, SceneObject, Wall
+from stages.contracts.objects import Box, DepthError, Mounting, SceneObject, Wall
 from stages.generation.collisions import out_of_walls
 from stages.generation.extents import measured_box, only_noise, top_seen
 from stages.generation.mounting import against_wall, on_supports
@@ -69,6 +69,7 @@ def sized(
     mounting: Mounting,
     reached: list[Wall],
     camera: NDArray[np.float64],
+    depth_error: DepthError,
     options: GenerationConfig,
 ) -> UprightBox:
     """The box with a believable depth, that of the asset if the cloud tells none.
@@ -76,11 +77,11 @@ def sized(
     What was extended to a wall and is far too deep does not reach it: its front was seen, its rear was not.
     """
     if not reached:
-        if top_seen(cloud, box, camera, options.depth_error):
+        if top_seen(cloud, box, camera, depth_error):
             return box
         return believable_box(box, asset.size, camera - np.asarray(box.center), options.aspect_range)
     normal = np.asarray(reached[0].normal)
-    unknown = only_noise(cloud, normal, camera, options.depth_error)
+    unknown = only_noise(cloud, normal, camera, depth_error)
     at_wall = believable_box(box, asset.size, -normal, (1, 1) if unknown else options.aspect_range)
     if mounting.type == 3 and not unknown and volume(at_wall) < volume(box):
         return believable_box(box, asset.size, normal, options.aspect_range)
@@ -120,14 +121,15 @@ def place(
         told = told_box(extracted, yaw, reached, options.min_extent)
         return Placed(item.id, item.label, asset, told if reached else out_of_walls(told, scene.walls), mounting)
     axes = sight_yaw(extracted, camera) if is_round else yaw
-    box = measured_box(cloud, extracted, axes, camera, options.trim, options.depth_error, beyond, not is_round)
+    error = scene.depth_error if native else None
+    box = measured_box(cloud, extracted, axes, camera, options.trim, error, beyond, not is_round)
     for wall in reached:
         box = against_wall(box, wall, options.min_extent)
     if is_round:
         box = as_wide_as_seen(box, camera, bearings) if bearings else box
         box = round_box(box, options.aspect_range)._replace(yaw=yaw)
     elif native:
-        box = sized(box, cloud, asset, mounting, reached, camera, options)
+        box = sized(box, cloud, asset, mounting, reached, camera, scene.depth_error, options)
     if not reached:
         box = out_of_walls(box, scene.walls)
     box = box._replace(size=np.maximum(np.asarray(box.size), options.min_extent))
