@@ -81,7 +81,7 @@ class ExtractionConfig(Section):
         description="Share of the points left out at either end of a box (0: raw extremes).",
     )
     contact: float = Field(
-        0.06, gt=0, description="Gap (metres, at 3 m; grows with distance) that still counts as touching."
+        0.045, gt=0, description="Gap (metres, beyond the error of depth) that still counts as touching."
     )
     max_hidden_depth: float = Field(
         0.8,
@@ -98,6 +98,6 @@ class ExtractionConfig(Section):
         """The noise model, if there is no noise."""
         return {"noise"} if self.depth_noise == "none" else set()
 
-    def tolerance(self, distance: float) -> float:
-        """Gap in metres that counts as touching at a distance from the camera."""
-        return self.contact * max(1.0, distance / 3.0)
+    def tolerance(self, noise: float) -> float:
+        """Gap in metres that counts as touching where depth errs by so many metres."""
+        return self.contact + noise

@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from stages.config.base import NotNegative, Range, Section
+from stages.config.base import Range, Section
 
 
 class GenerationConfig(Section):
@@ -41,15 +41,11 @@ class GenerationConfig(Section):
 
     # Size
     trim: float = Field(0.005, ge=0, lt=0.25, description="Share of the cloud left out at either end of an extent.")
-    depth_error: tuple[NotNegative, NotNegative] | None = Field(
-        (0.003, 0.0015),
-        description="a and b of the error a + b z^2 of depth, metres and 1/metres: how far noise carries points "
-        "beyond faces and ends. null: ends are quantiles of the cloud, as in the paper.",
-    )
     aspect_prior: Literal["native", "off"] = Field(
         "native",
-        description="native: a depth that cannot be right (the far side is hidden) is taken from the asset's own "
-        "proportions, and round assets stay round. off: extents of the cloud, as in the paper.",
+        description="native: a face is where points are densest, not where the error of depth carries some; a depth "
+        "that cannot be right (the far side is hidden) is taken from the asset's own proportions, and round assets "
+        "stay round. off: extents are quantiles of the cloud, as in the paper.",
     )
     aspect_range: Range = Field(
         (0.5, 2.0), description="Believable scale of the depth, relative to the median scale of the three axes."

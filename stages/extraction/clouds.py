@@ -8,16 +8,19 @@ from scipy.spatial import KDTree
 from stages.config.extraction import ExtractionConfig
 from stages.geometry.boxes import UprightBox
 from stages.geometry.clouds import dbscan, statistical_inliers
+from stages.geometry.frames import yaw_matrix
 from stages.geometry.minimum_box import minimum_box
 
 MAX_POINTS = 8000
 NEIGHBOURS = 16
 SPACING = 1.5  # DBSCAN's radius is at least so many times the distance to the `dbscan_min_points`-th neighbour,
 BEHIND = 1.5  # metres behind the farthest point of the largest cluster, from which on another is background
-LEVEL_BIN, LEVEL_BLUR = 0.005, 0.003  # metres; share of the distance: noise of heights seen from above
+LEVEL_BIN, LEVEL_BLUR = 0.005, 0.35  # metres; share of depth's error that is left of it in heights seen from above
 DENSE = 2.0  # times the mean density of heights, from which on one is a level
 ABOVE = 0.1  # share of the points that may lie above the level on which things stand
-HIGHER = 0.1  # share of the distance, by which they may be above it: what is higher is a part of the thing
+HIGHER = 0.1  # share of the distance, up to `NEAR`, by which they may be above it: a part of the thing is higher
+WIDE, THINGS = 0.7, 0.3  # metres; share of the points that may be those of things on what is longer
+SIDE_PARTS, SPANNED = 12, 0.5  # parts of a side; share of them in which a back is found
 SLENDER, NEAR = 2.0, 2.0  # times as tall as wide; metres, as farther away noise makes things taller
 SPARSE = 0.95  # taken where points are sparse: faces that the camera sees at a grazing angle
 
@@ -55,29 +58,47 @@ def fit_box(points: NDArray[np.float64], options: ExtractionConfig) -> UprightBo
     return minimum_box(points, options.trim)
 
 
-def level_height(points: NDArray[np.float64], distance: float, trim: float) -> float | None:
-    """Height of the highest level at which many of the points (N, 3) lie; None without one, or if much or high above.
+def level_height(
+    points: NDArray[np.float64], whole: NDArray[np.float64], box: UprightBox, noise: float, distance: float, trim: float
+) -> float | None:
+    """Height of the highest level at which many of the points (N, 3) lie; None without one, or if it is no top.
 
-    A table top gives many points of one height. Its highest points are noise, shadows at the edges of what stands
-    on it, and pixels of that: on real depth they are centimetres higher. The neck of a bottle is more than that, and
-    nothing stands on what is far taller than wide.
+    A table top gives many points of one height. What is higher is noise, shadows at the edges of what stands on it,
+    pixels of that, or things that nobody named. The neck of a bottle is more than that, and nothing stands on what is
+    far taller than wide.
+
+    Args:
+        points: without stray ones. whole: all that the mask shows. box: of the points.
+        noise, distance: of depth, metres, and of the camera.
+        trim: share of the points left out at either end of their heights.
     """
     heights = points[:, 2]
     low, high = np.quantile(heights, [trim, 1 - trim])
     bins = int((high - low) / LEVEL_BIN)
-    is_slender = distance < NEAR and high - low > SLENDER * np.ptp(points[:, :2], axis=0).max()
+    is_slender = distance < NEAR and high - low > SLENDER * max(np.asarray(box.size)[:2])
     if bins < 3 or is_slender:
         return None
     counts, edges = np.histogram(heights, bins, (low, high))
-    blur = max(2.0, LEVEL_BLUR * distance / LEVEL_BIN)
+    blur = max(2.0, LEVEL_BLUR * noise / LEVEL_BIN)
     density = gaussian_filter1d(counts.astype(float), blur, mode="constant")
     peaks = np.flatnonzero((density >= np.roll(density, 1)) & (density >= np.roll(density, -1)))
     dense = peaks[density[peaks] > DENSE * len(heights) / bins]
     if not len(dense):
         return None
     level = float(edges[dense[-1]] + edges[dense[-1] + 1]) / 2
-    above = heights > level + 2 * blur * LEVEL_BIN
-    return level if above.mean() <= ABOVE and high - level <= HIGHER * distance else None
+    above = whole[whole[:, 2] > level + 2 * blur * LEVEL_BIN]
+    top = float(np.quantile(whole[:, 2], 1 - trim))
+    if len(above) <= ABOVE * len(whole) and top - level <= HIGHER * min(distance, NEAR):
+        return level
+    things = max(np.asarray(box.size)[:2]) > WIDE and len(above) <= THINGS * len(whole)
+    return level if things and not spans(above[above[:, 2] > (level + top) / 2], box) else None
+
+
+def spans(points: NDArray[np.float64], box: UprightBox) -> bool:
+    """Whether points (N, 3) are found along most of a side of a box, as those of a back or a headboard are."""
+    local, sides = (points - np.asarray(box.center)) @ yaw_matrix(box.yaw), np.asarray(box.size)[:2]
+    filled = [np.histogram(local[:, k], SIDE_PARTS, (-sides[k] / 2, sides[k] / 2))[0] > 0 for k in (0, 1)]
+    return bool(max(np.mean(parts) for parts in filled) > SPANNED)
 
 
 def with_top(box: UprightBox, top: float) -> UprightBox:

@@ -17,6 +17,7 @@ BESIDE, BESIDE_SMALL = 0.05, 0.25  # metres by which footprints are widened; at 
 ON_TOP = 0.5  # share of the upper footprint that lies over the lower one
 THINNEST = 0.01  # metres; noise may put a plate's top below the table's
 JUST_BELOW = 0.15  # metres
+SUNK = 0.04  # share of the distance, by which what is in a thing reaches down below its top
 BLUR = 3.0  # pixels between two things, one above the other, from which on there is a gap
 BELOW, SHELF = 3, 0.5  # pixels below an object's lowest ones, and share of them that must show what it stands on
 FEET = 3  # image columns in which an object's lowest pixels must reach the ground for it to stand there
@@ -127,8 +128,8 @@ def placement(
     if known:
         options = options.model_copy(update={"max_hidden_depth": 0.0})
     distance = view.distance(np.asarray(box.center))
-    tolerance = options.tolerance(distance)
-    beneath = height_beneath(box, carriers, tolerance, 2 * options.contact * distance / 3)
+    tolerance = options.tolerance(view.error.at(distance))
+    beneath = height_beneath(box, carriers, tolerance, SUNK * distance)
     if unnamed is not None and not known and box.bottom - beneath > tolerance:
         beneath = max(beneath, height_shown(box, view, own, unnamed, tolerance) or 0.0)
     touched = walls_touched(box, others, walls, view, own, options)

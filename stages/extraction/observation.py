@@ -7,7 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.contracts import Annotations
+from stages.contracts.objects import DepthError
 from stages.contracts.scene_input import read_scene_input
+
+EXACT = DepthError(0.0, 0.0)  # a renderer's depth
 
 
 @dataclass(frozen=True)
@@ -15,8 +18,8 @@ class AnnotatedImage:
     """One picture with all that is known of its pixels.
 
     rgb (H, W, 3) uint8; depth (H, W) float32 metres along the optical axis, 0: unknown;
-    masks (H, W) uint16, values as named by `annotations`; intrinsics (3, 3) in pixels; exact: the depth
-    has no error at all, as a renderer's; floor_from_camera (4, 4) where it is known.
+    masks (H, W) uint16, values as named by `annotations`; intrinsics (3, 3) in pixels;
+    depth_error: of `depth`, None: it is measured at floor and walls; floor_from_camera (4, 4) where it is known.
     """
 
     rgb: NDArray[np.uint8]
@@ -24,7 +27,7 @@ class AnnotatedImage:
     masks: NDArray[np.uint16]
     intrinsics: NDArray[np.float64]
     annotations: Annotations
-    exact: bool = False
+    depth_error: DepthError | None = None
     floor_from_camera: NDArray[np.float64] | None = None
 
 
@@ -34,4 +37,5 @@ def read_folder(folder: Path) -> AnnotatedImage:
     intrinsics = np.array(given.camera.intrinsics, dtype=float)
     known = given.camera.floor_from_camera
     frame = None if known is None else np.array(known, dtype=float)
-    return AnnotatedImage(given.rgb, given.depth, given.masks, intrinsics, given.annotations, given.exact, frame)
+    error = EXACT if given.exact else None
+    return AnnotatedImage(given.rgb, given.depth, given.masks, intrinsics, given.annotations, error, frame)

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from stages.config.extraction import ExtractionConfig
 from stages.contracts import InputError, Objects
-from stages.contracts.objects import Box, Mounting, SceneObject, Wall, object_ids
+from stages.contracts.objects import Box, DepthError, Mounting, SceneObject, Wall, object_ids
 from stages.contracts.scenes import Annotation
 from stages.contracts.types import LARGEST
 from stages.extraction import masks, room
@@ -15,6 +15,7 @@ from stages.extraction.border import continued_depth
 from stages.extraction.clouds import cleaned_cloud, fit_box, level_height, with_top
 from stages.extraction.mounting import collapsed, placement
 from stages.extraction.observation import AnnotatedImage
+from stages.extraction.sensor import error_of
 from stages.extraction.stated import ImpossibleError, stated_mounting
 from stages.extraction.visibility import DepthView
 from stages.geometry.boxes import UprightBox, rounded_off, surface_points
@@ -78,18 +79,20 @@ def _fitted(
     mask: NDArray[np.bool_],
     image: AnnotatedImage,
     floor_from_camera: NDArray[np.float64],
+    error: DepthError,
     options: ExtractionConfig,
 ) -> UprightBox:
     """The box of a cleaned cloud. What has a level top ends there; what lost its thin top to erosion has it again."""
     box = fit_box(cloud, options)
     distance = float(np.linalg.norm(np.asarray(box.center) - floor_from_camera[:3, 3]))
-    level = level_height(cloud, distance, options.trim)
-    whole = np.where(mask, image.depth, 0.0)
-    heights = apply(floor_from_camera, back_project(whole, image.intrinsics)[whole > 0])[:, 2]
-    top = float(np.quantile(heights, 1 - options.trim))
-    if top > box.top + options.tolerance(distance):
-        return with_top(box, top)
-    return box if level is None else with_top(box, level)
+    noise = error.at(distance)
+    depth = np.where(mask, image.depth, 0.0)
+    whole = apply(floor_from_camera, back_project(depth, image.intrinsics)[depth > 0])
+    level = level_height(cloud, whole, box, noise, distance, options.trim)
+    if level is not None:
+        return with_top(box, level)
+    top = float(np.quantile(whole[:, 2], 1 - options.trim))
+    return with_top(box, top) if top > box.top + options.tolerance(noise) else box
 
 
 def _floor_from_camera(
@@ -167,6 +170,8 @@ def reconstruct(
     floor_from_camera = _floor_from_camera(camera_points, image, usable, options, rng)
     points = np.where(usable[..., None], apply(floor_from_camera, camera_points), np.nan)
     walls, fitted = _walls(points, image, usable, float(floor_from_camera[2, 3]), options, rng)
+    by_id = {wall.id: wall for wall in walls}
+    error = error_of(image, points, floor_from_camera[:3, 3], {value: by_id[name] for value, name in fitted.items()})
 
     annotations = sorted(image.annotations.objects, key=lambda item: item.mask)
     extracted: dict[str, SceneObject] = {}
@@ -184,7 +189,7 @@ def reconstruct(
                 cloud = cloud if item.front is not None else rounded_off(cloud, box)
             else:
                 cloud = _object_cloud(mask, image, floor_from_camera, options, rng)
-                box = _fitted(cloud, mask, image, floor_from_camera, options)
+                box = _fitted(cloud, mask, image, floor_from_camera, error, options)
             extent = float(np.max(box.size))
             if extent > LARGEST:
                 raise ObjectError(f"{extent:.0f} m large: its depth cannot be right")
@@ -196,7 +201,7 @@ def reconstruct(
         boxes[name] = box
         extracted[name] = known.model_copy(update={"pixels": pixel_bounds(mask), "points": len(cloud)})
 
-    view = DepthView(np.where(usable, image.depth, 0), image.intrinsics, floor_from_camera)
+    view = DepthView(np.where(usable, image.depth, 0), image.intrinsics, floor_from_camera, error)
     given = {item.mask: item for item in annotations}
     unnamed = ~np.isin(image.masks, image.annotations.values)
     carriers: list[UprightBox] = []
@@ -209,7 +214,7 @@ def reconstruct(
             print(f"{scene} {name}: {note}: mounting by geometry")
         told = item.box is not None
         placed = placement(boxes[name], carriers, others, walls, view, own, options, told, stated, unnamed)
-        if collapsed(boxes[name], placed, options.tolerance(view.distance(np.asarray(boxes[name].center)))):
+        if collapsed(boxes[name], placed, options.tolerance(view.noise(boxes[name].center))):
             reason = "its top is found below what carries it: the depth of one of the two is wrong"
             extracted[name] = extracted[name].model_copy(update={"status": "failed", "reason": reason, "points": 0})
             clean[clean == extracted[name].mask] = 0
@@ -231,6 +236,7 @@ def reconstruct(
         height=shape[0],
         intrinsics=image.intrinsics.tolist(),
         floor_from_camera=floor_from_camera.tolist(),
+        depth_error=error,
         walls=walls,
         objects=list(extracted.values()),
     )

@@ -3,26 +3,31 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from stages.contracts.objects import DepthError
 from stages.geometry.cameras import project
 from stages.geometry.frames import apply, inverse
 
-MARGIN = 0.03  # metres of depth, plus MARGIN_SLOPE per metre of distance, by which something must be nearer to hide
-MARGIN_SLOPE = 0.01
+MARGIN = 0.04  # metres of depth, and its error, by which something must be nearer to hide
 
 
 @dataclass(frozen=True)
 class DepthView:
-    """The depth image (H, W; 0 unknown or cropped away) with its camera in the floor frame."""
+    """The depth image (H, W; 0 unknown or cropped away), its camera in the floor frame, and how far it errs."""
 
     depth: NDArray[np.float32]
     intrinsics: NDArray[np.float64]
     floor_from_camera: NDArray[np.float64]
+    error: DepthError
 
-    def distance(self, point: NDArray[np.float64]) -> float:
+    def distance(self, point: ArrayLike) -> float:
         """Distance in metres from the camera to a point of the floor frame."""
-        return float(np.linalg.norm(np.asarray(point) - self.floor_from_camera[:3, 3]))
+        return float(np.linalg.norm(np.asarray(point, dtype=float) - self.floor_from_camera[:3, 3]))
+
+    def noise(self, point: ArrayLike) -> float:
+        """How far depth errs at a point of the floor frame, metres."""
+        return self.error.at(self.distance(point))
 
     def pixel_size(self, distance: float) -> float:
         """Size in metres of a pixel's footprint at a distance."""
@@ -57,7 +62,7 @@ class DepthView:
         inside = (columns >= 0) & (columns < width) & (rows >= 0) & (rows < height)
         columns, rows, z = columns[inside], rows[inside], in_camera[inside, 2]
         shown = self.depth[rows, columns]
-        hidden = own[rows, columns] | (shown < z * (1 - MARGIN_SLOPE) - MARGIN)
+        hidden = own[rows, columns] | (shown < z - MARGIN - self.error.a - self.error.b * z**2)
         return float((~hidden[shown > 0]).mean()) if (shown > 0).any() else 0.0
 
 

@@ -79,7 +79,7 @@ def walls_touched(
 ) -> list[Wall]:
     """The walls that the object touches, the one it leans on with its widest face first."""
     distance = view.distance(np.asarray(box.center))
-    tolerance = options.tolerance(distance)
+    tolerance = options.tolerance(view.error.at(distance))
     touched = []
     for wall in walls:
         gap = gap_to(box, wall)

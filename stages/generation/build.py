@@ -43,7 +43,7 @@ def placed_cousins(item: SceneObject, inputs: Inputs, options: GenerationConfig)
         if cousin.asset not in inputs.folders:
             raise InputError(item.id, f"asset '{cousin.asset}' is not in the library")
         asset = read_json(Asset, inputs.folders[cousin.asset] / "asset.json")
-        beyond = beyond_front(visual_meshes(inputs.folders[cousin.asset])) if options.depth_error else 0.0
+        beyond = beyond_front(visual_meshes(inputs.folders[cousin.asset])) if options.aspect_prior == "native" else 0.0
         seen = inputs.bearings.get(item.id)
         yield place(item, cousin, asset, inputs.clouds[item.id], inputs.objects, options, beyond, seen)
 

@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.ndimage import gaussian_filter1d
 from trimesh import Trimesh
 
+from stages.contracts.objects import DepthError
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import yaw_matrix
 
@@ -63,38 +64,29 @@ def beyond_front(meshes: Sequence[Trimesh]) -> float:
     return float(np.average(depths, weights=areas * (depths >= edges[peak]) * (depths <= edges[peak + 1])))
 
 
-def only_noise(
-    cloud: NDArray[np.floating], normal: ArrayLike, camera: ArrayLike, depth_error: tuple[float, float] | None
-) -> bool:
+def only_noise(cloud: NDArray[np.floating], normal: ArrayLike, camera: ArrayLike, depth_error: DepthError) -> bool:
     """Whether the cloud (N, 3) is no thicker along a wall's normal than one face far away is made by noise."""
-    if depth_error is None:
-        return False
     ray = np.mean(cloud, axis=0) - np.asarray(camera, dtype=float)
     distance = float(np.linalg.norm(ray))
-    noise = (
-        abs(float(ray @ np.asarray(normal, dtype=float))) / distance * (depth_error[0] + depth_error[1] * distance**2)
-    )
+    noise = abs(float(ray @ np.asarray(normal, dtype=float))) / distance * depth_error.at(distance)
     low, high = np.quantile(np.asarray(cloud, dtype=float) @ np.asarray(normal, dtype=float), [0.05, 0.95])
     return bool(noise > FAINT and high - low < THICK * noise)
 
 
-def top_seen(
-    cloud: NDArray[np.floating], box: UprightBox, camera: ArrayLike, depth_error: tuple[float, float] | None
-) -> bool:
+def top_seen(cloud: NDArray[np.floating], box: UprightBox, camera: ArrayLike, depth_error: DepthError) -> bool:
     """Whether the object's top is seen from its front edge to its rear one, so that its depth is measured.
 
     Args:
         cloud: (N, 3) in the floor frame.
         box: measured, along the asset's axes.
         camera: its position, floor frame.
-        depth_error: a and b of the noise a + b z^2 of depth; None: it has none.
+        depth_error: of the cloud's depth.
     """
     ray = np.asarray(box.center, dtype=float) - np.asarray(camera, dtype=float)
     distance, size = float(np.linalg.norm(ray)), np.asarray(box.size, dtype=float)
     if ray[2] + size[2] / 2 > -STEEP * distance:
         return False
-    a, b = depth_error or (0.0, 0.0)
-    noise = a + b * distance**2
+    noise = depth_error.at(distance)
     local = (np.asarray(cloud, dtype=float) - box.center) @ yaw_matrix(box.yaw)
     axis = int(np.argmax(np.abs(ray[:2] @ yaw_matrix(box.yaw)[:2, :2])))
     on_top = local[local[:, 2] > size[2] / 2 - max(LEVEL * size[2], 2 * noise), axis]
@@ -110,7 +102,7 @@ def measured_box(
     yaw: float,
     camera: ArrayLike,
     trim: float,
-    depth_error: tuple[float, float] | None,
+    depth_error: DepthError | None,
     beyond: float = 0.0,
     flat: bool = True,
 ) -> UprightBox:
@@ -121,7 +113,7 @@ def measured_box(
         box: the minimum box that extraction found.
         camera: its position, floor frame.
         trim: share of the points left out at an end.
-        depth_error: a and b of the noise a + b z^2 of depth, along the line of sight; None: ends are quantiles.
+        depth_error: of the cloud's depth, along the line of sight; None: ends are quantiles, as in the paper.
         beyond: metres by which the model's box reaches beyond the face that it shows towards +x (`beyond_front`).
         flat: it has faces; what is round has none, and its near end is where its points end.
     """
@@ -133,7 +125,7 @@ def measured_box(
         ray = center - np.asarray(camera, dtype=float)
         distance = float(np.linalg.norm(ray))
         for axis, along in enumerate((ray[:2] @ turn) / distance):
-            noise = abs(along) * (depth_error[0] + depth_error[1] * distance**2)
+            noise = abs(along) * depth_error.at(distance)
             inset = min(OUTSIDE * noise, MOST * float(np.ptp(limits[:, axis])))
             limits[:, axis] += [inset, -inset]
             near = 1 if along < 0 else 0

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from stages.config.generation import GenerationConfig
 from stages.contracts import Asset, Objects
 from stages.contracts.cousins import Cousin
-from stages.contracts.objects import Box, Mounting, SceneObject, Wall
+from stages.contracts.objects import Box, DepthError, Mounting, SceneObject, Wall
 from stages.generation.collisions import out_of_walls
 from stages.generation.extents import measured_box, only_noise, top_seen
 from stages.generation.mounting import against_wall, on_supports
@@ -71,6 +71,7 @@ def sized(
     mounting: Mounting,
     reached: list[Wall],
     camera: NDArray[np.float64],
+    depth_error: DepthError,
     options: GenerationConfig,
 ) -> UprightBox:
     """The box with a believable depth, that of the asset if the cloud tells none.
@@ -78,11 +79,11 @@ def sized(
     What was extended to a wall and is far too deep does not reach it: its front was seen, its rear was not.
     """
     if not reached:
-        if top_seen(cloud, box, camera, options.depth_error):
+        if top_seen(cloud, box, camera, depth_error):
             return box
         return believable_box(box, asset.size, camera - np.asarray(box.center), options.aspect_range)
     normal = np.asarray(reached[0].normal)
-    unknown = only_noise(cloud, normal, camera, options.depth_error)
+    unknown = only_noise(cloud, normal, camera, depth_error)
     at_wall = believable_box(box, asset.size, -normal, (1, 1) if unknown else options.aspect_range)
     if mounting.type == 3 and not unknown and volume(at_wall) < volume(box):
         return believable_box(box, asset.size, normal, options.aspect_range)
@@ -125,14 +126,15 @@ def place(
         ]
     else:
         axes = sight_yaw(extracted, camera) if is_round else yaw
+        error = scene.depth_error if native else None
 
         def measured(box: UprightBox) -> UprightBox:
-            return measured_box(cloud, box, axes, camera, options.trim, options.depth_error, beyond, not is_round)
+            return measured_box(cloud, box, axes, camera, options.trim, error, beyond, not is_round)
 
         def deep(box: UprightBox) -> UprightBox:
             if is_round:
                 return round_box(box, options.aspect_range)._replace(yaw=yaw)
-            return sized(box, cloud, asset, mounting, reached, camera, options)
+            return sized(box, cloud, asset, mounting, reached, camera, scene.depth_error, options)
 
         changes = [("measured along the model's axes", measured)]
         for wall in reached:

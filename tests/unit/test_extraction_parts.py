@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from stages.config.extraction import DepthNoiseConfig, ExtractionConfig
-from stages.contracts.objects import Wall
+from stages.contracts.objects import USUAL_ERROR, Wall
 from stages.extraction.border import continued_depth
 from stages.extraction.clouds import cleaned_cloud
 from stages.extraction.masks import central_crop, eroded, without_specks
@@ -155,7 +155,7 @@ def test_parts_of_a_wall_count_by_their_points() -> None:
 def test_what_is_behind_a_free_standing_wall_does_not_touch_it(x: float, touched: bool) -> None:
     """The wall x = 4 as seen from x = 0; a box 0.6 m deep at it, well before it, and behind it."""
     wall = Wall(id="wall_1", normal=(-1, 0, 0), offset=-4.0, points=100)
-    empty = DepthView(np.full((9, 9), 9.0, np.float32), np.diag([9.0, 9.0, 1.0]), np.eye(4))
+    empty = DepthView(np.full((9, 9), 9.0, np.float32), np.diag([9.0, 9.0, 1.0]), np.eye(4), USUAL_ERROR)
     box = UprightBox([x, 0, 0.5], [0.6, 0.6, 1.0], 0.0)
     options = ExtractionConfig(max_hidden_depth=0.0)  # what is not seen is not asked here
     assert bool(walls_touched(box, [], [wall], empty, np.zeros((9, 9), bool), options)) == touched

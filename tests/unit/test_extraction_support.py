@@ -4,15 +4,20 @@ import numpy as np
 import pytest
 
 from stages.config.extraction import ExtractionConfig
-from stages.contracts.objects import Wall
+from stages.contracts.objects import USUAL_ERROR, Wall
 from stages.extraction.clouds import level_height
 from stages.extraction.mounting import collapsed, placement
 from stages.extraction.visibility import DepthView
 from stages.extraction.walls import gap_to
 from stages.geometry.boxes import UprightBox
+from stages.geometry.minimum_box import minimum_box
 
 LOOKING_ALONG_X = np.array([[0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 1.5], [0, 0, 0, 1.0]])
 WALL = Wall(id="wall_1", normal=(-1, 0, 0), offset=-4.0, points=100)
+
+
+def level(cloud: np.ndarray, distance: float) -> float | None:
+    return level_height(cloud, cloud, minimum_box(cloud, 0.01), USUAL_ERROR.at(distance), distance, 0.01)
 
 
 def _table(rng: np.random.Generator, shadows: int) -> np.ndarray:
@@ -27,7 +32,7 @@ def _table(rng: np.random.Generator, shadows: int) -> np.ndarray:
 @pytest.mark.parametrize("shadows", [0, 200])
 def test_a_table_is_as_high_as_most_of_its_top(shadows: int) -> None:
     cloud = _table(np.random.default_rng(0), shadows)
-    assert level_height(cloud, 1.0, 0.01) == pytest.approx(0.5, abs=0.005)
+    assert level(cloud, 1.0) == pytest.approx(0.5, abs=0.005)
     if shadows:
         assert np.quantile(cloud[:, 2], 0.99) > 0.56  # what the quantile makes of it
 
@@ -36,7 +41,20 @@ def test_a_seat_under_a_back_is_no_top() -> None:
     rng = np.random.default_rng(0)
     seat, back = rng.uniform(0, 0.5, (3000, 3)), rng.uniform(0, 0.5, (1000, 3))
     seat[:, 2], back[:, 2] = 0.45, rng.uniform(0.45, 0.9, 1000)
-    assert level_height(np.concatenate([seat, back]), 3.0, 0.01) is None
+    assert level(np.concatenate([seat, back]), 3.0) is None
+
+
+@pytest.mark.parametrize(("width", "is_part"), [(0.3, False), (1.0, True)])
+def test_things_on_a_wide_level_are_not_the_thing(width: float, is_part: bool) -> None:
+    """A table of 1 m with something 30 cm high on it that has no mask; a bed with its headboard."""
+    rng = np.random.default_rng(0)
+    table = _table(rng, 0)
+    higher = rng.uniform([-width / 2, 0.4, 0.5], [width / 2, 0.5, 0.8], (600, 3))
+    cloud = np.concatenate([table, higher])
+    found = level(cloud, 1.5)
+    assert found is None if is_part else found == pytest.approx(0.5, abs=0.005)
+    small = cloud * [0.5, 0.5, 1]
+    assert level(small, 1.5) is None, "on what is as small nothing of the kind is told from a part"
 
 
 def test_a_neck_above_a_shoulder_counts() -> None:
@@ -46,8 +64,8 @@ def test_a_neck_above_a_shoulder_counts() -> None:
     body[:, 2], neck[:, 2] = rng.uniform(0, 0.12, 100), rng.uniform(0.12, 0.3, 80)
     shoulder[:, 2] = rng.normal(0.12, 0.003, 1000)
     seen = np.concatenate([body, shoulder])
-    assert level_height(seen, 1.0, 0.01) == pytest.approx(0.12, abs=0.005)
-    assert level_height(np.concatenate([seen, neck]), 1.0, 0.01) is None
+    assert level(seen, 1.0) == pytest.approx(0.12, abs=0.005)
+    assert level(np.concatenate([seen, neck]), 1.0) is None
 
 
 def test_nothing_stands_on_what_is_slender() -> None:
@@ -57,14 +75,14 @@ def test_nothing_stands_on_what_is_slender() -> None:
     body[:, 2], loop[:, 2] = rng.uniform(0, 0.22, 600), rng.uniform(0.22, 0.26, 60)
     lid[:, 2] = rng.normal(0.22, 0.003, 300)
     bottle = np.concatenate([body, lid, loop])
-    assert level_height(bottle, 1.0, 0.01) is None
-    assert level_height(bottle, 2.5, 0.01) == pytest.approx(0.22, abs=0.01)
-    assert level_height(bottle * [3, 3, 1], 1.0, 0.01) == pytest.approx(0.22, abs=0.01)
+    assert level(bottle, 1.0) is None
+    assert level(bottle, 2.5) == pytest.approx(0.22, abs=0.01)
+    assert level(bottle * [3, 3, 1], 1.0) == pytest.approx(0.22, abs=0.01)
 
 
 def test_a_front_has_no_level() -> None:
     front = np.random.default_rng(0).uniform(0, 1, (4000, 3))
-    assert level_height(front, 3.0, 0.01) is None
+    assert level(front, 3.0) is None
 
 
 @pytest.mark.parametrize(("hidden_up_to", "mounting"), [(1.425, 1), (1.6, 3)])
@@ -73,7 +91,7 @@ def test_a_picture_above_furniture_hangs(hidden_up_to: float, mounting: int) -> 
     v, u = np.mgrid[:240, :320]
     rise = -(v - 120) / 200.0  # of the rays, per metre
     depth = np.where(1.5 + 2 * rise <= hidden_up_to, 2.0, 4.0).astype(np.float32)
-    view = DepthView(depth, np.array([[200.0, 0, 160], [0, 200.0, 120], [0, 0, 1]]), LOOKING_ALONG_X)
+    view = DepthView(depth, np.array([[200.0, 0, 160], [0, 200.0, 120], [0, 0, 1]]), LOOKING_ALONG_X, USUAL_ERROR)
     own = (np.abs(u - 160) < 15) & (1.5 + 4 * rise > 1.5) & (1.5 + 4 * rise < 1.9) & (depth == 4)
     picture = UprightBox([3.97, 0, 1.7], [0.05, 0.6, 0.4], 0.0)
     assert placement(picture, [], [], [WALL], view, own, ExtractionConfig()).mounting.type == mounting
@@ -91,6 +109,7 @@ def test_a_picture_just_above_a_lamp_far_away_hangs(seen: float, mounting: int) 
         np.where(lamp, 7.7, 8.0).astype(np.float32),
         np.array([[400.0, 0, 160], [0, 400.0, 120], [0, 0, 1]]),
         LOOKING_ALONG_X,
+        USUAL_ERROR,
     )
     picture = UprightBox([7.95, 0, (seen + 1.9) / 2], [0.3, 0.6, 1.9 - seen], 0.0)
     stand = UprightBox([7.8, 0, 0.71], [0.4, 0.4, 1.42], 0.0)
@@ -108,7 +127,7 @@ def test_a_picture_just_above_a_lamp_far_away_hangs(seen: float, mounting: int) 
     [(3.5, 0.09, 0.01), (3.5, 0.03, 0.01), (3.5, 0.25, 0.15), (2.0, 0.09, 0.09)],
 )
 def test_what_is_squeezed_flat_is_told(distance: float, height: float, left: float) -> None:
-    empty = DepthView(np.full((9, 9), 9.0, np.float32), np.diag([9.0, 9.0, 1.0]), LOOKING_ALONG_X)
+    empty = DepthView(np.full((9, 9), 9.0, np.float32), np.diag([9.0, 9.0, 1.0]), LOOKING_ALONG_X, USUAL_ERROR)
     table = UprightBox([distance, 0, 0.3], [1, 1, 0.6], 0.0)  # found 10 cm too high
     seen = UprightBox([distance, 0, 0.5 + height / 2], [0.2, 0.2, height], 0.0)
     placed = placement(seen, [table], [table], [], empty, np.zeros((9, 9), bool), ExtractionConfig())

@@ -6,7 +6,7 @@ import trimesh
 
 from stages.config.generation import GenerationConfig
 from stages.contracts import Objects
-from stages.contracts.objects import Box, Mounting, SceneObject, Wall
+from stages.contracts.objects import USUAL_ERROR, Box, DepthError, Mounting, SceneObject, Wall
 from stages.generation.extents import beyond_front, measured_box, near_face, only_noise, top_seen
 from stages.generation.inputs import bearings_of
 from stages.generation.placement import sized, walls_reached
@@ -100,7 +100,9 @@ def test_noise_does_not_make_a_table_longer():
     seen = UprightBox((8.0, 0, 0.35), (1.0, 1.0, 0.7), 0.0)
     as_in_the_paper = measured_box(noisy, seen, 0.0, camera, 0.005, None)
     assert as_in_the_paper.size[0] > 1.2
-    assert measured_box(noisy, seen, 0.0, camera, 0.005, (0.004, 0.0015)).size[0] == pytest.approx(1.1, abs=0.1)
+    assert measured_box(noisy, seen, 0.0, camera, 0.005, DepthError(0.004, 0.0015)).size[0] == pytest.approx(
+        1.1, abs=0.1
+    )
 
 
 @pytest.mark.parametrize(("x", "side", "unknown"), [(10.0, 0.0, True), (10.0, 1.2, False), (3.0, 0.0, False)])
@@ -111,8 +113,8 @@ def test_the_depth_of_a_face_far_away_is_noise(x, side, unknown):
     cloud = np.concatenate([front, rng.uniform([x, 0.8, 0], [x + side, 0.8, 2], (3000, 3))])
     rays = (cloud - camera) / np.linalg.norm(cloud - camera, axis=1, keepdims=True)
     cloud = cloud + rng.normal(0, 0.003 + 0.0015 * x**2, (len(cloud), 1)) * rays
-    assert only_noise(cloud, (-1, 0, 0), camera, (0.003, 0.0015)) == unknown
-    assert not only_noise(cloud, (-1, 0, 0), camera, None)
+    assert only_noise(cloud, (-1, 0, 0), camera, USUAL_ERROR) == unknown
+    assert not only_noise(cloud, (-1, 0, 0), camera, DepthError(0, 0))
 
 
 def _faces(size, yaw, center, camera, count=3000):
@@ -133,7 +135,7 @@ def test_measured_box_in_the_assets_own_axes(quarter):
     size, center, camera = np.array([0.6, 1.2, 0.8]), np.array([3.0, 0.5, 0.4]), np.array([0, 0, 1.6])
     cloud = _faces(size, 0.4, center, camera)
     seen = UprightBox(center, size, 0.4)
-    box = measured_box(cloud, seen, 0.4 + quarter * np.pi / 2, camera, 0.001, (0.003, 0.0015))
+    box = measured_box(cloud, seen, 0.4 + quarter * np.pi / 2, camera, 0.001, USUAL_ERROR)
     expected = size[[1, 0, 2]] if quarter % 2 else size
     assert np.asarray(box.size) == pytest.approx(expected, abs=0.02)
     assert np.asarray(box.center) == pytest.approx(center, abs=0.02)
@@ -144,7 +146,7 @@ def test_a_handle_stands_before_the_face_that_is_measured(quarter, nearer):
     size, center, camera = np.array([0.6, 1.2, 0.8]), np.array([3.0, 0.0, 0.4]), np.array([0, 0, 1.6])
     cloud, seen = _faces(size, 0.0, center, camera), UprightBox(center, size, 0.0)
     plain, handled = (
-        measured_box(cloud, seen, quarter * np.pi / 2, camera, 0.001, (0.003, 0.0015), beyond) for beyond in (0, 0.04)
+        measured_box(cloud, seen, quarter * np.pi / 2, camera, 0.001, USUAL_ERROR, beyond) for beyond in (0, 0.04)
     )
     assert handled.size[0] - plain.size[0] == pytest.approx(nearer)
     assert plain.center[0] - handled.center[0] == pytest.approx(nearer / 2)
@@ -159,7 +161,7 @@ def test_what_is_round_has_no_face():
     near[:, 0], step[:, 0] = rng.uniform(2.8, 2.84, 200), 2.84
     far = np.array([[3.2, 0, 0.5]] * 200)
     cloud = np.concatenate([near, step, far])
-    ends = [measured_box(cloud, seen, 0.0, camera, 0.001, (0.0, 0.0), flat=flat) for flat in (True, False)]
+    ends = [measured_box(cloud, seen, 0.0, camera, 0.001, DepthError(0, 0), flat=flat) for flat in (True, False)]
     starts = [box.center[0] - box.size[0] / 2 for box in ends]
     assert starts == pytest.approx([2.84, 2.80], abs=0.006)
 
@@ -224,18 +226,18 @@ def test_depth_at_a_wall_grows_from_the_wall():
 
 def test_depth_that_is_seen_from_above_stays():
     """A cereal box on a table: its top is seen from front to rear, and no box of the library is as flat."""
-    rng, camera, error = np.random.default_rng(0), np.array([0.0, 0, 0.6]), (0.003, 0.0015)
+    rng, camera, error = np.random.default_rng(0), np.array([0.0, 0, 0.6]), USUAL_ERROR
     flat = UprightBox((0.6, 0, 0.105), (0.06, 0.16, 0.21), 0.0)
     half = np.array(flat.size) / 2
     top, front = rng.uniform(-half, half, (2, 2000, 3))
     top[:, 2], front[:, 0] = half[2], -half[0]
     cloud = np.concatenate([top, front]) + flat.center + rng.normal(0, 0.001, (4000, 3))
     deep, options = asset((0.3, 0.3, 0.3)), GenerationConfig()
-    arguments = deep, Mounting(type=2), [], camera, options
+    arguments = deep, Mounting(type=2), [], camera, USUAL_ERROR, options
     assert sized(flat, cloud, *arguments) is flat
     assert not top_seen(cloud[(cloud[:, 0] < 0.6) | (cloud[:, 2] < 0.15)], flat, camera, error), "its rear half is not"
     assert not top_seen(cloud, flat, [0, 0, 0.25], error), "too level"
-    assert not top_seen(cloud, flat, camera, (0.02, 0)), "noise"
+    assert not top_seen(cloud, flat, camera, DepthError(0.02, 0)), "noise"
     assert sized(flat, cloud[2000:], *arguments).size[0] == pytest.approx(0.16, abs=0.01), "of its front alone"
 
 
@@ -292,7 +294,7 @@ def test_what_is_far_too_deep_to_reach_its_wall_stands_before_it(mounting, front
     near = np.array([[front, 0.0, 0.5]])
     item = asset((0.5, 1.0, 1.0))
     held = Mounting(type=mounting, walls=["wall_1"])
-    placed = sized(box, near, item, held, [wall], np.array([2.0, 0, 1.6]), GenerationConfig())
+    placed = sized(box, near, item, held, [wall], np.array([2.0, 0, 1.6]), USUAL_ERROR, GenerationConfig())
     assert placed.size[0] == pytest.approx(size)
     assert placed.center[0] == pytest.approx(x)
 
@@ -302,5 +304,5 @@ def test_the_depth_of_a_top_far_away_is_noise(away, seen):
     """Noise grows with the square of the distance: six deviations of it are more than a small top is deep."""
     camera, box = np.array([0.0, 0.0, 0.5 + away]), UprightBox((away, 0, 0.25), (0.5, 0.5, 0.5), 0.0)
     top = np.random.default_rng(6).uniform([away - 0.25, -0.25, 0.5], [away + 0.25, 0.25, 0.5], (4000, 3))
-    assert top_seen(top, box, camera, (0.003, 0.0015)) == seen
-    assert top_seen(top, box, camera, None)
+    assert top_seen(top, box, camera, USUAL_ERROR) == seen
+    assert top_seen(top, box, camera, DepthError(0, 0))

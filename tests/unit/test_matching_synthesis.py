@@ -18,7 +18,7 @@ from stages.contracts import Library, LibraryPart, Objects, read_json, write_jso
 from stages.contracts.cousins import Candidate, Cousin, Orientation
 from stages.contracts.library import LibraryEntry
 from stages.contracts.library_folder import write_part
-from stages.contracts.objects import Box, Mounting, SceneObject
+from stages.contracts.objects import USUAL_ERROR, Box, Mounting, SceneObject
 from stages.geometry.boxes import UprightBox
 from stages.geometry.cameras import intrinsics_from_fov, look_at
 from stages.geometry.frames import rigid, wrap_angle, yaw_matrix
@@ -114,7 +114,7 @@ def test_a_model_is_seen_where_it_stands(library: Path) -> None:
     """Rays against the ray tracer: the same outline, the same depth."""
     yaw = 0.4
     asked = question(library, yaw)
-    seen = observe(asked.view, POSE, SIDE)
+    seen = observe(asked.view, POSE, USUAL_ERROR, SIDE)
     shown = render(Solid(library.parent / "two"), UprightBox((0, 0, 0), SIZE, yaw), seen)
     assert outline_agreement(seen, shown, 1.0) > 0.97
     both = seen.mask & (shown.cover == 1)
@@ -123,7 +123,7 @@ def test_a_model_is_seen_where_it_stands(library: Path) -> None:
 
 def test_a_box_is_laid_over_the_object(library: Path) -> None:
     """From a box that is far too small and off its place to the outline, as far as its sides are seen."""
-    seen = observe(question(library, 0.4).view, POSE, SIDE)
+    seen = observe(question(library, 0.4).view, POSE, USUAL_ERROR, SIDE)
     solid, extents = Solid(library.parent / "two"), np.array(SIZE)
     ends = np.array([-0.38 * extents, 0.5 * extents])
     measured = Measured(ends, np.array([0.3 * extents, 0.1 * extents]), 0.4)
@@ -165,7 +165,7 @@ def test_textures_and_patches_count_for_nothing_priors_do(library: Path) -> None
     assert judge.models(asked, [], given)[0].asset == "striped"
     unlike = given[1].model_copy(update={"parts": {"patches": 0.5, "size": 1.0}})
     assert judge.models(asked, [], [given[0], unlike])[0].asset == "three"
-    seen = observe(asked.view, POSE, SIDE)
+    seen = observe(asked.view, POSE, USUAL_ERROR, SIDE)
     shown = [
         render(Solid(library.parent / name), UprightBox((0, 0, 0), SIZE, 0.3), seen) for name in ("two", "striped")
     ]
@@ -183,11 +183,11 @@ def test_what_is_hidden_or_cut_off_does_not_count(library: Path) -> None:
     assert asked.view.depth is not None
     view = replace(asked.view, mask=asked.view.mask & ~covered, depth=np.where(covered, 1.0, asked.view.depth))
     assert view.depth is not None
-    assert free_sides(view.mask, view.depth).tolist() == [False, True, True, True]
+    assert free_sides(view.mask, view.depth, USUAL_ERROR).tolist() == [False, True, True, True]
     solid, box = Solid(library.parent / "two"), UprightBox((0, 0, 0), SIZE, 0.3)
-    seen = observe(view, POSE, SIDE)
+    seen = observe(view, POSE, USUAL_ERROR, SIDE)
     assert outline_agreement(seen, render(solid, box, seen), 1.0) > 0.95
-    open_space = observe(replace(view, depth=np.where(covered, 9.0, view.depth)), POSE, SIDE)
+    open_space = observe(replace(view, depth=np.where(covered, 9.0, view.depth)), POSE, USUAL_ERROR, SIDE)
     assert outline_agreement(open_space, render(solid, box, open_space), 1.0) < 0.85
 
 
@@ -226,12 +226,12 @@ def test_extents_are_measured_along_the_axes() -> None:
     cloud = corners @ yaw_matrix(0.5).T + [4, 2, 0]
     away, across = yaw_matrix(0.5)[:, 0], yaw_matrix(0.5)[:, 1]
     eye = np.array([4, 2, 1]) - 4 * away
-    seen = measure(cloud, (0.0, 0.5), 0.5, eye)
+    seen = measure(cloud, (0.0, 0.5), 0.5, eye, USUAL_ERROR)
     box = seen.box()
     np.testing.assert_allclose(box.size, [1 - 0.1, 2, 0.5], atol=0.03)  # 2 deviations of 0.0015 * 4^2 at either end
     np.testing.assert_allclose(box.center, [4, 2, 0.25], atol=0.03)
     assert seen.errors[1, 0] > 2 * seen.errors[0, 0] and abs(seen.errors[0, 1] - seen.errors[1, 1]) < 0.01
-    wall = measure(cloud, (0.0, 0.5), 0.5, eye, (-away, -float(away @ [4, 2, 0]) - 0.9))
+    wall = measure(cloud, (0.0, 0.5), 0.5, eye, USUAL_ERROR, (-away, -float(away @ [4, 2, 0]) - 0.9))
     assert wall.ends[1, 0] - seen.ends[1, 0] == pytest.approx(0.45, abs=0.02)
     assert wall.errors[1, 0] == pytest.approx(0.1 * 0.9 + 0.225, abs=0.03)
     assert (wall.ends[:, 1:] == seen.ends[:, 1:]).all() and across @ box.center == pytest.approx(
@@ -292,7 +292,9 @@ def test_an_error_of_the_depths_scale_is_no_misfit() -> None:
     shown = Picture(grey, grey, mask.astype(np.float32), depth)
 
     def misfit(seen_depth: np.ndarray) -> float:
-        seen = Observation(grey, mask, seen_depth, mask, nothing, 1.0, np.eye(3), np.eye(4), nothing, mask[0], nothing)
+        seen = Observation(
+            grey, mask, seen_depth, USUAL_ERROR, mask, nothing, 1.0, np.eye(3), np.eye(4), nothing, mask[0], nothing
+        )
         return compare(seen, shown, (0.4, 0.4, 0.4), (0.4, 0.4, 0.4), line_field(grey))[1]
 
     right, scaled, turned = misfit(depth), misfit(1.2 * depth), misfit(depth[:, ::-1].copy())

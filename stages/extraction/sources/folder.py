@@ -6,13 +6,16 @@ from pathlib import Path
 import numpy as np
 
 from stages.config.extraction import ExtractionConfig
+from stages.contracts.objects import DepthError
 from stages.extraction.noise import noisy_depth
-from stages.extraction.observation import AnnotatedImage, read_folder
+from stages.extraction.observation import EXACT, AnnotatedImage, read_folder
 
 
 def observe(folder: Path, options: ExtractionConfig, rng: np.random.Generator) -> AnnotatedImage:
     """Read the input folder; with `depth_noise: model`, disturb its depth if that is exact."""
     image = read_folder(folder)
-    if options.depth_noise == "none" or not image.exact:
+    if options.depth_noise == "none" or image.depth_error != EXACT:
         return image
-    return replace(image, depth=noisy_depth(image.depth, options.noise, rng), exact=False)
+    noise = options.noise
+    error = DepthError(noise.range_constant, noise.range_quadratic)
+    return replace(image, depth=noisy_depth(image.depth, noise, rng), depth_error=error)

@@ -49,7 +49,7 @@ class Fitter:
     def __init__(self, view: View, item: SceneObject, scene: Objects, resolution: int) -> None:
         assert item.box is not None
         self.box = item.box
-        self.seen = observe(view, np.array(scene.floor_from_camera, dtype=float), resolution)
+        self.seen = observe(view, np.array(scene.floor_from_camera, dtype=float), scene.depth_error, resolution)
         self.lines = line_field(self.seen.rgb)
         middle, height = item.box.center[2], item.box.size[2]
         self.heights = (middle - height / 2, middle + height / 2)
@@ -78,7 +78,8 @@ class Fitter:
     def box_of(self, solid: Solid, yaw: float) -> UprightBox:
         """The box of a model that stands at a yaw of the floor frame in the object's place."""
         if yaw not in self._measured:
-            self._measured[yaw] = measure(self.seen.cloud, self.heights, yaw, self.seen.eye, self.behind)
+            seen = self.seen
+            self._measured[yaw] = measure(seen.cloud, self.heights, yaw, seen.eye, seen.depth_error, self.behind)
         return laid_over(solid, self._measured[yaw], self.seen)
 
     def floor_yaw(self, view: float) -> float:

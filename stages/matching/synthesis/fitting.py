@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from stages.contracts.objects import DepthError
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import SYMMETRY_PERIOD, yaw_matrix
 from stages.matching.synthesis.observation import Observation
@@ -12,7 +13,6 @@ from stages.matching.synthesis.solid import Solid
 
 TRIM = 0.005  # share of the points left out at each end
 THIN = 0.005  # metres: no box is thinner
-NOISE = 0.0015  # 1 / m: deviation of estimated depth over the square of the distance
 MOST_NOISE = 0.25  # of an extent: no more is taken off it at either end, far away the noise is only guessed
 REACH = 2.0  # deviations by which the outermost points lie beyond a face
 SEEN, UNSEEN = 0.1, 0.3  # of an extent: how far a face may be wrong, across the line of sight and behind the object
@@ -37,7 +37,12 @@ class Measured(NamedTuple):
 
 
 def measure(
-    cloud: Array, heights: tuple[float, float], yaw: float, eye: Array, behind: tuple[Array, float] | None = None
+    cloud: Array,
+    heights: tuple[float, float],
+    yaw: float,
+    eye: Array,
+    depth_error: DepthError,
+    behind: tuple[Array, float] | None = None,
 ) -> Measured:
     """The extents of a cloud (N, 3), floor frame, along axes turned by `yaw`, and between two heights.
 
@@ -51,7 +56,7 @@ def measure(
     sight = (cloud.mean(axis=0) - eye)[:2] @ turn
     distance = float(np.linalg.norm(sight))
     along = sight / max(distance, 1e-6)
-    noise = REACH * NOISE * distance**2 * np.abs(along)
+    noise = REACH * depth_error.at(distance) * np.abs(along)
     inset = np.minimum(noise, MOST_NOISE * (level[1] - level[0]))
     level += [inset, -inset]
     extent = np.maximum(level[1] - level[0], THIN)

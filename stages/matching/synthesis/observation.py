@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from stages.contracts.objects import DepthError
 from stages.geometry.cameras import back_project
 from stages.geometry.frames import apply, inverse
 from stages.geometry.masks import pixel_bounds
@@ -17,6 +18,7 @@ MARGIN = 0.12  # of the object's longer side, around its mask
 BEYOND = 3  # pixels from the mask's edge to what lies beyond it
 EDGE_SHARE = 0.03  # of its extent: the pixels that make up a side of the mask
 CLOUD_POINTS = 6000
+NEARER = 0.05, 4.0  # metres, and of the error of depth
 Array = NDArray[np.float64]
 
 
@@ -25,14 +27,15 @@ class Observation:
     """The object on a grid (h, w) of cells, each `step` pixels wide.
 
     rgb (h, w, 3) 0 to 1; mask: its pixels; depth: metres along the optical axis, 0: unknown, of all that is seen;
-    inside: cells in the picture; corner: pixel (x, y) where the first cell begins; sides: left, top, right, bottom of
-    the mask in pixels of the picture; free: which of these are the object's own, neither hidden nor cut off; cloud:
-    its points (N, 3), floor frame.
+    depth_error: of that; inside: cells in the picture; corner: pixel (x, y) where the first cell begins; sides: left,
+    top, right, bottom of the mask in pixels of the picture; free: which of these are the object's own, neither hidden
+    nor cut off; cloud: its points (N, 3), floor frame.
     """
 
     rgb: NDArray[np.float32]
     mask: NDArray[np.bool_]
     depth: NDArray[np.float32]
+    depth_error: DepthError
     inside: NDArray[np.bool_]
     corner: Array
     step: float
@@ -70,16 +73,16 @@ class Observation:
 
     def hides(self, depth: NDArray[np.floating]) -> NDArray[np.bool_]:
         """Cells (h, w) where something else lies in front of `depth` (h, w), or the picture ends."""
-        in_front = (self.depth > 0) & (depth - self.depth > nearer_by(depth)) & ~self.mask
+        in_front = (self.depth > 0) & (depth - self.depth > nearer_by(depth, self.depth_error)) & ~self.mask
         return ~self.inside | in_front
 
 
-def nearer_by(depth: NDArray[np.floating]) -> NDArray[np.floating]:
+def nearer_by(depth: NDArray[np.floating], error: DepthError) -> NDArray[np.floating]:
     """Metres by which what hides a thing is nearer; less may be noise of depth, or the floor that it stands on."""
-    return 0.06 + 0.006 * depth**2
+    return NEARER[0] + NEARER[1] * error.at(depth)
 
 
-def observe(view: View, floor_from_camera: Array, longest: int) -> Observation:
+def observe(view: View, floor_from_camera: Array, depth_error: DepthError, longest: int) -> Observation:
     """The object and a little of what is around it, at most `longest` cells across; no cell is less than a pixel.
 
     The view has depth and intrinsics, and its mask is not empty.
@@ -106,13 +109,14 @@ def observe(view: View, floor_from_camera: Array, longest: int) -> Observation:
         rgb=smooth(view.rgb.astype(np.float32) / np.float32(255)),
         mask=(smooth(view.mask.astype(np.float32)) >= 0.5) & inside,
         depth=np.where(inside, view.depth[nearest], 0).astype(np.float32),
+        depth_error=depth_error,
         inside=inside,
         corner=corner,
         step=step,
         intrinsics=np.asarray(view.intrinsics, dtype=float),
         floor_from_camera=np.asarray(floor_from_camera, dtype=float),
         sides=np.array([x0, y0, x1, y1]) - 0.5,
-        free=free_sides(view.mask, view.depth),
+        free=free_sides(view.mask, view.depth, depth_error),
         cloud=_cloud(view, floor_from_camera),
     )
 
@@ -127,7 +131,7 @@ def _cloud(view: View, floor_from_camera: Array) -> Array:
     return points[:: max(1, len(points) // CLOUD_POINTS)]
 
 
-def free_sides(mask: NDArray[np.bool_], depth: NDArray[np.floating]) -> NDArray[np.bool_]:
+def free_sides(mask: NDArray[np.bool_], depth: NDArray[np.floating], error: DepthError) -> NDArray[np.bool_]:
     """Which of left, top, right, bottom of a mask are the object's own: not at the picture's border, nothing nearer
     beyond."""
     free = []
@@ -141,6 +145,6 @@ def free_sides(mask: NDArray[np.bool_], depth: NDArray[np.floating]) -> NDArray[
         rows, at = np.nonzero(turned[:, first : first + band])
         own, other = distance[rows, at + first], distance[rows, first - BEYOND]
         known = (own > 0) & (other > 0)
-        hidden = own[known] - other[known] > nearer_by(own[known])
+        hidden = own[known] - other[known] > nearer_by(own[known], error)
         free.append(not hidden.size or bool(hidden.mean() < 0.5))
     return np.array(free)

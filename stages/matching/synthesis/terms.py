@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from stages.matching.synthesis.observation import Observation
 from stages.matching.synthesis.picture import Picture
 
-DEPTH_SCALE, DEPTH_NOISE = 0.06, 0.003  # of the object's diagonal; 1 / m: a difference that counts as wholly wrong
+DEPTH_SCALE, DEPTH_NOISE = 0.06, 2.0  # of the diagonal; of depth's error: a difference that counts as wholly wrong
 BINS, BLUR, AROUND = 6, 1.2, 4.0  # directions of lines; cells by which they may be off; cells looked at together
 FAINT = 0.1  # lines weaker than this are noise
 UNDECIDED = 0.5  # of a thing too thin to have an inside
@@ -36,7 +36,7 @@ def compare(seen: Observation, shown: Picture, size: ArrayLike, native: ArrayLik
         return Terms(0, 0, 0, 0, distortion(size, native))
     ratio = float(np.median(seen.depth[known] / shown.depth[known]))  # the fit's distance, and the error of depth's
     outline = outline_agreement(seen, shown, ratio)
-    tolerance = DEPTH_SCALE * np.linalg.norm(np.asarray(size)) + DEPTH_NOISE * seen.depth[known] ** 2
+    tolerance = DEPTH_SCALE * np.linalg.norm(np.asarray(size)) + DEPTH_NOISE * seen.depth_error.at(seen.depth[known])
     off = np.abs(seen.depth[known] - ratio * shown.depth[known]) / tolerance
     shared = inner(both)
     return Terms(

@@ -1,0 +1,69 @@
+"""How far depth errs, measured at the planes of the picture: the floor and the walls are flat, their depth is not."""
+
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import nnls
+
+from stages.contracts.objects import USUAL_ERROR, DepthError, Wall
+from stages.extraction.masks import eroded
+from stages.extraction.observation import AnnotatedImage
+
+ERODED, LEVEL = 2, 0.03  # pixels off a surface's border; metres about z = 0 that are floor where no mask is
+PARTS, LEAST = 8, 100  # parts of a plane by distance, each with so many points at least
+SHALLOW = 0.2  # sine of the angle between ray and plane, below which a plane's own unevenness looks like depth's error
+TO_DEVIATION = 1.4826  # times the median of the errors' sizes: a few pixels of something else do not count
+
+
+class Surface(NamedTuple):
+    """Points (N, 3) of one plane, floor frame, and that plane: normal . p = offset."""
+
+    points: NDArray[np.floating]
+    normal: NDArray[np.floating]
+    offset: float
+
+
+def error_of(
+    image: AnnotatedImage, points: NDArray[np.float64], eye: NDArray[np.float64], walls: Mapping[int, Wall]
+) -> DepthError:
+    """The error of a picture's depth: as its source knows it, else measured, else the usual one.
+
+    Args:
+        points: (H, W, 3) of the picture in the floor frame, NaN where not used. eye: (3,) of the camera.
+        walls: by the mask values that show them.
+    """
+    if image.depth_error is not None:
+        return image.depth_error
+    if image.annotations.floor is not None:
+        floor = image.masks == image.annotations.floor
+    else:
+        floor = (np.abs(points[..., 2]) < LEVEL) & ~np.isin(image.masks, image.annotations.values)
+    shown = [(floor, [0.0, 0.0, 1.0], 0.0)]
+    shown += [(image.masks == value, list(wall.normal), wall.offset) for value, wall in walls.items()]
+    known = np.isfinite(points[..., 2])
+    surfaces = [Surface(points[eroded(mask & known, ERODED, 0)], np.array(n), offset) for mask, n, offset in shown]
+    return measured_error(surfaces, eye) or USUAL_ERROR
+
+
+def measured_error(surfaces: Sequence[Surface], eye: NDArray[np.float64]) -> DepthError | None:
+    """The error of the depth of surfaces seen from `eye` (3,); None if too little of them is seen.
+
+    Each is cut into parts by distance; a and b are the least squares, not negative, over the deviations of the parts.
+    """
+    distances, deviations = [], []
+    for points, normal, offset in surfaces:
+        rays = points - eye
+        ranges = np.linalg.norm(rays, axis=1)
+        slope = rays @ normal / ranges
+        seen = np.abs(slope) > SHALLOW
+        off, ranges = np.abs((points @ normal - offset)[seen] / slope[seen]), ranges[seen]
+        for part in np.array_split(np.argsort(ranges), PARTS):
+            if len(part) >= LEAST:
+                distances.append(float(np.mean(ranges[part])))
+                deviations.append(TO_DEVIATION * float(np.median(off[part])))
+    if not distances:
+        return None
+    (a, b), _ = nnls(np.column_stack([np.ones(len(distances)), np.square(distances)]), np.array(deviations))
+    return DepthError(round(float(a), 6), round(float(b), 6))
