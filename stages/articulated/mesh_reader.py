@@ -2,6 +2,7 @@
 
 import importlib.util
 import json
+import re
 import struct
 from base64 import b64decode
 from collections.abc import Iterable
@@ -18,6 +19,7 @@ from stages.contracts.errors import InputError
 
 SUFFIXES = {".obj", ".glb", ".gltf", ".stl", ".ply", ".dae", ".off"}
 DRACO, MESHOPT = "KHR_draco_mesh_compression", "EXT_meshopt_compression"
+NO_NUMBER = re.compile(rb"^v\s[^\n]*(?:nan|inf)", re.IGNORECASE | re.MULTILINE)
 MOST_PIECES = 64
 PICTURES_OF = (
     "image", "baseColorTexture", "metallicRoughnessTexture", "normalTexture", "occlusionTexture", "emissiveTexture",
@@ -55,6 +57,8 @@ def load_meshes(path: Path, folder: Path) -> tuple[list[Trimesh], list[str]]:
     meshes = [mesh for mesh in meshes if mesh.area > 0]
     if not meshes:
         raise InputError(path, "holds no triangles that have an area.")
+    if path.suffix.lower() == ".obj" and NO_NUMBER.search(path.read_bytes()):
+        lost.append(f"{path.name}: corners that are no numbers are left out")
     return meshes, list(dict.fromkeys([*files.lost, *lost]))
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from stages.articulated.forward_kinematics import closed_box, link_frames
 from stages.articulated.model import Matrix, RobotModel
-from stages.articulated.sense import ALONG, LEAST_TURN, SHORTEST, front_direction
+from stages.articulated.sense import ALONG, LEAST_TURN, SHORTEST, front_direction, squared
 from stages.assets.facing import front_before_back
 from stages.assets.importers import Axis, Importer
 from stages.assets.imports import in_file, standing
@@ -60,7 +60,7 @@ def evidence(robot: RobotModel, category: str) -> Evidence:
     )
     fronts: dict[Axis, Axis] = {}
     for up in UPS:
-        stood = standing(robot, up)
+        stood = squared(standing(robot, up))[0]
         told, backed = front_direction(stood), front_before_back(stood, category)
         if (front := told[0] if told is not None else backed) is not None:
             fronts[up] = in_file(front, "+z" if up == "+y" else "+x", up)

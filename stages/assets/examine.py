@@ -13,7 +13,7 @@ from pydantic import ConfigDict, Field, TypeAdapter
 
 from stages.articulated.asset_folder import atomic_folder
 from stages.articulated.model import RobotModel
-from stages.articulated.sense import front_direction
+from stages.articulated.sense import front_direction, squared
 from stages.articulated.urdf_reader import read_urdf
 from stages.articulated.urdf_writer import write_urdf
 from stages.assets.apart import apart
@@ -204,7 +204,7 @@ def guessed(robot: RobotModel, file: ModelFile, shared: Shared = NOTHING) -> tup
         told_front = tells.fronts.get(up)
         default: Axis = "+z" if up == "+y" else "+x"
         if told_front is not None:
-            opens = front_direction(standing(robot, up))
+            opens = front_direction(squared(standing(robot, up))[0])
             how = f"front where {opens[1]} of its doors and drawers open" if opens else "front away from its back"
             front = told_front
         elif shared.front is not None and shared.front[1] != up[1]:

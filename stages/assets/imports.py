@@ -19,7 +19,7 @@ from stages.articulated.forward_kinematics import closed_box, link_frames, rebas
 from stages.articulated.mesh_reader import thickened
 from stages.articulated.model import Matrix, RobotModel
 from stages.articulated.roles import with_roles
-from stages.articulated.sense import doors_and_drawers, front_direction
+from stages.articulated.sense import doors_and_drawers, front_direction, squared
 from stages.articulated.solid_handle import with_solid_handles
 from stages.articulated.stretching import stretched
 from stages.articulated.urdf_reader import HEAVIEST, board_mass
@@ -243,9 +243,12 @@ def upright(robot: RobotModel, file: ModelFile) -> tuple[RobotModel, list[str]]:
     robot = standing(robot, up, front)
     if notes.scale != 1.0:
         robot = in_metres(robot, notes.scale)
+    robot, turn = squared(robot)
+    if turn:
+        lines.append(f"turned by {np.rad2deg(turn):.0f} degrees, to face along an axis")
     if notes.front is None and (told := front_direction(robot)) is not None and told[0][0] < 1:
         (x, y, _), count = told
-        lines = [f"turned to face +x, where {count} of its doors and drawers open (asset.json: front)"]
+        lines += [f"turned to face +x, where {count} of its doors and drawers open (asset.json: front)"]
         robot = rebased(robot, rigid(yaw_matrix(-float(np.arctan2(y, x))).round(9), np.zeros(3)))
     return robot, lines
 

@@ -101,3 +101,10 @@ def test_import_and_own_say_what_is_lost(tmp_path: Path, capsys: pytest.CaptureF
     assert read_urdf(urdf, tmp_path / "theirs").remarks == (said,)
     import_folder(tmp_path / "theirs", tmp_path / "library")
     assert said in capsys.readouterr().out
+
+
+def test_corners_that_are_no_numbers_are_said(tmp_path: Path) -> None:
+    (tmp_path / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 1 0 1\nv nan 0 1\nv 0 1 0\nf 1 2 3\nf 1 3 4\nf 1 3 5\n")
+    meshes, lost = load_meshes(tmp_path / "a.obj", tmp_path)
+    assert lost == ["a.obj: corners that are no numbers are left out"]
+    assert sum(len(mesh.faces) for mesh in meshes) == 2
