@@ -6,12 +6,12 @@ import numpy as np
 import trimesh
 
 from stages.articulated.forward_kinematics import visual_bounds
-from stages.articulated.handle import GRID, Handle, find_handle, front_hits
+from stages.articulated.handle import GRID, PROTRUSION, WIDEST, Handle, exact_width, find_handle, front_hits
 from stages.articulated.model import JointModel, Matrix, RobotModel, Visual
 from stages.contracts.library import FrontPanel, HandleKind, HingeSide
 
-WIDEST = 0.07  # metres across a handle that a gripper of 8 cm closes on
 NEXT = 0.001  # metres before a handle: what is nearer belongs to it
+ROOM = 0.5  # metres before a handle that a hand and its forearm need
 AT_EDGE = 0.06  # metres from a side of the panel within which a profile counts as its edge
 MOST_OF_IT = 0.7  # share of the panel's extent that such a profile runs along at least
 BENT = 0.15  # share of an arch's surface that lies deeper than four fifths of how far it stands out; a bar has less
@@ -39,18 +39,33 @@ def front_panel(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix],
 
 
 def measured_handle(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> HandleKind | None:
-    """The kind of handle on what a joint moves, told from its shape alone; None: nothing stands out that a gripper
-    can close on, or only behind something else (a drawer behind a door)."""
+    """The kind of handle on what a joint moves, told from its shape alone; None: there is none, see `ungraspable`."""
+    held = _held(robot, joint, frames)
+    return None if isinstance(held, str) else _kind(*held)
+
+
+def ungraspable(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> str | None:
+    """Why a gripper cannot close on anything of what a joint moves; None: it can."""
+    held = _held(robot, joint, frames)
+    return held if isinstance(held, str) else None
+
+
+def _held(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> tuple[Handle, trimesh.Trimesh] | str:
+    """The handle of what a joint moves, with the shape of that; or why a gripper cannot close on it."""
     moving = moved_by(joint, robot.joints)
     mesh = seen_of(robot, moving, frames)
     handle = None if mesh is None else find_handle(mesh)
-    if handle is None or mesh is None or handle.width > WIDEST:
-        return None
+    if handle is None or mesh is None:
+        return f"nothing stands out of its front by {1000 * PROTRUSION:.0f} mm or more"
+    if (width := exact_width(mesh, handle)) > WIDEST:
+        return f"what stands out of its front is {100 * width:.3g} cm wide, and a gripper holds {100 * WIDEST:.0f}"
     others = seen_of(robot, robot.links.keys() - set(moving), frames)
     ahead = np.array([1.0, 0.0, 0.0])
-    if others is not None and others.ray.intersects_any([handle.position + NEXT * ahead], [ahead])[0]:
-        return None
-    return _kind(handle, mesh)
+    if others is not None:
+        met, _, _ = others.ray.intersects_location([handle.position + NEXT * ahead], [ahead], multiple_hits=False)
+        if len(met) and (room := float(met[0, 0] - handle.position[0])) < ROOM:
+            return f"{100 * room:.2g} cm before its handle stands something else"
+    return handle, mesh
 
 
 def seen_of(robot: RobotModel, links: Iterable[str], frames: dict[str, Matrix]) -> trimesh.Trimesh | None:
@@ -95,6 +110,7 @@ def _kind(handle: Handle, panel: trimesh.Trimesh) -> HandleKind:
         return "edge"
     hits = front_hits(panel)
     near = np.abs(hits[:, across] - handle.position[across]) < max(GRID, handle.width / 4)
+    near &= np.abs(hits[:, along] - handle.position[along]) < handle.length / 2
     depth = (hits[near, 0] - handle.position[0]) / handle.protrusion + 1.0  # 0 at the panel, 1 at the foremost surface
     standing = depth > 0.15
     bent = standing & (depth < 0.8)

@@ -12,7 +12,9 @@ GRID = 0.004  # metres between rays
 MOST = 1000  # rays along a side; a panel that would take more is larger than any
 NEAREST = 0.005  # rays that end this close behind the nearest hit make up the mean handle location (official code)
 FRONT = 0.015  # the foremost slice that tells the handle's direction and extents
+BEHIND = 0.001  # a ray ends this far behind a raised frame where it does not meet it
 PROTRUSION = 0.012  # a handle sticks out at least this far from its panel
+WIDEST = 0.07  # across a handle that a gripper of 8 cm closes on
 
 
 @dataclass(frozen=True)
@@ -49,6 +51,8 @@ def front_hits(mesh: trimesh.Trimesh) -> Array:
 def find_handle(mesh: trimesh.Trimesh) -> Handle | None:
     """The most protruding feature of a closed panel, or None if nothing sticks out of it.
 
+    What is wider than a gripper may be the raised frame of a front: then it is what stands on that, or within it.
+
     Args:
         mesh: the moving link with everything fixed to it, in the asset frame, closed.
     """
@@ -56,6 +60,18 @@ def find_handle(mesh: trimesh.Trimesh) -> Handle | None:
     if len(hits) < 10:
         return None
     panel = _panel_depth(hits[:, 0])
+    handle = _standing_out(hits, panel)
+    if handle is None or handle.width <= WIDEST + GRID:
+        return handle
+    frame = _panel_depth(hits[hits[:, 0] > (panel + handle.position[0]) / 2, 0])
+    others = _standing_out(hits, frame), _standing_out(hits[hits[:, 0] < frame - BEHIND], panel)
+    return next((other for other in others if other is not None and other.width <= WIDEST + GRID), handle)
+
+
+def _standing_out(hits: Array, panel: float) -> Handle | None:
+    """What stands out most of a panel at a depth, by the first hits (N, 3) on it."""
+    if not len(hits):
+        return None
     nearest = hits[:, 0].max()
     protrusion = float(nearest - panel)
     if protrusion < PROTRUSION:
@@ -67,6 +83,18 @@ def find_handle(mesh: trimesh.Trimesh) -> Handle | None:
     across = np.array([-along[1], along[0]])
     length, width = (float(np.ptp(front @ direction)) + GRID for direction in (along, across))
     return Handle(np.array([nearest, *position[1:]]), np.array([0.0, *along]), protrusion, length, width)
+
+
+def exact_width(mesh: trimesh.Trimesh, handle: Handle) -> float:
+    """Metres across a handle that was found with rays, whose grid adds up to 4 mm: of the surface that is cut off where
+    they took its direction."""
+    depth = handle.position[0] - min(FRONT, handle.protrusion / 2)
+    part = trimesh.intersections.slice_mesh_plane(mesh, [1.0, 0.0, 0.0], [depth, 0.0, 0.0])
+    along = handle.axis[1:]
+    across = np.array([-along[1], along[0]])
+    points = np.asarray(part.vertices)[:, 1:] - handle.position[1:]
+    its_own = (np.abs(points @ across) <= handle.width) & (np.abs(points @ along) <= handle.length)
+    return float(np.ptp(points[its_own] @ across)) if its_own.any() else handle.width
 
 
 def _panel_depth(x: Array) -> float:

@@ -2,34 +2,51 @@
 
 import importlib.util
 import json
+import re
 import struct
+from base64 import b64decode
+from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import trimesh
 from PIL import Image
 from trimesh import Trimesh
 
+from stages.articulated.beside import Beside, fault_of
 from stages.contracts.errors import InputError
 
 SUFFIXES = {".obj", ".glb", ".gltf", ".stl", ".ply", ".dae", ".off"}
 DRACO, MESHOPT = "KHR_draco_mesh_compression", "EXT_meshopt_compression"
+NO_NUMBER = re.compile(rb"^v\s[^\n]*(?:nan|inf)", re.IGNORECASE | re.MULTILINE)
 MOST_PIECES = 64
+PICTURES_OF = (
+    "image", "baseColorTexture", "metallicRoughnessTexture", "normalTexture", "occlusionTexture", "emissiveTexture",
+)  # fmt: skip
 FLAT = 1e-4  # metres: a piece thinner than this gets that thickness
 FARTHEST = 1e6  # coordinates beyond it are a slip, in whatever unit
 
 
-def load_meshes(path: Path) -> list[Trimesh]:
-    """All meshes of a file, in the file's own frame.
+def load_meshes(path: Path, folder: Path) -> tuple[list[Trimesh], list[str]]:
+    """All meshes of a file, in the file's own frame; and what of their looks is lost, a line each.
+
+    Args:
+        path: of the file.
+        folder: no picture or material is read outside of it.
 
     Raises:
         InputError: the file is of no known kind, cannot be read, or holds no triangle that has an area.
     """
     if path.suffix.lower() not in SUFFIXES:
         raise InputError(path, f"'{path.suffix}' is not a mesh file that is read here.", ", ".join(sorted(SUFFIXES)))
-    _check_uncompressed(path)
+    header, binary = _gltf(path)
+    _check_uncompressed(path, header)
+    files, lost = Beside(path, folder), _lost_inside(path, header, binary)
     try:
-        scene = trimesh.load_scene(path)
+        scene = trimesh.load_scene(path, resolver=files)
+        if lost:
+            _drop_broken(scene.geometry.values())
         meshes = [mesh for mesh in scene.dump() if isinstance(mesh, Trimesh) and len(mesh.faces)]
     except Exception as error:  # mesh readers raise whatever they stumble over
         reason = (str(error).splitlines() or [error.__class__.__name__])[0][:200]
@@ -40,23 +57,66 @@ def load_meshes(path: Path) -> list[Trimesh]:
     meshes = [mesh for mesh in meshes if mesh.area > 0]
     if not meshes:
         raise InputError(path, "holds no triangles that have an area.")
-    return meshes
+    if path.suffix.lower() == ".obj" and NO_NUMBER.search(path.read_bytes()):
+        lost.append(f"{path.name}: corners that are no numbers are left out")
+    return meshes, list(dict.fromkeys([*files.lost, *lost]))
 
 
-def _check_uncompressed(path: Path) -> None:
+def _gltf(path: Path) -> tuple[dict[str, Any], bytes]:
+    """The header and the binary part of a glTF file; empty for other files, and for what is said when it is read."""
+    if path.suffix.lower() not in (".glb", ".gltf"):
+        return {}, b""
+    try:
+        data = path.read_bytes()
+        if data[:4] != b"glTF":
+            return dict(json.loads(data)), b""
+        end = 20 + struct.unpack("<I", data[12:16])[0]
+        return dict(json.loads(data[20:end])), data[end + 8 :]
+    except (OSError, ValueError, TypeError, struct.error):
+        return {}, b""
+
+
+def _lost_inside(path: Path, header: dict[str, Any], binary: bytes) -> list[str]:
+    """A line for every picture inside a glTF file that cannot be shown."""
+    lost = []
+    for number, image in enumerate(header.get("images", [])):
+        try:
+            if "bufferView" in image:
+                view = header["bufferViews"][image["bufferView"]]
+                start = view.get("byteOffset", 0)
+                data = binary[start : start + view["byteLength"]]
+            elif image.get("uri", "").startswith("data:"):
+                data = b64decode(image["uri"].partition(",")[2])
+            else:
+                continue
+            fault = fault_of(data)
+        except (ValueError, TypeError, KeyError, IndexError, AttributeError):
+            fault = "is not in the file"
+        if fault:
+            lost.append(f"{path.name} is shown without its picture {number}, which {fault}")
+    return lost
+
+
+def _drop_broken(meshes: Iterable[Trimesh]) -> None:
+    """Take pictures that cannot be read out of the materials of meshes: they would stop whoever copies them."""
+    for mesh in meshes:
+        material = getattr(mesh.visual, "material", None)
+        for key in PICTURES_OF:
+            picture = getattr(material, key, None)
+            try:
+                if picture is not None:
+                    picture.load()
+            except (OSError, ValueError, SyntaxError):
+                setattr(material, key, None)
+
+
+def _check_uncompressed(path: Path, header: dict[str, Any]) -> None:
     """Refuse glTF that trimesh would read as zeros.
 
     Raises:
         InputError: says what would read it.
     """
-    if path.suffix.lower() not in (".glb", ".gltf"):
-        return
-    try:
-        data = path.read_bytes()
-        text = data[20 : 20 + struct.unpack("<I", data[12:16])[0]] if data[:4] == b"glTF" else data
-        needed = json.loads(text).get("extensionsRequired", [])
-    except (OSError, ValueError, struct.error, AttributeError):  # said when it is read
-        return
+    needed = header.get("extensionsRequired", [])
     if DRACO in needed and importlib.util.find_spec("DracoPy") is None:
         raise InputError(path, f"is compressed ({DRACO}).", "pip install DracoPy, or export it uncompressed")
     if MESHOPT in needed:

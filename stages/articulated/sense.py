@@ -7,8 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from stages.articulated.attributes import moved_by, seen_of
-from stages.articulated.forward_kinematics import closed_box, link_frames, visual_bounds
+from stages.articulated.forward_kinematics import closed_box, link_frames, rebased, visual_bounds
 from stages.articulated.model import JointModel, Matrix, RobotModel
+from stages.geometry.frames import rigid, yaw_matrix
 
 ALONG = 0.9  # cosine: a slide goes along a direction, a panel's hinge across it
 SHORTEST, LEAST_TURN = 0.05, np.deg2rad(20)  # metres and radians that a drawer or a door moves at least
@@ -27,6 +28,21 @@ class Front(NamedTuple):
 
     outward: Matrix
     area: float
+
+
+def squared(robot: RobotModel) -> tuple[RobotModel, float]:
+    """The model (z up) turned about z by at most 45 degrees, so that the faces of what has joints look along axes; and
+    by how many radians. Nothing that faces many ways, or is hardly askew, is turned."""
+    looks = seen_of(robot, robot.links, link_frames(robot)) if any(j.type != "fixed" for j in robot.joints) else None
+    if looks is None:
+        return robot, 0.0
+    normals = looks.face_normals[:, :2]
+    weights = looks.area_faces * (np.hypot(*normals.T) > ALONG)
+    total = (weights * np.exp(4j * np.arctan2(normals[:, 1], normals[:, 0]))).sum()
+    turn = -float(np.angle(total)) / 4
+    if abs(total) < ALONG * weights.sum() or abs(turn) < ASKEW:
+        return robot, 0.0
+    return rebased(robot, rigid(yaw_matrix(turn), np.zeros(3))), turn
 
 
 def front_direction(robot: RobotModel) -> tuple[Matrix, int] | None:

@@ -123,18 +123,19 @@ class UrdfReader:
         if kind is None:
             raise InputError(self.path, f"{where}: has no <geometry>.")
         pose = self.tree.origin(element, where)
-        meshes = self._geometry(kind, where)
+        meshes = self._geometry(kind, where, looks)
         if (pose != np.eye(4)).any():
             meshes = [moved(mesh, pose) for mesh in meshes]
         colour = self._colour(element, where) if looks else None
         return [Visual(mesh, None if kind.tag == "mesh" and has_texture(mesh) else colour) for mesh in meshes]
 
-    def _geometry(self, kind: ET.Element, where: str) -> list[Trimesh]:
+    def _geometry(self, kind: ET.Element, where: str, looks: bool) -> list[Trimesh]:
         if kind.tag == "mesh":
             scale = self.tree.numbers(kind, "scale", "1 1 1", 3, where)
             if (scale == 0).any():
                 raise InputError(self.path, f'{where}: scale="{kind.get("scale")}" flattens the mesh.')
-            meshes = load_meshes(self._mesh_file(kind.get("filename", ""), where))
+            meshes, lost = load_meshes(self._mesh_file(kind.get("filename", ""), where), self.folder)
+            self.remarks += lost if looks else []
             if (scale == 1).all():
                 return meshes
             return [moved(mesh, np.diag([*scale, 1.0])) for mesh in meshes]
@@ -154,6 +155,10 @@ class UrdfReader:
         material = element.find("material")
         if material is None:
             return None
+        if (texture := material.find("texture")) is not None:
+            self.remarks.append(
+                f"{where}: is shown without '{texture.get('filename', '')}', which its mesh does not name"
+            )
         found = material.find("color")
         found = self.tree.colours.get(material.get("name", "")) if found is None else found
         if found is None:

@@ -30,14 +30,15 @@ TOLD = {  # words of PartNet-Mobility and of file names where the library has ot
 }  # fmt: skip
 KNOWN = TOLD | {category.replace("_", ""): category for category in CATEGORIES}
 JOINED = 7  # letters of a word that counts at the end of another, as in hingecabinet
-PAGE = "index.html"  # of the verb `import`, in the folder that it writes
+PAGE, PACK = "index.html", "pack.yaml"  # of the verb `import`, in the folder that it writes
 COMMON = {  # words that say nothing of what a model is
-    "asset", "base", "collision", "glb", "main", "mesh", "meshes", "misc", "mjcf", "mobility", "model", "obj", "object",
-    "other", "robot", "scene", "textured", "urdf", "visual", "xml",
+    "asset", "base", "collision", "data", "export", "glb", "main", "mesh", "meshes", "misc", "mjcf", "mobility",
+    "model", "obj", "object", "other", "output", "result", "robot", "scene", "textured", "urdf", "visual", "xml",
 }  # fmt: skip
 COLLECTIONS = {"assets", "meshes", "models", "objects"}  # last words of folders that hold various things
 HEADS = {  # words after that of a category that make another thing of it, or a part: `table_leg`, `bowl_drainer`
-    "caddy", "door", "drainer", "handle", "holder", "knob", "leg", "lid", "rack", "seat", "stand",
+    "caddy", "door", "drainer", "handle", "holder", "knob", "leg", "lid", "panel", "rack", "seat", "shelf", "stand",
+    "window",
 }  # fmt: skip
 WHOLE = {".urdf", ".xml"}  # models that name the meshes that they are made of
 MESHES = {"dae", "msh", "obj", "ply", "stl"}
@@ -67,7 +68,12 @@ def discover(folder: Path, kinds: Sequence[str]) -> list[Found]:
         folder: of the user.
         kinds: suffixes of model files, the most telling first.
     """
-    found = _below(folder, folder, kinds)
+    if numbered := numbered_model(folder):
+        return [partnet(numbered)]
+    skipped = {path: why for path in sorted(folder.rglob("*")) if (why := unusable(path, kinds))}
+    for path, why in skipped.items():
+        print(f"left out: {ascii(str(path.relative_to(folder)))[1:-1]}: {why}", file=sys.stderr)
+    found = [one for one in _below(folder, folder, kinds) if not skipped.keys() & {one.path, *one.path.parents}]
     models = without_pieces([one for one in found if not is_part(one.path)])
     if any(one.path.suffix.lower() not in WHOLE for one in models):
         named = named_meshes(folder)
@@ -85,7 +91,33 @@ def discover(folder: Path, kinds: Sequence[str]) -> list[Found]:
 
 def single(path: Path, folder: Path | None = None) -> Found:
     """A model file by itself, in a folder that says nothing of it."""
+    if folder is None and path.name in NUMBERED:
+        return partnet(path)
     return Found(path, folder or path.parent, category_in(path.stem) or bare(path.stem), path.stem)
+
+
+def unusable(path: Path, kinds: Sequence[str]) -> str | None:
+    """Why a file or folder is not looked at, whatever is in it; None: it is."""
+    if not is_utf8(path.name):
+        return "its name is not UTF-8"
+    if path.suffix.lower() in kinds and not path.is_file() and not path.is_dir():
+        return "is a link to nothing" if path.is_symlink() else "is no file that can be read"
+    return None
+
+
+def is_utf8(name: str) -> bool:
+    """Whether the name of a file is text."""
+    try:
+        name.encode()
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
+def partnet(path: Path) -> Found:
+    """The model of a folder <number>/ of PartNet-Mobility by itself."""
+    folder = path.parent
+    return Found(path, folder, told_category(folder) or folder.resolve().parent.name, folder.resolve().name)
 
 
 def _below(here: Path, folder: Path, kinds: Sequence[str]) -> list[Found]:
@@ -161,7 +193,7 @@ def category_in(name: str) -> str | None:
 
 def named_meshes(folder: Path) -> set[Path]:
     """The files below a folder that bear a name that a URDF or MJCF file in it uses, wherever that file lies."""
-    files = [path for path in folder.rglob("*") if path.is_file()]
+    files = [path for path in folder.rglob("*") if is_utf8(str(path)) and path.is_file()]
     texts = (path.read_bytes() for path in files if path.suffix.lower() in WHOLE)
     used = (name.decode(errors="replace").replace("\\", "/") for text in texts for name in NAMES.findall(text))
     names = {name.rpartition("/")[2].lower() for name in used}

@@ -5,30 +5,29 @@ import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import get_args
+from typing import Annotated
 
 import numpy as np
 from PIL import Image
+from pydantic import ConfigDict, Field, TypeAdapter
 
 from stages.articulated.asset_folder import atomic_folder
-from stages.articulated.forward_kinematics import closed_box
 from stages.articulated.model import RobotModel
-from stages.articulated.sense import front_direction
+from stages.articulated.sense import front_direction, squared
+from stages.articulated.urdf_reader import read_urdf
 from stages.articulated.urdf_writer import write_urdf
-from stages.assets.convention import NOTHING, Shared
+from stages.assets.apart import apart
+from stages.assets.convention import NOTHING, Evidence, Shared, evidence
 from stages.assets.discover import NUMBERED, WHOLE, Found
-from stages.assets.facing import front_before_back
 from stages.assets.importers import Axis, Importer
 from stages.assets.importers.urdf import IMPORTER as URDF
 from stages.assets.imports import (
     ModelFile,
     Notes,
-    axis_vector,
     import_file,
     in_one_line,
-    upright,
+    standing,
     with_notes,
-    without_specks,
 )
 from stages.assets.proportions import (
     UNITS,
@@ -40,7 +39,7 @@ from stages.assets.proportions import (
     up_as_it_stands,
 )
 from stages.contracts.errors import InputError
-from stages.contracts.files import read_json, write_json
+from stages.contracts.files import Contract, read_json, write_json
 from stages.contracts.library import Asset, Joint
 from stages.procedural.catalogue import CATEGORIES
 
@@ -55,13 +54,15 @@ class Examined:
     asset None: it cannot be used, for the last of the doubts.
     """
 
+    __pydantic_config__ = ConfigDict(arbitrary_types_allowed=True)
+
     source: Path
     folder: Path
     notes: Notes | None = None
     told: list[str] = field(default_factory=list)
     asset: Asset | None = None
     doubts: list[str] = field(default_factory=list)
-    picture: Image.Image | None = None
+    picture: Annotated[Image.Image | None, Field(exclude=True)] = None
 
     def facts(self) -> list[str]:
         """What it is taken for, in short."""
@@ -86,50 +87,89 @@ class Examined:
         return "\n  ".join([*lines, *self.joints(), *(f"? {doubt}" for doubt in self.doubts)])
 
 
-def examine(
-    found: Found, importer: Importer, place: Path, work: Path, before: Sequence[Examined], shared: Shared = NOTHING
-) -> Examined:
-    """Write the folder `place` of a model, and its asset below `work`.
+class Read(Contract):
+    """A model that was read: what its reader left out, and what it tells of its file."""
 
-    Notes that are there already count and stay as they are; of the others what is not told is guessed. `shared`: what
-    such files in its folder have in common.
+    remarks: tuple[str, ...]
+    evidence: Evidence
+
+
+def read(found: Found, importer: Importer, place: Path) -> Read:
+    """Write a model into the folder `place`, in a process of its own: as it is in its file; notes there stay.
+
+    Raises:
+        InputError: it cannot be used.
     """
-    model = Examined(found.path, place)
+
+    def work() -> str:
+        with in_one_line(found.path):
+            robot = with_notes(found, importer).importer.read(found.path, found.folder)
+            write_model(robot, place)
+            return Read(remarks=robot.remarks, evidence=evidence(robot, found.category)).model_dump_json()
+
+    return Read.model_validate_json(apart(found.path, work))
+
+
+def examined(
+    found: Found,
+    importer: Importer,
+    place: Path,
+    work: Path,
+    before: Sequence[Examined],
+    shared: Shared = NOTHING,
+    category: str | None = None,
+) -> Examined:
+    """Say what a model that was read into `place` is taken for; its asset is made below `work`, in another process.
+
+    Notes that were written by hand count and stay as they are; of the others what is not told is guessed.
+
+    Args:
+        before: models that it may be a copy of.
+        shared: what such files in its folder have in common.
+        category: of it; None: what its names say.
+    """
+    kind = TypeAdapter(Examined)
+    named = found if category is None else found._replace(category=category)
+    try:
+        told = apart(found.path, lambda: kind.dump_json(_examined(named, importer, place, work, shared)).decode())
+    except InputError as error:
+        return Examined(found.path, place, doubts=[str(error).removeprefix(f"{found.path}: ")])
+    model = kind.validate_json(told)
+    asset = model.asset
+    twin = next((other for other in before if asset and other.asset and other.asset.checksum == asset.checksum), None)
+    if twin is not None:
+        model.asset = None
+        model.doubts.append(f"is a copy of {twin.source}")
+        shutil.rmtree(place)
+    return model
+
+
+def _examined(found: Found, importer: Importer, place: Path, work: Path, shared: Shared) -> Examined:
+    model, written = Examined(found.path, place), place / "model.urdf"
     try:
         with in_one_line(found.path):
             file = with_notes(found, importer)
-            robot = importer.read(found.path, found.folder)
-            model.doubts += robot.remarks
-            theirs = place / NOTES
-            corrected = theirs.is_file()
-            if corrected:
-                notes = read_json(Notes, theirs)
+            theirs = read_json(Notes, place / NOTES) if (place / NOTES).is_file() else None
+            if theirs is not None and theirs.by_hand:
+                model.notes = theirs
                 model.told.append(f"as {NOTES} says")
             else:
-                notes, model.told = guessed(robot, file, shared)
+                model.notes, model.told = guessed(read_urdf(written, place), file, shared)
                 if file.category not in CATEGORIES:
-                    if notes.scale not in (file.notes.scale, file.notes.scale * (shared.unit or 1.0)):
-                        unit = UNITS[round(notes.scale / file.notes.scale, 6)]
+                    if model.notes.scale not in (file.notes.scale, file.notes.scale * (shared.unit or 1.0)):
+                        unit = UNITS[round(model.notes.scale / file.notes.scale, 6)]
                         model.doubts.append(f"of such things no size is known: that it is in {unit} is a guess")
                     model.told.append("a category of its own: none of ours is called so")
-            model.notes = notes
-            write_model(without_specks(robot, notes.scale), place, notes)
-            as_written = Found(place / "model.urdf", place.parent.parent, place.parent.name, place.name)
+                write_json(place / NOTES, model.notes.sealed())
+            as_written = Found(written, place.parent.parent, place.parent.name, place.name)
             asset, doubts = import_file(with_notes(as_written, URDF), work)
             model.doubts += doubts
     except InputError as error:
-        written = place / "model.urdf"
         model.doubts.append(str(error).removeprefix(f"{found.path}: ").removeprefix(f"{written}: "))
         return model
-    twin = next((other for other in before if other.asset and other.asset.checksum == asset.checksum), None)
-    if twin is not None:
-        model.doubts.append(f"is a copy of {twin.source}")
-        shutil.rmtree(place)
-        return model
     model.asset = asset
-    model.doubts += [
-        doubt for doubt in (doubt_of_size(asset.size, asset.category), *map(ungraspable, asset.joints)) if doubt
-    ]
+    if doubt := doubt_of_size(asset.size, asset.category):
+        model.doubts.append(doubt)
     return model
 
 
@@ -137,43 +177,38 @@ def guessed(robot: RobotModel, file: ModelFile, shared: Shared = NOTHING) -> tup
     """The notes beside a model, with what they do not say; and how that was found, in lines."""
     notes, lines = file.notes, []
     up, scale, category = notes.up, notes.scale, file.category
+    kind, tells = file.path.suffix.lower(), evidence(robot, category)
     if up is None:
-        low, high = closed_box(robot)
-        extents, up = (high - low) * scale, shared.up or file.importer.up
+        up, how = told_up(robot, file, tells, shared)
+        extents = np.array(tells.extents) * scale
         if file.path.name in NUMBERED and category == STORAGE[0]:
             category = likest(extents, STORAGE)
         if file.path.name in NUMBERED and (known := scale_from_sphere(extents, category)):
             scale *= known
             lines.append("as large as ours are: its file has it in a sphere of radius 1, as all of PartNet")
         else:
-            ups = [up] if shared.up else [up, other_up(up)]
-            up, unit = up_and_unit(extents, category, ups, file.path.suffix.lower() in WHOLE, shared.unit)
+            # Proportions tell up only where nothing else does: an upright box is no book that stands on its edge.
+            ups = [up, other_up(up)] if not how and not file.importer.has_up and tells.stands is None else [up]
+            up, unit = up_and_unit(extents, category, ups, kind in WHOLE, shared.unit)
             scale *= unit
             if unit != 1.0:
-                how = f"as most {file.path.suffix.lower()} here" if unit == shared.unit else "by its size"
+                told = f"as most {kind} here" if unit == shared.unit else "by its size"
                 lines.append(
-                    f"in {UNITS[unit]} {how}" if unit in UNITS else "as large as ours are: it is in no usual unit"
+                    f"in {UNITS[unit]} {told}" if unit in UNITS else "as large as ours are: it is in no usual unit"
                 )
-        if shared.up:
-            lines.append(f"up {up} as most {file.path.suffix.lower()} here")
-        elif up != file.importer.up:
-            lines.append(f"up {up} by its proportions")
-        elif len(robot.links) == 1:
-            (body,) = robot.links.values()
-            points = np.concatenate([visual.mesh.vertices for visual in body.visuals])
-            up = up_as_it_stands(points, category, up, file.importer.has_up)
-            if up != file.importer.up:
-                lines.append(f"up {up}: only so it stands")
+        if not how and up != file.importer.up:
+            how = f"up {up} by its proportions"
+        lines += [how] if how else []
     front: Axis | None = notes.front
     if front is None:
+        told_front = tells.fronts.get(up)
         default: Axis = "+z" if up == "+y" else "+x"
-        notes = notes.model_copy(update={"front": default, "up": up, "scale": scale})
-        turned, _ = upright(robot, file._replace(notes=notes))
-        told, backed = front_direction(turned), front_before_back(turned, category)
-        if told is not None:
-            front, how = in_file(told[0], default, up), f"front where {told[1]} of its doors and drawers open"
-        elif backed is not None:
-            front, how = in_file(backed, default, up), "front away from its back"
+        if told_front is not None:
+            opens = front_direction(squared(standing(robot, up))[0])
+            how = f"front where {opens[1]} of its doors and drawers open" if opens else "front away from its back"
+            front = told_front
+        elif shared.front is not None and shared.front[1] != up[1]:
+            front, how = shared.front, f"front {shared.front} as most {kind} here"
         else:
             unsure = file.notes.up is None and not shared.up and up == file.importer.up and not file.importer.has_up
             front = default
@@ -189,15 +224,25 @@ def guessed(robot: RobotModel, file: ModelFile, shared: Shared = NOTHING) -> tup
     return notes.model_copy(update=words), lines
 
 
-def in_file(direction: np.ndarray, front: Axis, up: Axis) -> Axis:
-    """The axis of the file that is a direction of the model, once `front` of the file is its +x and `up` its +z."""
-    x, z = axis_vector(front), axis_vector(up)
-    wanted = np.array([x, np.cross(z, x), z]).T @ direction
-    return max(get_args(Axis), key=lambda axis: float(axis_vector(axis) @ wanted))
+def told_up(robot: RobotModel, file: ModelFile, tells: Evidence, shared: Shared) -> tuple[Axis, str]:
+    """The direction up of a model, and what tells it; empty: it is what is agreed, or assumed."""
+    agreed = file.importer.up
+    if shared.up is not None and not (file.importer.has_up and shared.up == agreed):
+        return shared.up, f"up {shared.up} as most {file.path.suffix.lower()} here"
+    if tells.slides not in (None, agreed) and tells.stands != agreed:
+        assert tells.slides is not None
+        return tells.slides, f"up {tells.slides}: so its drawers slide level"
+    if len(robot.links) == 1:
+        (body,) = robot.links.values()
+        points = np.concatenate([visual.mesh.vertices for visual in body.visuals])
+        up = up_as_it_stands(points, file.category, agreed, file.importer.has_up)
+        return up, f"up {up}: only so it stands" if up != agreed else ""
+    return agreed, ""
 
 
-def write_model(robot: RobotModel, place: Path, notes: Notes) -> None:
-    """Write the model in its file's own frame and unit, and its notes; masses that nobody told are left out."""
+def write_model(robot: RobotModel, place: Path) -> None:
+    """Write the model in its file's own frame and unit, beside notes that are there; masses that nobody told are left
+    out."""
     with atomic_folder(place) as folder:
         write_urdf(robot, folder)
         path = folder / "model.urdf"
@@ -206,7 +251,8 @@ def write_model(robot: RobotModel, place: Path, notes: Notes) -> None:
             if not robot.links[element.get("name", "")].weighed:
                 element.remove(element.find("inertial"))  # type: ignore[arg-type]
         tree.write(path, encoding="utf-8")
-        write_json(folder / NOTES, notes)
+        if (place / NOTES).is_file():
+            shutil.copy(place / NOTES, folder / NOTES)
 
 
 def described(joint: Joint) -> str:
@@ -216,11 +262,3 @@ def described(joint: Joint) -> str:
         reach = f"{100 * (joint.upper - joint.lower):.0f} cm"
     hinge = f", hinge {joint.panel.hinge}" if joint.panel is not None and joint.role == "door" else ""
     return f"{joint.role} '{joint.name}': {reach}{hinge}, {f'handle: {joint.handle}' if joint.handle else 'no handle'}"
-
-
-def ungraspable(joint: Joint) -> str | None:
-    """A line if a gripper finds nothing to hold."""
-    if joint.handle is not None:
-        return None
-    what = "no handle, 12 mm or more out from its front, at most 7 cm wide and before everything else"
-    return f"{joint.role} '{joint.name}' cannot be grasped: {what}"

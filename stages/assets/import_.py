@@ -6,22 +6,38 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from stages.assets.convention import NOTHING, shared
-from stages.assets.discover import PAGE, Found, discover, is_model, is_part, numbered_names, single
-from stages.assets.examine import Examined, examine
+from stages.assets.convention import Told, shared
+from stages.assets.discover import PACK, PAGE, Found, discover, is_model, is_part, numbered_names, single
+from stages.assets.examine import Examined, Read, examined, read
 from stages.assets.import_page import write_page
-from stages.assets.imports import IMPORTERS, by_suffix, in_one_line, snake_case
+from stages.assets.imports import IMPORTERS, by_suffix, in_one_line, snake_case, suffix
+from stages.assets.pack import completed, read_pack, write_pack
 from stages.assets.portrait import Portraits
+from stages.assets.snapshots import Look
+from stages.cli import progress
 from stages.contracts.errors import InputError
 
-FOREIGN = {".3ds", ".blend", ".fbx", ".sdf", ".skp", ".usd", ".usda", ".usdc", ".usdz", ".wrl", ".xacro"}
+FOREIGN = {
+    ".3ds",
+    ".blend",
+    ".fbx",
+    ".kinbody.xml",
+    ".sdf",
+    ".skp",
+    ".usd",
+    ".usda",
+    ".usdc",
+    ".usdz",
+    ".wrl",
+    ".xacro",
+}
 
 
 def run(folder: Path, /, *, out: Path) -> None:
     """Look at the models of a folder; `assets.folders: [<out>]` then uses them.
 
-    Writes <out>/<category>/<name>/ per model: a URDF in the file's own frame and unit, and asset.json, which you can
-    correct: run it again and it counts. <out>/index.html shows and tells what each is taken for.
+    Writes <out>/<category>/<name>/ per model: a URDF in the file's own frame and unit, and asset.json; and
+    <out>/pack.yaml, what they share. Correct either and run it again. <out>/index.html shows what each is taken for.
 
     Args:
         folder: with models, <category>/<model> or PartNet-Mobility's <number>/, or one model's file; it stays as it is.
@@ -29,25 +45,41 @@ def run(folder: Path, /, *, out: Path) -> None:
     """
     kinds = by_suffix(IMPORTERS)
     found = models_of(folder, out, list(kinds))
-    common = shared(found, kinds)
+    pack = read_pack(out / PACK)
+    models: dict[Path, Examined] = {}
+    told: dict[Path, Read] = {}
+    where = {one.path: out / place for one, place in zip(found, places(found), strict=True)}
+    for one in progress(found, "models read", len(found)):
+        try:
+            told[one.path] = read(one, kinds[suffix(one.path)], where[one.path])
+        except InputError as error:
+            line = str(error).removeprefix(f"{one.path}: ")
+            models[one.path] = Examined(one.path, where[one.path], doubts=[line])
+            print(models[one.path].text(), flush=True)
+    left = [one for one in found if one.path in told]
+    common, words = shared([Told(suffix(one.path), one.category, told[one.path].evidence) for one in left], kinds)
+    pack = completed(pack, common, [snake_case(one.category) for one in left])
+    write_pack(out / PACK, pack, words)
     with tempfile.TemporaryDirectory() as scratch:
-        portraits = Portraits()
-        models: list[Examined] = []
-        for number, (one, place) in enumerate(zip(found, places(found), strict=True)):
-            work = Path(scratch) / str(number)
-            kind = one.path.suffix.lower()
-            model = examine(one, kinds[kind], out / place, work, models, common.get(kind, NOTHING))
+        portraits, look = Portraits(), Look()
+        for number, one in enumerate(left):
+            work, kind = Path(scratch) / str(number), suffix(one.path)
+            category = pack.categories[snake_case(one.category)]
+            before = list(models.values())
+            model = examined(one, kinds[kind], where[one.path], work, before, pack.kinds[kind], category)
+            model.doubts = [*told[one.path].remarks, *model.doubts]
             if model.asset is not None:
                 try:
                     with in_one_line(one.path):
+                        look.check(work / model.asset.id, one.path)
                         model.picture = portraits.take(work / model.asset.id)
                 except InputError as error:
                     model.asset = None
-                    model.doubts.append(f"no picture can be taken of it: {error.what}")
-            models.append(model)
+                    model.doubts.append(str(error).removeprefix(f"{one.path}: "))
+            models[one.path] = model
             print(model.text(), flush=True)
-    write_page(out / PAGE, folder, models)
-    taken = sum(model.asset is not None for model in models)
+    write_page(out / PAGE, folder, list(models.values()), pack, words)
+    taken = sum(model.asset is not None for model in models.values())
     print(f"{taken} of {len(models)} models can be used: assets: {{folders: [{out}]}}. Look at {out / PAGE}")
     if not taken:
         raise InputError(folder, "none of its models can be used.", "see above")
@@ -84,7 +116,8 @@ def models_of(given: Path, out: Path, kinds: Sequence[str]) -> list[Found]:
 
 def unread(folder: Path) -> str:
     """How many models there are of kinds that are not read, and what to do; empty: none."""
-    found = Counter(path.suffix.lower() for path in folder.rglob("*") if path.suffix.lower() in FOREIGN)
+    ends = (next((end for end in FOREIGN if path.name.lower().endswith(end)), None) for path in folder.rglob("*"))
+    found = Counter(end for end in ends if end)
     counts = ", ".join(f"{count} {kind}" for kind, count in sorted(found.items()))
     return f"files of kinds that are not read ({counts}): export them as URDF, MJCF or GLB" if found else ""
 

@@ -2,20 +2,31 @@
 
 import base64
 import io
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import get_args
 
 import jinja2
 from PIL import Image
 
+from stages.assets.discover import PACK
 from stages.assets.examine import NOTES, Examined
+from stages.assets.importers import Axis
+from stages.assets.pack import Pack
+from stages.assets.proportions import UNITS
 from stages.contracts.files import write_text
+from stages.procedural.catalogue import CATEGORIES
 
 QUALITY = 82
 
 
-def write_page(path: Path, source: Path, models: Sequence[Examined]) -> None:
-    """Write the page; the models in the order of their folders, those that are not used last."""
+def write_page(path: Path, source: Path, models: Sequence[Examined], pack: Pack, told: Mapping[str, str]) -> None:
+    """Write the page; the models in the order of their folders, those that are not used last.
+
+    Args:
+        pack: what they share, which the page lets its reader change and save.
+        told: by suffix, how many models tell what.
+    """
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("stages.assets", "."), autoescape=True, undefined=jinja2.StrictUndefined,
         trim_blocks=True, lstrip_blocks=True,
@@ -24,6 +35,12 @@ def write_page(path: Path, source: Path, models: Sequence[Examined]) -> None:
         source=source.name,
         notes=NOTES,
         used=[(model, _place(model, path), _inline(model.picture)) for model in models if model.asset is not None],
+        pack=pack,
+        told=told,
+        axes=get_args(Axis),
+        units=UNITS,
+        known=sorted(CATEGORIES),
+        file=PACK,
         refused=[(model, _place(model, path)) for model in models if model.asset is None],
     )
     write_text(path, page + "\n")

@@ -1,34 +1,40 @@
 """Import the user's own models: files of the kinds in `importers`, sorted in folders by category."""
 
+import json
 import re
 import shutil
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, get_args
 
 import numpy as np
 from pydantic import Field, ValidationError
 
-from stages.articulated.asset_folder import Description, write_asset
-from stages.articulated.forward_kinematics import closed_box, rebased
+from stages.articulated.asset_folder import Description, read_asset, write_asset
+from stages.articulated.attributes import ungraspable
+from stages.articulated.forward_kinematics import closed_box, link_frames, rebased
 from stages.articulated.mesh_reader import thickened
 from stages.articulated.model import Matrix, RobotModel
 from stages.articulated.roles import with_roles
-from stages.articulated.sense import doors_and_drawers, front_direction
+from stages.articulated.sense import doors_and_drawers, front_direction, squared
 from stages.articulated.solid_handle import with_solid_handles
 from stages.articulated.stretching import stretched
 from stages.articulated.urdf_reader import HEAVIEST, board_mass
+from stages.assets.apart import apart
 from stages.assets.discover import Found, discover, numbered_names
+from stages.assets.guess import Guess
 from stages.assets.importers import Axis, Importer
 from stages.assets.proportions import LARGEST
 from stages.assets.pushing import stuck_joints, touching_when_closed
+from stages.assets.snapshots import Look
 from stages.assets.weighing import weighed_sanely
 from stages.cli import progress
 from stages.config.assets import OwnOptions
 from stages.contracts.errors import InputError
-from stages.contracts.files import Contract, read_json
+from stages.contracts.files import read_json
 from stages.contracts.library import Asset, Placement, Symmetry
 from stages.geometry.frames import rigid, yaw_matrix
 from stages.plugins import load, short
@@ -39,7 +45,7 @@ SPECK = 2e-5  # metres: what is narrower and thinner than this is not seen
 THINNEST = 1e-4  # metres, of a model's extents
 
 
-class Notes(Contract):
+class Notes(Guess):
     """Optional `asset.json` beside an imported model: what its geometry does not tell."""
 
     category: str | None = Field(None, description="default: the name of the folder")
@@ -97,12 +103,13 @@ def _name(found: Found, kinds: dict[str, Importer]) -> str:
 
 def import_models(models: dict[str, Found], kinds: dict[str, Importer], folder: Path) -> tuple[list[Asset], list[str]]:
     """Write an asset folder below `folder` for every model, by name; and what is left out as broken, in a line each."""
-    assets, left_out = [], []
+    assets, left_out, look = [], [], Look()
     for name, found in progress(models.items(), "imports", len(models)):
         try:
+            doubts = json.loads(apart(found.path, partial(_import_one, name, found, kinds, folder)))
             with in_one_line(found.path):
-                file = with_notes(found, kinds[suffix(found.path)])
-                asset, doubts = import_file(file._replace(id=name), folder)
+                look.check(folder / name, found.path)
+                assets.append(read_asset(folder / name))
         except InputError as error:
             left_out.append(str(error))
             print(f"left out: {error}")
@@ -110,8 +117,14 @@ def import_models(models: dict[str, Found], kinds: dict[str, Importer], folder: 
             continue
         for doubt in doubts:
             print(f"{found.path}: {doubt}")
-        assets.append(asset)
     return assets, left_out
+
+
+def _import_one(name: str, found: Found, kinds: dict[str, Importer], folder: Path) -> str:
+    """JSON of what is doubtful."""
+    with in_one_line(found.path):
+        file = with_notes(found, kinds[suffix(found.path)])
+        return json.dumps(import_file(file._replace(id=name), folder)[1])
 
 
 @contextmanager
@@ -120,7 +133,7 @@ def in_one_line(path: Path) -> Iterator[None]:
     try:
         with np.errstate(all="ignore"):  # what divides by the volume of a flat piece is checked by its result
             yield
-    except InputError:
+    except (InputError, MemoryError):
         raise
     except Exception as error:
         reason = (str(error).splitlines() or [""])[0][:200]
@@ -183,7 +196,13 @@ def import_file(file: ModelFile, models: Path) -> tuple[Asset, list[str]]:
             asset = write_asset(replace(robot, touching=touching), models / file.id, about)
     except ValidationError as error:
         raise InputError(path, f"makes no asset: {error.errors()[0]['msg']}.") from None
-    return asset, [*robot.remarks, *turned, *fixed, *weighed, *cut, *stuck_joints(models / file.id)]
+    bare = {joint.name for joint in asset.joints if joint.handle is None}
+    held = [
+        f"{joint.role} '{joint.name}' cannot be grasped: {ungraspable(robot, joint, link_frames(robot))}"
+        for joint in robot.joints
+        if joint.name in bare
+    ]
+    return asset, [*robot.remarks, *turned, *fixed, *weighed, *cut, *held, *stuck_joints(models / file.id)]
 
 
 def check_believable(robot: RobotModel, path: Path) -> None:
@@ -221,14 +240,30 @@ def upright(robot: RobotModel, file: ModelFile) -> tuple[RobotModel, list[str]]:
     if abs(x @ z) > 0.5:
         what = f"front {front} and up {up} lie along one line."
         raise InputError(file.notes_path, what, "give two different axes")
-    robot = rebased(robot, rigid(np.array([x, np.cross(z, x), z]), np.zeros(3)))
+    robot = standing(robot, up, front)
     if notes.scale != 1.0:
         robot = in_metres(robot, notes.scale)
+    robot, turn = squared(robot)
+    if turn:
+        lines.append(f"turned by {np.rad2deg(turn):.0f} degrees, to face along an axis")
     if notes.front is None and (told := front_direction(robot)) is not None and told[0][0] < 1:
         (x, y, _), count = told
-        lines = [f"turned to face +x, where {count} of its doors and drawers open (asset.json: front)"]
+        lines += [f"turned to face +x, where {count} of its doors and drawers open (asset.json: front)"]
         robot = rebased(robot, rigid(yaw_matrix(-float(np.arctan2(y, x))).round(9), np.zeros(3)))
     return robot, lines
+
+
+def standing(robot: RobotModel, up: Axis, front: Axis | None = None) -> RobotModel:
+    """The model with the file's axis `up` as z, and `front` (+x, or +z where up is +y) as x."""
+    x, z = axis_vector(front or ("+z" if up == "+y" else "+x")), axis_vector(up)
+    return rebased(robot, rigid(np.array([x, np.cross(z, x), z]), np.zeros(3)))
+
+
+def in_file(direction: np.ndarray, front: Axis, up: Axis) -> Axis:
+    """The axis of the file that is a direction of the model, once `front` of the file is its +x and `up` its +z."""
+    x, z = axis_vector(front), axis_vector(up)
+    wanted = np.array([x, np.cross(z, x), z]).T @ direction
+    return max(get_args(Axis), key=lambda axis: float(axis_vector(axis) @ wanted))
 
 
 def in_metres(robot: RobotModel, scale: float) -> RobotModel:

@@ -5,7 +5,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import NamedTuple
 
-from stages.assets.discover import NUMBERED, PAGE
+from stages.assets.discover import NUMBERED, PACK, PAGE, is_utf8
 from stages.assets.imports import by_suffix, named_models
 from stages.config.assets import AssetsConfig
 from stages.config.code import files_digest
@@ -65,7 +65,8 @@ def files_of(folder: Path, models: Sequence[Path]) -> dict[Path, list[Path]]:
 
     Its place is <category>/<model>/, <number>/, or the file alone. A model that names other folders may read all files.
     """
-    every = [path for path in folder.rglob("*") if path.is_file() and path != folder / PAGE]
+    unread = {folder / PAGE, folder / PACK}
+    every = [path for path in folder.rglob("*") if is_utf8(str(path)) and path.is_file() and path not in unread]
     places = {_place(model, folder) for model in models}
     lying: dict[Path | None, list[Path]] = {}
     for path in every:

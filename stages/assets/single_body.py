@@ -19,7 +19,7 @@ def read_mesh(path: Path, folder: Path) -> RobotModel:
     Raises:
         InputError: it cannot be read, or is flat.
     """
-    meshes = load_meshes(path)
+    meshes, lost = load_meshes(path, folder)
     points = np.concatenate([mesh.vertices for mesh in meshes])
     across = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2][2]
     if np.ptp(points @ across) < FLAT * np.ptp(points, axis=0).max():
@@ -29,4 +29,5 @@ def read_mesh(path: Path, folder: Path) -> RobotModel:
     visuals = [Visual(mesh) for mesh in meshes]
     mass = board_mass(pieces, visuals)
     inertia = hull.moment_inertia * (mass / hull.volume) + MINIMUM_INERTIA * np.eye(3)
-    return RobotModel(path.stem, {"base": Link("base", visuals, pieces, mass, hull.center_mass, inertia)})
+    base = Link("base", visuals, pieces, mass, hull.center_mass, inertia)
+    return RobotModel(path.stem, {"base": base}, remarks=tuple(lost))

@@ -90,6 +90,25 @@ class Turntable:
         return rgb, depth
 
 
+class Look:
+    """Tells whether anything is seen of an asset in its representative picture, which everything later needs."""
+
+    def __init__(self) -> None:
+        self.turntable: Turntable | None = None
+
+    def check(self, folder: Path, where: Path) -> None:
+        """Photograph an asset folder once.
+
+        Raises:
+            InputError: nothing is seen of the model file `where`, or its picture cannot be taken.
+        """
+        options = SnapshotOptions()
+        self.turntable = self.turntable or Turntable(options)
+        _, depth = self.turntable.photograph(folder, [options.representative_yaw])
+        if not depth.any():
+            raise InputError(where, "cannot be seen: it is transparent, or too thin.", "make it opaque and thicker")
+
+
 def check_box(asset: Asset, seen: NDArray[np.float64]) -> None:
     """Refuse an asset whose box has other extents than what is seen of it, (3,) metres."""
     if np.abs(seen - asset.size).max() > BOX_TOLERANCE * largest_extent(asset):

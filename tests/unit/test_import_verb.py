@@ -11,10 +11,9 @@ import pytest
 import trimesh
 from PIL import Image
 
-from stages.assets.examine import in_file
 from stages.assets.import_ import run
 from stages.assets.importers import Axis
-from stages.assets.imports import axis_vector
+from stages.assets.imports import axis_vector, in_file
 from stages.assets.portrait import ARROW
 from stages.assets.proportions import doubt_of_size, other_up, up_and_unit, up_as_it_stands
 from stages.contracts.errors import InputError

@@ -315,3 +315,12 @@ def test_models_lie_anywhere_and_what_they_are_made_of_is_none(
         ("gear", "gear"),
     }
     assert "5 files are parts" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("turn", [0.0, 143.0, -30.0, 50.0])
+def test_a_cabinet_that_stands_askew_in_its_file_is_turned(tmp_path: Path, turn: float) -> None:
+    (tmp_path / "bottom_cabinet").mkdir()
+    (tmp_path / "bottom_cabinet/c.urdf").write_text(cabinet(turn))
+    (asset,) = import_folder(tmp_path, tmp_path / "library")
+    assert {joint.role for joint in asset.joints} == {"door", "drawer"}
+    assert asset.size == pytest.approx((0.445, 0.5, 0.86), abs=0.06)

@@ -285,7 +285,7 @@ def test_compressed_gltf_is_not_read_as_zeros(
     header = b"glTF" + struct.pack("<IIII", 2, 20 + len(text), len(text), 0x4E4F534A)
     (tmp_path / f"a.{kind}").write_bytes(header + text if kind == "glb" else text)
     with pytest.raises(InputError, match=rf"is compressed \({extension}\)\. Fix: .*export it uncompressed"):
-        load_meshes(tmp_path / f"a.{kind}")
+        load_meshes(tmp_path / f"a.{kind}", tmp_path)
 
 
 @pytest.mark.parametrize("front", ["+x", "-x", "+y", "-y"])

@@ -1,0 +1,75 @@
+"""Files that a mesh file names, for trimesh: pictures and materials, inside the user's folder."""
+
+import warnings
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+from urllib.parse import unquote
+
+from PIL import Image
+from trimesh.resolvers import Resolver
+
+from stages.articulated.inside import OutsideError, find_inside
+
+PICTURES = {".bmp", ".gif", ".jpeg", ".jpg", ".png", ".tga", ".tif", ".tiff", ".webp"}
+
+
+class Beside(Resolver):  # type: ignore[misc]
+    """The files that the mesh file `path` names, looked for beside it and above, up to `folder`.
+
+    trimesh goes on without what cannot be read; `lost` says so, a line each.
+    """
+
+    def __init__(self, path: Path, folder: Path) -> None:
+        self.path, self.folder, self.lost = path, folder, list[str]()
+        self.file_name = path.name  # which trimesh calls nameless meshes by
+
+    def get(self, name: str) -> bytes:
+        """The bytes of a file.
+
+        Raises:
+            FileNotFoundError: it is not in the folder, or is a picture that cannot be opened.
+        """
+        written = name.strip().replace("\\", "/")
+        spelt = written.rpartition(" ")[2] if written.startswith("-") else written  # MTL's options come first
+        try:
+            names = dict.fromkeys([spelt.lstrip("/"), unquote(spelt.lstrip("/"))])
+            found = next((file for one in names if (file := find_inside(one, self.path.parent, self.folder))), None)
+        except OutsideError:
+            found = None
+        if found is None:
+            raise self._loses(written, f"is not in {self.folder.name}/")
+        data = found.read_bytes()
+        if found.suffix.lower() in PICTURES and (fault := fault_of(data)):
+            raise self._loses(written, fault)
+        return data
+
+    def _loses(self, name: str, why: str) -> FileNotFoundError:
+        self.lost.append(f"{self.path.name} is shown without '{name[:200]}', which {why}")
+        return FileNotFoundError(name)
+
+    def keys(self) -> list[str]:
+        """None are listed."""
+        return []
+
+    def write(self, name: str, data: Any) -> None:
+        """Nothing is written."""
+        raise PermissionError(name)
+
+    def namespaced(self, namespace: str) -> "Beside":
+        """The same files."""
+        return self
+
+
+def fault_of(data: bytes) -> str | None:
+    """Why a picture cannot be shown; None: it can. Too large is what Pillow warns of."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", Image.DecompressionBombWarning)
+            with Image.open(BytesIO(data)) as picture:
+                picture.load()
+    except (Image.DecompressionBombError, Image.DecompressionBombWarning):
+        return "is too large"
+    except (OSError, ValueError, SyntaxError) as error:
+        return f"is no whole picture ({type(error).__name__})"
+    return None

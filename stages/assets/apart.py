@@ -1,0 +1,85 @@
+"""Work on files of others in a process of its own, with limits of time and memory: what hangs, floods or crashes its
+reader stops nothing else."""
+
+import json
+import os
+import resource
+import signal
+import sys
+import traceback
+from collections.abc import Callable
+from pathlib import Path
+
+from stages.contracts.errors import InputError
+
+SECONDS = 300  # of CPU time; a mesh of 1.3 million triangles takes 35
+MEGABYTES = 3000  # beyond what this process has
+SIMPLER = "a file with fewer parts or triangles"
+
+
+def apart(path: Path, work: Callable[[], str]) -> str:
+    """What `work` returns about a model's file, done in a fork of this process.
+
+    Raises:
+        InputError: it raised one, took more than the limits, or crashed.
+    """
+    sys.stdout.flush()
+    sys.stderr.flush()
+    answer, ours = os.pipe()
+    child = os.fork()
+    if child == 0:
+        os.close(answer)
+        _work(path, work, ours)
+    os.close(ours)
+    with os.fdopen(answer, "rb") as told:
+        said = told.read()
+    status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+    if status == -signal.SIGXCPU:
+        raise InputError(path, f"takes more than {SECONDS} s to read.", SIMPLER)
+    if status != 0:
+        what = f"crashes what reads it, or takes more than {MEGABYTES} MB of memory ({_name(status)})."
+        raise InputError(path, what, SIMPLER)
+    error, text = json.loads(said)
+    if error is not None:
+        raise InputError(*error)
+    return str(text)
+
+
+def _work(path: Path, work: Callable[[], str], ours: int) -> None:
+    """The child: never returns."""
+    code = 1
+    try:
+        _limit()
+        try:
+            said = json.dumps([None, work()])
+        except InputError as error:
+            said = json.dumps([(error.where, error.what, error.fix), ""])
+        except MemoryError:
+            said = json.dumps([(str(path), f"takes more than {MEGABYTES} MB of memory to read.", SIMPLER), ""])
+        with os.fdopen(ours, "wb") as told:
+            told.write(said.encode())
+        code = 0
+    except BaseException:
+        traceback.print_exc()
+    finally:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(code)
+
+
+def _limit() -> None:
+    """Let this process take so much more time and memory; where the system does not tell what it has, only time."""
+    used = resource.getrusage(resource.RUSAGE_SELF)
+    seconds = int(used.ru_utime + used.ru_stime) + SECONDS
+    resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    status = Path("/proc/self/status")
+    if status.exists():
+        held = next(int(line.split()[1]) for line in status.read_text().splitlines() if line.startswith("VmData"))
+        limit = held * 1024 + MEGABYTES * 2**20
+        resource.setrlimit(resource.RLIMIT_DATA, (limit, limit))
+
+
+def _name(status: int) -> str:
+    """How a process ended."""
+    return signal.Signals(-status).name if status < 0 else f"exit status {status}"

@@ -1,0 +1,26 @@
+"""What `import` guesses and people correct: what was changed by hand counts, the rest is guessed anew."""
+
+import hashlib
+from typing import Self
+
+from pydantic import Field
+
+from stages.contracts.files import Contract
+
+
+class Guess(Contract):
+    """A guess that knows whether it is still what was guessed."""
+
+    guess: str | None = Field(None, description="digest of what `import` wrote; what was changed by hand counts")
+
+    def sealed(self) -> Self:
+        """The same, as `import` writes it."""
+        return self.model_copy(update={"guess": self._digest()})
+
+    @property
+    def by_hand(self) -> bool:
+        """Whether it says anything that `import` has not written."""
+        return self.guess != self._digest()
+
+    def _digest(self) -> str:
+        return hashlib.sha256(self.model_dump_json(exclude={"guess"}).encode()).hexdigest()[:12]
