@@ -75,4 +75,4 @@ containers: $(STAMP) ## build an image with podman and run a real rule in it
 	bash containers/check.sh
 
 clean: ## delete everything a run wrote (the environment stays)
-	rm -rf results logs benchmarks/*/ .snakemake
+	rm -rf results logs benchmarks/*/*.tsv .snakemake
