@@ -24,7 +24,9 @@ def main() -> None:
     parser.add_argument("--half", choices=[*packs.HALVES, ""], default="", help="only this half")
     parser.add_argument("--only", default="", help="only pictures with this in their name")
     parser.add_argument("--samples", type=int, default=12, help="per pixel, of `render`")
-    parser.add_argument("--library", type=Path, default=Path("results"), help="results folder with library and features")
+    parser.add_argument(
+        "--library", type=Path, default=Path("results"), help="results folder with library and features"
+    )
     parser.add_argument("--masks", nargs="+", choices=["exact", "drawn"], default=["drawn", "exact"])
     parser.add_argument("--rows", nargs="+", default=["geometry", "no-image", "hog"], help="who chooses models")
     parser.add_argument("--out", type=Path, default=Path("docs/results"), help="of `score`")

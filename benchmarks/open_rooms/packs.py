@@ -52,7 +52,11 @@ WALLS = {
 SMOOTH, MOST_SMOOTHED = 0.6, 60_000  # radians between faces that look like one; faces beyond which none do
 JAVA3D = "java3d.mtl"  # the materials of OBJs that name none, as the program has them
 TO_OURS = np.array([[0, 0, 1, 0], [1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 1]], dtype=float)  # y up, front +z
-FRAMES = {"": np.eye(4), "y up": TO_OURS, "front -y": np.diag([0.0, 0, 1, 1]) + np.array([[0, -1, 0, 0], [1, 0, 0, 0]] + [[0] * 4] * 2)}
+FRAMES = {
+    "": np.eye(4),
+    "y up": TO_OURS,
+    "front -y": np.diag([0.0, 0, 1, 1]) + np.array([[0, -1, 0, 0], [1, 0, 0, 0]] + [[0] * 4] * 2),
+}
 
 
 @dataclass(frozen=True)
@@ -122,7 +126,9 @@ class Model:
 
     def _mjcf(self) -> list[Part]:
         """Of a MuJoCo file: what is seen of its first body, as it stands there."""
-        world = mujoco.MjModel.from_xml_path(str(self.folder / MJCF[self.pack].format(self.name, self.name.split("/")[-1])))
+        world = mujoco.MjModel.from_xml_path(
+            str(self.folder / MJCF[self.pack].format(self.name, self.name.split("/")[-1]))
+        )
         data = mujoco.MjData(world)
         mujoco.mj_forward(world, data)
         geoms = [g for g in range(world.ngeom) if world.geom_type[g] == mujoco.mjtGeom.mjGEOM_MESH]

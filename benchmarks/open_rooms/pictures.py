@@ -102,11 +102,26 @@ def _make(root: Path, half: str, name: str, models: list[packs.Model], samples: 
     depth = sensor.sensed(seen, device, rng)
     _write(folder / "depth.png", np.rint(1000 * depth).astype(np.uint16))
     k = views.intrinsics(device.focal)
-    camera = {"width": views.WIDTH, "height": views.HEIGHT_PX, "fx": k[0, 0], "fy": k[1, 1], "cx": k[0, 2], "cy": k[1, 2]}
+    camera = {
+        "width": views.WIDTH,
+        "height": views.HEIGHT_PX,
+        "fx": k[0, 0],
+        "fy": k[1, 1],
+        "cx": k[0, 2],
+        "cy": k[1, 2],
+    }
     (folder / "intrinsics.json").write_text(json.dumps(camera, indent=1))
     joined = _write_masks(folder, owner, things, rng)
     truth = Picture(
-        name, half, kind, device.name, device.focal, room.size, pose.tolist(), things, {str(a): b for a, b in joined.items()}
+        name,
+        half,
+        kind,
+        device.name,
+        device.focal,
+        room.size,
+        pose.tolist(),
+        things,
+        {str(a): b for a, b in joined.items()},
     )
     picture = photograph(room, half, root / "packs", pose, device.focal, samples, seed)
     _write(folder / "rgb.png", np.array(picture)[..., ::-1])
@@ -185,5 +200,7 @@ def _write_masks(
     if rng.random() < NO_FLOOR:
         labels = {value: label for value, label in labels.items() if label != "floor"}
     _write(folder / "drawn.png", np.where(np.isin(drawn, [int(v) for v in labels]), drawn, 0).astype(np.uint16))
-    (folder / "drawn.json").write_text(json.dumps({v: t for v, t in labels.items() if (drawn == int(v)).any()}, indent=1))
+    (folder / "drawn.json").write_text(
+        json.dumps({v: t for v, t in labels.items() if (drawn == int(v)).any()}, indent=1)
+    )
     return joined

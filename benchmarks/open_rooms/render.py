@@ -94,12 +94,18 @@ def _lights(mi: Any, room: Room, rng: np.random.Generator) -> dict[str, Any]:
         "lamp": {
             "type": "rectangle",
             "to_world": turned().translate(lamp).rotate([1, 0, 0], 180).scale([0.4 * x, 0.4 * y, 1]),
-            "emitter": {"type": "area", "radiance": {"type": "rgb", "value": (LAMP * rng.uniform(0.4, 1) * warm).tolist()}},
+            "emitter": {
+                "type": "area",
+                "radiance": {"type": "rgb", "value": (LAMP * rng.uniform(0.4, 1) * warm).tolist()},
+            },
         },
         "window": {
             "type": "rectangle",
             "to_world": turned().translate(window).rotate([1, 0, 0], -90).scale([0.9, 0.6, 1]),
-            "emitter": {"type": "area", "radiance": {"type": "rgb", "value": (WINDOW * rng.uniform(0.3, 1) * day).tolist()}},
+            "emitter": {
+                "type": "area",
+                "radiance": {"type": "rgb", "value": (WINDOW * rng.uniform(0.3, 1) * day).tolist()},
+            },
         },
     }
 

@@ -73,7 +73,7 @@ def run(root: Path, results: Path, half: str, only: str, masks: tuple[str, ...],
     config = configured()
     shelf = shelves(results, config)
     for kind in masks:
-        for folder in sorted(pictures.folders(root, half), key=lambda path: path.name.split("_", 1)[1]):
+        for folder in sorted(pictures.folders(root, half), key=lambda path: path.name.split("_")[::-1]):
             if only in folder.name:
                 with contextlib.suppress(_Stopped):
                     _reconstruct(root, folder, kind, rows, config, shelf)

@@ -99,9 +99,7 @@ def _faults(rows: pd.DataFrame) -> list[str]:
 def better(rows: pd.DataFrame, judge: str) -> str:
     """Chamfer distance of `no-image` less that of a judge, rank 1, over objects that both placed; in thousandths."""
     first = rows[rows["rank"] == 1]
-    ours, theirs = paired(
-        *(_side(first[first["judge"] == name], "chamfer") for name in ("no-image", judge))
-    )
+    ours, theirs = paired(*(_side(first[first["judge"] == name], "chamfer") for name in ("no-image", judge)))
     if ours.empty:
         return ""
     ((a, b),) = resampled([[ours, theirs]], OPTIONS)
@@ -145,8 +143,10 @@ def _half(rows: pd.DataFrame) -> Iterator[str]:
             for rank, group in main.groupby("rank")
         ),
     )
-    yield "Scenes without anything held in the air, floating (3 cm), behind a wall (10 cm) or beyond twice the largest of its category " \
-          "without a doubt of its size; and in how many each is:\n"
+    yield (
+        "Scenes without anything held in the air, floating (3 cm), behind a wall (10 cm) or beyond twice the largest of its category "
+        "without a doubt of its size; and in how many each is:\n"
+    )
     yield table(
         ["masks", "chosen by", "rank", "good", *FAULTS],
         (
@@ -157,10 +157,7 @@ def _half(rows: pd.DataFrame) -> Iterator[str]:
     yield "Nearer in shape than `no image`: Chamfer distance less (thousandths of the diagonal, rank 1, objects that both placed):\n"
     yield table(
         ["masks", "geometry", "hog"],
-        (
-            [masks, better(group, "geometry"), better(group, "hog")]
-            for masks, group in rows.groupby("masks")
-        ),
+        ([masks, better(group, "geometry"), better(group, "hog")] for masks, group in rows.groupby("masks")),
     )
     yield "What is off (rank 1, `geometry`, placed objects): median, and 90 % are within, cm:\n"
     columns = ["off_depth_cm", "off_width_cm", "off_height_cm", "off_place_cm"]

@@ -89,7 +89,15 @@ def surfaces(room: Room) -> list[Surface]:
         whole = thing.model.size[1] * thing.model.size[2] if thing.model.kind == "mirror" else np.inf
         for part in parts:
             dark = thing.model.kind in SCREENS and max(part.colour) < 0.25 and part.picture is None
-            kind = MIRROR if _facing(part, thing.yaw) > 0.5 * whole else GLASS if part.opacity < CLEAR else DARK if dark else MATT
+            kind = (
+                MIRROR
+                if _facing(part, thing.yaw) > 0.5 * whole
+                else GLASS
+                if part.opacity < CLEAR
+                else DARK
+                if dark
+                else MATT
+            )
             found.append(Surface(part, number, kind))
     return found
 
@@ -197,7 +205,9 @@ def top_of(thing: Thing, points: Floats) -> Floats:
     return np.where(which >= 0, above - length, np.nan)
 
 
-def share_seen(caster: Caster, thing: Thing, number: int, owner: NDArray[np.uint16], pose: Floats, focal: float) -> float:
+def share_seen(
+    caster: Caster, thing: Thing, number: int, owner: NDArray[np.uint16], pose: Floats, focal: float
+) -> float:
     """How much of what would be seen of a thing alone, also beyond the picture's border, is seen."""
     alone = Caster([s for s in caster.surfaces if s.owner == number])
     wide = focal / 2.5
