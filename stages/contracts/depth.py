@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from stages.contracts.arrays import read_npz
 from stages.contracts.errors import InputError
 from stages.contracts.images import FOLDER
+from stages.geometry.inverse_depth import is_inverse
 
 NEAREST, FARTHEST = 0.1, 30.0  # metres: the median depth of a picture of a room is between them
 SKY = 100.0  # metres: farther away is no room
@@ -43,7 +44,19 @@ def read_depth(path: Path) -> tuple[NDArray[np.float32], bool]:
     if factor != 1:
         print(f"{path}: depth is in millimetres (median {np.median(known[known > 0]):g}), converted to metres")
     metres = (known * factor).astype(np.float32)
+    check_depth(path, metres)
     return np.where(metres > SKY, np.float32(0), metres), bool(exact)
+
+
+def check_depth(path: Path, values: NDArray[np.floating]) -> None:
+    """Refuse inverse depth (H, W): as depth it gives things of no size and place.
+
+    Raises:
+        InputError: it is.
+    """
+    if is_inverse(values):
+        what = "looks like inverse depth: it grows towards the lower border, and floors and walls are flat in it."
+        raise InputError(path, what, "store depth in metres: 1 / values for disparity, by the scale of its network")
 
 
 def _metres_per_unit(path: Path, depth: NDArray[Any]) -> float:

@@ -25,6 +25,7 @@ from stages.contracts.types import (
     Side,
     Size,
     Text,
+    check_supports,
     check_unique,
     check_view,
 )
@@ -96,6 +97,9 @@ class SceneObject(Contract):
     points: Count = 0
     box: Box | None = Field(None, description="z-aligned minimum box of the cleaned cloud (null if failed)")
     mounting: Mounting | None = None
+    measured_support: str = Field(
+        "", description="'floor', 'wall', the id of the object beneath, 'unnamed': what nobody named; empty: not said"
+    )
     measured_mounting: Mounting | None = Field(None, description="by geometry, where the input tells the mounting")
     note: str = Field("", description="what the input says of it that cannot be")
     front: Angle | None = Field(None, description="direction that it faces about z, if the input tells")
@@ -128,6 +132,8 @@ class Objects(Document):
         check_room(self.floor_from_camera, self.walls)
         check_unique("objects: ids", [item.id for item in self.objects])
         check_unique("objects: mask values", [item.mask for item in self.objects])
+        fixed = ("floor", "wall", "unnamed", "")
+        check_supports({item.id: item.measured_support for item in self.objects}, fixed)
         walls = {wall.id: wall for wall in self.walls}
         for item in self.objects:
             check_status(item.id, item.status, item.reason)

@@ -21,6 +21,7 @@ ABOVE = 0.1  # share of the points that may lie above the level on which things 
 HIGHER = 0.1  # share of the distance, up to `NEAR`, by which they may be above it: a part of the thing is higher
 WIDE, THINGS = 0.7, 0.3  # metres; share of the points that may be those of things on what is longer
 SIDE_PARTS, SPANNED = 12, 0.5  # parts of a side; share of them in which a back is found
+AT_EDGE = 0.8  # share of its points in the outer quarters across
 SLENDER, NEAR = 2.0, 2.0  # times as tall as wide; metres, as farther away noise makes things taller
 SPARSE = 0.95  # taken where points are sparse: faces that the camera sees at a grazing angle
 
@@ -95,10 +96,12 @@ def level_height(
 
 
 def spans(points: NDArray[np.float64], box: UprightBox) -> bool:
-    """Whether points (N, 3) are found along most of a side of a box, as those of a back or a headboard are."""
+    """Whether points (N, 3) lie along a side of a box, from one end of it to the other: a back, a headboard, arms."""
     local, sides = (points - np.asarray(box.center)) @ yaw_matrix(box.yaw), np.asarray(box.size)[:2]
-    filled = [np.histogram(local[:, k], SIDE_PARTS, (-sides[k] / 2, sides[k] / 2))[0] > 0 for k in (0, 1)]
-    return bool(max(np.mean(parts) for parts in filled) > SPANNED)
+    along = local[:, :2] / sides
+    filled = [np.histogram(values, SIDE_PARTS, (-0.5, 0.5))[0] > 0 for values in along.T]
+    at_edge = (np.abs(along) > 0.25).mean(axis=0) > AT_EDGE
+    return any(np.mean(filled[k]) > SPANNED and at_edge[1 - k] for k in (0, 1))
 
 
 def with_top(box: UprightBox, top: float) -> UprightBox:

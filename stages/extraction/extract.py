@@ -53,7 +53,7 @@ def run(
     with atomic(folder / "masks.png") as path:
         cv2.imwrite(str(path), result.masks)
     with atomic(folder / "depth.npz") as path:
-        np.savez_compressed(path, depth=image.depth)
+        np.savez_compressed(path, depth=result.depth)
     with atomic(folder / "clouds.npz") as path:
         np.savez_compressed(path, **result.clouds)  # type: ignore[arg-type]
     write_json(out, result.objects)

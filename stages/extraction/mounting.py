@@ -1,5 +1,6 @@
 """What holds an object, by geometry (paper A.2): what is beneath it, and which walls it touches."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,6 +9,7 @@ from numpy.typing import NDArray
 from stages.config.extraction import ExtractionConfig
 from stages.contracts.objects import Mounting, Wall
 from stages.extraction.clouds import with_bottom
+from stages.extraction.foot import completed, height_shown, reaches_down
 from stages.extraction.visibility import DepthView, cell_centres
 from stages.extraction.walls import filled_to, walls_touched
 from stages.geometry.boxes import UprightBox, footprint
@@ -19,16 +21,17 @@ THINNEST = 0.01  # metres; noise may put a plate's top below the table's
 JUST_BELOW = 0.15  # metres
 SUNK = 0.04  # share of the distance, by which what is in a thing reaches down below its top
 BLUR = 3.0  # pixels between two things, one above the other, from which on there is a gap
-BELOW, SHELF = 3, 0.5  # pixels below an object's lowest ones, and share of them that must show what it stands on
-FEET = 3  # image columns in which an object's lowest pixels must reach the ground for it to stand there
+STRETCHED = 2.0  # times its seen height, up to which what is said to stand is taken to reach down to what carries it
+FLOOR, WALL, UNNAMED = "floor", "wall", "unnamed"
 
 
 @dataclass(frozen=True)
 class Placement:
-    """How an object is held, and by geometry alone; its box down to what carries it, and with hidden space filled."""
+    """How an object is held, and by geometry alone; on what; its box down to that, and with hidden space filled."""
 
     mounting: Mounting
     measured: Mounting
+    support: str
     box: UprightBox
     filled: UprightBox
 
@@ -39,8 +42,10 @@ def collapsed(seen: UprightBox, placed: Placement, tolerance: float) -> bool:
     return bool(left < 1.5 * THINNEST and height > tolerance)
 
 
-def height_beneath(box: UprightBox, carriers: list[UprightBox], tolerance: float, sunk: float = np.inf) -> float:
-    """Top of the highest carrier below the box, or 0 for the floor.
+def carrier_beneath(
+    box: UprightBox, carriers: Mapping[str, UprightBox], tolerance: float, sunk: float = np.inf
+) -> tuple[float, str]:
+    """Top of the highest carrier below the box and its id, or that of the floor.
 
     What reaches down by more than `sunk` metres and half of its height below a top is not on it, but in it (a can in a
     bowl), and stands where it ends.
@@ -49,43 +54,13 @@ def height_beneath(box: UprightBox, carriers: list[UprightBox], tolerance: float
     plan = footprint(box)
     widened = min(BESIDE, BESIDE_SMALL * float(np.min(np.asarray(box.size)[:2])))
     tops = [
-        carrier.top if carrier.top <= box.bottom + inside else box.bottom
-        for carrier in carriers
+        (carrier.top if carrier.top <= box.bottom + inside else box.bottom, name)
+        for name, carrier in carriers.items()
         if plan.intersection(footprint(carrier).buffer(widened)).area >= ON_TOP * plan.area
         and carrier.top <= box.bottom + 2 * tolerance
         and carrier.top + carrier.bottom < box.top + box.bottom
     ]
-    return max(tops, default=0.0)
-
-
-def height_shown(
-    box: UprightBox, view: DepthView, own: NDArray[np.bool_], unnamed: NDArray[np.bool_], tolerance: float
-) -> float | None:
-    """Height of what nobody named, on which the object is seen to stand: a shelf just below its lowest pixels."""
-    columns = np.flatnonzero(own.any(axis=0))
-    rows = own.shape[0] - 1 - np.argmax(own[::-1, columns], axis=0) + BELOW
-    inside = rows < own.shape[0]
-    columns, rows = columns[inside], rows[inside]
-    shown = unnamed[rows, columns] & (view.depth[rows, columns] > 0)
-    points = view.points(columns[shown], rows[shown])
-    local = (points - np.asarray(box.center)) @ yaw_matrix(box.yaw)
-    near = (np.abs(local[:, :2]) <= np.asarray(box.size)[:2] / 2 + 2 * tolerance).all(axis=1)
-    near &= np.abs(points[:, 2] - box.bottom) < tolerance
-    return float(np.median(points[near, 2])) if near.sum() > SHELF * len(columns) else None
-
-
-def reaches_down(box: UprightBox, height: float, tolerance: float, view: DepthView, own: NDArray[np.bool_]) -> bool:
-    """Whether the object is seen to stand at `height`: rays through its lowest pixels meet it inside the footprint.
-
-    Legs are too thin to have trusted depth, but their feet are in the mask. What hangs on a wall has
-    its lowest pixels' rays meet the floor far behind it.
-    """
-    columns = np.flatnonzero(own.any(axis=0))
-    lowest = own.shape[0] - 1 - np.argmax(own[::-1, columns], axis=0)
-    hits = view.intersect_level(columns, lowest, height)
-    local = (hits - np.asarray(box.center)) @ yaw_matrix(box.yaw)
-    inside = (np.abs(local[:, :2]) <= np.asarray(box.size)[:2] / 2 + tolerance).all(axis=1)
-    return int(inside.sum()) >= FEET
+    return max(tops, default=(0.0, FLOOR))
 
 
 def free_space_beneath(box: UprightBox, height: float, view: DepthView, own: NDArray[np.bool_]) -> float:
@@ -101,7 +76,7 @@ def free_space_beneath(box: UprightBox, height: float, view: DepthView, own: NDA
 
 def placement(
     box: UprightBox,
-    carriers: list[UprightBox],
+    carriers: Mapping[str, UprightBox],
     others: list[UprightBox],
     walls: list[Wall],
     view: DepthView,
@@ -115,7 +90,7 @@ def placement(
 
     Args:
         box: of what was seen of it.
-        carriers: boxes of the objects that may be beneath it, hidden space filled.
+        carriers: boxes of the objects that may be beneath it, hidden space filled, by id.
         others: boxes of all other objects, as seen.
         walls: all wall planes.
         view: the picture's depth, by which hidden space is told from empty space.
@@ -129,9 +104,13 @@ def placement(
         options = options.model_copy(update={"max_hidden_depth": 0.0})
     distance = view.distance(np.asarray(box.center))
     tolerance = options.tolerance(view.error.at(distance))
-    beneath = height_beneath(box, carriers, tolerance, SUNK * distance)
-    if unnamed is not None and not known and box.bottom - beneath > tolerance:
-        beneath = max(beneath, height_shown(box, view, own, unnamed, tolerance) or 0.0)
+    if unnamed is not None and not known:
+        box, own = completed(box, view, own, unnamed, tolerance)
+    beneath, support = carrier_beneath(box, carriers, tolerance, SUNK * distance)
+    said = stated is not None and box.top - beneath < STRETCHED * (box.top - box.bottom)
+    if unnamed is not None and not known and not said and box.bottom - beneath > tolerance:
+        shelf = height_shown(box, view, own, unnamed, tolerance) or 0.0
+        beneath, support = max((beneath, support), (shelf, UNNAMED))
     touched = walls_touched(box, others, walls, view, own, options)
     if known:
         hangs = bool(touched) and box.bottom - beneath > tolerance
@@ -146,4 +125,5 @@ def placement(
     mounting = stated or measured
     standing = box if known or mounting.type == 1 else with_bottom(box, min(beneath, box.top - THINNEST))
     behind = next((wall for wall in walls if wall.id in mounting.walls[:1]), None)
-    return Placement(mounting, measured, standing, standing if behind is None else filled_to(standing, behind))
+    support = WALL if mounting.type == 1 else support
+    return Placement(mounting, measured, support, standing, standing if behind is None else filled_to(standing, behind))

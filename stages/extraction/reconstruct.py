@@ -1,6 +1,6 @@
 """From an observation to `objects.json`: the steps that do not depend on where depth and masks came from."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from stages.extraction.border import continued_depth
 from stages.extraction.clouds import cleaned_cloud, fit_box, level_height, with_top
 from stages.extraction.mounting import collapsed, placement
 from stages.extraction.observation import AnnotatedImage
+from stages.extraction.reflections import without_reflections
 from stages.extraction.sensor import error_of
 from stages.extraction.stated import ImpossibleError, stated_mounting
 from stages.extraction.visibility import DepthView
@@ -33,6 +34,7 @@ class ExtractedScene:
 
     objects: Objects
     masks: NDArray[np.uint16]
+    depth: NDArray[np.float32]
     clouds: dict[str, NDArray[np.float32]]
 
 
@@ -174,6 +176,8 @@ def reconstruct(
     error = error_of(image, points, floor_from_camera[:3, 3], {value: by_id[name] for value, name in fitted.items()})
 
     annotations = sorted(image.annotations.objects, key=lambda item: item.mask)
+    things = (image.masks == item.mask for item in annotations)
+    image = replace(image, depth=without_reflections(image.depth, points, things, walls, error))
     extracted: dict[str, SceneObject] = {}
     boxes: dict[str, UprightBox] = {}
     clouds: dict[str, NDArray[np.float32]] = {}
@@ -204,7 +208,7 @@ def reconstruct(
     view = DepthView(np.where(usable, image.depth, 0), image.intrinsics, floor_from_camera, error)
     given = {item.mask: item for item in annotations}
     unnamed = ~np.isin(image.masks, image.annotations.values)
-    carriers: list[UprightBox] = []
+    carriers: dict[str, UprightBox] = {}
     for name in sorted(boxes, key=lambda key: boxes[key].bottom):  # what carries comes before what it carries
         others = [other for key, other in boxes.items() if key != name]
         own = image.masks == extracted[name].mask
@@ -220,12 +224,13 @@ def reconstruct(
             clean[clean == extracted[name].mask] = 0
             del clouds[name]
             continue
-        carriers.append(placed.filled)
+        carriers[name] = placed.filled
         center, size, yaw = placed.box
         extracted[name] = extracted[name].model_copy(
             update={
                 "box": Box(center=rounded(center), size=rounded(np.maximum(size, THINNEST)), yaw=round(yaw, 6)),
                 "mounting": placed.mounting,
+                "measured_support": placed.support,
                 "measured_mounting": placed.measured if stated else None,
                 "note": note,
             }
@@ -240,4 +245,4 @@ def reconstruct(
         walls=walls,
         objects=list(extracted.values()),
     )
-    return ExtractedScene(objects, clean, clouds)
+    return ExtractedScene(objects, clean, image.depth, clouds)

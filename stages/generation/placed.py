@@ -15,8 +15,9 @@ FLOOR, WALL, UNNAMED = "floor", "wall", "unnamed"
 @dataclass(frozen=True)
 class Placed:
     """An asset whose closed box is `box` (floor frame). `support`: 'floor', 'wall', the id of the object
-    beneath, or 'unnamed': it is seen to stand on something that is no object of the scene. `cousin`: its rank in
-    cousins.json; `steps`: what each step changed so far; `doubts`: what should not be taken for certain."""
+    beneath, or 'unnamed': it is seen to stand on something that is no object of the scene; as extraction saw it
+    until it is stacked. `cousin`: its rank in cousins.json; `steps`: what each step changed so far; `doubts`: what
+    should not be taken for certain."""
 
     id: str
     label: str

@@ -13,7 +13,7 @@ from stages.contracts.objects import Box, DepthError, Mounting, SceneObject, Wal
 from stages.generation.collisions import out_of_walls
 from stages.generation.extents import measured_box, only_noise, top_seen
 from stages.generation.mounting import against_wall, on_supports
-from stages.generation.placed import Placed
+from stages.generation.placed import FLOOR, Placed
 from stages.generation.pose import rear_at_wall, rectangularity, turned_to, wall_axes
 from stages.generation.prisms import Prism, Surface, placed_prisms, surface_beneath
 from stages.generation.sizing import as_wide_as_seen, believable_box, round_box, sight_yaw, told_box
@@ -147,7 +147,9 @@ def place(
         changes.append(("out of walls", partial(out_of_walls, walls=scene.walls)))
     changes.append(("least extent", lambda box: box._replace(size=np.maximum(box.size, at_least))))
     box, steps = changed(extracted, changes)
-    return Placed(item.id, item.label, asset, box, mounting, cousin=cousin.rank, steps=steps)
+    return Placed(
+        item.id, item.label, asset, box, mounting, item.measured_support or FLOOR, cousin=cousin.rank, steps=steps
+    )
 
 
 def stacked(

@@ -29,6 +29,8 @@ def apart(item: Placed, other: Placed) -> float:
 def support_tree(items: list[Placed], overlap: float, tolerance: float | None, beneath: Beneath) -> dict[str, str]:
     """The support of every item: 'floor', the id of the highest one beneath it, or 'unnamed'.
 
+    What extraction saw beneath it counts: cousins have other sizes than what was seen.
+
     Args:
         items: sorted from low to high.
         overlap: share of the smaller footprint that must be exceeded (paper: 0.7).
@@ -38,8 +40,11 @@ def support_tree(items: list[Placed], overlap: float, tolerance: float | None, b
             away, noise moves it there; and what is farther above all of it stands on something that nobody named
             (a shelf).
     """
-    supports = {}
+    supports: dict[str, str] = {}
     for index, item in enumerate(items):
+        if tolerance is not None and item.support in supports:
+            supports[item.id] = item.support
+            continue
         carriers = [
             lower
             for lower in items[:index]

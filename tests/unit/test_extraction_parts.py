@@ -8,7 +8,7 @@ from stages.contracts.objects import USUAL_ERROR, Wall
 from stages.extraction.border import continued_depth
 from stages.extraction.clouds import cleaned_cloud
 from stages.extraction.masks import central_crop, eroded, without_specks
-from stages.extraction.mounting import height_beneath
+from stages.extraction.mounting import carrier_beneath
 from stages.extraction.noise import noisy_depth, periphery_ramp
 from stages.extraction.reconstruct import object_ids
 from stages.extraction.room import fit_wall, merge_walls
@@ -167,15 +167,16 @@ def test_a_can_beside_a_bowl_does_not_stand_on_it() -> None:
         UprightBox([0.0, 0.0, -0.3], [1.0, 1.0, 0.6], 0.0),
     )
     can = UprightBox([0.11, 0.0, 0.05], [0.065, 0.065, 0.1], 0.0)
-    assert height_beneath(can, [table, bowl], 0.06) == table.top
+    both = {"table": table, "bowl": bowl}
+    assert carrier_beneath(can, both, 0.06) == (table.top, "table")
     inside = can._replace(center=[0.02, 0.0, 0.07])
-    assert height_beneath(inside, [table, bowl], 0.06) == bowl.top
+    assert carrier_beneath(inside, both, 0.06) == (bowl.top, "bowl")
 
 
 def test_a_can_that_is_seen_far_down_a_bowl_is_in_it_not_on_it() -> None:
     bowl = UprightBox([0.0, 0.0, 0.04], [0.15, 0.15, 0.08], 0.0)
     can = UprightBox([0.0, 0.0, 0.06], [0.06, 0.06, 0.09], 0.0)  # from 1.5 to 10.5 cm
-    assert height_beneath(can, [bowl], 0.06, sunk=0.03) == can.bottom
-    assert height_beneath(can, [bowl], 0.06, sunk=0.08) == bowl.top  # far away, depth may err by as much
+    assert carrier_beneath(can, {"bowl": bowl}, 0.06, sunk=0.03) == (can.bottom, "bowl")
+    assert carrier_beneath(can, {"bowl": bowl}, 0.06, sunk=0.08)[0] == bowl.top  # far away, depth may err by as much
     plate = UprightBox([0.0, 0.0, 0.07], [0.1, 0.1, 0.03], 0.0)  # 2.5 cm into the top
-    assert height_beneath(plate, [bowl], 0.06, sunk=0.03) == bowl.top
+    assert carrier_beneath(plate, {"bowl": bowl}, 0.06, sunk=0.03) == (bowl.top, "bowl")

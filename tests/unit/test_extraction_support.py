@@ -94,7 +94,7 @@ def test_a_picture_above_furniture_hangs(hidden_up_to: float, mounting: int) -> 
     view = DepthView(depth, np.array([[200.0, 0, 160], [0, 200.0, 120], [0, 0, 1]]), LOOKING_ALONG_X, USUAL_ERROR)
     own = (np.abs(u - 160) < 15) & (1.5 + 4 * rise > 1.5) & (1.5 + 4 * rise < 1.9) & (depth == 4)
     picture = UprightBox([3.97, 0, 1.7], [0.05, 0.6, 0.4], 0.0)
-    assert placement(picture, [], [], [WALL], view, own, ExtractionConfig()).mounting.type == mounting
+    assert placement(picture, {}, [], [WALL], view, own, ExtractionConfig()).mounting.type == mounting
 
 
 @pytest.mark.parametrize(("seen", "mounting"), [(1.5, 1), (1.45, 3)])
@@ -113,7 +113,7 @@ def test_a_picture_just_above_a_lamp_far_away_hangs(seen: float, mounting: int) 
     )
     picture = UprightBox([7.95, 0, (seen + 1.9) / 2], [0.3, 0.6, 1.9 - seen], 0.0)
     stand = UprightBox([7.8, 0, 0.71], [0.4, 0.4, 1.42], 0.0)
-    placed = placement(picture, [stand], [stand], [wall], view, own, ExtractionConfig())
+    placed = placement(picture, {"stand": stand}, [stand], [wall], view, own, ExtractionConfig())
     assert placed.mounting.type == mounting
     assert placed.box.bottom == pytest.approx(seen if mounting == 1 else 1.42)
 
@@ -130,7 +130,7 @@ def test_what_is_squeezed_flat_is_told(distance: float, height: float, left: flo
     empty = DepthView(np.full((9, 9), 9.0, np.float32), np.diag([9.0, 9.0, 1.0]), LOOKING_ALONG_X, USUAL_ERROR)
     table = UprightBox([distance, 0, 0.3], [1, 1, 0.6], 0.0)  # found 10 cm too high
     seen = UprightBox([distance, 0, 0.5 + height / 2], [0.2, 0.2, height], 0.0)
-    placed = placement(seen, [table], [table], [], empty, np.zeros((9, 9), bool), ExtractionConfig())
+    placed = placement(seen, {"table": table}, [table], [], empty, np.zeros((9, 9), bool), ExtractionConfig())
     assert placed.box.size[2] == pytest.approx(left)
     assert collapsed(seen, placed, 0.06) == (left == 0.01 and height == 0.09)
 

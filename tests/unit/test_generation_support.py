@@ -57,6 +57,14 @@ def test_the_highest_support_wins():
     assert tree([low, TABLE, BOOK])["book"] == "table"
 
 
+def test_what_was_seen_to_carry_a_thing_carries_it_whatever_size_its_cousin_has():
+    low, small = thing("low", (2, 0, 0.2), (0.6, 0.6, 0.4)), thing("small", (2.3, 0, 0.2), (0.3, 0.3, 0.4))
+    upper = thing("upper", (2, 0, 0.6), (0.6, 0.6, 0.2), support="small")  # overlaps a quarter of what it is on
+    assert tree([low, small, upper])["upper"] == "small"
+    assert tree([low, small, upper], tolerance=None)["upper"] == "low", "as in the paper"
+    assert tree([small, replace(upper, box=upper.box._replace(center=(2, 0, 0.9)))])["upper"] == "small"
+
+
 def test_stacks():
     supports = {"table": "floor", "book": "table", "cup": "book", "lamp": "floor"}
     assert stack_of("table", supports) == {"table", "book", "cup"}

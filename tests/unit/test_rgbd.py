@@ -27,7 +27,7 @@ from stages.scenes.rgbd.clusters import clustered
 from stages.scenes.rgbd.depth_files import in_metres, read_raw
 from stages.scenes.rgbd.halos import completed, without_halos
 from stages.scenes.rgbd.mask_files import read_labelled
-from tests.unit.synthetic_room import FLOOR, HEIGHT, INTRINSICS, OBJECT, WIDTH, trace
+from tests.unit.synthetic_room import FLOOR, HEIGHT, INTRINSICS, OBJECT, WALL, WIDTH, WORLD_FROM_CAMERA, trace
 
 TABLE = UprightBox([2.5, 0.0, 0.35], [1.8, 2.2, 0.7], 0.0)
 BOX = UprightBox([2.4, 0.4, 0.8], [0.2, 0.3, 0.2], 0.3)
@@ -128,6 +128,32 @@ def test_clusters_find_what_stands_on_the_table(files: SimpleNamespace) -> None:
     assert found["object_2"].size[2] == pytest.approx(CAN.size[2], abs=0.03)
 
 
+def test_a_ceiling_is_no_table() -> None:
+    depth, masks = trace([TABLE, BOX, CAN], wall=False)
+    v, u = np.mgrid[:HEIGHT, :WIDTH]
+    rise = (np.stack([u, v, 1 + 0 * u], -1) @ np.linalg.inv(INTRINSICS).T @ WORLD_FROM_CAMERA[:3, :3].T)[..., 2]
+    ceiling = (depth == 0) & (rise > 0.03)
+    depth = np.where(ceiling, 0.4 / np.maximum(rise, 1e-3), depth).astype(np.float32)
+    rgb = np.dstack([masks * 20] * 3).astype(np.uint8)
+    values = clustered(0.4 * depth, INTRINSICS, rgb)[0].values
+    assert len(np.unique(values)) == 3 and not values[ceiling].any()
+    assert (values[masks > OBJECT] > 0).mean() > 0.8
+
+
+def test_in_a_room_what_stands_on_the_floor_is_found_and_its_walls(capsys: pytest.CaptureFixture[str]) -> None:
+    boxes = [UprightBox([2.8, -0.8, 0.4], [0.6, 0.8, 0.8], 0.2), UprightBox([3.2, 0.8, 0.9], [0.5, 0.6, 1.8], 0.0)]
+    depth, masks = trace([*boxes, UprightBox([2.8, -0.8, 0.9], [0.3, 0.3, 0.2], 0.2)])
+    found, _ = clustered(depth, INTRINSICS, np.dstack([masks * 20] * 3).astype(np.uint8))
+    assert sorted(found.labels.values()) == ["object", "object", "wall"]
+    wall = next(value for value, label in found.labels.items() if label == "wall")
+    assert ((found.values == wall) & (masks == WALL)).sum() > 0.9 * (masks == WALL).sum()
+    for shown in (masks == OBJECT) | (masks == OBJECT + 2), masks == OBJECT + 1:
+        (value,) = np.unique(found.values[shown & (found.values > 0)])
+        both, either = shown & (found.values == value), shown | (found.values == value)
+        assert both.sum() > 0.8 * either.sum()
+    assert "a room: what stands on its floor" in capsys.readouterr().out
+
+
 def test_a_wide_lid_is_no_table() -> None:
     lid = UprightBox([2.4, 0.5, 0.75], [1.2, 1.1, 0.1], 0.0)
     depth, _ = trace([TABLE, lid, CAN], wall=False)
@@ -214,6 +240,14 @@ def test_unit_of_depth(room: tuple, scale: float, dtype: type, unit: str, says: 
     assert np.abs(metres - near).max() < 0.002
 
 
+def test_inverse_depth_and_another_unit_are_told(room: tuple) -> None:
+    with pytest.raises(InputError, match="looks like inverse depth"):
+        in_metres(Path("d.npy"), np.where(room[1] > 0, 1 / np.maximum(room[1], 1e-3), 0))
+    with pytest.raises(InputError, match=r"m in millimetres, .* m in 1/5000 m.*--unit 5000"):
+        in_metres(Path("d.png"), np.rint(5000 * room[1]).astype(np.uint16))
+    assert np.allclose(in_metres(Path("d.png"), np.rint(5000 * room[1]), "5000")[0], room[1], atol=1e-3)
+
+
 @pytest.mark.parametrize(("factor", "unit"), [(1e-3, "auto"), (1e6, "auto"), (1, "mm"), (1, "zero"), (0, "auto")])
 def test_no_depth_of_a_room(room: tuple, factor: float, unit: str) -> None:
     with pytest.raises(InputError):
@@ -272,6 +306,14 @@ def test_a_picture_of_depth_is_refused(tmp_path: Path, room: tuple) -> None:
 
 K = [[600.0, 0, 320], [0, 610.0, 240], [0, 0, 1]]
 FLAT = [value for row in K for value in row]
+
+
+def test_intrinsics_as_an_array(tmp_path: Path) -> None:
+    np.save(tmp_path / "K.npy", np.array(K))
+    assert read_intrinsics(tmp_path / "K.npy", 640, 480) == pytest.approx(np.array(K))
+    np.save(tmp_path / "K.npy", np.eye(4))
+    with pytest.raises(InputError, match=r"K\.npy"):
+        read_intrinsics(tmp_path / "K.npy", 640, 480)
 
 
 @pytest.mark.parametrize(

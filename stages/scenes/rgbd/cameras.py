@@ -16,7 +16,7 @@ from stages.contracts.types import check_view
 Matrix = NDArray[np.float64]
 
 DEEPER = ("color", "rgb", "color_intrinsics", "rgb_intrinsics", "intrinsic", "intrinsics", "camera", "cam0")
-KNOWS = "a file with fx, fy, cx, cy or a 3x3 matrix (JSON, YAML, text), see docs/your-data.md"
+KNOWS = "a file with fx, fy, cx, cy or a 3x3 matrix (JSON, YAML, text, NPY), see docs/your-data.md"
 
 
 def matrix(fx: float, fy: float, cx: float, cy: float) -> Matrix:
@@ -86,6 +86,9 @@ def contents(path: Path) -> Matrix | dict[str, Any]:
     Raises:
         InputError: neither.
     """
+    if path.suffix.lower() == ".npy":
+        with readable(path, "file of intrinsics", KNOWS):
+            return _matrix_of(np.load(path, allow_pickle=False).astype(float).ravel().tolist())
     with readable(path, "file of intrinsics", KNOWS):
         text = path.read_text(encoding="utf-8-sig")
     words = text.replace(",", " ").replace(";", " ").replace("[", " ").replace("]", " ").split()

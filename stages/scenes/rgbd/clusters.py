@@ -1,5 +1,7 @@
 """Masks without any segmenter: what stands on a table or the floor, cut apart by distance, near things by shape too."""
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_closing, binary_fill_holes, binary_opening
@@ -8,7 +10,7 @@ from scipy.spatial import Delaunay, KDTree
 from stages.contracts import InputError
 from stages.geometry.cameras import back_project
 from stages.geometry.clouds import dbscan
-from stages.geometry.planes import fit_plane
+from stages.geometry.planes import Plane, fit_plane
 from stages.scenes.rgbd.frame import Labelled
 from stages.scenes.rgbd.halos import completed, without_halos
 from stages.scenes.rgbd.levels import FLAT, Level, level_planes, sampled
@@ -24,6 +26,9 @@ FIRM = 0.02  # metres at 1 m above the plane, from which on no noise of the plan
 LABEL, WALL = "object", "wall"
 PLANE, SOME = 0.8, 0.02  # of a wall's points in a plane; of all points, that may be behind it
 BEHIND = 0.03  # metres at 1 m, from which on they are
+CEILING, SEVERAL = 2.2, 2  # metres: furniture is lower; things on a floor that make a room, not a table
+WALLS, WALL_LEAST, WALL_BEHIND = 6, 0.03, 0.05  # planes tried; of all points, that a wall has, and that are behind it
+WALL_ERROR = 0.02  # metres at 1 m before a wall that are still the wall
 UPRIGHT, WIDE = np.sin(np.deg2rad(15)), 0.4  # a wall's normal along the level one's; metres
 
 
@@ -32,7 +37,8 @@ def clustered(
 ) -> tuple[Labelled, NDArray[np.float32]]:
     """Objects on the highest large level plane of a depth image (H, W), metres: each an `object`, from left to right.
 
-    What is seen of walls behind them is a `wall`.
+    Farther away than a table, where several things stand on the floor, it is a room: objects on its floor, each with
+    what stands on it. What is seen of walls behind them is a `wall`.
 
     The picture (H, W, 3) only tells where they end, beside the table. With them comes the depth, unknown (0) where it
     is the table's on what has a thing's colours.
@@ -45,20 +51,21 @@ def clustered(
     cloud = back_project(depth, intrinsics)[seen]
     sample = sampled(cloud, rng)
     far = float(np.median(sample[:, 2]))
-    table = _table(level_planes(sample, rng))
-    hull = Delaunay(_across(table, sample[np.abs(table.height(sample)) < FLAT * far]))
-    above = sample[_over(table, hull, sample, far)]
-    if len(above) < 10:
-        raise InputError("--clusters", "nothing stands on the level plane.", "give --masks")
-    spacing = float(np.quantile(KDTree(above).query(above, k=8)[0][:, -1], 0.9))
-    radius = max(APART * far, 1.2 * spacing)
-    clusters = dbscan(above, radius, 8)
-    kept = _standing(table, above, clusters, far, LEAST * len(sample))
-    if not kept:
+    is_near = far < NEAR
+    levels = [plane for plane in level_planes(sample, rng) if plane.height(np.zeros(3)) > 0]  # no ceiling
+    ground = _table(levels, sample, far) if is_near else _room(levels, sample, rng)
+    heaps = _heaps(ground, sample, far)
+    if not is_near and (heaps is None or len(heaps.kept) < SEVERAL):
+        ground = _table(levels, sample, far)
+        heaps = _heaps(ground, sample, far)
+    elif not is_near:
+        print("--clusters: a room: what stands on its floor is found, each with what it carries; draw the rest by hand")
+    if heaps is None or not heaps.kept:
         raise InputError("--clusters", "nothing of some size stands on the level plane.", "give --masks")
+    table, clusters, kept = ground.level, heaps.clusters, heaps.kept
     belongs = np.isin(clusters, kept)
-    near, which = KDTree(above[belongs]).query(cloud, distance_upper_bound=radius)
-    own = np.isfinite(near) & _over(table, hull, cloud, far)
+    near, which = KDTree(heaps.points[belongs]).query(cloud, distance_upper_bound=heaps.radius)
+    own = np.isfinite(near) & ground.holds(cloud, far)
     number = {name: value for value, name in enumerate(kept, 1)}
     assigned = np.zeros(len(cloud), dtype=np.uint16)
     assigned[own] = [number[int(clusters[belongs][k])] for k in which[own]]
@@ -69,7 +76,7 @@ def clustered(
         mask = binary_fill_holes(binary_closing(core, np.ones((7, 7))))
         values[(values == value) & ~mask] = 0
         values[mask & (values == 0)] = value
-    if far < NEAR:
+    if is_near:
         points = back_project(smoothed(depth), intrinsics)
         height = table.height(points)
         values = cut_apart(values, points, height, FIRM * far)
@@ -82,21 +89,89 @@ def clustered(
     for value in np.unique(values[values > 0]).tolist():
         own, others = (sampled(points[(depth > 0) & where], rng) for where in (values == value, values != value))
         labels[value] = WALL if _is_wall(own, others, table.up, rng) else LABEL
+    for value, wall in enumerate(ground.walls, max(labels, default=0) + 1):
+        at_wall = seen & (values == 0) & (np.abs(points @ wall.normal - wall.offset) < WALL_ERROR * far)
+        values[at_wall & (table.height(points) > ABOVE * far)] = value
+        labels[value] = WALL
     return Labelled(values, labels), depth
 
 
-def _table(levels: list[Level]) -> Level:
-    """The highest of the large level planes: a table rather than the floor that it stands on, or the lids on it."""
+class Ground(NamedTuple):
+    """A level plane on which things stand; the part of it that they stand on, if not all, and the walls around."""
+
+    level: Level
+    hull: Delaunay | None
+    walls: list[Plane]
+
+    def holds(self, points: NDArray[np.float64], far: float) -> NDArray[np.bool_]:
+        """Points (N,) that may be of things: over what is seen of a table; in a room, before its walls."""
+        height = self.level.height(points)
+        if self.hull is not None:
+            over = self.hull.find_simplex(_across(self.level, points)) >= 0
+            return (height > ABOVE * far) & (height < HIGHEST) & over
+        before = np.all([wall.offset - points @ wall.normal > WALL_ERROR * far for wall in self.walls], axis=0)
+        return np.asarray((height > ABOVE * far) & (height < CEILING) & before)
+
+
+class Heaps(NamedTuple):
+    """Points (N, 3) of things, the cluster of each, the radius that makes them, and the clusters that stand."""
+
+    points: NDArray[np.float64]
+    clusters: NDArray[np.int32]
+    radius: float
+    kept: list[int]
+
+
+def _heaps(ground: Ground, sample: NDArray[np.float64], far: float) -> Heaps | None:
+    """What stands on a ground; None if hardly anything is there."""
+    above = sample[ground.holds(sample, far)]
+    if len(above) < 10:
+        return None
+    spacing = float(np.quantile(KDTree(above).query(above, k=8)[0][:, -1], 0.9))
+    radius = max(APART * far, 1.2 * spacing)
+    clusters = dbscan(above, radius, 8)
+    return Heaps(above, clusters, radius, _standing(ground.level, above, clusters, far, LEAST * len(sample)))
+
+
+def _large(levels: list[Level]) -> dict[float, Level]:
+    """The large level planes by how far they are below the camera, metres."""
     if not levels:
-        raise InputError("--clusters", "no level plane was found.", "give --masks")
+        raise InputError("--clusters", "no level plane below the camera was found.", "give --masks")
     large = [plane for plane in levels if plane.points >= LARGE * levels[0].points]
-    down = [float(plane.height(np.zeros(3))) for plane in large]  # metres below the camera
-    lids = [
-        any(one.points < other.points and 0 < below - above < LEG for other, below in zip(large, down, strict=True))
-        for one, above in zip(large, down, strict=True)
-    ]
-    tables = [(above, plane) for above, plane, lid in zip(down, large, lids, strict=True) if not lid]
-    return min(tables, key=lambda entry: entry[0])[1]
+    return {float(plane.height(np.zeros(3))): plane for plane in large}
+
+
+def _room(levels: list[Level], sample: NDArray[np.float64], rng: np.random.Generator) -> Ground:
+    """The lowest of the large level planes, and its walls."""
+    floor = max(_large(levels).items())[1]
+    return Ground(floor, None, _walls(sample, floor.up, rng))
+
+
+def _walls(points: NDArray[np.float64], up: NDArray[np.float64], rng: np.random.Generator) -> list[Plane]:
+    """Upright planes behind which hardly any of the points (N, 3) are; their normals point away from the camera."""
+    found: list[Plane] = []
+    rest, far = points, float(np.median(points[:, 2]))
+    for _ in range(WALLS):
+        plane = fit_plane(rest, 2 * FLAT * far, 1000, rng, lambda normals: np.abs(normals @ up) < UPRIGHT)
+        if plane is None or plane.inliers.sum() < WALL_LEAST * len(points):
+            break
+        sign = float(np.sign(plane.offset))
+        if (sign * (points @ plane.normal - plane.offset) > BEHIND * far).mean() < WALL_BEHIND:
+            found.append(Plane(sign * plane.normal, sign * plane.offset, plane.inliers))
+        rest = rest[~plane.inliers]
+    return found
+
+
+def _table(levels: list[Level], sample: NDArray[np.float64], far: float) -> Ground:
+    """The highest of the large level planes: a table rather than the floor that it stands on, or the lids on it."""
+    large = _large(levels)
+    tables = {
+        down: plane
+        for down, plane in large.items()
+        if not any(plane.points < other.points and 0 < below - down < LEG for below, other in large.items())
+    }
+    table = min(tables.items())[1]
+    return Ground(table, Delaunay(_across(table, sample[np.abs(table.height(sample)) < FLAT * far])), [])
 
 
 def _standing(
@@ -128,9 +203,3 @@ def _is_wall(
 def _across(plane: Level, points: NDArray[np.float64]) -> NDArray[np.float64]:
     """Points (N, 2) in the plane."""
     return np.asarray(points @ np.linalg.svd(plane.up[None])[2][1:].T)
-
-
-def _over(plane: Level, hull: Delaunay, points: NDArray[np.float64], far: float) -> NDArray[np.bool_]:
-    """Points (N,) that lie above the plane, over the part of it that is seen."""
-    height = plane.height(points)
-    return (height > ABOVE * far) & (height < HIGHEST) & (hull.find_simplex(_across(plane, points)) >= 0)

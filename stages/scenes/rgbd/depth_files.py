@@ -9,8 +9,10 @@ from PIL import Image
 
 from stages.contracts import InputError
 from stages.contracts.arrays import read_npz, readable
+from stages.contracts.depth import check_depth
 
 NEAREST, FARTHEST = 0.1, 30.0  # metres: the median depth of a frame is between them
+MEASURED = 6.0  # metres: the median depth of frames of cameras is less; more in millimetres is another unit, mostly
 SKY = 100.0  # metres: farther away is no room
 IMAGES = (".png", ".tif", ".tiff", ".pgm")
 FILES = (*IMAGES, ".exr", ".npz", ".npy")
@@ -87,6 +89,7 @@ def in_metres(path: Path, raw: NDArray[Any], unit: str = "auto") -> tuple[NDArra
         raise InputError(path, what, "another --unit: m, mm, or the number that stands for one metre")
     metres = np.where(np.isfinite(raw), raw, 0).astype(np.float64) / per_metre
     metres[(metres < 0) | (metres > SKY)] = 0
+    check_depth(path, metres)
     name = next((name for name, number in UNITS.items() if number == per_metre), f"1/{per_metre:g} m")
     how = "found by its median" if unit == "auto" else "as told"
     line = f"depth in {name} ({how}, {median / per_metre:.2f} m), known on {100 * (metres > 0).mean():.0f} % of it"
@@ -96,8 +99,11 @@ def in_metres(path: Path, raw: NDArray[Any], unit: str = "auto") -> tuple[NDArra
 def _guessed(path: Path, median: float, whole: bool) -> float:
     if not whole and NEAREST <= median <= FARTHEST:
         return UNITS["m"]
-    if 1000 * NEAREST <= median <= 1000 * FARTHEST:
+    if 1000 * NEAREST <= median <= 1000 * MEASURED:
         return UNITS["mm"]
+    if 1000 * MEASURED < median <= 1000 * FARTHEST:
+        what = f"has the median {median:g}: {median / 1000:.3g} m in millimetres, {median / 5000:.3g} m in 1/5000 m."
+        raise InputError(path, what, "say which it is: --unit mm, --unit 5000, or the number that stands for one metre")
     what = f"has the median {median:.3g}, which is neither metres nor millimetres of a room."
     raise InputError(path, what, "say the unit with --unit: m, mm, or the number that stands for one metre")
 

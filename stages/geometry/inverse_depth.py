@@ -1,0 +1,46 @@
+"""Whether a depth image holds depth or its inverse (disparity), as relative networks and stereo give it."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+SAMPLED, HYPOTHESES, PLANES = 3000, 300, 3
+NEAR = 0.02  # relative: what lies on a plane
+LOWER, UPPER = 0.8, 0.4  # of the rows: what is below is nearer than what is above, in pictures of rooms and tables
+FARTHER = 1.3  # times the upper part: no picture of a room or table that was tried has its lower part so far away
+
+
+def is_inverse(depth: NDArray[np.floating]) -> bool:
+    """Whether values (H, W; 0: unknown) grow towards the lower border, and are planar where their inverses are not.
+
+    On a plane inverse depth is linear in the pixel, depth is not.
+    """
+    rng = np.random.default_rng(0)
+    rows, columns = np.nonzero(depth > 0)
+    if len(rows) < SAMPLED:
+        return False
+    chosen = rng.choice(len(rows), SAMPLED, replace=False)
+    rows, columns = rows[chosen], columns[chosen]
+    values = depth[rows, columns].astype(np.float64)
+    lower, upper = values[rows > np.quantile(rows, LOWER)], values[rows < np.quantile(rows, UPPER)]
+    if not len(lower) or not len(upper) or np.median(lower) < FARTHER * np.median(upper):
+        return False
+    pixels = np.column_stack([columns, rows, np.ones(SAMPLED)]).astype(np.float64)
+    return _planar(values, pixels, rng) > _planar(1 / values, pixels, rng)
+
+
+def _planar(values: NDArray[np.float64], pixels: NDArray[np.float64], rng: np.random.Generator) -> int:
+    """How many of the values (N,) are linear in the pixels (N, 3), homogeneous, by a few planes."""
+    found = 0
+    for _ in range(PLANES):
+        if len(values) < 3:
+            break
+        three = rng.integers(len(values), size=(HYPOTHESES, 3))
+        three = three[np.abs(np.linalg.det(pixels[three])) > 0.5]  # whole pixels: twice the area of the triangle
+        if not len(three):
+            break
+        planes = np.linalg.solve(pixels[three], values[three][..., None])[..., 0]
+        on = np.abs(pixels @ planes.T - values[:, None]) < NEAR * values[:, None]
+        best = on[:, np.argmax(on.sum(axis=0))]
+        found += int(best.sum())
+        values, pixels = values[~best], pixels[~best]
+    return found

@@ -1,0 +1,90 @@
+"""What masks leave out or show too much of: feet, clutter on a table, what a mirror shows; and what a person said."""
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from stages.config.extraction import ExtractionConfig
+from stages.contracts import Annotations
+from stages.contracts.objects import SceneObject
+from stages.contracts.scenes import Annotation, Held
+from stages.extraction.observation import AnnotatedImage
+from stages.extraction.reconstruct import ExtractedScene, reconstruct
+from stages.geometry.boxes import UprightBox
+from tests.unit.synthetic_room import BACK_WALL, FLOOR, HEIGHT, INTRINSICS, OBJECT, WALL, WIDTH, trace
+
+SOFA = UprightBox([3.0, 0, 0.4], [0.9, 1.8, 0.8], 0.1)
+
+
+def extracted(
+    depth: NDArray[np.float32], masks: NDArray[np.uint16], *labels: str, held: Held | None = None
+) -> ExtractedScene:
+    objects = [Annotation(mask=OBJECT + k, label=label, mounting=held) for k, label in enumerate(labels)]
+    told = Annotations(objects=objects, floor=FLOOR, walls=[WALL])
+    rgb = np.zeros((HEIGHT, WIDTH, 3), np.uint8)
+    image = AnnotatedImage(rgb, depth, masks, INTRINSICS, told)
+    return reconstruct("room", image, ExtractionConfig(), np.random.default_rng(0))
+
+
+def ends(item: SceneObject) -> tuple[float, float]:
+    assert item.box is not None
+    return item.box.center[2] - item.box.size[2] / 2, item.box.center[2] + item.box.size[2] / 2
+
+
+@pytest.mark.parametrize("short", [4, 12, 20])
+def test_a_mask_that_ends_above_the_foot_makes_nothing_float(short: int) -> None:
+    depth, masks = trace([SOFA])
+    sofa = masks == OBJECT
+    masks[sofa & ~np.roll(sofa, -short, 0)] = 0
+    (item,) = extracted(depth, masks, "sofa").objects.objects
+    assert ends(item) == pytest.approx((0, 0.8), abs=0.02) and item.measured_support == "floor"
+
+
+@pytest.mark.parametrize("depth_of_box", [0.3, 0.5])  # its front stands back, or is flush
+def test_what_stands_on_something_that_nobody_named_stays_there(depth_of_box: float) -> None:
+    cabinet = UprightBox([3.0, 0, 0.3], [0.5, 1.0, 0.6], 0.0)
+    depth, masks = trace([UprightBox([3.0, 0, 0.8], [depth_of_box, 0.6, 0.4], 0.0), cabinet])
+    masks[masks == OBJECT + 1] = 0
+    (item,) = extracted(depth, masks, "box").objects.objects
+    assert ends(item)[0] == pytest.approx(0.6, abs=0.03) and item.measured_support == "unnamed"
+
+
+@pytest.mark.parametrize(("height", "support"), [(0.9, "floor"), (0.2, "unnamed")])
+def test_who_says_that_it_stands_is_right_unless_it_would_be_far_taller_than_seen(height: float, support: str) -> None:
+    """On something of 40 cm without a mask: a cabinet whose foot was not drawn, say, or a box on a shelf."""
+    low = UprightBox([3.0, 0, 0.2], [0.6, 1.0, 0.4], 0.0)
+    depth, masks = trace([UprightBox([3.0, 0, 0.4 + height / 2], [0.4, 0.6, height], 0.0), low])
+    masks[masks == OBJECT + 1] = 0
+    (seen,) = extracted(depth, masks, "cabinet").objects.objects
+    (said,) = extracted(depth, masks, "cabinet", held=Held(type=2)).objects.objects
+    assert (seen.measured_support, said.measured_support) == ("unnamed", support)
+    assert ends(said)[0] == pytest.approx(0 if support == "floor" else 0.4, abs=0.03)
+
+
+def test_what_carries_it_is_said() -> None:
+    table, box = UprightBox([2.6, 0, 0.3], [0.8, 1.2, 0.6], 0.0), UprightBox([2.6, 0, 0.75], [0.3, 0.4, 0.3], 0.0)
+    found = extracted(*trace([table, box]), "table", "box").objects.objects
+    assert [item.measured_support for item in found] == ["floor", "table_1"]
+
+
+def test_clutter_in_its_mask_does_not_make_a_table_higher() -> None:
+    table = UprightBox([1.8, 0, 0.225], [0.6, 1.1, 0.45], 0.2)
+    clutter = [UprightBox([1.9, 0.2, 0.6], [0.12, 0.14, 0.3], 0.0), UprightBox([1.7, -0.2, 0.55], [0.1, 0.1, 0.2], 0.3)]
+    depth, masks = trace([table, UprightBox([1.75, 0.1, 0.465], [0.2, 0.15, 0.03], 0.3), *clutter])
+    masks[masks > OBJECT + 1] = OBJECT
+    found = {item.label: item for item in extracted(depth, masks, "table", "book").objects.objects}
+    assert ends(found["table"]) == pytest.approx((0, 0.45), abs=0.01)
+    assert ends(found["book"]) == pytest.approx((0.45, 0.48), abs=0.015) and found["book"].measured_support == "table_1"
+
+
+def test_a_mirror_is_not_as_deep_as_what_it_shows() -> None:
+    mirror = UprightBox([BACK_WALL - 0.02, 0, 1.5], [0.04, 0.8, 0.9], 0.0)
+    depth, masks = trace([mirror])
+    shown = (masks == OBJECT) & (np.arange(WIDTH) > WIDTH / 2)
+    result = extracted(np.where(shown, np.float32(9.0), depth), masks, "mirror")
+    (item,) = result.objects.objects
+    assert item.box is not None and item.mounting is not None and item.mounting.type == 1
+    assert max(item.box.size) < 1.0 and item.box.center[0] < BACK_WALL + 0.1
+    assert not result.depth[shown].any() and result.depth[(masks == OBJECT) & ~shown].all()
+    behind = extracted(np.where(masks == OBJECT, np.float32(6.0), depth), masks, "chair")
+    assert behind.depth[masks == OBJECT].all(), "all of it: seen through a door"
