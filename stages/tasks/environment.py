@@ -225,7 +225,7 @@ class OpenTaskEnv(BaseEnv):
             if self.room:
                 bases[-1], roots[-1] = self.room.stand(bases[-1]), self.room.world_from_nominal @ roots[-1]
             elif target.side and target.handle is not None:  # a door: its arc may lead where the arm cannot follow
-                seen = self._around(index)
+                seen = self.around(index)
                 reached = standing(bases[-1], roots[-1], qpos[-1][:7], seen, self.success_opening(index))
                 bases[-1] = bases[-1] if reached is None else reached
             self.eyes.place(self._sensors, index, seed)
@@ -236,7 +236,7 @@ class OpenTaskEnv(BaseEnv):
         self.object.set_qvel(torch.zeros_like(self.object.get_qvel()[env_idx]))
         self._official[env_idx] = False
 
-    def _around(self, index: int) -> Surroundings:
+    def around(self, index: int = 0) -> Surroundings:
         """The object of environment `index`; its surfaces are sampled once."""
         if index not in self._surroundings:
             self._surroundings[index] = Surroundings(self.targets[index])
