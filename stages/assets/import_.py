@@ -13,6 +13,7 @@ from stages.assets.import_page import write_page
 from stages.assets.imports import IMPORTERS, by_suffix, in_one_line, snake_case, suffix
 from stages.assets.pack import completed, read_pack, write_pack
 from stages.assets.portrait import Portraits
+from stages.assets.reach import out_of_reach
 from stages.assets.snapshots import Look
 from stages.cli import progress
 from stages.contracts.errors import InputError
@@ -73,6 +74,7 @@ def run(folder: Path, /, *, out: Path) -> None:
                     with in_one_line(one.path):
                         look.check(work / model.asset.id, one.path)
                         model.picture = portraits.take(work / model.asset.id)
+                        model.doubts += out_of_reach(work / model.asset.id)
                 except InputError as error:
                     model.asset = None
                     model.doubts.append(str(error).removeprefix(f"{one.path}: "))

@@ -1,6 +1,7 @@
 """What Open and Close share (paper A.4): Approach, Converge, Grasp, Articulate, Ungrasp, and again after a miss."""
 
 from abc import abstractmethod
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +13,7 @@ from stages.simulation.robot import GRIPPER_OPEN, REST
 from stages.simulation.target import Target
 from stages.skills.attempts import RetryingSkill
 from stages.skills.clearance import Surroundings
-from stages.skills.handle_grasp import grasp_pose, grasps
+from stages.skills.handle_grasp import Grasp, from_the_hinge, grasp_pose, grasps
 from stages.skills.motion import CLOSED, OPEN, Motion, Stall
 from stages.skills.path import Pursuit, along, articulation, distance, straight
 from stages.skills.rollout import ON_THE_WAY, Stretch, first_feasible, homing
@@ -20,6 +21,7 @@ from stages.skills.rollout import ON_THE_WAY, Stretch, first_feasible, homing
 ABOVE = 0.05  # metres that the hand is higher than a handle at which it may have to come down to it
 ELSEWHERE = 0.15  # path length from the rest pose at which the hand may have to go back there first
 LOST = 0.06  # hand this far off the path of the handle has lost it, metres
+LESS = 0.6  # of the margin; half of it counts as enough
 GENTLE = 3  # steps until the pull of a flap has its full speed: being heavy it would stay behind, and leave the fingers
 
 
@@ -54,26 +56,50 @@ def plan_articulation(
     """
     target = surroundings.target
     assert target.handle is not None
-    hand = chain.pose(joints[None])[0]
-    asset_hand = inverse(base_from_asset) @ hand
-    plans, candidates = [], []
-    for grasp in grasps(target, target.handle):
+    for choice in (grasps(target, target.handle), from_the_hinge(target, target.handle)):
+        plans = list(_plans(chain, joints, base_from_asset, target, choice, start, goal, options))
+        candidates = [
+            (
+                Stretch(plan.approach, GRIPPER_OPEN, (start, start), slack=slack),
+                Stretch(plan.converge, GRIPPER_OPEN, (start, start)),
+                Stretch(plan.articulate, None, (start, goal)),
+            )
+            for plan, slack in plans
+        ]
+        index = first_feasible(chain, joints, candidates, base_from_asset, surroundings, spare)
+        if index is not None:
+            return plans[index][0]
+    return None
+
+
+def opened_to(target: Target, opening: float, margin: float) -> tuple[float, ...]:
+    """The values to which a joint is moved to open it by a fraction of its range: further by a margin; where the arm
+    cannot follow it so far, as of a wide door, by `LESS` of that.
+    """
+    fractions = (min(1.0, opening + share * margin) for share in (1.0, LESS))
+    return tuple(target.lower + fraction * (target.upper - target.lower) for fraction in fractions)
+
+
+def _plans(
+    chain: Chain,
+    joints: Array,
+    base_from_asset: Array,
+    target: Target,
+    choice: Iterable[Grasp],
+    start: float,
+    goal: float,
+    options: DemonstrationsConfig,
+) -> Iterator[tuple[Plan, float]]:
+    """The paths by each grasp and way to it, with the slack of that way."""
+    assert target.handle is not None
+    asset_hand = inverse(base_from_asset) @ chain.pose(joints[None])[0]
+    for grasp in choice:
         pose = grasp_pose(target.handle, grasp, asset_hand)
         motion = base_from_asset @ articulation(target, pose, start, goal, grasp.follow)
         before = motion[0].copy()
         before[:3, 3] -= options.pregrasp * before[:3, 2]
         for approach, slack in approaches(chain, joints, before):
-            plan = Plan(approach, straight(before, motion[0]), motion)
-            plans.append(plan)
-            candidates.append(
-                (
-                    Stretch(plan.approach, GRIPPER_OPEN, (start, start), slack=slack),
-                    Stretch(plan.converge, GRIPPER_OPEN, (start, start)),
-                    Stretch(plan.articulate, None, (start, goal)),
-                )
-            )
-    index = first_feasible(chain, joints, candidates, base_from_asset, surroundings, spare)
-    return None if index is None else plans[index]
+            yield Plan(approach, straight(before, motion[0]), motion), slack
 
 
 def approaches(chain: Chain, joints: Array, before: Array) -> list[tuple[Array, float]]:
@@ -102,8 +128,8 @@ class ArticulateSkill(RetryingSkill):
         return 0.0
 
     @abstractmethod
-    def goal(self, target: Target) -> float:
-        """Joint value to move towards."""
+    def goals(self, target: Target) -> tuple[float, ...]:
+        """Joint values to move towards, the first that the arm can follow."""
 
     @abstractmethod
     def enough(self) -> bool:
@@ -119,16 +145,13 @@ class ArticulateSkill(RetryingSkill):
         target = surroundings.target
         if target.handle is None:
             return "no_handle"
-        plan = plan_articulation(
-            task.chain,
-            task.joints()[:7],
-            task.env.base_from_asset(),
-            surroundings,
-            self.joint(),
-            self.goal(target),
-            self.options,
-            self.spare,
-        )
+        stands, base_from_asset = task.joints()[:7], task.env.base_from_asset()
+        for goal in self.goals(target):
+            plan = plan_articulation(
+                task.chain, stands, base_from_asset, surroundings, self.joint(), goal, self.options, self.spare
+            )
+            if plan is not None:
+                break
         if plan is None:
             return "no_plan"
         return self._approach(motion, plan) or self._articulate(motion, plan.articulate) or self._let_go(motion)

@@ -20,7 +20,6 @@ class RetryingSkill(ABC):
 
     def __init__(self, task: TaskEnv, options: DemonstrationsConfig) -> None:
         self.task, self.options = task, options
-        self._sampled: Surroundings | None = None
 
     @abstractmethod
     def attempt(self, motion: Motion, number: int) -> str:
@@ -48,9 +47,7 @@ class RetryingSkill(ABC):
     def surroundings(self) -> Surroundings:
         """Of the task's object as it is now; its surfaces are sampled once per size."""
         env = self.task.env
-        if self._sampled is None or self._sampled.target is not env.target:
-            self._sampled = Surroundings(env.target)
-        return self._sampled.beside(apply(inverse(env.base_from_asset()), env.obstacles()))
+        return env.around().beside(apply(inverse(env.base_from_asset()), env.obstacles()))
 
     def joint(self) -> float:
         """The value of the target joint as it stands."""

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from stages.articulated.handle import Handle
-from stages.geometry.frames import rigid
+from stages.geometry.frames import rigid, yaw_matrix
 from stages.simulation.kinematics import Array
 from stages.simulation.target import Target
 
@@ -29,13 +29,14 @@ FROM_ABOVE = ((0.7, 0.35), (-0.7, 0.35), (0.35, 0.5))
 class Grasp:
     """A way to hold a handle: turns of the approach about the closing axis (`tilt`) and from above, about a horizontal
     handle (`pitch`), in radians; and the share of a door's turn that the hand makes (`follow`). `over`: fingers above
-    and below a knob, not at its sides."""
+    and below a knob, not at its sides. `swing`: turn of the approach about the vertical, in radians."""
 
     tilt: float
     pitch: float
     follow: float
     depth: float = MAX_DEPTH
     over: bool = False
+    swing: float = 0.0
 
 
 def grasps(target: Target, handle: Handle) -> Iterator[Grasp]:
@@ -51,6 +52,15 @@ def grasps(target: Target, handle: Handle) -> Iterator[Grasp]:
     if not handle.elongated:  # another knob beside it leaves no room for a finger
         for follow in (1.0, 0.5, 0.0) if target.revolute else (1.0,):
             yield from (Grasp(tilt, 0.0, follow, over=True) for tilt in (0.0, 0.35, -0.35, 0.7, -0.7))
+
+
+def from_the_hinge(target: Target, handle: Handle) -> Iterator[Grasp]:
+    """Candidates for a wide door that nothing else opens: the hand comes from the side of the hinge, before which the
+    front stays as it turns."""
+    upright = not (handle.elongated and abs(handle.axis[2]) < 0.5)
+    for follow in (0.5, 1.0, 0.0) if target.side and upright else ():
+        for swing in (0.35, 0.7):
+            yield from (Grasp(tilt, 0.0, follow, swing=-target.side * swing) for tilt in (0.7, 0.35, 1.0, 0.0))
 
 
 def grasp_pose(handle: Handle, grasp: Grasp, hand: Array) -> Array:
@@ -75,4 +85,4 @@ def grasp_pose(handle: Handle, grasp: Grasp, hand: Array) -> Array:
     depth = float(np.clip(handle.protrusion - FINGERTIP, 0.0, depth))
     rotation = np.stack([np.cross(closing, approach), closing, approach], axis=1)
     from_above = Rotation.from_rotvec([0.0, -grasp.pitch, 0.0]).as_matrix()
-    return rigid(from_above @ rotation, handle.position + depth * straight_in)
+    return rigid(yaw_matrix(grasp.swing) @ from_above @ rotation, handle.position + depth * straight_in)

@@ -24,11 +24,13 @@ from stages.simulation.robot import GRIPPER_OPEN, REST, AcdcPanda, ActionScale
 from stages.simulation.room import Room
 from stages.simulation.studio import Prop
 from stages.simulation.target import Target, descends, read_target
+from stages.skills.clearance import Surroundings
 from stages.tasks.cameras import Camera, film_camera, shoulder
 from stages.tasks.initial_state import base_pose, draw_initial_state, drawn_scale, nominal_root, object_motion
 from stages.tasks.movable import Movable
 from stages.tasks.observation import Eyes, Observation
 from stages.tasks.randomised import draw_factors, randomise
+from stages.tasks.standing import standing, success_opening
 from stages.tasks.task import Task
 
 SIMULATION_FREQUENCY = 100  # steps per second; a task may have a multiple of it
@@ -167,6 +169,7 @@ class OpenTaskEnv(BaseEnv):
             self.object.set_qpos(self.object.get_qlimits()[..., 0])
             shown = self.object._objs
         self.targets: list[Target] = [read_target(body, index) for body in shown]
+        self._surroundings: dict[int, Surroundings] = {}  # by environment
 
     @property
     def target(self) -> Target:
@@ -218,9 +221,13 @@ class OpenTaskEnv(BaseEnv):
             handle = np.add(target.reference + nominal, self.robot_shift)
             bases.append(base_pose(handle, target.side, setup, self.options, target.flap))
             roots.append(object_motion(setup) @ rigid(np.eye(3), nominal))
+            qpos.append(np.concatenate([REST + setup.joints, [GRIPPER_OPEN, GRIPPER_OPEN]]))
             if self.room:
                 bases[-1], roots[-1] = self.room.stand(bases[-1]), self.room.world_from_nominal @ roots[-1]
-            qpos.append(np.concatenate([REST + setup.joints, [GRIPPER_OPEN, GRIPPER_OPEN]]))
+            elif target.side and target.handle is not None:  # a door: its arc may lead where the arm cannot follow
+                seen = self.around(index)
+                reached = standing(bases[-1], roots[-1], qpos[-1][:7], seen, self.success_opening(index))
+                bases[-1] = bases[-1] if reached is None else reached
             self.eyes.place(self._sensors, index, seed)
         self.agent.robot.set_qpos(torch.as_tensor(np.stack(qpos), dtype=torch.float32, device=self.device))
         self.agent.robot.set_pose(to_poses(np.stack(bases)))
@@ -228,6 +235,12 @@ class OpenTaskEnv(BaseEnv):
         self.object.set_qpos(self.object.get_qlimits()[env_idx, :, 0])
         self.object.set_qvel(torch.zeros_like(self.object.get_qvel()[env_idx]))
         self._official[env_idx] = False
+
+    def around(self, index: int = 0) -> Surroundings:
+        """The object of environment `index`; its surfaces are sampled once."""
+        if index not in self._surroundings:
+            self._surroundings[index] = Surroundings(self.targets[index])
+        return self._surroundings[index]
 
     def opened(self) -> torch.Tensor:
         """(N,) fraction of the target joint's range, 0 closed, 1 fully open."""
@@ -240,10 +253,8 @@ class OpenTaskEnv(BaseEnv):
         return torch.where(span.isfinite(), (self.object.get_qpos() - limits[..., 0]) / span, 0.0)
 
     def success_opening(self, index: int = 0) -> float:
-        """The fraction of the range that counts as open: half, 60 degrees or 15 cm, whichever is less."""
-        options, target = self.options, self.targets[index]
-        enough = np.deg2rad(options.success_angle) if target.revolute else options.success_distance
-        return float(min(options.success_fraction, enough / (target.upper - target.lower)))
+        """The fraction of the range that counts as open."""
+        return success_opening(self.targets[index], self.options)
 
     def succeeded(self) -> torch.Tensor:
         """(N,) the one success criterion, for demonstrations and evaluation alike."""

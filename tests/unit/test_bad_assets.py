@@ -102,3 +102,22 @@ def test_a_name_that_is_not_utf8_is_told(tmp_path: Path, capsys: pytest.CaptureF
     good(tmp_path / "theirs")
     assert own(tmp_path / "theirs", tmp_path / "library")[0] == ["box_zz"]
     assert "left out: box/\\udcff.glb: its name is not UTF-8" in capsys.readouterr().err
+
+
+def test_links_to_nothing_and_pipes_are_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    good(tmp_path / "theirs")
+    (tmp_path / "theirs/box/gone.glb").symlink_to("nowhere.glb")
+    os.mkfifo(tmp_path / "theirs/box/pipe.obj")
+    assert own(tmp_path / "theirs", tmp_path / "library")[0] == ["box_zz"]
+    said = capsys.readouterr().err
+    assert "left out: box/gone.glb: is a link to nothing" in said
+    assert "left out: box/pipe.obj: is no file that can be read" in said
+
+
+def test_parts_of_a_category_and_folders_that_say_nothing(tmp_path: Path) -> None:
+    good(tmp_path / "theirs", "output/cabinet_panel.glb")
+    good(tmp_path / "theirs", "output/cabinet.glb")
+    good(tmp_path / "theirs", "shelf_window.glb")
+    found = named_models([tmp_path / "theirs"], by_suffix(IMPORTERS))
+    told = {one.path.stem: one.category for one in found.values()}
+    assert told == {"cabinet_panel": "cabinet_panel", "cabinet": "bottom_cabinet", "shelf_window": "shelf_window"}

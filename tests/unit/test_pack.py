@@ -1,17 +1,20 @@
 """pack.yaml: what a folder's models share is told by most of them, proposed, and corrected by hand."""
 
 import json
+import shutil
 from pathlib import Path
 
 import pytest
 import trimesh
 import yaml
 
+from stages.assets.convention import Shared
 from stages.assets.examine import Examined
 from stages.assets.import_ import run
 from stages.assets.imports import Notes
 from stages.assets.pack import read_pack
 from stages.contracts.errors import InputError
+from tests.unit.test_report_browser import FLAGS
 from tests.unit.test_sense import box, cabinet, joint, write_partnet
 
 Y_UP = '<origin rpy="-1.5707963 -1.5707963 0"/></joint><link'
@@ -116,6 +119,27 @@ def test_more_models_may_tell_more_while_nothing_was_changed_by_hand(tmp_path: P
         out=tmp_path / "mine")  # fmt: skip
     assert read_pack(tmp_path / "mine/pack.yaml").kinds[".urdf"].up == "+y"
     assert notes(tmp_path / "mine", "stool/s0")[2] == "+y"
+
+
+def test_the_page_saves_the_pack_that_is_chosen_on_it(tmp_path: Path) -> None:
+    browser = shutil.which("chromium")
+    if browser is None:
+        pytest.skip("no chromium")
+    run(written(tmp_path / "theirs", stools(2)), out=tmp_path / "mine")
+    playwright = pytest.importorskip("playwright.sync_api")
+    with playwright.sync_playwright() as started:
+        page = started.chromium.launch(executable_path=browser, args=FLAGS).new_page()
+        page.goto((tmp_path / "mine/index.html").as_uri())
+        page.select_option('[data-kind=".urdf"] [name=up]', "+y")
+        page.select_option('[data-kind=".urdf"] [name=unit]', label="centimetres")
+        page.fill('[data-said="stool"] input', "footstool")
+        with page.expect_download() as saved:
+            page.click("button")
+        saved.value.save_as(tmp_path / "pack.yaml")
+    pack = read_pack(tmp_path / "pack.yaml")
+    assert pack.by_hand
+    assert pack.kinds[".urdf"] == Shared(up="+y", unit=0.01)
+    assert pack.categories == {"stool": "footstool"}
 
 
 @pytest.mark.parametrize(("text", "why"), [("kinds: [", "is no YAML"), ("kinds: {.obj: {up: x}}", r"kinds\.\.obj\.up")])

@@ -345,11 +345,14 @@ def test_doors_and_drawers_are_no_solid_blocks(tmp_path: Path) -> None:
 def test_kinds_that_are_not_read_are_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "theirs/chair").mkdir(parents=True)
     (tmp_path / "theirs/chair/a.usd").write_text("")
-    with pytest.raises(InputError, match=r"Fix: files of kinds that are not read \(1 .usd\): export them as URDF"):
+    (tmp_path / "theirs/chair/a.kinbody.xml").write_text("<KinBody/>")
+    with pytest.raises(
+        InputError, match=r"Fix: files of kinds that are not read \(1 .kinbody.xml, 1 .usd\): export them as URDF"
+    ):
         run(tmp_path / "theirs", out=tmp_path / "mine")
     trimesh.creation.box((0.5, 0.5, 0.9)).export(tmp_path / "theirs/chair/b.stl")
     run(tmp_path / "theirs", out=tmp_path / "mine")
-    assert "not read (1 .usd)" in capsys.readouterr().err
+    assert "not read (1 .kinbody.xml, 1 .usd)" in capsys.readouterr().err
 
 
 def test_a_drawer_behind_a_door_has_no_handle_to_hold(tmp_path: Path) -> None:

@@ -9,8 +9,8 @@ SHUT = 0.03  # of the range: a door at 3 degrees, a drawer at a centimetre
 class CloseSkill(ArticulateSkill):
     """Closes the target joint of a task from wherever it stands."""
 
-    def goal(self, target: Target) -> float:
-        return target.lower
+    def goals(self, target: Target) -> tuple[float, ...]:
+        return (target.lower,)
 
     def enough(self) -> bool:
         return self.task.opened <= SHUT

@@ -1,7 +1,7 @@
 """The Open skill: Approach, Converge, Grasp, Articulate, Ungrasp (paper A.4)."""
 
 from stages.simulation.target import Target
-from stages.skills.articulate import ArticulateSkill
+from stages.skills.articulate import ArticulateSkill, opened_to
 
 SPARE = 0.2  # radians to the limits of the arm's joints where another skill begins: at a limit it finds no way
 
@@ -13,9 +13,8 @@ class OpenSkill(ArticulateSkill):
     def spare(self) -> float:
         return SPARE if len(self.task.task.skills) > 1 else 0.0
 
-    def goal(self, target: Target) -> float:
-        fraction = min(1.0, self.task.success_opening + self.options.goal_margin)
-        return target.lower + fraction * (target.upper - target.lower)
+    def goals(self, target: Target) -> tuple[float, ...]:
+        return opened_to(target, self.task.success_opening, self.options.goal_margin)
 
     def enough(self) -> bool:
         return self.task.opened >= self.task.success_opening + self.options.goal_margin / 2

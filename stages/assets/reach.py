@@ -1,0 +1,46 @@
+"""Whether the robot's arm can follow the doors and drawers of an imported model, without moving anything."""
+
+from pathlib import Path
+
+import numpy as np
+import sapien
+from sapien.physx import PhysxArticulation
+
+from stages.articulated.asset_folder import read_asset
+from stages.config.task import TaskConfig
+from stages.geometry.frames import inverse
+from stages.simulation.loading import load_asset, physics_scene
+from stages.simulation.robot import REST
+from stages.simulation.target import read_target
+from stages.skills.articulate import opened_to
+from stages.skills.clearance import Surroundings
+from stages.tasks.initial_state import InitialState, base_pose
+from stages.tasks.standing import MOTION, followed, standing, success_opening
+
+MIDDLE = InitialState(0, np.zeros(3), 0.0, np.zeros(2), 0.0, np.zeros(7))
+
+
+def out_of_reach(folder: Path) -> list[str]:
+    """A line for every door and drawer with a handle that the arm can follow from no place."""
+    asset, options = read_asset(folder), TaskConfig()
+    handled = {joint.name: joint for joint in asset.joints if joint.handle is not None}
+    scene = physics_scene()
+    body = load_asset(scene, folder, sapien.Pose(), fixed=True, name="imported")
+    if not handled or not isinstance(body, PhysxArticulation):
+        return []
+    body.set_qpos(body.get_qlimits()[:, 0])
+    lines = []
+    for index, name in enumerate(joint.name for joint in body.get_active_joints()):
+        if name not in handled:
+            continue
+        target = read_target(body, index)
+        base, around = base_pose(target.reference, target.side, MIDDLE, options, target.flap), Surroundings(target)
+        opening = success_opening(target, options)
+        if target.side:
+            reached = standing(base, np.eye(4), REST, around, opening) is not None
+        else:
+            goals = opened_to(target, opening, MOTION.goal_margin)
+            reached = any(followed(inverse(base), REST, around, goal) for goal in goals)
+        if not reached:
+            lines.append(f"{handled[name].role} '{name}' is not opened: the arm reaches along its way from no place")
+    return lines

@@ -1,0 +1,66 @@
+"""Where the robot stands before a door: where it always does, or where its arm can follow the handle all the way."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from stages.config.demonstrations import DemonstrationsConfig
+from stages.config.task import TaskConfig
+from stages.geometry.frames import apply, inverse, rigid
+from stages.simulation.kinematics import Array
+from stages.simulation.robot import panda_chain
+from stages.simulation.target import Target
+from stages.skills.articulate import opened_to, plan_articulation
+from stages.skills.clearance import MARGIN, Surroundings
+
+# Metres farther out from the front and towards the hinge, in this order.
+PLACES = tuple((out, towards) for out in (0.1, 0.2) for towards in (0.15, 0.3, 0.45))
+COLUMN = tuple((0.0, 0.0, height) for height in (0.05, 0.2, 0.35))  # spheres that are the robot's base, in its frame
+RADIUS = 0.09  # less than what counts as far
+MOTION = DemonstrationsConfig()
+
+
+def success_opening(target: Target, options: TaskConfig) -> float:
+    """The fraction of the range that counts as open: half, 60 degrees or 15 cm, whichever is less."""
+    enough = np.deg2rad(options.success_angle) if target.revolute else options.success_distance
+    return float(min(options.success_fraction, enough / (target.upper - target.lower)))
+
+
+def standing(base: Array, root: Array, joints: Array, surroundings: Surroundings, opening: float) -> Array | None:
+    """(4, 4) pose of the robot's base from which the arm follows a door's handle; None: there is none.
+
+    Args:
+        base: (4, 4) where it always stands; taken if it will do.
+        root: (4, 4) pose of the asset, in the same frame.
+        joints: (7,) of the arm.
+        surroundings: of the asset and its door.
+        opening: fraction of the range that counts as open.
+    """
+    for goal in opened_to(surroundings.target, opening, MOTION.goal_margin):
+        for place in places(base, surroundings.target):
+            base_from_asset = inverse(place) @ root
+            if place is not base and not _passes(base_from_asset, surroundings, goal):
+                continue
+            if followed(base_from_asset, joints, surroundings, goal):
+                return place
+    return None
+
+
+def followed(base_from_asset: Array, joints: Array, surroundings: Surroundings, goal: float) -> bool:
+    """Whether the arm, from `joints` (7,), can move a joint from closed to a value."""
+    start = surroundings.target.lower
+    return plan_articulation(panda_chain(), joints, base_from_asset, surroundings, start, goal, MOTION) is not None
+
+
+def places(base: Array, target: Target) -> Iterator[Array]:
+    """Where the robot may stand, first where it always does."""
+    yield base
+    for out, towards in PLACES:
+        yield rigid(np.eye(3), [out, -target.side * towards, 0.0]) @ base
+
+
+def _passes(base_from_asset: Array, surroundings: Surroundings, goal: float) -> bool:
+    """Whether the door passes by the robot's base."""
+    values = np.linspace(surroundings.target.lower, goal, 20)
+    centers = np.tile(apply(inverse(base_from_asset), np.array(COLUMN)), (len(values), 1, 1))
+    return bool((surroundings.gaps(centers, np.full(len(COLUMN), RADIUS), values) > MARGIN).all())

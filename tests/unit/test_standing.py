@@ -1,0 +1,86 @@
+"""The robot stands where it always does, unless its arm can follow a door's handle from another place alone."""
+
+from pathlib import Path
+
+import numpy as np
+
+from stages.assets.imports import import_model
+from stages.assets.library import make
+from stages.assets.reach import MIDDLE, out_of_reach
+from stages.config.demonstrations import DemonstrationsConfig
+from stages.config.task import TaskConfig
+from stages.demonstrations.attempt import Recorder
+from stages.simulation.robot import REST
+from stages.skills.clearance import Surroundings
+from stages.tasks.api import TaskEnv, make_task
+from stages.tasks.initial_state import base_pose, draw_initial_state, nominal_root
+from stages.tasks.standing import PLACES, standing
+from tests.unit.test_sense import box, joint
+
+OPTIONS = TaskConfig()
+
+
+def fridge(folder: Path, width: float) -> Path:
+    """The asset of a fridge 1.7 m high with one door, its handle a bar at the free side, a metre above the floor."""
+    at = width - 0.05
+    bar = box("0.02 0.02 0.4", f"0.115 {at} 0.15") + box("0.05 0.02 0.02", f"0.085 {at} 0.33")
+    door = box(f"0.06 {width} 1.7", f"0.03 {width / 2} 0") + bar + box("0.05 0.02 0.02", f"0.085 {at} -0.03")
+    text = (
+        f'<robot name="f"><link name="body">{box(f"0.6 {width} 1.7", "-0.304 0 0.85")}</link>'
+        f'<link name="door">{door}</link>'
+        f"{joint('hinge', 'revolute', 'door', '0 0 -1', 2.0, f'0 {-width / 2} 0.85')}</robot>"
+    )
+    (folder / "theirs/fridge").mkdir(parents=True)
+    (folder / "theirs/fridge/f.urdf").write_text(text)
+    import_model(folder / "theirs/fridge/f.urdf", folder / "theirs", folder / "library")
+    return folder / "library/fridge_f"
+
+
+def world(folder: Path, name: str) -> TaskEnv:
+    return make_task("door", folder, name, None, OPTIONS, render=False, vary_scale=False)
+
+
+def usual(env: TaskEnv, seed: int) -> np.ndarray:
+    """Where the robot stands by the seed alone."""
+    target, setup = env.env.target, draw_initial_state(seed, OPTIONS)
+    handle = np.add(target.reference, nominal_root(env.env.asset, np.ones(3)))
+    return base_pose(handle, target.side, setup, OPTIONS)
+
+
+def test_where_the_arm_follows_the_door_the_robot_stands_where_it_always_does(tmp_path: Path) -> None:
+    asset = make("bottom_cabinet", 0, 0, tmp_path)
+    name = next(one.name for one in asset.joints if one.role == "door")
+    env = world(tmp_path / asset.id, name)
+    for seed in range(3):
+        env.reset(seed)
+        stands = env.env.agent.robot.pose.sp.to_transformation_matrix()
+        assert np.abs(stands - usual(env, seed)).max() < 1e-5
+    env.close()
+
+
+def test_before_a_wide_door_it_stands_where_it_can_open_it(tmp_path: Path) -> None:
+    folder = fridge(tmp_path, 0.8)
+    assert out_of_reach(folder) == []
+    env = world(folder, "hinge")
+    recorder, moves = Recorder(env, DemonstrationsConfig()), []
+    for seed in range(2):
+        _, outcome = recorder.attempt(seed)
+        assert outcome.success, outcome.cause
+        x, y, z = (env.env.agent.robot.pose.sp.p - usual(env, seed)[:3, 3]).round(5).tolist()
+        moves.append((x, -y, z))
+    assert {(0, 0, 0), *((out, towards, 0) for out, towards in PLACES)} >= set(moves)
+    assert set(moves) != {(0, 0, 0)}
+    env.close()
+
+
+def test_a_door_that_is_followed_from_nowhere_is_told(tmp_path: Path) -> None:
+    folder = fridge(tmp_path, 1.5)
+    assert out_of_reach(folder) == ["door 'hinge' is not opened: the arm reaches along its way from no place"]
+    env = world(folder, "hinge")
+    env.reset(0)
+    target = env.env.target
+    base = base_pose(target.reference, target.side, MIDDLE, OPTIONS)
+    assert standing(base, np.eye(4), REST, Surroundings(target), 0.5) is None
+    stands = env.env.agent.robot.pose.sp.to_transformation_matrix()
+    assert np.abs(stands - usual(env, 0)).max() < 1e-5, "then it stands where it always does"
+    env.close()
