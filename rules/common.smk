@@ -21,6 +21,7 @@ from stages.config.names import modules
 from stages.config.outside import online, outside
 from stages.config.reads import options_of, stores
 from stages.config.sizes import sized
+from stages.contracts.corrections import CORRECTIONS, corrections_of
 from stages.contracts.errors import InputError
 from stages.plugins import qualified
 from stages.scenes.rooms import series

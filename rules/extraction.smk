@@ -1,5 +1,5 @@
 # From an image to objects in space: masks, depth, floor and walls, clouds, mounting (paper A.2, A.7).
-# Reads:  a scene's input folder.
+# Reads:  a scene's input folder, corrections.json in it where there is one.
 # Writes: results/extraction/<scene>/{objects.json,masks.png,depth.npz,clouds.npz}, and for people overview.png.
 
 
@@ -8,6 +8,7 @@ rule extract:
     input:
         unpack(scene_inputs),
         own=own_options,
+        corrections=corrections("extraction"),
     output:
         objects="results/extraction/{scene}/objects.json",
         masks="results/extraction/{scene}/masks.png",
@@ -31,11 +32,13 @@ rule extract:
         options=options("extraction", "extract"),
         name=room_of,
         own=lambda wildcards, input: shlex.join(["--own", *input.own]) if input.own else "",
+        corrections=corrections_flag,
+        corrected=corrected("extraction"),
         seed=seed_of,
         folder=subpath(input.rgb, parent=True),
     shell:
         "({params.command} --input {params.folder:q} --scene {params.name} --options {params.options:q} "
-        "{params.own} --seed {params.seed} --out {output.objects:q} && "
+        "{params.own} {params.corrections} --seed {params.seed} --out {output.objects:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
 
 

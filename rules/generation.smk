@@ -1,5 +1,5 @@
 # Scenes made of cousins: placement, support, walls, collisions, settling (paper A.3, A.7).
-# Reads:  objects, cousins, library.
+# Reads:  objects, cousins, library, corrections.json beside the picture where there is one.
 # Writes: results/generation/<variant>/<scene>/scene_<rank>.json, and for people scene_<rank>.{png,glb}, comparison.png,
 #         look.json, view.glb (the first scene, small, for the report) and thumbnail.webp (for the overview).
 
@@ -12,6 +12,7 @@ rule generate:
         objects=rules.extract.output.objects,
         clouds=rules.extract.output.clouds,
         masks=rules.extract.output.masks,
+        corrections=corrections("generation"),
     output:
         scenes=[f"results/generation/{{variant}}/{{scene}}/scene_{rank}.json" for rank in RANKS],
     log:
@@ -30,11 +31,13 @@ rule generate:
         code=code("generation", "generate"),
         check=check(generated="scenes"),
         options=options("generation", "generate"),
+        corrections=corrections_flag,
+        corrected=corrected("generation"),
         out=lambda wildcards, output: str(Path(output.scenes[0]).parent),
     shell:
         "({params.command} --cousins {input.cousins:q} --objects {input.objects:q} "
         "--library {input.library:q} --variant {wildcards.variant} --options {params.options:q} "
-        "--out {params.out:q} && "
+        "{params.corrections} --out {params.out:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
 
 

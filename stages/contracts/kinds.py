@@ -7,6 +7,7 @@ from pathlib import Path
 
 from pydantic import BaseModel
 
+from stages.contracts.corrections import Corrections
 from stages.contracts.cousins import Cousins
 from stages.contracts.distances import Distances
 from stages.contracts.files import read_json, read_rows
@@ -49,6 +50,7 @@ KINDS: dict[str, FileKind] = {
     "features": FileKind(_with_companions("feature_rows:check_features"), ("{stem}.json", "{stem}.npy", "{stem}.npz")),
     "camera": FileKind(_with_companions("scene_input:check_camera"), ("rgb.png", "depth.npz")),
     "annotations": FileKind(_with_companions("scene_input:read_annotations"), ("masks.png",)),
+    "corrections": FileKind(_json(Corrections)),
     "truth": FileKind(_json(Truth)),
     "objects": FileKind(_with_companions("extracted:check_extracted"), ("masks.png", "depth.npz", "clouds.npz")),
     "cousins": FileKind(_json(Cousins)),

@@ -100,6 +100,7 @@ class SceneObject(Contract):
     note: str = Field("", description="what the input says of it that cannot be")
     front: Angle | None = Field(None, description="direction that it faces about z, if the input tells")
     whole: bool = Field(False, description="the input tells its box, hidden sides too, and cousins get that size")
+    support: str | None = Field(None, description="'floor' or the id of what carries it, where a person says so")
 
 
 class Objects(Document):
@@ -134,6 +135,8 @@ class Objects(Document):
                 raise ValueError(f"objects: '{item.id}' is ok, but has no box or no mounting")
             check_mounting(item.id, item.mounting, set(walls))
             check_mounting(item.id, item.measured_mounting, set(walls))
+            if item.support not in {None, "floor", *(other.id for other in self.objects)} - {item.id}:
+                raise ValueError(f"objects: the support of '{item.id}' is '{item.support}', which is not there")
             if item.box is not None and item.mounting is not None:
                 for name in item.mounting.walls:
                     if (gap := distance_between(item.box, walls[name])) > FAR_FROM_WALL:

@@ -5,16 +5,19 @@ import webbrowser
 from dataclasses import replace
 from pathlib import Path
 
+from stages.config.inputs import scene_of
 from stages.contracts import Camera, InputError, Library, read_json
+from stages.contracts.corrections import CORRECTIONS
 from stages.contracts.depth import read_depth
-from stages.extraction.by_hand.correcting import Correction
-from stages.extraction.by_hand.corrections import CORRECTIONS
+from stages.extraction.by_hand.correcting import Correcting
 from stages.extraction.by_hand.photo import Photo, read_photo
 from stages.extraction.by_hand.project import PROJECT
 from stages.extraction.by_hand.server import PageServer
 from stages.extraction.by_hand.session import Session
 from stages.extraction.by_hand.write import at_size
 from stages.procedural.catalogue import CATEGORIES
+
+MADE = ("input", "frame")  # what the folders of scenes are called that the workflow makes itself
 
 
 def _categories(library: Path | None) -> list[str]:
@@ -32,29 +35,40 @@ def run(
     camera: Path | None = None,
     lens: Path | None = None,
     library: Path | None = None,
+    results: Path = Path("results"),
+    scene: str | None = None,
+    variant: str | None = None,
+    choose: str | None = None,
     port: int = 0,
     browser: bool = True,
 ) -> None:
     """Draw camera, room and objects into a photograph; the folder can then be an input of an experiment.
 
     The page saves what is drawn into `project.json` as it goes; started again with the same folder it goes on.
-    Given an input folder in the photograph's place, as `photo` writes it, labels, boxes and masks in it are corrected.
+    Given an input folder in the photograph's place, what was found and chosen there is corrected: `corrections.json` in
+    the folder keeps it, and the next run heeds it.
 
     Args:
-        image: the photograph, or a folder with what was found in one.
-        out: folder to write; default: beside the photograph, named as it is; of a folder: here, <name>_corrected.
+        image: the photograph, or an input folder.
+        out: folder to write; default: beside the photograph, named as it is.
         depth: depth.npz in metres by a sensor or a network, of the same view; boxes and masks are drawn by hand.
         camera: camera.json of the picture, whose focal length the drawing starts from, as from EXIF data.
         lens: calibration with distortion, as OpenCV, ROS, Kalibr write it: the picture is made straight first.
         library: library.json whose categories complete the labels; default: ours.
+        results: of a folder: where the last run left what it made of it.
+        scene: of a folder: its name in that run; default: as the folder is called.
+        variant: of a folder: the variant of matching whose cousins are shown; default: the first.
+        choose: of a folder: the object that is chosen when the page opens, e.g. cabinet_1.
         port: of this machine; 0: any free one.
         browser: open the page; else its address is only printed.
     """
     if image.is_dir():
-        for name, given in (("--depth", depth), ("--camera", camera), ("--lens", lens)):
+        for name, given in (("--out", out), ("--depth", depth), ("--camera", camera), ("--lens", lens)):
             if given is not None:
                 raise InputError(name, "is for a picture; the folder has its own.", "leave it out")
-        session: Session | Correction = _found(image, out, library)
+        name = scene or (image.parent.name if image.name in MADE else scene_of(image.resolve()))
+        session: Session | Correcting = Correcting(image, _categories(library), results, name, variant, choose)
+        session.opened()
     elif lens is not None and depth is not None:
         raise InputError("--lens", "bends the picture, not the depth.", "`scenes from-rgbd` straightens both")
     else:
@@ -74,6 +88,9 @@ def run(
     finally:
         server.server_close()
     folder = session.folder
+    if isinstance(session, Correcting):
+        print(f"To make again what depends on it: {session.command()}")
+        return
     written = folder / "annotations.json"
     if written.is_file():
         count = len(json.loads(written.read_text(encoding="utf-8"))["objects"])
@@ -92,16 +109,6 @@ def _drawn(
         photo = replace(photo, focal=known.intrinsics[0][0] * width / known.width)
     given = None if depth is None else at_size(read_depth(depth)[0], width, height)
     session = Session(photo, image.name, _folder(out or image.with_suffix("")), _categories(library), given)
-    session.opened()
-    return session
-
-
-def _found(source: Path, out: Path | None, library: Path | None) -> Correction:
-    """An input folder whose boxes, masks and labels are corrected."""
-    folder = _folder(out or Path(f"{source.resolve().name}_corrected"))
-    if folder.resolve() == source.resolve():
-        raise InputError("--out", "is the folder that is corrected.", "give another: what was found is kept")
-    session = Correction(source, folder, _categories(library))
     session.opened()
     return session
 

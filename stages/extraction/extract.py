@@ -10,13 +10,24 @@ from pydantic import ValidationError
 
 from stages.config.extraction import ExtractionConfig
 from stages.contracts import InputError, atomic, read_options, write_json
+from stages.contracts.corrections import corrections_of
 from stages.contracts.files import first_error, read_text
+from stages.extraction.corrected import as_seen, as_told
 from stages.extraction.reconstruct import reconstruct
 from stages.extraction.sources import Source
 from stages.plugins import load
 
 
-def run(*, input: Path, scene: str, out: Path, options: str = "{}", own: tuple[Path, ...] = (), seed: int = 0) -> None:
+def run(
+    *,
+    input: Path,
+    scene: str,
+    out: Path,
+    options: str = "{}",
+    own: tuple[Path, ...] = (),
+    corrections: tuple[Path, ...] = (),
+    seed: int = 0,
+) -> None:
     """Find the objects of one picture in space.
 
     Args:
@@ -25,6 +36,7 @@ def run(*, input: Path, scene: str, out: Path, options: str = "{}", own: tuple[P
         out: objects.json; masks.png, depth.npz and clouds.npz are written beside it.
         options: JSON of the config section `extraction`.
         own: config.yaml beside the picture: its section `extraction` holds where `options` are the defaults.
+        corrections: corrections.json beside the picture: what a person says otherwise.
         seed: seed of the depth noise and of RANSAC.
     """
     config = read_options(ExtractionConfig, options)
@@ -33,7 +45,9 @@ def run(*, input: Path, scene: str, out: Path, options: str = "{}", own: tuple[P
     noise, steps = np.random.default_rng(np.random.SeedSequence((seed, zlib.crc32(scene.encode())))).spawn(2)
     observe: Source = load("sources", config.source)
     image = observe(input, config, noise)
-    result = reconstruct(scene, image, config, steps)
+    told = corrections_of(corrections, "extraction")
+    result = reconstruct(scene, as_seen(image, told) if told else image, config, steps)
+    result = as_told(result, told) if told else result
 
     folder = out.parent
     with atomic(folder / "masks.png") as path:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from stages.config.generation import GenerationConfig
 from stages.contracts import Asset, InputError, read_json
+from stages.contracts.cousins import Cousin
 from stages.contracts.objects import SceneObject
 from stages.generation.collisions import resolve
 from stages.generation.doubts import doubts
@@ -17,6 +18,7 @@ from stages.generation.placement import place, stacked
 from stages.generation.prisms import asset_prisms
 from stages.generation.sizing import stretch
 from stages.generation.steps import told
+from stages.generation.told import as_cousin, leaders_first, left, nudged, stated
 from stages.procedural.resize import resized
 
 
@@ -30,22 +32,51 @@ class Built:
     left: list[tuple[str, str]]
 
 
-def placed_cousins(item: SceneObject, inputs: Inputs, options: GenerationConfig) -> Iterator[Placed]:
-    """An object's cousins at their places, best first.
+def placed_cousins(
+    item: SceneObject, cousins: Iterable[Cousin], inputs: Inputs, options: GenerationConfig
+) -> Iterator[Placed]:
+    """Some cousins of an object at their places, in order.
 
     Raises:
-        InputError: the object has no cousin, or the library lacks it.
+        InputError: the library lacks one.
+    """
+    for cousin in cousins:
+        asset = read_json(Asset, _folder(item, cousin.asset, inputs) / "asset.json")
+        beyond = beyond_front(visual_meshes(inputs.folders[cousin.asset])) if options.aspect_prior == "native" else 0.0
+        seen = inputs.bearings.get(item.id)
+        yield place(item, cousin, asset, inputs.clouds[item.id], inputs.objects, options, beyond, seen)
+
+
+def _folder(item: SceneObject, asset: str, inputs: Inputs) -> Path:
+    if asset not in inputs.folders:
+        raise InputError(item.id, f"asset '{asset}' is not in the library")
+    return inputs.folders[asset]
+
+
+def standing(item: SceneObject, rank: int, inputs: Inputs, options: GenerationConfig, models: dict[int, str]) -> Placed:
+    """What stands for an object in the scene of a rank: what a person says, else the cousin of that rank that fits.
+
+    Args:
+        models: asset by mask value, of what stands in this scene already.
+
+    Raises:
+        InputError: the object has no cousin left, or the library lacks it.
     """
     ranked = inputs.ranked(item)
     if isinstance(ranked, str):
         raise InputError(item.id, ranked)
-    for cousin in ranked:
-        if cousin.asset not in inputs.folders:
-            raise InputError(item.id, f"asset '{cousin.asset}' is not in the library")
-        asset = read_json(Asset, inputs.folders[cousin.asset] / "asset.json")
-        beyond = beyond_front(visual_meshes(inputs.folders[cousin.asset])) if options.aspect_prior == "native" else 0.0
-        seen = inputs.bearings.get(item.id)
-        yield place(item, cousin, asset, inputs.clouds[item.id], inputs.objects, options, beyond, seen)
+    said = inputs.said(item)
+    if by_hand := stated(item, rank, inputs, models):
+        asset, why = by_hand
+        category = read_json(Asset, _folder(item, asset, inputs) / "asset.json").category
+        (one,) = placed_cousins(item, [as_cousin(asset, category, ranked)], inputs, options)
+        known = one.cousin if asset in {cousin.asset for cousin in ranked} else None
+        return replace(one, cousin=known, steps=(why, *one.steps))
+    cousins = left(ranked, said)
+    if not cousins:
+        raise InputError(item.id, "all of its cousins are banned")
+    rank -= said.model is not None and rank > 1
+    return chosen(placed_cousins(item, cousins, inputs, options), rank, options.max_stretch)
 
 
 def chosen(placed: Iterable[Placed], rank: int, limit: float | None) -> Placed:
@@ -85,15 +116,18 @@ def build(inputs: Inputs, rank: int, options: GenerationConfig, cache: Path) -> 
         cache: folder for resized assets.
     """
     items, folders, failed = [], {}, {}
-    for item in inputs.objects.objects:
+    models: dict[int, str] = {}
+    for item in leaders_first(inputs):
         try:
-            placed = chosen(placed_cousins(item, inputs, options), rank, options.max_stretch)
+            placed = standing(item, rank, inputs, options, models)
+            models[item.mask] = placed.asset.id
             folders[item.id] = resized(inputs.folders[placed.asset.id], placed.size.tolist(), cache)
             items.append(replace(placed, asset=read_json(Asset, folders[item.id] / "asset.json")))
         except InputError as error:
             failed[item.id] = error.what
     prisms = {item.id: asset_prisms(folders[item.id]) for item in items}
-    stood = stacked(items, prisms, options)
+    supports = {item.id: item.support for item in inputs.objects.objects if item.support}
+    stood = nudged(stacked(items, prisms, options, supports), inputs)
     result = resolve(stood, prisms, inputs.objects.walls, options)
     apart = told("out of collisions", stood, result.items)
     doubted = [replace(item, doubts=(*item.doubts, *doubts(item, inputs.objects.walls))) for item in apart]

@@ -93,6 +93,7 @@ def run(
     variant: str,
     out: Path,
     options: str = "{}",
+    corrections: tuple[Path, ...] = (),
 ) -> None:
     """Make the scenes of one picture.
 
@@ -103,9 +104,10 @@ def run(
         variant: name of the matching variant, written into the scenes.
         out: folder; gets scene_<rank>.json of every rank.
         options: JSON of the config section `generation`.
+        corrections: corrections.json beside the picture: which models a person chose, and what they moved.
     """
     config = read_options(GenerationConfig, options)
-    inputs = read_inputs(cousins, objects, library)
+    inputs = read_inputs(cousins, objects, library, corrections)
     scenes = []
     with TemporaryDirectory(prefix="acdc-sized-") as cache:
         for rank in progress(range(1, config.ranks + 1), "scenes", config.ranks):

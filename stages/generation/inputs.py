@@ -1,13 +1,14 @@
 """What generation reads: objects and their clouds, cousins, the library's asset folders."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stages.contracts import Cousins, InputError, Objects, read_json
+from stages.contracts.corrections import Correction, corrections_of
 from stages.contracts.cousins import Cousin, ObjectCousins
 from stages.contracts.extracted import read_clouds, read_object_masks
 from stages.contracts.library_folder import AssetFolders
@@ -20,6 +21,7 @@ class Inputs:
     """Everything that the scenes of all ranks share. `clouds`, `cousins`: by object id; `folders`: by asset id.
 
     bearings: by object id, the least and the largest level direction (radians, floor frame) in which it is seen.
+    told: by mask value, what a person says of an object.
     """
 
     objects: Objects
@@ -27,6 +29,11 @@ class Inputs:
     clouds: dict[str, NDArray[np.float32]]
     folders: Mapping[str, Path]
     bearings: dict[str, tuple[float, float]]
+    told: Mapping[int, Correction] = field(default_factory=dict)
+
+    def said(self, item: SceneObject) -> Correction:
+        """What a person says of an object."""
+        return self.told.get(item.mask, Correction(mask=item.mask))
 
     def ranked(self, item: SceneObject) -> list[Cousin] | str:
         """The object's cousins, best first; or why it has none."""
@@ -50,7 +57,7 @@ class Inputs:
         return cousin.model_copy(update={"orientation": told, "orientations": []})
 
 
-def read_inputs(cousins: Path, objects: Path, library: Path) -> Inputs:
+def read_inputs(cousins: Path, objects: Path, library: Path, corrections: tuple[Path, ...] = ()) -> Inputs:
     """Read and check all of it.
 
     Raises:
@@ -67,6 +74,7 @@ def read_inputs(cousins: Path, objects: Path, library: Path) -> Inputs:
         clouds=read_clouds(objects, extracted),
         folders=AssetFolders(library),
         bearings=bearings_of(extracted, read_object_masks(objects, extracted)),
+        told=corrections_of(corrections, "generation"),
     )
 
 

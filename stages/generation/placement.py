@@ -18,7 +18,7 @@ from stages.generation.pose import rear_at_wall, rectangularity, turned_to, wall
 from stages.generation.prisms import Prism, Surface, placed_prisms, surface_beneath
 from stages.generation.sizing import as_wide_as_seen, believable_box, round_box, sight_yaw, told_box
 from stages.generation.steps import Change, changed, told
-from stages.generation.support import sorted_by_height, support_tree
+from stages.generation.support import carried, sorted_by_height, support_tree
 from stages.geometry.boxes import UprightBox, volume
 from stages.geometry.viewing import view_yaw
 
@@ -150,14 +150,26 @@ def place(
     return Placed(item.id, item.label, asset, box, mounting, cousin=cousin.rank, steps=steps)
 
 
-def stacked(items: list[Placed], prisms: Mapping[str, list[Prism]], options: GenerationConfig) -> list[Placed]:
-    """Supports found and every item at its height (A.3), from low to high. `prisms`: by id, in the asset frame."""
+def stacked(
+    items: list[Placed],
+    prisms: Mapping[str, list[Prism]],
+    options: GenerationConfig,
+    stated: Mapping[str, str] | None = None,
+) -> list[Placed]:
+    """Supports found and every item at its height (A.3), from low to high.
+
+    Args:
+        prisms: by id, in the asset frame.
+        stated: by id, what carries it as a person says.
+    """
 
     def beneath(item: Placed, lower: Placed) -> Surface:
         return surface_beneath(item, lower, placed_prisms(prisms[lower.id], lower))
 
     ordered = sorted_by_height(items)
     supports = support_tree(ordered, options.support_overlap, options.stack_tolerance, beneath)
+    if stated:
+        ordered, supports = carried(ordered, supports, stated)
     return told(
         "on what carries it", ordered, on_supports(ordered, supports, beneath, options.stack_tolerance is not None)
     )

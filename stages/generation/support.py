@@ -68,3 +68,25 @@ def stack_of(base: str, supports: Mapping[str, str]) -> set[str]:
         if not more:
             return stack
         stack |= more
+
+
+def carried(
+    ordered: list[Placed], supports: dict[str, str], told: Mapping[str, str]
+) -> tuple[list[Placed], dict[str, str]]:
+    """Items and supports with those that a person says; what carries comes before what it carries.
+
+    What would carry itself by that stands on the floor, unless it was told as well.
+    """
+    supports = supports | {name: below for name, below in told.items() if below in {FLOOR, *supports}}
+    for name in told:
+        beneath, seen = supports.get(name, FLOOR), {name}
+        while beneath in supports and beneath not in seen:
+            seen.add(beneath)
+            if supports[beneath] == name:
+                supports[beneath] = FLOOR
+            beneath = supports[beneath]
+
+    def height(name: str) -> int:
+        return 1 + height(supports[name]) if name in supports else 0
+
+    return sorted(ordered, key=lambda item: height(item.id)), supports

@@ -26,6 +26,7 @@ HAND = np.full((6, 9), 0.5, np.float32)  # proprioception: its quaternion is a t
 FILES = {  # kind of file: where it lies
     "camera": "input/camera.json",
     "annotations": "input/annotations.json",
+    "corrections": "input/corrections.json",
     "truth": "truth.json",
     "objects": "extraction/objects.json",
     "cousins": "matching/cousins.json",
@@ -79,6 +80,8 @@ def _input(root: Path) -> None:
     annotations = [{"mask": 1, "label": "cabinet", "doors": 1, "articulated": True}, {"mask": 2, "label": "bowl"}]
     annotations[0]["mounting"] = {"type": 3, "walls": [4]}
     _json(folder / "annotations.json", objects=annotations, floor=3, walls=[4])
+    told = [{"mask": 1, "doors": 2, "size": [0.8, 0.4, 0.9], "model": "cabinet_12", "banned": ["cabinet_3"]}]
+    _json(folder / "corrections.json", objects=[*told, {"mask": 2, "on": 1, "nudge": [0.0, -0.05]}])
 
 
 def _extraction(root: Path) -> None:

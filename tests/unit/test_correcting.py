@@ -9,13 +9,21 @@ from typing import Any
 import cv2
 import numpy as np
 import pytest
+from PIL import Image
+from pydantic import ValidationError
 
-from stages.contracts import InputError, Objects, read_json
+from stages.contracts import InputError, Objects, read_json, write_json
+from stages.contracts.corrections import CORRECTIONS, Correction, Corrections, corrections_of
+from stages.contracts.extracted import check_extracted
+from stages.contracts.objects import distance_between
 from stages.contracts.scene_input import read_scene_input
+from stages.contracts.scenes import Held
 from stages.extraction import annotate
-from stages.extraction.by_hand.correcting import Correction
-from stages.extraction.by_hand.corrections import CORRECTIONS, Corrections, Cutter, Region
+from stages.extraction.by_hand.correcting import Correcting, Drawing, Thing
+from stages.extraction.by_hand.regions import Cutter
+from stages.extraction.corrected import as_seen
 from stages.extraction.extract import run as extract
+from stages.extraction.observation import read_folder
 from stages.geometry.boxes import UprightBox
 from tests.unit.annotate_page import watched
 from tests.unit.synthetic_room import FLOOR, HEIGHT, OBJECT, WALL, WIDTH, write_room
@@ -35,68 +43,117 @@ def source(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def session(source: Path, tmp_path: Path) -> Correction:
-    return Correction(source, tmp_path / "out", ["mug"])
+def session(source: Path) -> Correcting:
+    return Correcting(source, ["mug"], source.parent / "results", "kitchen")
 
 
-def _body(drawing: Corrections) -> Any:
-    return drawing.model_dump(mode="json")
+def _told(session: Correcting, drawing: Drawing) -> list[dict[str, Any]]:
+    """What is kept of a drawing."""
+    session.save(drawing.model_dump(mode="json"))
+    path = session.folder / CORRECTIONS
+    return json.loads(path.read_text())["objects"] if path.is_file() else []
 
 
-def _changed(drawing: Corrections, **changes: dict[str, Any]) -> Corrections:
-    """The drawing with regions changed by id; None in the place of changes: deleted."""
+def _changed(drawing: Drawing, **changes: dict[str, Any] | None) -> Drawing:
+    """The drawing with things changed by id; None in the place of changes: deleted."""
     kept = [item for item in drawing.objects if changes.get(item.id, {}) is not None]
-    return drawing.model_copy(update={"objects": [item.model_copy(update=changes.get(item.id, {})) for item in kept]})
+    return Drawing(objects=[item.model_copy(update=changes.get(item.id) or {}) for item in kept])
 
 
-def test_what_is_right_is_written_as_it_was_found(session: Correction, source: Path) -> None:
-    drawing = session.fresh()
+def _objects(folder: Path, *told: Correction) -> Objects:
+    """What extraction finds with some corrections."""
+    write_json(folder / CORRECTIONS, Corrections(objects=list(told)))
+    out = folder.parent / "found/objects.json"
+    extract(input=folder, scene="kitchen", out=out, corrections=(folder / CORRECTIONS,))
+    return read_json(Objects, out)
+
+
+def test_what_is_right_leaves_no_file(session: Correcting) -> None:
+    drawing = session.opened()
     assert [item.id for item in drawing.objects] == ["cabinet_1", "box_1", "floor_1", "wall_1"]
-    assert session.write(_body(drawing))["ids"] == ["cabinet_1", "box_1"]
-    before, after = read_scene_input(source), read_scene_input(session.folder)
-    np.testing.assert_array_equal(before.masks, after.masks)
-    assert before.annotations == after.annotations and before.camera == after.camera
-    np.testing.assert_array_equal(before.depth, after.depth)
-    assert "out" in (session.folder / "config.yaml").read_text()
+    assert _told(session, _changed(drawing, cabinet_1={"doors": 1})) != []
+    assert _told(session, drawing) == [] and not (session.folder / CORRECTIONS).exists()
 
 
-def test_names_deletions_and_boxes_count(session: Correction, source: Path) -> None:
-    found = read_scene_input(source).masks
-    rows, columns = np.nonzero(found == BOX)
+def test_only_what_differs_is_kept_and_read_by_whom_it_concerns(session: Correcting) -> None:
+    told = {"label": "dresser", "doors": 0, "drawers": 3, "mounting": None, "model": "cabinet_7", "nudge": (0.1, 0.0)}
+    kept = _told(session, _changed(session.opened(), box_1=None, cabinet_1=told))
+    assert kept == [
+        {"mask": BOX, "gone": True},
+        {"mask": CABINET, **told, "mounting": "measured", "nudge": [0.1, 0.0]},
+    ]
+    path = session.folder / CORRECTIONS
+    assert set(corrections_of((path,), "extraction")) == {CABINET, BOX}
+    (placed,) = corrections_of((path,), "generation").values()
+    assert (placed.model, placed.nudge, placed.label, placed.doors) == ("cabinet_7", (0.1, 0.0), None, None)
+    (again,) = [item for item in session.opened().objects if item.id == "cabinet_1"]
+    assert (again.label, again.doors, again.drawers, again.mounting) == ("dresser", 0, 3, None)
+
+
+def test_names_deletions_and_boxes_count(session: Correcting, source: Path) -> None:
+    found = read_scene_input(source)
+    rows, columns = np.nonzero(found.masks == BOX)
     around = (columns.min() - 6.0, rows.min() - 6.0), (columns.max() + 7.0, rows.max() + 7.0)
-    drawing = _changed(session.fresh(), box_1=None, cabinet_1={"label": "dresser", "doors": 0, "drawers": 3})
-    drawing.objects.append(Region(id="drawn_1", label="stool", box=around))
-    session.write(_body(drawing))
-    given = read_scene_input(session.folder)
-    dresser, stool = given.annotations.objects
-    assert (dresser.label, dresser.doors, dresser.drawers, dresser.mask) == ("dresser", 0, 3, CABINET)
-    assert dresser.mounting is not None and dresser.mounting.walls == [WALL]
-    assert stool.label == "stool" and stool.mask not in (CABINET, BOX, FLOOR, WALL)
-    cut, true = given.masks == stool.mask, found == BOX
-    assert (cut & true).sum() > 0.9 * (cut | true).sum()  # cut out of the picture by a loose box
-    extract(input=session.folder, scene="out", out=session.folder / "found/objects.json")
-    made = read_json(Objects, session.folder / "found/objects.json").objects
+    made = _objects(
+        source,
+        Correction(mask=BOX, gone=True),
+        Correction(mask=CABINET, label="dresser", doors=0, drawers=3),
+        Correction(mask=90, label="stool", around=around),
+    ).objects
     assert [item.id for item in made] == ["dresser_1", "stool_1"] and all(item.status == "ok" for item in made)
+    dresser, stool = made
+    assert (dresser.doors, dresser.drawers, dresser.mask) == (0, 3, CABINET)
+    assert dresser.mounting is not None and dresser.mounting.type == 3
+    with Image.open(source.parent / "found/masks.png") as picture:
+        cut, true = np.array(picture) == stool.mask, found.masks == BOX
+    assert (cut & true).sum() > 0.85 * (cut | true).sum()  # cut out of the picture by a loose box
+    after = read_scene_input(source)
+    assert after.annotations == found.annotations  # what was found stays as it is
 
 
-def test_a_wall_that_is_gone_holds_nothing(session: Correction) -> None:
-    answer = session.write(_body(_changed(session.fresh(), wall_1={"label": "shelf"})))
+def test_a_wall_that_is_gone_holds_nothing(session: Correcting, source: Path) -> None:
+    answer = session.write(_changed(session.opened(), wall_1={"label": "shelf"}).model_dump(mode="json"))
     assert answer["notes"] == ["cabinet: its wall is gone, mounting by geometry"]
-    given = read_scene_input(session.folder).annotations
-    assert given.walls == [] and given.objects[0].mounting is None and given.objects[2].label == "shelf"
+    assert answer["ids"] == ["shelf_1", "cabinet_1", "box_1"]  # in the order of their values, as extraction has them
 
 
-def test_an_outline_says_which_pixels_and_two_floors_are_one(session: Correction) -> None:
+def test_an_outline_says_which_pixels_and_two_floors_are_one(session: Correcting, source: Path) -> None:
     square = [(10.0, 300.0), (60.0, 300.0), (60.0, 340.0), (10.0, 340.0)]
-    drawing = session.fresh()
-    drawing.objects.append(Region(id="drawn_1", label="floor", outline=[(0.0, 0.0), (40.0, 0.0), (40.0, 20.0)]))
-    drawing.objects.append(Region(id="drawn_2", label="mug", outline=square))
-    drawing.objects.append(Region(id="drawn_3", label="lost", box=((2000.0, 2000.0), (2100.0, 2100.0)), doors=1))
-    answer = session.write(_body(_changed(drawing, drawn_3={"outline": [(900.0, 900.0)] * 3})))
-    assert answer["notes"] == ["lost: no pixel shows it, left out"]
-    given = read_scene_input(session.folder)
-    mug = next(item for item in given.annotations.objects if item.label == "mug")
-    assert (given.masks == mug.mask).sum() == 51 * 41 and given.masks[2, 30] == given.annotations.floor == FLOOR
+    drawing = session.opened()
+    drawing.objects.append(Thing(id="a", mask=91, label="floor", outline=[(0.0, 0.0), (40.0, 0.0), (40.0, 20.0)]))
+    drawing.objects.append(Thing(id="b", mask=92, label="mug", outline=square))
+    drawing.objects.append(Thing(id="c", mask=93, label="lost", outline=[(900.0, 900.0)] * 3))
+    answer = session.write(drawing.model_dump(mode="json"))
+    assert answer["notes"] == ["lost: no pixel shows it, left out"] and "mug_1" in answer["ids"]
+    told = corrections_of((source / CORRECTIONS,), "extraction")
+    seen = as_seen(read_folder(source), told)
+    assert (seen.masks == 92).sum() == 51 * 41 and seen.masks[2, 30] == seen.annotations.floor == FLOOR
+
+
+def test_a_person_says_size_support_front_and_mounting(source: Path) -> None:
+    before = {item.mask: item for item in _objects(source).objects}
+    assert before[BOX].box is not None and before[BOX].support is None
+    said = Correction(mask=BOX, on=CABINET, size=(0.3, 0.2, 0.4), front=1.5)
+    objects = _objects(source, said, Correction(mask=CABINET, mounting=Held(type=2)))
+    cabinet, box = objects.objects
+    assert cabinet.box is not None and box.box is not None and box.mounting is not None
+    assert cabinet.mounting is not None and cabinet.mounting.type == 2
+    assert (box.support, box.front, box.whole) == (cabinet.id, 1.5, True)
+    assert box.box.center[2] - 0.2 == pytest.approx(cabinet.box.center[2] + cabinet.box.size[2] / 2, abs=1e-5)
+    assert sorted(box.box.size) == pytest.approx([0.2, 0.3, 0.4])
+    turned = (before[BOX].box.yaw - 1.5) % np.pi  # its front is along its own y axis, and so is its depth
+    assert box.box.size[1 if abs(turned - np.pi / 2) < np.pi / 4 else 0] == pytest.approx(0.2)
+    nearest = np.linalg.norm(np.array(box.box.center)[:2]) - np.linalg.norm(np.array(before[BOX].box.center)[:2])
+    assert -0.2 < nearest < 0.02  # the side that faces the camera stays
+    check_extracted(source.parent / "found/objects.json")
+
+
+def test_what_is_at_a_wall_keeps_its_rear_there(source: Path) -> None:
+    objects = _objects(source, Correction(mask=CABINET, size=(0.9, 0.3, 0.7)))
+    cabinet, wall = objects.objects[0], objects.walls[0]
+    assert cabinet.box is not None and cabinet.mounting is not None and cabinet.mounting.walls == [wall.id]
+    assert distance_between(cabinet.box, wall) == pytest.approx(0, abs=1e-4)
+    assert cabinet.box.size[2] == pytest.approx(0.7) and cabinet.box.center[2] == pytest.approx(0.35, abs=0.02)
 
 
 def test_a_thing_is_cut_out_of_what_surrounds_it() -> None:
@@ -115,37 +172,41 @@ def test_a_thing_is_cut_out_of_what_surrounds_it() -> None:
     assert Cutter(flat)((10, 10, 30, 30))[10:30, 10:30].any()
 
 
-def test_what_does_not_fit_is_refused(session: Correction, source: Path, tmp_path: Path) -> None:
+def test_what_does_not_fit_is_refused(session: Correcting, source: Path, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no object is left"):
-        session.write(_body(_changed(session.fresh(), cabinet_1=None, box_1=None)))
-    session.save(_body(session.fresh()))
-    said = json.loads((session.folder / CORRECTIONS).read_text())
-    said["objects"][0]["found"] = 99
-    (session.folder / CORRECTIONS).write_text(json.dumps(said))
-    with pytest.raises(InputError, match=r"corrections\.json.*is not of what .* holds now"):
+        session.write(_changed(session.opened(), cabinet_1=None, box_1=None).model_dump(mode="json"))
+    with pytest.raises(InputError, match=r"corrections\.json.*leaves no object"):
+        _objects(source, Correction(mask=CABINET, gone=True), Correction(mask=BOX, gone=True))
+    with pytest.raises(ValidationError, match="carried by itself"):
+        Corrections(objects=[Correction(mask=1, on=2), Correction(mask=2, on=1)])
+    with pytest.raises(ValidationError, match="is banned"):
+        Correction(mask=1, model="a", banned=["a"])
+    (source / CORRECTIONS).write_text('{"version": 1, "objects": [{"mask": 1, "hight": 2}]}')
+    with pytest.raises(InputError, match=r"corrections\.json.*hight"):
         session.opened()
-    with pytest.raises(InputError, match="the folder that is corrected"):
-        annotate.run(source, out=source, browser=False)
+    (source / CORRECTIONS).unlink()
+    with pytest.raises(InputError, match="--out"):
+        annotate.run(source, out=tmp_path / "other", browser=False)
     with pytest.raises(InputError, match="--depth"):
         annotate.run(source, depth=source / "depth.npz", browser=False)
     (source / "masks.png").unlink()
     with pytest.raises(InputError, match=r"masks\.png"):
-        annotate.run(source, out=tmp_path / "other", browser=False)
+        annotate.run(source, browser=False)
 
 
 @pytest.fixture
-def opened(browser: Any, session: Correction) -> Iterator[Any]:  # noqa: F811
+def opened(browser: Any, session: Correcting) -> Iterator[Any]:  # noqa: F811
     with watched(browser, session, "#over polygon") as page:
         yield page
 
 
-def test_a_person_corrects_in_the_browser(opened: Any, session: Correction, source: Path) -> None:
+def test_a_person_corrects_in_the_browser(opened: Any, session: Correcting, source: Path) -> None:
     page, found = opened, read_scene_input(source).masks
     a, d, e, f = page.locator("#view").evaluate("e => { const m = e.getScreenCTM(); return [m.a, m.d, m.e, m.f]; }")
 
-    def saved() -> Corrections:
+    def saved() -> Drawing:
         page.wait_for_function("() => document.getElementById('saved').textContent === 'saved'")
-        return read_json(Corrections, session.folder / CORRECTIONS)
+        return session.opened()
 
     def drag(*pixels: tuple[float, float]) -> None:
         for k, (u, v) in enumerate(pixels):
@@ -164,20 +225,24 @@ def test_a_person_corrects_in_the_browser(opened: Any, session: Correction, sour
     page.get_by_label("What it is", exact=True).fill("stool")
     page.keyboard.press("Enter")
     assert [item.label for item in saved().objects] == ["cabinet", "stool", "floor", "wall"]
-    page.locator("#mounting").select_option("3/wall_1")
+    page.locator("#mounting").select_option(f"3/{WALL}")
     drag(middle(BOX), (u - 20, v - 5))  # moved by its body: its content is cut out anew
     moved = saved().objects[1]
-    assert moved.mounting is not None and moved.mounting.type == 3 and moved.box is not None
+    assert moved.mounting is not None and moved.mounting.type == 3 and moved.around is not None
     rows, columns = np.nonzero(found == BOX)
-    assert moved.box[0] == pytest.approx((columns.min() - 20, rows.min() - 5), abs=2)
+    assert moved.around[0] == pytest.approx((columns.min() - 20, rows.min() - 5), abs=2)
     page.keyboard.press("ArrowRight")
-    assert saved().objects[1].box[0][0] == pytest.approx(moved.box[0][0] + 1, abs=0.1)  # type: ignore[index]
+    assert saved().objects[1].around[0][0] == pytest.approx(moved.around[0][0] + 1, abs=0.1)  # type: ignore[index]
     page.keyboard.press("Control+z")
-    drag(moved.box[1], (moved.box[1][0] + 15, moved.box[1][1] + 9))  # a corner
-    grown = saved().objects[1].box
-    assert grown is not None and grown[0] == moved.box[0] and grown[1][0] == pytest.approx(moved.box[1][0] + 15, abs=2)
+    drag(moved.around[1], (moved.around[1][0] + 15, moved.around[1][1] + 9))  # a corner
+    grown = saved().objects[1].around
+    assert (
+        grown is not None
+        and grown[0] == moved.around[0]
+        and grown[1][0] == pytest.approx(moved.around[1][0] + 15, abs=2)
+    )
     page.get_by_role("button", name="As it was found").click()
-    assert saved().objects[1].box is None
+    assert saved().objects[1].around is None
 
     page.locator("#objects button", has_text="cabinet").click()
     page.locator("#view").focus()
@@ -203,17 +268,17 @@ def test_a_person_corrects_in_the_browser(opened: Any, session: Correction, sour
     drawn = saved()
     assert [(item.label, item.doors, len(item.outline)) for item in drawn.objects[-2:]] == [
         ("clock", 1, 0),
-        ("rug", 0, 4),
+        ("rug", None, 4),
     ]
     page.reload()
     page.wait_for_selector("#over polygon")
     assert page.locator("#objects button").count() == 6
-    page.get_by_role("button", name="Write the folder").click()
+    page.get_by_role("button", name="Check it").click()
     page.wait_for_selector("#written:not([hidden])")
     page.wait_for_function("() => document.getElementById('preview').naturalWidth > 100")
     if shots := os.environ.get("ACDC_SCREENSHOTS"):
         page.screenshot(path=f"{shots}/correct.png")
-    given = read_scene_input(session.folder)
+    given = as_seen(read_folder(source), corrections_of((source / CORRECTIONS,), "extraction"))
     assert [item.label for item in given.annotations.objects] == ["cabinet", "stool", "clock", "rug"]
     assert given.annotations.objects[2].articulated and given.masks.shape[::-1] == (WIDTH, HEIGHT)
     page.get_by_role("button", name="Done").click()

@@ -52,6 +52,18 @@ def test_it_tells_what_was_found_and_what_became_of_it(made: Path) -> None:
     assert "by geometry" in text and text.count('class="match"') >= 2 and "Rank 1:" in text
 
 
+def test_every_doubt_has_the_command_that_opens_the_page_to_put_it_right(made: Path) -> None:
+    text = (made / "room_1.html").read_text()
+    opens = f"annotate {made}/results/scenes/room_1/input --scene room_1 --variant b --choose"
+    section = text[text.index('<section id="doubts">') : text.index('<section id="found">')]
+    doubts = re.findall(r"<li><b>(.*?)</b>: .*?(?:<code>(.*?)</code>|</li>)", section, re.DOTALL)
+    assert len(doubts) > 1
+    for about, command in doubts:
+        if not about.startswith("scene of"):
+            one = about.split(" failed in ")[0].replace(" ", "_")
+            assert command == f"python -m stages.extraction {opens} {one}"
+
+
 def test_its_files_can_be_saved(made: Path) -> None:
     text = (made / "room_1.html").read_text()
     found = dict(re.findall(r'href="data:[^"]*base64,([^"]+)" download="([^"]+)"', text))

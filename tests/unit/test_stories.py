@@ -8,10 +8,9 @@ import pytest
 from stages.contracts.cousins import Candidate, CategoryMatch, Cousin, ObjectCousins, Orientation
 from stages.contracts.generated import PlacedObject
 from stages.contracts.objects import Box, Mounting, Objects, SceneObject
+from stages.contracts.snapshot_pictures import Snapshots
 from stages.geometry.cameras import intrinsics_from_fov, look_at
-from stages.tables.page.files import RunFiles
 from stages.tables.page.pictures import Album
-from stages.tables.page.snapshots import Snapshots
 from stages.tables.page.stories import SIZE, Evidence, drawn_cloud, masked, story
 
 WIDTH, HEIGHT = 120, 90
@@ -62,7 +61,7 @@ def matched(distances: tuple[float, ...] = (1.0, 2.0, 3.0), category: str = "des
 
 
 def told(entry: ObjectCousins, item: SceneObject, **changes: Any) -> Any:
-    return story(entry, item, evidence(item, **changes), Album(400, 80), Snapshots(RunFiles([])))
+    return story(entry, item, evidence(item, **changes), Album(400, 80), Snapshots([]))
 
 
 def test_it_tells_what_was_seen_compared_chosen_and_placed() -> None:

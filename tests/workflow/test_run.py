@@ -1,10 +1,13 @@
 """One micro run of the whole workflow, then what a user does next: run again, change something, edit a stage."""
 
+import json
 import resource
 import shutil
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
+import pytest
 
 from stages.contracts.files import read_json
 from stages.contracts.policies import ChosenRuns
@@ -78,6 +81,33 @@ def test_the_page_names_no_file_that_this_run_did_not_declare(run: Path, tmp_pat
     done = snakemake(folder, "all", *MICRO)
     assert done.returncode == 0 and planned(done.stdout) == {"all": 1, "report_page": 1}, done.stdout[-3000:]
     assert (results / "report/index.html").read_bytes() == (run / "results/report/index.html").read_bytes()
+
+
+MADE_AGAIN = {"generate", "draw_scenes", "scene_page"}
+
+
+@pytest.mark.parametrize(
+    ("told", "rerun"),
+    [
+        ({"model": "base_cabinet_0"}, MADE_AGAIN),
+        ({"nudge": [0.05, 0.0], "banned": ["base_cabinet_0"]}, MADE_AGAIN),
+        ({"doors": 1}, {"extract", "draw_objects", "match", *MADE_AGAIN}),
+        ({"on": "floor", "size": [0.5, 0.5, 0.8]}, {"extract", "draw_objects", "match", *MADE_AGAIN}),
+    ],
+)
+def test_a_correction_runs_what_depends_on_it_and_nothing_else(
+    run: Path, tmp_path: Path, told: dict[str, Any], rerun: set[str]
+) -> None:
+    folder = copy(run, tmp_path / "run")
+    page = "results/report/scenes/room_1.html"
+    (folder / page).parent.mkdir(exist_ok=True)
+    path = folder / "results/scenes/room_1/input/corrections.json"
+    path.write_text(json.dumps({"version": 1, "objects": [{"mask": 1, **told}]}))
+    done = dry_run(folder, page, "-p", *MICRO)
+    assert set(planned(done.stdout)) == rerun, done.stdout
+    assert done.stdout.count("--corrections results/scenes/room_1/input/corrections.json") == 1
+    path.write_text('{"version": 1, "objects": [{"mask": 1, "hight": 2}]}')
+    assert "corrections.json: breaks the Corrections contract" in dry_run(folder, page, *MICRO).stdout
 
 
 def test_snakemakes_own_report_has_captions_and_labels(run: Path, tmp_path: Path) -> None:

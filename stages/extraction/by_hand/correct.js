@@ -1,20 +1,22 @@
-// The page that corrects found boxes, masks and labels: what a click, a drag or a key does, and the panel.
+// The page that corrects what was found and chosen: what a click, a drag or a key does, and the panel.
 import { bindFrame, frameKey, keyOf } from './both.js';
 import { area, begin, element, move, pixel, unit, zoom } from './canvas.js';
-import { ask, changed, edit, find, freeId, onChange, remember, solve, state, touch, undoable } from './state.js';
+import { bindPlacement, made, placement } from './models.js';
+import { ask, changed, edit, find, nameOf, onChange, remember, solve, state, touch, undoable } from './state.js';
 
 const get = (id) => document.getElementById(id);
 const svg = get('view');
 const ROOM = ['floor', 'wall'];
 const SMALLEST = 4; // pixels of a side, below which a drag is a click
 const HINTS = {
-  select: 'Click what is wrong: name it, drag its box or its corners, delete it. B draws a box around what is missing.',
+  select: 'Click what is wrong, in the picture or in a list. B draws a box around what is missing.',
   box: 'Press at one corner of the thing, let go at the opposite one.',
   outline: 'Click around what is seen of it; Enter closes the outline.',
 };
 const chosen = () => (state.chosen ? find(state.chosen) : null);
-const nameOf = (item) => item.label || item.id.replace('_', ' ');
-const boxOf = (item) => item.box ?? state.solved?.regions[item.id]?.box;
+const boxOf = (item) => item.around ?? state.solved?.regions[item.id]?.box;
+const things = () => state.project.objects.filter((item) => !ROOM.includes(item.label));
+const byMask = (mask) => state.project.objects.find((item) => item.mask === mask);
 
 function choose(tool) { state.draft = null; state.tool = tool; changed(); svg.focus({ preventScroll: true }); }
 
@@ -23,16 +25,17 @@ function draw() {
   svg.classList.toggle('selecting', state.tool === 'select');
   if (!over || !state.solved) return;
   const parts = [];
-  const things = [...state.project.objects].sort((one, other) => ROOM.includes(other.label) - ROOM.includes(one.label));
-  for (const item of things) {
+  for (const item of [...state.project.objects].sort((one, other) => ROOM.includes(other.label) - ROOM.includes(one.label))) {
     const region = state.solved.regions[item.id];
     if (!region) continue;
     const kind = ['region', ROOM.includes(item.label) ? 'room' : '', state.chosen === item.id ? 'chosen' : ''].join(' ').trim();
     parts.push(element('g', { class: kind, 'data-object': item.id }, region.outlines.map((points) => area(points, 'face'))));
     const box = boxOf(item);
-    if (item.label && box) parts.push(element('text', { x: box[0][0], y: box[0][1] + 13 * unit(), 'font-size': 13 * unit() }, [item.label]));
+    if (item.label && box) parts.push(element('text', { x: box[0][0], y: box[0][1] + 13 * unit(), 'font-size': 13 * unit() }, [nameOf(item)]));
   }
   const item = chosen();
+  const faces = item ? made(item).faces ?? [] : []; // as it stands in the scene of rank 1, its front stronger
+  faces.forEach((face, k) => parts.push(area(face, `solid quiet${k === faces.length - 1 ? ' front' : ''}`)));
   const box = item && boxOf(item);
   if (box) {
     const [[x0, y0], [x1, y1]] = box;
@@ -52,41 +55,70 @@ function heldAs(item) {
   return item.mounting.type === 2 ? '2' : `${item.mounting.type}/${item.mounting.walls.join('+')}`;
 }
 
+function button(item, text) {
+  const made = document.createElement('button');
+  made.type = 'button';
+  made.textContent = text;
+  made.setAttribute('aria-pressed', String(state.chosen === item.id));
+  made.addEventListener('click', () => { state.chosen = item.id; changed(); });
+  return made;
+}
+function line(...parts) {
+  const entry = document.createElement('li');
+  entry.append(...parts);
+  return entry;
+}
+
+function doubts() {
+  const told = things().flatMap((item) => (made(item).doubts ?? []).map((doubt) => line(button(item, `${nameOf(item)}: ${doubt}`))));
+  get('in-doubt').hidden = !told.length;
+  get('in-doubt').querySelector('summary').textContent = `In doubt: ${told.length}`;
+  get('in-doubt').querySelector('ul').replaceChildren(...told);
+}
+
 function panel() {
   get('hint').textContent = HINTS[state.tool];
   get('trouble').textContent = state.trouble;
   get('trouble').hidden = !state.trouble;
   [get('undo').disabled, get('redo').disabled] = undoable().map((possible) => !possible);
   for (const tool of document.querySelectorAll('[data-tool]')) tool.setAttribute('aria-pressed', String(tool.dataset.tool === state.tool));
+  doubts();
   get('objects').replaceChildren(...state.project.objects.map((item) => {
-    const entry = document.createElement('li'), button = document.createElement('button'), note = document.createElement('span');
-    button.textContent = nameOf(item);
-    button.setAttribute('aria-pressed', String(state.chosen === item.id));
-    button.addEventListener('click', () => { state.chosen = item.id; changed(); });
+    const note = document.createElement('span');
     note.className = 'note';
     note.textContent = state.solved?.notes[item.id] ?? '';
-    entry.append(button, note);
-    return entry;
+    return line(button(item, nameOf(item)), note);
   }));
   const item = chosen();
   get('object').hidden = !item;
   if (!item) return;
-  for (const id of ['label', 'doors', 'drawers']) if (document.activeElement !== get(id)) get(id).value = item[id];
+  for (const id of ['label', 'doors', 'drawers']) if (document.activeElement !== get(id)) get(id).value = item[id] ?? (id === 'label' ? '' : 0);
+  get('own-doubts').replaceChildren(...(made(item).doubts ?? []).map((doubt) => { const entry = line(doubt); entry.className = 'note'; return entry; }));
   get('articulated').checked = item.articulated || item.doors + item.drawers > 0;
   get('thing').hidden = ROOM.includes(item.label);
-  get('found').hidden = item.found === null || (!item.box && !item.outline.length);
+  get('found').hidden = !state.known.includes(item.mask) || (!item.around && !item.outline.length);
   const walls = state.project.objects.filter((other) => other.label === 'wall');
   const ways = [['', 'geometry tells'], ['2', 'stands, touches no wall']];
-  for (const { id } of walls) ways.push([`1/${id}`, `hangs on ${id.replace('_', ' ')}`], [`3/${id}`, `stands at ${id.replace('_', ' ')}`]);
+  for (const one of walls) ways.push([`1/${one.mask}`, `hangs on ${nameOf(one)}`], [`3/${one.mask}`, `stands at ${nameOf(one)}`]);
   const held = heldAs(item);
   if (!ways.some(([value]) => value === held)) ways.push([held, 'as it was found']);
   get('mounting').replaceChildren(...ways.map(([value, text]) => new Option(text, value)));
   get('mounting').value = held;
+  const others = things().filter((other) => other !== item && !above(other).includes(item));
+  const now = made(item).support, found = now && (things().find((other) => made(other).id === now) ?? { label: now, id: now });
+  get('on').replaceChildren(new Option(found ? `as found: ${found.mask ? nameOf(found) : found.label}` : 'as found', ''), new Option('the floor', 'floor'), ...others.map((other) => new Option(nameOf(other), other.mask)));
+  get('on').value = item.on ?? '';
+  get('on').disabled = item.mounting?.type === 1;
+  placement(item, things().filter((other) => other !== item && !alike(other).includes(item)), nameOf);
 }
+// What a thing is said to stand on, and what is beneath that; what it is said to be like, and so on.
+const chain = (item, key) => { const next = item && byMask(item[key]); return next ? [next, ...chain(next, key)] : []; };
+const above = (item) => chain(item, 'on');
+const alike = (item) => chain(item, 'like');
 
 function add(region) {
-  const id = freeId('drawn');
-  edit((project) => project.objects.push({ id, label: '', found: null, box: null, outline: [], articulated: false, doors: 0, drawers: 0, mounting: null, ...region }));
+  const mask = Math.max(state.free - 1, ...state.project.objects.map((item) => item.mask)) + 1, id = `drawn_${mask}`;
+  edit((project) => project.objects.push({ id, mask, label: null, around: null, outline: [], articulated: null, doors: null, drawers: null, mounting: null, on: null, size: null, front: null, nudge: null, model: null, pinned: false, banned: [], like: null, ...region }));
   state.chosen = id;
   choose('select');
   get('label').focus();
@@ -100,13 +132,17 @@ function close() {
   else { edit(() => { chosen().outline = outline; }); choose('select'); }
 }
 function remove() {
-  edit((project) => { project.objects = project.objects.filter((item) => item.id !== state.chosen); });
+  edit((project) => {
+    const { mask } = chosen();
+    project.objects = project.objects.filter((item) => item.mask !== mask);
+    for (const item of project.objects) for (const key of ['on', 'like']) if (item[key] === mask) item[key] = null;
+  });
   state.chosen = null;
   changed();
 }
 const round = (value) => Math.round(10 * value) / 10;
 function setBox(item, corners) {
-  item.box = corners.map((corner) => corner.map(round));
+  item.around = corners.map((corner) => corner.map(round));
   item.outline = [];
 }
 
@@ -151,7 +187,7 @@ svg.addEventListener('pointerup', () => {
   state.draft = null;
   const box = [[Math.min(a[0], b[0]), Math.min(a[1], b[1])], [Math.max(a[0], b[0]), Math.max(a[1], b[1])]];
   if (box[1][0] - box[0][0] < SMALLEST || box[1][1] - box[0][1] < SMALLEST) choose('select');
-  else add({ box });
+  else add({ around: box });
 });
 svg.addEventListener('wheel', (event) => { event.preventDefault(); zoom(Math.exp(event.deltaY / 500), pixel(event)); }, { passive: false });
 svg.addEventListener('mousedown', (event) => event.preventDefault()); // else it takes the focus from the label
@@ -185,20 +221,24 @@ document.addEventListener('keydown', (event) => {
 function bind() {
   for (const tool of document.querySelectorAll('[data-tool]')) tool.addEventListener('click', () => { if (tool.dataset.tool === 'box') state.chosen = null; choose(tool.dataset.tool); });
   bindFrame();
-  get('label').addEventListener('change', ({ target }) => edit(() => { chosen().label = target.value.trim(); }));
+  get('label').addEventListener('change', ({ target }) => edit(() => { chosen().label = target.value.trim() || null; }));
   for (const id of ['doors', 'drawers']) get(id).addEventListener('change', ({ target }) => edit(() => { chosen()[id] = target.checkValidity() ? Number(target.value) : 0; }));
   get('articulated').addEventListener('change', ({ target }) => edit(() => Object.assign(chosen(), { articulated: target.checked }, target.checked ? {} : { doors: 0, drawers: 0 })));
   get('mounting').addEventListener('change', ({ target }) => edit(() => {
     const [type, walls] = target.value.split('/');
-    chosen().mounting = type ? { type: Number(type), walls: walls ? walls.split('+') : [] } : null;
+    chosen().mounting = type ? { type: Number(type), walls: walls ? walls.split('+').map(Number) : [] } : null;
+    if (type === '1') chosen().on = null;
   }));
-  get('found').addEventListener('click', () => edit(() => Object.assign(chosen(), { box: null, outline: [] })));
+  get('on').addEventListener('change', ({ target }) => edit(() => { chosen().on = ['', 'floor'].includes(target.value) ? target.value || null : Number(target.value); }));
+  bindPlacement(chosen);
+  get('found').addEventListener('click', () => edit(() => Object.assign(chosen(), { around: null, outline: [] })));
   get('delete').addEventListener('click', remove);
 }
 
 async function start() {
   const answer = await ask('start');
-  state.project = answer.project;
+  Object.assign(state, { project: answer.project, made: answer.made, free: answer.free, known: answer.known, chosen: answer.chosen });
+  get('command').textContent = answer.command;
   get('title').textContent = document.title = answer.project.picture;
   get('folder').textContent = answer.folder;
   get('categories').replaceChildren(...answer.categories.map((name) => new Option(name)));

@@ -1,6 +1,5 @@
 """One input folder being corrected: what the page asks for, as plain data. Knows nothing of HTTP."""
 
-import shutil
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -9,82 +8,139 @@ from typing import Any
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
-from stages.config.own_scene import write_config
-from stages.contracts import InputError, atomic, read_json, write_json
+from stages.contracts import InputError, read_json, write_json
+from stages.contracts.corrections import CORRECTIONS, MEASURED, Correction, Corrections
+from stages.contracts.files import Contract
 from stages.contracts.objects import object_ids
 from stages.contracts.scene_input import read_scene_input
-from stages.extraction.by_hand.corrections import (
-    CORRECTIONS,
+from stages.contracts.types import Id
+from stages.extraction.by_hand.made import Made, made_of
+from stages.extraction.by_hand.regions import (
     FLOOR,
     ROOM,
     WALL,
-    Corrections,
     Cutter,
     as_found,
     bounds,
     corrected,
+    laid_over,
     painted,
 )
 from stages.extraction.by_hand.session import Answer, jpeg
 from stages.extraction.by_hand.write import tinted
 
-KEPT = ("rgb.png", "camera.json", "depth.npz")
 CURVES, SMALLEST = 20, 12  # outlines of one thing that are shown, and the least pixels of one
 COARSE = 1.0  # pixels by which a shown outline may be off
 
 
-@dataclass
-class Correction:
-    """The folder with what was found, the one that is written, and what completes labels."""
+class Thing(Correction):
+    """A thing, the floor or a wall as the page has it: whole, not only what differs from what was found."""
 
-    source: Path
+    id: Id
+
+
+class Drawing(Contract):
+    """All that is in a picture, as a person sees it."""
+
+    objects: list[Thing] = Field([], max_length=1000)
+
+
+@dataclass
+class Correcting:
+    """The folder with what was found, what completes labels, and where the last run left its results."""
+
     folder: Path
     categories: list[str] = field(default_factory=list)
+    results: Path = Path("results")
+    scene: str = ""
+    variant: str | None = None
+    chosen: str | None = None
     finished: bool = False
     page: str = "correct.html"
 
     def __post_init__(self) -> None:
-        self.given = read_scene_input(self.source)
+        self.given = read_scene_input(self.folder)
+        self.found = as_found(self.given.annotations)
         self._cut = Cutter(self.given.rgb)
+        height, width = self.given.masks.shape
+        self.made: Made = made_of(self.results, self.scene, self.variant, (width, height))
         self.posts: dict[str, Callable[[Any], Answer]] = {
             "solve": self.solve,
             "save": self.save,
+            "models": self.models,
             "write": self.write,
             "close": self.close,
         }
 
-    def fresh(self) -> Corrections:
-        """What was found."""
-        return as_found(self.source.name, self.given.masks, self.given.annotations)
-
-    def opened(self) -> Corrections:
-        """The corrections that were saved, or what was found.
+    def opened(self) -> Drawing:
+        """What was found, with the corrections that were saved.
 
         Raises:
-            InputError: what was saved is broken, or of another folder.
+            InputError: what was saved is broken.
         """
         path = self.folder / CORRECTIONS
-        if not path.is_file():
-            return self.fresh()
-        return self._checked(read_json(Corrections, path, "move it away to begin anew"), path)
+        told = read_json(Corrections, path, "mend or delete it").objects if path.is_file() else []
+        return self._named(laid_over(self.found, {item.mask: item for item in told}))
 
-    def _checked(self, drawing: Corrections, name: object) -> Corrections:
-        height, width = self.given.masks.shape
-        known = {item.found for item in self.fresh().objects}
-        found = {item.found for item in drawing.objects} - {None}
-        if (drawing.width, drawing.height) != (width, height) or not found <= known:
-            what = f"is not of what {self.source} holds now."
-            raise InputError(str(name), what, "give another --out, or move it away to begin anew")
-        return drawing
+    def _named(self, things: dict[int, Correction]) -> Drawing:
+        """With ids that stay, whatever a thing is called: as found, or `drawn_<mask>`."""
+        ids = dict(zip(self.found, object_ids(item.label or "" for item in self.found.values()), strict=True))
+        shown = set(np.unique(self.given.masks).tolist()) | {
+            mask for mask, item in things.items() if item.around or item.outline
+        }
+        return Drawing(
+            objects=[
+                Thing(id=ids.get(mask, f"drawn_{mask}"), **item.model_dump())
+                for mask, item in things.items()
+                if mask in shown
+            ]
+        )
+
+    def corrections(self, drawing: Drawing) -> Corrections:
+        """What of a drawing differs from what was found."""
+        things = {item.mask: item for item in drawing.objects}
+        shown = set(np.unique(self.given.masks).tolist())
+        told = [Correction(mask=mask, gone=True) for mask in self.found if mask in shown and mask not in things]
+        for mask, item in things.items():
+            before = self.found.get(mask, Correction(mask=mask))
+            said = {
+                name: value
+                for name, value in item.model_dump(exclude={"id", "mask", "gone"}, exclude_defaults=True).items()
+                if getattr(item, name) != getattr(before, name)
+            }
+            if before.mounting is not None and item.mounting is None:
+                said["mounting"] = MEASURED
+            if said or mask not in self.found:
+                told.append(Correction.model_validate({"mask": mask, **said}))
+        return Corrections(objects=told)
 
     def start(self) -> Answer:
         """What the page begins with."""
+        drawing = self.opened()
+        ids = {item.mask: item.id for item in drawing.objects}
+        masks = {item.id: mask for mask, item in self.made.items.items()}
         return {
-            "project": self.opened().model_dump(mode="json"),
+            "project": self._page(drawing),
             "categories": [*self.categories, FLOOR, WALL],
-            "folder": str(self.folder),
+            "folder": str(self.folder / CORRECTIONS),
+            "made": self.made.told(),
+            "chosen": ids.get(masks.get(self.chosen or "", 0), self.chosen if self.chosen in ids.values() else None),
+            "known": list(self.found),
+            "free": int(max(self.given.masks.max(), *self.found, *ids)) + 1,
+            "command": self.command(),
         }
+
+    def _page(self, drawing: Drawing) -> Answer:
+        height, width = self.given.masks.shape
+        return {"picture": self.scene, "width": width, "height": height, **drawing.model_dump(mode="json")}
+
+    def command(self) -> str:
+        """What makes again what depends on the corrections, and nothing else."""
+        config = self.folder / "config.yaml"
+        page = f"results/report/scenes/{self.scene}.html"
+        return f"snakemake --cores 2 --configfile {config} -- pages" if config.is_file() else f"snakemake -c 2 {page}"
 
     def picture(self) -> bytes:
         """The picture as JPEG."""
@@ -93,53 +149,55 @@ class Correction:
     def preview(self) -> bytes:
         """The saved masks over the picture, as JPEG."""
         drawing = self.opened()
-        masks, values = painted(drawing, self.given.masks, self._cut)
-        return jpeg(
-            tinted(self.given.rgb, masks, [values[item.id] for item in drawing.objects if item.label not in ROOM])
-        )
+        masks = self._painted(drawing)
+        return jpeg(tinted(self.given.rgb, masks, [item.mask for item in drawing.objects if item.label not in ROOM]))
 
-    def _project(self, body: Any) -> Corrections:
-        return self._checked(Corrections.model_validate(body), "what was drawn")
+    def _painted(self, drawing: Drawing) -> NDArray[np.uint16]:
+        return painted({item.mask: item for item in drawing.objects}, self.given.masks, self._cut)
+
+    def _drawing(self, body: Any) -> Drawing:
+        return Drawing.model_validate({"objects": body["objects"]})
 
     def solve(self, body: Any) -> Answer:
-        """Box and outlines of every region."""
-        drawing = self._project(body)
-        masks, values = painted(drawing, self.given.masks, self._cut)
+        """Bounds and outlines of every region."""
+        drawing = self._drawing(body)
+        masks = self._painted(drawing)
         regions, notes = {}, {}
         for item in drawing.objects:
-            mask = masks == values[item.id]
+            mask = masks == item.mask
             if not mask.any():
                 notes[item.id] = "no pixel shows it"
-            regions[item.id] = {"box": item.box or bounds(mask), "outlines": outlines(mask)}
+            regions[item.id] = {"box": item.around or bounds(mask), "outlines": outlines(mask)}
         return {"regions": regions, "notes": notes}
 
+    def models(self, body: Any) -> Answer:
+        """Models that can stand for a thing, with pictures and distances."""
+        return {"models": self.made.models(int(body["mask"]))}
+
     def save(self, body: Any) -> Answer:
-        """Keep the corrections."""
-        write_json(self.folder / CORRECTIONS, self._project(body))
+        """Keep the corrections; where nothing is corrected there is no file."""
+        told = self.corrections(self._drawing(body))
+        path = self.folder / CORRECTIONS
+        if told.objects:
+            write_json(path, {"version": 1, **told.model_dump(mode="json", exclude_defaults=True)})
+        else:
+            path.unlink(missing_ok=True)
         return {}
 
     def write(self, body: Any) -> Answer:
-        """Keep the corrections and write the input folder.
+        """Keep the corrections, and say what comes of them.
 
         Raises:
             InputError: no object is left.
         """
-        drawing = self._project(body)
-        self.save(body)
-        masks, values = painted(drawing, self.given.masks, self._cut)
-        masks, annotations, notes = corrected(drawing, masks, values, self.given.annotations)
+        told = {item.mask: item for item in self.corrections(self._drawing(body)).objects}
+        annotations, _, notes = corrected(self.given.annotations, self.given.masks, told, self._cut)
         if annotations is None:
             raise InputError(str(self.folder), "no object is left.", "draw a box around at least one")
-        for name in KEPT:
-            with atomic(self.folder / name) as path:
-                shutil.copyfile(self.source / name, path)
-        with atomic(self.folder / "masks.png") as path:
-            cv2.imwrite(str(path), masks)
-        write_json(self.folder / "annotations.json", annotations)
-        write_config(self.folder)
-        ids = object_ids(item.label for item in annotations.objects)
-        command = f"snakemake --cores 2 --configfile {self.folder / 'config.yaml'} -- pages"
-        return {"ids": ids, "notes": notes, "command": command, "folder": str(self.folder)}
+        self.save(body)
+        ordered = sorted(annotations.objects, key=lambda item: item.mask)
+        ids = object_ids(item.label for item in ordered)
+        return {"ids": ids, "notes": notes, "command": self.command(), "folder": str(self.folder)}
 
     def close(self, _: Any) -> Answer:
         """The page is done with."""

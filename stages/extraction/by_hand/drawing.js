@@ -1,6 +1,6 @@
 // What lies over the picture, as SVG.
 import { area, element, line, unit } from './canvas.js';
-import { find, isWall, state } from './state.js';
+import { find, isWall, nameOf, state } from './state.js';
 
 // A handle is named `kind/which/point`; what it moves is found in tools.js.
 function handle(name, [x, y]) {
@@ -16,7 +16,7 @@ function camera() {
   parts.push(handle('horizon/-/0', ends[0]), handle('horizon/-/1', ends[1]));
   for (const axis of 'xyz') if (near(state.solved.vanishing[axis])) parts.push(handle(`vanishing/${axis}/0`, perspective[axis] ?? state.solved.vanishing[axis]));
   perspective.guides.forEach((guide, k) => {
-    parts.push(line([guide.a, guide.b], `guide ${guide.axis} quiet`), handle(`guide/${k}/a`, guide.a), handle(`guide/${k}/b`, guide.b));
+    parts.push(line([guide.a, guide.b], `guide ${guide.axis}${state.solved.weak[k] ? ' weak' : ''} quiet`), handle(`guide/${k}/a`, guide.a), handle(`guide/${k}/b`, guide.b));
   });
   if (scale.points && ['floor', 'upright'].includes(scale.kind)) {
     parts.push(line(scale.points, 'measure quiet'), handle('measure/-/0', scale.points[0]), handle('measure/-/1', scale.points[1]));
@@ -24,10 +24,13 @@ function camera() {
   return parts;
 }
 
+// What the next click, or the object that is being drawn, stands or hangs on.
+const carrying = (id) => ['box', 'round'].includes(state.tool) && (state.draft?.on ?? state.under) === id;
+
 function walls(handles) {
   const parts = [];
   for (const [id, lines] of Object.entries(state.solved.walls)) {
-    for (const ends of lines) parts.push(line(ends, 'wall quiet'));
+    for (const ends of lines) parts.push(line(ends, `wall quiet${carrying(id) ? ' under' : ''}`));
     const drawn = handles && find(id);
     if (drawn) parts.push(handle(`wall/${id}/a`, drawn.a), handle(`wall/${id}/b`, drawn.b));
   }
@@ -38,13 +41,13 @@ function objects() {
   const parts = [];
   const boxes = Object.entries(state.solved.boxes).sort(([, one], [, other]) => other.distance - one.distance);
   for (const [id, solid] of boxes) {
-    const kind = id === 'draft' ? 'draft quiet' : state.chosen === id ? 'chosen' : '';
+    const kind = id === 'draft' ? 'draft quiet' : carrying(id) ? 'under' : state.chosen === id ? 'chosen' : '';
     const faces = solid.faces.map((face) => area(face, 'face'));
     parts.push(element('g', { class: kind, 'data-object': id }, faces));
-    const label = find(id)?.label;
-    if (label && solid.faces.length) {
+    const item = find(id);
+    if (item?.label && solid.faces.length) {
       const [x, y] = solid.faces[0][0];
-      parts.push(element('text', { x, y, 'font-size': 13 * unit() }, [label]));
+      parts.push(element('text', { x, y, 'font-size': 13 * unit() }, [nameOf(item)]));
     }
   }
   const item = state.chosen && !isWall(state.chosen) ? find(state.chosen) : null;

@@ -16,6 +16,8 @@ Points = NDArray[np.float64]
 FARTHEST = 60.0  # heights of the camera: a floor point farther away lies at the horizon and says nothing
 DEPTHS = np.geomspace(0.002, 3.0, 600)  # heights of the camera: how far a hanging box may stand out from its wall
 RIVAL = 3.0  # pixels: an edge that misses by no more than this more than the nearest one may be the right one
+AT_END = 0.01  # metres beyond the end of a wall that still show it: no gap where two meet
+WITHIN = 0.25  # of the length that was drawn of a wall, by which another one may cut it off
 LEVEL_VIEW = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])  # room from camera of a level camera that looks along y
 
 
@@ -98,6 +100,21 @@ class WallPlane:
 
     normal: Points
     offset: float
+    ends: tuple[float, float] = (-np.inf, np.inf)  # along it: where other walls cut it off
+
+    @property
+    def along(self) -> Points:
+        """Its level direction (3,)."""
+        return np.array([-self.normal[1], self.normal[0], 0.0])
+
+    def reach(self, rays: ArrayLike) -> Points:
+        """Depth (...) at which rays (..., 3) from the camera meet it from before, inf where they miss it."""
+        towards, sideways = np.asarray(rays) @ self.normal, np.asarray(rays) @ self.along
+        with np.errstate(divide="ignore", invalid="ignore"):
+            reach = np.where(towards < 0, self.offset / towards, np.inf)
+            at = reach * sideways
+        low, high = self.ends
+        return np.where((at >= low - AT_END) & (at <= high + AT_END), reach, np.inf)
 
 
 def snapped(direction: Points, free: bool) -> Points:
@@ -125,6 +142,26 @@ def wall_plane(view: View, a: ArrayLike, b: ArrayLike, free: bool) -> WallPlane:
     if offset > -1e-6:
         raise MetrologyError("the wall would go through the camera")
     return WallPlane(normal, offset)
+
+
+def cut_off(wall: WallPlane, drawn: tuple[float, float], others: list[WallPlane]) -> WallPlane:
+    """The wall with its ends where it meets others.
+
+    Args:
+        drawn: from where to where along it its foot was drawn; what crosses that in the middle ends nothing.
+    """
+    (first, last), (low, high) = sorted(drawn), wall.ends
+    slack = WITHIN * (last - first)
+    for other in others:
+        across = float(wall.along @ other.normal)
+        if abs(across) < 0.1:
+            continue
+        at = (other.offset - wall.offset * float(wall.normal @ other.normal)) / across
+        if at > last - slack:
+            high = min(high, at)
+        elif at < first + slack:
+            low = max(low, at)
+    return WallPlane(wall.normal, wall.offset, (low, high))
 
 
 def depth_by_pixel(view: View, corners: Points, inward: Points, pixel: ArrayLike) -> float:
@@ -233,15 +270,17 @@ def hanging_box(
     wall: WallPlane,
     pixels: list[tuple[float, float]],
     sizes: tuple[float | None, float | None, float | None],
+    flat: float = 0.03,
 ) -> UprightBox:
     """A box on a wall, from two opposite corners of its front and one rear corner, which lies on the wall.
 
     Args:
-        pixels: two or three; without the third it is 3 cm deep.
+        pixels: two or three.
         sizes: width, depth and height in metres where they are known; the front's middle stays.
+        flat: its depth without a third pixel.
     """
-    along = np.array([-wall.normal[1], wall.normal[0], 0.0])
-    depth = sizes[1] or 0.03
+    along = wall.along
+    depth = sizes[1] or flat
     if sizes[1] is None and len(pixels) > 2:
         trials = DEPTHS[DEPTHS * view.above < -0.9 * wall.offset] * view.above
         if not len(trials):

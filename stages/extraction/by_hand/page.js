@@ -1,6 +1,6 @@
 // The panel beside the picture, and the start.
 import { bindFrame } from './both.js';
-import { ask, changed, copy, edit, find, freeId, isWall, onChange, remove, solve, state, undoable } from './state.js';
+import { ask, changed, copy, edit, find, freeId, isWall, nameOf, onChange, remove, solve, state, undoable } from './state.js';
 import { begin } from './canvas.js';
 import { draw } from './drawing.js';
 import { choose, hint, step } from './tools.js';
@@ -8,7 +8,6 @@ import { choose, hint, step } from './tools.js';
 const get = (id) => document.getElementById(id);
 const metres = (value) => `${value < 0.995 ? `${(100 * value).toFixed(value < 0.1 ? 1 : 0)} cm` : `${value.toFixed(2)} m`}`;
 const chosen = () => (state.chosen && !isWall(state.chosen) ? find(state.chosen) : null);
-const nameOf = (item) => item.label || item.id.replace('_', ' ');
 
 function options(select, entries, value) {
   const wanted = JSON.stringify(entries);
@@ -49,6 +48,9 @@ function panel() {
 
   const { camera } = solved;
   get('camera-facts').textContent = `${camera.across}° across, tilted ${camera.pitch}°, rolled ${camera.roll}°, ${metres(camera.above)} above the floor`;
+  const weak = solved.weak.filter(Boolean).length;
+  get('weak').hidden = !weak;
+  get('weak').textContent = `${weak} of ${solved.weak.length} lines (dotted) do not run as the camera says: move or delete them.`;
   fill('across', project.perspective.focal ? (2 * Math.atan(project.width / 2 / project.perspective.focal) * 180 / Math.PI).toFixed(1) : '');
   get('scale-kind').querySelector('[value=depth]').hidden = !state.depth;
   fill('scale-kind', project.scale.kind);
@@ -91,13 +93,17 @@ function field(id, change) {
   get(id).addEventListener('change', (event) => { const target = event.target; edit((project) => change(project, target, chosen())); });
 }
 
-// A box on a wall is marked by two opposite corners of its front, one that stands by its foot and its top.
+// A box on a wall is marked by two opposite corners of its front, one that stands by its foot and its top: what changes
+// from one to the other keeps the corners that it has in the picture.
 function carried(item, on) {
   const hung = isWall(item.on), hangs = isWall(on), [a, b, c, d] = item.points;
+  const seen = item.round ? [] : state.solved.boxes[item.id]?.corners ?? [];
   item.on = on;
   item.round &&= !hangs;
   if (hung === hangs) return;
-  if (hangs) item.points = [a, [b[0], (c ?? b)[1]], ...(d ? [d] : [])];
+  if (hangs && seen[0] && seen[5]) item.points = [seen[0], seen[5], ...(d ? [d] : [])];
+  else if (hangs) item.points = [a, [b[0], (c ?? b)[1]], ...(d ? [d] : [])];
+  else if (seen[0] && seen[1] && seen[5]) item.points = [seen[0], seen[1], seen[5], ...(c ? [c] : [])];
   else item.points = [[a[0], Math.max(a[1], b[1])], [b[0], Math.max(a[1], b[1])], [b[0], Math.min(a[1], b[1])], ...(c ? [c] : [])];
 }
 

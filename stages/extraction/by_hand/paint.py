@@ -92,8 +92,7 @@ def paint(project: Project, solved: Solved, stride: int = 1) -> Painted:
         depth = np.where(rays[..., 2] < 0, -view.above / rays[..., 2], np.inf)
         masks = np.full(depth.shape, values["floor"], dtype=np.uint16)
         for name, wall in solved.walls.items():
-            towards = rays @ wall.normal
-            reach = np.where(towards < 0, wall.offset / towards, np.inf)
+            reach = wall.reach(rays)
             masks[reach < depth] = values[name]
             depth = np.minimum(depth, reach)
     outlined = [item for item in project.objects if item.id in solved.boxes and len(item.outline) > 2]

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import least_squares
 
 from stages.extraction.by_hand.metrology import View, rotation_of
-from stages.extraction.by_hand.project import Perspective, Pixel
+from stages.extraction.by_hand.project import Guide, Perspective, Pixel
 
 Points = NDArray[np.float64]
 LINE, PIN = 1.0, 0.3  # pixels: by how much lines and what was fixed by hand may miss
@@ -16,6 +16,7 @@ SURE = np.deg2rad([45.0, 15.0, 2.0])
 AXES = {"x": 0, "y": 1, "z": 2}
 STEPS = 100  # of one fit; usual ones take ten
 FIXED_FOCAL = 0.002
+WEAK = np.deg2rad(2.0)  # between a line and the direction that it should run in
 
 
 def misses(view: View, axes: NDArray[np.integer], ends: Points) -> Points:
@@ -33,6 +34,14 @@ def misses(view: View, axes: NDArray[np.integer], ends: Points) -> Points:
     line = np.cross(np.concatenate([middle, np.ones((len(a), 1))], axis=1), vanishing)
     length = np.maximum(np.hypot(line[:, 0], line[:, 1]), 1e-9)
     return np.asarray((np.einsum("ni,ni->n", line[:, :2], a) + line[:, 2]) / length)
+
+
+def weak(view: View, guides: list[Guide]) -> list[bool]:
+    """Which lines do not run as the camera says: they say little of it, or are wrong."""
+    ends = np.array([(line.a, line.b) for line in guides], dtype=float).reshape(-1, 2, 2)
+    off = np.abs(misses(view, np.array([AXES[line.axis] for line in guides], dtype=int), ends))
+    half = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) / 2
+    return [bool(one) for one in off > WEAK * half]
 
 
 def _pinned(view: View, axis: int, pixel: ArrayLike) -> Points:

@@ -5,13 +5,10 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from stages.contracts.files import Contract, Document
-from stages.contracts.types import Extent, Id, Panels, Side, Text, check_unique
+from stages.contracts.types import Extent, Id, Panels, Pixel, Side, Text, check_unique
 
 PROJECT = "project.json"
-FAR = 1e6  # pixels: vanishing points may lie far outside
 
-Coordinate = Annotated[float, Field(ge=-FAR, le=FAR, allow_inf_nan=False)]
-Pixel = tuple[Coordinate, Coordinate]
 Focal = Annotated[float, Field(gt=10, lt=1e5, allow_inf_nan=False)]
 Axis = Literal["x", "y", "z"]
 

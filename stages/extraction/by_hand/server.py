@@ -14,11 +14,11 @@ from pydantic import ValidationError
 from stages.contracts.errors import InputError
 from stages.contracts.files import first_error
 from stages.contracts.system import line_of
-from stages.extraction.by_hand.correcting import Correction
+from stages.extraction.by_hand.correcting import Correcting
 from stages.extraction.by_hand.session import Session
 
 HERE = Path(__file__).resolve().parent
-SCRIPTS = ("page.js", "state.js", "canvas.js", "drawing.js", "tools.js", "both.js", "correct.js")
+SCRIPTS = ("page.js", "state.js", "canvas.js", "drawing.js", "tools.js", "both.js", "correct.js", "models.js")
 PAGES = {
     "page.css": ("page.css", "text/css; charset=utf-8"),
     **{name: (name, "text/javascript; charset=utf-8") for name in SCRIPTS},
@@ -129,7 +129,7 @@ class PageServer(ThreadingHTTPServer):
 
     daemon_threads = True
 
-    def __init__(self, session: Session | Correction, port: int = 0) -> None:
+    def __init__(self, session: Session | Correcting, port: int = 0) -> None:
         super().__init__(("127.0.0.1", port), Handler)
         self.session = session
         self.token = secrets.token_urlsafe(24)

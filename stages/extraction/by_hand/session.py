@@ -13,7 +13,7 @@ from pydantic import TypeAdapter
 from stages.contracts import InputError, read_json, write_json
 from stages.extraction.by_hand.metrology import View, WallPlane
 from stages.extraction.by_hand.paint import paint
-from stages.extraction.by_hand.perspective import horizon, vanishing_point
+from stages.extraction.by_hand.perspective import horizon, vanishing_point, weak
 from stages.extraction.by_hand.photo import Photo
 from stages.extraction.by_hand.project import PROJECT, Pixel, Project
 from stages.extraction.by_hand.segments import propose, usual_focal
@@ -187,11 +187,11 @@ def _box(view: View, box: UprightBox) -> Answer:
 
 
 def _wall(view: View, wall: WallPlane) -> list[list[list[float]]]:
-    """A wall's foot, as lines of pixels."""
-    along = np.array([-wall.normal[1], wall.normal[0], 0.0])
+    """A wall's foot from end to end, as lines of pixels."""
     foot = wall.offset * wall.normal
     reach = 4 * REACH * max(view.above, 0.1)
-    return _lines(view, np.array([[foot - reach * along, foot + reach * along]]))
+    low, high = np.clip(wall.ends, -reach, reach)
+    return _lines(view, np.array([[foot + low * wall.along, foot + high * wall.along]]))
 
 
 def _grid(view: View) -> list[list[list[float]]]:
@@ -215,6 +215,7 @@ def described(project: Project, solved: Solved) -> Answer:
         },
         "horizon": horizon(view),
         "vanishing": {name: vanishing_point(view, axis) for axis, name in enumerate("xyz")},
+        "weak": weak(view, project.perspective.guides),
         "grid": _grid(view),
         "walls": {name: _wall(view, wall) for name, wall in solved.walls.items()},
         "boxes": {name: _box(view, box) for name, box in solved.boxes.items()},

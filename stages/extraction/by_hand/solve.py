@@ -7,12 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.assets.discover import category_in
-from stages.assets.proportions import unusual
+from stages.assets.proportions import sizes_of, unusual
 from stages.extraction.by_hand.metrology import (
     MetrologyError,
     RearCornerError,
     View,
     WallPlane,
+    cut_off,
     hanging_box,
     round_box,
     standing_box,
@@ -28,6 +29,7 @@ EDGE = 6.0  # pixels beside the top of an object that still count as on it
 THINNEST = 0.002  # metres
 BEHIND = 0.05  # of the picture's height, that the foot of what stands may be marked above the top that it stands on
 NEARER = 0.7  # of its distance at least, at which something that was marked too high is put onto what carries it
+FLAT = 0.03  # metres: how deep something on a wall is of which nobody said what it is
 SIDES = {"width": 0, "depth": 1, "height": 2}
 
 
@@ -66,6 +68,12 @@ def _unusual(item: DrawnObject, box: UprightBox) -> str:
     return unusual(category_in(item.label), size)
 
 
+def _usual_depth(label: str) -> float:
+    """How deep things of a label are that hang on a wall."""
+    sizes = sizes_of(category_in(label) or "")
+    return float(np.median(sizes[:, 0])) if len(sizes) else FLAT
+
+
 class _Room:
     """One pass over the drawing at one height of the camera."""
 
@@ -81,8 +89,16 @@ class _Room:
                 self.walls[wall.id] = wall_plane(view, wall.a, wall.b, wall.free)
             except MetrologyError as error:
                 self.notes[wall.id] = str(error)
+        self.walls = {name: self._ended(name, project) for name in self.walls}
         for item in project.objects:
             self._place(item, ())
+
+    def _ended(self, name: str, project: Project) -> WallPlane:
+        """A wall as far as it reaches."""
+        wall, others = self.walls[name], [other for key, other in self.walls.items() if key != name]
+        line = next(line for line in project.walls if line.id == name)
+        first, last = (float(self.view.on_level(end) @ wall.along) for end in (line.a, line.b))
+        return cut_off(wall, (first, last), others)
 
     def _place(self, item: DrawnObject, above: tuple[str, ...]) -> None:
         if item.id in self.boxes or item.id in self.notes:
@@ -108,7 +124,8 @@ class _Room:
     def _box(self, item: DrawnObject, points: list[Pixel], above: tuple[str, ...]) -> UprightBox:
         sizes = item.sizes if self.typed else (None, None, None)
         if item.on in self.walls:
-            return hanging_box(self.view, self.walls[item.on], points[:3], sizes)
+            flat = _usual_depth(item.label) if self.typed else FLAT
+            return hanging_box(self.view, self.walls[item.on], points[:3], sizes, flat)
         ground = self._ground(item, above)
         if item.round:
             return round_box(self.view, ground, points, sizes)
@@ -196,8 +213,9 @@ def solve(project: Project) -> Solved:
         if box is not None and max(np.asarray(box.size)) > FARTHEST:
             room.notes[item.id] = f"would be {max(np.asarray(box.size)):.0f} m large"
             del room.boxes[item.id]
-        elif box is not None and (doubt := _guessed(item, item.on in room.walls) or _unusual(item, box)):
-            room.notes.setdefault(item.id, doubt)
+        elif box is not None:
+            told = [room.notes.get(item.id, _guessed(item, item.on in room.walls)), _unusual(item, box)]
+            room.notes |= {item.id: "; ".join(filter(None, told))} if any(told) else {}
     return Solved(room.view, room.walls, room.boxes, {**room.notes, **notes}, room.guessed)
 
 
@@ -227,8 +245,7 @@ def support_at(project: Project, solved: Solved, pixel: tuple[float, float], sta
     if ray[2] < 0:
         nearest = -eye[2] / ray[2]
     for name, wall in solved.walls.items():
-        towards = float(ray @ wall.normal)
-        if towards < 0 and (reach := wall.offset / towards) < nearest:
+        if (reach := float(wall.reach(ray))) < nearest:
             best, nearest = name, reach
     if stands and best != "floor":
         best = min(beside, key=lambda name: beside[name], default="floor")

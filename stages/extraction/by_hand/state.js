@@ -2,7 +2,7 @@
 
 export const state = {
   project: null, fresh: null, solved: null, depth: false,
-  step: 'camera', tool: 'select', draft: null, chosen: null, handle: null, grid: true, trouble: '',
+  step: 'camera', tool: 'select', draft: null, chosen: null, handle: null, grid: true, trouble: '', under: null,
 };
 const listeners = [];
 const past = [];
@@ -96,6 +96,12 @@ export const redo = () => travel(future, past);
 export const undoable = () => [past.length > 0, future.length > 0];
 
 export const find = (id) => state.project.objects.find((item) => item.id === id) ?? state.project.walls?.find((item) => item.id === id);
+// Numbered where there are more of a kind.
+export function nameOf(item) {
+  if (!item.label) return item.id.replace('_', ' ');
+  const alike = state.project.objects.filter((other) => other.label === item.label);
+  return alike.length > 1 ? `${item.label} ${alike.findIndex((other) => other.id === item.id) + 1}` : item.label;
+}
 export const object = (id, draft) => ({ id, on: draft.on, points: copy(draft.points), free: draft.free, round: draft.round });
 export const wall = (id, draft) => ({ id, a: draft.points[0], b: draft.points[1], free: draft.free });
 export const isWall = (id) => state.project.walls.some((item) => item.id === id);

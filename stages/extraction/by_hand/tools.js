@@ -1,6 +1,6 @@
 // Gestures and keys: what a click, a movement or a key does to the drawing.
 import { frameKey, keyOf } from './both.js';
-import { ask, changed, copy, edit, find, freeId, isWall, object, remember, remove, solve, state, touch, wall } from './state.js';
+import { ask, changed, copy, edit, find, freeId, isWall, nameOf, object, remember, remove, solve, state, touch, wall } from './state.js';
 import { move, pixel, zoom } from './canvas.js';
 import { draw } from './drawing.js';
 
@@ -22,17 +22,25 @@ const IDLE = {
   walls: 'W draws a wall by its foot.', objects: 'B draws an object, R a round one. Click one to change it.', write: 'Write the folder; everything is saved as you go.',
 };
 
+// What it stands or hangs on, before the first click as well.
+function onto() {
+  const on = state.draft?.on ?? state.under;
+  if (!on) return '';
+  const item = find(on);
+  return isWall(on) ? `It hangs on ${on.replace('_', ' ')}. ` : `It stands on ${item ? nameOf(item) : 'the floor'}. `;
+}
+
 export function hint() {
   if (state.tool === 'select') return IDLE[state.step];
   const drawn = (state.draft?.points.length ?? 1) - 1;
-  if (state.tool === 'round') return ROUND[drawn] ?? '';
-  if (state.tool === 'box') return (state.draft && isWall(state.draft.on) ? HANGING : STANDING)[drawn] ?? '';
+  if (state.tool === 'round') return onto() + (ROUND[drawn] ?? '');
+  if (state.tool === 'box') return onto() + ((state.draft && isWall(state.draft.on) ? HANGING : STANDING)[drawn] ?? '');
   const known = HINTS[state.tool] ?? HINTS.line;
   return known[Math.min(drawn, known.length - 1)];
 }
 
 export function choose(tool) {
-  state.draft = null;
+  state.draft = state.under = null;
   if (tool === 'outline' && (!state.chosen || isWall(state.chosen))) tool = 'select';
   state.tool = tool;
   if (STEPS[tool]) state.step = STEPS[tool];
@@ -68,6 +76,19 @@ async function click(at, shift) {
   }
   changed();
   solve();
+}
+
+// Asks what is under the pointer, before anything is clicked; one question at a time, the last one counts.
+let looking = false, later = null;
+async function look(at) {
+  if (looking) { later = at; return; }
+  looking = true;
+  const on = document.getElementById('next-on').value;
+  try {
+    const under = on === 'auto' ? (await ask('support', { project: state.project, pixel: at, stands: state.tool === 'round' })).on : on;
+    if (state.under !== under && !state.draft && ['box', 'round'].includes(state.tool)) { state.under = under; changed(); }
+  } catch { /* said when it is clicked */ } finally { looking = false; }
+  if (later) { const next = later; later = null; look(next); }
 }
 
 // One after the other: the first click of a box waits for the server to say what is there.
@@ -143,7 +164,7 @@ svg.addEventListener('pointermove', (event) => {
     state.draft.points[state.draft.points.length - 1] = at;
     draw();
     solve();
-  }
+  } else if (['box', 'round'].includes(state.tool)) look(at);
 });
 svg.addEventListener('pointerup', (event) => {
   if (press?.moved && state.draft && !press.pan) clicked(pixel(event), event.shiftKey);

@@ -149,6 +149,7 @@ def write_folder(
     ids = dict(zip((item.id for item in seen), object_ids(item.label for item in annotations.objects), strict=True))
     labels = {item.id: item.label for item in project.objects if item.label}
     notes = [f"{ids.get(name) or labels.get(name, name)}: {text}" for name, text in solved.notes.items()]
+    notes += [f"{ids[item.id]}: has no name: cousins are sought by its looks alone" for item in seen if not item.label]
     notes += [f"{item.label or item.id}: not in the picture, left out" for item in placed if item not in seen]
     return Written(ids, notes)
 

@@ -7,8 +7,8 @@ from PIL import Image
 
 from stages.contracts.cousins import Cousins, ObjectCousins
 from stages.contracts.objects import SceneObject
+from stages.contracts.snapshot_pictures import Snapshots
 from stages.tables.page.pictures import Album, Picture, load
-from stages.tables.page.snapshots import Snapshots
 from stages.tables.page.stories import Evidence, Story, story
 
 MOUNTING = {1: "on the wall", 2: "stands free", 3: "stands, touches a wall"}

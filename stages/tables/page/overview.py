@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from stages.contracts.cousins import Cousins
+from stages.contracts.doubts import doubts
 from stages.contracts.files import read_json
 from stages.contracts.generated import GeneratedScene
 from stages.contracts.objects import Objects
-from stages.tables.page.stories import doubts
 
 NOT_RUN = "not run"
 NUMBER = re.compile(r"\d+(\.\d+)?")

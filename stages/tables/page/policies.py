@@ -11,13 +11,13 @@ from stages.contracts.files import read_json
 from stages.contracts.in_scene import SceneDemonstrations
 from stages.contracts.ledgers import read_attempts, read_metrics
 from stages.contracts.policies import TaskAsset, TaskAssets
+from stages.contracts.snapshot_pictures import Snapshots
 from stages.tables.markup import Table
 from stages.tables.order import natural, role_title, set_key, task_key, title
 from stages.tables.page.charts import Points, line_chart
 from stages.tables.page.files import RunFiles
 from stages.tables.page.films import FilmedAsset, read_films
 from stages.tables.page.pictures import Album, Picture
-from stages.tables.page.snapshots import Snapshots
 from stages.tables.roles import by_role, kind_of, known_kinds, lists_table
 
 STEPS = ("step", "steps", "update", "iteration", "epoch")
@@ -190,7 +190,7 @@ def _task(files: RunFiles, task: str, chosen: Path | None, album: Album, snapsho
 
 def collect(files: RunFiles, album: Album) -> list[TaskPart]:
     """Every task of the run, in the paper's order."""
-    snapshots = Snapshots(files)
+    snapshots = Snapshots(files.all("assets/snapshots/shard_*.h5"))
     chosen = {path.parent.name: path for path in files.all("experiment/*/*/assets.json")}
     tasks = {
         *chosen,

@@ -2,6 +2,7 @@
 
 import base64
 import gzip
+import shlex
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,11 +14,11 @@ from stages.contracts.files import read_json
 from stages.contracts.generated import GeneratedScene
 from stages.contracts.images import read_rgb
 from stages.contracts.objects import Objects
+from stages.contracts.snapshot_pictures import Snapshots
 from stages.tables.order import natural, title
 from stages.tables.page.cousins import Match, matches
 from stages.tables.page.files import RunFiles
 from stages.tables.page.pictures import Album, Picture
-from stages.tables.page.snapshots import Snapshots
 from stages.tables.page.stories import Evidence
 from stages.tables.table2 import judge
 
@@ -44,6 +45,7 @@ class Reconstruction:
     scenes: list[RebuiltScene]
     matches: list[Match]
     view: str  # the scene of the first rank to turn round, binary glTF, gzip in base64; empty: the run has none
+    mend: str  # the command, up to an object's id, that opens the page on which that object is corrected; empty: none
 
     @property
     def title(self) -> str:
@@ -116,6 +118,13 @@ def _judge(found: Cousins) -> str:
     return judge(pd.DataFrame(deciders, columns=["model_judge", "orientation_judge"]))
 
 
+def _mend(image: Path | None, scene: str, variant: str) -> str:
+    if image is None:
+        return ""
+    said = ["annotate", str(image.parent), "--scene", scene, "--variant", variant, "--choose"]
+    return f"python -m stages.extraction {shlex.join(said)} "
+
+
 def _room(files: RunFiles, name: str, album: Album, snapshots: Snapshots) -> RoomPart:
     label = title(name)
     path = files.one(f"extraction/{name}/objects.json")
@@ -144,7 +153,7 @@ def _room(files: RunFiles, name: str, album: Album, snapshots: Snapshots) -> Roo
         pictured = matches(found, evidence, image, album, snapshots) if found else []
         view = _packed(files.one(f"generation/{variant}/{name}/view.glb"))
         encoder, decided = (found.encoder, _judge(found)) if found else ("", "")
-        made.append(Reconstruction(variant, encoder, decided, scenes, pictured, view))
+        made.append(Reconstruction(variant, encoder, decided, scenes, pictured, view, _mend(image, name, variant)))
     return RoomPart(
         name=name,
         title=label.capitalize(),
@@ -158,7 +167,7 @@ def _room(files: RunFiles, name: str, album: Album, snapshots: Snapshots) -> Roo
 
 def collect(files: RunFiles, album: Album) -> list[RoomPart]:
     """Every room of the run, in order."""
-    snapshots = Snapshots(files)
+    snapshots = Snapshots(files.all("assets/snapshots/shard_*.h5"))
     patterns = ("extraction/*/objects.json", "generation/*/*/scene_*.json")
     names = {*files.images, *(name for pattern in patterns for name in files.names(pattern, 0))}
     return [_room(files, name, album, snapshots) for name in sorted(names, key=natural)]

@@ -103,12 +103,18 @@ def downloads(files: RunFiles, name: str) -> list[Download]:
     return made
 
 
-def doubts(room: RoomPart, made: Reconstruction | None) -> list[tuple[str, str]]:
-    """What should not be taken for certain, each with the object or scene that it is about."""
-    told = [(f"{one} failed in {stage}", reason or "no reason given") for one, stage, reason in room.failures]
+def doubts(room: RoomPart, made: Reconstruction | None) -> list[tuple[str, str, str]]:
+    """What should not be taken for certain: the object or scene that it is about, the doubt, what opens the page on
+    which that object is corrected (empty: nothing does)."""
+    mend = made.mend if made else ""
+    told = [
+        (f"{one} failed in {stage}", reason or "no reason given", mend and mend + one)
+        for one, stage, reason in room.failures
+    ]
     if made is None:
         return told
     for match in made.matches:
-        told += [(match.id.replace("_", " "), doubt) for doubt in (match.story.doubts if match.story else [])]
-    told += [(f"scene of rank {scene.rank}", scene.physics) for scene in made.scenes if scene.steady is False]
+        found = match.story.doubts if match.story else []
+        told += [(match.id.replace("_", " "), doubt, mend and mend + match.id) for doubt in found]
+    told += [(f"scene of rank {scene.rank}", scene.physics, "") for scene in made.scenes if scene.steady is False]
     return told

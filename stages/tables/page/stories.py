@@ -7,21 +7,17 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 from stages.contracts.cousins import Candidate, ObjectCousins
+from stages.contracts.doubts import agree, doubts, held_as
 from stages.contracts.generated import PlacedObject
-from stages.contracts.objects import Mounting, Objects, SceneObject
+from stages.contracts.objects import Objects, SceneObject
+from stages.contracts.snapshot_pictures import Snapshots
 from stages.geometry.cameras import project
 from stages.geometry.frames import apply, inverse, wrap_angle, yaw_matrix
 from stages.tables.page.pictures import Album, Picture
-from stages.tables.page.snapshots import Snapshots
 
-MOUNTING = {1: "hangs on a wall", 2: "stands free", 3: "stands and touches a wall"}
 SIZE, CANDIDATES, CATEGORIES = 150, 8, 5
 POINTS = 5000  # of a cloud, drawn
 DIM = 0.3  # of what a mask leaves out
-FEW_POINTS = 500
-CLOSE = 0.05  # share by which a second model is farther than the first
-MOVED, SHIFTED = 0.05, 0.01  # metres
-ANOTHER_SIZE = 0.3  # share by which an extent differs from the cloud's
 PLACES = {"floor": "on the floor", "wall": "on the wall", "unnamed": "where it was seen, above the floor"}
 
 
@@ -170,20 +166,9 @@ def _mounting(item: SceneObject) -> str:
     """How it is held, and whether the input and geometry agree on it."""
     assert item.mounting is not None
     if item.measured_mounting is None:
-        return _held(item.mounting) + ", by geometry"
-    agreed = "geometry agrees" if _agree(item) else f"geometry finds: {_held(item.measured_mounting)}"
-    return f"{_held(item.mounting)}, as the input says; {agreed}"
-
-
-def _held(mounting: Mounting) -> str:
-    return MOUNTING[mounting.type] + (f" ({', '.join(mounting.walls)})" if mounting.walls else "")
-
-
-def _agree(item: SceneObject) -> bool:
-    """Whether the input states of the mounting what geometry finds; the order of walls does not count."""
-    said, measured = item.mounting, item.measured_mounting
-    assert said is not None and measured is not None
-    return said.type == measured.type and set(said.walls) == set(measured.walls)
+        return held_as(item.mounting) + ", by geometry"
+    agreed = "geometry agrees" if agree(item) else f"geometry finds: {held_as(item.measured_mounting)}"
+    return f"{held_as(item.mounting)}, as the input says; {agreed}"
 
 
 def _rival(one: Candidate, entry: ObjectCousins, album: Album, snapshots: Snapshots) -> Rival:
@@ -194,41 +179,6 @@ def _rival(one: Candidate, entry: ObjectCousins, album: Album, snapshots: Snapsh
     view = snapshots.picture(one.asset)
     picture = album.put(view, f"{one.asset}, compared with {entry.id}", SIZE // 2) if view else None
     return Rival(one.asset, one.distance, ", ".join(about), ranks.get(one.asset, 0), picture)
-
-
-def doubts(entry: ObjectCousins, item: SceneObject, placed: PlacedObject | None, objects: Objects) -> list[str]:
-    """What a reader should not take for certain."""
-    found = [entry.note] if entry.note else []
-    if item.note:
-        found.append(f"{item.note}: mounting by geometry")
-    if item.measured_mounting is not None and not _agree(item):
-        found.append(f"geometry finds another mounting: {_held(item.measured_mounting)}")
-    if item.points < FEW_POINTS:
-        found.append(f"only {item.points} points in its cloud")
-    if item.pixels is not None:
-        x0, y0, x1, y1 = item.pixels
-        if x0 == 0 or y0 == 0 or x1 == objects.width or y1 == objects.height:
-            found.append("cut off by the picture's border")
-    first, *others = entry.cousins
-    if others and first.distance > 0 and others[0].distance < (1 + CLOSE) * first.distance:
-        found.append(f"a second model is as near: {others[0].asset.replace('_', ' ')}")
-    if entry.categories and first.category != entry.categories[0].category:
-        said, chosen = entry.categories[0].category.replace("_", " "), first.category.replace("_", " ")
-        found.append(f"the label is nearest to {said}, the model is a {chosen}")
-    if placed is None:
-        return found
-    if placed.status == "failed":
-        return [*found, f"not placed: {placed.reason}"]
-    if item.box is not None:
-        ours, clouds = sorted(placed.size[:2]), sorted(item.box.size[:2])
-        if any(abs(a / max(b, 1e-6) - 1) > ANOTHER_SIZE for a, b in zip(ours, clouds, strict=True)):
-            found.append("placed with another depth or width than its cloud has: the far side is hidden")
-    found += placed.doubts
-    if placed.moved > MOVED:
-        found.append(f"pushed {100 * placed.moved:.0f} cm out of a collision")
-    if placed.settled_shift is not None and placed.settled_shift > SHIFTED:
-        found.append(f"moved {100 * placed.settled_shift:.1f} cm when physics ran")
-    return found
 
 
 def _metres(size: tuple[float, float, float]) -> str:

@@ -1,5 +1,6 @@
 """Small pictures of the library's assets, turned as matching chose."""
 
+from collections.abc import Iterable
 from pathlib import Path
 
 import h5py
@@ -10,17 +11,16 @@ from PIL import Image
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json
 from stages.contracts.library import SnapshotShard
-from stages.tables.page.files import RunFiles
 
 MARGIN = 0.06  # of the larger side, around the asset
 
 
 class Snapshots:
-    """The snapshots that the run declared; each picture is read when it is asked for."""
+    """Some shards of snapshots (.h5); each picture is read when it is asked for."""
 
-    def __init__(self, files: RunFiles) -> None:
+    def __init__(self, shards: Iterable[Path]) -> None:
         self._places: dict[str, tuple[Path, int, SnapshotShard]] = {}
-        for path in files.all("assets/snapshots/shard_*.h5"):
+        for path in shards:
             shard = read_json(SnapshotShard, path.with_suffix(".json"))
             self._places |= {asset: (path, index, shard) for index, asset in enumerate(shard.assets)}
 

@@ -1,0 +1,96 @@
+"""Contract of `corrections.json`, beside a scene's input: what a person says otherwise than the stages found."""
+
+from pathlib import Path
+from typing import Literal
+
+from pydantic import Field, model_validator
+
+from stages.contracts.files import Contract, Document, read_json
+from stages.contracts.scenes import Held
+from stages.contracts.types import (
+    Angle,
+    Coordinate,
+    Id,
+    MaskValue,
+    Panels,
+    Pixel,
+    Size,
+    Text,
+    check_supports,
+    check_unique,
+)
+
+CORRECTIONS = "corrections.json"
+MEASURED = "measured"
+FLOOR = "floor"
+Reader = Literal["extraction", "generation"]
+
+
+class Correction(Contract):
+    """One thing, the floor or a wall. What is left out, or null, stays as it was found."""
+
+    mask: MaskValue = Field(description="its value in masks.png; one that is not in there: a thing that was not found")
+    gone: bool = Field(False, description="it is no thing of its own")
+    label: Text | None = Field(None, description="floor and wall mean what they say")
+    around: tuple[Pixel, Pixel] | None = Field(
+        None, description="opposite corners of what shows it; cut out of the picture"
+    )
+    outline: list[Pixel] = Field([], max_length=1000, description="the pixels that show it")
+    articulated: bool | None = None
+    doors: Panels | None = None
+    drawers: Panels | None = None
+    mounting: Held | Literal["measured"] | None = Field(None, description="how it is held; measured: geometry tells")
+    on: MaskValue | Literal["floor"] | None = Field(None, description="what it stands on")
+    size: Size | None = Field(None, description="width along its front, depth, height; metres")
+    front: Angle | None = Field(None, description="direction that it faces about z; 0: as the camera looks; radians")
+    nudge: tuple[Coordinate, Coordinate] | None = Field(
+        None, description="how far it is moved with all that stands on it: away from the camera, to the left; metres"
+    )
+    model: Id | None = Field(None, description="the asset at rank 1, before those that matching ranked")
+    pinned: bool = Field(False, description="`model` stands at every rank")
+    banned: list[Id] = Field([], max_length=1000, description="assets that do not stand for it")
+    like: MaskValue | None = Field(None, description="the thing whose model it has, at every rank")
+
+    @model_validator(mode="after")
+    def _one_model(self) -> "Correction":
+        check_unique(f"banned of mask {self.mask}", self.banned)
+        if self.model is not None and (self.like is not None or self.model in self.banned):
+            raise ValueError(f"model: of mask {self.mask} is banned, or that of `like`: say one of them")
+        return self
+
+
+PLACED = {"nudge", "model", "pinned", "banned", "like"}  # read by generation alone
+READ: dict[Reader, set[str]] = {"extraction": set(Correction.model_fields) - PLACED - {"mask"}, "generation": PLACED}
+
+
+class Corrections(Document):
+    """`corrections.json`; without it nothing is corrected. Mask values are those of the masks.png beside it."""
+
+    objects: list[Correction] = Field([], max_length=1000)
+
+    @model_validator(mode="after")
+    def _resolvable(self) -> "Corrections":
+        check_unique("objects: mask values", [item.mask for item in self.objects])
+        check_supports(self._chain("on"), (FLOOR,))
+        check_supports(self._chain("like"), (FLOOR,))
+        return self
+
+    def _chain(self, key: str) -> dict[str, str]:
+        """From mask value to mask value, as text; what nobody said ends at the floor."""
+        said = {str(item.mask): str(getattr(item, key)) for item in self.objects if getattr(item, key) is not None}
+        return {name: FLOOR for name in said.values() if name != FLOOR} | said
+
+    def read_by(self, stage: Reader) -> "Corrections":
+        """What concerns a stage, and nothing else."""
+        kept = [item.model_dump(include={"mask", *READ[stage]}, exclude_defaults=True) for item in self.objects]
+        return Corrections(objects=[Correction.model_validate(item) for item in kept if len(item) > 1])
+
+
+def corrections_of(paths: tuple[Path, ...], stage: Reader) -> dict[int, Correction]:
+    """What a stage reads of corrections.json, by mask value; `paths`: the file, or nothing.
+
+    Raises:
+        InputError: it is broken.
+    """
+    said = [read_json(Corrections, path, "mend or delete it").read_by(stage) for path in paths]
+    return {item.mask: item for one in said for item in one.objects}

@@ -1,0 +1,58 @@
+"""What the files of a scene tell that should not be taken for certain: for the report, and for who corrects."""
+
+from stages.contracts.cousins import ObjectCousins
+from stages.contracts.generated import PlacedObject
+from stages.contracts.objects import Mounting, Objects, SceneObject
+
+MOUNTING = {1: "hangs on a wall", 2: "stands free", 3: "stands and touches a wall"}
+FEW_POINTS = 500
+CLOSE = 0.05  # share by which a second model is farther than the first
+MOVED, SHIFTED = 0.05, 0.01  # metres
+ANOTHER_SIZE = 0.3  # share by which an extent differs from the cloud's
+
+
+def held_as(mounting: Mounting) -> str:
+    """In words, e.g. `hangs on a wall (wall_1)`."""
+    return MOUNTING[mounting.type] + (f" ({', '.join(mounting.walls)})" if mounting.walls else "")
+
+
+def agree(item: SceneObject) -> bool:
+    """Whether the input states of the mounting what geometry finds; the order of walls does not count."""
+    said, measured = item.mounting, item.measured_mounting
+    assert said is not None and measured is not None
+    return said.type == measured.type and set(said.walls) == set(measured.walls)
+
+
+def doubts(entry: ObjectCousins, item: SceneObject, placed: PlacedObject | None, objects: Objects) -> list[str]:
+    """What a reader should not take for certain."""
+    found = [entry.note] if entry.note else []
+    if item.note:
+        found.append(f"{item.note}: mounting by geometry")
+    if item.measured_mounting is not None and not agree(item):
+        found.append(f"geometry finds another mounting: {held_as(item.measured_mounting)}")
+    if item.points < FEW_POINTS:
+        found.append(f"only {item.points} points in its cloud")
+    if item.pixels is not None:
+        x0, y0, x1, y1 = item.pixels
+        if x0 == 0 or y0 == 0 or x1 == objects.width or y1 == objects.height:
+            found.append("cut off by the picture's border")
+    first, *others = entry.cousins
+    if others and first.distance > 0 and others[0].distance < (1 + CLOSE) * first.distance:
+        found.append(f"a second model is as near: {others[0].asset.replace('_', ' ')}")
+    if entry.categories and first.category != entry.categories[0].category:
+        said, chosen = entry.categories[0].category.replace("_", " "), first.category.replace("_", " ")
+        found.append(f"the label is nearest to {said}, the model is a {chosen}")
+    if placed is None:
+        return found
+    if placed.status == "failed":
+        return [*found, f"not placed: {placed.reason}"]
+    if item.box is not None:
+        ours, clouds = sorted(placed.size[:2]), sorted(item.box.size[:2])
+        if any(abs(a / max(b, 1e-6) - 1) > ANOTHER_SIZE for a, b in zip(ours, clouds, strict=True)):
+            found.append("placed with another depth or width than its cloud has: the far side is hidden")
+    found += placed.doubts
+    if placed.moved > MOVED:
+        found.append(f"pushed {100 * placed.moved:.0f} cm out of a collision")
+    if placed.settled_shift is not None and placed.settled_shift > SHIFTED:
+        found.append(f"moved {100 * placed.settled_shift:.1f} cm when physics ran")
+    return found

@@ -1,0 +1,133 @@
+"""What the last run made of the folder that is corrected: boxes, doubts, cousins with pictures."""
+
+import base64
+import io
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from PIL import Image
+
+from stages.contracts import Cousins, GeneratedScene, Objects, read_json
+from stages.contracts.cousins import ObjectCousins
+from stages.contracts.doubts import doubts
+from stages.contracts.generated import PlacedObject
+from stages.contracts.objects import SceneObject
+from stages.contracts.snapshot_pictures import Snapshots
+from stages.geometry.boxes import UprightBox, corners
+from stages.geometry.cameras import project
+from stages.geometry.frames import apply, inverse
+
+SHOWN = 24  # models that can be chosen, nearest first
+SIZE = 96  # pixels of their pictures
+FRONT = ([1, 2, 6, 5], "front")  # corners of the face that an asset looks with
+SIDES = ([0, 1, 5, 4], [2, 3, 7, 6], [3, 0, 4, 7], [4, 5, 6, 7], [0, 1, 2, 3])
+
+
+@dataclass(frozen=True)
+class Made:
+    """What a run made; all of it by mask value. Without a run it is empty."""
+
+    objects: Objects | None
+    items: dict[int, SceneObject]
+    cousins: dict[int, ObjectCousins]
+    placed: dict[int, PlacedObject]
+    snapshots: Snapshots
+
+    def told(self) -> dict[str, Any]:
+        """What the page shows of every thing, by mask value."""
+        return {str(mask): self._about(item) for mask, item in self.items.items()}
+
+    def _about(self, item: SceneObject) -> dict[str, Any]:
+        entry, placed = self.cousins.get(item.mask), self.placed.get(item.mask)
+        about: dict[str, Any] = {"id": item.id, "doubts": self._doubts(item, entry, placed)}
+        if placed is None or placed.status == "failed":
+            return about
+        depth, width, height = placed.size
+        return about | {
+            "size": [round(extent, 3) for extent in (width, depth, height)],
+            "front": placed.yaw,
+            "support": placed.support,
+            "model": placed.asset,
+            "faces": self._faces(placed),
+        }
+
+    def _doubts(self, item: SceneObject, entry: ObjectCousins | None, placed: PlacedObject | None) -> list[str]:
+        if item.status == "failed":
+            return [f"not found: {item.reason}"]
+        if entry is None or self.objects is None:
+            return []
+        if entry.status == "failed":
+            return [f"no cousins: {entry.reason}"]
+        first = placed.doubts if placed is not None else []
+        return [*first, *(one for one in doubts(entry, item, placed, self.objects) if one not in first)]
+
+    def _faces(self, placed: PlacedObject) -> list[list[list[float]]]:
+        """The sides of what stands in the scene of rank 1 as pixels, its front last; none if one is behind us."""
+        assert self.objects is not None
+        points = corners(UprightBox(placed.position, placed.size, placed.yaw))
+        pixels = project(apply(inverse(np.array(self.objects.floor_from_camera)), points), self.objects.intrinsics)
+        if not np.isfinite(pixels).all():
+            return []
+        return [np.round(pixels[face], 1).tolist() for face in (*SIDES, FRONT[0])]
+
+    def models(self, mask: int) -> list[dict[str, Any]]:
+        """Models that can stand for a thing, nearest first, with pictures as matching turned them."""
+        entry = self.cousins.get(mask)
+        if entry is None or entry.status == "failed":
+            return []
+        ranks = {cousin.asset: cousin.rank for cousin in entry.cousins}
+        nearest = [one for one in entry.by_distance if one.asset not in ranks]
+        choosable = [(one.asset, one.distance) for one in (*entry.cousins, *nearest)][:SHOWN]
+        turn = entry.cousins[0].orientation.yaw
+        return [
+            {
+                "asset": asset,
+                "distance": round(distance, 2),
+                "rank": ranks.get(asset),
+                "picture": self._picture(asset, turn),
+            }
+            for asset, distance in choosable
+        ]
+
+    def _picture(self, asset: str, yaw: float) -> str | None:
+        view = self.snapshots.picture(asset, yaw)
+        if view is None:
+            return None
+        file = io.BytesIO()
+        view.resize((SIZE, SIZE), Image.Resampling.LANCZOS).save(file, "PNG")
+        return "data:image/png;base64," + base64.b64encode(file.getvalue()).decode("ascii")
+
+
+def made_of(results: Path, scene: str, variant: str | None, size: tuple[int, int]) -> Made:
+    """What lies in a folder of results of a scene; what does not is left out.
+
+    Args:
+        variant: of matching; None: the first that is there.
+        size: width and height of the picture: another one's results are of something else.
+
+    Raises:
+        InputError: a file is broken.
+    """
+    path = results / "extraction" / scene / "objects.json"
+    objects = read_json(Objects, path) if path.is_file() else None
+    if objects is None or (objects.width, objects.height) != size:
+        return Made(None, {}, {}, {}, Snapshots([]))
+    variants = [variant] if variant else sorted(path.parent.parent.name for path in _cousins(results, scene))
+    found = results / "matching" / (variants or ["-"])[0] / scene / "cousins.json"
+    matched = read_json(Cousins, found).objects if found.is_file() else []
+    place = results / "generation" / (variants or ["-"])[0] / scene / "scene_1.json"
+    placed = read_json(GeneratedScene, place).objects if place.is_file() else []
+    masks = {item.id: item.mask for item in objects.objects}
+    return Made(
+        objects,
+        {item.mask: item for item in objects.objects},
+        {masks[one.id]: one for one in matched if one.id in masks},
+        {masks[one.id]: one for one in placed if one.id in masks},
+        Snapshots(sorted((results / "assets/snapshots").glob("shard_*.h5"))),
+    )
+
+
+def _cousins(results: Path, scene: str) -> list[Path]:
+    return list((results / "matching").glob(f"*/{scene}/cousins.json"))

@@ -1,0 +1,159 @@
+"""What a person corrects of found masks, labels, counts and mountings: the masks and annotations that come of it."""
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from stages.contracts import Annotations
+from stages.contracts.corrections import MEASURED, Correction
+from stages.contracts.scenes import Annotation, Held
+from stages.contracts.types import Pixel
+from stages.extraction.by_hand.paint import polygon
+from stages.geometry.masks import pixel_bounds
+
+FLOOR, WALL = "floor", "wall"
+ROOM = (FLOOR, WALL)
+AROUND = 0.25  # share of a box by which the picture around it is looked at, to tell what is behind
+LONGEST = 320  # pixels at which a box's content is cut out
+ROUNDS = 4
+LEAST = 0.05  # share of its box that a thing fills; what is found to be smaller is not believed
+
+
+def as_found(annotations: Annotations) -> dict[int, Correction]:
+    """All that an input folder names, by mask value: things, then floor and walls; nothing is left to be found."""
+    rooms = [(value, FLOOR) for value in [annotations.floor] if value is not None]
+    rooms += [(value, WALL) for value in annotations.walls]
+    things = [
+        Correction(**item.model_dump(include={"mask", "label", "articulated", "doors", "drawers", "mounting"}))
+        for item in annotations.objects
+    ]
+    return {item.mask: item for item in [*things, *(Correction(mask=value, label=label) for value, label in rooms)]}
+
+
+def laid_over(found: dict[int, Correction], told: dict[int, Correction]) -> dict[int, Correction]:
+    """What was found, with what a person says of it; what is gone is left out."""
+    merged = dict(found)
+    for mask, item in told.items():
+        said = {name: getattr(item, name) for name in item.model_dump(exclude_defaults=True)}
+        if item.mounting == MEASURED:
+            said["mounting"] = None
+        merged[mask] = merged.get(mask, Correction(mask=mask)).model_copy(update=said)
+    return {mask: item for mask, item in merged.items() if not item.gone}
+
+
+def drawn(item: Correction) -> bool:
+    """Whether its pixels are not as they were found."""
+    return item.around is not None or len(item.outline) > 2
+
+
+class Cutter:
+    """Cuts things out of a picture by their boxes (GrabCut), each box once."""
+
+    def __init__(self, rgb: NDArray[np.uint8]) -> None:
+        self.rgb = rgb
+        self._done: dict[tuple[int, int, int, int], NDArray[np.bool_]] = {}
+
+    def __call__(self, box: tuple[int, int, int, int]) -> NDArray[np.bool_]:
+        """Mask (H, W) of what the box x0, y0, x1, y1 (exclusive) shows."""
+        if box not in self._done:
+            self._done[box] = self._cut(*box)
+        return self._done[box]
+
+    def _cut(self, x0: int, y0: int, x1: int, y1: int) -> NDArray[np.bool_]:
+        height, width = self.rgb.shape[:2]
+        mask = np.zeros((height, width), dtype=bool)
+        margin = 2 + round(AROUND * max(x1 - x0, y1 - y0))
+        left, top = max(0, x0 - margin), max(0, y0 - margin)
+        part = self.rgb[top : y1 + margin, left : x1 + margin]
+        scale = min(1.0, LONGEST / max(part.shape[:2]))
+        size = tuple(max(8, round(side * scale)) for side in part.shape[1::-1])
+        small = np.ascontiguousarray(cv2.resize(part, size, interpolation=cv2.INTER_AREA))
+        zoom = size[0] / part.shape[1], size[1] / part.shape[0]
+        low = round((x0 - left) * zoom[0]), round((y0 - top) * zoom[1])
+        high = round((x1 - left) * zoom[0]), round((y1 - top) * zoom[1])
+        kinds = np.full(small.shape[:2], cv2.GC_BGD, dtype=np.uint8)
+        kinds[low[1] : high[1], low[0] : high[0]] = cv2.GC_PR_FGD
+        box = np.s_[y0:y1, x0:x1]
+        if (kinds == cv2.GC_BGD).any() and (kinds == cv2.GC_PR_FGD).any():
+            cv2.setRNGSeed(0)
+            background, foreground = np.zeros((1, 65)), np.zeros((1, 65))
+            cv2.grabCut(small, kinds, (0, 0, 0, 0), background, foreground, ROUNDS, cv2.GC_INIT_WITH_MASK)
+        seen = ((kinds == cv2.GC_FGD) | (kinds == cv2.GC_PR_FGD)).astype(np.uint8)
+        whole = cv2.resize(seen, part.shape[1::-1], interpolation=cv2.INTER_NEAREST) > 0
+        mask[top : top + part.shape[0], left : left + part.shape[1]] = whole
+        if mask[box].sum() < LEAST * (x1 - x0) * (y1 - y0):
+            mask[box] = True
+        return mask
+
+
+def pixel_box(box: tuple[Pixel, Pixel], width: int, height: int) -> tuple[int, int, int, int]:
+    """Whole pixels of a drawn box, inside the picture, at least one."""
+    (xa, ya), (xb, yb) = box
+    x0, x1 = (int(np.clip(round(x), 0, width)) for x in sorted((xa, xb)))
+    y0, y1 = (int(np.clip(round(y), 0, height)) for y in sorted((ya, yb)))
+    x0, y0 = min(x0, width - 1), min(y0, height - 1)
+    return x0, y0, max(x1, x0 + 1), max(y1, y0 + 1)
+
+
+def painted(things: dict[int, Correction], found: NDArray[np.uint16], cut: Cutter) -> NDArray[np.uint16]:
+    """Masks (H, W) of what a person says; floor and walls lie below things, what was found below what was drawn."""
+    masks = np.zeros_like(found)
+    height, width = masks.shape
+    for item in sorted(things.values(), key=lambda item: (item.label not in ROOM, drawn(item))):
+        if len(item.outline) > 2:
+            shown = polygon(item.outline, masks.shape)
+        elif item.around is not None:
+            shown = cut(pixel_box(item.around, width, height))
+        else:
+            shown = found == item.mask
+        masks[shown] = item.mask
+    return masks
+
+
+def corrected(
+    given: Annotations, found: NDArray[np.uint16], told: dict[int, Correction], cut: Cutter
+) -> tuple[Annotations | None, NDArray[np.uint16], list[str]]:
+    """Annotations and masks (H, W) as a person says, and lines on what was left out; None: there is no object."""
+    things = laid_over(as_found(given), told)
+    masks = painted(things, found, cut)
+    shown = set(np.unique(masks).tolist())
+    seen = [item for mask, item in things.items() if mask in shown]
+    notes = [
+        f"{item.label or 'object'}: no pixel shows it, left out" for mask, item in things.items() if mask not in shown
+    ]
+    floors = [item.mask for item in seen if item.label == FLOOR]
+    masks = np.where(np.isin(masks, floors), floors[0], masks).astype(np.uint16) if floors else masks
+    walls = [item.mask for item in seen if item.label == WALL]
+    known = {item.mask: item for item in given.objects}
+    objects = []
+    for item in (entry for entry in seen if entry.label not in ROOM):
+        held = item.mounting if isinstance(item.mounting, Held) else None
+        if held is not None and not set(held.walls) <= set(walls):
+            notes.append(f"{item.label or 'object'}: its wall is gone, mounting by geometry")
+            held = None
+        doors, drawers = item.doors or 0, item.drawers or 0
+        before = None if drawn(item) else known.get(item.mask)
+        objects.append(
+            Annotation(
+                mask=item.mask,
+                label=item.label or "object",
+                articulated=bool(item.articulated) or doors + drawers > 0,
+                doors=doors,
+                drawers=drawers,
+                mounting=held,
+                box=before.box if before else None,
+                guessed=bool(before and before.guessed),
+                front=before.front if before else None,
+            )
+        )
+    if not objects:
+        return None, masks, notes
+    return Annotations(objects=objects, floor=floors[0] if floors else None, walls=walls), masks, notes
+
+
+def bounds(mask: NDArray[np.bool_]) -> tuple[Pixel, Pixel] | None:
+    """Opposite corners of a mask's pixels."""
+    if not mask.any():
+        return None
+    x0, y0, x1, y1 = pixel_bounds(mask)
+    return (x0, y0), (x1, y1)

@@ -1,0 +1,104 @@
+"""What a person says of a scene's things, laid over what was found: before they are reconstructed, and after."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stages.contracts import InputError, Objects
+from stages.contracts.corrections import FLOOR, Correction
+from stages.contracts.objects import Box, Mounting, SceneObject
+from stages.extraction.by_hand.regions import Cutter, corrected
+from stages.extraction.clouds import with_bottom
+from stages.extraction.observation import AnnotatedImage
+from stages.extraction.reconstruct import ExtractedScene
+from stages.geometry.boxes import UprightBox
+from stages.geometry.frames import rounded, yaw_matrix
+
+LEFT = 0.5  # of what is seen of a thing, that must be above what carries it; else all of it is put there
+
+
+def as_seen(image: AnnotatedImage, told: dict[int, Correction]) -> AnnotatedImage:
+    """The picture with masks, labels, counts and mountings as a person says.
+
+    Raises:
+        InputError: nothing is left.
+    """
+    annotations, masks, notes = corrected(image.annotations, image.masks, told, Cutter(image.rgb))
+    for note in notes:
+        print(note)
+    if annotations is None:
+        raise InputError("corrections.json", "leaves no object.", "take back that one is gone")
+    return replace(image, annotations=annotations, masks=masks)
+
+
+def as_told(scene: ExtractedScene, told: dict[int, Correction]) -> ExtractedScene:
+    """The objects with sizes, supports and fronts as a person says: they count more than what was measured."""
+    objects, clouds = scene.objects, dict(scene.clouds)
+    by_mask = {item.mask: item for item in objects.objects if item.status == "ok"}
+    done: dict[int, SceneObject] = {}
+
+    def settled(mask: int) -> SceneObject:
+        """One object, after what carries it; nothing carries itself (the contract)."""
+        if mask not in done:
+            item, said = by_mask[mask], told.get(mask, Correction(mask=mask))
+            carrier = settled(said.on) if isinstance(said.on, int) and said.on in by_mask else None
+            if said.on == FLOOR:
+                item, clouds[item.id] = _on(item, clouds[item.id], FLOOR, 0.0)
+            elif carrier is not None and carrier.box is not None:
+                top = UprightBox(carrier.box.center, carrier.box.size, carrier.box.yaw).top
+                item, clouds[item.id] = _on(item, clouds[item.id], carrier.id, top)
+            if said.front is not None:
+                item = item.model_copy(update={"front": said.front})
+            done[mask] = item if said.size is None else _of_size(item, said.size, objects)
+        return done[mask]
+
+    items = [settled(item.mask) if item.status == "ok" else item for item in objects.objects]
+    return replace(scene, objects=objects.model_copy(update={"objects": items}), clouds=clouds)
+
+
+def _on(
+    item: SceneObject, cloud: NDArray[np.float32], carrier: str, top: float
+) -> tuple[SceneObject, NDArray[np.float32]]:
+    """An object and its cloud (N, 3) on a carrier whose top is at a height; what does not hang any more stands."""
+    assert item.box is not None and item.mounting is not None
+    box = UprightBox(item.box.center, item.box.size, item.box.yaw)
+    lift = 0.0 if box.top - top >= LEFT * float(np.asarray(box.size)[2]) else top - box.bottom
+    up = np.array([0, 0, lift])
+    box = with_bottom(box._replace(center=np.asarray(box.center) + up), top)
+    cloud = (cloud + up).astype(np.float32)
+    cloud[:, 2] = np.maximum(cloud[:, 2], np.float32(top))
+    mounting = Mounting(type=3, walls=item.mounting.walls) if item.mounting.type == 1 else item.mounting
+    return item.model_copy(update={"box": _rounded(box), "mounting": mounting, "support": carrier}), cloud
+
+
+def _of_size(item: SceneObject, size: tuple[float, float, float], objects: Objects) -> SceneObject:
+    """An object with a width, depth and height. Its depth is along its front if that is told, else along the normal of
+    its wall or the line of sight. Its bottom stays, or its middle if it hangs; so does the side that faces the camera,
+    but with a wall behind it its rear is there."""
+    assert item.box is not None and item.mounting is not None
+    center, turn = np.array(item.box.center), yaw_matrix(item.box.yaw)
+    wall = next((one for one in objects.walls if one.id in item.mounting.walls[:1]), None)
+    to_camera = np.array(objects.floor_from_camera)[:3, 3] - center
+    seen_from = to_camera if wall is None else np.asarray(wall.normal)
+    front = seen_from if item.front is None else yaw_matrix(item.front)[:, 0]
+    width, depth, height = size
+    deep = int(np.argmax(np.abs((turn.T @ front)[:2])))
+    new = np.array([depth, width, height] if deep == 0 else [width, depth, height])
+    if item.mounting.type != 1:
+        center[2] += (height - item.box.size[2]) / 2
+    center += turn @ (np.sign(turn.T @ seen_from) * (np.array(item.box.size) - new) / 2 * _one(turn.T @ seen_from))
+    if wall is not None:
+        center += seen_from * (wall.offset + float(np.abs(turn.T @ seen_from) @ new) / 2 - center @ seen_from)
+    box = UprightBox(center, new, item.box.yaw)
+    return item.model_copy(update={"box": _rounded(box), "whole": True})
+
+
+def _one(along: NDArray[np.float64]) -> NDArray[np.float64]:
+    """1 for the level axis along which a direction (3,) points most, 0 for the others."""
+    return np.asarray(np.arange(3) == np.argmax(np.abs(along[:2])), dtype=float)
+
+
+def _rounded(box: UprightBox) -> Box:
+    center, size, yaw = box
+    return Box(center=rounded(center), size=rounded(size), yaw=round(yaw, 6))

@@ -1,0 +1,133 @@
+"""The page that corrects, with results of a run beside the folder: doubts first, cousins to choose, sizes, places."""
+
+import json
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from stages.contracts import Cousins, GeneratedScene, Objects, read_json, write_json
+from stages.contracts.corrections import CORRECTIONS
+from stages.contracts.cousins import Candidate, Cousin, ObjectCousins, Orientation
+from stages.contracts.generated import PlacedObject
+from stages.extraction.by_hand.correcting import Correcting
+from stages.extraction.extract import run as extract
+from tests.unit.annotate_page import watched
+from tests.unit.synthetic_room import OBJECT, write_room
+from tests.unit.tables_results import snapshots
+from tests.unit.test_annotate_browser import browser  # noqa: F401
+from tests.unit.test_correcting import BOXES
+from tests.unit.test_report_browser import CONTRAST
+
+CABINET, BOX = OBJECT, OBJECT + 1
+MODELS = [f"cabinet_{number}" for number in range(12)]
+DOUBT = "is 60 by 220 cm, 80 cm high; usual are 30 to 60 by 40 to 120 cm, 60 to 90 cm high"
+
+
+def _matched(name: str) -> ObjectCousins:
+    """Ten cousins, and two models more that were compared."""
+    view = Orientation(yaw=0.4, distance=0.5)
+    compared = [Candidate(asset=asset, category="cabinet", distance=1 + n / 4) for n, asset in enumerate(MODELS)]
+    cousins = [
+        Cousin(rank=n, asset=one.asset, category="cabinet", distance=one.distance, votes=None, orientation=view,
+               orientations=[view])
+        for n, one in enumerate(compared[:10], 1)
+    ]  # fmt: skip
+    return ObjectCousins(id=name, label=name[:-2], by_distance=compared, cousins=cousins)
+
+
+@pytest.fixture
+def session(tmp_path: Path) -> Correcting:
+    folder = write_room(tmp_path / "kitchen", BOXES, ["cabinet", "cabinet"])
+    results = tmp_path / "results"
+    place = results / "extraction/kitchen/objects.json"
+    extract(input=folder, scene="kitchen", out=place)
+    objects = read_json(Objects, place)
+    names = [item.id for item in objects.objects]
+    cousins = Cousins(scene="kitchen", encoder="hog", objects=[_matched(name) for name in names])
+    write_json(results / "matching/b/kitchen/cousins.json", cousins)
+    placed = [
+        PlacedObject(
+            id=item.id, label=item.label, asset=MODELS[0], category="cabinet", position=item.box.center,
+            yaw=np.pi, size=item.box.size, mounting=item.mounting, cousin=1, doubts=[DOUBT] if number else [],
+        )
+        for number, item in enumerate(objects.objects) if item.box is not None
+    ]  # fmt: skip
+    shared = objects.model_dump(include={"scene", "width", "height", "intrinsics", "floor_from_camera", "walls"})
+    scene = GeneratedScene(variant="b", rank=1, objects=placed, **shared)
+    write_json(results / "generation/b/kitchen/scene_1.json", scene)
+    snapshots(results / "assets/snapshots", MODELS)
+    return Correcting(folder, ["mug"], results, "kitchen", None, "cabinet_1")
+
+
+@pytest.fixture
+def opened(browser: Any, session: Correcting) -> Iterator[Any]:  # noqa: F811
+    with watched(browser, session, "#over polygon") as page:
+        yield page
+
+
+def _told(page: Any, session: Correcting) -> dict[int, dict[str, Any]]:
+    """What is kept, by mask value."""
+    page.wait_for_function("() => document.getElementById('saved').textContent === 'saved'")
+    path = session.folder / CORRECTIONS
+    said = json.loads(path.read_text())["objects"] if path.is_file() else []
+    return {item.pop("mask"): item for item in said}
+
+
+def test_from_a_doubt_to_another_model_in_two_clicks(opened: Any, session: Correcting) -> None:
+    page = opened
+    assert page.locator("#objects button").all_text_contents() == ["cabinet 1", "cabinet 2", "floor", "wall"]
+    assert page.locator("#objects button[aria-pressed=true]").text_content() == "cabinet 1"  # as --choose says
+    doubts = page.locator("#in-doubt button")
+    assert doubts.filter(has_text=f"cabinet 2: {DOUBT}").count() == 1
+    doubts.filter(has_text=DOUBT).click()
+    assert DOUBT in page.locator("#own-doubts").text_content()
+    page.wait_for_selector("#cousins img")
+    models = page.locator("#cousins li")
+    assert models.count() == 12 and page.locator("#view .solid").count() == 6
+    assert models.first.text_content().startswith("cabinet 0 · 1.00 · cousin 1 · stands there")
+    if shots := os.environ.get("ACDC_SCREENSHOTS"):
+        page.screenshot(path=f"{shots}/correct_models.png")
+    models.nth(10).locator("[data-asset]").click()  # one that is no cousin
+    assert _told(page, session) == {BOX: {"model": "cabinet_10"}}
+    page.get_by_label("the chosen one in every scene").check()
+    page.get_by_label("cabinet 3: not this one").click()
+    assert _told(page, session) == {BOX: {"model": "cabinet_10", "pinned": True, "banned": ["cabinet_3"]}}
+    page.get_by_label("cabinet 10: not this one").click()  # what is banned is not chosen
+    assert _told(page, session)[BOX]["banned"] == ["cabinet_3", "cabinet_10"]
+    page.get_by_label("Same model as").select_option(label="cabinet 1")
+    assert _told(page, session)[BOX]["like"] == CABINET
+    low = page.evaluate(CONTRAST)
+    assert [line for line in low if not line.startswith("text ")] == []
+
+
+def test_size_support_front_and_place_are_said(opened: Any, session: Correcting) -> None:
+    page = opened
+    page.locator("#objects button", has_text="cabinet 2").click()
+    assert session.made.placed[BOX].size[1] == pytest.approx(float(page.locator("#width").input_value()), abs=1e-3)
+    page.locator("#height").fill("0.5")
+    page.keyboard.press("Enter")
+    depth, width, _ = session.made.placed[BOX].size
+    assert _told(page, session)[BOX]["size"] == pytest.approx([width, depth, 0.5], abs=1e-3)
+    page.locator("#on").select_option(label="cabinet 1")
+    page.get_by_role("button", name="↺ 90°").click()
+    page.get_by_role("button", name="←", exact=True).click()
+    page.get_by_role("button", name="↓", exact=True).click(modifiers=["Shift"])
+    told = _told(page, session)[BOX]
+    assert told["on"] == CABINET and told["front"] == pytest.approx(-np.pi / 2, abs=1e-3)
+    assert told["nudge"] == [-0.1, 0.02]
+    assert page.locator("#nudge").text_content() == "10 cm nearer, 2 cm to the left"
+    page.locator("#objects button", has_text="cabinet 1").click()
+    assert "cabinet 2" not in page.locator("#on").text_content()  # it stands on this one already
+    page.locator("#mounting").select_option(label="hangs on wall")
+    assert page.locator("#on").is_disabled()
+    page.locator("#view").focus()
+    page.keyboard.press("Delete")  # what stood on it stands where it is found again
+    assert "on" not in _told(page, session)[BOX] and _told(page, session)[CABINET] == {"gone": True}
+    for _ in range(8):
+        page.keyboard.press("Control+z")
+    assert _told(page, session) == {} and not (session.folder / CORRECTIONS).exists()
+    assert page.locator("#command").text_content().endswith("results/report/scenes/kitchen.html")
