@@ -119,6 +119,40 @@ def test_undo_redo_keys_and_opening_again(opened: tuple[Any, Session]) -> None:
     assert _saved(page, session).objects[0].height == 0.5
 
 
+def test_what_a_click_stands_on_is_said_before_it_and_a_changed_support_keeps_the_marks(
+    opened: tuple[Any, Session],
+) -> None:
+    page, session = opened
+    room = TrueRoom(ROOM)
+    hand = Hand(page, room, 0)
+    table, bowl = room.truth.objects[3], room.truth.objects[4]
+    hand.object(table, "auto")
+    hand.key("b")
+
+    def over(point: Any) -> None:
+        page.mouse.move(*hand.at(room.pixels(point)))
+
+    up = np.array([0, 0, table.size[2] / 2])
+    over(table.position + up)
+    page.wait_for_function("() => document.getElementById('hint').textContent.startsWith('It stands on dining table.')")
+    assert page.locator("#view .under").count() == 1
+    over(table.position - up - [0.9, 0, 0])
+    page.wait_for_function("() => document.getElementById('hint').textContent.startsWith('It stands on the floor.')")
+    hand.key("Escape")
+    hand.wall([0, -0.6, 0], [0, 0.6, 0])
+    hand.object(bowl, "auto")
+    hand.fill("What it is", "dining table")
+    names = [text.split(":")[0] for text in page.locator("#objects button").all_text_contents()]
+    assert names == ["dining table 1", "dining table 2"]  # numbered where there are more of a kind
+    before = _saved(page, session).objects[1].points
+    page.locator("#on").select_option("wall_1")
+    hung = _saved(page, session).objects[1]
+    assert hung.on == "wall_1" and hung.points[0] == pytest.approx(before[0], abs=0.2)
+    page.locator("#on").select_option("object_1")
+    again = _saved(page, session).objects[1]
+    assert again.points[0] == pytest.approx(before[0], abs=3) and len(again.points) == len(before)
+
+
 def test_outlines_walls_camera_and_what_is_wrong(opened: tuple[Any, Session]) -> None:
     page, session = opened
     room = TrueRoom(ROOM)

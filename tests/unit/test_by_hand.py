@@ -17,11 +17,11 @@ from PIL import Image, PngImagePlugin
 from stages.contracts import Annotations, Camera, InputError, Objects, read_json, write_json
 from stages.extraction import annotate
 from stages.extraction.by_hand.paint import paint
-from stages.extraction.by_hand.perspective import fit_view
+from stages.extraction.by_hand.perspective import fit_view, weak
 from stages.extraction.by_hand.photo import LONGEST, read_photo
-from stages.extraction.by_hand.project import PROJECT, DrawnObject, DrawnWall, Perspective, Project, Scale
+from stages.extraction.by_hand.project import PROJECT, DrawnObject, DrawnWall, Guide, Perspective, Project, Scale
 from stages.extraction.by_hand.server import PageServer
-from stages.extraction.by_hand.session import Session
+from stages.extraction.by_hand.session import Session, described
 from stages.extraction.by_hand.solve import solve, support_at
 from stages.extraction.by_hand.write import at_size, write_folder
 from stages.extraction.extract import run as extract
@@ -241,6 +241,61 @@ def test_sizes_that_cannot_be_are_doubted() -> None:
     shelf.points[1] = (shelf.points[1][0], shelf.points[0][1])
     assert "mm thin: draw it anew" in solve(drawing).notes["shelf"]
     assert "mug" not in solve(drawing).notes, "of no category of ours"
+
+
+def test_what_hangs_is_as_deep_as_things_of_its_name() -> None:
+    drawing = _drawing()
+    shelf = drawing.objects[2]
+    flat = shelf.model_copy(update={"points": shelf.points[:2]})
+    depths = {}
+    for label in ("", "wall cabinet", "mirror"):
+        named = flat.model_copy(update={"label": label})
+        solved = solve(drawing.model_copy(update={"objects": [named]}))
+        depths[label] = float(np.asarray(solved.boxes["shelf"].size)[1])
+        assert "depth is guessed" in solved.notes["shelf"] and "shelf" in solved.guessed
+    assert depths[""] == pytest.approx(0.03) and depths["mirror"] < 0.1 < 0.25 < depths["wall cabinet"]
+
+
+def test_a_guessed_depth_does_not_hide_an_unusual_size(tmp_path: Path) -> None:
+    drawing = _drawing()
+    cabinet = drawing.objects[0]
+    bare = cabinet.model_copy(update={"points": cabinet.points[:3], "label": "mug"})
+    note = solve(drawing.model_copy(update={"objects": [bare]})).notes["cabinet"]
+    assert "depth is guessed" in note and "usual are" in note
+    named = [item.model_copy(update={"label": ""}) if item.id == "mug" else item for item in drawing.objects]
+    notes = write_folder(tmp_path / "a", _noise(), drawing.model_copy(update={"objects": named})).notes
+    assert "object_1: has no name: cousins are sought by its looks alone" in notes
+
+
+def test_walls_end_where_they_meet() -> None:
+    """A corner that juts into the room: behind it the one wall goes on, beyond its end the other is not there."""
+    left, corner = _pixels([[-2, 3, 0], [0.3, 3, 0]])
+    front, rear = _pixels([[0.3, 3.02, 0], [0.3, 5, 0]])
+    walls = [DrawnWall(id="near", a=left, b=corner), DrawnWall(id="side", a=front, b=rear)]
+    drawing = _drawing(objects=[], walls=walls)
+    solved = solve(drawing)
+    low, high = solved.walls["near"].ends
+    at = float(np.array([0.3, 3, 0]) @ solved.walls["near"].along)
+    assert sorted(map(abs, (low, high))) == [pytest.approx(0.3, abs=0.02), np.inf] and at == pytest.approx(
+        high if np.isfinite(high) else low, abs=0.02
+    )
+    beyond, on_it = _pixels([[0.8, 3, 1.5], [-0.5, 3, 1.5]])
+    reach = [float(solved.walls["near"].reach(solved.view.rays(pixel))) for pixel in (beyond, on_it)]
+    assert reach[0] == np.inf and np.isfinite(reach[1])
+    painted = paint(drawing, solved)
+    u, v = np.rint(beyond).astype(int)
+    assert painted.masks[v, u] != painted.values["near"]
+    crossed = DrawnWall(id="across", a=_pixels([[-1, 2, 0]])[0], b=_pixels([[-1, 5, 0]])[0])
+    parted = solve(_drawing(objects=[], walls=[walls[0], crossed]))
+    assert parted.walls["near"].ends == (-np.inf, np.inf)  # what crosses its middle ends nothing
+
+
+def test_lines_that_do_not_run_as_the_camera_says_are_told() -> None:
+    along = [_pixels([[x, 2, 0], [x, 4, 0]]) for x in (-1.0, -0.5, 0.5, 1.0)]
+    guides = [Guide(axis="y", a=a, b=b) for a, b in [*along, _pixels([[1, 2, 0], [2, 4, 0]])]]
+    drawing = _drawing().model_copy(update={"perspective": PERSPECTIVE.model_copy(update={"guides": guides})})
+    assert weak(VIEW, guides) == [False] * 4 + [True] and weak(VIEW, []) == []
+    assert described(drawing, solve(drawing))["weak"] == [False] * 4 + [True]
 
 
 def test_what_was_drawn_keeps_its_size_wherever_it_stands(tmp_path: Path) -> None:

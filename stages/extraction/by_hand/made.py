@@ -79,7 +79,8 @@ class Made:
             return []
         ranks = {cousin.asset: cousin.rank for cousin in entry.cousins}
         nearest = [one for one in entry.by_distance if one.asset not in ranks]
-        choosable = [(one.asset, one.distance) for one in (*entry.cousins, *nearest)][:SHOWN]
+        choosable = [(one.asset, one.distance) for one in entry.cousins]
+        choosable = [*choosable, *((one.asset, one.distance) for one in nearest)][:SHOWN]
         turn = entry.cousins[0].orientation.yaw
         return [
             {
