@@ -1,5 +1,6 @@
 """Dry runs: every shipped config makes a DAG, every rule is declared as it should be, mistakes are explained."""
 
+import json
 import os
 import re
 import subprocess
@@ -135,6 +136,26 @@ def test_the_twin_is_the_true_model_in_rooms_and_what_was_matched_in_scenes_of_y
     )
     done = dry_run(folder, target, "-p", "--configfile", "mine.yaml")
     assert planned(done.stdout)["select"] == 1 and "--truth" not in done.stdout, done.stdout
+
+
+@pytest.mark.parametrize(("told", "verb"), [({"doors": 2}, "extract"), ({"nudge": [0.1, 0]}, "generate")])
+def test_corrections_are_an_input_of_the_rules_that_they_concern(
+    folder: Path, tmp_path: Path, told: dict[str, object], verb: str
+) -> None:
+    mine = tmp_path / "mine"
+    mine.mkdir()
+    for name in INPUT_FILES:
+        (mine / name).touch()
+    (tmp_path / "mine.yaml").write_text(
+        f"experiment: {{rooms: [mine], inputs: {{mine: {mine}}}, tasks: {{door: null}}}}"
+    )
+    (mine / "corrections.json").write_text(json.dumps({"version": 1, "objects": [{"mask": 1, **told}]}))
+    scene = "results/generation/b/mine/scene_1.json"
+    done = dry_run(folder, scene, "-p", "--configfile", str(tmp_path / "mine.yaml"))
+    assert re.findall(rf" (\w+) [^\n]*--corrections {mine}/corrections.json", done.stdout) == [verb], done.stdout
+    (mine / "corrections.json").write_text('{"version": 1, "objects": [{"hight": 1}]}')
+    done = dry_run(folder, scene, "--configfile", str(tmp_path / "mine.yaml"))
+    assert done.returncode and "corrections.json: breaks the Corrections contract" in done.stdout
 
 
 def test_table_2_trains_nothing_and_meets_rooms_by_protocols(folder: Path) -> None:
