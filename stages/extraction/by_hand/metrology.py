@@ -17,7 +17,6 @@ FARTHEST = 60.0  # heights of the camera: a floor point farther away lies at the
 DEPTHS = np.geomspace(0.002, 3.0, 600)  # heights of the camera: how far a hanging box may stand out from its wall
 RIVAL = 3.0  # pixels: an edge that misses by no more than this more than the nearest one may be the right one
 AT_END = 0.01  # metres beyond the end of a wall that still show it: no gap where two meet
-WITHIN = 0.25  # of the length that was drawn of a wall, by which another one may cut it off
 LEVEL_VIEW = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])  # room from camera of a level camera that looks along y
 
 
@@ -142,26 +141,6 @@ def wall_plane(view: View, a: ArrayLike, b: ArrayLike, free: bool) -> WallPlane:
     if offset > -1e-6:
         raise MetrologyError("the wall would go through the camera")
     return WallPlane(normal, offset)
-
-
-def cut_off(wall: WallPlane, drawn: tuple[float, float], others: list[WallPlane]) -> WallPlane:
-    """The wall with its ends where it meets others.
-
-    Args:
-        drawn: from where to where along it its foot was drawn; what crosses that in the middle ends nothing.
-    """
-    (first, last), (low, high) = sorted(drawn), wall.ends
-    slack = WITHIN * (last - first)
-    for other in others:
-        across = float(wall.along @ other.normal)
-        if abs(across) < 0.1:
-            continue
-        at = (other.offset - wall.offset * float(wall.normal @ other.normal)) / across
-        if at > last - slack:
-            high = min(high, at)
-        elif at < first + slack:
-            low = max(low, at)
-    return WallPlane(wall.normal, wall.offset, (low, high))
 
 
 def depth_by_pixel(view: View, corners: Points, inward: Points, pixel: ArrayLike) -> float:

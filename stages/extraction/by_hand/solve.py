@@ -13,7 +13,6 @@ from stages.extraction.by_hand.metrology import (
     RearCornerError,
     View,
     WallPlane,
-    cut_off,
     hanging_box,
     round_box,
     standing_box,
@@ -29,6 +28,7 @@ EDGE = 6.0  # pixels beside the top of an object that still count as on it
 THINNEST = 0.002  # metres
 BEHIND = 0.05  # of the picture's height, that the foot of what stands may be marked above the top that it stands on
 NEARER = 0.7  # of its distance at least, at which something that was marked too high is put onto what carries it
+WITHIN = 0.25  # of the length that was drawn of a wall, by which another one may cut it off
 FLAT = 0.03  # metres: how deep something on a wall is of which nobody said what it is
 SIDES = {"width": 0, "depth": 1, "height": 2}
 
@@ -72,6 +72,26 @@ def _usual_depth(label: str) -> float:
     """How deep things of a label are that hang on a wall."""
     sizes = sizes_of(category_in(label) or "")
     return float(np.median(sizes[:, 0])) if len(sizes) else FLAT
+
+
+def cut_off(wall: WallPlane, drawn: tuple[float, float], others: list[WallPlane]) -> WallPlane:
+    """The wall with its ends where it meets others.
+
+    Args:
+        drawn: from where to where along it its foot was drawn; what crosses that in the middle ends nothing.
+    """
+    (first, last), (low, high) = sorted(drawn), wall.ends
+    slack = WITHIN * (last - first)
+    for other in others:
+        across = float(wall.along @ other.normal)
+        if abs(across) < 0.1:
+            continue
+        at = (other.offset - wall.offset * float(wall.normal @ other.normal)) / across
+        if at > last - slack:
+            high = min(high, at)
+        elif at < first + slack:
+            low = max(low, at)
+    return WallPlane(wall.normal, wall.offset, (low, high))
 
 
 class _Room:
