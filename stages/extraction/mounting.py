@@ -125,5 +125,8 @@ def placement(
     mounting = stated or measured
     standing = box if known or mounting.type == 1 else with_bottom(box, min(beneath, box.top - THINNEST))
     behind = next((wall for wall in walls if wall.id in mounting.walls[:1]), None)
-    support = WALL if mounting.type == 1 else support
+    if mounting.type == 1:
+        support = WALL
+    elif standing.bottom - beneath > tolerance:  # a box that was told stays where it is
+        support = UNNAMED
     return Placement(mounting, measured, support, standing, standing if behind is None else filled_to(standing, behind))

@@ -135,6 +135,15 @@ def test_what_is_squeezed_flat_is_told(distance: float, height: float, left: flo
     assert collapsed(seen, placed, 0.06) == (left == 0.01 and height == 0.09)
 
 
+@pytest.mark.parametrize(("bottom", "support"), [(0.62, "table"), (1.0, "unnamed")])
+def test_a_told_box_above_all_that_was_named_stands_on_something_else(bottom: float, support: str) -> None:
+    empty = DepthView(np.full((9, 9), 9.0, np.float32), np.diag([9.0, 9.0, 1.0]), LOOKING_ALONG_X, USUAL_ERROR)
+    table = UprightBox([3, 0, 0.3], [1, 1, 0.6], 0.0)
+    told = UprightBox([3, 0, bottom + 0.1], [0.2, 0.2, 0.2], 0.0)
+    placed = placement(told, {"table": table}, [table], [], empty, np.zeros((9, 9), bool), ExtractionConfig(), True)
+    assert placed.support == support and placed.box.bottom == pytest.approx(bottom)
+
+
 def test_the_gap_behind_a_box_that_is_a_little_turned_is_as_wide_as_its_rear() -> None:
     gap = gap_to(UprightBox([3, 0, 0.5], [0.6, 0.8, 1.0], 0.2), WALL)
     assert gap.along[1] - gap.along[0] == pytest.approx(0.8 * np.cos(0.2), abs=1e-6)

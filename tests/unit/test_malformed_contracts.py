@@ -116,7 +116,7 @@ FIELDS: dict[str, list[tuple]] = {  # kind of file: entry, value, what the line 
         ("objects.0.mounting.type", 4), ("objects.0.mounting.walls", ["wall_9"], "wall_9"),
         ("objects.0.pixels", [20, 10, 5, 30]), ("objects.0.pixels", [5, 10, 20, 99]), ("objects.0.pixels", [1, 2, 3]),
         ("objects.2.reason", ""), ("objects.0.status", "fine"), ("objects.0.doors", -3), ("intrinsics", [[1.0]]),
-        ("objects.1.measured_support", "table_9"), ("objects.1.measured_support", "bowl_1", "circle"),
+        ("objects.1.measured_support", "table_9", "table_9"), ("objects.1.measured_support", "bowl_1", "circle"),
         ("depth_error", [0.1, -1.0]),
     ],
     "cousins": [
