@@ -9,6 +9,7 @@ from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import yaw_matrix
 
 BELOW, SHELF = 3, 0.5  # pixels below an object's lowest ones, and share of them that must show what it stands on
+OFF = 6  # pixels: a narrower strip without a name is what masks are off by
 FEET = 3  # image columns in which an object's lowest pixels must reach the ground for it to stand there
 SHORT, SHORT_SHARE = 10, 0.25  # pixels, or share of its rows, by which a mask may end above its thing's foot
 INNER = 3  # pixels above a mask's lowest ones, whose depth is the thing's
@@ -62,10 +63,9 @@ def height_shown(
 ) -> float | None:
     """Height of what nobody named, on which the object is seen to stand: a shelf just below its lowest pixels."""
     columns, rows = lowest_pixels(own)
-    rows = rows + BELOW
-    inside = rows < own.shape[0]
-    columns, rows = columns[inside], rows[inside]
-    shown = unnamed[rows, columns] & (view.depth[rows, columns] > 0)
+    inside = rows + OFF < own.shape[0]
+    columns, rows = columns[inside], rows[inside] + BELOW
+    shown = unnamed[rows, columns] & unnamed[rows + OFF - BELOW, columns] & (view.depth[rows, columns] > 0)
     points = view.points(columns[shown], rows[shown])
     local = (points - np.asarray(box.center)) @ yaw_matrix(box.yaw)
     near = (np.abs(local[:, :2]) <= np.asarray(box.size)[:2] / 2 + 2 * tolerance).all(axis=1)

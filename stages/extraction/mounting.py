@@ -109,8 +109,9 @@ def placement(
     beneath, support = carrier_beneath(box, carriers, tolerance, SUNK * distance)
     said = stated is not None and box.top - beneath < STRETCHED * (box.top - box.bottom)
     if unnamed is not None and not known and not said and box.bottom - beneath > tolerance:
-        shelf = height_shown(box, view, own, unnamed, tolerance) or 0.0
-        beneath, support = max((beneath, support), (shelf, UNNAMED))
+        shelf = height_shown(box, view, own, unnamed, tolerance)
+        if shelf is not None and shelf > beneath + tolerance:
+            beneath, support = shelf, UNNAMED
     touched = walls_touched(box, others, walls, view, own, options)
     if known:
         hangs = bool(touched) and box.bottom - beneath > tolerance

@@ -14,6 +14,7 @@ from stages.extraction.observation import AnnotatedImage
 ERODED, LEVEL = 2, 0.03  # pixels off a surface's border; metres about z = 0 that are floor where no mask is
 PARTS, LEAST = 8, 100  # parts of a plane by distance, each with so many points at least
 SHALLOW = 0.2  # sine of the angle between ray and plane, below which a plane's own unevenness looks like depth's error
+MOST = 0.05  # of the distance: what lies farther from a plane is no plane
 TO_DEVIATION = 1.4826  # times the median of the errors' sizes: a few pixels of something else do not count
 
 
@@ -48,7 +49,7 @@ def error_of(
 
 
 def measured_error(surfaces: Sequence[Surface], eye: NDArray[np.float64]) -> DepthError | None:
-    """The error of the depth of surfaces seen from `eye` (3,); None if too little of them is seen.
+    """The error of the depth of surfaces seen from `eye` (3,); None if too little of them is seen, or they are none.
 
     Each is cut into parts by distance; a and b are the least squares, not negative, over the deviations of the parts.
     """
@@ -63,7 +64,7 @@ def measured_error(surfaces: Sequence[Surface], eye: NDArray[np.float64]) -> Dep
             if len(part) >= LEAST:
                 distances.append(float(np.mean(ranges[part])))
                 deviations.append(TO_DEVIATION * float(np.median(off[part])))
-    if not distances:
+    if not distances or np.median(np.divide(deviations, distances)) > MOST:
         return None
     (a, b), _ = nnls(np.column_stack([np.ones(len(distances)), np.square(distances)]), np.array(deviations))
     return DepthError(round(float(a), 6), round(float(b), 6))

@@ -51,6 +51,8 @@ def test_planes_seen_at_a_grazing_angle_or_hardly_at_all_tell_nothing() -> None:
     rng, eye, up = np.random.default_rng(0), np.array([0, 0, 1.5]), np.array([0, 0, 1.0])
     far, few = rng.uniform([20, -1, -0.1], [30, 1, 0.1], (4000, 3)), rng.uniform([1, -1, -0.1], [3, 1, 0.1], (99, 3))
     assert measured_error([Surface(far, up, 0.0), Surface(few, up, 0.0)], eye) is None
+    heap = rng.uniform([1, -1, -0.9], [3, 1, 0.9], (4000, 3))
+    assert measured_error([Surface(heap, up, 0.0)], eye) is None
 
 
 def test_who_does_not_say_it_has_the_usual_error() -> None:

@@ -40,6 +40,15 @@ def test_a_mask_that_ends_above_the_foot_makes_nothing_float(short: int) -> None
     assert ends(item) == pytest.approx((0, 0.8), abs=0.02) and item.measured_support == "floor"
 
 
+def test_a_mask_that_leaves_out_the_edge_of_a_top_does_not_make_it_float() -> None:
+    """What is below its lowest pixels is its own top, and then the floor."""
+    depth, masks = trace([UprightBox([2.6, 0, 0.39], [0.8, 1.2, 0.02], 0.0)])
+    top = masks == OBJECT
+    masks[top & ~np.roll(top, -4, 0)] = 0
+    (item,) = extracted(depth, masks, "table").objects.objects
+    assert ends(item) == pytest.approx((0, 0.4), abs=0.02) and item.measured_support == "floor"
+
+
 @pytest.mark.parametrize("depth_of_box", [0.3, 0.5])  # its front stands back, or is flush
 def test_what_stands_on_something_that_nobody_named_stays_there(depth_of_box: float) -> None:
     cabinet = UprightBox([3.0, 0, 0.3], [0.5, 1.0, 0.6], 0.0)
