@@ -1,4 +1,4 @@
-"""How far depth errs, measured at the planes of the picture: the floor and the walls are flat, their depth is not."""
+"""How far depth errs, measured at the planes of the picture: floor and walls are flat, their depth is not."""
 
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
@@ -29,7 +29,8 @@ class Surface(NamedTuple):
 def error_of(
     image: AnnotatedImage, points: NDArray[np.float64], eye: NDArray[np.float64], walls: Mapping[int, Wall]
 ) -> DepthError:
-    """The error of a picture's depth: as its source knows it, else measured, else the usual one.
+    """The error of a picture's depth: as its source knows it, else measured at the floor, else at the walls (one mask
+    of people's may show two of them), else the usual one.
 
     Args:
         points: (H, W, 3) of the picture in the floor frame, NaN where not used. eye: (3,) of the camera.
@@ -45,7 +46,7 @@ def error_of(
     shown += [(image.masks == value, list(wall.normal), wall.offset) for value, wall in walls.items()]
     known = np.isfinite(points[..., 2])
     surfaces = [Surface(points[eroded(mask & known, ERODED, 0)], np.array(n), offset) for mask, n, offset in shown]
-    return measured_error(surfaces, eye) or USUAL_ERROR
+    return measured_error(surfaces[:1], eye) or measured_error(surfaces[1:], eye) or USUAL_ERROR
 
 
 def measured_error(surfaces: Sequence[Surface], eye: NDArray[np.float64]) -> DepthError | None:
