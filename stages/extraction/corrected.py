@@ -15,7 +15,7 @@ from stages.extraction.reconstruct import ExtractedScene
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import rounded, yaw_matrix
 
-LEFT = 0.5  # of what is seen of a thing, that must be above what carries it; else all of it is put there
+STRETCH = 2.0  # times by which a thing may become higher or lower to reach what carries it; else all of it is put there
 
 
 def as_seen(image: AnnotatedImage, told: dict[int, Correction]) -> AnnotatedImage:
@@ -63,7 +63,8 @@ def _on(
     """An object and its cloud (N, 3) on a carrier whose top is at a height; what does not hang any more stands."""
     assert item.box is not None and item.mounting is not None
     box = UprightBox(item.box.center, item.box.size, item.box.yaw)
-    lift = 0.0 if box.top - top >= LEFT * float(np.asarray(box.size)[2]) else top - box.bottom
+    seen = float(np.asarray(box.size)[2])
+    lift = 0.0 if seen / STRETCH <= box.top - top <= STRETCH * seen else top - box.bottom
     up = np.array([0, 0, lift])
     box = with_bottom(box._replace(center=np.asarray(box.center) + up), top)
     cloud = (cloud + up).astype(np.float32)

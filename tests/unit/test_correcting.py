@@ -15,15 +15,16 @@ from pydantic import ValidationError
 from stages.contracts import InputError, Objects, read_json, write_json
 from stages.contracts.corrections import CORRECTIONS, Correction, Corrections, corrections_of
 from stages.contracts.extracted import check_extracted
-from stages.contracts.objects import distance_between
+from stages.contracts.objects import Box, Mounting, SceneObject, Wall, distance_between
 from stages.contracts.scene_input import read_scene_input
 from stages.contracts.scenes import Held
 from stages.extraction import annotate
 from stages.extraction.by_hand.correcting import Correcting, Drawing, Thing
 from stages.extraction.by_hand.regions import Cutter
-from stages.extraction.corrected import as_seen
+from stages.extraction.corrected import as_seen, as_told
 from stages.extraction.extract import run as extract
 from stages.extraction.observation import read_folder
+from stages.extraction.reconstruct import ExtractedScene
 from stages.geometry.boxes import UprightBox
 from tests.unit.annotate_page import watched
 from tests.unit.synthetic_room import FLOOR, HEIGHT, OBJECT, WALL, WIDTH, write_room
@@ -146,6 +147,25 @@ def test_a_person_says_size_support_front_and_mounting(source: Path) -> None:
     nearest = np.linalg.norm(np.array(box.box.center)[:2]) - np.linalg.norm(np.array(before[BOX].box.center)[:2])
     assert -0.2 < nearest < 0.02  # the side that faces the camera stays
     check_extracted(source.parent / "found/objects.json")
+
+
+@pytest.mark.parametrize(("bottom", "height"), [(0.25, 0.75), (0.9, 0.5)])
+def test_what_is_said_to_stand_on_the_floor_reaches_it_or_is_put_there(bottom: float, height: float) -> None:
+    """A sofa whose mask is short at its foot; a thing that is seen far above."""
+    box = Box(center=(3.0, 0.0, bottom + 0.25), size=(0.5, 0.6, 0.5), yaw=0.0)
+    item = SceneObject(id="box_1", label="box", mask=1, box=box, mounting=Mounting(type=1, walls=["wall_1"]))
+    wall = Wall(id="wall_1", normal=(-1, 0, 0), offset=-3.3, points=9)
+    camera = {"width": 640, "height": 480, "intrinsics": [[500, 0, 319.5], [0, 500, 239.5], [0, 0, 1]]}
+    frame = [[0.0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 1.5], [0, 0, 0, 1]]
+    objects = Objects(scene="t", floor_from_camera=frame, walls=[wall], objects=[item], **camera)
+    cloud = np.array([[2.8, 0, bottom], [2.8, 0, bottom + 0.5]], np.float32)
+    blank = np.zeros((480, 640))
+    scene = ExtractedScene(objects, blank.astype(np.uint16), blank.astype(np.float32), {"box_1": cloud})
+    made = as_told(scene, {1: Correction(mask=1, on="floor")})
+    (stood,) = made.objects.objects
+    assert stood.box is not None and stood.mounting == Mounting(type=3, walls=["wall_1"])
+    assert stood.box.size == pytest.approx((0.5, 0.6, height)) and stood.box.center[2] == pytest.approx(height / 2)
+    assert made.clouds["box_1"][:, 2].min() >= -1e-6 and made.clouds["box_1"][:, 2].max() == pytest.approx(height)
 
 
 def test_what_is_at_a_wall_keeps_its_rear_there(source: Path) -> None:

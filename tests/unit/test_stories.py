@@ -85,6 +85,8 @@ def test_it_tells_what_was_seen_compared_chosen_and_placed() -> None:
         ("desk_00", 1, "patches 1.00, 7 votes"), ("desk_01", 2, "patches 2.00, 7 votes"),
         ("desk_02", 0, "patches 3.00, 7 votes"),
     ]  # fmt: skip
+    assert "stands" not in facts
+    assert dict(told(matched(), thing(support="floor")).facts)["stands"] == "on the floor, as a person says"
     assert made.compared == 3 and made.doubts == [] and made.pictures == []
 
 

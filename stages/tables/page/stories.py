@@ -141,6 +141,8 @@ def _facts(entry: ObjectCousins, item: SceneObject, placed: PlacedObject | None)
         facts.append(("box of the cloud", _metres(item.box.size)))
     if item.mounting is not None:
         facts.append(("mounting", _mounting(item)))
+    if item.support is not None:
+        facts.append(("stands", f"{PLACES.get(item.support, f'on {item.support}')}, as a person says"))
     if entry.categories:
         told = [f"{one.category.replace('_', ' ')} {one.distance:.2f}" for one in entry.categories[:CATEGORIES]]
         more = len(entry.categories) - CATEGORIES
