@@ -1,4 +1,4 @@
-"""Other people's models: the packages they come in, and each as meshes that are as large as it says, front towards +x."""
+"""Other people's models: the packages they come in, and each as meshes of its own size, front towards +x."""
 
 import csv
 import json

@@ -20,7 +20,7 @@ NO_WALLS, NO_FLOOR, ONE_WALL = 0.25, 0.12, 0.35  # how often people name no wall
 
 
 @dataclass(frozen=True)
-class True_:
+class TrueThing:
     """A thing of a picture as it really is. `number` is its value in masks; `support`: floor, wall, or a number."""
 
     number: int
@@ -54,7 +54,7 @@ class Picture:
     focal: float
     size: tuple[float, float]
     world_from_camera: list[list[float]]
-    things: list[True_]
+    things: list[TrueThing]
     joined: dict[str, int]
 
     @property
@@ -66,7 +66,7 @@ class Picture:
 def read(folder: Path) -> Picture:
     """The truth of the picture in a folder."""
     said = json.loads((folder / "room.json").read_text())
-    return Picture(**said | {"things": [True_(**thing) for thing in said["things"]]})
+    return Picture(**said | {"things": [TrueThing(**thing) for thing in said["things"]]})
 
 
 def folders(root: Path, half: str = "") -> list[Path]:
@@ -141,7 +141,7 @@ def _truth(
     pose: NDArray[np.float64],
     focal: float,
     rng: np.random.Generator,
-) -> list[True_]:
+) -> list[TrueThing]:
     numbers = {thing.name: str(number) for number, thing in enumerate(room.things, 1)}
     labels: dict[str, str] = {}
     found = []
@@ -155,7 +155,7 @@ def _truth(
             labels[model.id] = str(rng.choice(names)) if names else ""
         x, y, z = thing.box.center
         found.append(
-            True_(
+            TrueThing(
                 number,
                 thing.name,
                 model.id,
@@ -180,7 +180,7 @@ def _truth(
 
 
 def _write_masks(
-    folder: Path, owner: NDArray[np.uint16], things: list[True_], rng: np.random.Generator
+    folder: Path, owner: NDArray[np.uint16], things: list[TrueThing], rng: np.random.Generator
 ) -> dict[int, int]:
     """Exact and drawn masks, with the labels that people give."""
     named = {thing.number: thing.label for thing in things if thing.named}

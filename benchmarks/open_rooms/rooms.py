@@ -1,4 +1,4 @@
-"""Furnish the rooms of rooms.yaml: models drawn by chance, each at its place, none in another. No pictures, no simulator."""
+"""Furnish the rooms of rooms.yaml: models drawn by chance, each at its place, none in another."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field

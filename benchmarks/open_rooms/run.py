@@ -75,11 +75,11 @@ def run(root: Path, results: Path, half: str, only: str, masks: tuple[str, ...],
     for kind in masks:
         for folder in sorted(pictures.folders(root, half), key=lambda path: path.name.split("_")[::-1]):
             if only in folder.name:
-                with contextlib.suppress(_Stopped):
+                with contextlib.suppress(_StoppedError):
                     _reconstruct(root, folder, kind, rows, config, shelf)
 
 
-class _Stopped(Exception):
+class _StoppedError(Exception):
     """A picture that a stage refused; the log says why."""
 
 
@@ -161,6 +161,6 @@ def _logged(log: Path) -> Any:
         except Exception as error:
             traceback.print_exc()
             print(f"stopped: {error}")
-            raise _Stopped from error
+            raise _StoppedError from error
         finally:
             print(f"{time.process_time() - since:.1f} CPU s")

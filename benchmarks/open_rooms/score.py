@@ -69,7 +69,7 @@ class Row:
     doubt_of_size: bool = False
 
 
-def size_errors(true: pictures.True_, size: tuple[float, float, float], yaw: float) -> NDArray[np.float64]:
+def size_errors(true: pictures.TrueThing, size: tuple[float, float, float], yaw: float) -> NDArray[np.float64]:
     """Placed less true extents (3,), metres, along the true thing's axes as nearly as a box can tell."""
     ours, truth = np.array(size), np.array(true.size)
     if true.symmetry == "full":
@@ -96,7 +96,7 @@ def outside(box: UprightBox, room: tuple[float, float]) -> float:
     return float(max((points - np.array(room)).max(), (-points).max(), 0.0))
 
 
-def true_carrier(true: pictures.True_, ids: dict[int, str]) -> str | None:
+def true_carrier(true: pictures.TrueThing, ids: dict[int, str]) -> str | None:
     """What carries a thing, as a scene says it; None: that has no name in these masks."""
     return true.support if true.support in ("floor", "wall") else ids.get(int(true.support))
 
@@ -110,7 +110,7 @@ def rows_of(root: Path, folder: Path, masks: str, judge: str, folders: AssetFold
     scenes = sorted((out / judge).glob("scene_*.json"))
     base = {"half": truth.half, "masks": masks, "judge": judge, "picture": truth.name}
 
-    def about(thing: pictures.True_, rank: int, status: str) -> Row:
+    def about(thing: pictures.TrueThing, rank: int, status: str) -> Row:
         return Row(**base, rank=rank, number=thing.number, label=thing.label, kind=thing.kind, model=thing.model,
                    seen=thing.seen, cut=thing.cut, status=status)  # fmt: skip
 
@@ -136,7 +136,7 @@ def rows_of(root: Path, folder: Path, masks: str, judge: str, folders: AssetFold
 
 def _measured(
     truth: pictures.Picture,
-    thing: pictures.True_,
+    thing: pictures.TrueThing,
     item: PlacedObject,
     scene: GeneratedScene,
     objects: Objects,

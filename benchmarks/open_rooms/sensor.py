@@ -104,7 +104,7 @@ def _shadow(depth: Floats, pixels: float) -> NDArray[np.bool_]:
     """Where the second eye sees what is nearer: a band to the right of every step, as wide as the step in 1 / depth."""
     if pixels <= 0:
         return np.zeros(depth.shape, dtype=bool)
-    height, width = depth.shape
+    width = depth.shape[1]
     inverse = np.where(depth > 0, 1 / np.maximum(depth, 1e-3), 0.0)
     lands = np.arange(width) + pixels * inverse  # column at which the second eye sees a pixel
     return np.asarray(lands < np.maximum.accumulate(lands, axis=1) - 0.5)

