@@ -114,8 +114,8 @@ def _half(rows: pd.DataFrame) -> Iterator[str]:
             for rank, group in main.groupby("rank")
         ),
     )
-    yield "Good scenes (`geometry`) have nothing held in the air, floating (3 cm), behind a wall (10 cm), or beyond twice"
-    yield "the largest of its category without a doubt of its size; and in how many each is:\n"
+    yield "Good scenes (`geometry`) have nothing held in the air, floating (3 cm), behind a wall (10 cm), or beyond"
+    yield "twice the largest of its category without a doubt of its size; and in how many each is:\n"
     yield table(
         ["masks", "chosen by", "rank", "good", *FAULTS],
         (
@@ -123,7 +123,8 @@ def _half(rows: pd.DataFrame) -> Iterator[str]:
             for (m, j, rank), group in rows[rows["judge"] == "geometry"].groupby(["masks", "judge", "rank"])
         ),
     )
-    yield "Nearer in shape than `no image` by so much Chamfer distance (thousandths of the diagonal, rank 1, placed by both):\n"
+    yield "Nearer in shape than `no image` by so much Chamfer distance (thousandths of the diagonal, rank 1, placed by"
+    yield "both):\n"
     yield table(
         ["masks", "geometry", "hog"],
         ([masks, better(group, "geometry"), better(group, "hog")] for masks, group in rows.groupby("masks")),
