@@ -140,7 +140,9 @@ class Correcting:
         """What makes again what depends on the corrections, and nothing else."""
         config = self.folder / "config.yaml"
         page = f"results/report/scenes/{self.scene}.html"
-        return f"snakemake --cores 2 --configfile {config} -- pages" if config.is_file() else f"snakemake -c 2 {page}"
+        return (
+            f"snakemake --cores 2 --configfile {config} -- pages" if config.is_file() else f"snakemake --cores 2 {page}"
+        )
 
     def picture(self) -> bytes:
         """The picture as JPEG."""
