@@ -123,8 +123,7 @@ def _half(rows: pd.DataFrame) -> Iterator[str]:
             for (m, j, rank), group in rows[rows["judge"] == "geometry"].groupby(["masks", "judge", "rank"])
         ),
     )
-    yield "Nearer in shape than `no image` by so much Chamfer distance (thousandths of the diagonal, rank 1, placed by"
-    yield "both):\n"
+    yield "Nearer in shape than `no image`, Chamfer distance (thousandths of the diagonal, rank 1, placed by both):\n"
     yield table(
         ["masks", "geometry", "hog"],
         ([masks, better(group, "geometry"), better(group, "hog")] for masks, group in rows.groupby("masks")),
