@@ -30,7 +30,7 @@ from stages.assets.importers import Axis, Importer
 from stages.assets.proportions import LARGEST
 from stages.assets.pushing import stuck_joints, touching_when_closed
 from stages.assets.snapshots import Look
-from stages.assets.weighing import weighed_sanely
+from stages.assets.weighing import weighed_sanely, with_mass
 from stages.cli import progress
 from stages.config.assets import OwnOptions
 from stages.contracts.errors import InputError
@@ -293,10 +293,3 @@ def without_specks(robot: RobotModel, scale: float = 1.0) -> RobotModel:
 def axis_vector(axis: Axis) -> Matrix:
     """Unit vector of '+x', '-x', ..."""
     return (1.0 if axis[0] == "+" else -1.0) * np.eye(3)["xyz".index(axis[1])]
-
-
-def with_mass(robot: RobotModel, mass: float) -> RobotModel:
-    """The model with another total mass, spread as before."""
-    ratio = mass / robot.mass
-    links = {n: replace(link, mass=link.mass * ratio, inertia=link.inertia * ratio) for n, link in robot.links.items()}
-    return replace(robot, links=links)

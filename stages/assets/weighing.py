@@ -57,3 +57,10 @@ def _impossible(link: Link) -> bool:
     shapes = [*link.collisions, *(visual.mesh for visual in link.visuals)]
     farthest = float(np.linalg.norm(np.ptp(box_around(shapes), axis=0)))
     return bool(np.trace(link.inertia) > link.mass * (2 * farthest) ** 2)
+
+
+def with_mass(robot: RobotModel, mass: float) -> RobotModel:
+    """The model with another total mass, spread as before."""
+    ratio = mass / robot.mass
+    links = {n: replace(link, mass=link.mass * ratio, inertia=link.inertia * ratio) for n, link in robot.links.items()}
+    return replace(robot, links=links)

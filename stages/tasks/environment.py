@@ -82,13 +82,9 @@ class OpenTaskEnv(BaseEnv):
         self.scale_range = drawn_from if vary_scale else None
         self.joint_name = joint or self.task.suitable_joint(self.asset_folder)
         self.eyes = Eyes(self.cameras(), self.options)
-        kwargs = {
-            "control_mode": self.options.controller,
-            "sim_backend": self.options.sim_backend,
-            "render_backend": render_backend(),
-            **kwargs,
-        }
-        super().__init__(*args, robot_uids=robot_uids, obs_mode=obs_mode, **kwargs)
+        known = {"control_mode": self.options.controller, "sim_backend": self.options.sim_backend}
+        known |= {"render_backend": render_backend()} | kwargs
+        super().__init__(*args, robot_uids=robot_uids, obs_mode=obs_mode, **known)
 
     @property
     def max_episode_steps(self) -> int:
@@ -121,15 +117,10 @@ class OpenTaskEnv(BaseEnv):
         return [film_camera(self.agent)]
 
     def _load_agent(self, options: dict[str, Any], *args: Any, **kwargs: Any) -> None:
-        scale = ActionScale(
-            position=self.options.position_step,
-            rotation=self.options.rotation_step,
-            from_target=self.options.delta_from == "target",
-        )
-        # Well away from the asset until the episode is initialised.
-        self.agent = AcdcPanda(
-            self.scene, self._control_freq, self._control_mode, initial_pose=sapien.Pose([5, 0, 0]), scale=scale
-        )
+        task = self.options
+        scale = ActionScale(task.position_step, task.rotation_step, from_target=task.delta_from == "target")
+        away = sapien.Pose([5, 0, 0])  # from the asset, until the episode is initialised
+        self.agent = AcdcPanda(self.scene, self._control_freq, self._control_mode, initial_pose=away, scale=scale)
 
     def _load_scene(self, options: dict[str, Any]) -> None:
         self._parsed: dict[Path, ParsedAsset] = {}  # of this scene
@@ -218,15 +209,14 @@ class OpenTaskEnv(BaseEnv):
         for index, seed in zip(indices, seeds, strict=True):
             setup, target = draw_initial_state(seed, self.options), self.targets[index]
             nominal = nominal_root(self.asset, self.scales[index])
-            handle = np.add(target.reference + nominal, self.robot_shift)
-            bases.append(base_pose(handle, target.side, setup, self.options, target.flap))
+            at = np.add(target.reference + nominal, self.robot_shift)
+            bases.append(base_pose(at, target.side, setup, self.options, target.flap))
             roots.append(object_motion(setup) @ rigid(np.eye(3), nominal))
             qpos.append(np.concatenate([REST + setup.joints, [GRIPPER_OPEN, GRIPPER_OPEN]]))
             if self.room:
                 bases[-1], roots[-1] = self.room.stand(bases[-1]), self.room.world_from_nominal @ roots[-1]
             elif target.side and target.handle is not None:  # a door: its arc may lead where the arm cannot follow
-                seen = self.around(index)
-                reached = standing(bases[-1], roots[-1], qpos[-1][:7], seen, self.success_opening(index))
+                reached = standing(bases[-1], roots[-1], qpos[-1][:7], self.around(index), self.success_opening(index))
                 bases[-1] = bases[-1] if reached is None else reached
             self.eyes.place(self._sensors, index, seed)
         self.agent.robot.set_qpos(torch.as_tensor(np.stack(qpos), dtype=torch.float32, device=self.device))

@@ -87,7 +87,7 @@ def test_rigid_meshes_have_the_inertia_of_their_hull(tmp_path: Path) -> None:
 
 
 def test_a_mass_told_by_hand_scales_mass_and_inertia_of_every_link(tmp_path: Path) -> None:
-    from stages.assets.imports import with_mass
+    from stages.assets.weighing import with_mass
 
     robot = read_urdf(write_cabinet(tmp_path), tmp_path)
     heavy = with_mass(robot, 3 * robot.mass)
