@@ -15,10 +15,11 @@ MAX_POINTS = 8000
 NEIGHBOURS = 16
 SPACING = 1.5  # DBSCAN's radius is at least so many times the distance to the `dbscan_min_points`-th neighbour,
 BEHIND = 1.5  # metres behind the farthest point of the largest cluster, from which on another is background
-LEVEL_BIN, LEVEL_BLUR = 0.005, 0.35  # metres; share of depth's error that is left of it in heights seen from above
+LEVEL_BIN, LEVEL_BLUR = 0.005, 0.003  # metres; share of the distance: noise of heights, seen from little above
 DENSE = 2.0  # times the mean density of heights, from which on one is a level
 ABOVE = 0.1  # share of the points that may lie above the level on which things stand
 HIGHER = 0.1  # share of the distance, up to `NEAR`, by which they may be above it: a part of the thing is higher
+LOST = 0.045  # metres that trusted points end below the whole mask: more is a thin top that they lack
 WIDE, THINGS = 0.7, 0.3  # metres; share of the points that may be those of things on what is longer
 SIDE_PARTS, SPANNED = 12, 0.5  # parts of a side; share of them in which a back is found
 AT_EDGE = 0.8  # share of its points in the outer quarters across
@@ -80,7 +81,7 @@ def level_height(
     if bins < 3 or is_slender:
         return None
     counts, edges = np.histogram(heights, bins, (low, high))
-    blur = max(2.0, LEVEL_BLUR * noise / LEVEL_BIN)
+    blur = max(2.0, LEVEL_BLUR * distance / LEVEL_BIN)
     density = gaussian_filter1d(counts.astype(float), blur, mode="constant")
     peaks = np.flatnonzero((density >= np.roll(density, 1)) & (density >= np.roll(density, -1)))
     dense = peaks[density[peaks] > DENSE * len(heights) / bins]
@@ -89,7 +90,9 @@ def level_height(
     level = float(edges[dense[-1]] + edges[dense[-1] + 1]) / 2
     above = whole[whole[:, 2] > level + 2 * blur * LEVEL_BIN]
     top = float(np.quantile(whole[:, 2], 1 - trim))
-    if len(above) <= ABOVE * len(whole) and top - level <= HIGHER * min(distance, NEAR):
+    is_whole = top - high <= LOST + noise
+    few = max(len(above) / len(whole), float((heights > level + 2 * blur * LEVEL_BIN).mean())) <= ABOVE
+    if is_whole and few and top - level <= HIGHER * min(distance, NEAR):
         return level
     things = max(np.asarray(box.size)[:2]) > WIDE and len(above) <= THINGS * len(whole)
     return level if things and not spans(above[above[:, 2] > (level + top) / 2], box) else None
