@@ -39,7 +39,7 @@ def test_every_picture_is_taken_to_scenes_and_the_overview(folder: Path) -> None
         "--rgb data/a.png --depth data/a_depth.png --masks data/m.png --labels data/m.json --unit 5000 "
         "--matrix 600.0 601.0 320.0 240.0"
     )
-    own = dict(re.findall(r"--scene (\w+) --options '[^']*' --own (\S+) --seed", done.stdout))
+    own = dict(re.findall(r"--scene (\w+) --options '[^']*' --own (\S+) +--seed", done.stdout))
     assert own["hall_3"] == "data/folders/hall_3/config.yaml"
     assert own["desk_7"] == "results/scenes/desk_7/frame/config.yaml"
     assert len(own) == 11, "ten frames and one folder have options of their own"
