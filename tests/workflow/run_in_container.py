@@ -46,8 +46,9 @@ def main(families: list[str]) -> int:
         shutil.copytree(ROOT, host, symlinks=True, ignore=shutil.ignore_patterns(*PASSED_OVER))
         if whole:
             shutil.copytree(host, contained, symlinks=True)
-        if made := os.environ.get("MICRO_RUN"):
-            shutil.copytree(Path(made, "results"), host / "results")
+        made = Path(os.environ.get("MICRO_RUN", "none")) / "results"
+        if made.is_dir():
+            shutil.copytree(made, host / "results")
         else:
             run(host, *SNAKEMAKE, *MICRO)
         if not whole:
