@@ -17,7 +17,7 @@ from stages.config.containers import ContainersConfig
 
 ROOT = Path(__file__).resolve().parents[2]
 SNAKEMAKE = [str(Path(sys.executable).parent / "snakemake"), "--cores", "2", "--quiet", "all"]
-MICRO = ["--configfile", "config.yaml", "config/test/micro.yaml"]
+MICRO = ["--configfile", "config/test/micro.yaml"]  # as tests/workflow/workspace.py has it
 OF_REPORT = ("results/tables", "results/figures", "results/report")
 CLOCK = "results/report/times.html"  # says how long the jobs took
 PASSED_OVER = (".venv*", ".git", ".snakemake", "results", "logs", "*.egg-info", "__pycache__")
