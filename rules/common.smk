@@ -160,28 +160,3 @@ def check(**outputs):
 def paper(table):
     """Digest of a table of the paper's values, for the rules that read its copy in PUBLISHED."""
     return sha256(Path(PUBLISHED, f"{table}.csv").read_bytes()).hexdigest()[:12]
-
-
-def implementation(task):
-    """The implementation of a row of the policy experiment."""
-    return CONFIG.implementation("tasks", EXPERIMENT.plan(task).task)
-
-
-def task_code(stage, verb):
-    """The code of a verb that works on a task."""
-    return lambda wildcards: code(stage, verb, qualified("tasks", implementation(wildcards.task)))
-
-
-def policy_code(verb):
-    """The code of a verb of evaluation that rolls policies out: of the task and of the policy."""
-
-    def digest(wildcards):
-        task = qualified("tasks", implementation(wildcards.task))
-        return code("evaluation", verb, task, *modules(CONFIG.training.runs[wildcards.run], "policy"))
-
-    return digest
-
-
-def matching_code(verb, *keys):
-    """The code of a verb of matching with the implementations that some keys name."""
-    return lambda wildcards: code("matching", verb, *modules(matching_of(wildcards.variant), *keys))

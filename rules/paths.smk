@@ -117,85 +117,12 @@ def scene_image(wildcards):
     return scene_inputs(wildcards)["rgb"]
 
 
-def runs_of(task, training_set):
-    """The hyper-parameter sets that are trained with all seeds; if they must be chosen first, Snakemake waits."""
-    if not EXPERIMENT.chooses(task):
-        return EXPERIMENT.plan(task).runs
-    with checkpoints.choose.get(task=task, training_set=training_set).output.chosen.open() as file:
-        return json.load(file)["runs"]
-
-
-def policies_of(task, training_set, pattern):
-    """The files of `pattern` for the policies of one training set, one per run and seed."""
-    runs, seeds = runs_of(task, training_set), EXPERIMENT.plan(task).seeds
-    return files(pattern, task=task, training_set=training_set, run=runs, seed=seeds)
-
-
-def cells(pattern):
-    """The files of `pattern` for every task and training set."""
-    return [
-        file for task in TASKS for file in files(pattern, task=task, training_set=EXPERIMENT.plan(task).training_sets)
-    ]
-
-
-def policies(pattern, first=False):
-    """A function of what Snakemake calls a job's inputs: the files of `pattern` for all policies of this run.
-
-    first: only one policy per training set, the first seed of the first (best) run.
-    """
-
-    def found(wildcards):
-        sets = [(task, name) for task in TASKS for name in EXPERIMENT.plan(task).training_sets]
-        files = [policies_of(*cell, pattern) for cell in sets]
-        return [file for each in files for file in (each[:1] if first else each)]
-
-    return found
-
-
-def possible_policies(pattern):
-    """The files of `pattern` for all policies that this run might train, whichever are chosen."""
-    plans = {task: EXPERIMENT.plan(task) for task in TASKS}
-    return [
-        file
-        for task, plan in plans.items()
-        for file in files(pattern, task=task, training_set=plan.training_sets, run=plan.runs, seed=plan.seeds)
-    ]
-
-
-def trained(pattern):
-    """The files of `pattern` for every task and role on which demonstrations are collected."""
-    return [file for task in SOURCES for file in files(pattern, task=task, role=EXPERIMENT.trained_roles(task))]
-
-
-def demonstrated(pattern):
-    """The files of `pattern` for every task that policies are trained for, once for rows that share their assets."""
-    return files(pattern, task=[task for task in SOURCES if EXPERIMENT.sets_of(task)])
-
-
-def of_target(wildcards, pattern):
-    """The file of `pattern` for a task's object or for the scene that holds it."""
-    target = EXPERIMENT.plan(wildcards.task).target
-    return files(pattern, variant=wildcards.variant, scene=target.scene, object=target.object)
-
-
-def task_scenes(wildcards):
-    """The generated scenes in which a task is demonstrated: of the first ranks, with the task's object in them."""
-    pattern = "results/generation/{variant}/{scene}/scene_{rank}.json"
-    scene = EXPERIMENT.plan(wildcards.task).target.scene
-    return expand(pattern, variant=EXPERIMENT.policy_variant, scene=scene, rank=RANKS[: EXPERIMENT.in_scene])
-
-
-def in_scenes(pattern):
-    """The files of `pattern` for every task that is demonstrated inside generated scenes."""
-    return files(pattern, task=SOURCES) if EXPERIMENT.in_scene else []
-
-
-def task_assets(task):
-    """The file that names the assets of a task's policy experiment; it may be another row's."""
-    return f"results/experiment/{EXPERIMENT.policy_variant}/{EXPERIMENT.source(task)}/assets.json"
-
-
 def shown(path, kind):
     """A file that Snakemake's own report shows as well."""
     caption = f"../report/captions/{kind}.rst"
     return report(path, caption=caption, category=kind.capitalize(), labels={"name": Path(path).stem})
+
+
+def matching_code(verb, *keys):
+    """The code of a verb of matching with the implementations that some keys name."""
+    return lambda wildcards: code("matching", verb, *modules(matching_of(wildcards.variant), *keys))
