@@ -6,6 +6,7 @@ import re
 import shlex
 import shutil
 from pathlib import Path
+from textwrap import dedent
 from typing import NamedTuple
 
 import pytest
@@ -17,7 +18,7 @@ from tests.workflow.workspace import ROOT, dry_run, make
 
 PAGES = [ROOT / "README.md", ROOT / "config/README.md", *sorted((ROOT / "docs").glob("*.md"))]
 FENCE = re.compile(
-    r"(?:<!-- not run: (?P<why>.+) -->\n)?^```(?P<kind>\w*)\n(?P<text>.*?)^```", re.DOTALL | re.MULTILINE
+    r"(?:^ *<!-- not run: (?P<why>[^\n]+) -->\n)?^ *```(?P<kind>\w*)\n(?P<text>.*?)^ *```", re.DOTALL | re.MULTILINE
 )
 OURS = re.compile(r"^(\.venv/bin/)?(snakemake|python -m stages\.|make |source )")
 # `docs/extending.md` is run by tests/unit/test_extending.py; the text of a page's room file by the test of that room.
@@ -36,7 +37,9 @@ class Block(NamedTuple):
 def blocks(*kinds: str) -> list[Block]:
     """Blocks of some kinds in all pages."""
     found = [
-        Block(page.name if page.parent != ROOT / "config" else "config", each["kind"], each["text"], each["why"])
+        Block(
+            page.name if page.parent != ROOT / "config" else "config", each["kind"], dedent(each["text"]), each["why"]
+        )
         for page in PAGES
         if page.name not in ELSEWHERE
         for each in FENCE.finditer(page.read_text(encoding="utf-8"))
