@@ -39,6 +39,7 @@ include: "rules/evaluation.smk"
 include: "rules/tables.smk"
 include: "rules/report.smk"
 include: "rules/exports.smk"
+include: "rules/open_rooms.smk"
 
 
 onerror:

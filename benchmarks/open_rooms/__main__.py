@@ -30,6 +30,7 @@ def main() -> None:
     parser.add_argument("--masks", nargs="+", choices=["exact", "drawn"], default=["drawn", "exact"])
     parser.add_argument("--rows", nargs="+", default=["geometry", "no-image", "hog"], help="who chooses models")
     parser.add_argument("--out", type=Path, default=Path("docs/results"), help="of `score`")
+    parser.add_argument("--version", default="this", help="of the code that ran: `score` keeps others")
     asked = parser.parse_args()
     halves = [asked.half] if asked.half else list(packs.HALVES)
     try:
@@ -47,7 +48,7 @@ def main() -> None:
         else:
             from benchmarks.open_rooms.score import score
 
-            score(asked.folder, asked.library, asked.out)
+            score(asked.folder, asked.library, asked.out, asked.version)
     except InputError as error:
         sys.exit(str(error))
 

@@ -84,13 +84,17 @@ class Part:
 
 @dataclass(frozen=True)
 class Model:
-    """A line of models.csv. `doors` and `drawers` were counted by eye."""
+    """A line of models.csv.
+
+    By eye: `opens` has a word per door (the side it is hinged at, sideways, unknown) and drawer (slide); `handle` is
+    that of most of them (bar, knob, edge), empty where it is none of these.
+    """
 
     pack: str
     name: str
     kind: str
-    doors: int
-    drawers: int
+    opens: tuple[str, ...]
+    handle: str
     symmetry: str
     frame: str
     folder: Path
@@ -99,6 +103,16 @@ class Model:
     def id(self) -> str:
         """A name that files and contracts can carry."""
         return re.sub(r"\W+", "_", f"{self.pack}_{self.name.split('/')[-1]}").lower()
+
+    @property
+    def doors(self) -> int:
+        """How many doors and flaps it has."""
+        return len(self.opens) - self.drawers
+
+    @property
+    def drawers(self) -> int:
+        """How many drawers it has."""
+        return self.opens.count("slide")
 
     @property
     def parts(self) -> list[Part]:
@@ -247,8 +261,8 @@ def models(folder: Path, half: str) -> list[Model]:
             row["pack"],
             row["model"],
             row["kind"],
-            int(row["doors"]),
-            int(row["drawers"]),
+            tuple(row["opens"].split()),
+            row["handle"],
             row["symmetry"] or kinds()[row["kind"]].turn,
             row["frame"],
             folder,

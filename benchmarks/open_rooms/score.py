@@ -1,10 +1,12 @@
 """What came out against the truth: a row per object and rank, and the tables of docs/results/open.md."""
 
 import re
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pandas as pd
@@ -17,6 +19,7 @@ from stages.assets.proportions import usual
 from stages.contracts import Cousins, GeneratedScene, Objects, read_json
 from stages.contracts.doubts import doubts
 from stages.contracts.generated import PlacedObject
+from stages.contracts.library import Asset, HingeSide
 from stages.contracts.library_folder import AssetFolders
 from stages.evaluation.scoring import box_in_world, world_from_floor
 from stages.evaluation.shapes import DENSE, POINTS, surface
@@ -61,6 +64,8 @@ class Row:
     yaw_degrees: float | None = None
     chamfer: float | None = None
     panels: bool | None = None
+    hinges: bool | None = None
+    handles: bool | None = None
     support: str = ""
     held: bool = False
     floats: bool = False
@@ -94,6 +99,21 @@ def outside(box: UprightBox, room: tuple[float, float]) -> float:
     """How far a box reaches behind the walls of a room, metres."""
     points = corners(box)[:, :2]
     return float(max((points - np.array(room)).max(), (-points).max(), 0.0))
+
+
+def hinges_alike(opens: tuple[str, ...], asset: Asset) -> bool | None:
+    """Whether as many doors hang on each side and as many drawers slide; None: nothing opens, or how is not known."""
+    if not opens or not set(opens) <= set(get_args(HingeSide)):
+        return None
+    return sorted(opens) == sorted(joint.panel.hinge for joint in asset.joints if joint.panel is not None)
+
+
+def handles_alike(handle: str, asset: Asset) -> bool | None:
+    """Whether most of its handles are of this kind, arches as bars; None: none of these is said."""
+    if not handle:
+        return None
+    kinds = Counter("bar" if joint.handle == "arch" else joint.handle for joint in asset.joints)
+    return bool(kinds) and kinds.most_common(1)[0][0] == handle
 
 
 def true_carrier(true: pictures.TrueThing, ids: dict[int, str]) -> str | None:
@@ -150,6 +170,7 @@ def _measured(
     turn = None if thing.symmetry == "full" else angle_difference(box.yaw, thing.yaw, thing.symmetry)
     carrier = true_carrier(thing, ids)
     asset = folders.asset(item.asset)
+    model = _model(thing.model, truth.half)
     check = scene.plausibility
     beneath = {one.id: one.position[2] + one.size[2] / 2 for one in scene.objects if one.status == "ok"}
     level = 0.0 if item.support == "floor" else beneath.get(item.support)
@@ -172,6 +193,8 @@ def _measured(
         "yaw_degrees": None if turn is None else round(float(np.rad2deg(turn)), 1),
         "chamfer": round(_alike(thing.model, truth.half, folders[item.asset], tuple(thing.size)), 4),
         "panels": (asset.doors, asset.drawers) == (thing.doors, thing.drawers) if thing.doors + thing.drawers else None,
+        "hinges": hinges_alike(model.opens, asset),
+        "handles": handles_alike(model.handle, asset),
         "support": item.support,
         "held": item.support == "unnamed",
         "floats": level is not None and bottom > level + FLOATS,
@@ -185,9 +208,18 @@ ROOT: list[Path] = []  # the folder that is scored: models are read from it
 
 
 @cache
+def _models(half: str) -> dict[str, packs.Model]:
+    return {one.id: one for one in packs.models(ROOT[0] / "packs", half)}
+
+
+def _model(model: str, half: str) -> packs.Model:
+    return _models(half)[model]
+
+
+@cache
 def _surface_of(model: str, half: str) -> NDArray[np.float64]:
     """Points (POINTS, 3) of a true model in the unit box."""
-    found = next(one for one in packs.models(ROOT[0] / "packs", half) if one.id == model)
+    found = _model(model, half)
     mesh = trimesh.util.concatenate([trimesh.Trimesh(p.vertices, p.faces, process=False) for p in found.parts])
     points = np.asarray(trimesh.sample.sample_surface(mesh, POINTS, seed=0)[0])
     low, high = mesh.bounds
@@ -199,13 +231,14 @@ def _alike(model: str, half: str, chosen: Path, size: tuple[float, float, float]
     return chamfer(_surface_of(model, half), surface(chosen)[:: DENSE // POINTS], size)
 
 
-def score(root: Path, results: Path, out: Path) -> None:
-    """Write open.csv, a row per object and rank, and open.md.
+def score(root: Path, results: Path, out: Path, version: str) -> None:
+    """Write open.csv, a row per object and rank, and open.md. Rank 1 of other versions stays as it is there.
 
     Args:
         root: folder of `render` and `run`.
         results: folder with the library.
         out: folder of both files.
+        version: name of the code that `run` ran; the page is about that which was scored last.
     """
     from benchmarks.open_rooms.tables import page
 
@@ -219,8 +252,12 @@ def score(root: Path, results: Path, out: Path) -> None:
         if (root / "results" / masks / folder.name / f"{judge}.log").is_file()
         for row in rows_of(root, folder, masks, judge, folders)
     ]
-    table = pd.DataFrame(rows)
+    table = pd.DataFrame(rows).assign(version=version)
     out.mkdir(parents=True, exist_ok=True)
+    if (out / "open.csv").is_file():
+        known = pd.read_csv(out / "open.csv")
+        known = known[(known["version"] != version) & (known["rank"] == 1)]
+        table = pd.concat([known, table]).reset_index(drop=True)
     table.to_csv(out / "open.csv", index=False)
     (out / "open.md").write_text(page(table), encoding="utf-8")
     print(f"{out / 'open.md'}: {len(table)} rows")

@@ -8,7 +8,7 @@ import pandas as pd
 from stages.config.tables import TablesConfig
 from stages.tables.intervals import paired, quantiles, rate_interval, rate_of, resampled, side_of
 
-MEASURES = ["sensible", "size", "place", "yaw", "carrier", "stable", "panels"]
+MEASURES = ["sensible", "size", "place", "yaw", "carrier", "stable", "panels", "hinges", "handles"]
 WHOLE = 0.5  # share of a thing that shows, from which on it counts as seen whole
 FAULTS = ["held", "floats", "behind", "too_large"]
 OPTIONS = TablesConfig()
@@ -76,6 +76,26 @@ def better(rows: pd.DataFrame, judge: str) -> str:
     ((a, b),) = resampled([[ours, theirs]], OPTIONS)
     low, high = quantiles((a - b).mean(axis=1), OPTIONS)
     return f"{1000 * (rate_of(ours) - rate_of(theirs)):+.1f} [{1000 * low:+.1f}, {1000 * high:+.1f}] of {ours.shape[1]}"
+
+
+def _versions(rows: pd.DataFrame) -> Iterator[str]:
+    first = rows[(rows["rank"] == 1) & (rows["masks"] == "drawn") & (rows["judge"] != "hog")]
+    yield "Versions of the code (rank 1, drawn masks); good scenes and nearer in shape than `no-image` as below:\n"
+    yield table(
+        ["version", "chosen by", "objects", *MEASURES, "good scenes", "nearer"],
+        (
+            [
+                str(version),
+                judge,
+                str(len(group)),
+                *_measures(group),
+                _faults(group)[0],
+                better(mine, judge) if judge == "geometry" else "",
+            ]
+            for version, mine in first.groupby("version", sort=False)
+            for judge, group in mine.groupby("judge")
+        ),
+    )
 
 
 def _half(rows: pd.DataFrame) -> Iterator[str]:
@@ -157,5 +177,9 @@ def page(rows: pd.DataFrame) -> str:
     for half, about in HALVES.items():
         mine = rows[rows["half"] == half]
         if len(mine):
-            parts += [f"## {half} ({about})\n", *_half(mine)]
+            parts += [
+                f"## {half} ({about})\n",
+                *_versions(mine),
+                *_half(mine[mine["version"] == mine["version"].iloc[-1]]),
+            ]
     return "\n".join(parts)

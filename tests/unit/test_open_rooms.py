@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 from shapely import Point
 
 from benchmarks.open_rooms import packs, pictures, rooms, score, sensor, tables, views
+from stages.contracts.library import FrontPanel, Joint
 from stages.geometry.boxes import UprightBox, footprint
 from stages.procedural.catalogue import CATEGORIES
+from tests.unit.generation_scenes import asset
 
 
 @dataclass(frozen=True)
@@ -213,7 +215,7 @@ def row(number: int, rank: int = 1, judge: str = "geometry", **said: object) -> 
 def test_the_page_counts_what_is_right_and_what_is_absurd() -> None:
     rows = [row(1), row(2, size=False, too_large=True), row(3, too_large=True, doubt_of_size=True), row(4, held=True)]
     rows += [row(k, judge="no-image", chamfer=0.03) for k in (1, 2, 3, 4)]
-    table = pd.DataFrame(rows)
+    table = pd.DataFrame(rows).assign(version="this")
     assert tables.share(table[table["judge"] == "geometry"], "size").startswith("75 [")
     absurd = tables.scenes_of(table[table["judge"] == "geometry"]).iloc[0]
     assert absurd.to_dict() == {"held": 1, "floats": 0, "behind": 0, "too_large": 1}
@@ -254,3 +256,31 @@ def test_rays_find_depth_owner_and_what_a_mirror_shows() -> None:
     glass = [replace(one, kind=sensor.MIRROR) if one.owner == 1 else one for one in caster.surfaces]
     mirrored, _ = views.seen(views.Caster(glass), views.look_at(room.eye, room.look), 525.0)
     assert mirrored.beyond[240, 320] == pytest.approx(2.0 + 3.0, abs=1e-2)  # there and back to the southern wall
+
+
+def opening(hinge: str, handle: str | None) -> Joint:
+    """A joint of a cousin."""
+    drawer = hinge == "slide"
+    return Joint(
+        name=f"joint_{hinge}_{handle}", type="prismatic" if drawer else "revolute", role="drawer" if drawer else "door",
+        parent="body", link="front", axis=(0, 0, 1), lower=0, upper=1, handle_link=None, handle=handle,
+        panel=FrontPanel(hinge=hinge, height=0.5, size=(0.4, 0.4)),
+    )  # fmt: skip
+
+
+def test_hinges_and_handles_are_compared_with_those_of_the_cousin() -> None:
+    joints = [opening("left", "arch"), opening("right", "bar"), opening("slide", "knob")]
+    cousin = asset((0.5, 1.0, 1.0), doors=2, drawers=1, joints=joints)
+    assert score.hinges_alike(("slide", "right", "left"), cousin) is True
+    assert score.hinges_alike(("slide", "left", "left"), cousin) is False
+    assert score.hinges_alike((), cousin) is None and score.hinges_alike(("unknown",), cousin) is None
+    assert score.handles_alike("bar", cousin) is True and score.handles_alike("knob", cousin) is False
+    assert score.handles_alike("", cousin) is None
+
+
+def test_other_versions_of_the_code_are_kept_beside() -> None:
+    rows = pd.concat([pd.DataFrame([row(k, size=k > 1) for k in (1, 2)]).assign(version="before"),
+                      pd.DataFrame([row(k) for k in (1, 2)]).assign(version="this")])  # fmt: skip
+    page = tables.page(rows)
+    assert "| before | geometry | 2 | 100 " in page and "| this | geometry | 2 | 100 " in page
+    assert page.count("| drawn | geometry | all | 1 | 2 | 2 | 100 ") == 1

@@ -47,6 +47,13 @@ def test_the_encoder_is_trained_when_asked_for_alone(folder: Path) -> None:
     assert jobs["encoder_pairs"] == 1 and jobs["encoder"] == 1 and "library" not in jobs
 
 
+def test_rooms_that_are_not_ours_are_a_target(tmp_path: Path) -> None:
+    folder = make(tmp_path / "clone")
+    (folder / "benchmarks").symlink_to(ROOT / "benchmarks")
+    jobs = planned(dry_run(folder, "open_rooms").stdout)
+    assert jobs["open_picture"] == 30 and jobs["open_room"] == 60 and jobs["open_rooms"] == 1
+
+
 def test_a_task_may_have_rows_with_training_sets_and_options_of_their_own(folder: Path) -> None:
     rows = """
     far: {task: door, options: {base_xy: 0.01}, training_sets: [cousins_2, all], seeds: [0, 1, 2], episodes: 8}
