@@ -319,6 +319,12 @@ def test_images_are_named_once_by_what_they_are_built_from() -> None:
     assert theirs.learning == f"docker://example.org/acdc-learning:{tag()}"
 
 
+def test_images_hold_what_the_lists_name_and_nothing_else() -> None:
+    """Without pyproject.toml's overrides sapien brings in an opencv-python that no list pins, and the build fails."""
+    installs = re.findall(r"uv pip install .*", (ROOT / "containers/Containerfile").read_text())
+    assert len(installs) == 4 and all("--no-deps" in line and "--require-hashes" in line for line in installs)
+
+
 def test_generated_files_are_up_to_date() -> None:
     for name, text in reference.generate().items():
         assert (ROOT / name).read_text(encoding="utf-8") == text, f"{name} drifted from stages/config; run: make config"
