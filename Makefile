@@ -12,7 +12,7 @@ STUDY := -$(BIN)/snakemake --cores $(CORES) --keep-going --configfile config.yam
 UNSEEN := $(BIN)/snakemake --cores $(CORES) --keep-going --configfile config.yaml config/study/table3.yaml config/study/over_assets.yaml --
 cells = $(foreach task,$(1),$(foreach set,$(2),results/evaluation/policies/$(task)/$(set)/rollouts.csv))
 
-.PHONY: help setup all study unseen table2 photo test slurm test-cluster lint types config lock containers clean
+.PHONY: help setup site all study unseen table2 photo test slurm test-cluster lint types config lock containers clean
 help: ## list the verbs
 	@grep -hE '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 14
 
@@ -48,6 +48,9 @@ photo: setup ## a picture of yours, e.g. make photo IMAGE=kitchen.jpg; needs wei
 test: setup lint types ## lint, types and all tests; Chromium for those of the report page
 	@bash envs/chromium.sh
 	$(BIN)/python -m pytest -n $(CORES) --dist loadfile --no-loadscope-reorder
+
+site: $(STAMP) ## the documentation as a site, with every link checked: site/index.html
+	bash envs/docs.sh
 
 slurm: $(STAMP) ## the executor plugin that profiles/slurm needs
 	VIRTUAL_ENV=.venv $(BIN)/uv pip install --quiet --require-hashes -r envs/slurm.txt

@@ -1,5 +1,6 @@
 """Config section `containers`: the images that rules can run in."""
 
+import re
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
@@ -17,8 +18,8 @@ class ContainersConfig(Section):
 
     image: str = Field(
         LOCAL + "acdc-{family}:{tag}",
-        description="Image of a rule. {family}: simulation, learning or report; {tag}: digest of what the images are "
-        "built from (envs, containers), so that an old image is not taken for a new one. "
+        description="Image of a rule. {family}: simulation, learning or report; {tag}: digest of the "
+        "Containerfile and of what it copies, so that an old image is not taken for a new one. "
         "For yours in a registry: docker://REGISTRY/acdc-{family}:{tag}.",
     )
 
@@ -59,12 +60,14 @@ class ContainersConfig(Section):
 
 @cache
 def tag() -> str:
-    """Digest of all files that images are built from; "none" where the package is installed without them."""
-    files = sorted([*ROOT.glob("envs/*.txt"), *ROOT.glob("envs/*.sh"), *ROOT.glob("containers/Containerfile")])
+    """Digest of the Containerfile and of what it copies; "none" where the package is installed without them."""
+    recipe = ROOT / "containers/Containerfile"
+    if not recipe.is_file():
+        return "none"
     digest = sha256()
-    for path in files:
+    for path in [recipe, *(ROOT / name for name in re.findall(r"^COPY (\S+)", recipe.read_text(), re.MULTILINE))]:
         digest.update(f"{path.relative_to(ROOT)} {sha256(path.read_bytes()).hexdigest()}\n".encode())
-    return digest.hexdigest()[:12] if files else "none"
+    return digest.hexdigest()[:12]
 
 
 if __name__ == "__main__":

@@ -16,7 +16,8 @@ from stages.config.inputs import INPUT_FILES
 from stages.config.model import load, merged
 from tests.workflow.workspace import ROOT, dry_run, make
 
-PAGES = [ROOT / "README.md", ROOT / "config/README.md", *sorted((ROOT / "docs").glob("*.md"))]
+GUIDES = [path for folder in ("docs", "docs/tutorial") for path in sorted((ROOT / folder).glob("*.md"))]
+PAGES = [ROOT / "README.md", ROOT / "config/README.md", *GUIDES]
 FENCE = re.compile(
     r"(?:^ *<!-- not run: (?P<why>[^\n]+) -->\n)?^ *```(?P<kind>\w*)\n(?P<text>.*?)^ *```", re.DOTALL | re.MULTILINE
 )
