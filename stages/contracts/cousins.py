@@ -6,6 +6,7 @@ from typing import Literal
 from pydantic import Field, model_validator
 
 from stages.contracts.files import Contract, Document
+from stages.contracts.made import Made
 from stages.contracts.objects import check_status
 from stages.contracts.types import Angle, Count, Finite, Id, NonNegative, Rank, Text, check_unique
 
@@ -97,6 +98,7 @@ class Cousins(Document):
     scene: Id
     encoder: Text
     objects: list[ObjectCousins]
+    made: Made | None = None
 
     @model_validator(mode="after")
     def _once(self) -> "Cousins":

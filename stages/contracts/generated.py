@@ -5,6 +5,7 @@ from typing import Literal
 from pydantic import Field, model_validator
 
 from stages.contracts.files import Contract, Document
+from stages.contracts.made import Made
 from stages.contracts.objects import Mounting, Wall, check_mounting, check_room, check_status
 from stages.contracts.types import (
     LARGEST,
@@ -85,6 +86,7 @@ class GeneratedScene(Document):
     walls: list[Wall]
     objects: list[PlacedObject]
     plausibility: Plausibility | None = None
+    made: Made | None = None
 
     @model_validator(mode="after")
     def _resolvable(self) -> "GeneratedScene":

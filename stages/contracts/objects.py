@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, TypeVar
 from pydantic import Field, model_validator
 
 from stages.contracts.files import Contract, Document
+from stages.contracts.made import Made
 from stages.contracts.types import (
     RIGID_TOLERANCE,
     Angle,
@@ -125,6 +126,7 @@ class Objects(Document):
     )
     walls: list[Wall]
     objects: list[SceneObject]
+    made: Made | None = None
 
     @model_validator(mode="after")
     def _resolvable(self) -> "Objects":

@@ -9,6 +9,8 @@ import yaml
 from pydantic import ValidationError
 
 from stages.config.extraction import ExtractionConfig
+from stages.config.inputs import INPUT_FILES
+from stages.config.made import made
 from stages.contracts import InputError, atomic, read_options, write_json
 from stages.contracts.corrections import corrections_of
 from stages.contracts.files import first_error, read_text
@@ -56,7 +58,9 @@ def run(
         np.savez_compressed(path, depth=result.depth)
     with atomic(folder / "clouds.npz") as path:
         np.savez_compressed(path, **result.clouds)  # type: ignore[arg-type]
-    write_json(out, result.objects)
+    inputs = [input / name for name in INPUT_FILES if (input / name).is_file()]
+    origin = made("stages.extraction.extract", config, [*inputs, *own, *corrections], seed)
+    write_json(out, result.objects.model_copy(update={"made": origin}))
     for item in result.objects.objects:
         kind = f"mounting {item.mounting.type}" if item.mounting else f"failed: {item.reason}"
         print(f"{scene} {item.id}: {kind}, {item.points} points")

@@ -7,6 +7,7 @@ import numpy as np
 
 from stages.cli import progress
 from stages.config.generation import GenerationConfig
+from stages.config.made import made
 from stages.contracts import GeneratedScene, InputError, read_options, write_json
 from stages.contracts.generated import PlacedObject
 from stages.generation.build import Built, build
@@ -118,5 +119,6 @@ def run(
                 )
             scenes.append(scene_of(built, physics_check(built, inputs, config), inputs, variant, rank))
             print(summary(scenes[-1], built.left))
+    origin = made("stages.generation.generate", config, [cousins, objects, library, *corrections])
     for scene in scenes:
-        write_json(out / f"scene_{scene.rank}.json", scene)
+        write_json(out / f"scene_{scene.rank}.json", scene.model_copy(update={"made": origin}))

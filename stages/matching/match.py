@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from stages.cli import progress
+from stages.config.made import made
 from stages.config.matching import MatchingConfig
 from stages.contracts import Cousins, InputError, LeftOut, Library, read_json, read_options, write_json
 from stages.contracts.cousins import ObjectCousins, Orientation
@@ -64,7 +65,8 @@ def run(
             for item in progress(scene.objects.objects, "objects matched", len(scene.objects.objects))
         ]
     encoder = settings.encoder if stored else "none"
-    result = Cousins(scene=scene.objects.scene, encoder=encoder, objects=entries)
+    origin = made("stages.matching.match", settings, [objects, image, library, *without])
+    result = Cousins(scene=scene.objects.scene, encoder=encoder, objects=entries, made=origin)
     write_json(out, result)
     for line in judges.summaries():
         print(line)

@@ -29,6 +29,7 @@ def _page(files: RunFiles, camera: Path, options: TablesConfig, width: int) -> s
             found=single.found(files, room.name, camera, album),
             doubts=[single.doubts(room, one) for one in room.reconstructions] or [single.doubts(room, None)],
             downloads=single.downloads(files, room.name),
+            origins=single.origins(files, room.name),
             first=first,
             script=Markup("\n".join(read_text(Path(__file__).with_name("page") / name) for name in SCRIPTS)),
             number=number,

@@ -215,7 +215,7 @@ def test_the_export_has_the_same_places(made: Path) -> None:
 
 
 def test_same_input_same_bytes(scene: dict[str, Path], made: Path, tmp_path: Path) -> None:
-    make(scene, tmp_path, 1)
+    make(scene, tmp_path, 2)
     for name in ("scene_1.json", "scene_1.png", "scene_1.glb"):
         assert (tmp_path / name).read_bytes() == (made / name).read_bytes(), name
 

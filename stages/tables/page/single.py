@@ -9,8 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from stages.contracts.cousins import Cousins
 from stages.contracts.extracted import read_metres
 from stages.contracts.files import read_json
+from stages.contracts.generated import GeneratedScene
+from stages.contracts.made import Made
 from stages.contracts.objects import Objects
 from stages.contracts.scenes import Camera
 from stages.tables.page.files import RunFiles
@@ -101,6 +104,17 @@ def downloads(files: RunFiles, name: str) -> list[Download]:
             Download(f"{name}_{path.name}" if source else str(path), what, f"{max(1, round(size / 1000))} kB", source)
         )
     return made
+
+
+def origins(files: RunFiles, name: str) -> list[tuple[str, Made]]:
+    """What objects, cousins and scenes of rank 1 were made of, as far as the files say so."""
+    kinds: list[tuple[type[Objects | Cousins | GeneratedScene], str]] = [
+        (Objects, f"extraction/{name}/objects.json"),
+        (Cousins, f"matching/*/{name}/cousins.json"),
+        (GeneratedScene, f"generation/*/{name}/scene_1.json"),
+    ]
+    found = [(path, read_json(kind, path).made) for kind, pattern in kinds for path in files.all(pattern)]
+    return [("/".join(path.parts[-3:]), made) for path, made in found if made is not None]
 
 
 def doubts(room: RoomPart, made: Reconstruction | None) -> list[tuple[str, str, str]]:

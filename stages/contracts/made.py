@@ -1,0 +1,15 @@
+"""What a file was made of."""
+
+from pydantic import Field
+
+from stages.contracts.files import Contract
+from stages.contracts.types import Seed, Text
+
+
+class Made(Contract):
+    """The same of all four give the same bytes. Digests are the first 12 hex digits of SHA-256."""
+
+    seed: Seed | None = Field(None, description="of its random numbers; null: it has none")
+    options: Text = Field(description="digest of the verb's options")
+    inputs: Text = Field(description="digest of the files that the verb read")
+    code: Text = Field(description="digest of the verb's code and of all that it imports")
