@@ -65,3 +65,8 @@ if workflow.remote_exec:
     run_in_this_process()
 elif has_shells():
     ungroup()
+
+# Snakemake asks for a function's parameters with every job: they are looked up once.
+for each in workflow.rules:
+    for told in filter(inspect.isfunction, [*each.input, *each.params, each.group]):
+        told.__signature__ = inspect.signature(told)

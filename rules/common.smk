@@ -1,5 +1,7 @@
 # Helpers: the validated config, options and code digests of each job, commands. Nothing here makes a file.
+import atexit
 import gc
+import inspect
 import json
 import os
 import shlex
@@ -27,9 +29,10 @@ from stages.plugins import qualified
 from stages.scenes.rooms import series
 from stages.guard import hold_folder, makes_files
 
-# The graph of jobs only grows: to look through it for garbage again and again is a third of a plan's time.
+# The graph of jobs only grows: looking through it for garbage, the last time at the end, is a third of a plan's time.
 gc.freeze()
 gc.set_threshold(100_000, 100, 100)
+atexit.register(gc.freeze)
 
 # `.venv/bin/snakemake` works without activating the environment: jobs find its python first.
 os.environ.update(PATH=os.pathsep.join([str(Path(sys.executable).parent), *os.get_exec_path()]))
