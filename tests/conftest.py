@@ -1,8 +1,12 @@
-"""The order in which two workers go through the tests, a file at a time."""
+"""The order in which two workers go through the tests, a file at a time; each takes one core."""
 
+import os
 from pathlib import Path
 
 import pytest
+
+# Before numpy and torch are loaded: two workers of two threads each, on two cores, wait for each other's threads.
+os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 FIRST = ("test_own_commands.py",)  # makes the micro run, which takes longest, while the other worker does the rest
 LAST = ("test_kill.py", "test_shipped_swaps.py", "test_run.py")  # use it
