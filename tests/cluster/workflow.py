@@ -23,7 +23,7 @@ ROOM = "results/scenes/room_1/truth.json"
 def start(cluster: Cluster, folder: Path, *arguments: str) -> subprocess.Popen[bytes]:
     """Snakemake on the cluster; what it prints is appended to out.log."""
     heeds = ["env", "--default-signal=INT"]  # Ctrl-C, also where a shell has started the tests in the background
-    command = [*heeds, str(Path(sys.executable).parent / "snakemake"), *PROFILES, *arguments]
+    command = [*heeds, sys.executable, "-P", str(HERE / "impatient.py"), *PROFILES, *arguments]
     with (folder / "out.log").open("ab") as log:
         return subprocess.Popen(
             command, cwd=folder, env=os.environ | cluster.environment, stdout=log, stderr=log, start_new_session=True
