@@ -17,7 +17,7 @@ from stages.articulated.stretching import stretched
 from stages.articulated.urdf_reader import read_urdf
 from stages.articulated.urdf_writer import write_urdf
 from stages.contracts.errors import InputError
-from stages.contracts.files import partial, read_json, write_json
+from stages.contracts.files import as_json, partial, read_json
 from stages.contracts.holder import stop_if_taken_over
 from stages.contracts.library import Asset, Placement, Recipe, Symmetry, Vector
 from stages.contracts.system import naming
@@ -58,7 +58,7 @@ def write_asset(robot: RobotModel, out: Path, about: Description) -> Asset:
             provenance=about.provenance,
             checksum=checksum(folder),
         )
-        write_json(folder / "asset.json", asset)
+        (folder / "asset.json").write_text(as_json(asset), encoding="utf-8")  # the archive it goes into is synced
     return asset
 
 

@@ -68,14 +68,19 @@ def write_text(path: Path, text: str) -> None:
 
 
 def write_json(path: Path, value: BaseModel | Any) -> None:
-    """Write a contract (or plain data) as indented JSON, atomically, in a fixed order, checked as on reading."""
+    """Write a contract (or plain data) as JSON, atomically."""
+    write_text(path, as_json(value))
+
+
+def as_json(value: BaseModel | Any) -> str:
+    """A contract (or plain data) as indented JSON, in a fixed order, checked as on reading."""
     model = type(value) if isinstance(value, BaseModel) else None
     if isinstance(value, BaseModel):
         value = value.model_dump(mode="json")
     text = json.dumps(value, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
     if model:
         model.model_validate_json(text, strict=True)
-    write_text(path, text)
+    return text
 
 
 def first_error(error: ValidationError) -> str:
