@@ -15,6 +15,7 @@ from pydantic import ValidationError
 from stages.contracts import InputError, Objects, read_json, write_json
 from stages.contracts.corrections import CORRECTIONS, Correction, Corrections, corrections_of
 from stages.contracts.extracted import check_extracted
+from stages.contracts.fronts import Panel
 from stages.contracts.objects import Box, Mounting, SceneObject, Wall, distance_between
 from stages.contracts.scene_input import read_scene_input
 from stages.contracts.scenes import Held
@@ -147,6 +148,33 @@ def test_a_person_says_size_support_front_and_mounting(source: Path) -> None:
     nearest = np.linalg.norm(np.array(box.box.center)[:2]) - np.linalg.norm(np.array(before[BOX].box.center)[:2])
     assert -0.2 < nearest < 0.02  # the side that faces the camera stays
     check_extracted(source.parent / "found/objects.json")
+
+
+def test_drawers_that_were_drawn_are_found_and_counts_undo_them(source: Path) -> None:
+    drawers = [Panel(kind="drawer", left=0, right=1, bottom=k / 2, top=(k + 1) / 2) for k in range(2)]
+    cabinet = _objects(source, Correction(mask=CABINET, panels=drawers)).objects[0]
+    assert (cabinet.panels, cabinet.doors, cabinet.drawers) == (drawers, 0, 2)  # the input says two doors
+    said = json.loads((source / "annotations.json").read_text())
+    said["objects"][0] |= {"doors": 0, "drawers": 2, "panels": [panel.model_dump() for panel in drawers]}
+    (source / "annotations.json").write_text(json.dumps(said))
+    assert _objects(source, Correction(mask=BOX, label="stool")).objects[0].panels == drawers
+    counted = _objects(source, Correction(mask=CABINET, drawers=3)).objects[0]
+    assert (counted.panels, counted.doors, counted.drawers) == ([], 0, 3)
+
+
+def test_a_front_is_shown_straight_on_before_and_after_a_run(session: Correcting, source: Path) -> None:
+    drawing = {**session.opened().model_dump(mode="json"), "mask": CABINET}
+    before = session.front(drawing)
+    assert before["picture"] and before["height"] > before["width"] / 2  # no box is known: what shows it
+    results = source.parent / "results"
+    extract(input=source, scene="kitchen", out=results / "extraction/kitchen/objects.json")
+    ran = Correcting(source, [], results, "kitchen")
+    seen = ran.front(drawing)  # 80 x 80 cm, towards the camera
+    assert seen["picture"] and seen["width"] / seen["height"] == pytest.approx(1, abs=0.05)
+    drawing["objects"][0]["front"] = 0.0  # away from the camera
+    assert ran.front(drawing)["picture"] is None
+    with pytest.raises(KeyError):
+        ran.front({**drawing, "mask": 77})
 
 
 @pytest.mark.parametrize(("bottom", "height"), [(0.25, 0.75), (0.9, 0.5)])

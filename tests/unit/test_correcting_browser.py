@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from stages.contracts import Cousins, GeneratedScene, Objects, read_json, write_json
-from stages.contracts.corrections import CORRECTIONS
+from stages.contracts.corrections import CORRECTIONS, corrections_of
 from stages.contracts.cousins import Candidate, Cousin, ObjectCousins, Orientation
 from stages.contracts.generated import PlacedObject
 from stages.extraction.by_hand.correcting import Correcting
@@ -102,6 +102,58 @@ def test_from_a_doubt_to_another_model_in_two_clicks(opened: Any, session: Corre
     assert _told(page, session)[BOX]["like"] == CABINET
     low = page.evaluate(CONTRAST)
     assert [line for line in low if not line.startswith("text ")] == []
+
+
+def test_drawers_are_drawn_on_the_front(opened: Any, session: Correcting) -> None:
+    page = opened
+    page.locator("#objects button", has_text="cabinet 2").click()
+    assert page.locator("#front-view").is_hidden()
+    page.get_by_label("Drawers").fill("3")
+    page.keyboard.press("Enter")
+    assert _told(page, session)[BOX] == {"articulated": True, "drawers": 3}  # counts alone
+    page.locator("#front-view summary").click()
+    page.wait_for_selector("#front-picture:not([hidden])")
+    page.get_by_role("button", name="Lay out evenly").click()
+    assert page.locator("#front-picture text").all_text_contents() == ["drawer 1", "drawer 2", "drawer 3"]
+    a, d, e, f = page.locator("#front-picture").evaluate(
+        "e => { const m = e.getScreenCTM(), b = e.viewBox.baseVal;"
+        " return [m.a * b.width, m.d * b.height, m.e, m.f + m.d * b.height]; }"
+    )
+
+    def drag(*shares: tuple[float, float]) -> None:
+        for k, (x, y) in enumerate(shares):
+            page.mouse.move(x * a + e, f - y * d, steps=4)
+            if k == 0:
+                page.mouse.down()
+        page.mouse.up()
+
+    def panels() -> list[dict[str, Any]]:
+        return list(_told(page, session)[BOX]["panels"])
+
+    drag((0.5, 0.5), (0.5, 0.5))  # a click chooses the middle one
+    drag((0.5, 1 / 3), (0.5, 0.2))  # its lower edge
+    drag((0.7, 0.1), (0.7, 0.1))
+    drag((0.5, 1 / 3), (0.5, 0.195))  # that of the lowest, up to it: it snaps
+    middle, lowest = panels()[1:]
+    assert middle["bottom"] == lowest["top"] == pytest.approx(0.2, abs=0.01) and middle["top"] == pytest.approx(
+        2 / 3, abs=1e-3
+    )
+    drag((0.3, 0.1), (0.3, 0.9))  # all of it: it stays within the front
+    assert panels()[2]["top"] == 1 and panels()[2]["bottom"] == pytest.approx(1 - lowest["top"], abs=1e-3)
+    page.keyboard.press("Control+z")
+    page.keyboard.press("Delete")  # the box, not the thing
+    assert len(panels()) == 2 and _told(page, session)[BOX]["drawers"] == 2
+    page.get_by_role("button", name="Door", exact=True).click()
+    drag((0.02, 0.02), (0.6, 0.18))
+    assert panels()[2]["kind"] == "door" and panels()[2]["left"] == pytest.approx(0.02, abs=0.01)
+    assert page.locator("#doors").input_value() == "1" and page.locator("#front-picture text").count() == 3
+    if shots := os.environ.get("ACDC_SCREENSHOTS"):
+        page.screenshot(path=f"{shots}/correct_front.png")
+    told = corrections_of((session.folder / CORRECTIONS,), "extraction")
+    assert {item.kind for item in told[BOX].panels or []} == {"door", "drawer"}
+    page.get_by_label("Drawers").fill("4")  # boxes that are not right any more go
+    page.keyboard.press("Enter")
+    assert _told(page, session)[BOX] == {"articulated": True, "doors": 1, "drawers": 4}
 
 
 def test_size_support_front_and_place_are_said(opened: Any, session: Correcting) -> None:

@@ -1,6 +1,7 @@
 // The page that corrects what was found and chosen: what a click, a drag or a key does, and the panel.
 import { bindFrame, frameKey, keyOf } from './both.js';
 import { area, begin, element, move, pixel, unit, zoom } from './canvas.js';
+import { bindFront, closed, front, typed } from './fronts.js';
 import { bindPlacement, made, placement } from './models.js';
 import { ask, changed, edit, find, nameOf, onChange, remember, solve, state, touch, undoable } from './state.js';
 
@@ -109,6 +110,7 @@ function panel() {
   get('on').replaceChildren(new Option(found ? `as found: ${found.mask ? nameOf(found) : found.label}` : 'as found', ''), new Option('the floor', 'floor'), ...others.map((other) => new Option(nameOf(other), other.mask)));
   get('on').value = item.on ?? '';
   get('on').disabled = item.mounting?.type === 1;
+  front(item);
   placement(item, things().filter((other) => other !== item && !alike(other).includes(item)), nameOf);
 }
 // What a thing is said to stand on, and what is beneath that; what it is said to be like, and so on.
@@ -118,7 +120,7 @@ const alike = (item) => chain(item, 'like');
 
 function add(region) {
   const mask = Math.max(state.free - 1, ...state.project.objects.map((item) => item.mask)) + 1, id = `drawn_${mask}`;
-  edit((project) => project.objects.push({ id, mask, label: null, around: null, outline: [], articulated: null, doors: null, drawers: null, mounting: null, on: null, size: null, front: null, nudge: null, model: null, pinned: false, banned: [], like: null, ...region }));
+  edit((project) => project.objects.push({ id, mask, label: null, around: null, outline: [], articulated: null, doors: null, drawers: null, panels: null, mounting: null, on: null, size: null, front: null, nudge: null, model: null, pinned: false, banned: [], like: null, ...region }));
   state.chosen = id;
   choose('select');
   get('label').focus();
@@ -222,8 +224,8 @@ function bind() {
   for (const tool of document.querySelectorAll('[data-tool]')) tool.addEventListener('click', () => { if (tool.dataset.tool === 'box') state.chosen = null; choose(tool.dataset.tool); });
   bindFrame();
   get('label').addEventListener('change', ({ target }) => edit(() => { chosen().label = target.value.trim() || null; }));
-  for (const id of ['doors', 'drawers']) get(id).addEventListener('change', ({ target }) => edit(() => { chosen()[id] = target.checkValidity() ? Number(target.value) : 0; }));
-  get('articulated').addEventListener('change', ({ target }) => edit(() => Object.assign(chosen(), { articulated: target.checked }, target.checked ? {} : { doors: 0, drawers: 0 })));
+  for (const id of ['doors', 'drawers']) get(id).addEventListener('change', ({ target }) => edit(() => typed(chosen(), id, target.checkValidity() ? Number(target.value) : 0)));
+  get('articulated').addEventListener('change', ({ target }) => edit(() => { if (target.checked) chosen().articulated = true; else closed(chosen()); }));
   get('mounting').addEventListener('change', ({ target }) => edit(() => {
     const [type, walls] = target.value.split('/');
     chosen().mounting = type ? { type: Number(type), walls: walls ? walls.split('+').map(Number) : [] } : null;
@@ -231,6 +233,7 @@ function bind() {
   }));
   get('on').addEventListener('change', ({ target }) => edit(() => { chosen().on = ['', 'floor'].includes(target.value) ? target.value || null : Number(target.value); }));
   bindPlacement(chosen);
+  bindFront(chosen, (item) => ({ ...state.project, mask: item.mask }));
   get('found').addEventListener('click', () => edit(() => Object.assign(chosen(), { around: null, outline: [] })));
   get('delete').addEventListener('click', remove);
 }

@@ -16,6 +16,7 @@ from stages.contracts.files import Contract
 from stages.contracts.objects import object_ids
 from stages.contracts.scene_input import read_scene_input
 from stages.contracts.types import Id
+from stages.extraction.by_hand.fronts import extents, straight_on
 from stages.extraction.by_hand.made import Made, made_of
 from stages.extraction.by_hand.regions import (
     FLOOR,
@@ -70,6 +71,7 @@ class Correcting:
             "solve": self.solve,
             "save": self.save,
             "models": self.models,
+            "front": self.front,
             "write": self.write,
             "close": self.close,
         }
@@ -175,6 +177,17 @@ class Correcting:
     def models(self, body: Any) -> Answer:
         """Models that can stand for a thing, with pictures and distances."""
         return {"models": self.made.models(int(body["mask"]))}
+
+    def front(self, body: Any) -> Answer:
+        """The front of a thing seen straight on; before anything was made of the folder, what shows the thing."""
+        drawing = self._drawing(body)
+        item = {one.mask: one for one in drawing.objects}[body["mask"]]
+        if (known := self.made.front(item.mask, item.front)) is not None:
+            return straight_on(self.given.rgb, *known)
+        around = item.around or bounds(self._painted(drawing) == item.mask)
+        (x0, y0), (x1, y1) = around or ((0, 0), (1, 1))
+        points = np.array([(x0, y1), (x1, y1), (x1, y0), (x0, y0)], float)
+        return straight_on(self.given.rgb, points, *extents(points))
 
     def save(self, body: Any) -> Answer:
         """Keep the corrections; where nothing is corrected there is no file."""

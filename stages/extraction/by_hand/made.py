@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from PIL import Image
 
 from stages.contracts import Cousins, GeneratedScene, Objects, read_json
@@ -15,6 +16,7 @@ from stages.contracts.doubts import doubts
 from stages.contracts.generated import PlacedObject
 from stages.contracts.objects import SceneObject
 from stages.contracts.snapshot_pictures import Snapshots
+from stages.extraction.by_hand.fronts import extents, front_corners
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.cameras import project
 from stages.geometry.frames import apply, inverse
@@ -71,6 +73,26 @@ class Made:
         if not np.isfinite(pixels).all():
             return []
         return [np.round(pixels[face], 1).tolist() for face in (*SIDES, FRONT[0])]
+
+    def front(self, mask: int, told: float | None) -> tuple[NDArray[np.float64], float, float] | None:
+        """Corners (4, 2) of a thing's front in the picture, its width and height in metres; None: there was no run.
+
+        Args:
+            told: the direction about z that a person says it faces.
+        """
+        item, placed = self.items.get(mask), self.placed.get(mask)
+        if self.objects is None or item is None or item.box is None:
+            return None
+        camera = np.array(self.objects.floor_from_camera)
+        if placed is not None and placed.status == "ok":
+            box, facing = UprightBox(placed.position, placed.size, placed.yaw), placed.yaw
+        else:
+            box = UprightBox(item.box.center, item.box.size, item.box.yaw)
+            facing = (
+                float(np.arctan2(*(camera[:2, 3] - item.box.center[:2])[::-1])) if item.front is None else item.front
+            )
+        points = front_corners(box, facing if told is None else told)
+        return project(apply(inverse(camera), points), self.objects.intrinsics), *extents(points)
 
     def models(self, mask: int) -> list[dict[str, Any]]:
         """Models that can stand for a thing, nearest first, with pictures as matching turned them."""
