@@ -108,6 +108,7 @@ class SceneObject(Contract):
     front: Angle | None = Field(None, description="direction that it faces about z, if the input tells")
     whole: bool = Field(False, description="the input tells its box, hidden sides too, and cousins get that size")
     support: str | None = Field(None, description="'floor' or the id of what carries it, where a person says so")
+    told: list[Literal["mounting", "size"]] = Field([], description="what else a person says of it: nobody doubts that")
 
 
 class Objects(Document):

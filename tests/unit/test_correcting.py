@@ -141,6 +141,7 @@ def test_a_person_says_size_support_front_and_mounting(source: Path) -> None:
     assert cabinet.box is not None and box.box is not None and box.mounting is not None
     assert cabinet.mounting is not None and cabinet.mounting.type == 2
     assert (box.support, box.front, box.whole) == (cabinet.id, 1.5, True)
+    assert (box.told, cabinet.told) == (["size"], ["mounting"])
     assert box.box.center[2] - 0.2 == pytest.approx(cabinet.box.center[2] + cabinet.box.size[2] / 2, abs=1e-5)
     assert sorted(box.box.size) == pytest.approx([0.2, 0.3, 0.4])
     turned = (before[BOX].box.yaw - 1.5) % np.pi  # its front is along its own y axis, and so is its depth
@@ -202,6 +203,34 @@ def test_what_is_at_a_wall_keeps_its_rear_there(source: Path) -> None:
     assert cabinet.box is not None and cabinet.mounting is not None and cabinet.mounting.walls == [wall.id]
     assert distance_between(cabinet.box, wall) == pytest.approx(0, abs=1e-4)
     assert cabinet.box.size[2] == pytest.approx(0.7) and cabinet.box.center[2] == pytest.approx(0.35, abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("pixels", "walls", "shift"),
+    [
+        ((100, 100, 640, 400), [], (0.0, -0.5, 0.1)),  # cut at the right: its left end stays
+        ((0, 100, 300, 400), [], (0.0, 0.5, 0.1)),
+        ((100, 100, 300, 400), [], (0.0, 0.0, 0.1)),
+        ((0, 100, 640, 400), [], (0.0, 0.0, 0.1)),
+        ((100, 0, 640, 400), ["wall_1"], (0.0, -0.5, 0.1)),  # it hangs, and its lower edge is seen
+        ((100, 100, 300, 480), ["wall_1"], (0.0, 0.0, -0.1)),
+    ],
+)
+def test_what_the_border_cuts_off_grows_beyond_it(
+    pixels: tuple[int, int, int, int], walls: list[str], shift: tuple[float, float, float]
+) -> None:
+    box = Box(center=(3.0, 0.0, 1.0), size=(0.5, 1.0, 0.6), yaw=0.0)
+    held = Mounting(type=1, walls=walls) if walls else Mounting(type=2)
+    item = SceneObject(id="sofa_1", label="sofa", mask=1, box=box, mounting=held, pixels=pixels)
+    wall = Wall(id="wall_1", normal=(-1, 0, 0), offset=-3.25, points=9)
+    frame = [[0.0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 1.5], [0, 0, 0, 1]]  # +y is on the left
+    camera = {"width": 640, "height": 480, "intrinsics": [[500, 0, 319.5], [0, 500, 239.5], [0, 0, 1]]}
+    objects = Objects(scene="t", floor_from_camera=frame, walls=[wall], objects=[item], **camera)
+    blank = np.zeros((480, 640))
+    scene = ExtractedScene(objects, blank.astype(np.uint16), blank.astype(np.float32), {"sofa_1": blank[:1, :3]})
+    (sized,) = as_told(scene, {1: Correction(mask=1, size=(2.0, 0.5, 0.8))}).objects.objects
+    assert sized.box is not None and sized.box.size == (0.5, 2.0, 0.8)
+    assert np.subtract(sized.box.center, box.center) == pytest.approx(shift, abs=1e-6)
 
 
 def test_a_thing_is_cut_out_of_what_surrounds_it() -> None:
