@@ -25,7 +25,7 @@ def agree(item: SceneObject) -> bool:
 
 def doubts(entry: ObjectCousins, item: SceneObject, placed: PlacedObject | None, objects: Objects) -> list[str]:
     """What a reader should not take for certain; not what a person says."""
-    sized, chosen = "size" in item.told, placed is not None and placed.chosen
+    sized, by_hand = "size" in item.told, placed is not None and placed.chosen
     found = [entry.note] if entry.note else []
     if item.note:
         found.append(f"{item.note}: mounting by geometry")
@@ -38,9 +38,9 @@ def doubts(entry: ObjectCousins, item: SceneObject, placed: PlacedObject | None,
         if x0 == 0 or y0 == 0 or x1 == objects.width or y1 == objects.height:
             found.append("cut off by the picture's border")
     first, *others = entry.cousins
-    if not chosen and others and first.distance > 0 and others[0].distance < (1 + CLOSE) * first.distance:
+    if not by_hand and others and first.distance > 0 and others[0].distance < (1 + CLOSE) * first.distance:
         found.append(f"a second model is as near: {others[0].asset.replace('_', ' ')}")
-    if not chosen and entry.categories and first.category != entry.categories[0].category:
+    if not by_hand and entry.categories and first.category != entry.categories[0].category:
         said, chosen = entry.categories[0].category.replace("_", " "), first.category.replace("_", " ")
         found.append(f"the label is nearest to {said}, the model is a {chosen}")
     if placed is None:

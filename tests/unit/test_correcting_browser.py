@@ -8,11 +8,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from PIL import Image
 
-from stages.contracts import Cousins, GeneratedScene, Objects, read_json, write_json
-from stages.contracts.corrections import CORRECTIONS, corrections_of
+from stages.contracts import Cousins, GeneratedScene, Library, Objects, read_json, write_json
+from stages.contracts.corrections import CORRECTIONS, Correction, corrections_of
 from stages.contracts.cousins import Candidate, Cousin, ObjectCousins, Orientation
 from stages.contracts.generated import PlacedObject
+from stages.contracts.library import LibraryEntry
 from stages.extraction.by_hand.correcting import Correcting
 from stages.extraction.extract import run as extract
 from tests.unit.annotate_page import watched
@@ -60,6 +62,13 @@ def session(tmp_path: Path) -> Correcting:
     scene = GeneratedScene(variant="b", rank=1, objects=placed, **shared)
     write_json(results / "generation/b/kitchen/scene_1.json", scene)
     snapshots(results / "assets/snapshots", MODELS)
+    Image.new("RGB", (48, 36), (200, 60, 40)).save(results / "generation/b/kitchen/scene_1.png")
+    entries = [
+        LibraryEntry(id=name, category="cabinet", archive="a.zip", doors=0, drawers=0, checksum="c",
+                     size=(0.4, 0.5 + number / 100, 0.8))
+        for number, name in enumerate(MODELS)
+    ]  # fmt: skip
+    write_json(results / "assets/library/library.json", Library(assets=sorted(entries, key=lambda one: one.id)))
     return Correcting(folder, ["mug"], results, "kitchen", None, "cabinet_1")
 
 
@@ -102,6 +111,44 @@ def test_from_a_doubt_to_another_model_in_two_clicks(opened: Any, session: Corre
     assert _told(page, session)[BOX]["like"] == CABINET
     low = page.evaluate(CONTRAST)
     assert [line for line in low if not line.startswith("text ")] == []
+
+
+def test_a_room_is_put_right_from_its_doubt_on_and_made_again(opened: Any, session: Correcting) -> None:
+    """Nine actions; of what comes of them extraction reads all but the model, which generation reads."""
+    page, results = opened, session.folder.parent / "results"
+    page.locator("#made").click()
+    page.wait_for_function("() => document.querySelector('#view image').getAttribute('href') === 'made.png'")
+    page.keyboard.press("m")
+    assert page.locator("#view image").get_attribute("href") == "picture.jpg"
+    page.locator("#in-doubt button").first.click()
+    page.locator("[data-asset=cabinet_5]").click()
+    page.get_by_role("button", name="As its model: 55 × 40 × 80 cm").click()
+    page.locator("#on").select_option(label="the floor")
+    page.locator("#mounting").select_option(label="stands, touches no wall")
+    page.get_by_label("it opens").check()
+    page.locator("#front-view summary").click()
+    page.wait_for_selector("#front-picture image")
+    box = page.locator("#front-picture").bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x - 40, y - 30)
+    page.mouse.down()
+    page.mouse.move(x + 40, y + 30, steps=4)
+    page.mouse.up()
+    told = _told(page, session)[BOX]
+    assert told.keys() == {"articulated", "drawers", "panels", "mounting", "on", "size", "model"}
+    assert "changed" in page.locator("#in-doubt button").first.get_attribute("class")
+    page.keyboard.press("Control+s")
+    page.wait_for_selector("#written:not([hidden])")
+    path = session.folder / CORRECTIONS
+    assert corrections_of((path,), "generation") == {BOX: Correction(mask=BOX, model="cabinet_5")}
+    extract(input=session.folder, scene="kitchen", out=results / "again/objects.json", corrections=(path,))
+    before = {item.mask: item for item in read_json(Objects, results / "extraction/kitchen/objects.json").objects}
+    after = {item.mask: item for item in read_json(Objects, results / "again/objects.json").objects}
+    assert after[CABINET] == before[CABINET]  # nothing was said of it
+    thing = after[BOX]
+    assert (thing.support, thing.told, thing.drawers) == ("floor", ["mounting", "size"], 1)
+    assert thing.box is not None and sorted(thing.box.size) == pytest.approx([0.4, 0.55, 0.8])
+    assert [panel.model_dump() for panel in thing.panels] == told["panels"]
 
 
 def test_drawers_are_drawn_on_the_front(opened: Any, session: Correcting) -> None:

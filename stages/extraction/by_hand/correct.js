@@ -61,9 +61,13 @@ function button(item, text) {
   made.type = 'button';
   made.textContent = text;
   made.setAttribute('aria-pressed', String(state.chosen === item.id));
+  made.classList.toggle('changed', altered(item));
+  if (altered(item)) made.title = 'changed: the next run makes it anew';
   made.addEventListener('click', () => { state.chosen = item.id; changed(); });
   return made;
 }
+// What a person said of a thing since the page was opened: its doubts are of what was made before.
+const altered = (item) => state.before.get(item.mask) !== JSON.stringify(item);
 function line(...parts) {
   const entry = document.createElement('li');
   entry.append(...parts);
@@ -71,7 +75,9 @@ function line(...parts) {
 }
 
 function doubts() {
-  const told = things().flatMap((item) => (made(item).doubts ?? []).map((doubt) => line(button(item, `${nameOf(item)}: ${doubt}`))));
+  const all = things().flatMap((item) => (made(item).doubts ?? []).map((doubt, k) => ({ item, doubt, placed: k < made(item).grave })));
+  all.sort((one, other) => other.placed - one.placed); // what is odd about where and how large it stands comes first
+  const told = all.map(({ item, doubt }) => line(button(item, `${nameOf(item)}: ${doubt}`)));
   get('in-doubt').hidden = !told.length;
   get('in-doubt').querySelector('summary').textContent = `In doubt: ${told.length}`;
   get('in-doubt').querySelector('ul').replaceChildren(...told);
@@ -195,6 +201,13 @@ svg.addEventListener('wheel', (event) => { event.preventDefault(); zoom(Math.exp
 svg.addEventListener('mousedown', (event) => event.preventDefault()); // else it takes the focus from the label
 svg.addEventListener('contextmenu', (event) => event.preventDefault());
 
+// The picture, or the scene of rank 1 as the same camera sees it.
+function swap() {
+  const scene = get('made').getAttribute('aria-pressed') === 'false';
+  get('made').setAttribute('aria-pressed', String(scene));
+  svg.querySelector('image').setAttribute('href', scene ? 'made.png' : 'picture.jpg');
+}
+
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 function next(by) {
   const { objects } = state.project;
@@ -215,7 +228,8 @@ document.addEventListener('keydown', (event) => {
   else if (ARROWS[key] && box) {
     const [dx, dy] = ARROWS[key].map((value) => value * (event.shiftKey ? 10 : 1));
     edit(() => setBox(item, box.map(([x, y]) => [x + dx, y + dy])));
-  } else if (key === 'n' || key === 'p') next(key === 'n' ? 1 : -1);
+  } else if (key === 'm' && !get('made').hidden) swap();
+  else if (key === 'n' || key === 'p') next(key === 'n' ? 1 : -1);
   else return;
   event.preventDefault();
 });
@@ -223,6 +237,7 @@ document.addEventListener('keydown', (event) => {
 function bind() {
   for (const tool of document.querySelectorAll('[data-tool]')) tool.addEventListener('click', () => { if (tool.dataset.tool === 'box') state.chosen = null; choose(tool.dataset.tool); });
   bindFrame();
+  get('made').addEventListener('click', swap);
   get('label').addEventListener('change', ({ target }) => edit(() => { chosen().label = target.value.trim() || null; }));
   for (const id of ['doors', 'drawers']) get(id).addEventListener('change', ({ target }) => edit(() => typed(chosen(), id, target.checkValidity() ? Number(target.value) : 0)));
   get('articulated').addEventListener('change', ({ target }) => edit(() => { if (target.checked) chosen().articulated = true; else closed(chosen()); }));
@@ -241,6 +256,8 @@ function bind() {
 async function start() {
   const answer = await ask('start');
   Object.assign(state, { project: answer.project, made: answer.made, free: answer.free, known: answer.known, chosen: answer.chosen });
+  state.before = new Map(answer.project.objects.map((item) => [item.mask, JSON.stringify(item)]));
+  get('made').hidden = !answer.pictured;
   get('command').textContent = answer.command;
   get('title').textContent = document.title = answer.project.picture;
   get('folder').textContent = answer.folder;

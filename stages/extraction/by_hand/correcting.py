@@ -128,6 +128,7 @@ class Correcting:
             "categories": [*self.categories, FLOOR, WALL],
             "folder": str(self.folder / CORRECTIONS),
             "made": self.made.told(),
+            "pictured": self.made.picture is not None,
             "chosen": ids.get(masks.get(self.chosen or "", 0), self.chosen if self.chosen in ids.values() else None),
             "known": list(self.found),
             "free": int(max(self.given.masks.max(), *self.found, *ids)) + 1,
@@ -149,6 +150,16 @@ class Correcting:
     def picture(self) -> bytes:
         """The picture as JPEG."""
         return jpeg(self.given.rgb)
+
+    def made_picture(self) -> bytes:
+        """The scene of rank 1 as PNG.
+
+        Raises:
+            InputError: it was not drawn.
+        """
+        if self.made.picture is None:
+            raise InputError(self.scene, "has no picture of its scene.", "make its page")
+        return self.made.picture.read_bytes()
 
     def preview(self) -> bytes:
         """The saved masks over the picture, as JPEG."""

@@ -2,7 +2,7 @@
 
 import base64
 import io
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from stages.contracts import Cousins, GeneratedScene, Objects, read_json
+from stages.contracts import Cousins, GeneratedScene, Library, Objects, read_json
 from stages.contracts.cousins import ObjectCousins
 from stages.contracts.doubts import doubts
 from stages.contracts.generated import PlacedObject
@@ -29,13 +29,18 @@ SIDES = ([0, 1, 5, 4], [2, 3, 7, 6], [3, 0, 4, 7], [4, 5, 6, 7], [0, 1, 2, 3])
 
 @dataclass(frozen=True)
 class Made:
-    """What a run made; all of it by mask value. Without a run it is empty."""
+    """What a run made; all of it by mask value. Without a run it is empty.
+
+    picture: of the scene of rank 1, as the camera sees it, if it was drawn; sizes: of the library's models, by id.
+    """
 
     objects: Objects | None
     items: dict[int, SceneObject]
     cousins: dict[int, ObjectCousins]
     placed: dict[int, PlacedObject]
     snapshots: Snapshots
+    picture: Path | None = None
+    sizes: dict[str, tuple[float, float, float]] = field(default_factory=dict)
 
     def told(self) -> dict[str, Any]:
         """What the page shows of every thing, by mask value."""
@@ -43,7 +48,8 @@ class Made:
 
     def _about(self, item: SceneObject) -> dict[str, Any]:
         entry, placed = self.cousins.get(item.mask), self.placed.get(item.mask)
-        about: dict[str, Any] = {"id": item.id, "doubts": self._doubts(item, entry, placed)}
+        grave = len(placed.doubts) if placed is not None else 0
+        about: dict[str, Any] = {"id": item.id, "doubts": self._doubts(item, entry, placed), "grave": grave}
         if placed is None or placed.status == "failed":
             return about
         depth, width, height = placed.size
@@ -109,10 +115,18 @@ class Made:
                 "asset": asset,
                 "distance": round(distance, 2),
                 "rank": ranks.get(asset),
+                "size": self._size(asset),
                 "picture": self._picture(asset, turn),
             }
             for asset, distance in choosable
         ]
+
+    def _size(self, asset: str) -> list[float] | None:
+        """Width, depth and height that a model has of its own."""
+        if asset not in self.sizes:
+            return None
+        depth, width, height = self.sizes[asset]
+        return [round(extent, 3) for extent in (width, depth, height)]
 
     def _picture(self, asset: str, yaw: float) -> str | None:
         view = self.snapshots.picture(asset, yaw)
@@ -149,7 +163,14 @@ def made_of(results: Path, scene: str, variant: str | None, size: tuple[int, int
         {masks[one.id]: one for one in matched if one.id in masks},
         {masks[one.id]: one for one in placed if one.id in masks},
         Snapshots(sorted((results / "assets/snapshots").glob("shard_*.h5"))),
+        next(iter(place.parent.glob("scene_1.png")), None),
+        _sizes(results / "assets/library/library.json"),
     )
+
+
+def _sizes(path: Path) -> dict[str, tuple[float, float, float]]:
+    entries = read_json(Library, path).assets if path.is_file() else []
+    return {entry.id: entry.size for entry in entries if entry.size is not None}
 
 
 def _cousins(results: Path, scene: str) -> list[Path]:

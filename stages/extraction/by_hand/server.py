@@ -84,6 +84,8 @@ class Handler(BaseHTTPRequestHandler):
                 self._reply(200, kind, (HERE / file).read_bytes())
             elif name == "picture.jpg":
                 self._reply(200, "image/jpeg", session.picture())
+            elif name == "made.png" and isinstance(session, Correcting):
+                self._reply(200, "image/png", session.made_picture())
             elif name == "start":
                 self._json(200, session.start())
             elif name == "preview.jpg":
