@@ -11,7 +11,7 @@ from stages.contracts.library import FrontPanel, LibraryEntry
 from stages.contracts.objects import SceneObject
 from stages.contracts.scenes import Annotation
 from stages.matching.candidates import Candidates
-from stages.matching.panels import layout_gap, panel_gap
+from stages.matching.panels import boxes, layout_gap, overlaps, panel_gap
 from stages.matching.priors import addends
 
 
@@ -43,17 +43,22 @@ def test_what_lies_where_it_is_said_to_is_no_gap() -> None:
     said = [*row("drawer", 2, 0.7, 1.0), *row("door", 2, 0.0, 0.7)]
     assert layout_gap(said, said[::-1]) == pytest.approx(0)
     moved = [panel("drawer", 0.0, 0.5, 0.7, 1.0), panel("drawer", 0.55, 1.0, 0.7, 1.0), *row("door", 2, 0.0, 0.7)]
+    beside = [panel(one.kind, one.left, 0.9 * one.right, one.bottom, 0.95 * one.top) for one in row("drawer", 1)]
+    assert layout_gap(row("drawer", 1), beside) == pytest.approx(0)  # as far as boxes of things err
+    assert layout_gap(row("drawer", 1), [panel("drawer", 0, 1, 0, 0.5)]) == pytest.approx(0.4)
     assert 0 < layout_gap(said, moved) == pytest.approx(1 - 0.45 / 0.5)
     assert layout_gap(said, row("drawer", 2, 0.7, 1.0)) == pytest.approx(2)  # two doors are missing
     assert layout_gap(row("door", 1), row("drawer", 1)) == pytest.approx(2)  # the same place, another kind
 
 
 def test_pairs_are_those_that_leave_the_least_gap() -> None:
-    """The nearest pair first (0.625) would leave the others apart: 1 + 0.375; crosswise it is less."""
-    said = [panel("drawer", 0.0, 0.5, 0, 1), panel("drawer", 0.3, 0.8, 0, 1)]
-    own = [panel("drawer", 0.2, 0.7, 0, 1), panel("drawer", 0.5, 1.0, 0, 1)]
-    both = {(a, b): layout_gap([said[a]], [own[b]]) for a in (0, 1) for b in (0, 1)}
-    assert layout_gap(said, own) == pytest.approx(min(both[0, 0] + both[1, 1], both[0, 1] + both[1, 0]))
+    """The nearest pair alone would leave the two others without any overlap."""
+    ends = panel("drawer", 0, 0.05, 0, 1), panel("drawer", 0.95, 1, 0, 1)  # both outlines are those of the front
+    said = [*ends, panel("drawer", 0.1, 0.5, 0, 1), panel("drawer", 0.3, 0.7, 0, 1)]
+    own = [*ends, panel("drawer", 0.25, 0.65, 0, 1), panel("drawer", 0.5, 0.9, 0, 1)]
+    apart = 1 - overlaps(boxes(said), boxes(own))[2:, 2:]
+    assert apart.argmin() == 2 and layout_gap(said, own) == pytest.approx(apart[0, 0] + apart[1, 1])
+    assert apart[0, 0] + apart[1, 1] < apart[0, 1] + apart[1, 0]
 
 
 def test_of_models_with_the_same_counts_the_one_with_the_layout_is_nearer() -> None:
