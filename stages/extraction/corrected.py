@@ -1,5 +1,6 @@
 """What a person says of a scene's things, laid over what was found: before they are reconstructed, and after."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -16,6 +17,7 @@ from stages.extraction.reconstruct import ExtractedScene
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import rounded, yaw_matrix
 
+OBLONG = 1.2  # times by which one side of a thing is longer than the other, so that both can be told apart
 STRETCH = 2.0  # times by which a thing may become higher or lower to reach what carries it; else all of it is put there
 
 
@@ -78,9 +80,13 @@ def _on(
 
 
 def _of_size(item: SceneObject, size: tuple[float, float, float], objects: Objects) -> SceneObject:
-    """An object with a width, depth and height. Its depth is along its front if that is told, else along the normal of
-    its wall or the line of sight. Its bottom stays, or its middle if it hangs; so does the side that faces the camera,
-    but with a wall behind it its rear is there. What the picture's border cuts off is what becomes longer."""
+    """An object with a width, depth and height.
+
+    Its depth is along its front if that is told, or along the normal of its wall; else what was found to be longer is
+    longer, or its depth is along the line of sight. Its bottom stays, or its middle if it hangs; so does the side that
+    faces the camera, but with a wall behind it its rear is there. What the picture's border cuts off is what becomes
+    longer.
+    """
     assert item.box is not None and item.mounting is not None
     center, turn = np.array(item.box.center), yaw_matrix(item.box.yaw)
     wall = next((one for one in objects.walls if one.id in item.mounting.walls[:1]), None)
@@ -89,6 +95,8 @@ def _of_size(item: SceneObject, size: tuple[float, float, float], objects: Objec
     front = seen_from if item.front is None else yaw_matrix(item.front)[:, 0]
     width, depth, height = size
     deep = int(np.argmax(np.abs((turn.T @ front)[:2])))
+    if wall is None and item.front is None and _oblong(item.box.size[:2]) and _oblong((width, depth)):
+        deep = int((item.box.size[0] > item.box.size[1]) == (width > depth))
     new = np.array([depth, width, height] if deep == 0 else [width, depth, height])
     right, up = _ends_shown(item, objects)
     less = (np.array(item.box.size) - new) / 2
@@ -107,6 +115,11 @@ def _ends_shown(item: SceneObject, objects: Objects) -> tuple[int, int]:
     and 1 its lower one, -1 its upper one."""
     x0, y0, x1, y1 = item.pixels or (1, 1, 1, 1)
     return int(x0 == 0) - int(x1 == objects.width), int(y0 == 0) - int(y1 == objects.height)
+
+
+def _oblong(extents: Sequence[float]) -> bool:
+    """Whether one of two extents is clearly the longer one."""
+    return max(extents) > OBLONG * min(extents)
 
 
 def _one(along: NDArray[np.float64]) -> NDArray[np.float64]:

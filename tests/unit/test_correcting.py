@@ -206,6 +206,29 @@ def test_what_is_at_a_wall_keeps_its_rear_there(source: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("found", "told", "front", "made"),
+    [
+        ((1.1, 0.5), (1.3, 0.4, 0.5), None, (1.3, 0.4)),  # longest along the view, as it was found
+        ((1.1, 0.5), (0.4, 1.3, 0.5), None, (1.3, 0.4)),
+        ((0.6, 0.55), (1.3, 0.4, 0.5), None, (0.4, 1.3)),  # nobody knows: depth is along the view
+        ((1.1, 0.5), (1.3, 0.4, 0.5), np.pi, (0.4, 1.3)),  # it faces the camera
+    ],
+)
+def test_the_longer_side_stays_the_longer_one(
+    found: tuple[float, float], told: tuple[float, float, float], front: float | None, made: tuple[float, float]
+) -> None:
+    box = Box(center=(3.0, 0.0, 0.25), size=(*found, 0.5), yaw=0.1)
+    item = SceneObject(id="table_1", label="table", mask=1, box=box, mounting=Mounting(type=2), front=front)
+    frame = [[0.0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 1.5], [0, 0, 0, 1]]
+    camera = {"width": 640, "height": 480, "intrinsics": [[500, 0, 319.5], [0, 500, 239.5], [0, 0, 1]]}
+    objects = Objects(scene="t", floor_from_camera=frame, walls=[], objects=[item], **camera)
+    blank = np.zeros((480, 640))
+    scene = ExtractedScene(objects, blank.astype(np.uint16), blank.astype(np.float32), {"table_1": blank[:1, :3]})
+    (sized,) = as_told(scene, {1: Correction(mask=1, size=told)}).objects.objects
+    assert sized.box is not None and sized.box.size == pytest.approx((*made, 0.5))
+
+
+@pytest.mark.parametrize(
     ("pixels", "walls", "shift"),
     [
         ((100, 100, 640, 400), [], (0.0, -0.5, 0.1)),  # cut at the right: its left end stays
