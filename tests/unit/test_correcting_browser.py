@@ -215,6 +215,11 @@ def test_size_support_front_and_place_are_said(opened: Any, session: Correcting)
     page.get_by_role("button", name="↺ 90°").click()
     page.get_by_role("button", name="←", exact=True).click()
     page.get_by_role("button", name="↓", exact=True).click(modifiers=["Shift"])
+    drawn = page.locator("#view .solid.front").get_attribute("points")
+    page.get_by_role("button", name="→", exact=True).click()
+    page.wait_for_function(f"() => document.querySelector('#view .solid.front').getAttribute('points') !== '{drawn}'")
+    page.get_by_role("button", name="←", exact=True).click()  # it is shown where it will stand
+    page.wait_for_function(f"() => document.querySelector('#view .solid.front').getAttribute('points') === '{drawn}'")
     told = _told(page, session)[BOX]
     assert told["on"] == CABINET and told["front"] == pytest.approx(-np.pi / 2, abs=1e-3)
     assert told["nudge"] == [-0.1, 0.02]
@@ -226,7 +231,7 @@ def test_size_support_front_and_place_are_said(opened: Any, session: Correcting)
     page.locator("#view").focus()
     page.keyboard.press("Delete")  # what stood on it stands where it is found again
     assert "on" not in _told(page, session)[BOX] and _told(page, session)[CABINET] == {"gone": True}
-    for _ in range(8):
+    for _ in range(10):
         page.keyboard.press("Control+z")
     assert _told(page, session) == {} and not (session.folder / CORRECTIONS).exists()
     assert page.locator("#command").text_content().endswith("results/report/scenes/kitchen.html")

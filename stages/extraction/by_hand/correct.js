@@ -35,7 +35,7 @@ function draw() {
     if (item.label && box) parts.push(element('text', { x: box[0][0], y: box[0][1] + 13 * unit(), 'font-size': 13 * unit() }, [nameOf(item)]));
   }
   const item = chosen();
-  const faces = item ? made(item).faces ?? [] : []; // as it stands in the scene of rank 1, its front stronger
+  const faces = state.solved.regions[item?.id]?.faces ?? []; // as it stands in the scene of rank 1, or will; its front stronger
   faces.forEach((face, k) => parts.push(area(face, `solid quiet${k === faces.length - 1 ? ' front' : ''}`)));
   const box = item && boxOf(item);
   if (box) {

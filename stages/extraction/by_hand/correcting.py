@@ -66,6 +66,7 @@ class Correcting:
         self.found = as_found(self.given.annotations)
         self._cut = Cutter(self.given.rgb)
         height, width = self.given.masks.shape
+        self._moved: dict[int, tuple[float, float]] = {}  # by hand, before the page was opened
         self.made: Made = made_of(self.results, self.scene, self.variant, (width, height))
         self.posts: dict[str, Callable[[Any], Answer]] = {
             "solve": self.solve,
@@ -121,6 +122,7 @@ class Correcting:
     def start(self) -> Answer:
         """What the page begins with."""
         drawing = self.opened()
+        self._moved = {item.mask: item.nudge for item in drawing.objects if item.nudge is not None}
         ids = {item.mask: item.id for item in drawing.objects}
         masks = {item.id: mask for mask, item in self.made.items.items()}
         return {
@@ -174,7 +176,7 @@ class Correcting:
         return Drawing.model_validate({"objects": body["objects"]})
 
     def solve(self, body: Any) -> Answer:
-        """Bounds and outlines of every region."""
+        """Bounds and outlines of every region, and the sides of what stands there, as it will after the next run."""
         drawing = self._drawing(body)
         masks = self._painted(drawing)
         regions, notes = {}, {}
@@ -182,7 +184,8 @@ class Correcting:
             mask = masks == item.mask
             if not mask.any():
                 notes[item.id] = "no pixel shows it"
-            regions[item.id] = {"box": item.around or bounds(mask), "outlines": outlines(mask)}
+            faces = self.made.faces(item, self._moved.get(item.mask, (0.0, 0.0)))
+            regions[item.id] = {"box": item.around or bounds(mask), "outlines": outlines(mask), "faces": faces}
         return {"regions": regions, "notes": notes}
 
     def models(self, body: Any) -> Answer:

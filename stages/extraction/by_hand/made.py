@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from stages.contracts import Cousins, GeneratedScene, Library, Objects, read_json
+from stages.contracts.corrections import Correction
 from stages.contracts.cousins import ObjectCousins
 from stages.contracts.doubts import doubts
 from stages.contracts.generated import PlacedObject
@@ -58,7 +59,6 @@ class Made:
             "front": placed.yaw,
             "support": placed.support,
             "model": placed.asset,
-            "faces": self._faces(placed),
         }
 
     def _doubts(self, item: SceneObject, entry: ObjectCousins | None, placed: PlacedObject | None) -> list[str]:
@@ -71,10 +71,23 @@ class Made:
         first = placed.doubts if placed is not None else []
         return [*first, *(one for one in doubts(entry, item, placed, self.objects) if one not in first)]
 
-    def _faces(self, placed: PlacedObject) -> list[list[list[float]]]:
-        """The sides of what stands in the scene of rank 1 as pixels, its front last; none if one is behind us."""
-        assert self.objects is not None
-        points = corners(UprightBox(placed.position, placed.size, placed.yaw))
+    def faces(self, said: Correction, before: tuple[float, float]) -> list[list[list[float]]]:
+        """The sides of what stands in the scene of rank 1 as pixels, its front last; none if one is behind us.
+
+        Args:
+            said: what a person says of it by now: it is shown turned, moved and sized as it will be, nearly.
+            before: how far it was moved by hand already where it stands.
+        """
+        placed = self.placed.get(said.mask)
+        if placed is None or placed.status == "failed" or self.objects is None:
+            return []
+        size, center = np.array(placed.size), np.array(placed.position)
+        if said.size is not None:
+            width, depth, height = said.size
+            center[2] += 0 if placed.support == "wall" else (height - size[2]) / 2
+            size = np.array([depth, width, height])
+        center[:2] += np.subtract(said.nudge or (0.0, 0.0), before)
+        points = corners(UprightBox(center, size, placed.yaw if said.front is None else said.front))
         pixels = project(apply(inverse(np.array(self.objects.floor_from_camera)), points), self.objects.intrinsics)
         if not np.isfinite(pixels).all():
             return []
