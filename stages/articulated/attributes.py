@@ -17,23 +17,24 @@ MOST_OF_IT = 0.7  # share of the panel's extent that such a profile runs along a
 BENT = 0.15  # share of an arch's surface that lies deeper than four fifths of how far it stands out; a bar has less
 
 
-def front_panel(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix], floor: float) -> FrontPanel | None:
+def front_panel(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix], low: Matrix) -> FrontPanel | None:
     """The front that a joint moves; None if it moves nothing visible (a helper link).
 
     Args:
         frames: of the links, everything closed.
-        floor: height of the asset's bottom in the root frame.
+        low: lowest corner (3,) of the asset's box in the root frame.
     """
     links = moved_by(joint, robot.joints)
     boxes = (visual_bounds(robot.links[link].visuals, frames[link]) for link in links)
     corners = [box for box in boxes if box is not None]
     if not corners:
         return None
-    low, high = np.min(corners, axis=(0, 1)), np.max(corners, axis=(0, 1))
-    middle, size = (low + high) / 2, np.maximum(high - low, 1e-6)
+    least, most = np.min(corners, axis=(0, 1)), np.max(corners, axis=(0, 1))
+    middle, size = (least + most) / 2, np.maximum(most - least, 1e-6)
     return FrontPanel(
         hinge=_hinge_side(joint, frames[joint.child], middle),
-        height=round(float(middle[2]) - floor, 5),
+        across=round(float(middle[1] - low[1]), 5),  # +y is on the right of someone who looks along -x
+        height=round(float(middle[2] - low[2]), 5),
         size=(round(float(size[1]), 5), round(float(size[2]), 5)),
     )
 

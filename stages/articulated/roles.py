@@ -44,7 +44,7 @@ def with_roles_of(robot: RobotModel, described: Iterable[Joint]) -> RobotModel:
 
 def contract_joints(robot: RobotModel) -> list[Joint]:
     """The joints with a role as the contract names them, with what can be measured of their fronts and handles."""
-    frames, floor = link_frames(robot), float(closed_box(robot)[0, 2])
+    frames, low = link_frames(robot), closed_box(robot)[0]
     joints = []
     for joint in robot.joints:
         if joint.type == "fixed" or joint.role is None:
@@ -64,7 +64,7 @@ def contract_joints(robot: RobotModel) -> list[Joint]:
                 upper=round(joint.upper, 5),
                 handle_link=joint.handle_link if handle else None,
                 handle=handle,
-                panel=front_panel(robot, joint, frames, floor),
+                panel=front_panel(robot, joint, frames, low),
             )
         )
     return joints

@@ -6,6 +6,7 @@ from typing import Literal
 from pydantic import Field, model_validator
 
 from stages.contracts.files import Contract, Document, read_json
+from stages.contracts.fronts import Panel, check_counts
 from stages.contracts.scenes import Held
 from stages.contracts.types import (
     Angle,
@@ -39,6 +40,9 @@ class Correction(Contract):
     articulated: bool | None = None
     doors: Panels | None = None
     drawers: Panels | None = None
+    panels: list[Panel] | None = Field(
+        None, max_length=1000, description="where doors and drawers lie on its front, and so how many; []: only counts"
+    )
     mounting: Held | Literal["measured"] | None = Field(None, description="how it is held; measured: geometry tells")
     on: MaskValue | Literal["floor"] | None = Field(None, description="what it stands on")
     size: Size | None = Field(None, description="width along its front, depth, height; metres")
@@ -53,6 +57,7 @@ class Correction(Contract):
 
     @model_validator(mode="after")
     def _one_model(self) -> "Correction":
+        check_counts(f"mask {self.mask}", self.panels or [], self.doors, self.drawers)
         check_unique(f"banned of mask {self.mask}", self.banned)
         if self.model is not None and (self.like is not None or self.model in self.banned):
             raise ValueError(f"model: of mask {self.mask} is banned, or that of `like`: say one of them")

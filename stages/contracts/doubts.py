@@ -24,29 +24,30 @@ def agree(item: SceneObject) -> bool:
 
 
 def doubts(entry: ObjectCousins, item: SceneObject, placed: PlacedObject | None, objects: Objects) -> list[str]:
-    """What a reader should not take for certain."""
+    """What a reader should not take for certain; not what a person says."""
+    sized, by_hand = "size" in item.told, placed is not None and placed.chosen
     found = [entry.note] if entry.note else []
     if item.note:
         found.append(f"{item.note}: mounting by geometry")
-    if item.measured_mounting is not None and not agree(item):
+    if item.measured_mounting is not None and "mounting" not in item.told and not agree(item):
         found.append(f"geometry finds another mounting: {held_as(item.measured_mounting)}")
-    if item.points < FEW_POINTS:
+    if item.points < FEW_POINTS and not sized:
         found.append(f"only {item.points} points in its cloud")
-    if item.pixels is not None:
+    if item.pixels is not None and not sized:
         x0, y0, x1, y1 = item.pixels
         if x0 == 0 or y0 == 0 or x1 == objects.width or y1 == objects.height:
             found.append("cut off by the picture's border")
     first, *others = entry.cousins
-    if others and first.distance > 0 and others[0].distance < (1 + CLOSE) * first.distance:
+    if not by_hand and others and first.distance > 0 and others[0].distance < (1 + CLOSE) * first.distance:
         found.append(f"a second model is as near: {others[0].asset.replace('_', ' ')}")
-    if entry.categories and first.category != entry.categories[0].category:
+    if not by_hand and entry.categories and first.category != entry.categories[0].category:
         said, chosen = entry.categories[0].category.replace("_", " "), first.category.replace("_", " ")
         found.append(f"the label is nearest to {said}, the model is a {chosen}")
     if placed is None:
         return found
     if placed.status == "failed":
         return [*found, f"not placed: {placed.reason}"]
-    if item.box is not None:
+    if item.box is not None and not sized:
         ours, clouds = sorted(placed.size[:2]), sorted(item.box.size[:2])
         if any(abs(a / max(b, 1e-6) - 1) > ANOTHER_SIZE for a, b in zip(ours, clouds, strict=True)):
             found.append("placed with another depth or width than its cloud has: the far side is hidden")

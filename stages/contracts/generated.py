@@ -43,6 +43,7 @@ class PlacedObject(Contract):
     )
     mounting: Mounting | None = None
     cousin: Rank | None = Field(None, description="rank in cousins.json of the model that stands here")
+    chosen: bool = Field(False, description="a person says which model stands here")
     steps: list[str] = Field([], description="what each step of placing changed, in order, and by how much")
     doubts: list[str] = Field([], description="what a reader should not take for certain")
     moved: NonNegative = Field(0.0, description="xy distance it was pushed to resolve collisions, metres")

@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from stages.contracts.files import Contract, Document
+from stages.contracts.fronts import Panel
 from stages.contracts.types import (
     LARGEST,
     Angle,
@@ -35,8 +36,23 @@ class FrontPanel(Contract):
     """The front that a joint moves, closed, with its handle. Metres; left and right are those of whoever faces it."""
 
     hinge: HingeSide = Field(description="side on which it hangs; slide: a drawer")
+    across: Finite | None = Field(None, description="of its centre from the asset's left side; null: not known")
     height: Finite = Field(description="of its centre above the asset's bottom")
     size: tuple[Extent, Extent] = Field(description="width and height")
+
+    def on_front(self, kind: Literal["door", "drawer"], box: Vector) -> Panel | None:
+        """As shares of the front of a box (x, y, z); None: nothing of it is seen there, or nobody knows where it is."""
+        if self.across is None:
+            return None
+        sides = [
+            min(max(round((middle + sign * extent / 2) / whole, 4), 0.0), 1.0)
+            for middle, extent, whole in zip((self.across, self.height), self.size, box[1:], strict=True)
+            for sign in (-1, 1)
+        ]
+        left, right, bottom, top = sides
+        return (
+            Panel(kind=kind, left=left, right=right, bottom=bottom, top=top) if left < right and bottom < top else None
+        )
 
 
 class Joint(Contract):
@@ -117,6 +133,12 @@ class Asset(Document):
         return self.recipe.variation_of or self.id if self.recipe else self.id
 
     @property
+    def panels(self) -> list[Panel]:
+        """Where the doors and drawers lie on its front, as far as they are seen there."""
+        found = ((joint.role, joint.panel) for joint in self.joints if joint.panel is not None)
+        return [panel for role, front in found if (panel := front.on_front(role, self.size)) is not None]
+
+    @property
     def articulated(self) -> bool:
         """Whether it has doors or drawers (paper A.7)."""
         return self.doors + self.drawers > 0
@@ -136,6 +158,7 @@ class LibraryEntry(Contract):
     archive: RelativePath = Field(description="zip archive that holds the folder <id>/, relative to the index")
     doors: Panels
     drawers: Panels
+    panels: list[Panel] = Field([], description="where they lie on its front; empty: not known")
     size: tuple[Extent, Extent, Extent] | None = Field(None, description="its closed box; null: not known")
     placement: Placement | None = Field(None, description="where it belongs; null: not known")
     checksum: str
@@ -149,6 +172,7 @@ class LibraryEntry(Contract):
             archive=archive,
             doors=asset.doors,
             drawers=asset.drawers,
+            panels=asset.panels,
             size=asset.size,
             placement=asset.placement,
             checksum=asset.checksum,

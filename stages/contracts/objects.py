@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple, TypeVar
 from pydantic import Field, model_validator
 
 from stages.contracts.files import Contract, Document
+from stages.contracts.fronts import Panel, check_counts
 from stages.contracts.made import Made
 from stages.contracts.types import (
     RIGID_TOLERANCE,
@@ -95,6 +96,7 @@ class SceneObject(Contract):
     articulated: bool = False
     doors: Panels = 0
     drawers: Panels = 0
+    panels: list[Panel] = Field([], description="where they lie on its front; empty: not known")
     points: Count = 0
     box: Box | None = Field(None, description="z-aligned minimum box of the cleaned cloud (null if failed)")
     mounting: Mounting | None = None
@@ -106,6 +108,7 @@ class SceneObject(Contract):
     front: Angle | None = Field(None, description="direction that it faces about z, if the input tells")
     whole: bool = Field(False, description="the input tells its box, hidden sides too, and cousins get that size")
     support: str | None = Field(None, description="'floor' or the id of what carries it, where a person says so")
+    told: list[Literal["mounting", "size"]] = Field([], description="what else a person says of it: nobody doubts that")
 
 
 class Objects(Document):
@@ -141,6 +144,7 @@ class Objects(Document):
             check_status(item.id, item.status, item.reason)
             if item.status == "ok" and (item.box is None or item.mounting is None):
                 raise ValueError(f"objects: '{item.id}' is ok, but has no box or no mounting")
+            check_counts(item.id, item.panels, item.doors, item.drawers)
             check_mounting(item.id, item.mounting, set(walls))
             check_mounting(item.id, item.measured_mounting, set(walls))
             if item.support not in {None, "floor", *(other.id for other in self.objects)} - {item.id}:

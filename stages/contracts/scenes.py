@@ -5,6 +5,7 @@ from typing import Literal
 from pydantic import Field, model_validator
 
 from stages.contracts.files import Contract, Document
+from stages.contracts.fronts import Panel, check_counts
 from stages.contracts.library import Symmetry
 from stages.contracts.objects import Box
 from stages.contracts.types import (
@@ -70,6 +71,7 @@ class Annotation(Contract):
     articulated: bool = Field(False, description="whether it opens; what has doors or drawers does")
     doors: Panels = 0
     drawers: Panels = 0
+    panels: list[Panel] = Field([], max_length=1000, description="where they lie on its front; empty: not known")
     mounting: Held | None = Field(None, description="how it is held, if that is known; else geometry tells")
     box: Box | None = Field(
         None, description="where it is known whole, hidden sides too: needs floor_from_camera in camera.json"
@@ -85,6 +87,7 @@ class Annotation(Contract):
     def _opens(self) -> "Annotation":
         if self.doors + self.drawers and not self.articulated:
             raise ValueError(f"articulated: is false, but '{self.label}' has doors or drawers")
+        check_counts(self.label, self.panels, self.doors, self.drawers)
         return self
 
 

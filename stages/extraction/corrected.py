@@ -1,5 +1,6 @@
 """What a person says of a scene's things, laid over what was found: before they are reconstructed, and after."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -8,6 +9,7 @@ from numpy.typing import NDArray
 from stages.contracts import InputError, Objects
 from stages.contracts.corrections import FLOOR, Correction
 from stages.contracts.objects import Box, Mounting, SceneObject
+from stages.contracts.scenes import Held
 from stages.extraction.by_hand.regions import Cutter, corrected
 from stages.extraction.clouds import with_bottom
 from stages.extraction.observation import AnnotatedImage
@@ -15,6 +17,7 @@ from stages.extraction.reconstruct import ExtractedScene
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import rounded, yaw_matrix
 
+OBLONG = 1.2  # times by which one side of a thing is longer than the other, so that both can be told apart
 STRETCH = 2.0  # times by which a thing may become higher or lower to reach what carries it; else all of it is put there
 
 
@@ -50,7 +53,10 @@ def as_told(scene: ExtractedScene, told: dict[int, Correction]) -> ExtractedScen
                 item, clouds[item.id] = _on(item, clouds[item.id], carrier.id, top)
             if said.front is not None:
                 item = item.model_copy(update={"front": said.front})
-            done[mask] = item if said.size is None else _of_size(item, said.size, objects)
+            if said.size is not None:
+                item = _of_size(item, said.size, objects)
+            heard = {"mounting": isinstance(said.mounting, Held) and not item.note, "size": said.size is not None}
+            done[mask] = item.model_copy(update={"told": [name for name, so in heard.items() if so]})
         return done[mask]
 
     items = [settled(item.mask) if item.status == "ok" else item for item in objects.objects]
@@ -74,9 +80,13 @@ def _on(
 
 
 def _of_size(item: SceneObject, size: tuple[float, float, float], objects: Objects) -> SceneObject:
-    """An object with a width, depth and height. Its depth is along its front if that is told, else along the normal of
-    its wall or the line of sight. Its bottom stays, or its middle if it hangs; so does the side that faces the camera,
-    but with a wall behind it its rear is there."""
+    """An object with a width, depth and height.
+
+    Its depth is along its front if that is told, or along the normal of its wall; else what was found to be longer is
+    longer, or its depth is along the line of sight. Its bottom stays, or its middle if it hangs; so does the side that
+    faces the camera, but with a wall behind it its rear is there. What the picture's border cuts off is what becomes
+    longer.
+    """
     assert item.box is not None and item.mounting is not None
     center, turn = np.array(item.box.center), yaw_matrix(item.box.yaw)
     wall = next((one for one in objects.walls if one.id in item.mounting.walls[:1]), None)
@@ -85,14 +95,31 @@ def _of_size(item: SceneObject, size: tuple[float, float, float], objects: Objec
     front = seen_from if item.front is None else yaw_matrix(item.front)[:, 0]
     width, depth, height = size
     deep = int(np.argmax(np.abs((turn.T @ front)[:2])))
+    if wall is None and item.front is None and _oblong(item.box.size[:2]) and _oblong((width, depth)):
+        deep = int((item.box.size[0] > item.box.size[1]) == (width > depth))
     new = np.array([depth, width, height] if deep == 0 else [width, depth, height])
-    if item.mounting.type != 1:
-        center[2] += (height - item.box.size[2]) / 2
-    center += turn @ (np.sign(turn.T @ seen_from) * (np.array(item.box.size) - new) / 2 * _one(turn.T @ seen_from))
+    right, up = _ends_shown(item, objects)
+    less = (np.array(item.box.size) - new) / 2
+    center[2] -= less[2] * (up if item.mounting.type == 1 else 1)
+    center += turn @ (np.sign(turn.T @ seen_from) * less * _one(turn.T @ seen_from))
+    to_right = turn.T @ np.array(objects.floor_from_camera)[:3, 0] * right
+    center += turn @ (np.sign(to_right) * less * _one(to_right) * (1 - _one(turn.T @ seen_from)))
     if wall is not None:
         center += seen_from * (wall.offset + float(np.abs(turn.T @ seen_from) @ new) / 2 - center @ seen_from)
     box = UprightBox(center, new, item.box.yaw)
     return item.model_copy(update={"box": _rounded(box), "whole": True})
+
+
+def _ends_shown(item: SceneObject, objects: Objects) -> tuple[int, int]:
+    """Of what the picture's border cuts off, the ends that are seen: 1 its right one, -1 its left one, 0 both or none;
+    and 1 its lower one, -1 its upper one."""
+    x0, y0, x1, y1 = item.pixels or (1, 1, 1, 1)
+    return int(x0 == 0) - int(x1 == objects.width), int(y0 == 0) - int(y1 == objects.height)
+
+
+def _oblong(extents: Sequence[float]) -> bool:
+    """Whether one of two extents is clearly the longer one."""
+    return max(extents) > OBLONG * min(extents)
 
 
 def _one(along: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -71,7 +71,7 @@ def standing(item: SceneObject, rank: int, inputs: Inputs, options: GenerationCo
         category = read_json(Asset, _folder(item, asset, inputs) / "asset.json").category
         (one,) = placed_cousins(item, [as_cousin(asset, category, ranked)], inputs, options)
         known = one.cousin if asset in {cousin.asset for cousin in ranked} else None
-        return replace(one, cousin=known, steps=(why, *one.steps))
+        return replace(one, cousin=known, chosen=True, steps=(why, *one.steps))
     cousins = left(ranked, said)
     if not cousins:
         raise InputError(item.id, "all of its cousins are banned")
@@ -130,5 +130,8 @@ def build(inputs: Inputs, rank: int, options: GenerationConfig, cache: Path) -> 
     stood = nudged(stacked(items, prisms, options, supports), inputs)
     result = resolve(stood, prisms, inputs.objects.walls, options)
     apart = told("out of collisions", stood, result.items)
-    doubted = [replace(item, doubts=(*item.doubts, *doubts(item, inputs.objects.walls))) for item in apart]
+    sized = {item.id for item in inputs.objects.objects if "size" in item.told}
+    doubted = [
+        replace(item, doubts=(*item.doubts, *doubts(item, inputs.objects.walls, item.id in sized))) for item in apart
+    ]
     return Built(doubted, folders, failed, result.left)

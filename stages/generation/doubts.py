@@ -16,10 +16,14 @@ def reach_behind(item: Placed, wall: Wall) -> float:
     return wall.offset - float((corners(item.box) @ np.asarray(wall.normal)).min())
 
 
-def doubts(item: Placed, walls: list[Wall]) -> list[str]:
-    """In words; none: nothing is odd."""
+def doubts(item: Placed, walls: list[Wall], sized: bool = False) -> list[str]:
+    """In words; none: nothing is odd.
+
+    Args:
+        sized: a person says how large it is, however unusual that is.
+    """
     found = []
-    if what := unusual(category_in(item.label), item.size):
+    if not sized and (what := unusual(category_in(item.label), item.size)):
         found.append(what)
     for wall in walls:
         if (behind := reach_behind(item, wall)) > BEHIND:

@@ -50,6 +50,7 @@ def scene_of(built: Built, settled: Settled, inputs: Inputs, variant: str, rank:
                 support=item.support,
                 mounting=item.mounting,
                 cousin=item.cousin,
+                chosen=item.chosen,
                 steps=list(item.steps),
                 doubts=list(item.doubts),
                 moved=round(item.moved, 6),

@@ -16,8 +16,8 @@ FLOOR, WALL, UNNAMED = "floor", "wall", "unnamed"
 class Placed:
     """An asset whose closed box is `box` (floor frame). `support`: 'floor', 'wall', the id of the object
     beneath, or 'unnamed': it is seen to stand on something that is no object of the scene; as extraction saw it
-    until it is stacked. `cousin`: its rank in cousins.json; `steps`: what each step changed so far; `doubts`: what
-    should not be taken for certain."""
+    until it is stacked. `cousin`: its rank in cousins.json; `chosen`: by a person; `steps`: what each step changed so
+    far; `doubts`: what should not be taken for certain."""
 
     id: str
     label: str
@@ -27,6 +27,7 @@ class Placed:
     support: str = FLOOR
     moved: float = 0.0
     cousin: int | None = None
+    chosen: bool = False
     steps: tuple[str, ...] = ()
     doubts: tuple[str, ...] = ()
 

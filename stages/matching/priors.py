@@ -11,7 +11,8 @@ from stages.config.matching import MatchingConfig
 from stages.contracts.cousins import Candidate
 from stages.contracts.library import LibraryEntry
 from stages.contracts.objects import SceneObject
-from stages.matching.candidates import Candidates, count_gap
+from stages.matching.candidates import Candidates
+from stages.matching.panels import panel_gap
 
 WALL_MOUNTED = 1  # type of mounting (A.2)
 
@@ -25,7 +26,7 @@ def addends(item: SceneObject, candidates: Candidates, options: MatchingConfig) 
             for name, weight, amount in (
                 ("label", options.label_weight, labels.get(entry.category, 0.0)),
                 ("size", options.size_weight, size_gap(item, entry)),
-                ("counts", options.count_weight, count_gap(item, entry) if item.articulated else 0),
+                ("counts", options.count_weight, panel_gap(item, entry) if item.articulated else 0),
                 ("place", options.place_weight, misplaced(item, entry)),
             )
             if weight

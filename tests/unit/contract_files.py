@@ -80,7 +80,8 @@ def _input(root: Path) -> None:
     annotations = [{"mask": 1, "label": "cabinet", "doors": 1, "articulated": True}, {"mask": 2, "label": "bowl"}]
     annotations[0]["mounting"] = {"type": 3, "walls": [4]}
     _json(folder / "annotations.json", objects=annotations, floor=3, walls=[4])
-    told = [{"mask": 1, "doors": 2, "size": [0.8, 0.4, 0.9], "model": "cabinet_12", "banned": ["cabinet_3"]}]
+    doors = [{"kind": "door", "left": k / 2, "right": (k + 1) / 2, "bottom": 0.1, "top": 1.0} for k in range(2)]
+    told = [{"mask": 1, "panels": doors, "size": [0.8, 0.4, 0.9], "model": "cabinet_12", "banned": ["cabinet_3"]}]
     _json(folder / "corrections.json", objects=[*told, {"mask": 2, "on": 1, "nudge": [0.0, -0.05]}])
 
 
@@ -140,8 +141,9 @@ def _matching(root: Path) -> None:
 
 
 def _library(root: Path) -> None:
+    panel = {"hinge": "left", "across": 0.3, "height": 0.5, "size": [0.56, 0.9]}
     joint = {"name": "door_joint", "type": "revolute", "role": "door", "parent": "base", "link": "door",
-             "axis": [0.0, 0.0, 1.0], "lower": 0.0, "upper": 1.6}  # fmt: skip
+             "axis": [0.0, 0.0, 1.0], "lower": 0.0, "upper": 1.6, "panel": panel}  # fmt: skip
     entries = []
     for name, joints in (("bowl_0", []), ("cabinet_0", [joint])):
         folder = root / "library/models" / name

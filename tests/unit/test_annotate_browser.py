@@ -57,6 +57,13 @@ def test_a_room_is_drawn_and_comes_out_as_it_is(opened: tuple[Any, Session], tmp
     hand.wall([0, -0.6, 0], [0, 0.6, 0])
     for item in items:
         hand.object(item, "wall_1" if item.support == "wall" else "auto")
+    opens = next(item for item in items if room.said[item.mask].doors + room.said[item.mask].drawers)
+    panels = room.said[opens.mask].doors + room.said[opens.mask].drawers
+    page.locator("#objects button", has_text=room.said[opens.mask].label).first.click()
+    page.locator("#front-view summary").click()
+    page.wait_for_selector("#front-picture image")  # its front is seen
+    page.get_by_role("button", name="Lay out evenly").click()
+    assert page.locator("#front-picture .panel").count() == panels
     page.get_by_role("tab", name="4 Write").click()
     page.get_by_role("button", name="Write the folder").click()
     page.wait_for_selector("#written:not([hidden])")
@@ -69,6 +76,7 @@ def test_a_room_is_drawn_and_comes_out_as_it_is(opened: tuple[Any, Session], tmp
     for item, drawn in zip(items, objects.objects, strict=True):
         said = room.said[item.mask]
         assert (drawn.label, drawn.doors, drawn.drawers) == (said.label, said.doors, said.drawers)
+        assert len(drawn.panels) == (panels if item is opens else 0)
         assert drawn.box is not None and drawn.mounting is not None, drawn.reason
         away = np.linalg.norm(np.subtract(item.position, room.eye))
         miss = np.linalg.norm(apply(found, item.position) - drawn.box.center)

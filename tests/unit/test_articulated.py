@@ -104,6 +104,7 @@ def test_fronts_are_measured_with_what_is_fixed_to_them(tmp_path: Path) -> None:
     assert door.panel is not None and drawer.panel is not None
     assert door.panel.size == pytest.approx((0.58, 0.7), rel=1e-3), "the knob lies before the panel"
     assert door.panel.height == pytest.approx(0.4 - asset.box_min[2], abs=1e-4)
+    assert {panel.kind for panel in asset.panels} == {"door", "drawer"}
     assert drawer.panel.size == pytest.approx((0.1, 0.05), rel=1e-3)
     assert (door.panel.hinge, drawer.panel.hinge) == ("right", "slide"), "turned round to close at 0"
     assert (door.handle, door.handle_link) == ("knob", "door_knob")

@@ -15,6 +15,7 @@ from pydantic import ValidationError
 from stages.contracts import InputError, Objects, read_json, write_json
 from stages.contracts.corrections import CORRECTIONS, Correction, Corrections, corrections_of
 from stages.contracts.extracted import check_extracted
+from stages.contracts.fronts import Panel
 from stages.contracts.objects import Box, Mounting, SceneObject, Wall, distance_between
 from stages.contracts.scene_input import read_scene_input
 from stages.contracts.scenes import Held
@@ -140,6 +141,7 @@ def test_a_person_says_size_support_front_and_mounting(source: Path) -> None:
     assert cabinet.box is not None and box.box is not None and box.mounting is not None
     assert cabinet.mounting is not None and cabinet.mounting.type == 2
     assert (box.support, box.front, box.whole) == (cabinet.id, 1.5, True)
+    assert (box.told, cabinet.told) == (["size"], ["mounting"])
     assert box.box.center[2] - 0.2 == pytest.approx(cabinet.box.center[2] + cabinet.box.size[2] / 2, abs=1e-5)
     assert sorted(box.box.size) == pytest.approx([0.2, 0.3, 0.4])
     turned = (before[BOX].box.yaw - 1.5) % np.pi  # its front is along its own y axis, and so is its depth
@@ -147,6 +149,33 @@ def test_a_person_says_size_support_front_and_mounting(source: Path) -> None:
     nearest = np.linalg.norm(np.array(box.box.center)[:2]) - np.linalg.norm(np.array(before[BOX].box.center)[:2])
     assert -0.2 < nearest < 0.02  # the side that faces the camera stays
     check_extracted(source.parent / "found/objects.json")
+
+
+def test_drawers_that_were_drawn_are_found_and_counts_undo_them(source: Path) -> None:
+    drawers = [Panel(kind="drawer", left=0, right=1, bottom=k / 2, top=(k + 1) / 2) for k in range(2)]
+    cabinet = _objects(source, Correction(mask=CABINET, panels=drawers)).objects[0]
+    assert (cabinet.panels, cabinet.doors, cabinet.drawers) == (drawers, 0, 2)  # the input says two doors
+    said = json.loads((source / "annotations.json").read_text())
+    said["objects"][0] |= {"doors": 0, "drawers": 2, "panels": [panel.model_dump() for panel in drawers]}
+    (source / "annotations.json").write_text(json.dumps(said))
+    assert _objects(source, Correction(mask=BOX, label="stool")).objects[0].panels == drawers
+    counted = _objects(source, Correction(mask=CABINET, drawers=3)).objects[0]
+    assert (counted.panels, counted.doors, counted.drawers) == ([], 0, 3)
+
+
+def test_a_front_is_shown_straight_on_before_and_after_a_run(session: Correcting, source: Path) -> None:
+    drawing = {**session.opened().model_dump(mode="json"), "mask": CABINET}
+    before = session.front(drawing)
+    assert before["picture"] and before["height"] > before["width"] / 2  # no box is known: what shows it
+    results = source.parent / "results"
+    extract(input=source, scene="kitchen", out=results / "extraction/kitchen/objects.json")
+    ran = Correcting(source, [], results, "kitchen")
+    seen = ran.front(drawing)  # 80 x 80 cm, towards the camera
+    assert seen["picture"] and seen["width"] / seen["height"] == pytest.approx(1, abs=0.05)
+    drawing["objects"][0]["front"] = 0.0  # away from the camera
+    assert ran.front(drawing)["picture"] is None
+    with pytest.raises(KeyError):
+        ran.front({**drawing, "mask": 77})
 
 
 @pytest.mark.parametrize(("bottom", "height"), [(0.25, 0.75), (0.9, 0.5)])
@@ -174,6 +203,57 @@ def test_what_is_at_a_wall_keeps_its_rear_there(source: Path) -> None:
     assert cabinet.box is not None and cabinet.mounting is not None and cabinet.mounting.walls == [wall.id]
     assert distance_between(cabinet.box, wall) == pytest.approx(0, abs=1e-4)
     assert cabinet.box.size[2] == pytest.approx(0.7) and cabinet.box.center[2] == pytest.approx(0.35, abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("found", "told", "front", "made"),
+    [
+        ((1.1, 0.5), (1.3, 0.4, 0.5), None, (1.3, 0.4)),  # longest along the view, as it was found
+        ((1.1, 0.5), (0.4, 1.3, 0.5), None, (1.3, 0.4)),
+        ((0.6, 0.55), (1.3, 0.4, 0.5), None, (0.4, 1.3)),  # nobody knows: depth is along the view
+        ((1.1, 0.5), (1.3, 0.4, 0.5), np.pi, (0.4, 1.3)),  # it faces the camera
+    ],
+)
+def test_the_longer_side_stays_the_longer_one(
+    found: tuple[float, float], told: tuple[float, float, float], front: float | None, made: tuple[float, float]
+) -> None:
+    box = Box(center=(3.0, 0.0, 0.25), size=(*found, 0.5), yaw=0.1)
+    item = SceneObject(id="table_1", label="table", mask=1, box=box, mounting=Mounting(type=2), front=front)
+    frame = [[0.0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 1.5], [0, 0, 0, 1]]
+    camera = {"width": 640, "height": 480, "intrinsics": [[500, 0, 319.5], [0, 500, 239.5], [0, 0, 1]]}
+    objects = Objects(scene="t", floor_from_camera=frame, walls=[], objects=[item], **camera)
+    blank = np.zeros((480, 640))
+    scene = ExtractedScene(objects, blank.astype(np.uint16), blank.astype(np.float32), {"table_1": blank[:1, :3]})
+    (sized,) = as_told(scene, {1: Correction(mask=1, size=told)}).objects.objects
+    assert sized.box is not None and sized.box.size == pytest.approx((*made, 0.5))
+
+
+@pytest.mark.parametrize(
+    ("pixels", "walls", "shift"),
+    [
+        ((100, 100, 640, 400), [], (0.0, -0.5, 0.1)),  # cut at the right: its left end stays
+        ((0, 100, 300, 400), [], (0.0, 0.5, 0.1)),
+        ((100, 100, 300, 400), [], (0.0, 0.0, 0.1)),
+        ((0, 100, 640, 400), [], (0.0, 0.0, 0.1)),
+        ((100, 0, 640, 400), ["wall_1"], (0.0, -0.5, 0.1)),  # it hangs, and its lower edge is seen
+        ((100, 100, 300, 480), ["wall_1"], (0.0, 0.0, -0.1)),
+    ],
+)
+def test_what_the_border_cuts_off_grows_beyond_it(
+    pixels: tuple[int, int, int, int], walls: list[str], shift: tuple[float, float, float]
+) -> None:
+    box = Box(center=(3.0, 0.0, 1.0), size=(0.5, 1.0, 0.6), yaw=0.0)
+    held = Mounting(type=1, walls=walls) if walls else Mounting(type=2)
+    item = SceneObject(id="sofa_1", label="sofa", mask=1, box=box, mounting=held, pixels=pixels)
+    wall = Wall(id="wall_1", normal=(-1, 0, 0), offset=-3.25, points=9)
+    frame = [[0.0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 1.5], [0, 0, 0, 1]]  # +y is on the left
+    camera = {"width": 640, "height": 480, "intrinsics": [[500, 0, 319.5], [0, 500, 239.5], [0, 0, 1]]}
+    objects = Objects(scene="t", floor_from_camera=frame, walls=[wall], objects=[item], **camera)
+    blank = np.zeros((480, 640))
+    scene = ExtractedScene(objects, blank.astype(np.uint16), blank.astype(np.float32), {"sofa_1": blank[:1, :3]})
+    (sized,) = as_told(scene, {1: Correction(mask=1, size=(2.0, 0.5, 0.8))}).objects.objects
+    assert sized.box is not None and sized.box.size == (0.5, 2.0, 0.8)
+    assert np.subtract(sized.box.center, box.center) == pytest.approx(shift, abs=1e-6)
 
 
 def test_a_thing_is_cut_out_of_what_surrounds_it() -> None:

@@ -294,6 +294,7 @@ def test_what_is_too_large_or_behind_a_wall_is_doubted() -> None:
         "reaches 50 cm behind wall_1",
     ]
     assert doubts(thing("mirror", (3.9, 0, 1.5), (0.04, 0.6, 0.9)), [back]) == []
+    assert len(doubts(mirror, [back], sized=True)) == len(doubts(mirror, [back])) - 1  # a person says how large it is
     assert len(doubts(thing("gizmo", (0, 0, 1.5), (9, 9, 9), support="unnamed"), [])) == 1
 
 

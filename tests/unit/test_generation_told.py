@@ -38,6 +38,7 @@ def test_a_chosen_model_comes_before_those_that_were_ranked(scene: dict[str, Pat
     told = Correction(mask=CABINET, model="bottom_cabinet_1")
     first, second = (_of(_built(scene, tmp_path, rank, told), "cabinet_1") for rank in (1, 2))
     assert (first.asset.id, first.cousin, first.steps[0]) == ("bottom_cabinet_1", 2, "chosen by a person")
+    assert first.chosen and not second.chosen
     assert (second.asset.id, second.cousin) == ("bottom_cabinet_0", 1)
     pinned = _built(scene, tmp_path, 2, told.model_copy(update={"pinned": True}))
     assert _of(pinned, "cabinet_1").asset.id == "bottom_cabinet_1"

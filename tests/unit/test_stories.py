@@ -123,6 +123,19 @@ def test_doubts(entry: dict[str, Any], item: dict[str, Any], there: dict[str, An
     assert len(made.doubts) == 1 and words in made.doubts[0]
 
 
+@pytest.mark.parametrize(
+    ("entry", "item", "there"),
+    [
+        ({}, {"points": 40, "pixels": (0, 30, 60, 80), "told": ["size"]}, {"size": (1.2, 1.2, 0.8)}),
+        ({}, {"measured_mounting": Mounting(type=1), "told": ["mounting"]}, {}),
+        ({"distances": (1.0, 1.04, 3.0)}, {}, {"chosen": True}),
+        ({"category": "table"}, {}, {"chosen": True}),
+    ],
+)
+def test_what_a_person_says_is_not_doubted(entry: dict[str, Any], item: dict[str, Any], there: dict[str, Any]) -> None:
+    assert told(matched(**entry), thing(**item), placed={"desk_1": placed(**there)}).doubts == []
+
+
 def test_a_box_that_is_turned_by_a_quarter_is_the_same_box() -> None:
     assert told(matched(), thing(), placed={"desk_1": placed(size=(1.2, 0.6, 0.8))}).doubts == []
 

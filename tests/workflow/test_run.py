@@ -84,6 +84,7 @@ def test_the_page_names_no_file_that_this_run_did_not_declare(run: Path, tmp_pat
 
 
 MADE_AGAIN = {"generate", "draw_scenes", "scene_page"}
+DRAWER = {"kind": "drawer", "left": 0.0, "right": 1.0, "bottom": 0.6, "top": 1.0}
 
 
 @pytest.mark.parametrize(
@@ -92,6 +93,10 @@ MADE_AGAIN = {"generate", "draw_scenes", "scene_page"}
         ({"model": "base_cabinet_0"}, MADE_AGAIN),
         ({"nudge": [0.05, 0.0], "banned": ["base_cabinet_0"]}, MADE_AGAIN),
         ({"doors": 1}, {"extract", "draw_objects", "match", *MADE_AGAIN}),
+        (
+            {"model": "base_cabinet_0", "mounting": {"type": 2}, "panels": [DRAWER]},
+            {"extract", "draw_objects", "match", *MADE_AGAIN},
+        ),
         ({"on": "floor", "size": [0.5, 0.5, 0.8]}, {"extract", "draw_objects", "match", *MADE_AGAIN}),
     ],
 )

@@ -1,6 +1,7 @@
 // The page that corrects what was found and chosen: what a click, a drag or a key does, and the panel.
 import { bindFrame, frameKey, keyOf } from './both.js';
 import { area, begin, element, move, pixel, unit, zoom } from './canvas.js';
+import { bindFront, closed, front, typed } from './fronts.js';
 import { bindPlacement, made, placement } from './models.js';
 import { ask, changed, edit, find, nameOf, onChange, remember, solve, state, touch, undoable } from './state.js';
 
@@ -34,7 +35,7 @@ function draw() {
     if (item.label && box) parts.push(element('text', { x: box[0][0], y: box[0][1] + 13 * unit(), 'font-size': 13 * unit() }, [nameOf(item)]));
   }
   const item = chosen();
-  const faces = item ? made(item).faces ?? [] : []; // as it stands in the scene of rank 1, its front stronger
+  const faces = state.solved.regions[item?.id]?.faces ?? []; // as it stands in the scene of rank 1, or will; its front stronger
   faces.forEach((face, k) => parts.push(area(face, `solid quiet${k === faces.length - 1 ? ' front' : ''}`)));
   const box = item && boxOf(item);
   if (box) {
@@ -60,9 +61,13 @@ function button(item, text) {
   made.type = 'button';
   made.textContent = text;
   made.setAttribute('aria-pressed', String(state.chosen === item.id));
+  made.classList.toggle('changed', altered(item));
+  if (altered(item)) made.title = 'changed: the next run makes it anew';
   made.addEventListener('click', () => { state.chosen = item.id; changed(); });
   return made;
 }
+// What a person said of a thing since the page was opened: its doubts are of what was made before.
+const altered = (item) => state.before.get(item.mask) !== JSON.stringify(item);
 function line(...parts) {
   const entry = document.createElement('li');
   entry.append(...parts);
@@ -70,7 +75,9 @@ function line(...parts) {
 }
 
 function doubts() {
-  const told = things().flatMap((item) => (made(item).doubts ?? []).map((doubt) => line(button(item, `${nameOf(item)}: ${doubt}`))));
+  const all = things().flatMap((item) => (made(item).doubts ?? []).map((doubt, k) => ({ item, doubt, placed: k < made(item).grave })));
+  all.sort((one, other) => other.placed - one.placed); // what is odd about where and how large it stands comes first
+  const told = all.map(({ item, doubt }) => line(button(item, `${nameOf(item)}: ${doubt}`)));
   get('in-doubt').hidden = !told.length;
   get('in-doubt').querySelector('summary').textContent = `In doubt: ${told.length}`;
   get('in-doubt').querySelector('ul').replaceChildren(...told);
@@ -109,6 +116,7 @@ function panel() {
   get('on').replaceChildren(new Option(found ? `as found: ${found.mask ? nameOf(found) : found.label}` : 'as found', ''), new Option('the floor', 'floor'), ...others.map((other) => new Option(nameOf(other), other.mask)));
   get('on').value = item.on ?? '';
   get('on').disabled = item.mounting?.type === 1;
+  front(item);
   placement(item, things().filter((other) => other !== item && !alike(other).includes(item)), nameOf);
 }
 // What a thing is said to stand on, and what is beneath that; what it is said to be like, and so on.
@@ -118,7 +126,7 @@ const alike = (item) => chain(item, 'like');
 
 function add(region) {
   const mask = Math.max(state.free - 1, ...state.project.objects.map((item) => item.mask)) + 1, id = `drawn_${mask}`;
-  edit((project) => project.objects.push({ id, mask, label: null, around: null, outline: [], articulated: null, doors: null, drawers: null, mounting: null, on: null, size: null, front: null, nudge: null, model: null, pinned: false, banned: [], like: null, ...region }));
+  edit((project) => project.objects.push({ id, mask, label: null, around: null, outline: [], articulated: null, doors: null, drawers: null, panels: null, mounting: null, on: null, size: null, front: null, nudge: null, model: null, pinned: false, banned: [], like: null, ...region }));
   state.chosen = id;
   choose('select');
   get('label').focus();
@@ -193,6 +201,13 @@ svg.addEventListener('wheel', (event) => { event.preventDefault(); zoom(Math.exp
 svg.addEventListener('mousedown', (event) => event.preventDefault()); // else it takes the focus from the label
 svg.addEventListener('contextmenu', (event) => event.preventDefault());
 
+// The picture, or the scene of rank 1 as the same camera sees it.
+function swap() {
+  const scene = get('made').getAttribute('aria-pressed') === 'false';
+  get('made').setAttribute('aria-pressed', String(scene));
+  svg.querySelector('image').setAttribute('href', scene ? 'made.png' : 'picture.jpg');
+}
+
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 function next(by) {
   const { objects } = state.project;
@@ -213,7 +228,8 @@ document.addEventListener('keydown', (event) => {
   else if (ARROWS[key] && box) {
     const [dx, dy] = ARROWS[key].map((value) => value * (event.shiftKey ? 10 : 1));
     edit(() => setBox(item, box.map(([x, y]) => [x + dx, y + dy])));
-  } else if (key === 'n' || key === 'p') next(key === 'n' ? 1 : -1);
+  } else if (key === 'm' && !get('made').hidden) swap();
+  else if (key === 'n' || key === 'p') next(key === 'n' ? 1 : -1);
   else return;
   event.preventDefault();
 });
@@ -221,9 +237,10 @@ document.addEventListener('keydown', (event) => {
 function bind() {
   for (const tool of document.querySelectorAll('[data-tool]')) tool.addEventListener('click', () => { if (tool.dataset.tool === 'box') state.chosen = null; choose(tool.dataset.tool); });
   bindFrame();
+  get('made').addEventListener('click', swap);
   get('label').addEventListener('change', ({ target }) => edit(() => { chosen().label = target.value.trim() || null; }));
-  for (const id of ['doors', 'drawers']) get(id).addEventListener('change', ({ target }) => edit(() => { chosen()[id] = target.checkValidity() ? Number(target.value) : 0; }));
-  get('articulated').addEventListener('change', ({ target }) => edit(() => Object.assign(chosen(), { articulated: target.checked }, target.checked ? {} : { doors: 0, drawers: 0 })));
+  for (const id of ['doors', 'drawers']) get(id).addEventListener('change', ({ target }) => edit(() => typed(chosen(), id, target.checkValidity() ? Number(target.value) : 0)));
+  get('articulated').addEventListener('change', ({ target }) => edit(() => { if (target.checked) chosen().articulated = true; else closed(chosen()); }));
   get('mounting').addEventListener('change', ({ target }) => edit(() => {
     const [type, walls] = target.value.split('/');
     chosen().mounting = type ? { type: Number(type), walls: walls ? walls.split('+').map(Number) : [] } : null;
@@ -231,6 +248,7 @@ function bind() {
   }));
   get('on').addEventListener('change', ({ target }) => edit(() => { chosen().on = ['', 'floor'].includes(target.value) ? target.value || null : Number(target.value); }));
   bindPlacement(chosen);
+  bindFront(chosen, (item) => ({ ...state.project, mask: item.mask }));
   get('found').addEventListener('click', () => edit(() => Object.assign(chosen(), { around: null, outline: [] })));
   get('delete').addEventListener('click', remove);
 }
@@ -238,6 +256,8 @@ function bind() {
 async function start() {
   const answer = await ask('start');
   Object.assign(state, { project: answer.project, made: answer.made, free: answer.free, known: answer.known, chosen: answer.chosen });
+  state.before = new Map(answer.project.objects.map((item) => [item.mask, JSON.stringify(item)]));
+  get('made').hidden = !answer.pictured;
   get('command').textContent = answer.command;
   get('title').textContent = document.title = answer.project.picture;
   get('folder').textContent = answer.folder;

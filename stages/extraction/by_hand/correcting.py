@@ -16,6 +16,7 @@ from stages.contracts.files import Contract
 from stages.contracts.objects import object_ids
 from stages.contracts.scene_input import read_scene_input
 from stages.contracts.types import Id
+from stages.extraction.by_hand.fronts import extents, straight_on
 from stages.extraction.by_hand.made import Made, made_of
 from stages.extraction.by_hand.regions import (
     FLOOR,
@@ -65,11 +66,13 @@ class Correcting:
         self.found = as_found(self.given.annotations)
         self._cut = Cutter(self.given.rgb)
         height, width = self.given.masks.shape
+        self._moved: dict[int, tuple[float, float]] = {}  # by hand, before the page was opened
         self.made: Made = made_of(self.results, self.scene, self.variant, (width, height))
         self.posts: dict[str, Callable[[Any], Answer]] = {
             "solve": self.solve,
             "save": self.save,
             "models": self.models,
+            "front": self.front,
             "write": self.write,
             "close": self.close,
         }
@@ -119,6 +122,7 @@ class Correcting:
     def start(self) -> Answer:
         """What the page begins with."""
         drawing = self.opened()
+        self._moved = {item.mask: item.nudge for item in drawing.objects if item.nudge is not None}
         ids = {item.mask: item.id for item in drawing.objects}
         masks = {item.id: mask for mask, item in self.made.items.items()}
         return {
@@ -126,6 +130,7 @@ class Correcting:
             "categories": [*self.categories, FLOOR, WALL],
             "folder": str(self.folder / CORRECTIONS),
             "made": self.made.told(),
+            "pictured": self.made.picture is not None,
             "chosen": ids.get(masks.get(self.chosen or "", 0), self.chosen if self.chosen in ids.values() else None),
             "known": list(self.found),
             "free": int(max(self.given.masks.max(), *self.found, *ids)) + 1,
@@ -148,6 +153,16 @@ class Correcting:
         """The picture as JPEG."""
         return jpeg(self.given.rgb)
 
+    def made_picture(self) -> bytes:
+        """The scene of rank 1 as PNG.
+
+        Raises:
+            InputError: it was not drawn.
+        """
+        if self.made.picture is None:
+            raise InputError(self.scene, "has no picture of its scene.", "make its page")
+        return self.made.picture.read_bytes()
+
     def preview(self) -> bytes:
         """The saved masks over the picture, as JPEG."""
         drawing = self.opened()
@@ -161,7 +176,7 @@ class Correcting:
         return Drawing.model_validate({"objects": body["objects"]})
 
     def solve(self, body: Any) -> Answer:
-        """Bounds and outlines of every region."""
+        """Bounds and outlines of every region, and the sides of what stands there, as it will after the next run."""
         drawing = self._drawing(body)
         masks = self._painted(drawing)
         regions, notes = {}, {}
@@ -169,12 +184,24 @@ class Correcting:
             mask = masks == item.mask
             if not mask.any():
                 notes[item.id] = "no pixel shows it"
-            regions[item.id] = {"box": item.around or bounds(mask), "outlines": outlines(mask)}
+            faces = self.made.faces(item, self._moved.get(item.mask, (0.0, 0.0)))
+            regions[item.id] = {"box": item.around or bounds(mask), "outlines": outlines(mask), "faces": faces}
         return {"regions": regions, "notes": notes}
 
     def models(self, body: Any) -> Answer:
         """Models that can stand for a thing, with pictures and distances."""
         return {"models": self.made.models(int(body["mask"]))}
+
+    def front(self, body: Any) -> Answer:
+        """The front of a thing seen straight on; before anything was made of the folder, what shows the thing."""
+        drawing = self._drawing(body)
+        item = {one.mask: one for one in drawing.objects}[body["mask"]]
+        if (known := self.made.front(item.mask, item.front)) is not None:
+            return straight_on(self.given.rgb, *known)
+        around = item.around or bounds(self._painted(drawing) == item.mask)
+        (x0, y0), (x1, y1) = around or ((0, 0), (1, 1))
+        points = np.array([(x0, y1), (x1, y1), (x1, y0), (x0, y0)], float)
+        return straight_on(self.given.rgb, points, *extents(points))
 
     def save(self, body: Any) -> Answer:
         """Keep the corrections; where nothing is corrected there is no file."""

@@ -2,19 +2,22 @@
 
 import base64
 import io
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from PIL import Image
 
-from stages.contracts import Cousins, GeneratedScene, Objects, read_json
+from stages.contracts import Cousins, GeneratedScene, Library, Objects, read_json
+from stages.contracts.corrections import Correction
 from stages.contracts.cousins import ObjectCousins
 from stages.contracts.doubts import doubts
 from stages.contracts.generated import PlacedObject
 from stages.contracts.objects import SceneObject
 from stages.contracts.snapshot_pictures import Snapshots
+from stages.extraction.by_hand.fronts import extents, front_corners
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.cameras import project
 from stages.geometry.frames import apply, inverse
@@ -27,13 +30,18 @@ SIDES = ([0, 1, 5, 4], [2, 3, 7, 6], [3, 0, 4, 7], [4, 5, 6, 7], [0, 1, 2, 3])
 
 @dataclass(frozen=True)
 class Made:
-    """What a run made; all of it by mask value. Without a run it is empty."""
+    """What a run made; all of it by mask value. Without a run it is empty.
+
+    picture: of the scene of rank 1, as the camera sees it, if it was drawn; sizes: of the library's models, by id.
+    """
 
     objects: Objects | None
     items: dict[int, SceneObject]
     cousins: dict[int, ObjectCousins]
     placed: dict[int, PlacedObject]
     snapshots: Snapshots
+    picture: Path | None = None
+    sizes: dict[str, tuple[float, float, float]] = field(default_factory=dict)
 
     def told(self) -> dict[str, Any]:
         """What the page shows of every thing, by mask value."""
@@ -41,7 +49,8 @@ class Made:
 
     def _about(self, item: SceneObject) -> dict[str, Any]:
         entry, placed = self.cousins.get(item.mask), self.placed.get(item.mask)
-        about: dict[str, Any] = {"id": item.id, "doubts": self._doubts(item, entry, placed)}
+        grave = len(placed.doubts) if placed is not None else 0
+        about: dict[str, Any] = {"id": item.id, "doubts": self._doubts(item, entry, placed), "grave": grave}
         if placed is None or placed.status == "failed":
             return about
         depth, width, height = placed.size
@@ -50,7 +59,6 @@ class Made:
             "front": placed.yaw,
             "support": placed.support,
             "model": placed.asset,
-            "faces": self._faces(placed),
         }
 
     def _doubts(self, item: SceneObject, entry: ObjectCousins | None, placed: PlacedObject | None) -> list[str]:
@@ -63,14 +71,47 @@ class Made:
         first = placed.doubts if placed is not None else []
         return [*first, *(one for one in doubts(entry, item, placed, self.objects) if one not in first)]
 
-    def _faces(self, placed: PlacedObject) -> list[list[list[float]]]:
-        """The sides of what stands in the scene of rank 1 as pixels, its front last; none if one is behind us."""
-        assert self.objects is not None
-        points = corners(UprightBox(placed.position, placed.size, placed.yaw))
+    def faces(self, said: Correction, before: tuple[float, float]) -> list[list[list[float]]]:
+        """The sides of what stands in the scene of rank 1 as pixels, its front last; none if one is behind us.
+
+        Args:
+            said: what a person says of it by now: it is shown turned, moved and sized as it will be, nearly.
+            before: how far it was moved by hand already where it stands.
+        """
+        placed = self.placed.get(said.mask)
+        if placed is None or placed.status == "failed" or self.objects is None:
+            return []
+        size, center = np.array(placed.size), np.array(placed.position)
+        if said.size is not None:
+            width, depth, height = said.size
+            center[2] += 0 if placed.support == "wall" else (height - size[2]) / 2
+            size = np.array([depth, width, height])
+        center[:2] += np.subtract(said.nudge or (0.0, 0.0), before)
+        points = corners(UprightBox(center, size, placed.yaw if said.front is None else said.front))
         pixels = project(apply(inverse(np.array(self.objects.floor_from_camera)), points), self.objects.intrinsics)
         if not np.isfinite(pixels).all():
             return []
         return [np.round(pixels[face], 1).tolist() for face in (*SIDES, FRONT[0])]
+
+    def front(self, mask: int, told: float | None) -> tuple[NDArray[np.float64], float, float] | None:
+        """Corners (4, 2) of a thing's front in the picture, its width and height in metres; None: there was no run.
+
+        Args:
+            told: the direction about z that a person says it faces.
+        """
+        item, placed = self.items.get(mask), self.placed.get(mask)
+        if self.objects is None or item is None or item.box is None:
+            return None
+        camera = np.array(self.objects.floor_from_camera)
+        if placed is not None and placed.status == "ok":
+            box, facing = UprightBox(placed.position, placed.size, placed.yaw), placed.yaw
+        else:
+            box = UprightBox(item.box.center, item.box.size, item.box.yaw)
+            facing = (
+                float(np.arctan2(*(camera[:2, 3] - item.box.center[:2])[::-1])) if item.front is None else item.front
+            )
+        points = front_corners(box, facing if told is None else told)
+        return project(apply(inverse(camera), points), self.objects.intrinsics), *extents(points)
 
     def models(self, mask: int) -> list[dict[str, Any]]:
         """Models that can stand for a thing, nearest first, with pictures as matching turned them."""
@@ -87,10 +128,18 @@ class Made:
                 "asset": asset,
                 "distance": round(distance, 2),
                 "rank": ranks.get(asset),
+                "size": self._size(asset),
                 "picture": self._picture(asset, turn),
             }
             for asset, distance in choosable
         ]
+
+    def _size(self, asset: str) -> list[float] | None:
+        """Width, depth and height that a model has of its own."""
+        if asset not in self.sizes:
+            return None
+        depth, width, height = self.sizes[asset]
+        return [round(extent, 3) for extent in (width, depth, height)]
 
     def _picture(self, asset: str, yaw: float) -> str | None:
         view = self.snapshots.picture(asset, yaw)
@@ -127,7 +176,14 @@ def made_of(results: Path, scene: str, variant: str | None, size: tuple[int, int
         {masks[one.id]: one for one in matched if one.id in masks},
         {masks[one.id]: one for one in placed if one.id in masks},
         Snapshots(sorted((results / "assets/snapshots").glob("shard_*.h5"))),
+        next(iter(place.parent.glob("scene_1.png")), None),
+        _sizes(results / "assets/library/library.json"),
     )
+
+
+def _sizes(path: Path) -> dict[str, tuple[float, float, float]]:
+    entries = read_json(Library, path).assets if path.is_file() else []
+    return {entry.id: entry.size for entry in entries if entry.size is not None}
 
 
 def _cousins(results: Path, scene: str) -> list[Path]:

@@ -76,12 +76,21 @@ async function ensure(item) {
 }
 
 let drawn = ''; // what the list shows, so that it is made anew only when that changes
+// As large as the model itself that stands there, or will.
+const native = (item) => (shown.get(item.mask) ?? []).find((one) => one.asset === (item.model ?? made(item).model))?.size;
+function ownSize(item) {
+  const size = native(item);
+  get('own-size').hidden = !size;
+  if (size) get('own-size').textContent = `As its model: ${size.map((value) => Math.round(100 * value)).join(' × ')} cm`;
+}
+
 export function placement(item, others, nameOf) {
   sizes(item);
   get('front').textContent = item.front === null ? 'front as matched' : `front turned to ${Math.round((item.front * 180) / Math.PI)}°`;
   get('nudge').textContent = moved(item);
   ensure(item);
   const models = shown.get(item.mask) ?? [];
+  ownSize(item);
   get('models').hidden = !models.length;
   get('like').replaceChildren(new Option('its own', ''), ...others.map((other) => new Option(nameOf(other), other.mask)));
   get('like').value = item.like ?? '';
@@ -98,6 +107,7 @@ export function bindPlacement(chosen) {
   for (const button of document.querySelectorAll('[data-move]')) {
     button.addEventListener('click', (event) => move(chosen(), button.dataset.move.split(',').map(Number), event.shiftKey));
   }
+  get('own-size').addEventListener('click', () => edit(() => { chosen().size = native(chosen()); }));
   get('pinned').addEventListener('change', ({ target }) => edit(() => { chosen().pinned = target.checked; }));
   get('like').addEventListener('change', ({ target }) => edit(() => {
     const item = chosen();

@@ -2,6 +2,7 @@
 import { bindFrame } from './both.js';
 import { ask, changed, copy, edit, find, freeId, isWall, nameOf, onChange, remove, solve, state, undoable } from './state.js';
 import { begin } from './canvas.js';
+import { bindFront, closed, front, typed } from './fronts.js';
 import { draw } from './drawing.js';
 import { choose, hint, step } from './tools.js';
 
@@ -82,6 +83,7 @@ function panel() {
   get('articulated').checked = Boolean(item.articulated || item.doors || item.drawers);
   for (const id of ['free', 'round']) get(id).checked = Boolean(item[id]);
   fill('faces', item.faces ?? 'front');
+  front(item);
   const box = solved.boxes[item.id];
   ['width', 'depth', 'height'].forEach((side, k) => fill(side, item[side], box ? box.size[k].toFixed(3) : ''));
   get('boxed').hidden = !item.outline?.length;
@@ -133,9 +135,11 @@ function bind() {
   field('label', (_, target, item) => { item.label = target.value.trim(); });
   field('faces', (_, target, item) => { item.faces = target.value; });
   field('on', (_, target, item) => carried(item, target.value));
-  for (const id of ['doors', 'drawers']) field(id, (_, target, item) => { item[id] = number(target) ?? 0; item.articulated = item.doors + item.drawers > 0; });
-  for (const id of ['articulated', 'free', 'round']) field(id, (_, target, item) => { item[id] = target.checked; });
+  for (const id of ['doors', 'drawers']) field(id, (_, target, item) => typed(item, id, number(target) ?? 0));
+  field('articulated', (_, target, item) => { if (target.checked) item.articulated = true; else closed(item); });
+  for (const id of ['free', 'round']) field(id, (_, target, item) => { item[id] = target.checked; });
   for (const id of ['width', 'depth', 'height']) field(id, (_, target, item) => { item[id] = number(target); });
+  bindFront(chosen, (item) => ({ project: state.project, id: item.id }));
   get('boxed').addEventListener('click', () => edit(() => { chosen().outline = []; }));
   get('delete').addEventListener('click', () => remove(state.chosen));
 }

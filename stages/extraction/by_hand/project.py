@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from stages.contracts.files import Contract, Document
+from stages.contracts.fronts import Panel
 from stages.contracts.types import Extent, Id, Panels, Pixel, Side, Text, check_unique
 
 PROJECT = "project.json"
@@ -73,6 +74,7 @@ class DrawnObject(Contract):
     articulated: bool = False
     doors: Panels = 0
     drawers: Panels = 0
+    panels: list[Panel] = Field([], max_length=1000, description="where they lie on its real front, if that was drawn")
     outline: list[Pixel] = Field([], max_length=1000, description="the pixels that show it; empty: all of its box")
 
     @property

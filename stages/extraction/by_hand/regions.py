@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 
 from stages.contracts import Annotations
 from stages.contracts.corrections import MEASURED, Correction
+from stages.contracts.fronts import counted
 from stages.contracts.scenes import Annotation, Held
 from stages.contracts.types import Pixel
 from stages.extraction.by_hand.paint import polygon
@@ -24,7 +25,9 @@ def as_found(annotations: Annotations) -> dict[int, Correction]:
     rooms = [(value, FLOOR) for value in [annotations.floor] if value is not None]
     rooms += [(value, WALL) for value in annotations.walls]
     things = [
-        Correction(**item.model_dump(include={"mask", "label", "articulated", "doors", "drawers", "mounting"}))
+        Correction(
+            **item.model_dump(include={"mask", "label", "articulated", "doors", "drawers", "panels", "mounting"})
+        )
         for item in annotations.objects
     ]
     return {item.mask: item for item in [*things, *(Correction(mask=value, label=label) for value, label in rooms)]}
@@ -37,6 +40,10 @@ def laid_over(found: dict[int, Correction], told: dict[int, Correction]) -> dict
         said = {name: getattr(item, name) for name in item.model_dump(exclude_defaults=True)}
         if item.mounting == MEASURED:
             said["mounting"] = None
+        if item.panels:
+            said |= counted(item.panels)
+        elif said.keys() & {"doors", "drawers"}:
+            said["panels"] = []  # those that were found are of other doors and drawers
         merged[mask] = merged.get(mask, Correction(mask=mask)).model_copy(update=said)
     return {mask: item for mask, item in merged.items() if not item.gone}
 
@@ -140,6 +147,7 @@ def corrected(
                 articulated=bool(item.articulated) or doors + drawers > 0,
                 doors=doors,
                 drawers=drawers,
+                panels=item.panels or [],
                 mounting=held,
                 box=before.box if before else None,
                 guessed=bool(before and before.guessed),

@@ -18,7 +18,7 @@ from stages.extraction.by_hand.correcting import Correcting
 from stages.extraction.by_hand.session import Session
 
 HERE = Path(__file__).resolve().parent
-SCRIPTS = ("page.js", "state.js", "canvas.js", "drawing.js", "tools.js", "both.js", "correct.js", "models.js")
+SCRIPTS = tuple(sorted(path.name for path in HERE.glob("*.js")))
 PAGES = {
     "page.css": ("page.css", "text/css; charset=utf-8"),
     **{name: (name, "text/javascript; charset=utf-8") for name in SCRIPTS},
@@ -84,6 +84,8 @@ class Handler(BaseHTTPRequestHandler):
                 self._reply(200, kind, (HERE / file).read_bytes())
             elif name == "picture.jpg":
                 self._reply(200, "image/jpeg", session.picture())
+            elif name == "made.png" and isinstance(session, Correcting):
+                self._reply(200, "image/png", session.made_picture())
             elif name == "start":
                 self._json(200, session.start())
             elif name == "preview.jpg":

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from pydantic import TypeAdapter
 
 from stages.contracts import InputError, read_json, write_json
+from stages.extraction.by_hand.fronts import extents, front_corners, straight_on
 from stages.extraction.by_hand.metrology import View, WallPlane
 from stages.extraction.by_hand.paint import paint
 from stages.extraction.by_hand.perspective import horizon, vanishing_point, weak
@@ -18,7 +19,7 @@ from stages.extraction.by_hand.photo import Photo
 from stages.extraction.by_hand.project import PROJECT, Pixel, Project
 from stages.extraction.by_hand.segments import propose, usual_focal
 from stages.extraction.by_hand.solve import Solved, support_at
-from stages.extraction.by_hand.write import finished, tinted, write_folder
+from stages.extraction.by_hand.write import SIDES, finished, tinted, write_folder
 from stages.geometry.boxes import UprightBox, corners
 
 GRID, REACH = 0.5, 8.0  # metres: spacing of the floor's grid, and how far it goes
@@ -48,6 +49,7 @@ class Session:
             "solve": self.solve,
             "save": self.save,
             "support": self.support,
+            "front": self.front,
             "write": self.write,
             "close": self.close,
         }
@@ -128,6 +130,16 @@ class Session:
         solved = finished(project, self.depth)[1]
         pixel = TypeAdapter(Pixel).validate_python(body["pixel"])
         return {"on": support_at(project, solved, pixel, bool(body.get("stands")))}
+
+    def front(self, body: Any) -> Answer:
+        """The real front of an object seen straight on."""
+        project = self._project(body["project"])
+        solved = finished(project, self.depth)[1]
+        item = {one.id: one for one in project.objects}[body["id"]]
+        if (box := solved.boxes.get(item.id)) is None:
+            raise InputError(item.label or item.id, "has no place yet.", "mark its front first")
+        points = front_corners(box, box.yaw + SIDES[item.faces])
+        return straight_on(self.photo.rgb, solved.view.project(points), *extents(points))
 
     def write(self, body: Any) -> Answer:
         """Keep the drawing and write the input folder."""

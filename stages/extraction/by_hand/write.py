@@ -93,6 +93,7 @@ def _annotation(item: DrawnObject, value: int, view: View, box: UprightBox, gues
         articulated=item.articulated or item.doors + item.drawers > 0,
         doors=item.doors,
         drawers=item.drawers,
+        panels=item.panels,
         box=floor_box(view, box),
         guessed=guessed,
         front=None if item.round else front_of(view, box, item.faces),

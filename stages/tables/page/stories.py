@@ -170,7 +170,8 @@ def _mounting(item: SceneObject) -> str:
     if item.measured_mounting is None:
         return held_as(item.mounting) + ", by geometry"
     agreed = "geometry agrees" if agree(item) else f"geometry finds: {held_as(item.measured_mounting)}"
-    return f"{held_as(item.mounting)}, as the input says; {agreed}"
+    whose = "a person" if "mounting" in item.told else "the input"
+    return f"{held_as(item.mounting)}, as {whose} says; {agreed}"
 
 
 def _rival(one: Candidate, entry: ObjectCousins, album: Album, snapshots: Snapshots) -> Rival:

@@ -1,0 +1,38 @@
+"""Where doors and drawers lie on the front of a thing."""
+
+from collections.abc import Sequence
+from typing import Literal
+
+from pydantic import model_validator
+
+from stages.contracts.files import Contract
+from stages.contracts.types import Fraction
+
+
+class Panel(Contract):
+    """A door or drawer as a box on the front: shares of its width, from the left of whoever faces it, and height."""
+
+    kind: Literal["door", "drawer"]
+    left: Fraction
+    right: Fraction
+    bottom: Fraction
+    top: Fraction
+
+    @model_validator(mode="after")
+    def _some_area(self) -> "Panel":
+        if self.left >= self.right or self.bottom >= self.top:
+            raise ValueError("panels: a box has left < right and bottom < top")
+        return self
+
+
+def counted(panels: Sequence[Panel]) -> dict[str, int]:
+    """How many doors and drawers there are."""
+    return {f"{kind}s": sum(panel.kind == kind for panel in panels) for kind in ("door", "drawer")}
+
+
+def check_counts(name: str, panels: Sequence[Panel], doors: int | None, drawers: int | None) -> None:
+    """Refuse counts of doors and drawers that are not those of the boxes, where there are boxes."""
+    for noun, count in counted(panels).items():
+        said = doors if noun == "doors" else drawers
+        if panels and said is not None and said != count:
+            raise ValueError(f"{noun}: {said} of '{name}', but {count} of its panels are {noun}")

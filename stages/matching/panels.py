@@ -1,0 +1,64 @@
+"""How far a model's doors and drawers are from where they are said to lie on the front."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
+
+from stages.contracts.fronts import Panel
+from stages.contracts.library import LibraryEntry
+from stages.contracts.objects import SceneObject
+from stages.matching.candidates import count_gap
+
+BESIDE = 0.1  # share of a front by which all of its panels may lie beside where they are said to: boxes of things err
+
+
+def panel_gap(item: SceneObject, entry: LibraryEntry) -> float:
+    """Doors and drawers that are not where they are said to be; by their numbers alone where either is not known."""
+    return layout_gap(item.panels, entry.panels) if item.panels and entry.panels else float(count_gap(item, entry))
+
+
+def layout_gap(said: Sequence[Panel], own: Sequence[Panel]) -> float:
+    """Sum of 1 - IoU over pairs of the same kind, paired so that it is least, and 1 for each without a partner.
+
+    With all of them in place it is |d doors| + |d drawers| (`count_gap`). The model's may be laid over those that were
+    said, all together and by `BESIDE` at most: the front that a person drew on is that of an estimated box.
+    """
+    ours, theirs = boxes(said), boxes(own)
+    return min(_gap(said, ours, own, there) for there in (theirs, laid_over(theirs, ours)))
+
+
+def _gap(said: Sequence[Panel], ours: NDArray[np.float64], own: Sequence[Panel], theirs: NDArray[np.float64]) -> float:
+    """The sum with the boxes (N, 2, 2) and (M, 2, 2) of both."""
+    gap = 0.0
+    for kind in ("door", "drawer"):
+        mine, others = [panel.kind == kind for panel in said], [panel.kind == kind for panel in own]
+        apart = 1 - overlaps(ours[mine], theirs[others])
+        gap += float(apart[linear_sum_assignment(apart)].sum()) + abs(sum(mine) - sum(others))
+    return gap
+
+
+def boxes(panels: Sequence[Panel]) -> NDArray[np.float64]:
+    """(N, 2, 2): across and up; from, to."""
+    found = [[(panel.left, panel.right), (panel.bottom, panel.top)] for panel in panels]
+    return np.array(found, dtype=float).reshape(-1, 2, 2)
+
+
+def laid_over(own: NDArray[np.float64], said: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Boxes (N, 2, 2) with the outline of all of them nearer to that of others, its edges by at most `BESIDE`."""
+    if not len(own) or not len(said):
+        return own
+    low, high = own[..., 0].min(axis=0), own[..., 1].max(axis=0)
+    to_low = low + np.clip(said[..., 0].min(axis=0) - low, -BESIDE, BESIDE)
+    to_high = high + np.clip(said[..., 1].max(axis=0) - high, -BESIDE, BESIDE)
+    scale = np.maximum(to_high - to_low, 0) / (high - low)
+    return np.asarray((own - low[:, None]) * scale[:, None] + to_low[:, None])
+
+
+def overlaps(ours: NDArray[np.float64], theirs: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Intersection over union (N, M) of boxes (N, 2, 2) and (M, 2, 2)."""
+    a, b = ours[:, None], theirs[None]
+    shared = np.maximum(np.minimum(a[..., 1], b[..., 1]) - np.maximum(a[..., 0], b[..., 0]), 0).prod(axis=-1)
+    areas = [(box[..., 1] - box[..., 0]).prod(axis=-1) for box in (a, b)]
+    return np.asarray(shared / (areas[0] + areas[1] - shared))
