@@ -54,7 +54,7 @@ class GenerationConfig(Section):
         2.0,
         ge=1,
         description="Cousins whose size is farther from the library's than by this factor, or whose scales along the "
-        "axes are farther apart, are passed over: a sofa is no stool. null: none (paper).",
+        "axes are farther apart, are passed over for others that the label means. null: none (paper).",
     )
     min_extent: float = Field(0.01, gt=0, description="Smallest extent of a placed asset, metres.")
 

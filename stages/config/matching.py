@@ -129,14 +129,11 @@ class GeometryConfig(Section):
     nearest: int = Field(30, ge=1, description="So many models, the nearest by distance, are rendered and compared.")
     resolution: int = Field(96, ge=32, description="Cells along the longer side of the compared pictures.")
     outline: float = Field(1.0, ge=0, description="Weight of the overlap of the outlines, 0 to 1.")
-    depth: float = Field(1.0, ge=0, description="Weight of the agreement of depth, 0 to 1.")
-    lines: float = Field(1.0, ge=0, description="Weight of the agreement of lines: doors, drawers, handles; 0 to 1.")
+    depth: float = Field(0.5, ge=0, description="Weight of the agreement of depth, 0 to 1.")
+    lines: float = Field(0.5, ge=0, description="Weight of the agreement of lines: doors, drawers, handles; 0 to 1.")
     colour: float = Field(0.0, ge=0, description="Weight of the agreement of colours, 0 to 1.")
     proportions: float = Field(
         0.3, ge=0, description="Taken off for stretching axes unlike: per unit of the logarithms' range."
-    )
-    priors: float = Field(
-        1.0, ge=0, description="Taken off per unit of what label, size, place and counts add to a model's distance."
     )
 
 
@@ -194,7 +191,10 @@ class MatchingConfig(ComparisonOptions):
         0.0, ge=0, description="Weight of the patches' colours (Lab, a difference of 30 counts as 1; paper: 0)."
     )
     label_weight: float = Field(
-        0.5, ge=0, description="What the distance between label and category adds to a model's distance (paper: 0)."
+        2.0,
+        ge=0,
+        description="What the distance between label and category adds to a model's distance (paper: 0). Labels and "
+        "counts are stated: they count more than what pictures differ in.",
     )
     size_weight: float = Field(
         0.2, ge=0, description="What a model's own size adds: mean |log ratio| to the object's box (paper: 0)."
@@ -206,7 +206,7 @@ class MatchingConfig(ComparisonOptions):
         "round (paper: 0).",
     )
     count_weight: float = Field(
-        0.02, ge=0, description="What every door and drawer adds that an articulated model has more or less (paper: 0)."
+        0.3, ge=0, description="What every door and drawer adds that an articulated model has more or less (paper: 0)."
     )
     articulated_only: bool = Field(True, description="Seek articulated objects among articulated assets only (A.7).")
     count_threshold: int | None = Field(

@@ -1,6 +1,6 @@
 """One scene: every object's cousin placed, resized, stacked and freed from collisions."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -76,37 +76,49 @@ def standing(item: SceneObject, rank: int, inputs: Inputs, options: GenerationCo
     if not cousins:
         raise InputError(item.id, "all of its cousins are banned")
     rank -= said.model is not None and rank > 1
-    return chosen(placed_cousins(item, cousins, inputs, options), rank, options.max_stretch)
+    called = inputs.called(item, cousins[0].category)
+    return chosen(placed_cousins(item, cousins, inputs, options), rank, options.max_stretch, called)
 
 
-def chosen(placed: Iterable[Placed], rank: int, limit: float | None) -> Placed:
+def chosen(placed: Iterable[Placed], rank: int, limit: float | None, called: Collection[str]) -> Placed:
     """The cousin that stands in the scene of a rank: of those that fit, best first, the one of that rank.
 
-    Where fewer fit, the last of them; where none does, the one that is stretched least. It says so.
+    Those come first that are what the object is called and have the doors and drawers of the nearest: that was stated,
+    a size is but measured. Then those with others; what is called otherwise never stands for it. Where fewer fit, the
+    last of them stands again; where none of the first does, the one that is stretched least. It says so.
 
     Args:
         placed: the cousins at their places, best first.
         limit: how far they may be stretched; None: they all fit.
+        called: categories that the object's label means, that of the nearest among them.
     """
-    fitting: list[Placed] = []
+    alike: list[Placed] = []
+    akin: list[Placed] = []
     passed: list[tuple[float, Placed]] = []
+    nearest: Asset | None = None
     for one in placed:
-        times = stretch(one.asset.size, one.box)
+        nearest, times = nearest or one.asset, stretch(one.asset.size, one.box)
+        if one.asset.category not in called:
+            continue
+        same = (one.asset.doors, one.asset.drawers) == (nearest.doors, nearest.drawers)
         if limit is None or times <= limit:
-            fitting.append(one)
-        else:
+            (alike if same else akin).append(one)
+        elif same:
             passed.append((times, one))
-        if len(fitting) == rank:
+        if len(alike) == rank:
             break
-    over = ", ".join(f"{one.cousin} ({times:.1f})" for times, one in passed)
-    steps = (f"passed over, for so many times they would be stretched: cousins {over}",) if over else ()
-    if not fitting:
-        times, least = min(passed, key=lambda one: one[0])
-        return replace(least, doubts=(f"no cousin has its size: this one is stretched {times:.1f} times",))
-    if len(fitting) < rank:
+    if not alike:
+        least = min(passed, key=lambda one: one[0])
+        passed.remove(least)
+        alike = [replace(least[1], doubts=(f"no cousin has its size: this one is stretched {least[0]:.1f} times",))]
+    fitting = alike + akin
+    one = fitting[min(rank, len(fitting)) - 1]
+    if len(fitting) < rank and not one.doubts:
         doubt = f"only {len(fitting)} of its cousins have its size: the last of them stands here again"
-        return replace(fitting[-1], steps=(*steps, *fitting[-1].steps), doubts=(doubt,))
-    return replace(fitting[-1], steps=(*steps, *fitting[-1].steps))
+        one = replace(one, doubts=(doubt,))
+    over = ", ".join(f"{each.cousin} ({times:.1f})" for times, each in passed)
+    steps = (f"passed over, for so many times they would be stretched: cousins {over}",) if over else ()
+    return replace(one, steps=(*steps, *one.steps))
 
 
 def build(inputs: Inputs, rank: int, options: GenerationConfig, cache: Path) -> Built:

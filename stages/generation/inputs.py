@@ -15,6 +15,8 @@ from stages.contracts.library_folder import AssetFolders
 from stages.contracts.objects import SceneObject
 from stages.geometry.viewing import view_angle
 
+AS_NEAR = 0.05  # of distances of labels: a lamp is a table lamp (0.14) or a floor lamp (0.15)
+
 
 @dataclass(frozen=True)
 class Inputs:
@@ -46,6 +48,11 @@ class Inputs:
             return "extraction: no cloud"
         best_first = sorted(matched.cousins, key=lambda cousin: cousin.rank)
         return [self._facing(item, cousin) for cousin in best_first]
+
+    def called(self, item: SceneObject, category: str) -> set[str]:
+        """The categories that an object's label means as much as one of them, which it is among."""
+        near = {match.category: match.distance for match in self.cousins[item.id].categories}
+        return {category, *(name for name, far in near.items() if far <= near.get(category, -np.inf) + AS_NEAR)}
 
     def _facing(self, item: SceneObject, cousin: Cousin) -> Cousin:
         """The cousin, turned as the input says if it tells where the front is: then no view needs to be matched."""

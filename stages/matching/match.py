@@ -11,6 +11,7 @@ from stages.config.matching import MatchingConfig
 from stages.contracts import Cousins, InputError, LeftOut, Library, read_json, read_options, write_json
 from stages.contracts.cousins import ObjectCousins, Orientation
 from stages.contracts.objects import SceneObject
+from stages.matching.alike import agreed
 from stages.matching.candidates import find_candidates
 from stages.matching.encoders import PatchEncoder, make_encoder, settings_digest
 from stages.matching.judges import Judges
@@ -65,6 +66,7 @@ def run(
             for item in progress(scene.objects.objects, "objects matched", len(scene.objects.objects))
         ]
     encoder = settings.encoder if stored else "none"
+    entries = agreed(entries, scene.objects.objects)
     origin = made("stages.matching.match", settings, [objects, image, library, *without])
     result = Cousins(scene=scene.objects.scene, encoder=encoder, objects=entries, made=origin)
     write_json(out, result)

@@ -21,7 +21,6 @@ from stages.generation.extents import beyond_front
 from stages.generation.generate import physics_check, run, scene_of, summary
 from stages.generation.inputs import Inputs, read_inputs
 from stages.generation.meshes import collision_pieces, visual_meshes
-from stages.generation.placed import Placed
 from stages.generation.settling import load_items, settle
 from stages.geometry.cameras import intrinsics_from_fov, look_at
 from stages.geometry.frames import yaw_matrix
@@ -257,26 +256,6 @@ def test_what_stands_on_something_unnamed_is_held_and_said(scene: dict[str, Path
     assert held.support == "unnamed" and held.position[2] == pytest.approx(z + 1, abs=0.03)
     assert made.plausibility is not None and not made.plausibility.stable and held.settled_shift == 0
     assert "NOT stable: held, for what carries it is not named: mug_1; penetration" in summary(made, [])
-
-
-def test_a_cousin_that_would_be_squeezed_is_passed_over_at_every_rank(scene: dict[str, Path], tmp_path: Path) -> None:
-    inputs = read_inputs(scene["cousins"], scene["objects"], scene["library"])
-    found = inputs.cousins["mug_1"]
-    small = found.cousins[0].model_copy(update={"rank": 2})
-    large = found.cousins[0].model_copy(update={"asset": "bottom_cabinet_0", "rank": 1})
-
-    def mug(rank: int, cousins: list[Cousin], limit: float | None = 2.0) -> Placed:
-        inputs.cousins["mug_1"] = found.model_copy(update={"cousins": cousins})
-        built = build(inputs, rank, GenerationConfig(max_stretch=limit), tmp_path)
-        return next(item for item in built.items if item.id == "mug_1")
-
-    first, second = mug(1, [large, small]), mug(2, [large, small])
-    assert (first.asset.id, first.cousin, first.doubts) == ("mug_0", 2, ())
-    assert first.steps[0].startswith("passed over, for so many times they would be stretched: cousins 1 (")
-    assert second.asset.id == "mug_0" and second.doubts[0].startswith("only 1 of its cousins have its size")
-    none = mug(1, [large])
-    assert none.asset.id == "bottom_cabinet_0" and none.doubts[0].startswith("no cousin has its size: this one is")
-    assert mug(1, [large, small], None).asset.id == "bottom_cabinet_0"
 
 
 def test_the_story_of_a_place_is_told(made: Path) -> None:

@@ -132,6 +132,18 @@ def test_a_box_is_laid_over_the_object(library: Path) -> None:
     assert before < 0.85 < 0.94 < after
 
 
+def test_a_mask_that_lacks_its_lower_part_squeezes_nothing(library: Path) -> None:
+    """People and networks lose legs; the box was measured down to what the object stands on."""
+    asked = question(library, 0.4)
+    mask = asked.view.mask.copy()
+    mask[np.flatnonzero(mask.any(axis=1))[-mask.any(axis=1).sum() // 3 :]] = False
+    seen = observe(replace(asked.view, mask=mask), POSE, USUAL_ERROR, SIDE)
+    assert seen.free.all()
+    ends = np.array([-0.5 * np.array(SIZE), 0.5 * np.array(SIZE)])
+    fitted = laid_over(Solid(library.parent / "two"), Measured(ends, np.full((2, 3), 0.03), 0.4), seen)
+    np.testing.assert_allclose(fitted.size, SIZE, rtol=0.05)
+
+
 @pytest.mark.parametrize("yaw", [0.3, 1.0, -0.8, 0.3 + np.pi])
 def test_a_box_fits_best_at_its_own_yaw(library: Path, yaw: float) -> None:
     """Also seen from behind: no panels there."""

@@ -1,8 +1,9 @@
 """Judge `geometry`: analysis by synthesis, with no model at all (paper A.6 and B.1 ask a language model instead).
 
 The `geometry.nearest` models by distance are fitted into the object's place, turned each way that it can stand, and
-ordered by how well what is then seen agrees with the picture, and by what is known besides (label, size, counts). How
-alike their patches look chose them and counts no more: that sees textures. The others follow by distance.
+ordered by how well what is then seen agrees with the picture, and by what is known besides (label, counts, size,
+place), in the same unit. How alike their patches look chose them and counts no more: that sees textures. The others
+follow by distance.
 """
 
 from collections.abc import Sequence
@@ -32,7 +33,7 @@ class Judge:
             fit = self._fits(question, candidate.asset)[0]
             known = added(candidate)
             terms = _rounded(fit) | {"priors": round(known, DIGITS)}
-            score = round(fit.score(self.weights) - self.weights.priors * known, DIGITS)
+            score = round(fit.score(self.weights) - known, DIGITS)
             return candidate.model_copy(update={"score": score, "terms": terms})
 
         return sorted(map(judged, near), key=lambda one: one.score or 0.0, reverse=True) + rest

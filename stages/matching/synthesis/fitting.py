@@ -16,8 +16,9 @@ THIN = 0.005  # metres: no box is thinner
 MOST_NOISE = 0.25  # of an extent: no more is taken off it at either end, far away the noise is only guessed
 REACH = 2.0  # deviations by which the outermost points lie beyond a face
 SEEN, UNSEEN = 0.1, 0.3  # of an extent: how far a face may be wrong, across the line of sight and behind the object
-ROUNDS = 3
+ROUNDS = 4
 SIDE_ERROR = 0.005  # of the object's longer side in the picture: how well outlines meet
+UNSURE = 2.0  # deviations from which on something counts less and less: a mask may lack legs, points be of other things
 STRETCH = 0.5  # logarithm: how unlike the axes of a model may be stretched ...
 TURNED = 0.05  # ... and its two level axes, if a quarter turn maps it onto itself
 FARTHEST = 1.5  # logarithm: extents never change by more
@@ -81,7 +82,8 @@ def laid_over(solid: Solid, measured: Measured, seen: Observation) -> UprightBox
     """The box, changed as little as makes the model's outline reach the same sides of the picture as the mask.
 
     Gauss-Newton over place and logarithms of the extents; what picture and points leave open, the model's own
-    proportions settle. Sides that are hidden or cut off say nothing.
+    proportions settle. Sides that are hidden or cut off say nothing; what contradicts all the rest says little (weights
+    of Cauchy's distribution, by which errors are mostly small and sometimes of any size).
     """
     turn, start = yaw_matrix(measured.yaw), measured.box()
     center, size = measured.ends.mean(axis=0), np.asarray(start.size, dtype=float)
@@ -103,5 +105,7 @@ def laid_over(solid: Solid, measured: Measured, seen: Observation) -> UprightBox
     for _ in range(ROUNDS):
         now = residuals(change)
         jacobian = np.stack([(residuals(change + row) - now) / small for row in small * np.eye(6)], axis=1)
-        change = (change - np.linalg.lstsq(jacobian, now, rcond=None)[0]).clip(-FARTHEST, FARTHEST)
+        trust = 1 / np.sqrt(1 + (now / UNSURE) ** 2)
+        step = np.linalg.lstsq(jacobian * trust[:, None], now * trust, rcond=None)[0]
+        change = (change - step).clip(-FARTHEST, FARTHEST)
     return UprightBox(turn @ (center + change[:3] * size), size * np.exp(change[3:]), measured.yaw)

@@ -1,0 +1,54 @@
+"""Which cousin stands in the scene of a rank: what a thing was called and how it was counted come before its size."""
+
+from dataclasses import replace
+
+from stages.contracts.cousins import CategoryMatch, ObjectCousins
+from stages.contracts.objects import SceneObject
+from stages.generation.build import chosen
+from stages.generation.inputs import Inputs
+from stages.generation.placed import Placed
+from tests.unit.generation_scenes import thing
+
+
+def _standing(*cousins: tuple[str, int, float], rank: int = 1, limit: float | None = 2.0) -> Placed:
+    """What stands of cousins at their places, best first: category, drawers, and how often each is as large."""
+    placed = []
+    for number, (category, drawers, times) in enumerate(cousins, 1):
+        item = thing("chest_1", (0, 0, 0), (1, 1, 1))
+        asset = item.asset.model_copy(update={"category": category, "drawers": drawers})
+        box = item.box._replace(size=(times, times, times))
+        placed.append(replace(item, asset=asset, box=box, cousin=number))
+    return chosen(placed, rank, limit, {"chest", "commode"})
+
+
+def test_a_cousin_that_would_be_squeezed_is_passed_over_at_every_rank() -> None:
+    fits, small = ("chest", 3, 1.5), ("chest", 3, 4.0)
+    first, second = _standing(small, fits), _standing(small, fits, rank=2)
+    assert (first.cousin, first.doubts) == (2, ())
+    assert first.steps == ("passed over, for so many times they would be stretched: cousins 1 (4.0)",)
+    assert second.cousin == 2 and second.doubts[0].startswith("only 1 of its cousins have its size")
+    assert _standing(small, fits, limit=None).cousin == 1
+
+
+def test_where_no_cousin_fits_the_one_that_is_stretched_least_stands() -> None:
+    least = _standing(("chest", 3, 5.0), ("chest", 3, 4.0))
+    assert least.cousin == 2 and least.doubts == ("no cousin has its size: this one is stretched 4.0 times",)
+
+
+def test_other_categories_and_other_counts_do_not_stand_for_what_does_not_fit() -> None:
+    small, other_kind, other_count = ("chest", 3, 4.0), ("table", 0, 1.0), ("chest", 2, 1.0)
+    assert _standing(small, other_kind, other_count).cousin == 1
+    assert _standing(small, other_kind, other_count, rank=2).cousin == 3  # of its kind, before it stands there again
+    assert _standing(("chest", 3, 1.0), other_count, ("chest", 3, 1.2), rank=2).cousin == 3
+    assert _standing(small, ("commode", 3, 1.0)).cousin == 2  # its label means both
+
+
+def test_a_label_means_every_category_that_is_as_near() -> None:
+    near = {"table_lamp": 0.14, "floor_lamp": 0.15, "candlestick": 0.75}
+    matches = [CategoryMatch(category=name, distance=distance) for name, distance in near.items()]
+    found = ObjectCousins(id="lamp_1", label="lamp", status="failed", reason="for the test", categories=matches)
+    lamp = SceneObject(id="lamp_1", label="lamp", mask=1)
+    inputs = Inputs(objects=None, cousins={"lamp_1": found}, clouds={}, folders={}, bearings={})  # type: ignore[arg-type]
+    assert inputs.called(lamp, "floor_lamp") == inputs.called(lamp, "table_lamp") == {"table_lamp", "floor_lamp"}
+    assert inputs.called(lamp, "candlestick") == set(near)
+    assert inputs.called(lamp, "box") == {"box"}  # chosen by hand
