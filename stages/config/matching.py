@@ -136,6 +136,11 @@ class GeometryConfig(Section):
         0.3, ge=0, description="Taken off for stretching axes unlike: per unit of the logarithms' range."
     )
 
+    @property
+    def perfect(self) -> float:
+        """The score where everything agrees."""
+        return self.outline + self.depth + self.lines + self.colour
+
 
 class RerenderConfig(Section):
     """Views that are rendered again, rescaled and from the object's own direction (paper B.1)."""

@@ -166,6 +166,20 @@ def test_panels_tell_models_apart(library: Path) -> None:
         assert set(ranked[0].terms) == {"outline", "depth", "lines", "colour", "proportions", "priors"}
 
 
+def test_where_nothing_fits_only_what_is_known_counts(library: Path) -> None:
+    """Every third column of the mask: outlines that no model has."""
+    judge, asked = Geometry(MatchingConfig()), question(library, 0.3)
+    given = [
+        Candidate(asset="three", category="cabinet", distance=1.0, parts={"size": 0.0}),
+        Candidate(asset="two", category="cabinet", distance=1.0, parts={"size": 0.01}),
+    ]
+    assert [one.asset for one in judge.models(asked, [], given)] == ["two", "three"]
+    torn = asked.view.mask & (np.arange(SIDE) % 3 == 0)
+    ranked = judge.models(question(library, 0.3, mask=torn)._replace(name="torn"), [], given)
+    assert [(one.asset, one.score) for one in ranked] == [("three", 0.0), ("two", -0.01)]
+    assert ranked[0].terms["outline"] < 0.6
+
+
 def test_textures_and_patches_count_for_nothing_priors_do(library: Path) -> None:
     """The finish of a library's model is not the object's: only its parts may be seen in the lines."""
     judge, asked = Geometry(MatchingConfig()), question(library, 0.3)

@@ -16,6 +16,7 @@ from stages.matching.synthesis.fits import Fit
 from stages.matching.synthesis.workbench import Workbench
 
 DIGITS = 4  # of scores: what is equal up to here is a tie
+FITS = 0.7  # of a perfect score: below it, how models differ in their scores says nothing
 
 
 class Judge:
@@ -26,17 +27,27 @@ class Judge:
         self.workbench = Workbench("geometry", options.geometry.resolution)
 
     def models(self, question: Question, by_votes: list[Candidate], by_distance: list[Candidate]) -> list[Candidate]:
-        """The nearest by their best fit, ties by distance; then the others."""
+        """The nearest by their best fit and by what is known, ties by distance; then the others.
+
+        Where the first of them does not fit (the box is wrong, the mask lacks parts, the library has nothing like it),
+        the fit would choose at random: then only what is known counts.
+        """
         near, rest = by_distance[: self.weights.nearest], by_distance[self.weights.nearest :]
-
-        def judged(candidate: Candidate) -> Candidate:
-            fit = self._fits(question, candidate.asset)[0]
-            known = added(candidate)
-            terms = _rounded(fit) | {"priors": round(known, DIGITS)}
-            score = round(fit.score(self.weights) - known, DIGITS)
-            return candidate.model_copy(update={"score": score, "terms": terms})
-
-        return sorted(map(judged, near), key=lambda one: one.score or 0.0, reverse=True) + rest
+        fits = [self._fits(question, candidate.asset)[0] for candidate in near]
+        scores = [fit.score(self.weights) for fit in fits]
+        knowns = [added(candidate) for candidate in near]
+        first = max(range(len(near)), key=lambda number: scores[number] - knowns[number])
+        trust = scores[first] >= FITS * self.weights.perfect
+        judged = [
+            candidate.model_copy(
+                update={
+                    "score": round(trust * score - known, DIGITS),
+                    "terms": _rounded(fit) | {"priors": round(known, DIGITS)},
+                }
+            )
+            for candidate, fit, score, known in zip(near, fits, scores, knowns, strict=True)
+        ]
+        return sorted(judged, key=lambda one: one.score or 0.0, reverse=True) + rest
 
     def orientations(
         self, question: Question, asset: str, by_votes: list[Orientation], by_distance: list[Orientation]
