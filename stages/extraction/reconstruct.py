@@ -133,16 +133,20 @@ def _walls(
     options: ExtractionConfig,
     rng: np.random.Generator,
 ) -> tuple[list[Wall], dict[int, str]]:
-    """The walls, and each one's id by the mask values that show it."""
+    """The walls, and each one's id by the mask values that show it; what nobody named may show others."""
     fits, shown = [], []
+    others = usable & ~np.isin(image.masks, [item.mask for item in image.annotations.objects])
+    others &= image.masks != image.annotations.floor
     for value in image.annotations.walls:
         mask = masks.eroded(usable & (image.masks == value), options.erosion, options.erosion_keep)
         fit = room.fit_wall(points[mask], camera_height, options, rng)
         if fit is not None:
             fits.append(fit)
             shown.append(value)
+            others &= ~(points @ fit[0] - fit[1] < 3 * options.plane_threshold)
+    fits += room.find_walls(points[usable], others[usable], camera_height, options, rng.spawn(1)[0])
     walls, ids = room.merge_walls(fits, options)
-    return walls, dict(zip(shown, ids, strict=True))
+    return walls, dict(zip(shown, ids, strict=False))
 
 
 def _stated(

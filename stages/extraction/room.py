@@ -15,6 +15,7 @@ MAX_POINTS = 20_000
 FALLBACK_PLANES = 4
 FALLBACK_SHARE = 0.02  # of all points, for a plane to be the floor when no floor mask is given
 FEET, STANDING = 0.02, 0.03  # share of an object's points that are its lowest; metres at 1 m that they may be off
+BEHIND = 0.02  # share of a picture's points that may lie behind a wall without a mask: mirrors, windows, noise
 WALL_TILT = 0.25  # largest |z| of a wall's unit normal, 14 degrees from upright
 
 
@@ -126,6 +127,36 @@ def fit_wall(
     if offset > 0:  # the camera, above the origin, is on the side that the normal faces
         normal, offset = -normal, -offset
     return normal, offset, int(plane.inliers.sum())
+
+
+def find_walls(
+    points: NDArray[np.float64],
+    free: NDArray[np.bool_],
+    camera_height: float,
+    options: ExtractionConfig,
+    rng: np.random.Generator,
+) -> list[tuple[NDArray[np.float64], float, int]]:
+    """Walls that have no mask of their own: upright planes behind which nothing is seen, as `fit_wall` has them.
+
+    Args:
+        points: (N, 3) of the picture, floor frame.
+        free: (N,) which of them may be a wall.
+        camera_height: the camera is at (0, 0, camera_height).
+        options: thresholds.
+        rng: source of RANSAC's hypotheses.
+    """
+    kept = np.sort(rng.permutation(len(points))[:MAX_POINTS])
+    points, rest = points[kept], points[kept[free[kept]]]
+    reach, found = _threshold(points - [0, 0, camera_height], options), []
+    for _ in range(FALLBACK_PLANES):
+        fit = fit_wall(rest, camera_height, options, rng)
+        if fit is None or fit[2] < max(3, FALLBACK_SHARE * len(points)):
+            break
+        normal, offset, _ = fit
+        if (points @ normal - offset < -2 * reach).mean() < BEHIND:
+            found.append(fit)
+        rest = rest[rest @ normal - offset > reach]
+    return found
 
 
 def merge_walls(

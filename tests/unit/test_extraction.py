@@ -155,6 +155,15 @@ def test_no_floor_mask_and_no_wall(tmp_path: Path) -> None:
     assert [item.mounting.type for item in objects.objects if item.mounting] == [2, 2]
 
 
+def test_a_wall_that_nobody_named_counts(furnished: tuple[Path, Objects], tmp_path: Path) -> None:
+    folder = shutil.copytree(furnished[0] / "input", tmp_path / "in")
+    given = json.loads((folder / "annotations.json").read_text())
+    (folder / "annotations.json").write_text(json.dumps(given | {"walls": []}))
+    found = _extract(folder, tmp_path / "out")
+    assert found.walls[0].offset == pytest.approx(furnished[1].walls[0].offset, abs=0.01)
+    assert [item.mounting for item in found.objects] == [item.mounting for item in furnished[1].objects]
+
+
 def test_hidden_feet_are_extended_to_the_floor(tmp_path: Path) -> None:
     """A box in front hides the lower half of a cabinet: it stands all the same."""
     boxes = [UprightBox([2.2, 0, 0.3], [0.4, 1.6, 0.6], 0.0), UprightBox([3.0, 0, 0.6], [0.5, 0.6, 1.2], 0.0)]

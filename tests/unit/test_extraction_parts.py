@@ -11,7 +11,7 @@ from stages.extraction.masks import central_crop, eroded, without_specks
 from stages.extraction.mounting import carrier_beneath
 from stages.extraction.noise import noisy_depth, periphery_ramp
 from stages.extraction.reconstruct import object_ids
-from stages.extraction.room import fit_wall, merge_walls
+from stages.extraction.room import find_walls, fit_wall, merge_walls
 from stages.extraction.visibility import DepthView
 from stages.extraction.walls import walls_touched
 from stages.geometry.boxes import UprightBox
@@ -132,6 +132,20 @@ def test_parts_of_a_wall_are_one_wall() -> None:
     assert walls[0].points == 4000
     np.testing.assert_allclose(walls[0].normal, [-1, 0, 0], atol=1e-3)
     assert walls[0].offset == pytest.approx(-3.015, abs=2e-3)
+
+
+@pytest.mark.parametrize(("seen", "offsets"), [(2000, [-3.0, -2.0]), (0, [-2.4, -2.0])])
+def test_what_has_a_wall_behind_it_is_no_wall(seen: int, offsets: list[float]) -> None:
+    """Two walls of a corner that nobody named, and a front: a wall itself if nothing is seen behind it."""
+    rng = _rng()
+    back = np.c_[np.full(seen, 3.0), rng.uniform(-2, 2, seen), rng.uniform(0, 2.5, seen)]
+    side = np.c_[rng.uniform(0, 2.4, 2000), np.full(2000, 2.0), rng.uniform(0, 2.5, 2000)]
+    front = np.c_[np.full(900, 2.4), rng.uniform(-1, 0, 900), rng.uniform(0, 1, 900)]
+    floor = np.c_[rng.uniform(0, 2.4, 2000), rng.uniform(-2, 2, 2000), np.zeros(2000)]
+    points = np.vstack([back, side, front, floor])
+    free = np.arange(len(points)) < len(points) - len(floor)
+    walls = find_walls(points, free, 1.6, ExtractionConfig(), rng)
+    assert sorted(round(offset, 2) for _, offset, _ in walls) == offsets
 
 
 def test_ids_count_per_label() -> None:
