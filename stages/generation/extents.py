@@ -13,7 +13,7 @@ from stages.geometry.frames import yaw_matrix
 
 BIN, SMOOTHING = 0.005, 0.015  # metres; densities are smoothed by half the noise as well
 PROMINENT = 2.0  # a face is where points lie so many times denser than on average
-NEAR, REACH = 0.05, 3.0  # metres, standard deviations: how far the outermost points may lie before their face
+NEAR, REACH = 0.015, 3.0  # metres, standard deviations: how far the outermost points may lie before their face
 FAINT, THICK = 0.05, 4.5  # metres of noise; standard deviations in which nine of ten points of a face lie, and some
 FRONT = 0.3  # least share of its outline that a front fills
 STEEP = 0.35  # sine of the least angle from which a top is seen
