@@ -148,6 +148,12 @@ def test_what_has_a_wall_behind_it_is_no_wall(seen: int, offsets: list[float]) -
     assert sorted(round(offset, 2) for _, offset, _ in walls) == offsets
 
 
+def test_what_is_seen_edge_on_is_no_wall() -> None:
+    rng = _rng()
+    edge = np.c_[rng.uniform(1, 2, 2000), np.full(2000, 0.06), rng.uniform(0, 1, 2000)]
+    assert not find_walls(edge, np.ones(2000, dtype=bool), 1.6, ExtractionConfig(), rng)
+
+
 def test_ids_count_per_label() -> None:
     labels = ["Wall Cabinet", "mug", "wall-cabinet", "???"]
     ids = object_ids(labels)
