@@ -16,7 +16,7 @@ FALLBACK_PLANES = 4
 FALLBACK_SHARE = 0.02  # of all points, for a plane to be the floor when no floor mask is given
 FEET, STANDING = 0.02, 0.03  # share of an object's points that are its lowest; metres at 1 m that they may be off
 BEHIND = 0.02  # share of a picture's points that may lie behind a wall without a mask: mirrors, windows, noise
-GRAZING = 0.1  # sine of the angle between sight and such a wall, below which it is the edge of something
+GRAZING = 0.2  # sine of the angle between sight and such a wall, below which it is the edge of something
 WALL_TILT = 0.25  # largest |z| of a wall's unit normal, 14 degrees from upright
 
 
