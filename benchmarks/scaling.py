@@ -96,7 +96,7 @@ def rows(run: Path, rooms: list[str], sizes: list[int]) -> Iterator[list[Any]]:
                 for shortlist in (0, 30):
                     setting: Any = options.model_copy(update={"shortlist": shortlist})
                     since = time.process_time()
-                    candidates = shortlisted(query, everything, stored, setting)  # type: ignore[arg-type]
+                    candidates = shortlisted(query, everything, item, stored, setting)  # type: ignore[arg-type]
                     rank_models(query, candidates, item, stored, setting)  # type: ignore[arg-type]
                     seconds.setdefault(f"{number}{shortlist}", []).append(time.process_time() - since)
             since = time.process_time()

@@ -160,8 +160,8 @@ class MatchingConfig(ComparisonOptions):
     shortlist: int | None = Field(
         None,
         ge=0,
-        description="Models compared patch by patch: those whose views look nearest as a whole. 0: all. null: 30 in a "
-        "library of more than 2,000 models, else all.",
+        description="Models compared patch by patch: those nearest by their views as a whole and by what is known "
+        "(label, size, counts, place). 0: all. null: 100 in a library of more than 2,000 models, else all.",
     )
     k_model: int = Field(10, ge=1, description="Models taken from them by voting (paper: 10).")
     k_ori: int = Field(4, ge=1, description="Orientations taken from a model's views (paper: 4).")

@@ -5,7 +5,7 @@ from typing import Any
 from stages.config.model import Config
 
 LARGE = 2_000  # models: beyond, features are compressed and candidates shortlisted (docs/matching.md)
-DIMENSIONS, SHORTLIST = 72, 30
+DIMENSIONS, SHORTLIST = 72, 100
 PER_SHARD = 300  # models: 780 MB of features as they are
 
 

@@ -67,7 +67,8 @@ def run(
         ]
     encoder = settings.encoder if stored else "none"
     entries = agreed(entries, scene.objects.objects)
-    origin = made("stages.matching.match", settings, [objects, image, library, *without])
+    seen = [image] if settings.compares_pictures else []
+    origin = made("stages.matching.match", settings, [objects, *seen, library, *without])
     result = Cousins(scene=scene.objects.scene, encoder=encoder, objects=entries, made=origin)
     write_json(out, result)
     for line in judges.summaries():
@@ -122,7 +123,7 @@ def match_object(
     query = make_query(view if store.upright else replace(view, up=None), encoder, options.colour)
     if query is None:
         return _failed(item, f"no foreground patch: mask {item.mask} has no pixel in masks.png")
-    candidates = shortlisted(query, candidates, store, options)
+    candidates = shortlisted(query, candidates, item, store, options)
     models = rank_models(query, candidates, item, store, options)
     orientations_of = partial(rank_orientations, query, store=store, options=options)
     return rank_cousins(models, orientations_of, candidates, item, question, judges, options)

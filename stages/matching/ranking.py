@@ -21,6 +21,7 @@ from stages.matching.voting import Pick, embedding_distance, vote
 Models = tuple[list[Candidate], list[Candidate]]  # by votes, by distance
 Orientations = tuple[list[Orientation], list[Orientation]]  # likewise
 BY_DISTANCE = "distance"  # what decides where a judge does not
+WHOLE = 0.1  # in a shortlist, what the median candidate's view as a whole adds: patches lie about so far apart
 DIGITS = 4  # of distances: beyond them backends differ, so what is equal up to here is a tie
 
 
@@ -116,8 +117,10 @@ def compared_views(store: FeatureStore, options: MatchingConfig) -> list[int]:
     return [round(k * len(store.yaws) / count) for k in range(count)] or [store.representative]
 
 
-def shortlisted(query: Query, candidates: Candidates, store: FeatureStore, options: MatchingConfig) -> Candidates:
-    """The `shortlist` candidates whose views look nearest as a whole, in their order; all if it is 0."""
+def shortlisted(
+    query: Query, candidates: Candidates, item: SceneObject, store: FeatureStore, options: MatchingConfig
+) -> Candidates:
+    """The `shortlist` candidates that are nearest by their views as a whole and by priors, in their order; 0: all."""
     assets = candidates.assets
     if not options.shortlist or len(assets) <= options.shortlist:
         return candidates
@@ -128,7 +131,9 @@ def shortlisted(query: Query, candidates: Candidates, store: FeatureStore, optio
         len(assets),
         False,
     )
-    nearest = np.sort(np.argsort(squared[0], kind="stable")[: options.shortlist])
+    apart = WHOLE * squared[0] / max(float(np.median(squared[0])), 1e-9)
+    apart += [sum(more.values()) for more in addends(item, candidates, options)]
+    nearest = np.sort(np.argsort(apart, kind="stable")[: options.shortlist])
     return candidates._replace(assets=[assets[number] for number in nearest])
 
 

@@ -7,7 +7,7 @@ from stages.config.sizes import sized
 def test_a_small_library_is_exact_and_a_large_one_compressed_and_shortlisted() -> None:
     small, large = sized(Config(), 495), sized(Config(), 2_001)
     assert (small.matching.dimensions, small.matching.shortlist) == (0, 0)
-    assert (large.matching.dimensions, large.matching.shortlist) == (72, 30)
+    assert (large.matching.dimensions, large.matching.shortlist) == (72, 100)
     assert small.matching_of("b").store() == Config().matching_of("b").store() != large.matching_of("b").store()
 
 

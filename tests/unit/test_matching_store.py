@@ -7,7 +7,9 @@ import pytest
 
 from stages.config.matching import MatchingConfig
 from stages.contracts import InputError, Library, read_json
+from stages.contracts.cousins import CategoryMatch
 from stages.contracts.feature_rows import check_features
+from stages.contracts.objects import SceneObject
 from stages.matching.candidates import Candidates
 from stages.matching.codec import learn
 from stages.matching.encoders import BESIDE, make_encoder, settings_digest
@@ -86,14 +88,33 @@ def test_a_shortlist_keeps_what_looks_nearest_as_a_whole(exact: World) -> None:
     encoder, store = make_encoder(options), opened(exact)
     library = read_json(Library, exact.library)
     everything = Candidates(library.assets, [], "")
+    item = SceneObject(id="a", label="box", mask=1, status="failed", reason="nothing is known of it")
     with SnapshotFile(exact.snapshots[0]) as shard:
         for name in shard.sidecar.assets:
             query = make_query(shard.views(name)[5], encoder)
             assert query is not None
-            kept = shortlisted(query, everything, store, options)
+            kept = shortlisted(query, everything, item, store, options)
             assert len(kept.assets) == 3 and name in [entry.id for entry in kept.assets]
             assert kept.assets == [entry for entry in library.assets if entry in kept.assets]
-            assert shortlisted(query, everything, store, MatchingConfig()) is everything
+            assert shortlisted(query, everything, item, store, MatchingConfig()) is everything
+
+
+def test_a_shortlist_keeps_what_is_called_so(exact: World) -> None:
+    """Of thousands of models many look nearer as a whole than any of the right category."""
+    options = MatchingConfig(shortlist=1)
+    encoder, store = make_encoder(options), opened(exact)
+    library = read_json(Library, exact.library)
+    item = SceneObject(id="a", label="box", mask=1, status="failed", reason="nothing is known of it")
+    with SnapshotFile(exact.snapshots[0]) as shard:
+        first, *others = shard.sidecar.assets
+        query = make_query(shard.views(first)[5], encoder)
+    assert query is not None
+    known = {entry.id: entry.category for entry in library.assets}
+    other = next(name for name in others if known[name] != known[first])
+    for meant in (first, other):
+        labels = [CategoryMatch(category=known[name], distance=float(name != meant)) for name in (first, other)]
+        kept = shortlisted(query, Candidates(library.assets, labels, ""), item, store, options)
+        assert [entry.category for entry in kept.assets] == [known[meant]]
 
 
 def test_of_a_shortlist_only_its_models_are_ranked(exact: World, tmp_path: Path) -> None:
