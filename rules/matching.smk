@@ -65,7 +65,7 @@ rule match:
         CONFIG.containers.learning
     threads: 1
     resources:
-        **needs(2000 + 0.6 * LIBRARY_SIZE, 30),
+        **needs(2000 + 0.1 * LIBRARY_SIZE, 30),
     params:
         command=command("matching", "match"),
         code=matching_code("match", "encoder", "text_encoder", "search", "model_selection", "orientation_selection"),
