@@ -1,21 +1,7 @@
 # Rooms that are not ours: pictures of rooms of other people's models, reconstructed and scored (docs/results/open.md).
-# `snakemake open_rooms`, no part of `all`: 0.7 GB of models, Mitsuba 3, an hour on two cores.
+# `snakemake open_rooms` in a clone of this repository, no part of `all`: 0.7 GB of models, Mitsuba 3, an hour on two cores.
 # Reads:  the default library and its features.
 # Writes: results/open_rooms/{packs,pictures,results}/, results/open_rooms/open.md, open.csv.
-
-OPEN = "python -m benchmarks.open_rooms"  # in a clone of this repository, as the benchmark is no part of the package
-
-
-def open_code(*files):
-    """Digest of files of the benchmark."""
-    return lambda wildcards: files_digest(f"benchmarks/open_rooms/{name}" for name in files)
-
-
-def open_pictures():
-    """The names of all pictures."""
-    from benchmarks.open_rooms import packs, rooms
-
-    return [name for half in packs.HALVES for name in rooms.names(half)]
 
 
 rule open_models:
@@ -34,7 +20,7 @@ rule open_models:
     params:
         code=open_code("packs.py", "models.csv"),
     shell:
-        "{OPEN} fetch results/open_rooms 2>&1 | tee {log:q}"
+        "python -m benchmarks.open_rooms fetch results/open_rooms 2>&1 | tee {log:q}"
 
 
 rule open_picture:
@@ -55,7 +41,7 @@ rule open_picture:
     params:
         code=open_code("pictures.py", "render.py", "rooms.py", "rooms.yaml", "sensor.py", "views.py"),
     shell:
-        "{OPEN} render results/open_rooms --only {wildcards.picture} 2>&1 | tee {log:q}"
+        "python -m benchmarks.open_rooms render results/open_rooms --only {wildcards.picture} 2>&1 | tee {log:q}"
 
 
 rule open_room:
@@ -81,7 +67,7 @@ rule open_room:
         + code("matching", "match")
         + code("generation", "generate"),
     shell:
-        "{OPEN} run results/open_rooms --library results --only {wildcards.picture} --masks {wildcards.masks} "
+        "python -m benchmarks.open_rooms run results/open_rooms --library results --only {wildcards.picture} --masks {wildcards.masks} "
         "2>&1 | tee {log:q}"
 
 
@@ -108,4 +94,4 @@ rule open_rooms:
     params:
         code=open_code("score.py", "tables.py", "intro.md", "kinds.yaml", "models.csv"),
     shell:
-        "{OPEN} score results/open_rooms --library results --out results/open_rooms 2>&1 | tee {log:q}"
+        "python -m benchmarks.open_rooms score results/open_rooms --library results --out results/open_rooms 2>&1 | tee {log:q}"

@@ -126,3 +126,15 @@ def shown(path, kind):
 def matching_code(verb, *keys):
     """The code of a verb of matching with the implementations that some keys name."""
     return lambda wildcards: code("matching", verb, *modules(matching_of(wildcards.variant), *keys))
+
+
+def open_code(*files):
+    """Digest of files of the benchmark."""
+    return lambda wildcards: files_digest(f"benchmarks/open_rooms/{name}" for name in files)
+
+
+def open_pictures():
+    """The names of all pictures."""
+    from benchmarks.open_rooms import packs, rooms
+
+    return [name for half in packs.HALVES for name in rooms.names(half)]
