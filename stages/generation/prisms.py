@@ -17,6 +17,7 @@ from stages.geometry.frames import yaw_matrix
 LEVEL = 0.01  # metres: tops that differ by less are one surface
 EVEN = 0.001  # metres below the highest of them, at which a piece still carries: a door's upper edge does not
 HOLDS = 0.5  # of half the width of what it is to carry: a narrower surface (a back, a rail) carries nothing
+GRID = 1e-6  # metres to which outlines are cut and joined: overlays of floating point numbers may fail
 STEADY = 0.1  # of the width of what stands near an edge: the least distance of its centre from that edge
 
 
@@ -92,11 +93,12 @@ def surface_beneath(item: Placed, lower: Placed, support: list[Prism]) -> Surfac
         height = left[-1].high
         pieces = [prism for prism in left if prism.high > height - LEVEL]
         left = left[: -len(pieces)]
-        level = shapely.union_all([Polygon(piece.outline) for piece in pieces])
-        highest = shapely.union_all([Polygon(piece.outline) for piece in pieces if piece.high > height - EVEN])
-        surface, carries, taller = level.difference(taller), highest.difference(taller), taller.union(level)
+        level = shapely.union_all([Polygon(piece.outline) for piece in pieces], GRID)
+        even = [Polygon(piece.outline) for piece in pieces if piece.high > height - EVEN]
+        carries = shapely.union_all(even, GRID).difference(taller, GRID)
+        surface, taller = level.difference(taller, GRID), taller.union(level, GRID)
         if not surface.buffer(-reach).is_empty:
-            area = surface if carries.is_empty else surface.intersection(carries.convex_hull)
+            area = surface if carries.is_empty else surface.intersection(carries.convex_hull, GRID)
             found[surface.intersection(under).area, -surface.distance(under), height] = area
     if not found:
         return Surface(lower.top, footprint(lower.box))

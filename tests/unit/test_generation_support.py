@@ -14,6 +14,7 @@ from stages.generation.placement import stacked
 from stages.generation.prisms import Prism, Surface, surface_beneath
 from stages.generation.support import sorted_by_height, stack_of, support_tree
 from stages.geometry.boxes import UprightBox, corners, footprint
+from tests.unit.askew_desk import ASKEW_DESK
 from tests.unit.generation_scenes import BACK, solid, thing
 
 TABLE = thing("table", (2, 0, 0.375), (0.8, 1.2, 0.75))
@@ -182,6 +183,15 @@ def test_a_wide_board_lies_on_a_narrow_stool():
     stool = thing("stool", (2, 0, 0.2), (0.3, 0.3, 0.5))
     assert surface_beneath(board, stool, [block(2, 0, 0.15, 0.15, 0.0, 0.4)]).height == 0.4
     assert surface_beneath(board, stool, []).height == stool.top
+
+
+def test_pieces_whose_edges_nearly_meet_are_joined_and_cut() -> None:
+    desk, laptop = (
+        thing("desk", (3.37, 1.29, 0.4), (0.56, 1.54, 0.8), -2.19),
+        thing("laptop", (3.59, 1.05, 0.9), (0.1,) * 3),
+    )
+    pieces = [Prism(np.array(outline), 0.0, top) for top, outline in ASKEW_DESK]
+    assert surface_beneath(laptop, desk, pieces).height == pytest.approx(0.62481, abs=1e-5)
 
 
 CABINET = thing("cabinet", (2, 0, 0.4), (0.6, 0.6, 0.8))
