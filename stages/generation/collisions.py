@@ -14,7 +14,7 @@ from stages.config.generation import GenerationConfig
 from stages.contracts.objects import Wall
 from stages.generation.nesting import landing
 from stages.generation.placed import Placed
-from stages.generation.prisms import GRID, Prism, forbidden_shifts, placed_prisms, steady_region, surface_beneath
+from stages.generation.prisms import Prism, forbidden_shifts, placed_prisms, steady_region, surface_beneath
 from stages.generation.support import stack_of
 from stages.geometry.boxes import UprightBox, corners, footprint, volume
 
@@ -104,9 +104,7 @@ def shortest_push(name: str, scene: _Scene) -> NDArray[np.float64] | None:
     stack = sorted(stack_of(name, scene.supports))
     mover = [prism for member in stack for prism in scene.shapes(member)]
     others = [prism for other in sorted(scene.items) if other not in stack for prism in scene.shapes(other)]
-    free = allowed_shifts(name, scene).difference(
-        forbidden_shifts(mover, others, scene.options.touch).buffer(CLEAR), GRID
-    )
+    free = allowed_shifts(name, scene).difference(forbidden_shifts(mover, others, scene.options.touch).buffer(CLEAR))
     if free.is_empty:
         return None
     return np.array(nearest_points(HERE, free)[1].coords[0])

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from shapely import MultiPoint, Polygon, affinity
+from shapely import MultiPoint, MultiPolygon, Polygon, affinity
 from shapely.geometry.base import BaseGeometry
 
 from stages.generation.meshes import collision_pieces
@@ -75,6 +75,21 @@ class Surface(NamedTuple):
     area: BaseGeometry  # within the hull of what is highest: a raised rim carries what is inside it
 
 
+def polygons(geometry: BaseGeometry) -> MultiPolygon:
+    """Its polygons: what is thinner than the grid is lines there."""
+    return MultiPolygon([part for part in shapely.get_parts(geometry) if isinstance(part, Polygon)])
+
+
+def joined(areas: list[BaseGeometry]) -> MultiPolygon:
+    """The union of areas."""
+    return polygons(shapely.union_all(areas, GRID))
+
+
+def without(area: BaseGeometry, other: BaseGeometry) -> MultiPolygon:
+    """An area less another."""
+    return polygons(area.difference(other, GRID))
+
+
 def surface_beneath(item: Placed, lower: Placed, support: list[Prism]) -> Surface:
     """The surface that carries an item: the seat of a chair, not its back.
 
@@ -93,12 +108,11 @@ def surface_beneath(item: Placed, lower: Placed, support: list[Prism]) -> Surfac
         height = left[-1].high
         pieces = [prism for prism in left if prism.high > height - LEVEL]
         left = left[: -len(pieces)]
-        level = shapely.union_all([Polygon(piece.outline) for piece in pieces], GRID)
-        even = [Polygon(piece.outline) for piece in pieces if piece.high > height - EVEN]
-        carries = shapely.union_all(even, GRID).difference(taller, GRID)
-        surface, taller = level.difference(taller, GRID), taller.union(level, GRID)
+        level = joined([Polygon(piece.outline) for piece in pieces])
+        highest = joined([Polygon(piece.outline) for piece in pieces if piece.high > height - EVEN])
+        surface, carries, taller = without(level, taller), without(highest, taller), joined([taller, level])
         if not surface.buffer(-reach).is_empty:
-            area = surface if carries.is_empty else surface.intersection(carries.convex_hull, GRID)
+            area = surface if carries.is_empty else polygons(surface.intersection(carries.convex_hull, GRID))
             found[surface.intersection(under).area, -surface.distance(under), height] = area
     if not found:
         return Surface(lower.top, footprint(lower.box))
