@@ -62,10 +62,12 @@ class ContainersConfig(Section):
 def tag() -> str:
     """Digest of the Containerfile and of what it copies; "none" where the package is installed without them."""
     recipe = ROOT / "containers/Containerfile"
-    if not recipe.is_file():
+    said = recipe.read_text() if recipe.is_file() else ""
+    files = [recipe, *(ROOT / name for name in re.findall(r"^COPY (\S+)", said, re.MULTILINE))]
+    if not all(path.is_file() for path in files):
         return "none"
     digest = sha256()
-    for path in [recipe, *(ROOT / name for name in re.findall(r"^COPY (\S+)", recipe.read_text(), re.MULTILINE))]:
+    for path in files:
         digest.update(f"{path.relative_to(ROOT)} {sha256(path.read_bytes()).hexdigest()}\n".encode())
     return digest.hexdigest()[:12]
 

@@ -57,6 +57,11 @@ class VlmConfig(Section):
     )
     max_cost: float | None = Field(10.0, ge=0, description="Likewise their cost. null: any.")
 
+    def asked(self) -> "VlmConfig":
+        """What decides on the answers; where and how they are got is left at its default."""
+        said = {"model", "options", "detail", "image_size", "choices", "reasks"}
+        return VlmConfig(**self.model_dump(include=said))
+
     @field_validator("url")
     @classmethod
     def _plain(cls, url: str) -> str:

@@ -68,7 +68,8 @@ def run(
     encoder = settings.encoder if stored else "none"
     entries = agreed(entries, scene.objects.objects)
     seen = [image] if settings.compares_pictures else []
-    origin = made("stages.matching.match", settings, [objects, *seen, library, *without])
+    asked = settings.model_copy(update={"vlm": settings.vlm.asked()})
+    origin = made("stages.matching.match", asked, [objects, *seen, library, *without])
     result = Cousins(scene=scene.objects.scene, encoder=encoder, objects=entries, made=origin)
     write_json(out, result)
     for line in judges.summaries():
