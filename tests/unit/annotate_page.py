@@ -149,4 +149,4 @@ def watched(browser: Any, session: Any, ready: str) -> Iterator[Any]:
     page.close()
     server.shutdown()
     server.server_close()
-    assert complaints == []
+    assert not complaints, complaints

@@ -122,9 +122,12 @@ function dragged(event) {
   if (!press.moved && Math.hypot(dx, dy) < SMALLEST) return;
   if (!press.moved) { remember(); press.moved = true; item.panels ??= []; }
   if (press.drawing) {
-    if (at === null) at = item.panels.push({ kind }) - 1;
     const [x0, x1] = [press.from.x, to.x].sort((a, b) => a - b), [y0, y1] = [press.from.y, to.y].sort((a, b) => a - b);
-    Object.assign(item.panels[at], { left: snapped(x0, 'x', at), right: snapped(x1, 'x', at), bottom: snapped(y0, 'y', at), top: snapped(y1, 'y', at) });
+    const box = { left: snapped(x0, 'x', at), right: snapped(x1, 'x', at), bottom: snapped(y0, 'y', at), top: snapped(y1, 'y', at) };
+    if (box.right - box.left < SMALLEST || box.top - box.bottom < SMALLEST) return;
+    if (at === null) at = item.panels.push({ kind }) - 1;
+    Object.assign(item.panels[at], box);
+    counted(item); // an earlier change may be saved while this is drawn
   } else if (press.sides) {
     for (const side of press.sides) {
       const value = snapped(press.before[side] + (SIDES[side] === 'x' ? dx : dy), SIDES[side], at), { left, right, bottom, top } = press.before;
@@ -141,10 +144,8 @@ function shift(panel, from, dx, dy) {
 function up() {
   const done = press;
   press = null;
-  if (!done?.moved) return;
-  const item = chosen(), { left, right, bottom, top } = item.panels[at];
-  if (right - left < SMALLEST || top - bottom < SMALLEST) { item.panels.splice(at, 1); at = null; }
-  counted(item);
+  if (!done?.moved || at === null) return;
+  counted(chosen());
   touch();
 }
 
