@@ -38,6 +38,7 @@ include: "rules/scores.smk"
 include: "rules/evaluation.smk"
 include: "rules/tables.smk"
 include: "rules/report.smk"
+include: "rules/overview.smk"
 include: "rules/exports.smk"
 include: "rules/open_rooms.smk"
 

@@ -22,12 +22,12 @@ def made(module: str, options: BaseModel, inputs: Iterable[Path], seed: int | No
     """
     digest = hashlib.sha256()
     for path in inputs:
-        digest.update(hashlib.sha256(_content(path)).digest())
+        digest.update(hashlib.sha256(content(path)).digest())
     said = hashlib.sha256(options.model_dump_json().encode()).hexdigest()
     return Made(seed=seed, options=said[:12], inputs=digest.hexdigest()[:12], code=code_digest(module))
 
 
-def _content(path: Path) -> bytes:
+def content(path: Path) -> bytes:
     """A file's bytes; of NumPy's archives those of the arrays, as their headers are of Python's own version."""
     if path.suffix != ".npz" or not is_zipfile(path):
         return path.read_bytes()

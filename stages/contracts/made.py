@@ -7,9 +7,12 @@ from stages.contracts.types import Seed, Text
 
 
 class Made(Contract):
-    """The same of all four give the same bytes. Digests are the first 12 hex digits of SHA-256."""
+    """The same of all four give the same bytes. Digests are the first 12 hex digits of SHA-256.
+
+    Files that were made together with an input, or of it (masks beside objects.json, features of a library), go by it.
+    """
 
     seed: Seed | None = Field(None, description="of its random numbers; null: it has none")
     options: Text = Field(description="digest of the verb's options")
-    inputs: Text = Field(description="digest of the files that the verb read")
+    inputs: Text = Field(description="digest of the files that the verb was given")
     code: Text = Field(description="digest of the verb's code and of all that it imports")

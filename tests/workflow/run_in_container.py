@@ -12,9 +12,9 @@ import sys
 import tempfile
 from hashlib import sha256
 from pathlib import Path
-from zipfile import ZipFile
 
 from stages.config.containers import ContainersConfig
+from stages.config.made import content
 
 ROOT = Path(__file__).resolve().parents[2]
 SNAKEMAKE = [str(Path(sys.executable).parent / "snakemake"), "--cores", "2", "--quiet", "all"]
@@ -32,19 +32,11 @@ def run(folder: Path, *command: str) -> None:
 
 
 def digests(folder: Path) -> dict[str, str]:
-    """Of all files of a run, by name."""
+    """Of all files of a run, by name; of NumPy's archives by their arrays."""
     files = [path for path in sorted((folder / "results").rglob("*")) if path.is_file()]
     named = {str(path.relative_to(folder)): sha256(content(path)).hexdigest() for path in files}
     named.pop(CLOCK, None)
     return named
-
-
-def content(path: Path) -> bytes:
-    """The bytes of a file; of NumPy's archives those of the arrays, as their headers are of Python's own version."""
-    if path.suffix != ".npz":
-        return path.read_bytes()
-    with ZipFile(path) as archive:
-        return b"".join(name.encode() + archive.read(name) for name in archive.namelist())
 
 
 def main(families: list[str]) -> int:

@@ -3,6 +3,15 @@ import { element } from './canvas.js';
 import { ask, edit, remember, state, touch } from './state.js';
 
 const get = (id) => document.getElementById(id);
+get('front-view').innerHTML = `<summary></summary>
+  <p id="front-hint" class="facts"></p>
+  <svg id="front-picture" tabindex="0" role="application" aria-label="Its front, seen straight on, to draw on"></svg>
+  <div class="row">
+    <button type="button" data-kind="door">Door</button>
+    <button type="button" data-kind="drawer">Drawer</button>
+    <button type="button" id="lay-out" title="as many as are counted, one beside or above the other">Lay out evenly</button>
+    <button type="button" id="no-panel" title="Delete">Delete the box</button>
+  </div>`;
 const svg = get('front-picture');
 const SNAP = 0.015, SMALLEST = 0.02; // shares of the front
 const SIDES = { left: 'x', right: 'x', bottom: 'y', top: 'y' };
