@@ -108,7 +108,7 @@ def picture_options(wildcards):
     """What the networks are told of one picture: the config, and its own field of view."""
     own = EXPERIMENT.inputs[wildcards.scene].fov
     return json.dumps(
-        options_of(CONFIG, "photo", "estimate", {}) | ({"field_of_view": own} if own else {}), sort_keys=True
+        options_of(CONFIG, "inputs", "estimate", {}) | ({"field_of_view": own} if own else {}), sort_keys=True
     )
 
 

@@ -16,9 +16,9 @@ rule fetch:
     resources:
         **needs(1000, 60),
     params:
-        command=command("photo", "fetch"),
-        code=code("photo", "fetch"),
-        options=options("photo", "fetch"),
+        command=command("inputs", "fetch"),
+        code=code("inputs", "fetch"),
+        options=options("inputs", "fetch"),
     shell:
         "{params.command} --options {params.options:q} --out {output.record:q} 2>&1 | tee {log:q}"
 
@@ -44,8 +44,8 @@ rule estimate:
     resources:
         **needs(8000, 60, gpu=True),
     params:
-        command=command("photo", "estimate"),
-        code=code("photo", "estimate"),
+        command=command("inputs", "estimate"),
+        code=code("inputs", "estimate"),
         check=check(camera="camera", annotations="annotations"),
         options=picture_options,
         device=CONFIG.device,

@@ -64,8 +64,8 @@ rule frame:
     resources:
         **needs(2000, 10),
     params:
-        command=command("scenes", "from-rgbd"),
-        code=code("scenes", "from_rgbd"),
+        command=command("inputs", "from-rgbd"),
+        code=code("inputs", "from_rgbd"),
         check=check(camera="camera", annotations="annotations"),
         frame=frame_flags,
         out=subpath(output.rgb, parent=True),

@@ -37,7 +37,7 @@ def main(stage: str, verbs: dict[str, str]) -> None:
     try:
         tyro.cli(run, args=argv[1:], prog=f"python -m stages.{stage} {argv[0]}")
     except InputError as error:
-        print(f"error: {error}", file=sys.stderr)
+        print(f"error: {error} [{error.code}]", file=sys.stderr)
         sys.exit(1)
     except (OSError, MemoryError, RuntimeError) as error:
         line = line_of(error)

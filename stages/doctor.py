@@ -124,7 +124,7 @@ def check_photo() -> Check:
     lacking = [name for name, file in files.items() if not file.is_file()]
     said = [f"weights: {', '.join(there)}, one in memory at a time"] if there else []
     if lacking:
-        said.append(f"no weights of {', '.join(lacking)}: python -m stages.photo fetch, or draw by hand")
+        said.append(f"no weights of {', '.join(lacking)}: python -m stages.inputs fetch, or draw by hand")
     return Check("photo", not lacking, "; ".join(said), needed=False)
 
 

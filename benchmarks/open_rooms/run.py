@@ -14,8 +14,8 @@ from stages.config.reads import options_of, stores
 from stages.contracts import Annotations, InputError, read_json, write_json
 from stages.extraction import extract
 from stages.generation import generate
+from stages.inputs import from_rgbd
 from stages.matching import match
-from stages.scenes import from_rgbd
 
 # Who chooses: the default judge, the default encoder alone, and nobody who looks (docs/matching.md).
 ROWS: dict[str, dict[str, Any]] = {

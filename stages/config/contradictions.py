@@ -44,8 +44,8 @@ def _photo(config: "Config") -> Iterator[Mistake]:
         for name, network in config.photo.networks().items()
         if not network.download and not (Path(network.path) / "model.safetensors").is_file()
     ]
-    if lacking and "estimate" not in config.stages.get("photo", {}):
-        mend = "python -m stages.photo fetch, or without weights draw it: python -m stages.extraction annotate"
+    if lacking and "estimate" not in config.stages.get("inputs", {}):
+        mend = "python -m stages.inputs fetch, or without weights draw it: python -m stages.inputs annotate"
         yield Mistake(key, f"there are no weights in {', '.join(lacking)}", f"{mend} {shlex.quote(pictures[0])}")
 
 

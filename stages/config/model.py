@@ -152,7 +152,7 @@ def load(config: dict[str, Any]) -> Config:
 
 
 def of_picture(config: Config) -> ExperimentConfig:
-    """The experiment whose one scene is the picture of `image`, found by `photo estimate`; no tasks, no protocols."""
+    """The experiment whose one scene is the picture of `image`, found by `inputs estimate`; no tasks, no protocols."""
     name = scene_of(Path(config.image).with_suffix(""))
     name = f"{name}-photo" if name in config.room_files() else name
     only = {"rooms": [name], "inputs": {name: Input(image=config.image)}, "tasks": {}, "protocols": {}}

@@ -23,8 +23,8 @@ READS: dict[tuple[str, str], type[Section]] = {
     ("assets", "own"): OwnOptions,
     ("assets", "snapshots"): SnapshotOptions,
     ("scenes", "render"): ScenesConfig,
-    ("photo", "fetch"): FetchOptions,
-    ("photo", "estimate"): PhotoConfig,
+    ("inputs", "fetch"): FetchOptions,
+    ("inputs", "estimate"): PhotoConfig,
     ("extraction", "extract"): ExtractionConfig,
     ("matching", "features"): EncoderOptions,
     ("matching", "match"): MatchingConfig,
@@ -46,6 +46,11 @@ READS: dict[tuple[str, str], type[Section]] = {
 }
 
 
+def section_name(stage: str) -> str:
+    """The config section of a stage."""
+    return {"inputs": "photo"}.get(stage, stage)
+
+
 def section_of(config: Config, stage: str, wildcards: dict[str, str]) -> Section:
     """The section that a stage's verbs read: that of a variant, run or protocol where there are several."""
     if "variant" in wildcards and stage == "matching":
@@ -54,7 +59,7 @@ def section_of(config: Config, stage: str, wildcards: dict[str, str]) -> Section
         return config.generation_of(wildcards["variant"])
     if stage == "training":
         return config.training.runs[wildcards["run"]]
-    section: Section = getattr(config, stage)
+    section: Section = getattr(config, section_name(stage))
     if isinstance(section, ExtractionConfig) and not config.experiment.meeting(wildcards["scene"]).protocol.scale_error:
         return section.model_copy(update={"noise": section.noise.model_copy(update={"scale": 0.0})})
     return section

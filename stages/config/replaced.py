@@ -9,6 +9,7 @@ from stages.config.base import Section
 
 VERBS = {
     "assets": ("library", "own", "join", "snapshots", "draw"),
+    "inputs": ("estimate",),
     "scenes": ("render",),
     "extraction": ("extract", "draw"),
     "matching": ("features", "match", "distances", "draw"),

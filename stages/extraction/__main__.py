@@ -6,7 +6,6 @@ main(
     "extraction",
     {
         "extract": "objects.json and its arrays from one input folder",
-        "annotate": "draw camera, room and objects into a photograph by hand, in the browser",
         "draw": "the picture with what was found in it",
     },
 )

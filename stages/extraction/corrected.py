@@ -10,12 +10,12 @@ from stages.contracts import InputError, Objects
 from stages.contracts.corrections import FLOOR, Correction
 from stages.contracts.objects import Box, Mounting, SceneObject
 from stages.contracts.scenes import Held
-from stages.extraction.by_hand.regions import Cutter, corrected
 from stages.extraction.clouds import with_bottom
 from stages.extraction.observation import AnnotatedImage
 from stages.extraction.reconstruct import ExtractedScene
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import rounded, yaw_matrix
+from stages.inputs.by_hand.regions import Cutter, corrected
 
 OBLONG = 1.2  # times by which one side of a thing is longer than the other, so that both can be told apart
 STRETCH = 2.0  # times by which a thing may become higher or lower to reach what carries it; else all of it is put there

@@ -2,4 +2,4 @@
 
 from stages.cli import main
 
-main("scenes", {"render": "furnish and photograph one room", "from-rgbd": "an RGB-D frame as an input folder"})
+main("scenes", {"render": "furnish and photograph one room"})

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from stages.contracts import Annotations, Camera, Truth, read_json
 from stages.contracts.scenes import TrueObject
-from stages.extraction.by_hand.server import PageServer
-from stages.extraction.by_hand.session import Session
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.cameras import project
 from stages.geometry.frames import apply, inverse, wrap_angle
+from stages.inputs.by_hand.server import PageServer
+from stages.inputs.by_hand.session import Session
 
 
 @dataclass

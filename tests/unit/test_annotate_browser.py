@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from stages.contracts import Annotations, Camera, Objects, read_json
-from stages.extraction.by_hand.photo import read_photo
-from stages.extraction.by_hand.project import PROJECT, Project
-from stages.extraction.by_hand.session import Session
 from stages.extraction.extract import run as extract
 from stages.geometry.frames import apply, inverse
+from stages.inputs.by_hand.photo import read_photo
+from stages.inputs.by_hand.project import PROJECT, Project
+from stages.inputs.by_hand.session import Session
 from tests.unit.annotate_page import Hand, TrueRoom, watched
 from tests.unit.test_report_browser import CONTRAST, FLAGS
 

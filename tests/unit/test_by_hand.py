@@ -15,18 +15,18 @@ from numpy.typing import NDArray
 from PIL import Image, PngImagePlugin
 
 from stages.contracts import Annotations, Camera, InputError, Objects, read_json, write_json
-from stages.extraction import annotate
-from stages.extraction.by_hand.paint import paint
-from stages.extraction.by_hand.perspective import fit_view, weak
-from stages.extraction.by_hand.photo import LONGEST, read_photo
-from stages.extraction.by_hand.project import PROJECT, DrawnObject, DrawnWall, Guide, Perspective, Project, Scale
-from stages.extraction.by_hand.server import PageServer
-from stages.extraction.by_hand.session import Session, described
-from stages.extraction.by_hand.solve import solve, support_at
-from stages.extraction.by_hand.write import at_size, write_folder
 from stages.extraction.extract import run as extract
 from stages.geometry.boxes import UprightBox, corners, oriented_iou
 from stages.geometry.frames import apply
+from stages.inputs import annotate
+from stages.inputs.by_hand.paint import paint
+from stages.inputs.by_hand.perspective import fit_view, weak
+from stages.inputs.by_hand.photo import LONGEST, read_photo
+from stages.inputs.by_hand.project import PROJECT, DrawnObject, DrawnWall, Guide, Perspective, Project, Scale
+from stages.inputs.by_hand.server import PageServer
+from stages.inputs.by_hand.session import Session, described
+from stages.inputs.by_hand.solve import solve, support_at
+from stages.inputs.by_hand.write import at_size, write_folder
 from tests.unit.annotate_page import serve
 
 WIDTH, HEIGHT = 320, 240

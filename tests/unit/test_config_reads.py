@@ -10,7 +10,7 @@ import yaml
 from pydantic import BaseModel
 
 from stages.config.model import Config, load, merged
-from stages.config.reads import READS, options_of, stores
+from stages.config.reads import READS, options_of, section_name, stores
 
 ROOT = Path(__file__).resolve().parents[2]
 LISTED = {  # keys that do not simply run the one verb of their section again
@@ -84,20 +84,21 @@ def digests(config: Config) -> dict[str, str]:
     return made
 
 
-KEYS = [key for stage in dict(READS) if stage[0] != "training" for key in leaves(getattr(CONFIG, stage[0]), stage[0])]
+SECTIONS = dict.fromkeys(section_name(stage) for stage, _ in READS if stage != "training")
+KEYS = [key for section in SECTIONS for key in leaves(getattr(CONFIG, section), section)]
 
 
-@pytest.mark.parametrize("key", [*dict.fromkeys(KEYS), *leaves(CONFIG.training.runs["lite"], "training.runs.lite")])
+@pytest.mark.parametrize("key", [*KEYS, *leaves(CONFIG.training.runs["lite"], "training.runs.lite")])
 def test_a_key_runs_again_what_reads_it(key: str, monkeypatch: pytest.MonkeyPatch) -> None:
     other = changed(CONFIG, key.split("."))
     monkeypatch.setattr(Config, "matching_of", lambda self, variant: self.matching)  # any value will do
     monkeypatch.setattr(Config, "generation_of", lambda self, variant: self.generation)
     before, after = digests(CONFIG), digests(other)
     listed = [LISTED[prefix] for prefix in (key, key.rpartition(".")[0], key.partition(".")[0]) if prefix in LISTED]
-    stage = key.partition(".")[0]
-    verbs = [name for name in READS if name[0] == stage]
+    section = key.partition(".")[0]
+    verbs = [name for name in READS if section_name(name[0]) == section]
     own = [name for name in verbs if key.split(".")[1] in READS[name].model_fields]
-    only = ONE.get(stage) or {told(*name) for name in own or verbs}
+    only = ONE.get(section) or {told(*name) for name in own or verbs}
     assert {verb for verb in before if before[verb] != after[verb]} == (listed[0] if listed else only)
 
 

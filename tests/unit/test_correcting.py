@@ -19,14 +19,14 @@ from stages.contracts.fronts import Panel
 from stages.contracts.objects import Box, Mounting, SceneObject, Wall, distance_between
 from stages.contracts.scene_input import read_scene_input
 from stages.contracts.scenes import Held
-from stages.extraction import annotate
-from stages.extraction.by_hand.correcting import Correcting, Drawing, Thing
-from stages.extraction.by_hand.regions import Cutter
 from stages.extraction.corrected import as_seen, as_told
 from stages.extraction.extract import run as extract
 from stages.extraction.observation import read_folder
 from stages.extraction.reconstruct import ExtractedScene
 from stages.geometry.boxes import UprightBox
+from stages.inputs import annotate
+from stages.inputs.by_hand.correcting import Correcting, Drawing, Thing
+from stages.inputs.by_hand.regions import Cutter
 from tests.unit.annotate_page import watched
 from tests.unit.synthetic_room import FLOOR, HEIGHT, OBJECT, WALL, WIDTH, write_room
 from tests.unit.test_annotate_browser import browser  # noqa: F401

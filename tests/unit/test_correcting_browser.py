@@ -15,8 +15,8 @@ from stages.contracts.corrections import CORRECTIONS, Correction, corrections_of
 from stages.contracts.cousins import Candidate, Cousin, ObjectCousins, Orientation
 from stages.contracts.generated import PlacedObject
 from stages.contracts.library import LibraryEntry
-from stages.extraction.by_hand.correcting import Correcting
 from stages.extraction.extract import run as extract
+from stages.inputs.by_hand.correcting import Correcting
 from tests.unit.annotate_page import watched
 from tests.unit.synthetic_room import OBJECT, write_room
 from tests.unit.tables_results import snapshots

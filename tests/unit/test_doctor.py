@@ -31,7 +31,7 @@ def test_weights_for_pictures_are_named_with_their_size(tmp_path: Path, monkeypa
     monkeypatch.chdir(tmp_path)
     outcome = doctor.check_photo()
     assert not outcome.good and not outcome.needed and "detector, segmenter, depth_anything" in outcome.found
-    assert "python -m stages.photo fetch" in outcome.found
+    assert "python -m stages.inputs fetch" in outcome.found
     for name in ("grounding_dino", "sam2", "depth_anything_v2"):
         (tmp_path / "weights" / name).mkdir(parents=True)
         with (tmp_path / "weights" / name / "model.safetensors").open("wb") as file:

@@ -11,11 +11,10 @@ from numpy.typing import NDArray
 
 from stages.contracts import InputError
 from stages.contracts.scene_input import read_scene_input
-from stages.extraction import annotate
-from stages.extraction.by_hand.photo import read_photo
 from stages.geometry.boxes import UprightBox
-from stages.scenes import from_rgbd
-from stages.scenes.rgbd.lens import read_lens, straightened
+from stages.inputs import annotate, from_rgbd
+from stages.inputs.by_hand.photo import read_photo
+from stages.inputs.rgbd.lens import read_lens, straightened
 from tests.unit.synthetic_room import FLOOR, INTRINSICS, OBJECT, trace
 from tests.unit.synthetic_room import HEIGHT as ROOM_HEIGHT
 from tests.unit.synthetic_room import WIDTH as ROOM_WIDTH

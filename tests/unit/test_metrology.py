@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from stages.extraction.by_hand.metrology import (
+from stages.geometry.boxes import UprightBox, corners, oriented_iou
+from stages.inputs.by_hand.metrology import (
     MetrologyError,
     View,
     depth_by_pixel,
@@ -18,11 +19,10 @@ from stages.extraction.by_hand.metrology import (
     standing_box,
     wall_plane,
 )
-from stages.extraction.by_hand.perspective import fit_view, horizon, vanishing_point
-from stages.extraction.by_hand.project import DrawnObject, DrawnWall, Guide, Perspective, Project, Scale
-from stages.extraction.by_hand.segments import FocalPrior, propose, usual_focal
-from stages.extraction.by_hand.solve import solve, support_at
-from stages.geometry.boxes import UprightBox, corners, oriented_iou
+from stages.inputs.by_hand.perspective import fit_view, horizon, vanishing_point
+from stages.inputs.by_hand.project import DrawnObject, DrawnWall, Guide, Perspective, Project, Scale
+from stages.inputs.by_hand.segments import FocalPrior, propose, usual_focal
+from stages.inputs.by_hand.solve import solve, support_at
 
 ROOM = Path(__file__).parents[1] / "data" / "photographed_room"  # room_1 of the default run, as JPEG, and its truth
 YAW, PITCH, ROLL = np.deg2rad([12.0, -15.0, 1.5])

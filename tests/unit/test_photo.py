@@ -14,15 +14,16 @@ from stages.contracts import InputError, Objects, read_json
 from stages.contracts.objects import Mounting
 from stages.contracts.scene_input import read_scene_input
 from stages.contracts.scenes import Held
-from stages.extraction.by_hand.photo import Photo
 from stages.extraction.extract import run as extract
 from stages.geometry.boxes import UprightBox
 from stages.geometry.cameras import back_project
 from stages.geometry.frames import apply
-from stages.photo import captions, estimate, networks
-from stages.photo.level import level_camera
-from stages.photo.networks import Detection, depth_of, detect, segment
-from stages.scenes.rgbd.frame import Frame, Labelled
+from stages.inputs import estimate
+from stages.inputs.by_hand.photo import Photo
+from stages.inputs.photo import captions, networks
+from stages.inputs.photo.level import level_camera
+from stages.inputs.photo.networks import Detection, depth_of, detect, segment
+from stages.inputs.rgbd.frame import Frame, Labelled
 from stages.vlm.ask import Asker, NoAnswerError
 from tests.unit.chat_server import KEY, ChatServer, says, serving
 from tests.unit.synthetic_room import FLOOR, INTRINSICS, OBJECT, WALL, write_room

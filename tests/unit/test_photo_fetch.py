@@ -15,7 +15,7 @@ import pytest
 
 from stages.config.photo import FetchOptions, WeightsConfig
 from stages.contracts import InputError
-from stages.photo.fetch import fetched
+from stages.inputs.fetch import fetched
 
 COMMIT = "c0ffee" * 6 + "cafe"
 FILES = {"config.json": b"{}", "model.safetensors": b"weights " * 1000, "vocab.txt": b"mug", "model.bin": b"no"}
@@ -67,7 +67,16 @@ def fetch(folder: Path, hub: str, **keys: Any) -> subprocess.CompletedProcess[st
     """The verb in a process of its own: the hub's address is read when its library is imported."""
     network = {"path": str(folder / "net"), "source": "toy/net"} | keys
     options = json.dumps(dict.fromkeys(("detector", "segmenter", "depth_anything"), network))
-    command = [sys.executable, "-m", "stages.photo", "fetch", "--options", options, "--out", str(folder / "all.json")]
+    command = [
+        sys.executable,
+        "-m",
+        "stages.inputs",
+        "fetch",
+        "--options",
+        options,
+        "--out",
+        str(folder / "all.json"),
+    ]
     command += ["--lock", str(folder / "weights.lock.json")]
     environment = os.environ | {
         "HF_ENDPOINT": hub,

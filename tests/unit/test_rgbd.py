@@ -1,4 +1,4 @@
-"""RGB-D frames of other people's cameras and data sets become input folders (`scenes from-rgbd`)."""
+"""RGB-D frames of other people's cameras and data sets become input folders (`inputs from-rgbd`)."""
 
 import json
 import os
@@ -21,12 +21,12 @@ from stages.contracts.scene_input import read_scene_input
 from stages.extraction.observation import read_folder
 from stages.extraction.reconstruct import reconstruct
 from stages.geometry.boxes import UprightBox
-from stages.scenes import from_rgbd
-from stages.scenes.rgbd.cameras import of_camera, read_intrinsics, resized
-from stages.scenes.rgbd.clusters import clustered
-from stages.scenes.rgbd.depth_files import in_metres, read_raw
-from stages.scenes.rgbd.halos import completed, without_halos
-from stages.scenes.rgbd.mask_files import read_labelled
+from stages.inputs import from_rgbd
+from stages.inputs.rgbd.cameras import of_camera, read_intrinsics, resized
+from stages.inputs.rgbd.clusters import clustered
+from stages.inputs.rgbd.depth_files import in_metres, read_raw
+from stages.inputs.rgbd.halos import completed, without_halos
+from stages.inputs.rgbd.mask_files import read_labelled
 from tests.unit.synthetic_room import FLOOR, HEIGHT, INTRINSICS, OBJECT, WALL, WIDTH, WORLD_FROM_CAMERA, trace
 
 TABLE = UprightBox([2.5, 0.0, 0.35], [1.8, 2.2, 0.7], 0.0)

@@ -12,12 +12,12 @@ from stages.config.extraction import ExtractionConfig
 from stages.extraction.room import find_floor
 from stages.geometry.boxes import UprightBox
 from stages.geometry.cameras import back_project
-from stages.scenes import from_rgbd
-from stages.scenes.rgbd.clusters import clustered
-from stages.scenes.rgbd.edges import STEP, _as_far_as, without_edges
-from stages.scenes.rgbd.frame import Frame, Labelled
-from stages.scenes.rgbd.levels import level_planes
-from stages.scenes.rgbd.write import write_frame
+from stages.inputs import from_rgbd
+from stages.inputs.rgbd.clusters import clustered
+from stages.inputs.rgbd.edges import STEP, _as_far_as, without_edges
+from stages.inputs.rgbd.frame import Frame, Labelled
+from stages.inputs.rgbd.levels import level_planes
+from stages.inputs.rgbd.write import write_frame
 from tests.unit.synthetic_room import FLOOR, HEIGHT, INTRINSICS, OBJECT, WIDTH, trace
 from tests.unit.test_rgbd import BOX, CAN, TABLE, boxes_of
 

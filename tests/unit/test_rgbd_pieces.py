@@ -6,8 +6,8 @@ from numpy.typing import NDArray
 
 from stages.geometry.boxes import UprightBox
 from stages.geometry.cameras import back_project, look_at
-from stages.scenes.rgbd.clusters import clustered
-from stages.scenes.rgbd.touching import cut_apart
+from stages.inputs.rgbd.clusters import clustered
+from stages.inputs.rgbd.touching import cut_apart
 from tests.unit.synthetic_room import HEIGHT, INTRINSICS, OBJECT, WIDTH, WORLD_FROM_CAMERA, trace
 from tests.unit.test_rgbd import TABLE
 

@@ -12,9 +12,9 @@ from stages.config.own_scene import write_config
 from stages.contracts import Annotations, Camera, InputError, atomic, write_json
 from stages.contracts.scenes import Annotation
 from stages.geometry.cameras import back_project
-from stages.scenes.rgbd.cameras import resized
-from stages.scenes.rgbd.frame import Frame, Labelled
-from stages.scenes.rgbd.levels import TILT, UP_IN_IMAGE, level_planes, sampled
+from stages.inputs.rgbd.cameras import resized
+from stages.inputs.rgbd.frame import Frame, Labelled
+from stages.inputs.rgbd.levels import TILT, UP_IN_IMAGE, level_planes, sampled
 
 LONGEST = 1600  # pixels of the longer side; larger pictures are made smaller
 STEEP = np.deg2rad(55)  # between image-up and the ground's normal, from which on extraction looks farther for it

@@ -17,10 +17,10 @@ from stages.contracts.doubts import doubts
 from stages.contracts.generated import PlacedObject
 from stages.contracts.objects import SceneObject
 from stages.contracts.snapshot_pictures import Snapshots
-from stages.extraction.by_hand.fronts import extents, front_corners
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.cameras import project
 from stages.geometry.frames import apply, inverse
+from stages.inputs.by_hand.fronts import extents, front_corners
 
 SHOWN = 24  # models that can be chosen, nearest first
 SIZE = 96  # pixels of their pictures

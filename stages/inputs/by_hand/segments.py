@@ -6,10 +6,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.extraction.by_hand.metrology import View
-from stages.extraction.by_hand.perspective import AXES, fit_view, misses
-from stages.extraction.by_hand.project import Guide, Perspective
 from stages.geometry.frames import wrap_angle
+from stages.inputs.by_hand.metrology import View
+from stages.inputs.by_hand.perspective import AXES, fit_view, misses
+from stages.inputs.by_hand.project import Guide, Perspective
 
 Points = NDArray[np.float64]
 SHORTEST = 0.03  # of the picture's diagonal

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import least_squares
 
-from stages.extraction.by_hand.metrology import View, rotation_of
-from stages.extraction.by_hand.project import Guide, Perspective, Pixel
+from stages.inputs.by_hand.metrology import View, rotation_of
+from stages.inputs.by_hand.project import Guide, Perspective, Pixel
 
 Points = NDArray[np.float64]
 LINE, PIN = 1.0, 0.3  # pixels: by how much lines and what was fixed by hand may miss

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.contracts import InputError
-from stages.scenes.rgbd.cameras import Matrix, contents, matrix, read_intrinsics
-from stages.scenes.rgbd.frame import Frame, Labelled
+from stages.inputs.rgbd.cameras import Matrix, contents, matrix, read_intrinsics
+from stages.inputs.rgbd.frame import Frame, Labelled
 
 NAMES = ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6")  # in OpenCV's order
 LISTS = ("distortion_coefficients", "distortion_coeffs", "dist_coeffs", "distortion", "coeffs", "dist", "d")

@@ -11,10 +11,10 @@ from stages.contracts import InputError
 from stages.geometry.cameras import back_project
 from stages.geometry.clouds import dbscan
 from stages.geometry.planes import Plane, fit_plane
-from stages.scenes.rgbd.frame import Labelled
-from stages.scenes.rgbd.halos import completed, without_halos
-from stages.scenes.rgbd.levels import FLAT, Level, level_planes, sampled
-from stages.scenes.rgbd.touching import cut_apart, smoothed
+from stages.inputs.rgbd.frame import Labelled
+from stages.inputs.rgbd.halos import completed, without_halos
+from stages.inputs.rgbd.levels import FLAT, Level, level_planes, sampled
+from stages.inputs.rgbd.touching import cut_apart, smoothed
 
 ABOVE, HIGHEST = 0.010, 0.8  # metres: at 1 m, above the plane; not beyond
 APART = 0.012  # metres at 1 m between two objects

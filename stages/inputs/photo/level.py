@@ -5,12 +5,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.config.extraction import ExtractionConfig
-from stages.extraction.by_hand.perspective import fit_view
-from stages.extraction.by_hand.segments import propose, usual_focal
 from stages.extraction.room import find_floor, fit_floor, floor_frame
 from stages.geometry.cameras import back_project
 from stages.geometry.planes import Plane
-from stages.scenes.rgbd.frame import Frame
+from stages.inputs.by_hand.perspective import fit_view
+from stages.inputs.by_hand.segments import propose, usual_focal
+from stages.inputs.rgbd.frame import Frame
 
 LOWEST = 0.01  # share of the points that may lie below the floor: depth is noisy
 NEAREST = 0.1  # metres of the camera above the floor

@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 from stages.contracts import InputError
 from stages.contracts.arrays import readable
 from stages.contracts.images import read_rgb
-from stages.scenes.rgbd.cameras import Matrix, checked, matrix, of_mapping, read_intrinsics, resized
-from stages.scenes.rgbd.depth_files import FILES, in_metres, read_raw
-from stages.scenes.rgbd.frame import Frame, Labelled
-from stages.scenes.rgbd.lens import find_distortion
-from stages.scenes.rgbd.mask_files import polygon, stacked
+from stages.inputs.rgbd.cameras import Matrix, checked, matrix, of_mapping, read_intrinsics, resized
+from stages.inputs.rgbd.depth_files import FILES, in_metres, read_raw
+from stages.inputs.rgbd.frame import Frame, Labelled
+from stages.inputs.rgbd.lens import find_distortion
+from stages.inputs.rgbd.mask_files import polygon, stacked
 
 PICTURES = (".png", ".jpg", ".jpeg", ".ppm")
 TUM_PER_METRE, TUM_APART = "5000", 0.02  # seconds between colour and depth of one frame

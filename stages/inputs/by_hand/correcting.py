@@ -16,9 +16,9 @@ from stages.contracts.files import Contract
 from stages.contracts.objects import object_ids
 from stages.contracts.scene_input import read_scene_input
 from stages.contracts.types import Id
-from stages.extraction.by_hand.fronts import extents, straight_on
-from stages.extraction.by_hand.made import Made, made_of
-from stages.extraction.by_hand.regions import (
+from stages.inputs.by_hand.fronts import extents, straight_on
+from stages.inputs.by_hand.made import Made, made_of
+from stages.inputs.by_hand.regions import (
     FLOOR,
     ROOM,
     WALL,
@@ -29,8 +29,8 @@ from stages.extraction.by_hand.regions import (
     laid_over,
     painted,
 )
-from stages.extraction.by_hand.session import Answer, jpeg
-from stages.extraction.by_hand.write import tinted
+from stages.inputs.by_hand.session import Answer, jpeg
+from stages.inputs.by_hand.write import tinted
 
 CURVES, SMALLEST = 20, 12  # outlines of one thing that are shown, and the least pixels of one
 COARSE = 1.0  # pixels by which a shown outline may be off

@@ -6,11 +6,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.extraction.by_hand.metrology import View
-from stages.extraction.by_hand.project import DrawnObject, Pixel, Project
-from stages.extraction.by_hand.solve import Solved
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.frames import yaw_matrix
+from stages.inputs.by_hand.metrology import View
+from stages.inputs.by_hand.project import DrawnObject, Pixel, Project
+from stages.inputs.by_hand.solve import Solved
 
 FARTHEST = 30.0  # metres: what is farther away is no room
 Depth = NDArray[np.float64]

@@ -8,16 +8,16 @@ import cv2
 
 from stages.contracts import InputError, atomic
 from stages.contracts.images import read_rgb
-from stages.scenes.rgbd.cameras import KNOWS, Matrix, checked, of_camera, of_field_of_view, read_intrinsics
-from stages.scenes.rgbd.cameras import matrix as intrinsics_of
-from stages.scenes.rgbd.clusters import clustered
-from stages.scenes.rgbd.depth_files import in_metres, read_raw
-from stages.scenes.rgbd.edges import without_edges
-from stages.scenes.rgbd.frame import Frame
-from stages.scenes.rgbd.layouts import read_frame
-from stages.scenes.rgbd.lens import find_distortion, straight_frame
-from stages.scenes.rgbd.mask_files import read_labelled
-from stages.scenes.rgbd.write import fitted, numbered, write_frame
+from stages.inputs.rgbd.cameras import KNOWS, Matrix, checked, of_camera, of_field_of_view, read_intrinsics
+from stages.inputs.rgbd.cameras import matrix as intrinsics_of
+from stages.inputs.rgbd.clusters import clustered
+from stages.inputs.rgbd.depth_files import in_metres, read_raw
+from stages.inputs.rgbd.edges import without_edges
+from stages.inputs.rgbd.frame import Frame
+from stages.inputs.rgbd.layouts import read_frame
+from stages.inputs.rgbd.lens import find_distortion, straight_frame
+from stages.inputs.rgbd.mask_files import read_labelled
+from stages.inputs.rgbd.write import fitted, numbered, write_frame
 
 
 def run(
@@ -93,7 +93,7 @@ def run(
     (fx, _, cx), (_, fy, cy), _ = frame.intrinsics
     print("; ".join([*frame.notes, f"fx {fx:.1f} fy {fy:.1f} cx {cx:.1f} cy {cy:.1f} of {width}x{height} pixels"]))
     if written is None:
-        print(f"{out}: no masks. Draw boxes: python -m stages.extraction annotate {out / 'rgb.png'} --out {out} "
+        print(f"{out}: no masks. Draw boxes: python -m stages.inputs annotate {out / 'rgb.png'} --out {out} "
               f"--depth {out / 'depth.npz'} --camera {out / 'camera.json'}; or give --masks or --clusters")  # fmt: skip
         return
     opens = [item.label for item in written.objects if item.articulated]
@@ -103,7 +103,7 @@ def run(
         with atomic(out / "numbers.png") as path:
             cv2.imwrite(str(path), numbered(frame)[..., ::-1])
         print(f"{out / 'annotations.json'}: say in it what each object is: numbers.png shows which mask it has; "
-              f"or in the browser: python -m stages.extraction annotate {out}")  # fmt: skip
+              f"or in the browser: python -m stages.inputs annotate {out}")  # fmt: skip
     if opens:
         print(f"{out / 'annotations.json'}: say in it how many doors and drawers there are: {', '.join(opens)}")
 

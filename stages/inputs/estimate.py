@@ -13,15 +13,15 @@ from stages.config.own_scene import write_config
 from stages.config.photo import PhotoConfig
 from stages.contracts import Annotations, Camera, InputError, atomic, read_options, write_json
 from stages.contracts.scenes import Annotation, Held
-from stages.extraction.by_hand.photo import Photo, read_photo
-from stages.extraction.by_hand.segments import propose, usual_focal
-from stages.photo.captions import NONE, held, listed, looked
-from stages.photo.level import level_camera
-from stages.photo.networks import Detection, depth_of, detect, segment
+from stages.inputs.by_hand.photo import Photo, read_photo
+from stages.inputs.by_hand.segments import propose, usual_focal
+from stages.inputs.photo.captions import NONE, held, listed, looked
+from stages.inputs.photo.level import level_camera
+from stages.inputs.photo.networks import Detection, depth_of, detect, segment
+from stages.inputs.rgbd.cameras import Matrix, matrix, of_field_of_view
+from stages.inputs.rgbd.frame import Frame, Labelled
+from stages.inputs.rgbd.write import annotated
 from stages.procedural.catalogue import CATEGORIES
-from stages.scenes.rgbd.cameras import Matrix, matrix, of_field_of_view
-from stages.scenes.rgbd.frame import Frame, Labelled
-from stages.scenes.rgbd.write import annotated
 from stages.vlm.ask import Asker, NoAnswerError
 
 FLOOR, WALL = "floor", "wall"
@@ -110,7 +110,7 @@ def found_things(rgb: NDArray[np.uint8], labels: list[str], options: PhotoConfig
     """
     detections = detect(rgb, [*labels, *ROOM], options, device)
     if all(item.label in ROOM for item in detections):
-        fix = "lower photo.box_threshold, name it in photo.labels, or draw it: python -m stages.extraction annotate"
+        fix = "lower photo.box_threshold, name it in photo.labels, or draw it: python -m stages.inputs annotate"
         raise InputError("photo", "the detector finds no object in the picture.", fix)
     things: list[Thing] = []
     least = max(1.0, options.min_share * rgb.shape[0] * rgb.shape[1])

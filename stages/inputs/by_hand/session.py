@@ -11,16 +11,16 @@ from numpy.typing import NDArray
 from pydantic import TypeAdapter
 
 from stages.contracts import InputError, read_json, write_json
-from stages.extraction.by_hand.fronts import extents, front_corners, straight_on
-from stages.extraction.by_hand.metrology import View, WallPlane
-from stages.extraction.by_hand.paint import paint
-from stages.extraction.by_hand.perspective import horizon, vanishing_point, weak
-from stages.extraction.by_hand.photo import Photo
-from stages.extraction.by_hand.project import PROJECT, Pixel, Project
-from stages.extraction.by_hand.segments import propose, usual_focal
-from stages.extraction.by_hand.solve import Solved, support_at
-from stages.extraction.by_hand.write import SIDES, finished, tinted, write_folder
 from stages.geometry.boxes import UprightBox, corners
+from stages.inputs.by_hand.fronts import extents, front_corners, straight_on
+from stages.inputs.by_hand.metrology import View, WallPlane
+from stages.inputs.by_hand.paint import paint
+from stages.inputs.by_hand.perspective import horizon, vanishing_point, weak
+from stages.inputs.by_hand.photo import Photo
+from stages.inputs.by_hand.project import PROJECT, Pixel, Project
+from stages.inputs.by_hand.segments import propose, usual_focal
+from stages.inputs.by_hand.solve import Solved, support_at
+from stages.inputs.by_hand.write import SIDES, finished, tinted, write_folder
 
 GRID, REACH = 0.5, 8.0  # metres: spacing of the floor's grid, and how far it goes
 PICTURE_QUALITY = 90

@@ -9,12 +9,12 @@ from stages.config.inputs import scene_of
 from stages.contracts import Camera, InputError, Library, read_json
 from stages.contracts.corrections import CORRECTIONS
 from stages.contracts.depth import read_depth
-from stages.extraction.by_hand.correcting import Correcting
-from stages.extraction.by_hand.photo import Photo, read_photo
-from stages.extraction.by_hand.project import PROJECT
-from stages.extraction.by_hand.server import PageServer
-from stages.extraction.by_hand.session import Session
-from stages.extraction.by_hand.write import at_size
+from stages.inputs.by_hand.correcting import Correcting
+from stages.inputs.by_hand.photo import Photo, read_photo
+from stages.inputs.by_hand.project import PROJECT
+from stages.inputs.by_hand.server import PageServer
+from stages.inputs.by_hand.session import Session
+from stages.inputs.by_hand.write import at_size
 from stages.procedural.catalogue import CATEGORIES
 
 MADE = ("input", "frame")  # what the folders of scenes are called that the workflow makes itself
@@ -70,7 +70,7 @@ def run(
         session: Session | Correcting = Correcting(image, _categories(library), results, name, variant, choose)
         session.opened()
     elif lens is not None and depth is not None:
-        raise InputError("--lens", "bends the picture, not the depth.", "`scenes from-rgbd` straightens both")
+        raise InputError("--lens", "bends the picture, not the depth.", "`inputs from-rgbd` straightens both")
     else:
         session = _drawn(read_photo(image, lens), image, out, depth, camera, library)
     try:

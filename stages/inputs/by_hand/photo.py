@@ -11,8 +11,8 @@ from PIL import Image
 
 from stages.contracts.errors import InputError
 from stages.contracts.images import read_rgb
-from stages.scenes.rgbd.cameras import resized
-from stages.scenes.rgbd.lens import read_lens, straightened
+from stages.inputs.rgbd.cameras import resized
+from stages.inputs.rgbd.lens import read_lens, straightened
 
 LONGEST = 1600  # pixels of the longer side; larger pictures are made smaller
 WIDEST = 2.4  # of a picture's sides: a panorama has no single perspective

@@ -11,14 +11,14 @@ from stages.config.own_scene import write_config
 from stages.contracts import Annotations, Camera, InputError, atomic, write_json
 from stages.contracts.objects import Box, object_ids
 from stages.contracts.scenes import Annotation
-from stages.extraction.by_hand.metrology import View
-from stages.extraction.by_hand.paint import paint
-from stages.extraction.by_hand.project import DrawnObject, Project
-from stages.extraction.by_hand.solve import Solved, solve
 from stages.extraction.room import floor_frame
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import apply, inverse, rounded, wrap_angle, yaw_of_matrix
 from stages.geometry.planes import Plane
+from stages.inputs.by_hand.metrology import View
+from stages.inputs.by_hand.paint import paint
+from stages.inputs.by_hand.project import DrawnObject, Project
+from stages.inputs.by_hand.solve import Solved, solve
 
 SPARSE = 4  # every so many pixels tell the scale of given depth: it is asked for with every movement
 LEAST_DEPTH = 30  # pixels on which given depth and floor must agree to find the scale

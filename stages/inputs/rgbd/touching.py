@@ -10,7 +10,7 @@ from scipy.ndimage import maximum_filter, minimum_filter
 from scipy.spatial import KDTree
 
 from stages.geometry.clouds import surface_normals
-from stages.scenes.rgbd.pieces import STEP, Surface, joined
+from stages.inputs.rgbd.pieces import STEP, Surface, joined
 
 COLUMNS = 320  # pixels across at which edges are sought: at most twice as many
 APART, RADIUS = 3, 0.01  # pixels to either side of a crease; metres at 1 m of the surface that has a normal

@@ -12,7 +12,7 @@ from PIL import Image
 from stages.contracts import InputError
 from stages.contracts.arrays import readable
 from stages.contracts.images import read_masks
-from stages.scenes.rgbd.frame import Labelled
+from stages.inputs.rgbd.frame import Labelled
 
 MOST = 1000  # values of a label image; a photograph has more
 NAMES = '--labels with {"1": "mug", "2": "floor"}, or {"#ff0000": "mug"} for a picture in colours'

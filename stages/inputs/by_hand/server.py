@@ -14,8 +14,8 @@ from pydantic import ValidationError
 from stages.contracts.errors import InputError
 from stages.contracts.files import first_error
 from stages.contracts.system import line_of
-from stages.extraction.by_hand.correcting import Correcting
-from stages.extraction.by_hand.session import Session
+from stages.inputs.by_hand.correcting import Correcting
+from stages.inputs.by_hand.session import Session
 
 HERE = Path(__file__).resolve().parent
 SCRIPTS = tuple(sorted(path.name for path in HERE.glob("*.js")))

@@ -8,7 +8,9 @@ from numpy.typing import NDArray
 
 from stages.assets.discover import category_in
 from stages.assets.proportions import sizes_of, unusual
-from stages.extraction.by_hand.metrology import (
+from stages.geometry.boxes import UprightBox, corners
+from stages.geometry.frames import yaw_matrix
+from stages.inputs.by_hand.metrology import (
     MetrologyError,
     RearCornerError,
     View,
@@ -18,10 +20,8 @@ from stages.extraction.by_hand.metrology import (
     standing_box,
     wall_plane,
 )
-from stages.extraction.by_hand.perspective import fit_view
-from stages.extraction.by_hand.project import DrawnObject, Pixel, Project, Scale
-from stages.geometry.boxes import UprightBox, corners
-from stages.geometry.frames import yaw_matrix
+from stages.inputs.by_hand.perspective import fit_view
+from stages.inputs.by_hand.project import DrawnObject, Pixel, Project, Scale
 
 NEAREST, FARTHEST = 0.05, 30.0  # metres: a camera is nowhere else above the floor
 EDGE = 6.0  # pixels beside the top of an object that still count as on it

@@ -9,8 +9,8 @@ from stages.contracts.corrections import MEASURED, Correction
 from stages.contracts.fronts import counted
 from stages.contracts.scenes import Annotation, Held
 from stages.contracts.types import Pixel
-from stages.extraction.by_hand.paint import polygon
 from stages.geometry.masks import pixel_bounds
+from stages.inputs.by_hand.paint import polygon
 
 FLOOR, WALL = "floor", "wall"
 ROOM = (FLOOR, WALL)
