@@ -13,6 +13,11 @@ class SceneOptions(Section):
     vary_scale: bool = Field(
         False, description="rescale the test asset at random as in the demonstrations (official: no)"
     )
+    simulator: Literal["maniskill", "mujoco"] = Field(
+        "maniskill",
+        description="mujoco: another simulator than that of the demonstrations, with physics, contacts, controller and "
+        "depth of its own, in the place of the paper's real robot; door and drawer",
+    )
 
 
 class ActingOptions(SceneOptions):

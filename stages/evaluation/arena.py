@@ -9,7 +9,7 @@ from typing import NamedTuple, Self
 
 import torch
 
-from stages.config.evaluation import ActingOptions
+from stages.config.evaluation import ActingOptions, SceneOptions
 from stages.config.task import TaskConfig
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json
@@ -41,9 +41,11 @@ class Acting(NamedTuple):
 class Arena:
     """Environments that turn from asset to asset: an exchange costs half of a new environment. To be used by `with`."""
 
-    def __init__(self, assets: Path, library: Path, options: TaskConfig, vary_scale: bool, render: bool = True) -> None:
+    def __init__(
+        self, assets: Path, library: Path, options: TaskConfig, settings: SceneOptions, render: bool = True
+    ) -> None:
         self.plan, self.library = read_json(TaskAssets, assets), library
-        self.options, self.vary_scale, self.render = options, vary_scale, render
+        self.options, self.scenes, self.render = options, settings, render
         self.folders = AssetFolders(library)
         self._tasks: list[TaskEnv] = []
         self._sized = tempfile.TemporaryDirectory(prefix="acdc-sized-")
@@ -76,7 +78,8 @@ class Arena:
             self.options,
             render=self.render,
             cache=Path(self._sized.name),
-            vary_scale=self.vary_scale,
+            vary_scale=self.scenes.vary_scale,
+            simulator=self.scenes.simulator,
         )
 
     def folder(self, asset: TaskAsset) -> Path:
@@ -124,7 +127,7 @@ class PolicyArena(Arena):
     def __init__(self, policy: Path, assets: Path, library: Path, settings: ActingOptions, device: str) -> None:
         self.policy, self.settings, self.device = policy, settings, device
         self.trained = read_config(policy)
-        super().__init__(assets, library, self.trained.task_options, settings.vary_scale)
+        super().__init__(assets, library, self.trained.task_options, settings)
         if self.plan.task != self.trained.task:
             what = f"was trained on the task '{self.trained.task}', {assets} is for '{self.plan.task}'."
             raise InputError(policy, what)

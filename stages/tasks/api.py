@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 import torch
@@ -54,6 +54,7 @@ def make_task(
     vary_scale: bool = True,
     room: Room | None = None,
     randomise: RandomiseOptions | None = None,
+    simulator: Literal["maniskill", "mujoco"] = "maniskill",
 ) -> "TaskEnv":
     """A task on one asset. Several may live in one process.
 
@@ -68,8 +69,13 @@ def make_task(
         vary_scale: False keeps the nominal size (official code leaves the evaluated asset's size alone).
         room: a generated scene about the asset.
         randomise: draw the asset's friction and mass with the episode, and its scale from this range.
+        simulator: mujoco has doors and drawers, without a room, and depth with a sensor's noise.
     """
     known: Task = load("tasks", task)
+    if simulator == "mujoco":
+        from stages.tasks.mujoco_env import MujocoTaskEnv
+
+        return MujocoTaskEnv(known, assets, joint, size, options, render, vary_scale)
     if options.sim_backend == "physx_cuda" and not torch.cuda.is_available():
         raise InputError("task.sim_backend", "is physx_cuda, but torch finds no GPU.", "set it to physx_cpu")
     return TaskEnv(known, assets, joint, size, options, render, cache, vary_scale, room, randomise)

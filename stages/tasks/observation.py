@@ -51,6 +51,10 @@ class Eyes:
             if camera.name in sensors:
                 sensors[camera.name].camera._render_cameras[index].set_local_pose(sapien.Pose(pose))
 
+    def pose(self, name: str, index: int) -> Array:
+        """(4, 4) of a camera in environment `index`, in the frame of its mount: x forward, y left, z up."""
+        return self._poses[name, index].copy()
+
     def capture(self, sensors: Mapping[str, Any]) -> list[NDArray[np.int16]]:
         """(N, H, W, 4) picture of every camera in N environments: position in millimetres, entity id."""
         for camera in self.cameras:

@@ -1,7 +1,8 @@
 """A folder for MuJoCo: scene.xml with meshes and textures beside it. The world is the floor frame, z up."""
 
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from itertools import count
 from pathlib import Path
 
@@ -25,22 +26,34 @@ OPENGL = np.diag([1.0, -1.0, -1.0])  # of a camera, from OpenCV's axes
 
 def write(room: Room, out: Path) -> None:
     """Write the folder `out`. Joints are at their lower limits; what is not fixed to a wall has a free joint."""
-    with atomic_folder(out) as folder:
-        for name in ("meshes", "textures"):
-            (folder / name).mkdir()
-        root = ET.Element("mujoco", model=f"{room.scene.scene}_rank_{room.scene.rank}")
-        ET.SubElement(root, "compiler", angle="radian", meshdir="meshes", texturedir="textures", balanceinertia="true")
-        ET.SubElement(root, "option", timestep="0.002", integrator="implicitfast")
+    with _document(out, f"{room.scene.scene}_rank_{room.scene.rank}") as (root, writer):
         visual = ET.SubElement(root, "visual")
         ET.SubElement(visual, "headlight", ambient="0.42 0.42 0.44", diffuse="0 0 0", specular="0 0 0")
         ET.SubElement(visual, "global", offwidth=str(room.scene.width), offheight=str(room.scene.height))
+        writer.room(ET.SubElement(root, "worldbody"), room)
+
+
+def write_model(body: Body, out: Path) -> None:
+    """Write the folder `out` with one model alone, at its pose."""
+    with _document(out, body.id) as (root, writer):
+        writer.body(ET.SubElement(root, "worldbody"), body)
+
+
+@contextmanager
+def _document(out: Path, name: str) -> Iterator[tuple[ET.Element, "_Writer"]]:
+    """The root element of scene.xml, and what writes into it; both are in `out` when the block ends."""
+    with atomic_folder(out) as folder:
+        for inside in ("meshes", "textures"):
+            (folder / inside).mkdir()
+        root = ET.Element("mujoco", model=name)
+        ET.SubElement(root, "compiler", angle="radian", meshdir="meshes", texturedir="textures", balanceinertia="true")
+        ET.SubElement(root, "option", timestep="0.002", integrator="implicitfast")
         defaults = ET.SubElement(root, "default")
         seen = ET.SubElement(defaults, "default", {"class": "visual"})
         ET.SubElement(seen, "geom", type="mesh", group="2", contype="0", conaffinity="0", mass="0")
         touched = ET.SubElement(defaults, "default", {"class": "collision"})
         ET.SubElement(touched, "geom", group="3", mass="0", friction=f"{SURFACE_FRICTION} 0.005 0.0001")
-        writer = _Writer(folder, ET.SubElement(root, "asset"), ET.SubElement(root, "contact"))
-        writer.room(ET.SubElement(root, "worldbody"), room)
+        yield root, _Writer(folder, ET.SubElement(root, "asset"), ET.SubElement(root, "contact"))
         ET.indent(root)
         (folder / "scene.xml").write_text(ET.tostring(root, encoding="unicode") + "\n", encoding="utf-8")
         sync(folder)
@@ -66,7 +79,7 @@ class _Writer:
             place = {"pos": _text(block.center), "quat": _text(yaw_quaternion(block.yaw))}
             ET.SubElement(world, "geom", box | place, friction=f"{SURFACE_FRICTION} 0.005 0.0001")
         for body in room.bodies:
-            self._body(world, body)
+            self.body(world, body)
 
     def _camera(self, world: ET.Element, room: Room) -> None:
         made, pose = room.scene, room.world_from_camera
@@ -86,7 +99,8 @@ class _Writer:
             sensorsize=_text([width * 1e-5, height * 1e-5]),
         )
 
-    def _body(self, world: ET.Element, body: Body) -> None:
+    def body(self, world: ET.Element, body: Body) -> None:
+        """The links of a model, with what is seen of them and what collides."""
         children = {joint.child: joint for joint in body.model.joints}
         elements: dict[str, ET.Element] = {}
         for name in [body.model.root, *children]:

@@ -1,0 +1,129 @@
+"""A Panda before one articulated model in MuJoCo: a second simulator, which shares no physics with ManiSkill.
+
+Contacts, friction and drives are as MuJoCo has them; the models come from the MJCF export, the robot from its URDF.
+"""
+
+import tempfile
+import xml.etree.ElementTree as ET
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from stages.articulated.asset_folder import read_model
+from stages.contracts.files import read_json
+from stages.contracts.library import Asset
+from stages.generation.exports import Body
+from stages.generation.exports.mjcf import write_model
+from stages.geometry.frames import quaternion_from_matrix
+from stages.simulation.robot import PANDA, TCP
+
+Array = NDArray[np.float64]
+
+TIMESTEP = 0.002  # seconds
+ARM_GAINS = (4500.0, 4500.0, 3500.0, 3500.0, 2000.0, 2000.0, 2000.0)  # N m / rad: MuJoCo Menagerie's Panda
+SETTLING = 0.04  # seconds in which a drive comes near its target: damping over gain; Menagerie's 0.1 lag a step behind
+ARMATURE = 0.1  # kg m^2 of the motors of the arm and kg of the fingers', as in Menagerie
+ARM_FORCE = (87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0)  # N m: the robot's data sheet
+FINGER_GAIN, FINGER_FORCE = 5000.0, 70.0  # N / m; N: the data sheet's continuous grasp
+STIFF = (0.004, 1.0)  # solref of what must not give way: the fingers' limits, and that both move alike
+PAD_FRICTION = 1.0  # of the rubber of the finger tips
+ARM_JOINTS = tuple(f"panda_joint{number}" for number in range(1, 8))
+FINGER_JOINTS = ("panda_finger_joint1", "panda_finger_joint2")
+CAMERA, ROBOT, MODEL = "shoulder", "robot/", "model/object/"  # names: of the camera, and what bodies' begin with
+ROBOT_BIT, MODEL_BIT = 1, 2  # of contact: each touches the other alone, as links of one body have limits instead
+
+
+@cache
+def robot_text() -> str:
+    """The Panda's URDF with its collision meshes alone, as MuJoCo reads it."""
+    tree = ET.parse(PANDA)
+    root = tree.getroot()
+    for link in root.iter("link"):
+        for visual in link.findall("visual"):
+            link.remove(visual)
+    for mesh in root.iter("mesh"):
+        mesh.set("filename", str(PANDA.parent / str(mesh.get("filename")).removeprefix(f"{PANDA.parent}/")))
+    options = ET.SubElement(root, "mujoco")
+    ET.SubElement(
+        options, "compiler", strippath="false", fusestatic="false", discardvisual="false", balanceinertia="true"
+    )
+    return ET.tostring(root, encoding="unicode")
+
+
+def robot_spec() -> Any:
+    """The robot with position drives; its base is the frame of the world."""
+    spec = mujoco.MjSpec.from_string(robot_text())
+    for body in spec.bodies:
+        body.gravcomp = 1.0
+    for geom in spec.geoms:
+        geom.contype, geom.conaffinity = ROBOT_BIT, MODEL_BIT
+        if "finger" in geom.parent.name:
+            geom.friction = [PAD_FRICTION, 0.005, 0.0001]
+            geom.condim = 4
+    drives = [*zip(ARM_JOINTS, ARM_GAINS, ARM_FORCE, strict=True)]
+    drives += [(name, FINGER_GAIN, FINGER_FORCE) for name in FINGER_JOINTS]
+    for name, gain, force in drives:
+        joint = spec.joint(name)
+        joint.damping, joint.armature = np.zeros(3), ARMATURE  # the drives have their damping
+        drive = spec.add_actuator(name=name, target=name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
+        drive.set_to_position(kp=gain, kv=SETTLING * gain)
+        drive.forcelimited, drive.forcerange = True, [-force, force]
+    for name in FINGER_JOINTS:
+        spec.joint(name).solref_limit = STIFF
+    for alike in spec.equalities:  # the URDF's `mimic`
+        alike.solref = STIFF
+    spec.body(TCP).add_site(name=TCP)
+    return spec
+
+
+class ModelFiles:
+    """The MJCF of asset folders, each written once. To be closed."""
+
+    def __init__(self) -> None:
+        self._folder = tempfile.TemporaryDirectory(prefix="acdc-mjcf-")
+        self._written: dict[Path, Path] = {}
+
+    def of(self, folder: Path) -> Path:
+        """The model file of an asset folder."""
+        if folder not in self._written:
+            asset = read_json(Asset, folder / "asset.json")
+            out = Path(self._folder.name) / str(len(self._written))
+            write_model(Body("object", asset.category, asset, folder, read_model(folder), np.eye(4), True), out)
+            self._written[folder] = out / "scene.xml"
+        return self._written[folder]
+
+    def close(self) -> None:
+        """Delete them."""
+        self._folder.cleanup()
+
+
+def build(file: Path, base: Array, root: Array, camera: Array, field_of_view: float, size: int) -> Any:
+    """A compiled `mujoco.MjModel`.
+
+    Args:
+        file: of the model, see `ModelFiles`.
+        base, root, camera: (4, 4) of robot, model and depth camera in the world; the camera's x right, y up, z back.
+        field_of_view: of the camera, radians. size: width and height of its picture.
+    """
+    world = mujoco.MjSpec()
+    world.option.timestep = TIMESTEP
+    world.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    world.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+    world.option.impratio = 10.0  # as MuJoCo's documentation recommends for grasping
+    world.visual.global_.offwidth = world.visual.global_.offheight = size
+    world.visual.map.znear, world.visual.map.zfar = 0.01, 10.0
+    world.stat.extent = 1.0  # metres, in which the two before are counted
+    model = mujoco.MjSpec.from_file(str(file))
+    for geom in model.geoms:
+        if geom.contype:
+            geom.contype, geom.conaffinity = MODEL_BIT, ROBOT_BIT
+    for spec, prefix, pose in ((robot_spec(), ROBOT, base), (model, "model/", root)):
+        frame = world.worldbody.add_frame(pos=pose[:3, 3], quat=quaternion_from_matrix(pose[:3, :3]))
+        world.attach(spec, prefix=prefix, frame=frame)
+    turn = quaternion_from_matrix(camera[:3, :3])
+    world.worldbody.add_camera(name=CAMERA, pos=camera[:3, 3], quat=turn, fovy=np.rad2deg(field_of_view))
+    return world.compile()

@@ -1,0 +1,105 @@
+"""Doors and drawers in MuJoCo: the same task as in ManiSkill, in a simulator of its own."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.spatial import KDTree
+
+from stages.config.demonstrations import DemonstrationsConfig
+from stages.config.task import TaskConfig
+from stages.skills import FAR, Float
+from stages.skills.chain import SkillChain
+from stages.tasks.api import TaskEnv, make_task
+from tests.refusals import refused
+from tests.unit.demo_assets import cabinet
+
+SEED = 2**31 + 7
+STILL = np.array([0, 0, 0, 0, 0, 0, 1], np.float32)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    made = tmp_path_factory.mktemp("assets") / "cabinet_0"
+    cabinet(made)
+    return made
+
+
+@pytest.fixture(scope="module")
+def door(folder: Path) -> Iterator[TaskEnv]:
+    task = make_task("door", folder, "door_0_joint", None, TaskConfig(), vary_scale=False, simulator="mujoco")
+    yield task
+    task.close()
+
+
+def test_the_start_looks_as_in_maniskill_but_for_the_noise_of_depth(door: TaskEnv, folder: Path) -> None:
+    other = make_task("door", folder, "door_0_joint", None, TaskConfig(), vary_scale=False)
+    ours, theirs = door.reset(SEED), other.reset(SEED)
+    np.testing.assert_allclose(ours["proprio"], theirs["proprio"], atol=1e-4)
+    clouds = [seen["point_cloud"][seen["point_cloud"][:, 3] == 0, :3] for seen in (ours, theirs)]
+    for one, two in (clouds, clouds[::-1]):
+        distances, _ = KDTree(two).query(one)
+        assert np.median(distances) < 0.012 and np.quantile(distances, 0.98) < 0.03  # points lie 2 cm apart
+    other.close()
+
+
+def test_the_hand_goes_where_an_action_says_and_stays_there(door: TaskEnv) -> None:
+    door.place(SEED)
+    before = door.hand()
+    door.act(STILL)
+    assert np.linalg.norm(door.hand()[:3, 3] - before[:3, 3]) < 0.002
+    before = door.hand()
+    door.act(np.array([0, 0.6, 0, 0, 0, 0, 1], np.float32))
+    door.act(STILL)
+    moved = door.hand()[:3, 3] - before[:3, 3]
+    np.testing.assert_allclose(moved, [0, 0.03, 0], atol=0.006)
+
+
+def test_the_same_seed_gives_the_same_episode(door: TaskEnv) -> None:
+    ends = []
+    for _ in range(2):
+        door.reset(SEED)
+        for _ in range(3):
+            seen = door.step(np.array([0.5, 0, -0.2, 0, 0.1, 0, -1], np.float32)).observation
+        ends.append(seen)
+    for key in ("point_cloud", "proprio"):
+        np.testing.assert_array_equal(ends[0][key], ends[1][key])  # type: ignore[literal-required]
+
+
+@pytest.mark.parametrize(
+    ("layout", "task", "joint"), [("door", "door", "door_0_joint"), ("drawer", "drawer", "drawer_0_joint")]
+)
+def test_the_scripted_skill_opens_it(tmp_path: Path, layout: str, task: str, joint: str) -> None:
+    cabinet(tmp_path / "cabinet_0", layout=[[layout]])
+    env = make_task(
+        task, tmp_path / "cabinet_0", joint, None, TaskConfig(), render=False, vary_scale=False, simulator="mujoco"
+    )
+    env.place(SEED)
+    done = []
+
+    def act(action: Float, noisy: bool, ahead: float = FAR) -> None:
+        env.act(action)
+        done.append(env.success)
+
+    SkillChain(env, DemonstrationsConfig()).run(act)
+    assert any(done) and env.official_success
+    env.close()
+
+
+def test_nothing_opens_untouched(door: TaskEnv) -> None:
+    door.place(SEED)
+    for _ in range(5):
+        door.act(STILL)
+    assert abs(door.opened) < 0.01 and not door.success
+
+
+def test_a_task_of_several_skills_is_refused(folder: Path) -> None:
+    with refused("E-MUJOCO-TASK"):
+        make_task("put_away_bowl", folder, "door_0_joint", None, TaskConfig(), simulator="mujoco")
+
+
+def test_noise_grows_with_the_square_of_distance() -> None:
+    from stages.tasks.mujoco_env import sensor_noise
+
+    np.testing.assert_allclose(sensor_noise(np.array([0.4, 1.4])), [0.0012, 0.0031])
