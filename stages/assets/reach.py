@@ -9,11 +9,11 @@ from sapien.physx import PhysxArticulation
 from stages.articulated.asset_folder import read_asset
 from stages.config.task import TaskConfig
 from stages.geometry.frames import inverse
+from stages.planning.articulation import opened_to
+from stages.planning.clearance import Surroundings
 from stages.simulation.loading import load_asset, physics_scene
 from stages.simulation.robot import REST
 from stages.simulation.target import read_target
-from stages.skills.articulate import opened_to
-from stages.skills.clearance import Surroundings
 from stages.tasks.initial_state import InitialState, base_pose
 from stages.tasks.standing import MOTION, followed, standing, success_opening
 

@@ -6,9 +6,9 @@ from scipy.spatial import cKDTree
 
 from stages.articulated.asset_folder import read_asset
 from stages.geometry.frames import apply, inverse
+from stages.planning.clearance import arm_spheres
 from stages.simulation.robot import GRIPPER_OPEN
 from stages.simulation.room import Room
-from stages.skills.clearance import arm_spheres
 from stages.tasks.api import TaskEnv
 
 TOWARDS, SIDEWAYS = (0.0, -0.05, 0.08, -0.1, 0.15), (0.0, 0.12, -0.12, 0.25, -0.25)

@@ -7,8 +7,8 @@ import numpy as np
 
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.geometry.frames import apply, inverse
+from stages.planning.clearance import Surroundings
 from stages.skills import Act, Outcome
-from stages.skills.clearance import Surroundings
 from stages.skills.motion import Motion
 from stages.tasks.api import TaskEnv
 

@@ -6,11 +6,11 @@ import numpy as np
 import trimesh
 
 from stages.geometry.frames import apply, inverse
+from stages.planning.clearance import surface_points
+from stages.planning.rollout import Stretch, can_be_held, first_feasible
 from stages.simulation.kinematics import Array
 from stages.skills.attempts import RetryingSkill
-from stages.skills.clearance import surface_points
 from stages.skills.motion import OPEN, Motion
-from stages.skills.rollout import Stretch, can_be_held, first_feasible
 from stages.tasks.movable import Movable
 
 HELD_POINTS, HELD_RADIUS = 60, 0.004  # spheres on a held object, metres

@@ -4,10 +4,10 @@ from collections.abc import Callable
 
 import numpy as np
 
+from stages.planning.path import Pursuit, straight
 from stages.simulation.kinematics import Array, pose_error
 from stages.simulation.robot import GRIPPER_OPEN
 from stages.skills import FAR, Act
-from stages.skills.path import Pursuit, straight
 from stages.tasks.api import TaskEnv
 
 OPEN, CLOSED = 1.0, -1.0  # of the gripper's action

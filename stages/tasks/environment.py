@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from stages.config.demonstrations import RandomiseOptions
 from stages.config.task import TaskConfig
 from stages.geometry.frames import apply, inverse, rigid
+from stages.planning.clearance import Surroundings
 from stages.simulation.kinematics import Array
 from stages.simulation.loading import ParsedAsset, load_asset, physics_scene, soften
 from stages.simulation.poses import to_poses
@@ -24,7 +25,6 @@ from stages.simulation.robot import GRIPPER_OPEN, REST, AcdcPanda, ActionScale
 from stages.simulation.room import Room
 from stages.simulation.studio import Prop
 from stages.simulation.target import Target, descends, read_target
-from stages.skills.clearance import Surroundings
 from stages.tasks.cameras import Camera, film_camera, shoulder
 from stages.tasks.initial_state import base_pose, draw_initial_state, drawn_scale, nominal_root, object_motion
 from stages.tasks.movable import Movable

@@ -7,11 +7,11 @@ import numpy as np
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.config.task import TaskConfig
 from stages.geometry.frames import apply, inverse, rigid
+from stages.planning.articulation import opened_to, plan_articulation
+from stages.planning.clearance import MARGIN, Surroundings
 from stages.simulation.kinematics import Array
 from stages.simulation.robot import panda_chain
 from stages.simulation.target import Target
-from stages.skills.articulate import opened_to, plan_articulation
-from stages.skills.clearance import MARGIN, Surroundings
 
 # Metres farther out from the front and towards the hinge, in this order.
 PLACES = tuple((out, towards) for out in (0.1, 0.2) for towards in (0.15, 0.3, 0.45))

@@ -14,14 +14,14 @@ from stages.config.demonstrations import DemonstrationsConfig
 from stages.config.task import TaskConfig
 from stages.contracts.errors import InputError
 from stages.geometry.frames import inverse, rigid, yaw_matrix
+from stages.planning.articulation import plan_articulation
+from stages.planning.clearance import Surroundings
+from stages.planning.handle_grasp import Grasp, grasp_pose
+from stages.planning.path import Pursuit, distance, handle_path, straight
 from stages.skills import FAR, Act, Outcome
-from stages.skills.articulate import plan_articulation
-from stages.skills.clearance import Surroundings
 from stages.skills.close import CloseSkill
-from stages.skills.handle_grasp import Grasp, grasp_pose
 from stages.skills.motion import Motion
 from stages.skills.open import OpenSkill
-from stages.skills.path import Pursuit, articulation, distance, straight
 from stages.tasks.api import TaskEnv, make_task
 from tests.unit.demo_assets import cabinet
 
@@ -161,7 +161,7 @@ def test_the_opening_path_turns_about_the_hinge(door: TaskEnv) -> None:
     target = door.env.target
     assert target.handle is not None
     grasp = grasp_pose(target.handle, Grasp(0.0, 0.0, 1.0), np.eye(4))
-    path = articulation(target, grasp, target.lower, target.lower + np.pi / 3, follow=1.0)
+    path = handle_path(target, grasp, target.lower, target.lower + np.pi / 3, follow=1.0)
     radii = np.linalg.norm(path[:, :2, 3] - target.origin[:2], axis=1)
     assert np.ptp(radii) < 1e-6
     assert path[-1, 0, 3] > grasp[0, 3] + 0.2  # outwards

@@ -8,13 +8,13 @@ import pytest
 
 from stages.config.task import TaskConfig
 from stages.geometry.frames import inverse
+from stages.planning.articulation import approaches
+from stages.planning.clearance import Surroundings
+from stages.planning.handle_grasp import FROM_ABOVE, Grasp, grasp_pose, grasps
+from stages.planning.path import distance, straight
+from stages.planning.rollout import Stretch, can_be_held, first_feasible
 from stages.simulation.kinematics import Chain, track
 from stages.simulation.robot import REST
-from stages.skills.articulate import approaches
-from stages.skills.clearance import Surroundings
-from stages.skills.handle_grasp import FROM_ABOVE, Grasp, grasp_pose, grasps
-from stages.skills.path import distance, straight
-from stages.skills.rollout import Stretch, can_be_held, first_feasible
 from stages.tasks.api import TaskEnv, make_task
 from tests.unit.demo_assets import cabinet
 

@@ -10,8 +10,8 @@ from stages.assets.reach import MIDDLE, out_of_reach
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.config.task import TaskConfig
 from stages.demonstrations.attempt import Recorder
+from stages.planning.clearance import Surroundings
 from stages.simulation.robot import REST
-from stages.skills.clearance import Surroundings
 from stages.tasks.api import TaskEnv, make_task
 from stages.tasks.initial_state import base_pose, draw_initial_state, nominal_root
 from stages.tasks.standing import PLACES, standing

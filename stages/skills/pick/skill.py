@@ -3,13 +3,13 @@
 import numpy as np
 
 from stages.geometry.frames import apply, inverse
+from stages.planning.path import along, straight
+from stages.planning.rollout import ON_THE_WAY, Stretch, homing
 from stages.simulation.kinematics import Array
 from stages.simulation.robot import GRIPPER_OPEN, REST
 from stages.skills.carry import CarrySkill, held_spheres, shifted
 from stages.skills.motion import CLOSED, OPEN, Motion
-from stages.skills.path import along, straight
 from stages.skills.pick.grasps import by_turn, object_cloud, sample_grasps
-from stages.skills.rollout import ON_THE_WAY, Stretch, homing
 from stages.tasks.movable import Movable
 
 LIFT = 0.08  # metres

@@ -5,13 +5,13 @@ import itertools
 import numpy as np
 
 from stages.geometry.frames import apply, inverse
+from stages.planning.path import along, straight
+from stages.planning.rollout import ON_THE_WAY, Stretch
 from stages.simulation.kinematics import Array
 from stages.simulation.robot import GRIPPER_OPEN
 from stages.skills.carry import CarrySkill, held_spheres, shifted
 from stages.skills.motion import CLOSED, OPEN, Motion
-from stages.skills.path import along, straight
 from stages.skills.place.predicates import PREDICATES, sample_placements
-from stages.skills.rollout import ON_THE_WAY, Stretch
 
 SAMPLES = 300  # placements drawn; most are under the cabinet and rejected at once
 REACH = 0.15  # metres from the tool centre point within which a held object's origin is

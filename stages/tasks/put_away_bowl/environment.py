@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 from stages.config.task import TaskConfig
 from stages.contracts.errors import InputError
 from stages.geometry.frames import apply, inverse, rigid, yaw_matrix
+from stages.planning.clearance import surface_points
 from stages.simulation.kinematics import Array
 from stages.simulation.loading import ParsedAsset
 from stages.simulation.poses import to_poses
 from stages.simulation.region import Region
 from stages.simulation.studio import Prop
-from stages.skills.clearance import surface_points
 from stages.tasks.cameras import WRIST, Camera, other_shoulder, shoulder
 from stages.tasks.environment import OpenTaskEnv
 from stages.tasks.initial_state import nominal_root

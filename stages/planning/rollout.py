@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from stages.geometry.frames import inverse
+from stages.planning.clearance import MARGIN, Surroundings, arm_spheres
+from stages.planning.path import distance, straight
 from stages.simulation.kinematics import Array, Chain, pose_error, track
 from stages.simulation.robot import REST
-from stages.skills.clearance import MARGIN, Surroundings, arm_spheres
-from stages.skills.path import distance, straight
 
 STEP = 0.03  # path length between rolled-out poses
 POSITION_TOLERANCE, ROTATION_TOLERANCE = 0.01, 0.1  # metres and radians the rollout may miss a pose by
