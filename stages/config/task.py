@@ -6,6 +6,8 @@ from pydantic import Field
 
 from stages.config.base import NotNegative, Range, Section
 
+SIMULATION_FREQUENCY = 100  # physics steps per second; a task may have a multiple of it
+
 
 class TaskConfig(Section):
     """The task as the policy meets it. It is stored in every episodes.h5, so that evaluation uses the same one."""

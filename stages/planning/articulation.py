@@ -15,8 +15,6 @@ from stages.simulation.kinematics import Array, Chain
 from stages.simulation.robot import GRIPPER_OPEN, REST
 from stages.simulation.target import Target
 
-ABOVE = 0.05  # metres that the hand is higher than a handle at which it may have to come down to it
-ELSEWHERE = 0.15  # path length from the rest pose at which the hand may have to go back there first
 LESS = 0.6  # of the margin; half of it counts as enough
 
 
@@ -93,20 +91,20 @@ def _plans(
         motion = base_from_asset @ handle_path(target, pose, start, goal, grasp.follow)
         before = motion[0].copy()
         before[:3, 3] -= options.pregrasp * before[:3, 2]
-        for approach, slack in approaches(chain, joints, before):
+        for approach, slack in approaches(chain, joints, before, options.pregrasp):
             yield Plan(approach, straight(before, motion[0]), motion), slack
 
 
-def approaches(chain: Chain, joints: Array, before: Array) -> list[tuple[Array, float]]:
-    """Ways (K, 4, 4) from where the arm is to a pose of the hand, with their slack: straight; from where a skill before
-    has left the hand also from above, and through the rest pose."""
+def approaches(chain: Chain, joints: Array, before: Array, apart: float) -> list[tuple[Array, float]]:
+    """Ways (K, 4, 4) from where the arm is to a pose of the hand, with their slack: straight; where the hand is higher
+    also from above; where it is `apart` from its rest pose (path length) also through that."""
     hand, rest = chain.pose(np.stack([joints, REST]))
     ways = [(straight(hand, before), 1.0)]
-    if hand[2, 3] > before[2, 3] + ABOVE:
+    if hand[2, 3] > before[2, 3]:
         over = before.copy()
         over[2, 3] = hand[2, 3]
         ways.append((along([hand, over, before]), 1.0))
-    if distance(hand[None], rest[None])[0] > ELSEWHERE:
+    if distance(hand[None], rest[None])[0] > apart:
         to_rest = homing(chain, joints, hand)
         ways.append((np.concatenate([to_rest, straight(to_rest[-1], before)[1:]]), ON_THE_WAY))
     return ways

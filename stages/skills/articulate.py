@@ -9,9 +9,8 @@ from stages.planning.path import Pursuit
 from stages.simulation.kinematics import Array, pose_error
 from stages.simulation.target import Target
 from stages.skills.attempts import RetryingSkill
-from stages.skills.motion import CLOSED, OPEN, Motion, Stall
+from stages.skills.motion import CLOSED, LOST, OPEN, Motion, Stall
 
-LOST = 0.06  # hand this far off the path of the handle has lost it, metres
 GENTLE = 3  # steps until the pull of a flap has its full speed: being heavy it would stay behind, and leave the fingers
 
 

@@ -71,7 +71,9 @@ def make_task(
     """
     known: Task = load("tasks", task)
     if options.sim_backend == "physx_cuda" and not torch.cuda.is_available():
-        raise InputError("task.sim_backend", "is physx_cuda, but torch finds no GPU.", "set it to physx_cpu")
+        raise InputError(
+            "task.sim_backend", "is physx_cuda, but torch finds no GPU.", "set it to physx_cpu", code="E-DEVICE-GPU"
+        )
     return TaskEnv(known, assets, joint, size, options, render, cache, vary_scale, room, randomise)
 
 
@@ -106,7 +108,9 @@ class TaskEnv:
         asset, role = read_json(Asset, assets / "asset.json"), self.task.role
         names = [candidate.name for candidate in asset.joints if candidate.role == role]
         if joint not in names:
-            raise InputError(assets, f"has no {role} joint {joint!r}.", f"its {role} joints: {names or 'none'}")
+            raise InputError(
+                assets, f"has no {role} joint {joint!r}.", f"its {role} joints: {names or 'none'}", code="E-TASK-JOINT"
+            )
         self.assets, self.asset, self.joint, self.size = assets, asset.id, joint, size or asset.size
 
     @property

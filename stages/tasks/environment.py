@@ -14,7 +14,7 @@ from mani_skill.utils.structs.types import SceneConfig, SimConfig
 from numpy.typing import NDArray
 
 from stages.config.demonstrations import RandomiseOptions
-from stages.config.task import TaskConfig
+from stages.config.task import SIMULATION_FREQUENCY, TaskConfig
 from stages.geometry.frames import apply, inverse, rigid
 from stages.planning.clearance import Surroundings
 from stages.simulation.kinematics import Array
@@ -30,11 +30,9 @@ from stages.tasks.initial_state import base_pose, draw_initial_state, drawn_scal
 from stages.tasks.movable import Movable
 from stages.tasks.observation import Eyes, Observation
 from stages.tasks.randomised import draw_factors, randomise
-from stages.tasks.standing import standing, success_opening
+from stages.tasks.standing import AJAR, standing, success_opening
 from stages.tasks.task import Task
 
-SIMULATION_FREQUENCY = 100  # steps per second; a task may have a multiple of it
-OFFICIAL_SUCCESS = 0.1  # of the range of any joint (official code)
 LARGEST_ID = 30_000  # of an entity: a picture holds 16 bits of it, and every change of scale takes new ones
 
 
@@ -253,7 +251,7 @@ class OpenTaskEnv(BaseEnv):
 
     def evaluate(self) -> dict[str, torch.Tensor]:
         """Success; beside it the official code's: any joint of the object was 10 % open at any time."""
-        self._official |= (self._fractions() >= OFFICIAL_SUCCESS).any(dim=1)
+        self._official |= (self._fractions() >= AJAR).any(dim=1)
         return {"success": self.succeeded(), "official_success": self._official.clone(), "opened": self.opened()}
 
     def observe(self, render: bool = True) -> list[Observation]:

@@ -8,15 +8,14 @@ from stages.config.demonstrations import DemonstrationsConfig
 from stages.config.task import TaskConfig
 from stages.geometry.frames import apply, inverse, rigid
 from stages.planning.articulation import opened_to, plan_articulation
-from stages.planning.clearance import MARGIN, Surroundings
+from stages.planning.clearance import BASE, Surroundings
 from stages.simulation.kinematics import Array
 from stages.simulation.robot import panda_chain
 from stages.simulation.target import Target
 
 # Metres farther out from the front and towards the hinge, in this order.
 PLACES = tuple((out, towards) for out in (0.1, 0.2) for towards in (0.15, 0.3, 0.45))
-COLUMN = tuple((0.0, 0.0, height) for height in (0.05, 0.2, 0.35))  # spheres that are the robot's base, in its frame
-RADIUS = 0.09  # less than what counts as far
+AJAR = 0.1  # of a joint's range: open by less it counts as shut (from here on as opened: official code)
 MOTION = DemonstrationsConfig()
 
 
@@ -62,5 +61,5 @@ def places(base: Array, target: Target) -> Iterator[Array]:
 def _passes(base_from_asset: Array, surroundings: Surroundings, goal: float) -> bool:
     """Whether the door passes by the robot's base."""
     values = np.linspace(surroundings.target.lower, goal, 20)
-    centers = np.tile(apply(inverse(base_from_asset), np.array(COLUMN)), (len(values), 1, 1))
-    return bool((surroundings.gaps(centers, np.full(len(COLUMN), RADIUS), values) > MARGIN).all())
+    centers = np.tile(apply(inverse(base_from_asset), BASE[:, :3]), (len(values), 1, 1))
+    return surroundings.clear(centers, BASE[:, 3], values)
