@@ -26,7 +26,8 @@ from robomimic.utils import obs_utils
 from torch import Tensor, nn
 
 from stages.config.training import PAPER, TrainingRun
-from stages.policies.bc_rnn_gmm.network import ACTION, PROPRIO, BcRnnGmm
+from stages.contracts.episode_store import ACTION, PROPRIO
+from stages.policies.bc_rnn_gmm.network import BcRnnGmm
 
 KEYS = ("point_cloud", "proprio")
 # our parameter -> robomimic's, both below their roots
