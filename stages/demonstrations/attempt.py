@@ -1,8 +1,5 @@
 """One attempt at a demonstration: place, plan, run the skill, record."""
 
-import sys
-import time
-
 import numpy as np
 
 from stages.config.demonstrations import DemonstrationsConfig
@@ -13,8 +10,6 @@ from stages.skills import FAR, Float, Outcome
 from stages.skills.chain import SkillChain
 from stages.tasks.api import TaskEnv
 
-PROGRESS_SECONDS = 5.0
-
 
 class Recorder:
     """Runs attempts on a task by the skills of its chain; the first `film` successes (or any attempts) are filmed."""
@@ -23,7 +18,6 @@ class Recorder:
         self.task, self.options, self.film, self.failures = task, options, film, failures
         self.taken: list[Taken] = []
         self.chain = SkillChain(task, options)
-        self._started = self._reported = time.monotonic()
 
     def attempt(self, seed: int) -> tuple[RecordedEpisode, Outcome]:
         """Run the skills from the initial state of `seed`."""
@@ -55,13 +49,6 @@ class Recorder:
             clouds = [*episode.point_clouds, task.observe()["point_cloud"]]
             self.taken.append(Taken(seed, task.asset, outcome.success, task.opened, task.recording(moments), clouds))
         return episode, outcome
-
-    def report(self, kept: int, wanted: int, attempts: int) -> None:
-        """A line on stderr every few seconds, and at the end."""
-        now = time.monotonic()
-        if now - self._reported > PROGRESS_SECONDS or kept == wanted:
-            self._reported = now
-            print(f"demonstrations: {kept}/{wanted} from {attempts} attempts", file=sys.stderr)
 
 
 def approach_speed(seed: int, options: DemonstrationsConfig) -> float:

@@ -1,5 +1,6 @@
 """`collect`: run the skills until enough attempts succeed (paper A.5: rejection sampling)."""
 
+import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from itertools import cycle
@@ -56,7 +57,7 @@ def run(
     wanted = plan.behind(role, assets)
     if gone := [entry.asset for entry in wanted if entry.asset not in models]:
         fix = "was the library rebuilt? run the stages after it again"
-        raise InputError(library, f"has no asset {gone[0]!r}.", fix)
+        raise InputError(library, f"has no asset {gone[0]!r}.", fix, code="E-LIBRARY-ASSET")
     chosen = [(models[entry.asset], entry) for entry in wanted]
     folder, entry = chosen[0]
     randomise = settings.randomise if role == "twin_randomised" else None
@@ -78,6 +79,7 @@ def run(
             f"only {len(kept)} of {episodes} demonstrations after {len(ledger)} attempts on {name} ({causes}); "
             f"{failed} tells of each.",
             "raise demonstrations.max_attempts_factor, narrow the ranges of `task`, or choose another object",
+            code="E-DEMONSTRATIONS-FEW",
         )
     failed.unlink(missing_ok=True)
     write_text(out.parent / "attempts.jsonl", lines)
@@ -110,8 +112,7 @@ def take_turns(
             )
             if outcome.success:
                 kept.append(episode)
-            recorder.report(len(kept), episodes, len(ledger))
-            if outcome.success:
+                print(f"demonstrations: {len(kept)}/{episodes} from {len(ledger)} attempts", file=sys.stderr)
                 break
         if len(kept) == episodes or len(ledger) == len(seeds):
             break

@@ -86,7 +86,9 @@ class Arena:
             InputError: the library does not have it.
         """
         if asset.asset not in self.folders:
-            raise InputError(self.library, f"has no asset '{asset.asset}'.", "run the matching stage again")
+            raise InputError(
+                self.library, f"has no asset '{asset.asset}'.", "run the matching stage again", code="E-LIBRARY-ASSET"
+            )
         return self.folders[asset.asset]
 
     def rows(self, acting: Acting, role: str, episodes: Sequence[RolloutEpisode]) -> list[Rollout]:
@@ -127,7 +129,7 @@ class PolicyArena(Arena):
         super().__init__(assets, library, self.trained.task_options, settings.vary_scale)
         if self.plan.task != self.trained.task:
             what = f"was trained on the task '{self.trained.task}', {assets} is for '{self.plan.task}'."
-            raise InputError(policy, what)
+            raise InputError(policy, what, code="E-POLICY-TASK")
         torch.set_num_threads(1)
 
     def network(self, checkpoint: str) -> TrainablePolicy:

@@ -21,7 +21,11 @@ def check_same_scene(scenes: list[GeneratedScene], objects: Objects, truth: Trut
     """
     names = {scene.scene for scene in scenes} | {objects.scene, truth.scene}
     if len(names) > 1:
-        raise InputError("--scenes, --objects, --truth", f"are of different scenes: {', '.join(sorted(names))}.")
+        raise InputError(
+            "--scenes, --objects, --truth",
+            f"are of different scenes: {', '.join(sorted(names))}.",
+            code="E-SCENES-MIXED",
+        )
 
 
 def check_categories(path: Path, items: Sequence[PlacedObject | TrueObject], categories: Mapping[str, str]) -> None:
@@ -34,7 +38,7 @@ def check_categories(path: Path, items: Sequence[PlacedObject | TrueObject], cat
         known = categories.get(item.asset, item.category)
         if item.category != known:
             what = f"says that {item.asset} is a '{item.category}', but in the library it is a '{known}'."
-            raise InputError(path, what, "make it again")
+            raise InputError(path, what, "make it again", code="E-SCENES-CATEGORY")
 
 
 def judges(cousins: Path | None, scene: str) -> dict[str, dict[str, str]]:
@@ -47,7 +51,7 @@ def judges(cousins: Path | None, scene: str) -> dict[str, dict[str, str]]:
         return {}
     found = read_json(Cousins, cousins)
     if found.scene != scene:
-        raise InputError(cousins, f"is of scene {found.scene}, not of {scene}.")
+        raise InputError(cousins, f"is of scene {found.scene}, not of {scene}.", code="E-SCENES-MIXED")
     return {
         item.id: {"model_judge": item.decided_by, "orientation_judge": item.orientation_decided_by}
         for item in found.objects
@@ -83,7 +87,12 @@ def run(
     folders = AssetFolders(library)
     strangers = sorted({item.asset for item in true.objects} - set(folders))
     if strangers:
-        raise InputError(truth, f"has assets that {library} lacks: {', '.join(strangers)}.", "render the room again")
+        raise InputError(
+            truth,
+            f"has assets that {library} lacks: {', '.join(strangers)}.",
+            "render the room again",
+            code="E-LIBRARY-ASSET",
+        )
     categories = {entry.id: entry.category for entry in read_json(Library, library).assets}
     for path, scene in zip(scenes, generated, strict=True):
         check_categories(path, scene.objects, categories)

@@ -50,7 +50,7 @@ def run(
             checkpoints = arena.trained.checkpoints
         if not checkpoints:
             mend = "set training `keep`, or `checkpoint: best`"
-            raise InputError(policy, "has no kept checkpoints to choose from.", mend)
+            raise InputError(policy, "has no kept checkpoints to choose from.", mend, code="E-POLICY-CHECKPOINTS")
         twin = arena.plan.playing("twin", assets)
         starts = [(twin, state) for state in initial_states("trial", seed, settings.selection_rollouts)]
         for name in checkpoints:

@@ -81,15 +81,27 @@ def read_demonstrations(paths: Sequence[Path], per_store: int, let_go: bool = Tr
     """
     if not paths or per_store < 1:
         raise InputError(
-            "--episodes, --per-store", "name no episodes to train on.", "at least one store and one episode"
+            "--episodes, --per-store",
+            "name no episodes to train on.",
+            "at least one store and one episode",
+            code="E-EPISODES-NONE",
         )
     stores = [read_episodes(path, per_store) for path in paths]
     first = stores[0]
     for path, store in zip(paths, stores, strict=True):
         if (store.task, store.task_options) != (first.task, first.task_options):
-            raise InputError(path, f"was collected for another task or with other task options than {paths[0]}.")
+            raise InputError(
+                path,
+                f"was collected for another task or with other task options than {paths[0]}.",
+                code="E-EPISODES-MIXED",
+            )
         if task and store.task != task:
-            raise InputError(path, f"was collected for the task '{store.task}', not '{task}'.", "collect it again")
+            raise InputError(
+                path,
+                f"was collected for the task '{store.task}', not '{task}'.",
+                "collect it again",
+                code="E-EPISODES-TASK",
+            )
     episodes = [
         episode if let_go else tuple(array[: held(episode[2])] for array in episode)
         for store in stores

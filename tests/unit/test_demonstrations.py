@@ -21,6 +21,7 @@ from stages.demonstrations.collect import attempt_seeds, run
 from stages.simulation.loading import SURFACE_FRICTION
 from stages.tasks.api import make_task
 from stages.tasks.randomised import draw_factors
+from tests.refusals import refused
 from tests.unit.demo_assets import an_asset, cabinet
 
 TASK = {"scale_variants": 1, "points": 128, "finger_points": 16, "camera_size": 64}
@@ -175,7 +176,7 @@ def test_an_asset_that_was_drawn_by_chance_has_a_store_of_its_own(tmp_path: Path
 def test_too_few_successes_are_one_line_and_no_file(tmp_path: Path) -> None:
     inputs = experiment(tmp_path, handle="none")
     out = tmp_path / "out" / "episodes.h5"
-    with pytest.raises(InputError, match=r"only 0 of 2 .* \(no_handle 6\)"):
+    with refused("E-DEMONSTRATIONS-FEW"):
         run(**inputs, role="twin", episodes=2, out=out, task_options=json.dumps(TASK))
     ledger = (out.parent / "attempts.failed.jsonl").read_text().splitlines()
     assert [Attempt.model_validate_json(line).cause for line in ledger] == ["no_handle"] * 6
