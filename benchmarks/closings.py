@@ -120,7 +120,7 @@ def starts(plan: TaskAssets, role: str, given: argparse.Namespace) -> list[Start
     if role in ("test", "validation"):
         settings = SkillOptions(split=role, assets=given.unseen, asset_rollouts=given.unseen_rollouts)
         return unseen_starts(plan, settings, given.seed)
-    return taking_turns(plan.behind(role, given.assets), initial_states("roles", given.seed, given.rollouts))
+    return taking_turns(plan.assets_of(role, given.assets), initial_states("roles", given.seed, given.rollouts))
 
 
 def draw(given: argparse.Namespace) -> None:

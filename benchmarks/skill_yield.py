@@ -92,7 +92,7 @@ def film(
     world = make_task(task, folder, row["joint"], size, TaskConfig(), render=True)
     recorder = Recorder(world, options, film=1, failures=True)
     recorder.attempt(int(row["seed"]))
-    write_demonstration_films(out, recorder.taken, "twin", world.options.control_frequency)
+    write_demonstration_films(out, recorder.filmed, "twin", world.options.control_frequency)
     world.close()
 
 

@@ -54,7 +54,7 @@ def run(
     settings = read_options(DemonstrationsConfig, options)
     world = read_options(TaskConfig, task_options)
     plan, models = read_json(TaskAssets, assets), AssetFolders(library)
-    wanted = plan.behind(role, assets)
+    wanted = plan.assets_of(role, assets)
     if gone := [entry.asset for entry in wanted if entry.asset not in models]:
         fix = "was the library rebuilt? run the stages after it again"
         raise InputError(library, f"has no asset {gone[0]!r}.", fix, code="E-LIBRARY-ASSET")
@@ -67,7 +67,7 @@ def run(
     kept, ledger = take_turns(recorder, chosen, seeds, episodes)
     name = chosen[0][1].asset if len(chosen) == 1 else role
     if len(kept) == episodes:
-        write_demonstration_films(out.parent, recorder.taken, role, world.control_frequency)
+        write_demonstration_films(out.parent, recorder.filmed, role, world.control_frequency)
     task.close()
     lines = "".join(line.model_dump_json() + "\n" for line in ledger)
     failed = out.parent / FAILED_LEDGER

@@ -13,7 +13,7 @@ from stages.simulation.studio import Image, Recording, Studio
 
 
 @dataclass(frozen=True)
-class Taken:
+class FilmedAttempt:
     """An attempt to be filmed, and the clouds that were seen at its moments."""
 
     seed: int
@@ -24,7 +24,7 @@ class Taken:
     clouds: Sequence[NDArray[np.floating]]
 
 
-def draw_cloud(cloud: NDArray[np.floating]) -> Image:
+def plot_cloud(cloud: NDArray[np.floating]) -> Image:
     """A cloud (P, 4) in the base frame as (SIZE / 2, SIZE, 3): from the front (y, z) and from the side (x, z)."""
     half = SIZE // 2
     image = np.full((half, SIZE, 3), 255, np.uint8)
@@ -39,10 +39,10 @@ def draw_cloud(cloud: NDArray[np.floating]) -> Image:
 
 def strip_of(pictures: Sequence[Image], clouds: Sequence[NDArray[np.floating]]) -> Image:
     """One episode: pictures in a row, the clouds below them."""
-    return np.concatenate([strip(pictures), np.concatenate([draw_cloud(cloud) for cloud in pick(clouds)], axis=1)])
+    return np.concatenate([strip(pictures), np.concatenate([plot_cloud(cloud) for cloud in pick(clouds)], axis=1)])
 
 
-def write_demonstration_films(folder: Path, taken: Sequence[Taken], role: str, frequency: float) -> None:
+def write_demonstration_films(folder: Path, taken: Sequence[FilmedAttempt], role: str, frequency: float) -> None:
     """Write films.zip and film.png into `folder`; what was recorded must still be open."""
     studio = Studio()
     films, strips = [], []

@@ -37,7 +37,7 @@ class Disturbance:
         return self.actions[self.done - 1]
 
 
-def draw_disturbance(rng: np.random.Generator, share: float) -> Disturbance | None:
+def sample_disturbance(rng: np.random.Generator, share: float) -> Disturbance | None:
     """With probability `share` one of both kinds, drawn from `rng`."""
     if rng.random() >= share:
         return None

@@ -17,7 +17,7 @@ from stages.contracts.films import Film
 from stages.contracts.in_scene import SceneDemonstration, SceneDemonstrations
 from stages.demonstrations.attempt import Recorder
 from stages.demonstrations.collect import attempt_seeds
-from stages.demonstrations.film import Taken, draw_cloud, strip_of
+from stages.demonstrations.film import FilmedAttempt, plot_cloud, strip_of
 from stages.demonstrations.standing import in_the_way, places, touched
 from stages.demonstrations.store import StoreHeader, write_episodes
 from stages.plugins import load
@@ -98,13 +98,13 @@ def run(
             print(f"demonstrations: rank {one.rank}: {one.reason or 'ok'}", file=sys.stderr)
         pack(Path(stores), out / "episodes.zip")
     write_films(out / "films.zip", films, world.control_frequency)
-    write_png(out / "film.png", np.concatenate(strips or [draw_cloud(np.zeros((0, 4)))]))
+    write_png(out / "film.png", np.concatenate(strips or [plot_cloud(np.zeros((0, 4)))]))
     write_json(out / "in_scene.json", SceneDemonstrations(task=task, object=object, demonstrations=found))
 
 
 def in_one(
     path: Path, made: GeneratedScene, object: str, library: Path, cache: Path, setting: Setting
-) -> tuple[SceneDemonstration, Taken | None]:
+) -> tuple[SceneDemonstration, FilmedAttempt | None]:
     """A demonstration in one scene, with what is to be filmed."""
     about: dict[str, Any] = {"scene": made.scene, "variant": made.variant, "rank": made.rank}
     placed = {item.id: item for item in made.objects}
@@ -138,7 +138,7 @@ def in_one(
             )  # fmt: skip
             task.close()
             done = SceneDemonstration(**about, status="ok", attempts=attempts, shift=room.shift, film=film)
-            return done, recorder.taken[0]
+            return done, recorder.filmed[0]
         against = ", ".join(sorted(touched(task, room)))
         reasons[f"{outcome.cause}{f' against {against}' if against else ''}"] += 1
         if attempts == TRIES or outcome.cause == "no_handle":

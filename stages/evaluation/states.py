@@ -46,9 +46,9 @@ def starts_of(
     starts: dict[str, list[Start]] = {}
     for role in settings.test_assets:
         if role != TRAINED:
-            starts[role] = [(plan.playing(role, where), state) for state in states]
+            starts[role] = [(plan.asset_of(role, where), state) for state in states]
         elif trained:
-            starts[role] = taking_turns([asset for name in trained for asset in plan.behind(name, where)], states)
+            starts[role] = taking_turns([asset for name in trained for asset in plan.assets_of(name, where)], states)
     unseen = unseen_starts(plan, settings, seed)
     return starts | {settings.split: unseen} if unseen else starts
 

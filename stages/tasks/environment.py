@@ -25,12 +25,12 @@ from stages.simulation.robot import GRIPPER_OPEN, REST, AcdcPanda, ActionScale
 from stages.simulation.room import Room
 from stages.simulation.studio import Prop
 from stages.simulation.target import Target, descends, read_target
+from stages.tasks.base_placement import AJAR, reachable_base, success_opening
 from stages.tasks.cameras import Camera, film_camera, shoulder
-from stages.tasks.initial_state import base_pose, draw_initial_state, drawn_scale, nominal_root, object_motion
+from stages.tasks.initial_state import base_pose, nominal_root, object_motion, sample_initial_state, sampled_scale
 from stages.tasks.movable import Movable
-from stages.tasks.observation import Eyes, Observation
-from stages.tasks.randomised import draw_factors, randomise
-from stages.tasks.standing import AJAR, standing, success_opening
+from stages.tasks.observation import CameraRig, Observation
+from stages.tasks.randomised import randomise, sample_factors
 from stages.tasks.task import Task
 
 LARGEST_ID = 30_000  # of an entity: a picture holds 16 bits of it, and every change of scale takes new ones
@@ -79,7 +79,7 @@ class OpenTaskEnv(BaseEnv):
         drawn_from = self.randomise.extents if self.randomise else self.options.scale_range
         self.scale_range = drawn_from if vary_scale else None
         self.joint_name = joint or self.task.suitable_joint(self.asset_folder)
-        self.eyes = Eyes(self.cameras(), self.options)
+        self.rig = CameraRig(self.cameras(), self.options)
         known = {"control_mode": self.options.controller, "sim_backend": self.options.sim_backend}
         known |= {"render_backend": render_backend()} | kwargs
         super().__init__(*args, robot_uids=robot_uids, obs_mode=obs_mode, **known)
@@ -104,7 +104,7 @@ class OpenTaskEnv(BaseEnv):
 
     @property
     def _default_sensor_configs(self) -> list[CameraConfig]:
-        return self.eyes.configs(self.agent)
+        return self.rig.configs(self.agent)
 
     def cameras(self) -> Sequence[Camera]:
         """The depth cameras whose points make up the cloud."""
@@ -128,7 +128,7 @@ class OpenTaskEnv(BaseEnv):
                 self.room.load(scene)
 
     def _drawn_scales(self, seeds: Sequence[int]) -> Array:
-        return np.array([drawn_scale(int(seed), self.options, self.scale_range) for seed in seeds])
+        return np.array([sampled_scale(int(seed), self.options, self.scale_range) for seed in seeds])
 
     def _load_object(self, scales: Array) -> None:
         """Put the asset into every environment at its scale, (N, 3)."""
@@ -149,7 +149,7 @@ class OpenTaskEnv(BaseEnv):
         for body, seed in zip(self.object._objs, self._episode_seed, strict=True):
             soften(body)
             if self.randomise:
-                randomise(body, draw_factors(int(seed), self.randomise))
+                randomise(body, sample_factors(int(seed), self.randomise))
         index = [joint.name for joint in bodies[0].active_joints].index(self.joint_name)
         if self.gpu_sim_enabled:  # what is on the GPU cannot be measured before the first step: measure a twin of it
             world = physics_scene()
@@ -205,7 +205,7 @@ class OpenTaskEnv(BaseEnv):
                 self._exchange_object(scales)
         bases, roots, qpos = [], [], []
         for index, seed in zip(indices, seeds, strict=True):
-            setup, target = draw_initial_state(seed, self.options), self.targets[index]
+            setup, target = sample_initial_state(seed, self.options), self.targets[index]
             nominal = nominal_root(self.asset, self.scales[index])
             at = np.add(target.reference + nominal, self.robot_shift)
             bases.append(base_pose(at, target.side, setup, self.options, target.flap))
@@ -214,9 +214,10 @@ class OpenTaskEnv(BaseEnv):
             if self.room:
                 bases[-1], roots[-1] = self.room.stand(bases[-1]), self.room.world_from_nominal @ roots[-1]
             elif target.side and target.handle is not None:  # a door: its arc may lead where the arm cannot follow
-                reached = standing(bases[-1], roots[-1], qpos[-1][:7], self.around(index), self.success_opening(index))
+                joints, opening = qpos[-1][:7], self.success_opening(index)
+                reached = reachable_base(bases[-1], roots[-1], joints, self.around(index), opening)
                 bases[-1] = bases[-1] if reached is None else reached
-            self.eyes.place(self._sensors, index, seed)
+            self.rig.place(self._sensors, index, seed)
         self.agent.robot.set_qpos(torch.as_tensor(np.stack(qpos), dtype=torch.float32, device=self.device))
         self.agent.robot.set_pose(to_poses(np.stack(bases)))
         self.object.set_pose(to_poses(np.stack(roots)))
@@ -259,9 +260,9 @@ class OpenTaskEnv(BaseEnv):
         pictures = []
         if render:
             self.scene.update_render(update_sensors=True, update_human_render_cameras=False)
-            pictures = self.eyes.capture(self._sensors)
+            pictures = self.rig.capture(self._sensors)
         joints = self.agent.robot.get_qpos().cpu().numpy().astype(np.float64)
-        return [self.eyes.observation(row, pictures, self.seen_ids(i), i) for i, row in enumerate(joints)]
+        return [self.rig.observation(row, pictures, self.seen_ids(i), i) for i, row in enumerate(joints)]
 
     def get_obs(self, info: dict[str, Any] | None = None, unflattened: bool = False) -> Any:
         """ManiSkill's observation; in mode 'pointcloud' what a policy sees, batched."""

@@ -29,7 +29,7 @@ class Observation(TypedDict):
     proprio: Float
 
 
-class Eyes:
+class CameraRig:
     """The cameras of a task's environments, and what they see of them."""
 
     def __init__(self, cameras: Sequence[Camera], options: TaskConfig) -> None:

@@ -20,7 +20,7 @@ from stages.contracts.library_folder import write_part
 from stages.demonstrations.collect import attempt_seeds, run
 from stages.simulation.loading import SURFACE_FRICTION
 from stages.tasks.api import make_task
-from stages.tasks.randomised import draw_factors
+from stages.tasks.randomised import sample_factors
 from tests.refusals import refused
 from tests.unit.demo_assets import an_asset, cabinet
 
@@ -159,10 +159,10 @@ def test_a_randomised_twin_is_another_one_in_every_attempt(tmp_path: Path) -> No
 
 
 def test_factors_follow_from_the_seed_and_half_is_as_likely_as_double() -> None:
-    drawn = np.log2([draw_factors(seed, RandomiseOptions(mass=(0.5, 2.0))) for seed in range(400)])
+    drawn = np.log2([sample_factors(seed, RandomiseOptions(mass=(0.5, 2.0))) for seed in range(400)])
     assert np.abs(drawn[:, 1]).max() <= 1.0 and abs(np.median(drawn[:, 1])) < 0.15 and drawn[:, 1].std() > 0.5
     assert abs(np.corrcoef(drawn.T)[0, 1]) < 0.15
-    assert draw_factors(3, RandomiseOptions()) == draw_factors(3, RandomiseOptions())
+    assert sample_factors(3, RandomiseOptions()) == sample_factors(3, RandomiseOptions())
 
 
 def test_an_asset_that_was_drawn_by_chance_has_a_store_of_its_own(tmp_path: Path) -> None:

@@ -23,7 +23,7 @@ from stages.skills.close import CloseSkill
 from stages.skills.motion import Motion
 from stages.skills.open import OpenSkill
 from stages.tasks.api import TaskEnv, make_task
-from stages.tasks.standing import AJAR
+from stages.tasks.base_placement import AJAR
 from tests.refusals import refused
 from tests.unit.demo_assets import cabinet
 

@@ -2,7 +2,7 @@
 
 from stages.simulation.target import Target
 from stages.skills.articulate import ArticulateSkill
-from stages.tasks.standing import AJAR
+from stages.tasks.base_placement import AJAR
 
 
 class CloseSkill(ArticulateSkill):

@@ -59,7 +59,7 @@ def seen_mesh(folder: Path) -> trimesh.Trimesh:
     return mesh
 
 
-def drawn_scale(extents: Array) -> float:
+def sampled_scale(extents: Array) -> float:
     """The scale of a bowl beside an object with these extents (3,): the same object, the same bowl."""
     entropy = [round(1e4 * extent) for extent in extents]
     return float(np.random.default_rng((*entropy, 47)).uniform(*SCALE))

@@ -20,14 +20,14 @@ from stages.simulation.loading import ParsedAsset
 from stages.simulation.poses import to_poses
 from stages.simulation.region import Region
 from stages.simulation.studio import Prop
+from stages.tasks.base_placement import AJAR
 from stages.tasks.cameras import WRIST, Camera, other_shoulder, shoulder
 from stages.tasks.environment import OpenTaskEnv
 from stages.tasks.initial_state import nominal_root
 from stages.tasks.movable import Movable
 from stages.tasks.put_away_bowl import TASK
-from stages.tasks.put_away_bowl.bowl import AROUND, default_bowl, drawer_floor, drawn_scale, fitting_scale, seen_mesh
+from stages.tasks.put_away_bowl.bowl import AROUND, default_bowl, drawer_floor, fitting_scale, sampled_scale, seen_mesh
 from stages.tasks.put_away_bowl.bowl import stand as stand_folder
-from stages.tasks.standing import AJAR
 
 FOOT = (-0.01, 0.04)  # metres about the drawer's floor at which the foot of a bowl in it is
 SEEN = ((0.05, -0.6, 0.05), (1.0, 0.6, 0.95))  # workspace in the base frame that has the stand in it
@@ -97,7 +97,7 @@ class PutAwayBowlEnv(OpenTaskEnv):
                 raise InputError(
                     self.asset_folder, f"'{self.joint_name}' is no drawer with a level floor.", code="E-DRAWER-FLOOR"
                 )
-            drawn = drawn_scale(np.array(self.asset.size) * scale)
+            drawn = sampled_scale(np.array(self.asset.size) * scale)
             factor = round(min(drawn, fitting_scale(mesh.extents, floor, target)), 3)
             self.floors.append(floor)
             self.bowl_scales.append(factor)

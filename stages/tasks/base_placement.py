@@ -14,7 +14,7 @@ from stages.simulation.robot import panda_chain
 from stages.simulation.target import Target
 
 # Metres farther out from the front and towards the hinge, in this order.
-PLACES = tuple((out, towards) for out in (0.1, 0.2) for towards in (0.15, 0.3, 0.45))
+NEARBY = tuple((out, towards) for out in (0.1, 0.2) for towards in (0.15, 0.3, 0.45))
 AJAR = 0.1  # of a joint's range: open by less it counts as shut (from here on as opened: official code)
 MOTION = DemonstrationsConfig()
 
@@ -25,7 +25,7 @@ def success_opening(target: Target, options: TaskConfig) -> float:
     return float(min(options.success_fraction, enough / (target.upper - target.lower)))
 
 
-def standing(base: Array, root: Array, joints: Array, surroundings: Surroundings, opening: float) -> Array | None:
+def reachable_base(base: Array, root: Array, joints: Array, surroundings: Surroundings, opening: float) -> Array | None:
     """(4, 4) pose of the robot's base from which the arm follows a door's handle; None: there is none.
 
     Args:
@@ -36,25 +36,25 @@ def standing(base: Array, root: Array, joints: Array, surroundings: Surroundings
         opening: fraction of the range that counts as open.
     """
     for goal in opened_to(surroundings.target, opening, MOTION.goal_margin):
-        for place in places(base, surroundings.target):
+        for place in nearby_bases(base, surroundings.target):
             base_from_asset = inverse(place) @ root
             if place is not base and not _passes(base_from_asset, surroundings, goal):
                 continue
-            if followed(base_from_asset, joints, surroundings, goal):
+            if can_follow(base_from_asset, joints, surroundings, goal):
                 return place
     return None
 
 
-def followed(base_from_asset: Array, joints: Array, surroundings: Surroundings, goal: float) -> bool:
+def can_follow(base_from_asset: Array, joints: Array, surroundings: Surroundings, goal: float) -> bool:
     """Whether the arm, from `joints` (7,), can move a joint from closed to a value."""
     start = surroundings.target.lower
     return plan_articulation(panda_chain(), joints, base_from_asset, surroundings, start, goal, MOTION) is not None
 
 
-def places(base: Array, target: Target) -> Iterator[Array]:
+def nearby_bases(base: Array, target: Target) -> Iterator[Array]:
     """Where the robot may stand, first where it always does."""
     yield base
-    for out, towards in PLACES:
+    for out, towards in NEARBY:
         yield rigid(np.eye(3), [out, -target.side * towards, 0.0]) @ base
 
 
