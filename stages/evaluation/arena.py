@@ -136,7 +136,7 @@ class PolicyArena(Arena):
         """The policy with the weights of a checkpoint."""
         return load_policy(self.policy, checkpoint, self.device)
 
-    def play(self, network: TrainablePolicy, starts: Sequence[Start], record: bool = False) -> list[RolloutEpisode]:
+    def episodes(self, network: TrainablePolicy, starts: Sequence[Start], record: bool = False) -> list[RolloutEpisode]:
         """The episodes, in the order of their starts."""
         folders = {asset.asset: self.folder(asset) for asset, _ in starts}
         tasks = self.tasks(min(self.settings.envs, len(starts)), starts[0][0])

@@ -66,7 +66,7 @@ def run(
         for role, starts in tested.items():
             same = tuple((asset.asset, state) for asset, state in starts)
             if same not in played:
-                played[same] = arena.play(network, starts, record=True)
+                played[same] = arena.episodes(network, starts, record=True)
                 films += take(arena.studio, played[same], role, settings.film_frames)
             successes = sum(episode.success for episode in played[same])
             print(f"evaluation: {role} {successes}/{len(starts)} succeeded", file=sys.stderr)

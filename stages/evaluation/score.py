@@ -78,8 +78,8 @@ def run(
         library: library.json; the true models must be in it.
         out: scores.csv.
         cousins: cousins.json that the scenes were made from: it says who decided.
-        protocol: how the room was met, if otherwise than for Table 2.
-        draw: the seed with which it was met.
+        protocol: robustness variant of the room (`experiment.protocols`); empty: as for Table 2.
+        draw: seed of that variant.
     """
     generated = [read_json(GeneratedScene, path) for path in scenes]
     seen, true = read_json(Objects, objects), read_json(Truth, truth)
@@ -98,9 +98,9 @@ def run(
         check_categories(path, scene.objects, categories)
     check_categories(truth, true.objects, categories)
     decided = judges(cousins, true.scene)
-    met = {"protocol": protocol, "draw": draw}
+    variant = {"protocol": protocol, "draw": draw}
     rows = [
-        row.model_dump() | decided.get(row.object, {}) | met
+        row.model_dump() | decided.get(row.object, {}) | variant
         for scene in generated
         for row in score_scene(scene, seen, true, folders)
     ]

@@ -1,4 +1,4 @@
-"""Who is rolled out on what, and from where: pairs of an asset and the seed of an initial state."""
+"""The episodes of an evaluation: pairs of an asset and the seed of an initial state."""
 
 import sys
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ from stages.contracts.policies import TaskAsset, TaskAssets
 
 Purpose = Literal["roles", "test", "validation", "trial"]
 Start = tuple[TaskAsset, int]
-FIRST_STATE = 2**31  # demonstrations use seeds below: no policy is tested on a state that it was shown
+FIRST_STATE = 2**31  # demonstrations use seeds below: no policy is tested on a state that it was trained on
 TRAINED = "trained"  # test role of the assets that a policy was trained on
 
 

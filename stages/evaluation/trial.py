@@ -54,7 +54,7 @@ def run(
         twin = arena.plan.asset_of("twin", assets)
         starts = [(twin, state) for state in initial_states("trial", seed, settings.selection_rollouts)]
         for name in checkpoints:
-            played = arena.play(arena.network(name), starts)
+            played = arena.episodes(arena.network(name), starts)
             successes = sum(episode.success for episode in played)
             print(f"evaluation: {name} opens the twin {successes}/{len(starts)} times", file=sys.stderr)
             acting = Acting(task_name, assets_of or task_name, training_set, run_name, arena.trained.seed, name)

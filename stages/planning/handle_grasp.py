@@ -51,8 +51,8 @@ def grasps(target: Target, handle: Handle) -> Iterator[Grasp]:
 
 
 def from_the_hinge(target: Target, handle: Handle) -> Iterator[Grasp]:
-    """Candidates for a wide door that nothing else opens: the hand comes from the side of the hinge, before which the
-    front stays as it turns."""
+    """Candidates for a wide door that no other grasp opens: the hand comes from the side of the hinge, where the front
+    stays near the robot as it turns."""
     upright = not (handle.elongated and abs(handle.axis[2]) < 0.5)
     for follow in (0.5, 1.0, 0.0) if target.side and upright else ():
         for swing in (0.35, 0.7):

@@ -104,7 +104,7 @@ class TaskEnv:
         self._nominal: dict[tuple[Path, Size], Path] = {}  # folders of assets at their nominal sizes
 
     def turn_to(self, assets: Path, joint: str, size: Size | None) -> None:
-        """Be about another asset and joint from the next episode on; see `make_task`."""
+        """Use another asset and joint from the next episode on; see `make_task`."""
         asset, role = read_json(Asset, assets / "asset.json"), self.task.role
         names = [candidate.name for candidate in asset.joints if candidate.role == role]
         if joint not in names:
@@ -125,7 +125,7 @@ class TaskEnv:
         return self.observe()
 
     def place(self, seed: int) -> None:
-        """`reset` without looking: a skill plans before it needs a picture."""
+        """`reset` without an observation, which a skill does not need to plan."""
         folder = self._nominal_folder()
         if self._env is None:
             from stages.simulation.rendering import render_backend
@@ -156,7 +156,7 @@ class TaskEnv:
         return StepResult(self.observe(), self.success, self.official_success, self.opened, done)
 
     def act(self, action: Float) -> None:
-        """`step` without looking."""
+        """`step` without an observation."""
         _, _, _, _, info = self.env.step(np.asarray(action, np.float32))
         self.steps += 1
         self.success, self.opened = bool(info["success"][0]), float(info["opened"][0])
@@ -188,7 +188,7 @@ class TaskEnv:
         return np.asarray(controller._target_pose.sp.to_transformation_matrix(), dtype=float)
 
     def moment(self) -> Moment:
-        """Where everything is, for a film."""
+        """Poses and joints of robot, asset and props, for a film."""
         env = self.env
         poses = [body.pose[0].sp.to_transformation_matrix() for body in (env.agent.robot, env.object)]
         joints = [

@@ -43,8 +43,8 @@ def run(*, policy: Path, out: Path, checkpoint: str = "best", action: Choice = "
     if not config.run.network.cloud:
         raise InputError(
             policy,
-            "is a policy without a cloud, a baseline for rollouts.",
-            "export one that has eyes",
+            "sees no cloud: it is a baseline for rollouts.",
+            "export one with network.cloud: true",
             code="E-POLICY-PORTABLE",
         )
     code = importlib.import_module(f"{module}.portable")

@@ -105,8 +105,8 @@ def fitting(poses: Array, points: Array, floor: float, opening: float) -> Array:
 def by_turn(poses: Array, hand: Array) -> Array:
     """Grasps (N, 4, 4), those with the least change of orientation from `hand` (4, 4) first.
 
-    A gripper is the same turned half round: of the two ways the nearer one is taken. Of those that turn alike, within
-    one of the `TURNS`, the nearest to the hand comes first: a bowl offers two opposite rims at the same turn, and where
+    A gripper looks the same after half a turn: the nearer of the two orientations is used. Among equal turns, to one
+    of the `TURNS`, the nearest to the hand comes first: a bowl offers two opposite rims at the same turn, and where
     demonstrations take either, a policy closes between them (docs/results/742a43a/table3-why.md).
     """
     flipped = poses @ np.diag([-1.0, -1.0, 1.0, 1.0])
