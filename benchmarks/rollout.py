@@ -19,8 +19,8 @@ START = time.process_time()
 import torch  # noqa: E402
 
 from stages.assets.library import make  # noqa: E402
-from stages.config.task import TaskConfig  # noqa: E402
 from stages.config.training import TrainingConfig  # noqa: E402
+from stages.contracts.task_options import TaskConfig  # noqa: E402
 from stages.policies import TrainablePolicy, make_policy  # noqa: E402
 from stages.policies.checkpoint import load_policy  # noqa: E402
 from stages.tasks.api import TaskEnv, make_task  # noqa: E402

@@ -7,7 +7,7 @@ import sapien
 from sapien.physx import PhysxArticulation
 
 from stages.articulated.asset_folder import read_asset
-from stages.config.task import TaskConfig
+from stages.contracts.task_options import TaskConfig
 from stages.geometry.frames import inverse
 from stages.planning.articulation import opened_to
 from stages.planning.clearance import Surroundings

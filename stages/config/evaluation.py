@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from stages.config.base import Section
+from stages.contracts.section import Section
 
 
 class SceneOptions(Section):

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 
 from stages.config.demonstrations import DemonstrationsConfig
-from stages.config.task import TaskConfig
 from stages.contracts import InputError, TaskAssets, read_json, read_options, write_text
 from stages.contracts.library_folder import AssetFolders
 from stages.contracts.policies import Attempt, TaskAsset
+from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
 from stages.demonstrations.film import write_demonstration_films
 from stages.demonstrations.store import RecordedEpisode, StoreHeader, write_episodes

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 
 from stages.config.demonstrations import DemonstrationsConfig
-from stages.config.task import TaskConfig
 from stages.contracts import GeneratedScene, InputError, read_json, read_options, write_json
 from stages.contracts.archives import pack
 from stages.contracts.films import Film
 from stages.contracts.in_scene import SceneDemonstration, SceneDemonstrations
+from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
 from stages.demonstrations.collect import attempt_seeds
 from stages.demonstrations.film import FilmedAttempt, plot_cloud, strip_of

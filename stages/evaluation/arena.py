@@ -10,12 +10,12 @@ from typing import NamedTuple, Self
 import torch
 
 from stages.config.evaluation import ActingOptions
-from stages.config.task import TaskConfig
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json
 from stages.contracts.library_folder import AssetFolders
 from stages.contracts.policies import Rollout, TaskAsset, TaskAssets
 from stages.contracts.policy_folder import read_config
+from stages.contracts.task_options import TaskConfig
 from stages.evaluation.episodes import RolloutEpisode, roll_out
 from stages.evaluation.states import Start
 from stages.policies import TrainablePolicy, closed_loop

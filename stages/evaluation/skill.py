@@ -5,9 +5,9 @@ from pathlib import Path
 
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.config.evaluation import SkillOptions
-from stages.config.task import TaskConfig
 from stages.contracts.files import read_options
 from stages.contracts.policies import Rollout
+from stages.contracts.task_options import TaskConfig
 from stages.evaluation.arena import Acting, Arena
 from stages.evaluation.episodes import RolloutEpisode
 from stages.evaluation.rows import write_rows

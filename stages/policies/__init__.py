@@ -9,7 +9,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
-from stages.config.training import TrainingRun
+from stages.contracts.training_run import TrainingRun
 from stages.plugins import load
 from stages.policies.proud import mark_proud
 

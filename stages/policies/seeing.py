@@ -4,8 +4,8 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from stages.config.training import TrainingRun
 from stages.contracts.episode_store import PROPRIO
+from stages.contracts.training_run import TrainingRun
 from stages.policies import Float, TrainablePolicy
 from stages.policies.pointnet import PointNet
 from stages.policies.proud import middles, to_handle

@@ -14,8 +14,8 @@ import torch
 from numpy.typing import NDArray
 
 from stages.config.demonstrations import RandomiseOptions
-from stages.config.task import TaskConfig
 from stages.contracts import Asset, InputError, read_json
+from stages.contracts.task_options import TaskConfig
 from stages.plugins import load
 from stages.simulation.kinematics import Array
 from stages.simulation.robot import panda_chain

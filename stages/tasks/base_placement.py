@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from stages.config.demonstrations import DemonstrationsConfig
-from stages.config.task import TaskConfig
+from stages.contracts.task_options import TaskConfig
 from stages.geometry.frames import apply, inverse, rigid
 from stages.planning.articulation import opened_to, plan_articulation
 from stages.planning.clearance import BASE, Surroundings

@@ -9,7 +9,7 @@ from mani_skill.render import PREBUILT_SHADER_CONFIGS
 from mani_skill.sensors.camera import CameraConfig
 from scipy.spatial.transform import Rotation
 
-from stages.config.task import TaskConfig
+from stages.contracts.task_options import TaskConfig
 from stages.geometry.frames import rigid
 from stages.simulation.depth_shaders import depth_shaders
 from stages.simulation.kinematics import Array

@@ -14,7 +14,7 @@ from mani_skill.utils.structs.types import SceneConfig, SimConfig
 from numpy.typing import NDArray
 
 from stages.config.demonstrations import RandomiseOptions
-from stages.config.task import SIMULATION_FREQUENCY, TaskConfig
+from stages.contracts.task_options import SIMULATION_FREQUENCY, TaskConfig
 from stages.geometry.frames import apply, inverse, rigid
 from stages.planning.clearance import Surroundings
 from stages.simulation.kinematics import Array

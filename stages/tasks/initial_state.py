@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.config.task import TaskConfig
 from stages.contracts.library import Asset
+from stages.contracts.task_options import TaskConfig
 from stages.geometry.frames import rigid, yaw_matrix
 
 Array = NDArray[np.float64]

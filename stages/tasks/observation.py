@@ -8,7 +8,7 @@ import sapien
 from mani_skill.sensors.camera import CameraConfig
 from numpy.typing import NDArray
 
-from stages.config.task import TaskConfig
+from stages.contracts.task_options import TaskConfig
 from stages.simulation.depth_shaders import PICTURE
 from stages.simulation.kinematics import Array
 from stages.simulation.observation import finger_points, object_points, proprioception, unified_cloud

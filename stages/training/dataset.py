@@ -10,9 +10,9 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from stages.config.task import TaskConfig
 from stages.contracts.episode_store import read_episodes
 from stages.contracts.errors import InputError
+from stages.contracts.task_options import TaskConfig
 from stages.contracts.trained import TrainingStore
 from stages.training.handles import mark_episodes
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import torch
 from torch import Tensor
 
-from stages.config.training import HandleConfig
+from stages.contracts.training_run import HandleConfig
 from stages.policies.proud import mark_proud
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ import torch
 from torch import Tensor
 
 from stages.cli import progress
-from stages.config.training import TrainingRun
+from stages.contracts.training_run import TrainingRun
 from stages.policies import TrainablePolicy
 from stages.policies.checkpoint import save_weights
 from stages.training.augment import augment, mirror_some

@@ -10,12 +10,12 @@ from typing import Literal
 import torch
 
 from stages.config.code import code_digest, cover
-from stages.config.training import TrainingRun
 from stages.contracts.archives import pack
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_options, write_json, write_text
 from stages.contracts.policy_folder import CHECKPOINTS
 from stages.contracts.trained import TrainedPolicy
+from stages.contracts.training_run import TrainingRun
 from stages.plugins import qualified
 from stages.policies import make_policy
 from stages.policies.checkpoint import FILES, save_weights

@@ -10,8 +10,8 @@ import sapien
 from mani_skill.utils.wrappers.gymnasium import CPUGymWrapper
 
 import stages.tasks  # noqa: F401
-from stages.config.task import TaskConfig
 from stages.contracts.errors import InputError
+from stages.contracts.task_options import TaskConfig
 from stages.geometry.frames import apply, inverse
 from stages.simulation.depth_shaders import PICTURE, depth_shaders
 from stages.simulation.loading import load_asset

@@ -10,13 +10,13 @@ import pytest
 from PIL import Image
 
 from stages.config.demonstrations import RandomiseOptions
-from stages.config.task import TaskConfig
 from stages.contracts import Attempt, InputError, TaskAssets, read_json, write_json
 from stages.contracts.archives import unpack
 from stages.contracts.episode_store import read_episodes
 from stages.contracts.films import Films
 from stages.contracts.ledgers import read_attempts
 from stages.contracts.library_folder import write_part
+from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.collect import attempt_seeds, run
 from stages.simulation.loading import SURFACE_FRICTION
 from stages.tasks.api import make_task

@@ -5,9 +5,9 @@ import pytest
 import torch
 from torch import Tensor
 
-from stages.config.task import TaskConfig
-from stages.config.training import HandleConfig, NetworkConfig, TrainingRun
+from stages.contracts.task_options import TaskConfig
 from stages.contracts.trained import TrainingStore
+from stages.contracts.training_run import HandleConfig, NetworkConfig, TrainingRun
 from stages.policies import closed_loop, make_policy
 from stages.policies.proud import mark_proud, middles, to_handle
 from stages.training.dataset import Batch, DemonstrationSet, gather, steps_until_release

@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stages.config.task import TaskConfig
 from stages.contracts import read_json, write_json
 from stages.contracts.archives import unpack
 from stages.contracts.episode_store import read_episodes
@@ -15,6 +14,7 @@ from stages.contracts.generated import GeneratedScene, PlacedObject
 from stages.contracts.in_scene import SceneDemonstration, SceneDemonstrations
 from stages.contracts.library_folder import write_part
 from stages.contracts.objects import Wall
+from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.scene import run
 from stages.demonstrations.standing import in_the_way, places
 from stages.simulation.room import Room, read_room

@@ -8,7 +8,7 @@ import pytest
 import torch
 
 from stages.articulated.asset_folder import Description, read_model, write_asset
-from stages.config.task import TaskConfig
+from stages.contracts.task_options import TaskConfig
 from stages.geometry.frames import inverse, rigid
 from stages.planning.path import handle_path
 from stages.tasks.api import TaskEnv, make_task

@@ -12,9 +12,9 @@ import torch
 from safetensors.numpy import save_file
 from safetensors.torch import save_file as save_torch
 
-from stages.config.training import NetworkConfig, TrainingRun
 from stages.contracts import InputError
 from stages.contracts.__main__ import main
+from stages.contracts.training_run import NetworkConfig, TrainingRun
 from stages.policies import TrainablePolicy, make_policy
 from stages.policies.checkpoint import load_policy, save_weights
 from stages.training.dataset import read_demonstrations

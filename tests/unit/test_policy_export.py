@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 import torch
 
-from stages.config.task import TaskConfig
-from stages.config.training import HandleConfig, NetworkConfig, TrainingRun
 from stages.contracts import write_json
+from stages.contracts.task_options import TaskConfig
 from stages.contracts.trained import TrainedPolicy, TrainingStore
+from stages.contracts.training_run import HandleConfig, NetworkConfig, TrainingRun
 from stages.policies import closed_loop
 from stages.policies.bc_rnn_gmm import Policy
 from stages.policies.bc_rnn_gmm.loader import PortablePolicy

@@ -9,7 +9,7 @@ import torch
 import trimesh
 
 from stages.config.demonstrations import DemonstrationsConfig
-from stages.config.task import TaskConfig
+from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
 from stages.geometry.frames import apply, rigid, yaw_matrix
 from stages.planning.path import ANGLE_WEIGHT

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from stages.config.demonstrations import DemonstrationsConfig
-from stages.config.task import TaskConfig
+from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
 from stages.demonstrations.recovery import sample_disturbance
 from stages.skills import FAR

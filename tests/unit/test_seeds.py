@@ -13,7 +13,7 @@ import torch
 from stages.config.demonstrations import DemonstrationsConfig, RandomiseOptions
 from stages.config.experiment import ExperimentConfig
 from stages.config.tables import TablesConfig
-from stages.config.task import TaskConfig
+from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import approach_speed
 from stages.demonstrations.collect import attempt_seeds
 from stages.evaluation.states import initial_states

@@ -11,8 +11,8 @@ from scipy.spatial.transform import Rotation
 
 from stages.articulated.handle import Handle
 from stages.config.demonstrations import DemonstrationsConfig
-from stages.config.task import TaskConfig
 from stages.contracts.errors import InputError
+from stages.contracts.task_options import TaskConfig
 from stages.geometry.frames import inverse, rigid, yaw_matrix
 from stages.planning.articulation import plan_articulation
 from stages.planning.clearance import Surroundings

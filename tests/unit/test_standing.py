@@ -8,7 +8,7 @@ from stages.assets.imports import import_model
 from stages.assets.library import make
 from stages.assets.reach import MIDDLE, out_of_reach
 from stages.config.demonstrations import DemonstrationsConfig
-from stages.config.task import TaskConfig
+from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
 from stages.planning.clearance import Surroundings
 from stages.simulation.robot import REST

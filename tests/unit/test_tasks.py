@@ -5,7 +5,7 @@ import pytest
 import trimesh
 
 from stages.articulated.handle import find_handle
-from stages.config.task import TaskConfig
+from stages.contracts.task_options import TaskConfig
 from stages.geometry.frames import rigid, yaw_matrix
 from stages.simulation import observation
 from stages.simulation.controller import apply_delta, scale_action

@@ -11,9 +11,9 @@ import pytest
 import torch
 from safetensors.torch import load_file
 
-from stages.config.training import TrainingRun
 from stages.contracts.errors import InputError
 from stages.contracts.policy_folder import read_config, weights_of
+from stages.contracts.training_run import TrainingRun
 from stages.policies import make_policy
 from stages.policies.checkpoint import load_policy
 from stages.training import loop

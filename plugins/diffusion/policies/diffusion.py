@@ -13,11 +13,11 @@ import torch
 from pydantic import Field, ValidationError
 from torch import Tensor, nn
 
-from stages.config.base import Section
-from stages.config.training import TrainingRun
 from stages.contracts.episode_store import ACTION
 from stages.contracts.errors import InputError
 from stages.contracts.files import first_error
+from stages.contracts.section import Section
+from stages.contracts.training_run import TrainingRun
 from stages.policies import Choice, Float
 from stages.policies.seeing import SeeingPolicy
 

@@ -9,7 +9,7 @@ import pytest
 import torch
 
 from plugins.diffusion.policies.diffusion import Policy, signal_levels
-from stages.config.training import HandleConfig, NetworkConfig, TrainingRun
+from stages.contracts.training_run import HandleConfig, NetworkConfig, TrainingRun
 from stages.plugins import find
 from stages.policies import Choice, TrainablePolicy
 from stages.policies.checkpoint import load_policy

@@ -5,8 +5,8 @@ from itertools import pairwise
 from torch import Tensor, nn
 from torch.nn import functional
 
-from stages.config.training import TrainingRun
 from stages.contracts.episode_store import ACTION
+from stages.contracts.training_run import TrainingRun
 from stages.policies import Choice
 from stages.policies.bc_rnn_gmm.actor import Actor
 from stages.policies.bc_rnn_gmm.mixture import Mixture

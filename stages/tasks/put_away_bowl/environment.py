@@ -11,8 +11,8 @@ import trimesh
 from mani_skill.utils.structs import Actor
 from numpy.typing import NDArray
 
-from stages.config.task import TaskConfig
 from stages.contracts.errors import InputError
+from stages.contracts.task_options import TaskConfig
 from stages.geometry.frames import apply, inverse, rigid, yaw_matrix
 from stages.planning.clearance import surface_points
 from stages.simulation.kinematics import Array
