@@ -98,7 +98,7 @@ def roll(given: argparse.Namespace) -> None:
         with WatchingArena(folder, given.assets, given.library, EvaluationConfig(), "cpu") as arena:
             network = arena.network(given.checkpoint)
             for role in given.roles:
-                for episode in arena.play(network, starts(arena.plan, role, given)):
+                for episode in arena.episodes(network, starts(arena.plan, role, given)):
                     asset, found = episode.asset, arena.notes.get((episode.asset.asset, episode.seed), {})
                     about = {"task": arena.plan.task, "training_set": folder.parts[-3]}
                     about |= {"policy": "/".join(folder.parts[-2:]), "role": role, "asset": asset.asset}
@@ -120,7 +120,7 @@ def starts(plan: TaskAssets, role: str, given: argparse.Namespace) -> list[Start
     if role in ("test", "validation"):
         settings = SkillOptions(split=role, assets=given.unseen, asset_rollouts=given.unseen_rollouts)
         return unseen_starts(plan, settings, given.seed)
-    return taking_turns(plan.behind(role, given.assets), initial_states("roles", given.seed, given.rollouts))
+    return taking_turns(plan.assets_of(role, given.assets), initial_states("roles", given.seed, given.rollouts))
 
 
 def draw(given: argparse.Namespace) -> None:

@@ -25,8 +25,10 @@ from robomimic.models.obs_core import EncoderCore
 from robomimic.utils import obs_utils
 from torch import Tensor, nn
 
-from stages.config.training import PAPER, TrainingRun
-from stages.policies.bc_rnn_gmm.network import ACTION, PROPRIO, BcRnnGmm
+from stages.config.training import PAPER
+from stages.contracts.episode_store import ACTION, PROPRIO
+from stages.contracts.training_run import TrainingRun
+from stages.policies.bc_rnn_gmm.network import BcRnnGmm
 
 KEYS = ("point_cloud", "proprio")
 # our parameter -> robomimic's, both below their roots

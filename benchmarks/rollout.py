@@ -19,8 +19,8 @@ START = time.process_time()
 import torch  # noqa: E402
 
 from stages.assets.library import make  # noqa: E402
-from stages.config.task import TaskConfig  # noqa: E402
 from stages.config.training import TrainingConfig  # noqa: E402
+from stages.contracts.task_options import TaskConfig  # noqa: E402
 from stages.policies import TrainablePolicy, make_policy  # noqa: E402
 from stages.policies.checkpoint import load_policy  # noqa: E402
 from stages.tasks.api import TaskEnv, make_task  # noqa: E402
@@ -67,16 +67,16 @@ def main(steps: int, folder: Path | None) -> None:
         action = np.array([0.2, 0.1, -0.1, 0.0, 0.0, 0.1, 1.0], np.float32)
         env = task.env
         task.reset(1)
-        pictures = env.eyes.capture(env._sensors)
+        pictures = env.rig.capture(env._sensors)
         print(f"act: IK, physics, success      {timed(lambda: task.act(action), 50):8.2f} ms")
 
         def look() -> None:
             env.scene.update_render(update_human_render_cameras=False)
-            env.eyes.capture(env._sensors)
+            env.rig.capture(env._sensors)
 
         print(f"picture and its way back       {timed(look, steps):8.2f} ms")
         joints, shown = task.joints(), env.seen_ids()
-        seen = timed(lambda: env.eyes.observation(joints, pictures, shown, 0), steps)
+        seen = timed(lambda: env.rig.observation(joints, pictures, shown, 0), steps)
         print(f"crop, farthest points, fingers {seen:8.2f} ms")
         for count in (1, 4):
             print(f"policy in the loop, {count} envs     {rolled_out(tasks[:count], policy, steps):8.0f} steps/s")

@@ -16,8 +16,8 @@ import numpy as np
 
 from stages.articulated.asset_folder import read_asset
 from stages.config.demonstrations import DemonstrationsConfig
-from stages.config.task import TaskConfig
 from stages.contracts.library_folder import AssetFolders
+from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
 from stages.demonstrations.film import write_demonstration_films
 from stages.plugins import load
@@ -92,7 +92,7 @@ def film(
     world = make_task(task, folder, row["joint"], size, TaskConfig(), render=True)
     recorder = Recorder(world, options, film=1, failures=True)
     recorder.attempt(int(row["seed"]))
-    write_demonstration_films(out, recorder.taken, "twin", world.options.control_frequency)
+    write_demonstration_films(out, recorder.filmed, "twin", world.options.control_frequency)
     world.close()
 
 

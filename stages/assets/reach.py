@@ -7,15 +7,15 @@ import sapien
 from sapien.physx import PhysxArticulation
 
 from stages.articulated.asset_folder import read_asset
-from stages.config.task import TaskConfig
+from stages.contracts.task_options import TaskConfig
 from stages.geometry.frames import inverse
+from stages.planning.articulation import opened_to
+from stages.planning.clearance import Surroundings
 from stages.simulation.loading import load_asset, physics_scene
 from stages.simulation.robot import REST
 from stages.simulation.target import read_target
-from stages.skills.articulate import opened_to
-from stages.skills.clearance import Surroundings
+from stages.tasks.base_placement import MOTION, can_follow, reachable_base, success_opening
 from stages.tasks.initial_state import InitialState, base_pose
-from stages.tasks.standing import MOTION, followed, standing, success_opening
 
 MIDDLE = InitialState(0, np.zeros(3), 0.0, np.zeros(2), 0.0, np.zeros(7))
 
@@ -37,10 +37,10 @@ def out_of_reach(folder: Path) -> list[str]:
         base, around = base_pose(target.reference, target.side, MIDDLE, options, target.flap), Surroundings(target)
         opening = success_opening(target, options)
         if target.side:
-            reached = standing(base, np.eye(4), REST, around, opening) is not None
+            reached = reachable_base(base, np.eye(4), REST, around, opening) is not None
         else:
             goals = opened_to(target, opening, MOTION.goal_margin)
-            reached = any(followed(inverse(base), REST, around, goal) for goal in goals)
+            reached = any(can_follow(inverse(base), REST, around, goal) for goal in goals)
         if not reached:
             lines.append(f"{handled[name].role} '{name}' is not opened: the arm reaches along its way from no place")
     return lines

@@ -2,7 +2,7 @@
 
 from pydantic import Field
 
-from stages.config.base import Count, Section
+from stages.contracts.section import Count, Section
 
 COUNTS = {
     "bottom_cabinet": 56,

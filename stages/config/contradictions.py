@@ -12,13 +12,12 @@ from stages.config.assets import COUNTS
 from stages.config.inputs import NAME
 from stages.config.mistakes import Mistake
 from stages.config.pinned_assets import pinned_assets
-from stages.config.task import TaskConfig
 from stages.contracts.errors import InputError
+from stages.contracts.task_options import SIMULATION_FREQUENCY, TaskConfig
 
 if TYPE_CHECKING:
     from stages.config.model import Config
 
-SIMULATION_FREQUENCY = 100  # of stages.simulation; a test compares them
 NAMED = 20  # names that a line lists
 
 

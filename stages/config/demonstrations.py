@@ -4,7 +4,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from stages.config.base import Range, Section
+from stages.contracts.section import Range, Section
 
 Share = Annotated[float, Field(gt=0, le=1)]
 

@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from stages.config.base import Count, Rank, Section
+from stages.contracts.section import Count, Rank, Section
 
 HELD_OUT = ["bed", "chair", "mug", "plant_pot", "television"]
 

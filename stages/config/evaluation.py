@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from stages.config.base import Section
+from stages.contracts.section import NotNegative, Section
 
 
 class SceneOptions(Section):
@@ -13,10 +13,18 @@ class SceneOptions(Section):
     vary_scale: bool = Field(
         False, description="rescale the test asset at random as in the demonstrations (official: no)"
     )
+    own_size: bool = Field(False, description="the test asset at its own size, not in the box of the task's object")
     simulator: Literal["maniskill", "mujoco"] = Field(
         "maniskill",
         description="mujoco: another simulator than that of the demonstrations, with physics, contacts, controller and "
         "depth of its own, in the place of the paper's real robot; door and drawer",
+    )
+    depth_noise: bool = Field(False, description="depth has the noise of a depth camera (Nguyen et al. 2012)")
+    camera_error: tuple[NotNegative, NotNegative] = Field(
+        (0.0, 0.0), description="metres and degrees by which the camera is elsewhere than policies are told"
+    )
+    parking: tuple[NotNegative, NotNegative] | None = Field(
+        None, description="the robot stands within so many metres and degrees of its place; null: as in `task`"
     )
 
 
@@ -80,3 +88,9 @@ class RolloutOptions(ActingOptions, SkillOptions):
 
 class EvaluationConfig(TrialOptions, RolloutOptions):
     """How policies are rolled out."""
+
+    conditions: dict[str, SceneOptions] = Field(
+        {},
+        description="further ways in which test assets are met, by name, e.g. {mujoco: {simulator: mujoco}}: the "
+        "target `conditions` rolls every policy out in each and compares success there with success here",
+    )

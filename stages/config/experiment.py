@@ -6,8 +6,8 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import Field
 
-from stages.config.base import Rank, Section, Seed
 from stages.config.inputs import Input
+from stages.contracts.section import Rank, Section, Seed
 
 TrainingSet = Annotated[str, Field(pattern=r"^(twin|twin_randomised|all|(cousins|random)_[1-9]\d*)$")]
 

@@ -4,7 +4,7 @@ from typing import Any, Literal
 
 from pydantic import Field
 
-from stages.config.base import OWN, Section
+from stages.contracts.section import OWN, Section
 
 
 class DepthNoiseConfig(Section):

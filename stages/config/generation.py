@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from stages.config.base import Range, Section
+from stages.contracts.section import Range, Section
 
 
 class GenerationConfig(Section):

@@ -9,9 +9,9 @@ from typing import Any
 
 from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
-from stages.config.base import Section
 from stages.config.cameras import FIELDS_OF_VIEW
 from stages.config.mistakes import Mistake
+from stages.contracts.section import Section
 
 NAME = re.compile(r"[A-Za-z0-9-]+(_[A-Za-z0-9-]+)*")  # becomes part of paths
 INPUT_FILES = ("rgb.png", "camera.json", "depth.npz", "masks.png", "annotations.json")

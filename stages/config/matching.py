@@ -6,8 +6,8 @@ from typing import Any
 
 from pydantic import Field, model_validator
 
-from stages.config.base import OWN, Section
 from stages.config.vlm import VlmConfig
+from stages.contracts.section import OWN, Section
 from stages.plugins import short
 
 WORDLESS = {"distance", "votes", "geometry", "rerender", "priors"}  # judges that ask no language model

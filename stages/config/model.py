@@ -6,7 +6,6 @@ from typing import Any, Literal
 from pydantic import Field, ValidationError
 
 from stages.config.assets import AssetsConfig
-from stages.config.base import Section, Seed
 from stages.config.containers import ContainersConfig
 from stages.config.contradictions import contradictions
 from stages.config.demonstrations import DemonstrationsConfig
@@ -23,9 +22,10 @@ from stages.config.photo import PhotoConfig
 from stages.config.replaced import Replaced
 from stages.config.scenes import ScenesConfig
 from stages.config.tables import TablesConfig
-from stages.config.task import TaskConfig
 from stages.config.training import TrainingConfig
 from stages.contracts.errors import InputError
+from stages.contracts.section import Section, Seed
+from stages.contracts.task_options import TaskConfig
 from stages.plugins import find, folder
 from stages.scenes.rooms import room_files
 

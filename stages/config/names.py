@@ -3,9 +3,9 @@
 from collections.abc import Iterable, Sequence
 from typing import Any, TypeVar
 
-from stages.config.base import Section
 from stages.config.mistakes import Mistake
 from stages.contracts.errors import InputError
+from stages.contracts.section import Section
 from stages.plugins import available, find, qualified
 
 S = TypeVar("S", bound=Section)

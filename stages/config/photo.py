@@ -4,9 +4,9 @@ from typing import Literal
 
 from pydantic import Field
 
-from stages.config.base import Section
 from stages.config.matching import PretrainedConfig
 from stages.config.vlm import VlmConfig
+from stages.contracts.section import Section
 
 
 class WeightsConfig(PretrainedConfig):

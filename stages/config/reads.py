@@ -3,7 +3,6 @@
 from typing import Any
 
 from stages.config.assets import LibraryOptions, OwnOptions, SnapshotOptions
-from stages.config.base import Section
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.config.encoder import EncoderTrainingOptions, PairOptions
 from stages.config.evaluation import RolloutOptions, SkillOptions, TrialOptions
@@ -15,7 +14,8 @@ from stages.config.names import kind_of
 from stages.config.photo import FetchOptions, PhotoConfig
 from stages.config.scenes import ScenesConfig
 from stages.config.tables import TablesConfig
-from stages.config.training import TrainingRun
+from stages.contracts.section import Section
+from stages.contracts.training_run import TrainingRun
 from stages.plugins import short
 
 READS: dict[tuple[str, str], type[Section]] = {

@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field
 
-from stages.config.base import Section
+from stages.contracts.section import Section
 
 VERBS = {
     "assets": ("library", "own", "join", "snapshots", "draw"),

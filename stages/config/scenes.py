@@ -2,7 +2,7 @@
 
 from pydantic import Field
 
-from stages.config.base import Section
+from stages.contracts.section import Section
 
 
 class ScenesConfig(Section):

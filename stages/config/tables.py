@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from stages.config.base import Section, Seed
+from stages.contracts.section import Section, Seed
 
 
 class TablesConfig(Section):

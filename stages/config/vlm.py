@@ -5,7 +5,7 @@ from urllib.parse import urlsplit
 
 from pydantic import Field, field_validator
 
-from stages.config.base import NotNegative, Section
+from stages.contracts.section import NotNegative, Section
 
 OURS = {"model", "messages", "response_format", "stream", "n"}  # of a request
 

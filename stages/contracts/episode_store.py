@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import ValidationError
 
-from stages.config.task import TaskConfig
 from stages.contracts.arrays import check_array, check_within, dataset, readable
 from stages.contracts.errors import InputError
 from stages.contracts.files import first_error
 from stages.contracts.ledgers import read_attempts
+from stages.contracts.task_options import TaskConfig
 
 AGAIN = "collect the demonstrations again"
 ACTION, PROPRIO = 7, 9

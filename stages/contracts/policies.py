@@ -104,7 +104,7 @@ class TaskAssets(Document):
         """Roles that no policy is trained on: the held-out cousins and the dissimilar asset."""
         return {"dissimilar", *(f"cousin_{number}" for number in self.held_out)}
 
-    def playing(self, role: str, where: Path) -> TaskAsset:
+    def asset_of(self, role: str, where: Path) -> TaskAsset:
         """The asset of a role.
 
         Raises:
@@ -115,14 +115,14 @@ class TaskAssets(Document):
                 return asset
         raise InputError(where, f"has no role '{role}' (it has {', '.join(asset.role for asset in self.assets)}).")
 
-    def behind(self, role: str, where: Path) -> list[TaskAsset]:
+    def assets_of(self, role: str, where: Path) -> list[TaskAsset]:
         """The assets whose demonstrations make up the store of a role: one, or for `all` many.
 
         Raises:
             InputError: there are none in the file `where`.
         """
         if role == "twin_randomised":
-            return [self.playing("twin", where)]
+            return [self.asset_of("twin", where)]
         if role.startswith("random_"):
             number = int(role.removeprefix("random_"))
             if number > len(self.random_assets):
@@ -130,7 +130,7 @@ class TaskAssets(Document):
                 raise InputError(where, what, "use a smaller training set random_n")
             return [self.random_assets[number - 1]]
         if role != "all":
-            return [self.playing(role, where)]
+            return [self.asset_of(role, where)]
         if not self.all_assets:
             raise InputError(where, "has no assets for the training set `all`.", "run `experiment select` again")
         return self.all_assets

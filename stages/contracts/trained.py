@@ -2,9 +2,9 @@
 
 from pydantic import Field, RootModel, model_validator
 
-from stages.config.task import TaskConfig
-from stages.config.training import TrainingRun
 from stages.contracts.files import Contract, Document
+from stages.contracts.task_options import TaskConfig
+from stages.contracts.training_run import TrainingRun
 from stages.contracts.types import Count, Finite, Id, RelativePath, Seed, Text
 
 

@@ -1,19 +1,14 @@
 """One attempt at a demonstration: place, plan, run the skill, record."""
 
-import sys
-import time
-
 import numpy as np
 
 from stages.config.demonstrations import DemonstrationsConfig
-from stages.demonstrations.film import Taken
-from stages.demonstrations.recovery import draw_disturbance
+from stages.demonstrations.film import FilmedAttempt
+from stages.demonstrations.recovery import sample_disturbance
 from stages.demonstrations.store import RecordedEpisode
 from stages.skills import FAR, Float, Outcome
 from stages.skills.chain import SkillChain
 from stages.tasks.api import TaskEnv
-
-PROGRESS_SECONDS = 5.0
 
 
 class Recorder:
@@ -21,18 +16,17 @@ class Recorder:
 
     def __init__(self, task: TaskEnv, options: DemonstrationsConfig, film: int = 0, failures: bool = False) -> None:
         self.task, self.options, self.film, self.failures = task, options, film, failures
-        self.taken: list[Taken] = []
+        self.filmed: list[FilmedAttempt] = []
         self.chain = SkillChain(task, options)
-        self._started = self._reported = time.monotonic()
 
     def attempt(self, seed: int) -> tuple[RecordedEpisode, Outcome]:
         """Run the skills from the initial state of `seed`."""
         task, moments = self.task, []
         episode = RecordedEpisode(seed, task.asset, task.joint, task.size)
         task.place(seed)
-        filming = len(self.taken) < self.film
+        filming = len(self.filmed) < self.film
         rng = np.random.default_rng((seed, 1))
-        disturbance = draw_disturbance(np.random.default_rng((seed, 2)), self.options.recovery)
+        disturbance = sample_disturbance(np.random.default_rng((seed, 2)), self.options.recovery)
         speed = approach_speed(seed, self.options)
         episode.recovery = disturbance.kind if disturbance else None
 
@@ -53,15 +47,10 @@ class Recorder:
         if filming and (outcome.success or self.failures):
             moments.append(task.moment())
             clouds = [*episode.point_clouds, task.observe()["point_cloud"]]
-            self.taken.append(Taken(seed, task.asset, outcome.success, task.opened, task.recording(moments), clouds))
+            self.filmed.append(
+                FilmedAttempt(seed, task.asset, outcome.success, task.opened, task.recording(moments), clouds)
+            )
         return episode, outcome
-
-    def report(self, kept: int, wanted: int, attempts: int) -> None:
-        """A line on stderr every few seconds, and at the end."""
-        now = time.monotonic()
-        if now - self._reported > PROGRESS_SECONDS or kept == wanted:
-            self._reported = now
-            print(f"demonstrations: {kept}/{wanted} from {attempts} attempts", file=sys.stderr)
 
 
 def approach_speed(seed: int, options: DemonstrationsConfig) -> float:

@@ -1,5 +1,6 @@
 """`collect`: run the skills until enough attempts succeed (paper A.5: rejection sampling)."""
 
+import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from itertools import cycle
@@ -8,10 +9,10 @@ from pathlib import Path
 import numpy as np
 
 from stages.config.demonstrations import DemonstrationsConfig
-from stages.config.task import TaskConfig
 from stages.contracts import InputError, TaskAssets, read_json, read_options, write_text
 from stages.contracts.library_folder import AssetFolders
 from stages.contracts.policies import Attempt, TaskAsset
+from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
 from stages.demonstrations.film import write_demonstration_films
 from stages.demonstrations.store import RecordedEpisode, StoreHeader, write_episodes
@@ -53,10 +54,10 @@ def run(
     settings = read_options(DemonstrationsConfig, options)
     world = read_options(TaskConfig, task_options)
     plan, models = read_json(TaskAssets, assets), AssetFolders(library)
-    wanted = plan.behind(role, assets)
+    wanted = plan.assets_of(role, assets)
     if gone := [entry.asset for entry in wanted if entry.asset not in models]:
         fix = "was the library rebuilt? run the stages after it again"
-        raise InputError(library, f"has no asset {gone[0]!r}.", fix)
+        raise InputError(library, f"has no asset {gone[0]!r}.", fix, code="E-LIBRARY-ASSET")
     chosen = [(models[entry.asset], entry) for entry in wanted]
     folder, entry = chosen[0]
     randomise = settings.randomise if role == "twin_randomised" else None
@@ -66,7 +67,7 @@ def run(
     kept, ledger = take_turns(recorder, chosen, seeds, episodes)
     name = chosen[0][1].asset if len(chosen) == 1 else role
     if len(kept) == episodes:
-        write_demonstration_films(out.parent, recorder.taken, role, world.control_frequency)
+        write_demonstration_films(out.parent, recorder.filmed, role, world.control_frequency)
     task.close()
     lines = "".join(line.model_dump_json() + "\n" for line in ledger)
     failed = out.parent / FAILED_LEDGER
@@ -78,6 +79,7 @@ def run(
             f"only {len(kept)} of {episodes} demonstrations after {len(ledger)} attempts on {name} ({causes}); "
             f"{failed} tells of each.",
             "raise demonstrations.max_attempts_factor, narrow the ranges of `task`, or choose another object",
+            code="E-DEMONSTRATIONS-FEW",
         )
     failed.unlink(missing_ok=True)
     write_text(out.parent / "attempts.jsonl", lines)
@@ -110,8 +112,7 @@ def take_turns(
             )
             if outcome.success:
                 kept.append(episode)
-            recorder.report(len(kept), episodes, len(ledger))
-            if outcome.success:
+                print(f"demonstrations: {len(kept)}/{episodes} from {len(ledger)} attempts", file=sys.stderr)
                 break
         if len(kept) == episodes or len(ledger) == len(seeds):
             break

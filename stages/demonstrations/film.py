@@ -1,29 +1,19 @@
-"""Films of demonstrations; film.png: a strip of pictures per episode, above what the policy saw, from two sides."""
+"""Films of demonstrations; film.png: pictures of each episode in a row, above what the policy saw, from two sides."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeVar
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts import atomic
 from stages.contracts.films import Film
-from stages.simulation.films import write_films
-from stages.simulation.studio import Recording, Studio
-
-Image = NDArray[np.uint8]
-T = TypeVar("T")
-
-FRAMES = 8  # on a strip; a film has twice as many
-SIZE = 256
-SCENE, FINGER = (40, 40, 40), (220, 30, 30)
+from stages.simulation.films import FRAMES, SIZE, pick, strip, write_films, write_png
+from stages.simulation.studio import Image, Recording, Studio
 
 
 @dataclass(frozen=True)
-class Taken:
+class FilmedAttempt:
     """An attempt to be filmed, and the clouds that were seen at its moments."""
 
     seed: int
@@ -34,12 +24,7 @@ class Taken:
     clouds: Sequence[NDArray[np.floating]]
 
 
-def pick(frames: Sequence[T], count: int = FRAMES) -> list[T]:
-    """`count` frames evenly over an episode, the first and the last included."""
-    return [frames[i] for i in np.linspace(0, len(frames) - 1, count).round().astype(int)]
-
-
-def draw_cloud(cloud: NDArray[np.floating]) -> Image:
+def plot_cloud(cloud: NDArray[np.floating]) -> Image:
     """A cloud (P, 4) in the base frame as (SIZE / 2, SIZE, 3): from the front (y, z) and from the side (x, z)."""
     half = SIZE // 2
     image = np.full((half, SIZE, 3), 255, np.uint8)
@@ -48,21 +33,16 @@ def draw_cloud(cloud: NDArray[np.floating]) -> Image:
         u = np.round(across).astype(int)
         v = np.round(half * 0.75 - (cloud[:, 2] - 0.2) * scale).astype(int)
         seen = (u >= 0) & (u < half) & (v >= 0) & (v < half)
-        image[v[seen], left + u[seen]] = np.where(cloud[seen, 3:] > 0.5, FINGER, SCENE)
+        image[v[seen], left + u[seen]] = np.where(cloud[seen, 3:] > 0.5, (255, 0, 0), 0)  # fingers red
     return image
 
 
-def strip(pictures: Sequence[Image], clouds: Sequence[NDArray[np.floating]]) -> Image:
+def strip_of(pictures: Sequence[Image], clouds: Sequence[NDArray[np.floating]]) -> Image:
     """One episode: pictures in a row, the clouds below them."""
-    height = SIZE * pictures[0].shape[0] // pictures[0].shape[1]
-    columns = [
-        np.concatenate([cv2.resize(picture, (SIZE, height), interpolation=cv2.INTER_AREA), draw_cloud(cloud)])
-        for picture, cloud in zip(pick(pictures), pick(clouds), strict=True)
-    ]
-    return np.concatenate(columns, axis=1)
+    return np.concatenate([strip(pictures), np.concatenate([plot_cloud(cloud) for cloud in pick(clouds)], axis=1)])
 
 
-def write_demonstration_films(folder: Path, taken: Sequence[Taken], role: str, frequency: float) -> None:
+def write_demonstration_films(folder: Path, taken: Sequence[FilmedAttempt], role: str, frequency: float) -> None:
     """Write films.zip and film.png into `folder`; what was recorded must still be open."""
     studio = Studio()
     films, strips = [], []
@@ -74,7 +54,6 @@ def write_demonstration_films(folder: Path, taken: Sequence[Taken], role: str, f
             opened=round(item.opened, 4), file=f"{number}.webp",
         )  # fmt: skip
         films.append((film, pictures))
-        strips.append(strip(pictures, item.clouds))
+        strips.append(strip_of(pictures, item.clouds))
     write_films(folder / "films.zip", films, frequency)
-    with atomic(folder / "film.png") as temporary:
-        cv2.imwrite(str(temporary), np.concatenate(strips)[..., ::-1])
+    write_png(folder / "film.png", np.concatenate(strips))

@@ -10,17 +10,14 @@ from typing import Literal
 import numpy as np
 
 from stages.skills import Float
+from stages.skills.motion import CLOSE_STEPS, CLOSED, OPEN
 
 Kind = Literal["push", "miss"]
 
 PUSHED_WITHIN = (0.05, 0.35)  # metres before the grasp where a push begins; farther than the path is long: at its start
 MISSED_WITHIN = (0.04, 0.09)  # where a miss begins: fingertips end 1 cm ahead, so that they do not reach the handle
-PUSHES = (2, 4)  # steps of a push, in a random direction
-ASIDE = (0, 2)  # steps that a miss is first pushed aside
-CLOSING = 3  # steps in which the gripper then shuts
-PULLS = (0, 4)  # steps that it then pulls, holding nothing
-STRENGTH = (0.5, 0.9)  # of a push or pull, of a step
-TURN = 0.5  # of a step's rotation, at most
+PUSHES = (2, 4)  # steps of a push, in a random direction; a miss is pushed aside no longer, nor does it pull longer
+STRENGTH = (0.5, 0.9)  # of a push or pull, of a full step; it turns by no more than the less of a full step's turn
 
 
 @dataclass
@@ -40,17 +37,17 @@ class Disturbance:
         return self.actions[self.done - 1]
 
 
-def draw_disturbance(rng: np.random.Generator, share: float) -> Disturbance | None:
+def sample_disturbance(rng: np.random.Generator, share: float) -> Disturbance | None:
     """With probability `share` one of both kinds, drawn from `rng`."""
     if rng.random() >= share:
         return None
     if rng.random() < 0.5:
-        steps = _steps(rng, int(rng.integers(PUSHES[0], PUSHES[1] + 1)), gripper=1.0)
+        steps = _steps(rng, int(rng.integers(PUSHES[0], PUSHES[1] + 1)), gripper=OPEN)
         return Disturbance("push", float(rng.uniform(*PUSHED_WITHIN)), steps)
-    aside = _steps(rng, int(rng.integers(ASIDE[0], ASIDE[1] + 1)), gripper=1.0)
-    closing = np.zeros((CLOSING, 7), np.float32)
-    closing[:, 6] = -1.0
-    pull = _steps(rng, int(rng.integers(PULLS[0], PULLS[1] + 1)), gripper=-1.0, backwards=True)
+    aside = _steps(rng, int(rng.integers(PUSHES[0] + 1)), gripper=OPEN)
+    closing = np.zeros((CLOSE_STEPS, 7), np.float32)
+    closing[:, 6] = CLOSED
+    pull = _steps(rng, int(rng.integers(PUSHES[1] + 1)), gripper=CLOSED, backwards=True)
     return Disturbance("miss", float(rng.uniform(*MISSED_WITHIN)), np.concatenate([aside, closing, pull]))
 
 
@@ -59,5 +56,5 @@ def _steps(rng: np.random.Generator, count: int, gripper: float, backwards: bool
     direction = rng.standard_normal(3)
     direction[0] = -2.0 * abs(direction[0]) - 0.5 if backwards else min(direction[0], 0.2)
     direction *= rng.uniform(*STRENGTH) / np.linalg.norm(direction)
-    turn = rng.uniform(-TURN, TURN, 3) / np.sqrt(3)
+    turn = rng.uniform(-STRENGTH[0], STRENGTH[0], 3) / np.sqrt(3)
     return np.tile(np.array([*direction, *turn, gripper], np.float32), (count, 1))

@@ -7,30 +7,27 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-import cv2
 import numpy as np
 
 from stages.config.demonstrations import DemonstrationsConfig
-from stages.config.task import TaskConfig
-from stages.contracts import GeneratedScene, InputError, atomic, read_json, read_options, write_json
+from stages.contracts import GeneratedScene, InputError, read_json, read_options, write_json
 from stages.contracts.archives import pack
 from stages.contracts.films import Film
 from stages.contracts.in_scene import SceneDemonstration, SceneDemonstrations
+from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
 from stages.demonstrations.collect import attempt_seeds
-from stages.demonstrations.film import FRAMES, Taken, strip
+from stages.demonstrations.film import FilmedAttempt, plot_cloud, strip_of
 from stages.demonstrations.standing import in_the_way, places, touched
 from stages.demonstrations.store import StoreHeader, write_episodes
 from stages.plugins import load
-from stages.simulation.films import write_films
+from stages.simulation.films import FRAMES, write_films, write_png
 from stages.simulation.room import read_room
 from stages.simulation.studio import ROOM_LIGHT, Studio
 from stages.tasks.api import make_task
 from stages.tasks.task import Task
 
-STILL = {"object_xy": 0.0, "object_yaw": 0.0, "scale_range": (1.0, 1.0)}  # the scene says where the object stands
 TRIES = 10  # attempts in one scene
-NOTHING = np.full((24, 256, 3), 255, np.uint8)  # film.png where no scene has a film
 
 
 @dataclass(frozen=True)
@@ -72,11 +69,17 @@ def run(
         seed: of the attempts.
     """
     settings = read_options(DemonstrationsConfig, options).model_copy(update={"recovery": 0.0})
-    world = read_options(TaskConfig, task_options).model_copy(update=STILL)
+    still = {"object_xy": 0.0, "object_yaw": 0.0, "scale_range": (1.0, 1.0)}  # the scene says where the object stands
+    world = read_options(TaskConfig, task_options).model_copy(update=still)
     read = {path: read_json(GeneratedScene, path) for path in scenes}
     if not any(item.id == object for made in read.values() for item in made.objects):
         known = dict.fromkeys(item.id for made in read.values() for item in made.objects)
-        raise InputError("--object", f"no scene has an object '{object}'.", f"those there are: {', '.join(known)}")
+        raise InputError(
+            "--object",
+            f"no scene has an object '{object}'.",
+            f"those there are: {', '.join(known)}",
+            code="E-SCENE-OBJECT",
+        )
     found, films, strips = [], [], []
     with TemporaryDirectory(prefix="acdc-room-") as cache, TemporaryDirectory(prefix="acdc-stores-") as stores:
         setting = Setting(task, settings, world, seed, Path(stores))
@@ -91,18 +94,17 @@ def run(
             if one.film and taken:
                 pictures = studio.film(taken.recording, FRAMES * 2)
                 films.append((one.film, pictures))
-                strips.append(strip(pictures, taken.clouds))
+                strips.append(strip_of(pictures, taken.clouds))
             print(f"demonstrations: rank {one.rank}: {one.reason or 'ok'}", file=sys.stderr)
         pack(Path(stores), out / "episodes.zip")
     write_films(out / "films.zip", films, world.control_frequency)
-    with atomic(out / "film.png") as temporary:
-        cv2.imwrite(str(temporary), np.concatenate(strips or [NOTHING])[..., ::-1])
+    write_png(out / "film.png", np.concatenate(strips or [plot_cloud(np.zeros((0, 4)))]))
     write_json(out / "in_scene.json", SceneDemonstrations(task=task, object=object, demonstrations=found))
 
 
 def in_one(
     path: Path, made: GeneratedScene, object: str, library: Path, cache: Path, setting: Setting
-) -> tuple[SceneDemonstration, Taken | None]:
+) -> tuple[SceneDemonstration, FilmedAttempt | None]:
     """A demonstration in one scene, with what is to be filmed."""
     about: dict[str, Any] = {"scene": made.scene, "variant": made.variant, "rank": made.rank}
     placed = {item.id: item for item in made.objects}
@@ -136,7 +138,7 @@ def in_one(
             )  # fmt: skip
             task.close()
             done = SceneDemonstration(**about, status="ok", attempts=attempts, shift=room.shift, film=film)
-            return done, recorder.taken[0]
+            return done, recorder.filmed[0]
         against = ", ".join(sorted(touched(task, room)))
         reasons[f"{outcome.cause}{f' against {against}' if against else ''}"] += 1
         if attempts == TRIES or outcome.cause == "no_handle":

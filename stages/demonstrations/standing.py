@@ -6,14 +6,12 @@ from scipy.spatial import cKDTree
 
 from stages.articulated.asset_folder import read_asset
 from stages.geometry.frames import apply, inverse
+from stages.planning.clearance import BASE, arm_spheres
 from stages.simulation.robot import GRIPPER_OPEN
 from stages.simulation.room import Room
-from stages.skills.clearance import arm_spheres
 from stages.tasks.api import TaskEnv
 
 TOWARDS, SIDEWAYS = (0.0, -0.05, 0.08, -0.1, 0.15), (0.0, 0.12, -0.12, 0.25, -0.25)
-FOOT = [(x, 0.0, z) for x in (-0.09, 0.02) for z in (0.08, 0.18, 0.28)]  # link 0 and the shoulder, base frame
-FOOT_RADIUS, PLINTH_RADIUS = 0.11, 0.12
 
 
 def places() -> list[tuple[float, float]]:
@@ -26,11 +24,10 @@ def in_the_way(task: TaskEnv, room: Room) -> str | None:
     """What stands where the robot, as it is, or something that the task brings along would have to stand; or None."""
     things = {name: points for name, points in room.obstacles.items() if name != "floor"}
     base = task.env.agent.robot.pose.sp.to_transformation_matrix()
-    frames = task.chain.frames(task.joints()[None, :7])
-    centers, radii = arm_spheres(frames, GRIPPER_OPEN)
+    arm, radii = arm_spheres(task.chain.frames(task.joints()[None, :7]), GRIPPER_OPEN)
     plinth = [(0.0, 0.0, -depth) for depth in np.arange(0.1, base[2, 3], 0.1)]
-    centers = apply(base, np.concatenate([centers[0], FOOT, np.reshape(plinth, (-1, 3))]))
-    radii = np.concatenate([radii, np.full(len(FOOT), FOOT_RADIUS), np.full(len(plinth), PLINTH_RADIUS)])
+    centers = apply(base, np.concatenate([arm[0], BASE[:, :3], np.reshape(plinth, (-1, 3))]))
+    radii = np.concatenate([radii, BASE[:, 3], np.full(len(plinth), BASE[0, 3])])
     gaps = {name: float((cKDTree(points).query(centers)[0] - radii).min()) for name, points in things.items()}
     tightest = min(gaps, key=lambda name: gaps[name], default=None)
     if tightest is not None and gaps[tightest] < 0:

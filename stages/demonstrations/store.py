@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.config.demonstrations import RandomiseOptions
-from stages.config.task import TaskConfig
 from stages.contracts import atomic
+from stages.contracts.task_options import TaskConfig
 from stages.tasks.api import Observation
 
 Float = NDArray[np.float32]

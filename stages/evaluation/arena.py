@@ -7,21 +7,24 @@ from pathlib import Path
 from types import TracebackType
 from typing import NamedTuple, Self
 
+import numpy as np
 import torch
 
 from stages.config.evaluation import ActingOptions, SceneOptions
-from stages.config.task import TaskConfig
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json
+from stages.contracts.library import Asset
 from stages.contracts.library_folder import AssetFolders
 from stages.contracts.policies import Rollout, TaskAsset, TaskAssets
 from stages.contracts.policy_folder import read_config
+from stages.contracts.task_options import TaskConfig
 from stages.evaluation.episodes import RolloutEpisode, roll_out
 from stages.evaluation.states import Start
 from stages.policies import TrainablePolicy, closed_loop
 from stages.policies.checkpoint import load_policy
 from stages.simulation.studio import Studio
 from stages.tasks.api import TaskEnv, make_task
+from stages.tasks.observation import Sensing
 
 
 class Acting(NamedTuple):
@@ -38,6 +41,20 @@ class Acting(NamedTuple):
     checkpoint: str
 
 
+def parked(options: TaskConfig, settings: SceneOptions) -> TaskConfig:
+    """The options of the task with the robot parked as the test says."""
+    if settings.parking is None:
+        return options
+    metres, degrees = settings.parking
+    return options.model_copy(update={"base_xy": metres, "base_yaw": float(np.deg2rad(degrees))})
+
+
+def sensing_of(settings: SceneOptions) -> Sensing:
+    """How the test's cameras differ from perfect ones."""
+    metres, degrees = settings.camera_error
+    return Sensing(settings.depth_noise, (metres, float(np.deg2rad(degrees))))
+
+
 class Arena:
     """Environments that turn from asset to asset: an exchange costs half of a new environment. To be used by `with`."""
 
@@ -45,7 +62,7 @@ class Arena:
         self, assets: Path, library: Path, options: TaskConfig, settings: SceneOptions, render: bool = True
     ) -> None:
         self.plan, self.library = read_json(TaskAssets, assets), library
-        self.options, self.scenes, self.render = options, settings, render
+        self.options, self.settings, self.render = parked(options, settings), settings, render
         self.folders = AssetFolders(library)
         self._tasks: list[TaskEnv] = []
         self._sized = tempfile.TemporaryDirectory(prefix="acdc-sized-")
@@ -70,6 +87,7 @@ class Arena:
 
     def task(self, asset: TaskAsset) -> TaskEnv:
         """A new environment with the asset."""
+        asset = self.sized(asset)
         return make_task(
             self.plan.task,
             self.folder(asset),
@@ -78,8 +96,9 @@ class Arena:
             self.options,
             render=self.render,
             cache=Path(self._sized.name),
-            vary_scale=self.scenes.vary_scale,
-            simulator=self.scenes.simulator,
+            vary_scale=self.settings.vary_scale,
+            sensing=sensing_of(self.settings),
+            simulator=self.settings.simulator,
         )
 
     def folder(self, asset: TaskAsset) -> Path:
@@ -89,8 +108,16 @@ class Arena:
             InputError: the library does not have it.
         """
         if asset.asset not in self.folders:
-            raise InputError(self.library, f"has no asset '{asset.asset}'.", "run the matching stage again")
+            raise InputError(
+                self.library, f"has no asset '{asset.asset}'.", "run the matching stage again", code="E-LIBRARY-ASSET"
+            )
         return self.folders[asset.asset]
+
+    def sized(self, asset: TaskAsset) -> TaskAsset:
+        """The asset in the box that it is met in."""
+        if not self.settings.own_size:
+            return asset
+        return asset.model_copy(update={"size": read_json(Asset, self.folder(asset) / "asset.json").size})
 
     def rows(self, acting: Acting, role: str, episodes: Sequence[RolloutEpisode]) -> list[Rollout]:
         """Episodes on a test role as rows."""
@@ -125,20 +152,22 @@ class PolicyArena(Arena):
     """
 
     def __init__(self, policy: Path, assets: Path, library: Path, settings: ActingOptions, device: str) -> None:
-        self.policy, self.settings, self.device = policy, settings, device
+        self.policy, self.device = policy, device
+        self.acting = settings
         self.trained = read_config(policy)
         super().__init__(assets, library, self.trained.task_options, settings)
         if self.plan.task != self.trained.task:
             what = f"was trained on the task '{self.trained.task}', {assets} is for '{self.plan.task}'."
-            raise InputError(policy, what)
+            raise InputError(policy, what, code="E-POLICY-TASK")
         torch.set_num_threads(1)
 
     def network(self, checkpoint: str) -> TrainablePolicy:
         """The policy with the weights of a checkpoint."""
         return load_policy(self.policy, checkpoint, self.device)
 
-    def play(self, network: TrainablePolicy, starts: Sequence[Start], record: bool = False) -> list[RolloutEpisode]:
+    def episodes(self, network: TrainablePolicy, starts: Sequence[Start], record: bool = False) -> list[RolloutEpisode]:
         """The episodes, in the order of their starts."""
+        starts = [(self.sized(asset), seed) for asset, seed in starts]
         folders = {asset.asset: self.folder(asset) for asset, _ in starts}
-        tasks = self.tasks(min(self.settings.envs, len(starts)), starts[0][0])
-        return roll_out(tasks, folders, closed_loop(network, len(tasks), self.settings.action), starts, record)
+        tasks = self.tasks(min(self.acting.envs, len(starts)), starts[0][0])
+        return roll_out(tasks, folders, closed_loop(network, len(tasks), self.acting.action), starts, record)

@@ -8,10 +8,8 @@ import numpy as np
 
 from stages.contracts.films import Film
 from stages.evaluation.episodes import RolloutEpisode
+from stages.simulation.films import strip
 from stages.simulation.studio import Image, Studio
-
-FRAMES, SIZE = 8, 160  # of a strip
-GOOD, BAD = (30, 140, 60), (190, 40, 40)
 
 
 @dataclass(frozen=True)
@@ -47,15 +45,11 @@ def take(studio: Studio, episodes: Sequence[RolloutEpisode], role: str, frames: 
     return filmed
 
 
-def strip(filmed: Filmed) -> Image:
-    """(SIZE + 24, FRAMES * SIZE, 3): pictures evenly over the episode below a line of text, green for success."""
-    film = filmed.film
-    index = np.linspace(0, len(filmed.pictures) - 1, FRAMES).round().astype(int)
-    height = SIZE * filmed.pictures[0].shape[0] // filmed.pictures[0].shape[1]
-    frames = [cv2.resize(filmed.pictures[i], (SIZE, height), interpolation=cv2.INTER_AREA) for i in index]
-    row = np.concatenate(frames, axis=1)
+def captioned(filmed: Filmed) -> Image:
+    """(H, W, 3): pictures of the episode in a row, below a line of text."""
+    film, row = filmed.film, strip(filmed.pictures)
     line = np.full((24, row.shape[1], 3), 255, np.uint8)
     outcome = "success" if film.success else "failure"
     text = f"{film.role} ({film.asset}): {outcome} after {film.steps} steps, opened {max(0.0, film.opened):.0%}"
-    cv2.putText(line, text, (6, 17), cv2.FONT_HERSHEY_SIMPLEX, 0.5, GOOD if film.success else BAD, 1, cv2.LINE_AA)
+    cv2.putText(line, text, (6, 17), cv2.FONT_HERSHEY_SIMPLEX, 0.5, (0, 0, 0), 1, cv2.LINE_AA)
     return np.concatenate([line, row])

@@ -17,5 +17,5 @@ def run(*, rollouts: tuple[Path, ...], out: Path) -> None:
     """
     rows = [row for path in rollouts for row in read_rows(Rollout, path, "run `evaluation rollout` again")]
     if len({(row.task, row.training_set) for row in rows}) > 1:
-        raise InputError("--rollouts", "are of more than one task and training set.")
+        raise InputError("--rollouts", "are of more than one task and training set.", code="E-ROLLOUTS-MIXED")
     write_rows(out, rows)

@@ -4,20 +4,19 @@ import sys
 from pathlib import Path
 from typing import Literal
 
-import cv2
 import numpy as np
 
 from stages.config.evaluation import RolloutOptions
 from stages.contracts.errors import InputError
-from stages.contracts.files import atomic, read_options, read_rows
+from stages.contracts.files import read_options, read_rows
 from stages.contracts.policies import Rollout
 from stages.evaluation.arena import Acting, PolicyArena
 from stages.evaluation.choose import best_checkpoint
 from stages.evaluation.episodes import RolloutEpisode
-from stages.evaluation.film import Filmed, strip, take
+from stages.evaluation.film import Filmed, captioned, take
 from stages.evaluation.rows import write_rows
 from stages.evaluation.states import starts_of
-from stages.simulation.films import write_films
+from stages.simulation.films import write_films, write_png
 
 
 def run(
@@ -67,14 +66,14 @@ def run(
         for role, starts in tested.items():
             same = tuple((asset.asset, state) for asset, state in starts)
             if same not in played:
-                played[same] = arena.play(network, starts, record=True)
+                played[same] = arena.episodes(network, starts, record=True)
                 films += take(arena.studio, played[same], role, settings.film_frames)
             successes = sum(episode.success for episode in played[same])
             print(f"evaluation: {role} {successes}/{len(starts)} succeeded", file=sys.stderr)
             rows += arena.rows(acting, role, played[same])
     frequency = arena.options.control_frequency
     write_films(out.parent / "films.zip", [(item.film, item.pictures) for item in films], frequency)
-    write_png(out.parent / "film.png", np.concatenate([strip(item) for item in films]))
+    write_png(out.parent / "film.png", np.concatenate([captioned(item) for item in films]))
     write_rows(out, rows)
 
 
@@ -83,11 +82,10 @@ def checkpoint_of(settings: RolloutOptions, trial: tuple[Path, ...]) -> str:
     if settings.checkpoint != "rollouts":
         return settings.checkpoint
     if len(trial) != 1:
-        raise InputError("--trial", "is not one file; `checkpoint: rollouts` needs it.", "run `evaluation trial`")
+        raise InputError(
+            "--trial",
+            "is not one file; `checkpoint: rollouts` needs it.",
+            "run `evaluation trial`",
+            code="E-TRIAL-MISSING",
+        )
     return best_checkpoint(read_rows(Rollout, trial[0])).checkpoint
-
-
-def write_png(path: Path, picture: np.ndarray) -> None:
-    """Write an RGB picture atomically."""
-    with atomic(path) as temporary:
-        cv2.imwrite(str(temporary), picture[..., ::-1])

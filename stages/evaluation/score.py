@@ -21,7 +21,11 @@ def check_same_scene(scenes: list[GeneratedScene], objects: Objects, truth: Trut
     """
     names = {scene.scene for scene in scenes} | {objects.scene, truth.scene}
     if len(names) > 1:
-        raise InputError("--scenes, --objects, --truth", f"are of different scenes: {', '.join(sorted(names))}.")
+        raise InputError(
+            "--scenes, --objects, --truth",
+            f"are of different scenes: {', '.join(sorted(names))}.",
+            code="E-SCENES-MIXED",
+        )
 
 
 def check_categories(path: Path, items: Sequence[PlacedObject | TrueObject], categories: Mapping[str, str]) -> None:
@@ -34,7 +38,7 @@ def check_categories(path: Path, items: Sequence[PlacedObject | TrueObject], cat
         known = categories.get(item.asset, item.category)
         if item.category != known:
             what = f"says that {item.asset} is a '{item.category}', but in the library it is a '{known}'."
-            raise InputError(path, what, "make it again")
+            raise InputError(path, what, "make it again", code="E-SCENES-CATEGORY")
 
 
 def judges(cousins: Path | None, scene: str) -> dict[str, dict[str, str]]:
@@ -47,7 +51,7 @@ def judges(cousins: Path | None, scene: str) -> dict[str, dict[str, str]]:
         return {}
     found = read_json(Cousins, cousins)
     if found.scene != scene:
-        raise InputError(cousins, f"is of scene {found.scene}, not of {scene}.")
+        raise InputError(cousins, f"is of scene {found.scene}, not of {scene}.", code="E-SCENES-MIXED")
     return {
         item.id: {"model_judge": item.decided_by, "orientation_judge": item.orientation_decided_by}
         for item in found.objects
@@ -74,8 +78,8 @@ def run(
         library: library.json; the true models must be in it.
         out: scores.csv.
         cousins: cousins.json that the scenes were made from: it says who decided.
-        protocol: how the room was met, if otherwise than for Table 2.
-        draw: the seed with which it was met.
+        protocol: robustness variant of the room (`experiment.protocols`); empty: as for Table 2.
+        draw: seed of that variant.
     """
     generated = [read_json(GeneratedScene, path) for path in scenes]
     seen, true = read_json(Objects, objects), read_json(Truth, truth)
@@ -83,15 +87,20 @@ def run(
     folders = AssetFolders(library)
     strangers = sorted({item.asset for item in true.objects} - set(folders))
     if strangers:
-        raise InputError(truth, f"has assets that {library} lacks: {', '.join(strangers)}.", "render the room again")
+        raise InputError(
+            truth,
+            f"has assets that {library} lacks: {', '.join(strangers)}.",
+            "render the room again",
+            code="E-LIBRARY-ASSET",
+        )
     categories = {entry.id: entry.category for entry in read_json(Library, library).assets}
     for path, scene in zip(scenes, generated, strict=True):
         check_categories(path, scene.objects, categories)
     check_categories(truth, true.objects, categories)
     decided = judges(cousins, true.scene)
-    met = {"protocol": protocol, "draw": draw}
+    variant = {"protocol": protocol, "draw": draw}
     rows = [
-        row.model_dump() | decided.get(row.object, {}) | met
+        row.model_dump() | decided.get(row.object, {}) | variant
         for scene in generated
         for row in score_scene(scene, seen, true, folders)
     ]

@@ -5,9 +5,9 @@ from pathlib import Path
 
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.config.evaluation import SkillOptions
-from stages.config.task import TaskConfig
 from stages.contracts.files import read_options
 from stages.contracts.policies import Rollout
+from stages.contracts.task_options import TaskConfig
 from stages.evaluation.arena import Acting, Arena
 from stages.evaluation.episodes import RolloutEpisode
 from stages.evaluation.rows import write_rows
@@ -63,7 +63,7 @@ class ScriptedSkill:
 
     def episode(self, start: Start) -> RolloutEpisode:
         """One attempt; as for policies, it is over at the first success."""
-        (asset, seed), task = start, self.task
+        asset, seed, task = self.arena.sized(start[0]), start[1], self.task
         episode = RolloutEpisode(asset, seed)
         task.turn_to(self.arena.folder(asset), asset.joint, asset.size)
         task.place(seed)

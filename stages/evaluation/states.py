@@ -1,4 +1,4 @@
-"""Who is rolled out on what, and from where: pairs of an asset and the seed of an initial state."""
+"""The episodes of an evaluation: pairs of an asset and the seed of an initial state."""
 
 import sys
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ from stages.contracts.policies import TaskAsset, TaskAssets
 
 Purpose = Literal["roles", "test", "validation", "trial"]
 Start = tuple[TaskAsset, int]
-FIRST_STATE = 2**31  # demonstrations use seeds below: no policy is tested on a state that it was shown
+FIRST_STATE = 2**31  # demonstrations use seeds below: no policy is tested on a state that it was trained on
 TRAINED = "trained"  # test role of the assets that a policy was trained on
 
 
@@ -46,9 +46,9 @@ def starts_of(
     starts: dict[str, list[Start]] = {}
     for role in settings.test_assets:
         if role != TRAINED:
-            starts[role] = [(plan.playing(role, where), state) for state in states]
+            starts[role] = [(plan.asset_of(role, where), state) for state in states]
         elif trained:
-            starts[role] = taking_turns([asset for name in trained for asset in plan.behind(name, where)], states)
+            starts[role] = taking_turns([asset for name in trained for asset in plan.assets_of(name, where)], states)
     unseen = unseen_starts(plan, settings, seed)
     return starts | {settings.split: unseen} if unseen else starts
 

@@ -50,11 +50,11 @@ def run(
             checkpoints = arena.trained.checkpoints
         if not checkpoints:
             mend = "set training `keep`, or `checkpoint: best`"
-            raise InputError(policy, "has no kept checkpoints to choose from.", mend)
-        twin = arena.plan.playing("twin", assets)
+            raise InputError(policy, "has no kept checkpoints to choose from.", mend, code="E-POLICY-CHECKPOINTS")
+        twin = arena.plan.asset_of("twin", assets)
         starts = [(twin, state) for state in initial_states("trial", seed, settings.selection_rollouts)]
         for name in checkpoints:
-            played = arena.play(arena.network(name), starts)
+            played = arena.episodes(arena.network(name), starts)
             successes = sum(episode.success for episode in played)
             print(f"evaluation: {name} opens the twin {successes}/{len(starts)} times", file=sys.stderr)
             acting = Acting(task_name, assets_of or task_name, training_set, run_name, arena.trained.seed, name)

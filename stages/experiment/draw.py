@@ -13,7 +13,7 @@ from stages.contracts.policies import TaskAsset
 from stages.contracts.snapshot_file import AGAIN, open_snapshots
 
 COLUMNS, TILE, CAPTION = 6, 192, 44
-INK, PAPER = (40, 40, 40), "white"
+INK, PAPER = "#282828", "white"
 
 
 def run(*, assets: Path, snapshots: tuple[Path, ...], out: Path, splits: Path) -> None:

@@ -31,7 +31,7 @@ def run(*, assets: Path, task: str, library: Path, out: Path) -> None:
     lists = (plan.assets, plan.all_assets, plan.random_assets, plan.validation_assets, plan.test_assets)
     for item in {item.asset: item for each in lists for item in each}.values():
         if what := difference(item, models.asset(item.asset) if item.asset in models else None, kind):
-            raise InputError(library, f"{what} in {assets}.", MEND)
+            raise InputError(library, f"{what} in {assets}.", MEND, code="E-ASSETS-CHANGED")
     write_json(out, plan.model_copy(update={"task": task}))
 
 

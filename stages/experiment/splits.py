@@ -4,7 +4,7 @@ import sys
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from statistics import median
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple, TypeVar, get_args
 
 import numpy as np
 
@@ -13,11 +13,8 @@ from stages.contracts.policies import TaskAsset, TaskAssets
 T = TypeVar("T")
 Handle = tuple[str, float, float]  # kind, length in metres, height on the front
 Stratum = tuple[str, bool, bool]  # kind, longer and higher than most of this kind
-LEVELS = 3  # of a stratum
 # To whom families go in turns. Four in seven to test: of the default library's doors that makes 20 families.
 DEALT = ("test", "validation", "test", "train", "test", "validation", "test")
-
-
 RANDOM = 16  # assets drawn by chance for the training sets `random_n`
 
 
@@ -144,7 +141,7 @@ def _strata(handles: Mapping[str, Handle]) -> dict[str, Stratum]:
 
 def _spread(assets: list[TaskAsset], strata: Mapping[str, Stratum], level: int = 0) -> list[TaskAsset]:
     """The assets in an order in which those of every stratum come at equal distances."""
-    if level == LEVELS:
+    if level == len(get_args(Stratum)):
         return assets
     groups: dict[str | bool, list[TaskAsset]] = {}
     for asset in assets:

@@ -9,7 +9,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
-from stages.config.training import TrainingRun
+from stages.contracts.training_run import TrainingRun
 from stages.plugins import load
 from stages.policies.proud import mark_proud
 
@@ -59,7 +59,7 @@ def make_policy(run: TrainingRun) -> TrainablePolicy:
     return policy
 
 
-class Marking:
+class MarkingActor:
     """An actor whose clouds are marked (`mark_proud`) before it sees them."""
 
     def __init__(self, actor: ActorProtocol) -> None:
@@ -77,4 +77,4 @@ class Marking:
 def closed_loop(policy: TrainablePolicy, slots: int, choose: Choice) -> ActorProtocol:
     """The policy acting on as many environments; its clouds are what they were in training."""
     actor = policy.actor(slots, choose)
-    return Marking(actor) if policy.run.handle.flag else actor
+    return MarkingActor(actor) if policy.run.handle.flag else actor

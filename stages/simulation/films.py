@@ -3,16 +3,21 @@
 from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import TypeVar
 
+import cv2
+import numpy as np
 from PIL import Image as Pillow
 
 from stages.contracts.archives import pack
-from stages.contracts.files import write_json
+from stages.contracts.files import atomic, write_json
 from stages.contracts.films import Film, Films
 from stages.simulation.studio import Image
 
 HOLD = 1200  # milliseconds for which the last picture stays
 QUALITY = 75
+FRAMES, SIZE = 8, 192  # pictures on a strip, and their width in pixels
+T = TypeVar("T")
 
 
 def write_films(out: Path, films: Sequence[tuple[Film, Sequence[Image]]], control_frequency: float) -> None:
@@ -33,3 +38,21 @@ def write_films(out: Path, films: Sequence[tuple[Film, Sequence[Image]]], contro
             )  # fmt: skip
         write_json(Path(folder, "films.json"), Films(films=[film for film, _ in films]))
         pack(Path(folder), out)
+
+
+def pick(frames: Sequence[T]) -> list[T]:
+    """`FRAMES` of them, evenly over an episode, the first and the last included."""
+    return [frames[i] for i in np.linspace(0, len(frames) - 1, FRAMES).round().astype(int)]
+
+
+def strip(pictures: Sequence[Image]) -> Image:
+    """An episode in a row: (H, FRAMES * SIZE, 3)."""
+    height = SIZE * pictures[0].shape[0] // pictures[0].shape[1]
+    row = [cv2.resize(picture, (SIZE, height), interpolation=cv2.INTER_AREA) for picture in pick(pictures)]
+    return np.concatenate(row, axis=1).astype(np.uint8, copy=False)
+
+
+def write_png(path: Path, picture: Image) -> None:
+    """Write an RGB picture atomically."""
+    with atomic(path) as temporary:
+        cv2.imwrite(str(temporary), picture[..., ::-1])

@@ -7,14 +7,14 @@ import numpy as np
 
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.geometry.frames import apply, inverse
+from stages.planning.clearance import Surroundings
 from stages.skills import Act, Outcome
-from stages.skills.clearance import Surroundings
 from stages.skills.motion import Motion
 from stages.tasks.api import TaskEnv
 
 
 class RetryingSkill(ABC):
-    """A subclass says what one attempt is; `final` are the causes after which another is no use."""
+    """A subclass defines one attempt; `final` are the causes of failure after which no other attempt would succeed."""
 
     final: ClassVar[tuple[str, ...]] = ()
 
@@ -26,11 +26,11 @@ class RetryingSkill(ABC):
         """One go from where everything stands, after `number` others; returns what failed or ''."""
 
     def done(self) -> bool:
-        """Whether it has come about after all, though an attempt failed: a flap that goes on by itself."""
+        """Whether the goal is reached although the attempt failed, as by a flap that swings on."""
         return False
 
     def run(self, act: Act) -> Outcome:
-        """Do it; `act` executes one action (and records it). The cause of a failure is that of the first miss."""
+        """Try until it succeeds; `act` executes and records one action. A failure has the cause of the first try."""
         motion = Motion(self.task, act)
         causes: list[str] = []
         while True:
@@ -45,7 +45,7 @@ class RetryingSkill(ABC):
                 return Outcome(True, "success", len(causes))
 
     def surroundings(self) -> Surroundings:
-        """Of the task's object as it is now; its surfaces are sampled once per size."""
+        """Points on the task's object and on the obstacles around it; the object's are sampled once per size."""
         env = self.task.env
         return env.around().beside(apply(inverse(env.base_from_asset()), env.obstacles()))
 

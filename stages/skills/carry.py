@@ -6,17 +6,15 @@ import numpy as np
 import trimesh
 
 from stages.geometry.frames import apply, inverse
+from stages.planning.clearance import MARGIN, surface_points
+from stages.planning.rollout import Stretch, can_be_held, first_feasible
 from stages.simulation.kinematics import Array
 from stages.skills.attempts import RetryingSkill
-from stages.skills.clearance import surface_points
-from stages.skills.motion import OPEN, Motion
-from stages.skills.rollout import Stretch, can_be_held, first_feasible
+from stages.skills.motion import LOST, OPEN, Motion
 from stages.tasks.movable import Movable
 
-HELD_POINTS, HELD_RADIUS = 60, 0.004  # spheres on a held object, metres
-BATCH, BATCHES = 32, 4  # candidates that are rolled out together, and how often
-CARRYING = 0.035  # how far ahead the hand aims with an object in it, metres: faster, it swings
-SLIPPED = 0.05  # metres that an object may shift in the hand
+HELD_POINTS = 60  # spheres on a held object
+CANDIDATES = 128  # of grasps and plans that are tried
 
 
 def shifted(pose: Array, by: Array) -> Array:
@@ -29,7 +27,7 @@ def shifted(pose: Array, by: Array) -> Array:
 def held_spheres(mesh: trimesh.Trimesh, hand_from_object: Array) -> Array:
     """(M, 4) centre in the tool frame and radius of spheres on an object that the hand holds."""
     points = apply(hand_from_object, surface_points(mesh, HELD_POINTS))
-    return np.column_stack([points, np.full(len(points), HELD_RADIUS)])
+    return np.column_stack([points, np.full(len(points), MARGIN)])
 
 
 class CarrySkill(RetryingSkill):
@@ -46,7 +44,7 @@ class CarrySkill(RetryingSkill):
     def holds(self, hand_from_object: Array) -> bool:
         """Whether the hand still has the object about where it had it, at the pose (4, 4)."""
         now = inverse(self.task.hand()) @ self.movable().base_from_object
-        return bool(np.linalg.norm(now[:3, 3] - hand_from_object[:3, 3]) < SLIPPED)
+        return bool(np.linalg.norm(now[:3, 3] - hand_from_object[:3, 3]) < LOST)
 
     def held_at(self, poses: Array, fingers: float | None, held: Array | None) -> Array:
         """(N,) whether the arm can hold the hand, and a `held` object, at poses (N, 4, 4) without touching anything."""
@@ -57,17 +55,15 @@ class CarrySkill(RetryingSkill):
 
     def first(self, plans: Sequence[Sequence[Stretch]]) -> Sequence[Stretch] | None:
         """The first plan that the arm can follow without touching anything; None if none of the first ones can."""
-        task, surroundings = self.task, self.surroundings()
-        for start in range(0, min(len(plans), BATCH * BATCHES), BATCH):
-            batch = plans[start : start + BATCH]
-            index = first_feasible(task.chain, task.joints()[:7], batch, task.env.base_from_asset(), surroundings)
-            if index is not None:
-                return batch[index]
-        return None
+        task = self.task
+        where = (task.env.base_from_asset(), self.surroundings())
+        index = first_feasible(task.chain, task.joints()[:7], plans[:CANDIDATES], *where)
+        return None if index is None else plans[index]
 
     def reach(self, motion: Motion, stretches: Sequence[Stretch], gripper: float, name: str) -> str:
         """Follow stretches as one path; returns `name` if it cannot be followed to its end, or 'timeout'."""
         path = np.concatenate([stretches[0].path, *[stretch.path[1:] for stretch in stretches[1:]]])
-        lookahead = self.options.approach_lookahead if gripper == OPEN else CARRYING
+        options = self.options  # with an object in it the hand swings if it is fast
+        lookahead = options.approach_lookahead if gripper == OPEN else options.articulate_lookahead
         cause, _ = motion.reach(path, lookahead, gripper)
         return name if cause == "stall" else cause

@@ -4,17 +4,17 @@ from collections.abc import Callable
 
 import numpy as np
 
+from stages.planning.path import Pursuit, straight
+from stages.planning.rollout import TOLERANCE, deviation
 from stages.simulation.kinematics import Array, pose_error
 from stages.simulation.robot import GRIPPER_OPEN
 from stages.skills import FAR, Act
-from stages.skills.path import Pursuit, straight
 from stages.tasks.api import TaskEnv
 
 OPEN, CLOSED = 1.0, -1.0  # of the gripper's action
-ARRIVED = (0.008, 0.1)  # metres and radians from its goal at which the hand has arrived
-CLOSE_STEPS, OPEN_STEPS = 3, 2
-NEARLY_OPEN = 0.7 * GRIPPER_OPEN
+CLOSE_STEPS, OPEN_STEPS = 3, 2  # control steps until the gripper has closed, and until it lets go
 EMPTY = 0.001  # finger joints below this hold nothing, metres
+LOST = 0.06  # what is this far from where the hand had it is no longer held, metres
 STALL_STEPS = 8  # steps without progress that mean failure
 
 
@@ -78,9 +78,14 @@ class Motion:
         return self.hold(OPEN, OPEN_STEPS)
 
     @property
+    def holds(self) -> bool:
+        """Whether the fingers may have something between them: they are neither open nor closed on nothing."""
+        return not self.open and not self.empty
+
+    @property
     def open(self) -> bool:
         """Whether the fingers are far enough apart to approach something."""
-        return self.fingers > NEARLY_OPEN
+        return self.fingers > GRIPPER_OPEN / 2
 
     def follow(self, pursuit: Pursuit, gripper: float, watch: Callable[[Array], str], grasping: bool = False) -> str:
         """Follow a path until `watch`, given the pose (4, 4) of the hand before every step, returns a word.
@@ -116,11 +121,10 @@ class Motion:
         pursuit, stall = Pursuit(path, lookahead), Stall(0.002)
 
         def arriving(hand: Array) -> str:
-            error = pose_error(path[-1:], hand[None])[0]
-            position, angle = float(np.linalg.norm(error[:3])), float(np.linalg.norm(error[3:]))
-            if position < ARRIVED[0] and angle < ARRIVED[1]:
+            left = deviation(path[-1:], hand[None])[0]
+            if (left < TOLERANCE).all():
                 return "arrived"
-            return watch(hand) or ("stall" if stall(pursuit.progress - position) else "")
+            return watch(hand) or ("stall" if stall(pursuit.progress - left[0]) else "")
 
         word = self.follow(pursuit, gripper, arriving, grasping)
         return "" if word == "arrived" else word, pursuit

@@ -14,14 +14,14 @@ import torch
 from numpy.typing import NDArray
 
 from stages.config.demonstrations import RandomiseOptions
-from stages.config.task import TaskConfig
 from stages.contracts import Asset, InputError, read_json
+from stages.contracts.task_options import TaskConfig
 from stages.plugins import load
 from stages.simulation.kinematics import Array
 from stages.simulation.robot import panda_chain
 from stages.simulation.room import Room
 from stages.simulation.studio import Moment, Recording
-from stages.tasks.observation import Observation
+from stages.tasks.observation import Observation, Sensing
 from stages.tasks.task import Task
 
 if TYPE_CHECKING:
@@ -54,6 +54,7 @@ def make_task(
     vary_scale: bool = True,
     room: Room | None = None,
     randomise: RandomiseOptions | None = None,
+    sensing: Sensing | None = None,
     simulator: Literal["maniskill", "mujoco"] = "maniskill",
 ) -> "TaskEnv":
     """A task on one asset. Several may live in one process.
@@ -69,16 +70,19 @@ def make_task(
         vary_scale: False keeps the nominal size (official code leaves the evaluated asset's size alone).
         room: a generated scene about the asset.
         randomise: draw the asset's friction and mass with the episode, and its scale from this range.
-        simulator: mujoco has doors and drawers, without a room, and depth with a sensor's noise.
+        sensing: how the cameras differ from perfect ones.
+        simulator: mujoco has doors and drawers, without a room.
     """
     known: Task = load("tasks", task)
     if simulator == "mujoco":
         from stages.tasks.mujoco_env import MujocoTaskEnv
 
-        return MujocoTaskEnv(known, assets, joint, size, options, render, vary_scale)
+        return MujocoTaskEnv(known, assets, joint, size, options, render, vary_scale, sensing)
     if options.sim_backend == "physx_cuda" and not torch.cuda.is_available():
-        raise InputError("task.sim_backend", "is physx_cuda, but torch finds no GPU.", "set it to physx_cpu")
-    return TaskEnv(known, assets, joint, size, options, render, cache, vary_scale, room, randomise)
+        raise InputError(
+            "task.sim_backend", "is physx_cuda, but torch finds no GPU.", "set it to physx_cpu", code="E-DEVICE-GPU"
+        )
+    return TaskEnv(known, assets, joint, size, options, render, cache, vary_scale, room, randomise, sensing)
 
 
 class TaskEnv:
@@ -96,8 +100,9 @@ class TaskEnv:
         vary_scale: bool,
         room: Room | None,
         randomise: RandomiseOptions | None = None,
+        sensing: Sensing | None = None,
     ) -> None:
-        self.task, self.options = task, options
+        self.task, self.options, self.sensing = task, options, sensing
         self.turn_to(assets, joint, size)
         self.render, self.vary_scale, self.room, self.randomise = render, vary_scale, room, randomise
         self._temporary = None if cache else tempfile.TemporaryDirectory(prefix="acdc-sized-")
@@ -108,11 +113,13 @@ class TaskEnv:
         self._nominal: dict[tuple[Path, Size], Path] = {}  # folders of assets at their nominal sizes
 
     def turn_to(self, assets: Path, joint: str, size: Size | None) -> None:
-        """Be about another asset and joint from the next episode on; see `make_task`."""
+        """Use another asset and joint from the next episode on; see `make_task`."""
         asset, role = read_json(Asset, assets / "asset.json"), self.task.role
         names = [candidate.name for candidate in asset.joints if candidate.role == role]
         if joint not in names:
-            raise InputError(assets, f"has no {role} joint {joint!r}.", f"its {role} joints: {names or 'none'}")
+            raise InputError(
+                assets, f"has no {role} joint {joint!r}.", f"its {role} joints: {names or 'none'}", code="E-TASK-JOINT"
+            )
         self.assets, self.asset, self.joint, self.size = assets, asset.id, joint, size or asset.size
 
     @property
@@ -127,7 +134,7 @@ class TaskEnv:
         return self.observe()
 
     def place(self, seed: int) -> None:
-        """`reset` without looking: a skill plans before it needs a picture."""
+        """`reset` without an observation, which a skill does not need to plan."""
         folder = self._nominal_folder()
         if self._env is None:
             from stages.simulation.rendering import render_backend
@@ -142,6 +149,7 @@ class TaskEnv:
                 vary_scale=self.vary_scale,
                 randomise=self.randomise,
                 room=self.room,
+                sensing=self.sensing,
                 obs_mode="none",
                 reward_mode="none",
                 sim_backend=self.options.sim_backend,
@@ -158,7 +166,7 @@ class TaskEnv:
         return StepResult(self.observe(), self.success, self.official_success, self.opened, done)
 
     def act(self, action: Float) -> None:
-        """`step` without looking."""
+        """`step` without an observation."""
         _, _, _, _, info = self.env.step(np.asarray(action, np.float32))
         self.steps += 1
         self.success, self.opened = bool(info["success"][0]), float(info["opened"][0])
@@ -190,7 +198,7 @@ class TaskEnv:
         return np.asarray(controller._target_pose.sp.to_transformation_matrix(), dtype=float)
 
     def moment(self) -> Moment:
-        """Where everything is, for a film."""
+        """Poses and joints of robot, asset and props, for a film."""
         env = self.env
         poses = [body.pose[0].sp.to_transformation_matrix() for body in (env.agent.robot, env.object)]
         joints = [

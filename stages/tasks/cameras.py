@@ -9,7 +9,7 @@ from mani_skill.render import PREBUILT_SHADER_CONFIGS
 from mani_skill.sensors.camera import CameraConfig
 from scipy.spatial.transform import Rotation
 
-from stages.config.task import TaskConfig
+from stages.contracts.task_options import TaskConfig
 from stages.geometry.frames import rigid
 from stages.simulation.depth_shaders import depth_shaders
 from stages.simulation.kinematics import Array
@@ -75,6 +75,15 @@ def jitter(seed: int, number: int, options: TaskConfig) -> Array:
     turn = rng.standard_normal(3)
     rotation = Rotation.from_rotvec(turn / np.linalg.norm(turn) * rng.uniform(0, radians))
     return rigid(rotation.as_matrix(), rng.uniform(-1, 1, 3) * metres)
+
+
+def displaced(pose: Array, seed: int, number: int, error: tuple[float, float]) -> Array:
+    """A pose (4, 4) shifted and turned by `error` (metres, radians), in directions that the episode draws."""
+    shift, axis = np.random.default_rng((seed, 29, number)).standard_normal((2, 3))
+    moved = pose.copy()
+    moved[:3, 3] += error[0] * shift / np.linalg.norm(shift)
+    moved[:3, :3] = Rotation.from_rotvec(error[1] * axis / np.linalg.norm(axis)).as_matrix() @ pose[:3, :3]
+    return moved
 
 
 def film_camera(robot: AcdcPanda) -> CameraConfig:

@@ -14,8 +14,9 @@ from mani_skill.utils.structs.types import SceneConfig, SimConfig
 from numpy.typing import NDArray
 
 from stages.config.demonstrations import RandomiseOptions
-from stages.config.task import TaskConfig
-from stages.geometry.frames import apply, inverse, rigid
+from stages.contracts.task_options import SIMULATION_FREQUENCY, TaskConfig
+from stages.geometry.frames import apply, inverse
+from stages.planning.clearance import Surroundings
 from stages.simulation.kinematics import Array
 from stages.simulation.loading import ParsedAsset, load_asset, physics_scene, soften
 from stages.simulation.poses import to_poses
@@ -24,17 +25,14 @@ from stages.simulation.robot import GRIPPER_OPEN, REST, AcdcPanda, ActionScale
 from stages.simulation.room import Room
 from stages.simulation.studio import Prop
 from stages.simulation.target import Target, descends, read_target
-from stages.skills.clearance import Surroundings
+from stages.tasks.base_placement import AJAR, placed, success_opening
 from stages.tasks.cameras import Camera, film_camera, shoulder
-from stages.tasks.initial_state import base_pose, draw_initial_state, drawn_scale, nominal_root, object_motion
+from stages.tasks.initial_state import nominal_root, sample_initial_state, sampled_scale
 from stages.tasks.movable import Movable
-from stages.tasks.observation import Eyes, Observation
-from stages.tasks.randomised import draw_factors, randomise
-from stages.tasks.standing import standing, success_opening
+from stages.tasks.observation import CameraRig, Observation, Sensing
+from stages.tasks.randomised import randomise, sample_factors
 from stages.tasks.task import Task
 
-SIMULATION_FREQUENCY = 100  # steps per second; a task may have a multiple of it
-OFFICIAL_SUCCESS = 0.1  # of the range of any joint (official code)
 LARGEST_ID = 30_000  # of an entity: a picture holds 16 bits of it, and every change of scale takes new ones
 
 
@@ -52,6 +50,7 @@ class OpenTaskEnv(BaseEnv):
         vary_scale: draw the asset's scale with the episode; on a GPU, where a scene cannot change, when it is built.
         randomise: draw its friction and mass likewise, and its scale from this range, not `scale_range`.
         room: a generated scene about the asset; the world is then its floor frame.
+        sensing: how the cameras differ from perfect ones.
         obs_mode: 'pointcloud' (what a policy sees: `Observation`), 'state', 'none', or another of ManiSkill's.
     """
 
@@ -72,6 +71,7 @@ class OpenTaskEnv(BaseEnv):
         vary_scale: bool = True,
         randomise: RandomiseOptions | dict[str, Any] | None = None,
         room: Room | None = None,
+        sensing: Sensing | None = None,
         obs_mode: str = "pointcloud",
         **kwargs: Any,
     ) -> None:
@@ -81,7 +81,7 @@ class OpenTaskEnv(BaseEnv):
         drawn_from = self.randomise.extents if self.randomise else self.options.scale_range
         self.scale_range = drawn_from if vary_scale else None
         self.joint_name = joint or self.task.suitable_joint(self.asset_folder)
-        self.eyes = Eyes(self.cameras(), self.options)
+        self.rig = CameraRig(self.cameras(), self.options, sensing)
         known = {"control_mode": self.options.controller, "sim_backend": self.options.sim_backend}
         known |= {"render_backend": render_backend()} | kwargs
         super().__init__(*args, robot_uids=robot_uids, obs_mode=obs_mode, **known)
@@ -106,7 +106,7 @@ class OpenTaskEnv(BaseEnv):
 
     @property
     def _default_sensor_configs(self) -> list[CameraConfig]:
-        return self.eyes.configs(self.agent)
+        return self.rig.configs(self.agent)
 
     def cameras(self) -> Sequence[Camera]:
         """The depth cameras whose points make up the cloud."""
@@ -130,7 +130,7 @@ class OpenTaskEnv(BaseEnv):
                 self.room.load(scene)
 
     def _drawn_scales(self, seeds: Sequence[int]) -> Array:
-        return np.array([drawn_scale(int(seed), self.options, self.scale_range) for seed in seeds])
+        return np.array([sampled_scale(int(seed), self.options, self.scale_range) for seed in seeds])
 
     def _load_object(self, scales: Array) -> None:
         """Put the asset into every environment at its scale, (N, 3)."""
@@ -151,7 +151,7 @@ class OpenTaskEnv(BaseEnv):
         for body, seed in zip(self.object._objs, self._episode_seed, strict=True):
             soften(body)
             if self.randomise:
-                randomise(body, draw_factors(int(seed), self.randomise))
+                randomise(body, sample_factors(int(seed), self.randomise))
         index = [joint.name for joint in bodies[0].active_joints].index(self.joint_name)
         if self.gpu_sim_enabled:  # what is on the GPU cannot be measured before the first step: measure a twin of it
             world = physics_scene()
@@ -207,18 +207,16 @@ class OpenTaskEnv(BaseEnv):
                 self._exchange_object(scales)
         bases, roots, qpos = [], [], []
         for index, seed in zip(indices, seeds, strict=True):
-            setup, target = draw_initial_state(seed, self.options), self.targets[index]
+            setup, target = sample_initial_state(seed, self.options), self.targets[index]
             nominal = nominal_root(self.asset, self.scales[index])
-            at = np.add(target.reference + nominal, self.robot_shift)
-            bases.append(base_pose(at, target.side, setup, self.options, target.flap))
-            roots.append(object_motion(setup) @ rigid(np.eye(3), nominal))
-            qpos.append(np.concatenate([REST + setup.joints, [GRIPPER_OPEN, GRIPPER_OPEN]]))
+            around = None if self.room else self.around(index)
+            base, root = placed(setup, target, nominal, self.options, around, self.robot_shift)
             if self.room:
-                bases[-1], roots[-1] = self.room.stand(bases[-1]), self.room.world_from_nominal @ roots[-1]
-            elif target.side and target.handle is not None:  # a door: its arc may lead where the arm cannot follow
-                reached = standing(bases[-1], roots[-1], qpos[-1][:7], self.around(index), self.success_opening(index))
-                bases[-1] = bases[-1] if reached is None else reached
-            self.eyes.place(self._sensors, index, seed)
+                base, root = self.room.stand(base), self.room.world_from_nominal @ root
+            bases.append(base)
+            roots.append(root)
+            qpos.append(np.concatenate([REST + setup.joints, [GRIPPER_OPEN, GRIPPER_OPEN]]))
+            self.rig.place(self._sensors, index, seed)
         self.agent.robot.set_qpos(torch.as_tensor(np.stack(qpos), dtype=torch.float32, device=self.device))
         self.agent.robot.set_pose(to_poses(np.stack(bases)))
         self.object.set_pose(to_poses(np.stack(roots)))
@@ -253,7 +251,7 @@ class OpenTaskEnv(BaseEnv):
 
     def evaluate(self) -> dict[str, torch.Tensor]:
         """Success; beside it the official code's: any joint of the object was 10 % open at any time."""
-        self._official |= (self._fractions() >= OFFICIAL_SUCCESS).any(dim=1)
+        self._official |= (self._fractions() >= AJAR).any(dim=1)
         return {"success": self.succeeded(), "official_success": self._official.clone(), "opened": self.opened()}
 
     def observe(self, render: bool = True) -> list[Observation]:
@@ -261,9 +259,9 @@ class OpenTaskEnv(BaseEnv):
         pictures = []
         if render:
             self.scene.update_render(update_sensors=True, update_human_render_cameras=False)
-            pictures = self.eyes.capture(self._sensors)
+            pictures = self.rig.capture(self._sensors)
         joints = self.agent.robot.get_qpos().cpu().numpy().astype(np.float64)
-        return [self.eyes.observation(row, pictures, self.seen_ids(i), i) for i, row in enumerate(joints)]
+        return [self.rig.observation(row, pictures, self.seen_ids(i), i) for i, row in enumerate(joints)]
 
     def get_obs(self, info: dict[str, Any] | None = None, unflattened: bool = False) -> Any:
         """ManiSkill's observation; in mode 'pointcloud' what a policy sees, batched."""

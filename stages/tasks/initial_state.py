@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.config.task import TaskConfig
 from stages.contracts.library import Asset
+from stages.contracts.task_options import TaskConfig
 from stages.geometry.frames import rigid, yaw_matrix
 
 Array = NDArray[np.float64]
@@ -24,7 +24,7 @@ class InitialState:
     joints: Array  # (7,) added to the rest configuration
 
 
-def draw_initial_state(seed: int, options: TaskConfig) -> InitialState:
+def sample_initial_state(seed: int, options: TaskConfig) -> InitialState:
     """The initial state of episode `seed`; the same seed gives the same state for every asset and policy."""
     rng = np.random.default_rng(seed)
     base_range = np.array([options.base_xy, options.base_xy, options.base_z])
@@ -38,11 +38,11 @@ def draw_initial_state(seed: int, options: TaskConfig) -> InitialState:
     )
 
 
-def drawn_scale(seed: int, options: TaskConfig, scale_range: tuple[float, float] | None) -> Array:
+def sampled_scale(seed: int, options: TaskConfig, scale_range: tuple[float, float] | None) -> Array:
     """(3,) scale factors of the asset in episode `seed`; None: its nominal size."""
     if scale_range is None:
         return np.ones(3)
-    return variant_scale(draw_initial_state(seed, options).variant, scale_range)
+    return variant_scale(sample_initial_state(seed, options).variant, scale_range)
 
 
 def variant_scale(variant: int, scale_range: tuple[float, float]) -> Array:

@@ -14,9 +14,10 @@ import sapien
 from numpy.typing import NDArray
 
 from stages.articulated.asset_folder import stretch_asset
-from stages.config.task import TaskConfig
 from stages.contracts import Asset, InputError, read_json
-from stages.geometry.frames import inverse, rigid
+from stages.contracts.task_options import TaskConfig
+from stages.geometry.frames import inverse
+from stages.planning.clearance import Surroundings
 from stages.simulation.controller import apply_delta, scale_action
 from stages.simulation.kinematics import Array
 from stages.simulation.loading import load_asset, physics_scene
@@ -35,26 +36,17 @@ from stages.simulation.observation import CAMERA_FROM_IMAGE
 from stages.simulation.robot import GRIPPER_CLOSED, GRIPPER_OPEN, REST, TCP
 from stages.simulation.studio import Moment, Recording
 from stages.simulation.target import Target, read_target
-from stages.skills.clearance import Surroundings
 from stages.tasks.api import Float, Size, TaskEnv
+from stages.tasks.base_placement import placed, success_opening
 from stages.tasks.cameras import shoulder
-from stages.tasks.initial_state import base_pose, draw_initial_state, drawn_scale, nominal_root, object_motion
-from stages.tasks.observation import Eyes, Observation
-from stages.tasks.standing import standing, success_opening
+from stages.tasks.initial_state import nominal_root, sample_initial_state, sampled_scale
+from stages.tasks.observation import CameraRig, Observation, Sensing
 from stages.tasks.task import Task
 
 SHOWN = np.array([1], np.int16)  # entity id of what the cloud shows; everything else has 0
 IK_STEPS, IK_DAMPING = 20, 0.03  # of damped least squares; metres and radians
 LARGEST_STEP = 0.25  # radians of a joint in one of them
 LIMIT = 0.02  # radians kept to every joint limit
-# Axial noise of a depth camera, metres at z metres: Nguyen, Izadi & Lovell 2012, of the Kinect
-NOISE = (0.0012, 0.0019, 0.4)
-
-
-def sensor_noise(depth: Array) -> Array:
-    """Standard deviation (...) of a depth camera's error at depths (...), metres."""
-    constant, quadratic, nearest = NOISE
-    return np.asarray(constant + quadratic * (depth - nearest) ** 2)
 
 
 class MujocoTaskEnv(TaskEnv):
@@ -69,6 +61,7 @@ class MujocoTaskEnv(TaskEnv):
         options: TaskConfig,
         render: bool,
         vary_scale: bool,
+        sensing: Sensing | None,
     ) -> None:
         """Args as of `make_task`."""
         if len(task.skills) > 1:
@@ -76,8 +69,8 @@ class MujocoTaskEnv(TaskEnv):
             raise InputError(
                 "evaluation.simulator", f"'mujoco' does not have the task {task.gym_id}.", fix, "E-MUJOCO-TASK"
             )
-        super().__init__(task, assets, joint, size, options, render, None, vary_scale, None)
-        self.eyes = Eyes([shoulder(options)], options)
+        super().__init__(task, assets, joint, size, options, render, None, vary_scale, None, None, sensing)
+        self.rig = CameraRig([shoulder(options)], options, sensing)
         self._files = ModelFiles()
         self._camera: DepthCamera | None = None
 
@@ -88,20 +81,16 @@ class MujocoTaskEnv(TaskEnv):
 
     def place(self, seed: int) -> None:
         """`reset` without looking."""
-        setup = draw_initial_state(seed, self.options)
-        scale = drawn_scale(seed, self.options, self.options.scale_range if self.vary_scale else None)
+        setup = sample_initial_state(seed, self.options)
+        scale = sampled_scale(seed, self.options, self.options.scale_range if self.vary_scale else None)
         self.folder = self._at_scale(self._nominal_folder(), scale)
         self._model_asset = read_json(Asset, self.folder / "asset.json")
         self.target = self._measured_target()
         self.__dict__.pop("_surroundings", None)
-        root = nominal_root(self._model_asset, np.ones(3))
-        self.base = base_pose(self.target.reference + root, self.target.side, setup, self.options, self.target.flap)
-        self.root = object_motion(setup) @ rigid(np.eye(3), root)
-        if self.target.side and self.target.handle is not None:
-            found = standing(self.base, self.root, REST + setup.joints, self.around(), self.success_opening)
-            self.base = self.base if found is None else found
-        self.eyes.place({}, 0, seed)
-        camera = self.base @ self.eyes.pose("shoulder", 0)
+        at = nominal_root(self._model_asset, np.ones(3))
+        self.base, self.root = placed(setup, self.target, at, self.options, self.around())
+        self.rig.place({}, 0, seed)
+        camera = self.base @ self.rig.pose("shoulder", 0)
         camera[:3, :3] = camera[:3, :3] @ CAMERA_FROM_IMAGE
         options = self.options
         self.model = build(
@@ -116,7 +105,6 @@ class MujocoTaskEnv(TaskEnv):
         self.data.ctrl[:7], self.data.ctrl[7:] = REST + setup.joints, GRIPPER_OPEN
         mujoco.mj_forward(self.model, self.data)
         self._goal = self.joints()[:7]
-        self._noise = np.random.default_rng((seed, 23))
         if self._camera is not None:
             self._camera.close()
             self._camera = None
@@ -143,7 +131,7 @@ class MujocoTaskEnv(TaskEnv):
     def observe(self) -> Observation:
         """The observation of the present state."""
         pictures = [self._picture()[None]] if self.render else []
-        return self.eyes.observation(self.joints(), pictures, SHOWN, 0)
+        return self.rig.observation(self.joints(), pictures, SHOWN, 0)
 
     @property
     def success_opening(self) -> float:
@@ -263,7 +251,6 @@ class MujocoTaskEnv(TaskEnv):
             self._camera = DepthCamera(self.model, CAMERA, self.options.camera_size)
         depth, ids = self._camera.take(self.data)
         shown = np.isin(ids, self._seen_geoms())
-        depth += self._noise.normal(0.0, 1.0, depth.shape) * sensor_noise(depth)
         half = (len(depth) - 1) / 2
         focal = len(depth) / 2 / np.tan(self.options.camera_fov / 2)
         v, u = np.mgrid[: len(depth), : len(depth)]

@@ -1,6 +1,7 @@
 """What a policy is given at each step, by the environment as by the stores (paper B.3)."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, TypedDict
 
 import numpy as np
@@ -8,12 +9,12 @@ import sapien
 from mani_skill.sensors.camera import CameraConfig
 from numpy.typing import NDArray
 
-from stages.config.task import TaskConfig
+from stages.contracts.task_options import TaskConfig
 from stages.simulation.depth_shaders import PICTURE
 from stages.simulation.kinematics import Array
 from stages.simulation.observation import finger_points, object_points, proprioception, unified_cloud
 from stages.simulation.robot import REST, AcdcPanda, panda_chain
-from stages.tasks.cameras import Camera, jitter
+from stages.tasks.cameras import Camera, displaced, jitter
 
 Float = NDArray[np.float32]
 
@@ -29,25 +30,61 @@ class Observation(TypedDict):
     proprio: Float
 
 
-class Eyes:
+# Axial noise of a depth camera, metres at z metres (Nguyen, Izadi & Lovell 2012, of the Kinect): a + b (z - c)^2
+NOISE_FLOOR, NOISE_GROWTH, NEAREST = 0.0012, 0.0019, 0.4
+
+
+@dataclass(frozen=True)
+class Sensing:
+    """How the cameras differ from perfect ones.
+
+    depth_noise: depth has a depth camera's. camera_error: metres and radians by which a camera is elsewhere than the
+    policy is told, in a direction drawn by episode.
+    """
+
+    depth_noise: bool = False
+    camera_error: tuple[float, float] = (0.0, 0.0)
+
+
+def sensor_noise(depth: NDArray[np.floating]) -> Array:
+    """Standard deviation (...) of a depth camera's error at depths (...), metres."""
+    return np.asarray(NOISE_FLOOR + NOISE_GROWTH * (depth - NEAREST) ** 2, dtype=float)
+
+
+def with_noise(picture: NDArray[np.int16], rng: np.random.Generator) -> NDArray[np.int16]:
+    """A picture (H, W, 4) of positions in millimetres, moved along their rays by a depth camera's error."""
+    depth = np.abs(picture[..., 2]) * 1e-3
+    error = rng.normal(0.0, 1.0, depth.shape) * sensor_noise(depth)
+    noisy = picture.copy()
+    noisy[..., :3] = np.rint(picture[..., :3] * (1 + error / np.maximum(depth, 1e-3))[..., None])
+    return noisy
+
+
+class CameraRig:
     """The cameras of a task's environments, and what they see of them."""
 
-    def __init__(self, cameras: Sequence[Camera], options: TaskConfig) -> None:
-        self.cameras, self.options = cameras, options
-        self._poses: dict[tuple[str, int], Array] = {}  # of a camera in an environment, in the frame of its mount
+    def __init__(self, cameras: Sequence[Camera], options: TaskConfig, sensing: Sensing | None = None) -> None:
+        self.cameras, self.options, self.sensing = cameras, options, sensing or Sensing()
+        # By camera and environment, in the frame of its mount: where it is, and where the policy is told that it is.
+        self._poses: dict[tuple[str, int], Array] = {}
+        self._told: dict[tuple[str, int], Array] = {}
+        self._noise: dict[int, np.random.Generator] = {}  # by environment
 
     def configs(self, robot: AcdcPanda) -> list[CameraConfig]:
         """The cameras as ManiSkill makes them."""
         return [camera.config(robot, self.options) for camera in self.cameras]
 
     def place(self, sensors: Mapping[str, Any], index: int, seed: int) -> None:
-        """Jitter the cameras of environment `index` for episode `seed`; where they then are is known to the robot."""
+        """Jitter the cameras of environment `index` for episode `seed`; the robot knows where they are, but for
+        `Sensing.camera_error`."""
+        self._noise[index] = np.random.default_rng((seed, 23))
         for number, camera in enumerate(self.cameras):
             shift = jitter(seed, number, self.options)
             pose = camera.pose()
             pose[:3, 3] += shift[:3, 3]
             pose[:3, :3] = shift[:3, :3] @ pose[:3, :3]
             self._poses[camera.name, index] = pose
+            self._told[camera.name, index] = displaced(pose, seed, number, self.sensing.camera_error)
             if camera.name in sensors:
                 sensors[camera.name].camera._render_cameras[index].set_local_pose(sapien.Pose(pose))
 
@@ -78,9 +115,10 @@ class Eyes:
             low, high = np.array(options.workspace_min), np.array(options.workspace_max)
             clouds = []
             for camera, picture in zip(self.cameras, pictures, strict=True):
-                local = self._poses[camera.name, index]
+                local = self._told[camera.name, index]
                 pose = local if camera.mount == "base" else tcp @ local
-                clouds.append(object_points(picture[index], shown, pose, low, high))
+                seen = with_noise(picture[index], self._noise[index]) if self.sensing.depth_noise else picture[index]
+                clouds.append(object_points(seen, shown, pose, low, high))
             finger = finger_points(tcp, fingers, options.finger_points)
             cloud = unified_cloud(np.concatenate(clouds), finger, options.points)
         rest = chain.pose(REST[None])[0]

@@ -16,7 +16,7 @@ class Factors(NamedTuple):
     joint_friction: float
 
 
-def draw_factors(seed: int, options: RandomiseOptions) -> Factors:
+def sample_factors(seed: int, options: RandomiseOptions) -> Factors:
     """The factors of episode `seed`, log-uniform in their ranges: half and double are equally likely."""
     rng = np.random.default_rng((seed, 4))
     ranges = (options.friction, options.mass, options.joint_friction)

@@ -41,7 +41,7 @@ class Task:
         """
         panel = self.target_joint(folder)
         if panel is None:
-            raise InputError(folder, f"has no {self.role} with a handle.", "choose another asset")
+            raise InputError(folder, f"has no {self.role} with a handle.", "choose another asset", code="E-TASK-JOINT")
         return panel.joint
 
 

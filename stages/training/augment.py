@@ -13,7 +13,7 @@ from dataclasses import replace
 import torch
 from torch import Tensor
 
-from stages.config.training import TrainingRun
+from stages.contracts.training_run import TrainingRun
 from stages.training.dataset import Batch
 
 CLOUD_SIGNS = (1.0, -1.0, 1.0, 1.0)

@@ -10,9 +10,9 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from stages.config.task import TaskConfig
 from stages.contracts.episode_store import read_episodes
 from stages.contracts.errors import InputError
+from stages.contracts.task_options import TaskConfig
 from stages.contracts.trained import TrainingStore
 from stages.training.handles import mark_episodes
 
@@ -65,7 +65,7 @@ class Batch:
     fronts: Tensor | None = None
 
 
-def held(actions: Float) -> int:
+def steps_until_release(actions: Float) -> int:
     """Steps (of T, 7 actions) until the hand opens for the last time; all of them if it ends closed or never closes."""
     closed = np.flatnonzero(actions[:, 6] < 0)
     return int(closed[-1]) + 1 if len(closed) else len(actions)
@@ -81,21 +81,35 @@ def read_demonstrations(paths: Sequence[Path], per_store: int, let_go: bool = Tr
     """
     if not paths or per_store < 1:
         raise InputError(
-            "--episodes, --per-store", "name no episodes to train on.", "at least one store and one episode"
+            "--episodes, --per-store",
+            "name no episodes to train on.",
+            "at least one store and one episode",
+            code="E-EPISODES-NONE",
         )
     stores = [read_episodes(path, per_store) for path in paths]
     first = stores[0]
     for path, store in zip(paths, stores, strict=True):
         if (store.task, store.task_options) != (first.task, first.task_options):
-            raise InputError(path, f"was collected for another task or with other task options than {paths[0]}.")
+            raise InputError(
+                path,
+                f"was collected for another task or with other task options than {paths[0]}.",
+                code="E-EPISODES-MIXED",
+            )
         if task and store.task != task:
-            raise InputError(path, f"was collected for the task '{store.task}', not '{task}'.", "collect it again")
+            raise InputError(
+                path,
+                f"was collected for the task '{store.task}', not '{task}'.",
+                "collect it again",
+                code="E-EPISODES-TASK",
+            )
     episodes = [
-        episode if let_go else tuple(array[: held(episode[2])] for array in episode)
+        episode if let_go else tuple(array[: steps_until_release(episode[2])] for array in episode)
         for store in stores
         for episode in store.episodes
     ]
     clouds, proprio, actions = (np.concatenate(arrays) for arrays in zip(*episodes, strict=True))
+    lengths = [len(episode[2]) for episode in episodes]
+    store_of = [number for number, store in enumerate(stores) for _ in store.episodes]
     digest = hashlib.sha256()
     for array in (clouds, proprio, actions):
         digest.update(np.ascontiguousarray(array).data)
@@ -103,16 +117,16 @@ def read_demonstrations(paths: Sequence[Path], per_store: int, let_go: bool = Tr
         clouds=torch.from_numpy(clouds),
         proprio=torch.from_numpy(proprio),
         actions=torch.from_numpy(actions),
-        lengths=[len(episode[2]) for episode in episodes],
-        store_of=[number for number, store in enumerate(stores) for _ in store.episodes],
+        lengths=lengths,
+        store_of=store_of,
         stores=[
             TrainingStore(
                 file="/".join(path.parts[-3:]),
                 asset=store.asset,
                 episodes=len(store.episodes),
-                frames=sum(len(actions) if let_go else held(actions) for _, _, actions in store.episodes),
+                frames=sum(length for length, owner in zip(lengths, store_of, strict=True) if owner == number),
             )
-            for path, store in zip(paths, stores, strict=True)
+            for number, (path, store) in enumerate(zip(paths, stores, strict=True))
         ],
         task=first.task,
         task_options=first.task_options,

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import torch
 from torch import Tensor
 
-from stages.config.training import HandleConfig
+from stages.contracts.training_run import HandleConfig
 from stages.policies.proud import mark_proud
 
 if TYPE_CHECKING:
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 TURNED, PULLED = 0.07, 0.015  # radians, metres: from here on a front moves, if two frames in a row say so
 NEAR = 0.05  # metres between hand and handle: from here on the fingers may hide it
 HOLDING = (0.002, 0.02)  # metres of a finger joint with something between the fingers; below it they have missed
-FAR = 10.0  # metres: beyond every cloud
 
 
 def mark_episodes(clouds: Tensor, lengths: Sequence[int]) -> tuple[Tensor, Tensor]:
@@ -88,7 +87,7 @@ def move_fronts(batch: "Batch", options: HandleConfig, random: torch.Generator) 
     moved = from_middle * (scale[:, None, None] - 1) + shift[:, None, None]
     stretched = from_middle * (own_scale[:, None, None] - 1)
     delta = torch.where(front[..., None], moved, torch.where(handle[..., None], stretched, 0.0))
-    delta = delta * able[:, None, None, None]
+    delta = torch.where(able[:, None, None, None], delta, 0.0)
     flat = delta[..., :1] * along[:, None, None]
     return replace(batch, clouds=torch.cat([xyz + torch.cat([flat, delta[..., 1:]], -1), flag[..., None]], dim=-1))
 
@@ -96,8 +95,8 @@ def move_fronts(batch: "Batch", options: HandleConfig, random: torch.Generator) 
 def _ends(places: Tensor, which: Tensor) -> tuple[Tensor, Tensor]:
     """Lowest and highest place (B, 2) of the points (B, T, P, 2) where `which` (B, T, P) holds."""
     chosen = which[..., None]
-    low = torch.where(chosen, places, FAR).flatten(1, 2).amin(1)
-    return low, torch.where(chosen, places, -FAR).flatten(1, 2).amax(1)
+    low = torch.where(chosen, places, torch.inf).flatten(1, 2).amin(1)
+    return low, torch.where(chosen, places, -torch.inf).flatten(1, 2).amax(1)
 
 
 def widen_grips(batch: "Batch", most: float, random: torch.Generator) -> "Batch":

@@ -10,7 +10,7 @@ import torch
 from torch import Tensor
 
 from stages.cli import progress
-from stages.config.training import TrainingRun
+from stages.contracts.training_run import TrainingRun
 from stages.policies import TrainablePolicy
 from stages.policies.checkpoint import save_weights
 from stages.training.augment import augment, mirror_some
@@ -20,7 +20,6 @@ from stages.training.logbook import Line
 from stages.training.state import TrainingState
 
 LINEAR_STEPS, LINEAR_FLOOR = 10_000, 0.1  # official: 100 epochs of 100 steps
-VALIDATION_SEQUENCES = 256
 
 
 @dataclass(frozen=True)
@@ -94,9 +93,8 @@ def validation_batches(setting: Setting, episodes: list[int]) -> Iterator[Batch]
         return
     run = setting.run
     frames, real = windows(setting.data, episodes, run.rnn_horizon, stride=run.rnn_horizon)
-    even = np.linspace(0, len(frames) - 1, min(len(frames), VALIDATION_SEQUENCES)).astype(int)
     random = generator(setting.seed, 2**31)
-    for part in np.array_split(even, -(-len(even) // run.batch_size)):
+    for part in np.array_split(np.arange(len(frames)), -(-len(frames) // run.batch_size)):
         yield gather(setting.data, frames[part], real[part], run.network.points, random, run.handle.keep)
 
 

@@ -10,12 +10,12 @@ from typing import Literal
 import torch
 
 from stages.config.code import code_digest, cover
-from stages.config.training import TrainingRun
 from stages.contracts.archives import pack
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_options, write_json, write_text
 from stages.contracts.policy_folder import CHECKPOINTS
 from stages.contracts.trained import TrainedPolicy
+from stages.contracts.training_run import TrainingRun
 from stages.plugins import qualified
 from stages.policies import make_policy
 from stages.policies.checkpoint import FILES, save_weights
@@ -54,13 +54,17 @@ def run(
     """
     hyper = read_options(TrainingRun, options)
     if device == "cuda" and not torch.cuda.is_available():
-        raise InputError("device", "cuda is asked for, but torch finds no GPU.", "set `device: cpu`")
+        raise InputError(
+            "device", "cuda is asked for, but torch finds no GPU.", "set `device: cpu`", code="E-DEVICE-GPU"
+        )
     torch.set_num_threads(threads)
     torch.manual_seed(seed)
     data = read_demonstrations(episodes, per_store, hyper.let_go, task)
     if data.clouds.shape[1] < hyper.network.points:
         raise InputError(
-            "training.network.points", f"is {hyper.network.points}, but the clouds have {data.clouds.shape[1]} points."
+            "training.network.points",
+            f"is {hyper.network.points}, but the clouds have {data.clouds.shape[1]} points.",
+            code="E-EPISODES-POINTS",
         )
     if hyper.handle.flag:
         data = data.marked()

@@ -2,12 +2,13 @@
 
 from typing import Any, TypeVar
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from stages.contracts.files import first_error
+from stages.contracts.types import Count
 
 LONGEST = 20_000  # characters of an answer
-MOST = 10**9  # tokens that a server can have counted
+COUNTED = TypeAdapter(Count)
 A = TypeVar("A", bound=BaseModel)
 
 
@@ -50,23 +51,23 @@ def parsed(text: str, answer: type[A]) -> A:
     Raises:
         UnusableError: there is none, or it is none that was asked for.
     """
-    said = text.rpartition("</think>")[2]
-    start, end = said.find("{"), said.rfind("}")
+    answered = text.rpartition("</think>")[2]
+    start, end = answered.find("{"), answered.rfind("}")
     if start < 0 or end < start:
         raise UnusableError("the answer holds no JSON object")
     try:
-        return answer.model_validate_json(said[start : end + 1], strict=True)
+        return answer.model_validate_json(answered[start : end + 1], strict=True)
     except ValidationError as error:
         raise UnusableError(f"the answer's JSON: {first_error(error)}") from None
 
 
 def usage_of(reply: dict[str, Any]) -> tuple[int, int] | None:
     """Tokens sent and received, if the server counts."""
-    usage = reply.get("usage")
-    counts = [usage.get(name) for name in ("prompt_tokens", "completion_tokens")] if isinstance(usage, dict) else []
-    sent, received = counts or (None, None)
-    valid = all(type(count) is int and 0 <= count <= MOST for count in (sent, received))
-    return (sent, received) if valid and sent is not None and received is not None else None
+    try:
+        sent, received = (reply["usage"][name] for name in ("prompt_tokens", "completion_tokens"))
+        return COUNTED.validate_python(sent, strict=True), COUNTED.validate_python(received, strict=True)
+    except (KeyError, TypeError, ValidationError):
+        return None
 
 
 def response_format(kind: str, answer: type[BaseModel]) -> dict[str, Any] | None:

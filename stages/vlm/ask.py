@@ -9,17 +9,15 @@ from pydantic import BaseModel, ValidationError
 
 from stages.config.vlm import VlmConfig
 from stages.contracts.errors import InputError
-from stages.vlm.answers import UnusableError, parsed, response_format, text_of, usage_of
-from stages.vlm.endpoint import Endpoint, OversizedError, RefusedError, UnreachedError
+from stages.vlm.answers import LONGEST, UnusableError, parsed, response_format, text_of, usage_of
+from stages.vlm.endpoint import SHOWN, Endpoint, OversizedError, RefusedError, UnreachedError
 from stages.vlm.ledger import AGAIN, Entry, Exchange, Ledger
-from stages.vlm.prompt import Prompt, digest
+from stages.vlm.prompt import TOKENS, Prompt, digest
 
 A = TypeVar("A", bound=BaseModel)
 FORMATS = ("json_schema", "json_object", "words")  # the next where a server refuses one
-KEPT = 4000  # characters of an answer in the ledger
-SHOWN = 500  # characters of a bad answer that the model sees again
-ANSWER_TOKENS = 500  # expected at most, if the options do not say
 SILENCES = 3  # questions in a row without a reply: then the server is taken to be down
+RAISE = "raise it; what was answered stays in the ledger"
 FILTERED = ("content_filter", "content_policy")
 
 
@@ -60,14 +58,14 @@ class Asker:
             known = self.ledger.find(key)
             if known is None or known.outcome == "open":
                 what = f"lacks a call to {options.model} about {about or key}."
-                raise InputError(self.ledger.folder, what, "vlm.mode: record asks it")
+                raise InputError(self.ledger.folder, what, "vlm.mode: record asks it", code="E-VLM-REPLAY")
             self.known += 1
-            return _told(known, answer)
+            return answer_of(known, answer)
         with self.ledger.asking(key):
             known = self.ledger.find(key)
             if known is not None and known.outcome in ("answered", "unusable"):
                 self.known += 1
-                return _told(known, answer)
+                return answer_of(known, answer)
             entry = Entry(
                 key=key, question=question, model=options.model, settings=settings, about=about, names=names or {},
                 asked=prompt.written(), exchanges=known.exchanges if known else [], outcome="open",
@@ -77,8 +75,9 @@ class Asker:
             self._converse(entry, prompt, answer)
         self._silences = self._silences + 1 if entry.outcome == "unreached" else 0
         if self._silences >= SILENCES:
-            raise InputError(options.url, f"does not answer ({entry.problem}).", "try again later, what is known stays")
-        return _told(entry, answer)
+            what = f"does not answer ({entry.problem})."
+            raise InputError(options.url, what, "try again later, what is known stays", code="E-VLM-SILENT")
+        return answer_of(entry, answer)
 
     def summary(self) -> str:
         """What this process asked, and what the whole ledger has cost, in one line."""
@@ -107,8 +106,8 @@ class Asker:
             if entry.outcome != "open":
                 return
             again = f"This cannot be used: {exchange.problem}. Answer with nothing but the JSON object asked for."
-            said = exchange.text[:SHOWN] or "(nothing)"
-            messages = [*messages, {"role": "assistant", "content": said}, {"role": "user", "content": again}]
+            before = exchange.text[:SHOWN] or "(nothing)"
+            messages = [*messages, {"role": "assistant", "content": before}, {"role": "user", "content": again}]
 
     def _exchange(self, messages: list[dict[str, Any]], answer: type[A], size: int) -> tuple[Exchange, A | None]:
         """One request that is replied to, and the answer if it can be used."""
@@ -129,7 +128,7 @@ class Asker:
         served = served if isinstance(served, str) else ""
         tokens_in, tokens_out = usage or (size, len(text) // 3)
         exchange = Exchange(
-            requests=self._sent, text=text[:KEPT], problem=problem, served_by=self.endpoint.hidden(served)[:100],
+            requests=self._sent, text=text[:LONGEST], problem=problem, served_by=self.endpoint.hidden(served)[:100],
             tokens_in=tokens_in, tokens_out=tokens_out, estimated=usage is None,
         )  # fmt: skip
         return exchange, value
@@ -151,20 +150,20 @@ class Asker:
             self._format = number
             return reply
         mend = "correct vlm.model or vlm.options, or lower vlm.image_size"
-        raise InputError(self.options.url, f"refuses the request ({refusal}).", mend)
+        raise InputError(self.options.url, f"refuses the request ({refusal}).", mend, code="E-VLM-REQUEST")
 
     def _allow(self, size: int) -> None:
         """Count a request, if the budget has one left."""
         options, spent = self.options, self.ledger.spent()
         if options.max_calls is not None and spent.requests + self._sent >= options.max_calls:
             what = f"{options.max_calls} requests are used up."
-            raise InputError("vlm.max_calls", what, "raise it; what was answered stays in the ledger")
+            raise InputError("vlm.max_calls", what, RAISE, code="E-VLM-BUDGET")
         given = options.options
-        longest = given.get("max_tokens") or given.get("max_completion_tokens") or ANSWER_TOKENS
-        next_one = self._cost(size, longest if isinstance(longest, int) else ANSWER_TOKENS)
+        longest = given.get("max_tokens") or given.get("max_completion_tokens") or TOKENS
+        next_one = self._cost(size, longest if isinstance(longest, int) else TOKENS)
         if options.max_cost is not None and spent.cost + next_one > options.max_cost:
             what = f"{spent.cost:.4f} of {options.max_cost:g} are spent, and the next request may cost {next_one:.4f}."
-            raise InputError("vlm.max_cost", what, "raise it; what was answered stays in the ledger")
+            raise InputError("vlm.max_cost", what, RAISE, code="E-VLM-BUDGET")
         self._sent += 1
 
     def _cost(self, sent: int, received: int) -> float:
@@ -172,11 +171,16 @@ class Asker:
         return (sent * self.options.price_input + received * self.options.price_output) / 1e6
 
 
-def _told(entry: Entry, answer: type[A]) -> A:
-    """What an entry says."""
+def answer_of(entry: Entry, answer: type[A]) -> A:
+    """The answer that an entry of the ledger holds.
+
+    Raises:
+        NoAnswerError: it holds none.
+    """
     if entry.outcome != "answered":
         raise NoAnswerError(entry.problem or "no answer")
     try:
         return answer.model_validate(entry.answer)
     except ValidationError:
-        raise InputError(f"{entry.key}.json", "of the ledger holds another kind of answer.", AGAIN) from None
+        what = "of the ledger holds another kind of answer."
+        raise InputError(f"{entry.key}.json", what, AGAIN, code="E-VLM-LEDGER") from None

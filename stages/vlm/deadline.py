@@ -11,7 +11,7 @@ from typing import Any
 from urllib.error import HTTPError
 from urllib.request import HTTPHandler, HTTPRedirectHandler, HTTPSHandler, Request, build_opener
 
-SAID = 1 << 16  # bytes that are read of an error
+LARGEST = 1_000_000  # bytes of a reply; answers are short
 
 
 class _NoRedirect(HTTPRedirectHandler):
@@ -67,10 +67,10 @@ def opened(request: Request, seconds: float) -> Iterator[HTTPResponse]:
         if time.monotonic() >= end:
             raise TimeoutError
     except HTTPError as error:
-        said = b""
+        body = b""
         with contextlib.suppress(OSError, HTTPException):
-            said = error.read(SAID)
-        raise HTTPError(error.url, error.code, error.msg, error.headers, io.BytesIO(said)) from None
+            body = error.read(LARGEST)
+        raise HTTPError(error.url, error.code, error.msg, error.headers, io.BytesIO(body)) from None
     except (OSError, HTTPException) as error:
         if time.monotonic() >= end:
             raise TimeoutError from error

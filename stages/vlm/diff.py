@@ -17,11 +17,12 @@ def run(*, models: tuple[str, str], ledger: Path = Path("ledger"), other: Path |
     first, second = _by_question(ledger, models[0]), _by_question(other or ledger, models[1])
     shared = [question for question in first if question in second]
     if not shared:
-        raise InputError(ledger, f"{models[0]} and {models[1]} were asked nothing in common.", "see `cost` for models")
+        what = f"{models[0]} and {models[1]} were asked nothing in common."
+        raise InputError(ledger, what, "see `cost` for models", code="E-VLM-MODELS")
     pairs = [(first[question], second[question]) for question in shared]
-    differ = [(one, two) for one, two in pairs if said(one) != said(two)]
+    differ = [(one, two) for one, two in pairs if answer_text(one) != answer_text(two)]
     for one, two in sorted(differ, key=lambda pair: pair[0].about):
-        print(f"{one.about}: {said(one)} | {said(two)}")
+        print(f"{one.about}: {answer_text(one)} | {answer_text(two)}")
     print(f"{len(shared) - len(differ)} of {len(shared)} answers agree; {models[0]} | {models[1]}")
 
 
@@ -30,7 +31,7 @@ def _by_question(folder: Path, model: str) -> dict[str, Entry]:
     return {entry.question: entry for entry in Ledger(folder).entries() if entry.model == model}
 
 
-def said(entry: Entry) -> str:
+def answer_text(entry: Entry) -> str:
     """An answer in a few words: reasons left out, choices by what they stand for."""
     if entry.answer is None:
         return f"({entry.problem or 'no answer'})"

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from datetime import UTC, datetime
 from email.message import Message
 from email.utils import parsedate_to_datetime
+from http import HTTPStatus
 from http.client import HTTPException
 from typing import Any
 from urllib.error import HTTPError
@@ -14,11 +15,10 @@ from urllib.request import Request
 
 from stages.config.vlm import VlmConfig
 from stages.contracts.errors import InputError
-from stages.vlm.deadline import opened
+from stages.vlm.deadline import LARGEST, opened
 
-LARGEST = 1_000_000  # bytes of a reply; answers are short
-BUSY = {408, 409, 425, 429, 500, 502, 503, 504, 529}
-SHOWN = 300  # characters of what a server says
+BUSY = {HTTPStatus.REQUEST_TIMEOUT, HTTPStatus.CONFLICT, HTTPStatus.TOO_EARLY, HTTPStatus.TOO_MANY_REQUESTS}
+SHOWN = 300  # characters of a message or of a bad answer that are repeated
 
 
 class UnreachedError(Exception):
@@ -54,9 +54,10 @@ class Endpoint:
         where = f"environment variable {name}"
         if name and not key:
             mend = "export it; or vlm.key_env: '' for a server without keys, or vlm.mode: replay"
-            raise InputError(where, "is not set, and the ledger lacks a call.", mend)
+            raise InputError(where, "is not set, and the ledger lacks a call.", mend, code="E-VLM-KEY")
         if not (key.isascii() and key.isprintable()):
-            raise InputError(where, "holds characters that no key has.", "set it to the key and nothing else")
+            fix = "set it to the key and nothing else"
+            raise InputError(where, "holds characters that no key has.", fix, code="E-VLM-KEY")
         return key
 
     def post(self, body: dict[str, Any], allow: Callable[[], None]) -> dict[str, Any]:
@@ -75,9 +76,9 @@ class Endpoint:
             try:
                 return self._once(body)
             except HTTPError as error:
-                said = self._said(error)
-                self._give_up(error.code, said)
-                wanted, why = _asked_for(error.headers), f"HTTP {error.code}: {said}".rstrip(": ")
+                message = self._message(error)
+                self._give_up(error.code, message)
+                wanted, why = _asked_for(error.headers), f"HTTP {error.code}: {message}".rstrip(": ")
             except TimeoutError:
                 why = f"no reply within {self.options.timeout:g} s"
             except (OSError, HTTPException, ValueError) as error:
@@ -93,7 +94,7 @@ class Endpoint:
         request = Request(f"{self.options.url}/chat/completions", data, headers, method="POST")
         content = b""
         with opened(request, self.options.timeout) as response:
-            while chunk := response.read1(1 << 16):
+            while chunk := response.read1(LARGEST):
                 content += chunk
                 if len(content) > LARGEST:
                     raise OversizedError(f"a reply of more than {LARGEST} bytes")
@@ -107,37 +108,41 @@ class Endpoint:
             raise HTTPException("the reply is no JSON object")
         return reply
 
-    def _give_up(self, status: int, said: str) -> None:
-        """Say what waiting does not mend."""
+    def _give_up(self, status: int, message: str) -> None:
+        """Raise what waiting does not mend."""
         where, key = self.options.url, f"the key in {self.options.key_env}" if self.options.key_env else "a key"
         if status in (401, 403):
-            raise InputError(where, f"refuses {key} (HTTP {status}).", "set another, see vlm.key_env") from None
-        if status in (404, 405):
-            raise InputError(where, f"HTTP {status}: {said}", "correct vlm.url or vlm.model") from None
-        if status == 402 or "insufficient_quota" in said:
-            raise InputError(where, f"HTTP {status}: the account has nothing left.", "pay, or use another") from None
-        if 300 <= status < 400:
-            raise InputError(where, f"answers with a redirect (HTTP {status}).", "give its target as vlm.url") from None
-        if status not in BUSY:
-            raise RefusedError(status, said) from None
+            what, fix, code = f"refuses {key} (HTTP {status}).", "set another, see vlm.key_env", "E-VLM-KEY"
+        elif status in (404, 405):
+            what, fix, code = f"HTTP {status}: {message}", "correct vlm.url or vlm.model", "E-VLM-ADDRESS"
+        elif status == 402 or "insufficient_quota" in message:
+            what, fix, code = f"HTTP {status}: the account has nothing left.", "pay, or use another", "E-VLM-ACCOUNT"
+        elif 300 <= status < 400:
+            what, fix = f"answers with a redirect (HTTP {status}).", "give its target as vlm.url"
+            code = "E-VLM-ADDRESS"
+        elif status < 500 and status not in BUSY:
+            raise RefusedError(status, message) from None
+        else:
+            return
+        raise InputError(where, what, fix, code=code) from None
 
     def _pause(self, attempt: int, wanted: float | None) -> float:
         """Seconds before an attempt: what the server asks for, or twice the last pause."""
         pause = self.options.wait * 2 ** (attempt - 1) if wanted is None else wanted
         return min(pause, self.options.longest_wait)
 
-    def _said(self, error: HTTPError) -> str:
+    def _message(self, error: HTTPError) -> str:
         """What the server says of an error, in one line."""
         try:
-            text = error.read(1 << 16).decode("utf-8", "replace")
+            text = error.read().decode("utf-8", "replace")
         except (OSError, HTTPException):
             return ""
         try:
             content = json.loads(text)
-            told = content.get("error", content)
-            if isinstance(told, dict):
-                told = " ".join(str(told[name]) for name in ("code", "message") if told.get(name))
-            text = str(told)
+            found = content.get("error", content)
+            if isinstance(found, dict):
+                found = " ".join(str(found[name]) for name in ("code", "message") if found.get(name))
+            text = str(found)
         except (ValueError, AttributeError, RecursionError):
             pass
         return " ".join(self.hidden(text).split())[:SHOWN]

@@ -82,7 +82,7 @@ class Ledger:
             return None
         entry = read_json(Entry, path, AGAIN)
         if entry.key != key:
-            raise InputError(path, "holds another call than its name says.", AGAIN)
+            raise InputError(path, "holds another call than its name says.", AGAIN, code="E-VLM-LEDGER")
         return entry
 
     @contextmanager

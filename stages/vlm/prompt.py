@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Picture = NDArray[np.uint8]  # (H, W, 3), red first
-TOKENS_OF_PICTURE = 1000  # of estimates, where a server does not count
+TOKENS = 1000  # of a picture or an answer, where nobody counts
 
 
 class Prompt(NamedTuple):
@@ -31,7 +31,7 @@ class Prompt(NamedTuple):
     def tokens(self) -> int:
         """About how many tokens it has."""
         texts = [self.system, *(part for part in self.parts if isinstance(part, str))]
-        return sum(map(len, texts)) // 3 + TOKENS_OF_PICTURE * (len(self.parts) + 1 - len(texts))
+        return sum(map(len, texts)) // 3 + TOKENS * (len(self.parts) + 1 - len(texts))
 
     def messages(self, image_size: int, detail: str) -> list[dict[str, Any]]:
         """As the protocol has it; pictures as data URLs."""

@@ -12,10 +12,10 @@ import pytest
 from PIL import Image
 from safetensors.numpy import save_file
 
-from stages.config.task import TaskConfig
-from stages.config.training import TrainingRun
 from stages.contracts.__main__ import main
 from stages.contracts.archives import pack
+from stages.contracts.task_options import TaskConfig
+from stages.contracts.training_run import TrainingRun
 from tests.unit.demo_assets import FRONT
 
 WIDTH, HEIGHT = 48, 36

@@ -10,8 +10,8 @@ import sapien
 from mani_skill.utils.wrappers.gymnasium import CPUGymWrapper
 
 import stages.tasks  # noqa: F401
-from stages.config.task import TaskConfig
 from stages.contracts.errors import InputError
+from stages.contracts.task_options import TaskConfig
 from stages.geometry.frames import apply, inverse
 from stages.simulation.depth_shaders import PICTURE, depth_shaders
 from stages.simulation.loading import load_asset
@@ -66,11 +66,11 @@ def test_every_camera_adds_points_of_the_target_where_it_is(folder: Path) -> Non
     env = ThreeEyes(asset_folder=folder, joint="door_1_joint", options=OPTIONS, reward_mode="none")
     env.reset(seed=4)
     env.scene.update_render(update_sensors=True, update_human_render_cameras=False)
-    pictures, joints = env.eyes.capture(env._sensors), env.agent.robot.get_qpos()[0].numpy().astype(float)
+    pictures, joints = env.rig.capture(env._sensors), env.agent.robot.get_qpos()[0].numpy().astype(float)
     bounds = env.target.moving.bounds + np.array([[-0.004], [0.004]])  # a picture is in millimetres
     for number, camera in enumerate(env.cameras()):
         alone = [picture if i == number else np.zeros_like(picture) for i, picture in enumerate(pictures)]
-        cloud = env.eyes.observation(joints, alone, env.seen_ids(), 0)["point_cloud"]
+        cloud = env.rig.observation(joints, alone, env.seen_ids(), 0)["point_cloud"]
         points = cloud[cloud[:, 3] == 0, :3]
         assert len(np.unique(points, axis=0)) > 40, camera.name
         local = apply(inverse(env.base_from_asset()), points)

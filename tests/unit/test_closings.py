@@ -10,8 +10,8 @@ import torch
 
 from benchmarks.closings import Watched, draw, starts
 from stages.config.evaluation import RolloutOptions
-from stages.config.task import TaskConfig
 from stages.contracts.policies import TaskAssets
+from stages.contracts.task_options import TaskConfig
 from stages.evaluation.states import starts_of
 from stages.geometry.frames import rigid
 from stages.tasks.api import make_task

@@ -9,7 +9,6 @@ import yaml
 
 from stages.config import places
 from stages.config.assets import COUNTS
-from stages.config.contradictions import SIMULATION_FREQUENCY
 from stages.config.inputs import INPUT_FILES
 from stages.config.mistakes import check_keys
 from stages.config.model import load, merged
@@ -280,9 +279,6 @@ def test_rooms_of_the_users_are_known(tmp_path: Path) -> None:
 
 
 def test_what_is_known_here_is_what_the_stages_do() -> None:
-    from stages.tasks.environment import SIMULATION_FREQUENCY as SIMULATED
-
-    assert SIMULATED == SIMULATION_FREQUENCY
     assert set(COUNTS) == set(CATEGORIES)
     for kind, known in (("door", places.DOORS), ("drawer", places.DRAWERS)):
         panels = {"door": ("door", "flap"), "drawer": ("drawer",)}[kind]

@@ -4,7 +4,7 @@ import pytest
 import torch
 
 from benchmarks.cues import SHIFT, answers
-from stages.config.training import TrainingRun
+from stages.contracts.training_run import TrainingRun
 
 
 class Centring:

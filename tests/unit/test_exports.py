@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from stages.config.demonstrations import DemonstrationsConfig
-from stages.config.task import TaskConfig
 from stages.contracts import InputError
 from stages.contracts.episode_store import read_episodes
+from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
 from stages.demonstrations.export import run
 from stages.demonstrations.store import RecordedEpisode, StoreHeader, write_episodes

@@ -19,8 +19,8 @@ from stages.config import code
 from stages.config.assets import AssetsConfig
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.config.model import load, merged
-from stages.config.task import TaskConfig
 from stages.contracts import InputError, LibraryPart, Objects, read_json
+from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
 from stages.extraction.extract import run as extract
 from stages.geometry.boxes import UprightBox

@@ -3,7 +3,7 @@
 import json
 from pathlib import Path
 
-from stages.config.task import TaskConfig
+from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.collect import run as collect
 from stages.evaluation.episodes import roll_out
 from stages.evaluation.states import FIRST_STATE

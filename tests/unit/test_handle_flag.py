@@ -5,12 +5,12 @@ import pytest
 import torch
 from torch import Tensor
 
-from stages.config.task import TaskConfig
-from stages.config.training import HandleConfig, NetworkConfig, TrainingRun
+from stages.contracts.task_options import TaskConfig
 from stages.contracts.trained import TrainingStore
+from stages.contracts.training_run import HandleConfig, NetworkConfig, TrainingRun
 from stages.policies import closed_loop, make_policy
 from stages.policies.proud import mark_proud, middles, to_handle
-from stages.training.dataset import Batch, DemonstrationSet, gather, held
+from stages.training.dataset import Batch, DemonstrationSet, gather, steps_until_release
 from stages.training.handles import hide_handles, mark_episodes, move_fronts, still, vary_handles, widen_grips
 
 FLAGGED = HandleConfig(flag=True, keep=True, front_probability=1.0)
@@ -128,11 +128,11 @@ def test_grips_are_wider_where_something_is_held() -> None:
 
 def test_an_episode_may_end_before_the_hand_lets_go() -> None:
     actions = np.ones((6, 7), np.float32)
-    assert held(actions) == 6  # it never closed
+    assert steps_until_release(actions) == 6  # it never closed
     actions[[1, 3], 6] = -1
-    assert held(actions) == 4
+    assert steps_until_release(actions) == 4
     actions[5, 6] = -1
-    assert held(actions) == 6
+    assert steps_until_release(actions) == 6
 
 
 def test_a_front_that_moves_and_one_without_a_handle_are_left_alone() -> None:

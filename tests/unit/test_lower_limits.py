@@ -8,9 +8,9 @@ import pytest
 import torch
 
 from stages.articulated.asset_folder import Description, read_model, write_asset
-from stages.config.task import TaskConfig
+from stages.contracts.task_options import TaskConfig
 from stages.geometry.frames import inverse, rigid
-from stages.skills.path import articulation
+from stages.planning.path import handle_path
 from stages.tasks.api import TaskEnv, make_task
 from tests.unit.demo_assets import cabinet
 
@@ -82,5 +82,5 @@ def test_the_hand_follows_the_handle_alike(both: tuple[TaskEnv, TaskEnv]) -> Non
     ways = []
     for task in both:
         target = task.env.unwrapped.target
-        ways.append(articulation(target, grasp, target.lower, target.lower + 0.2, follow=0.7))
+        ways.append(handle_path(target, grasp, target.lower, target.lower + 0.2, follow=0.7))
     assert ways[0] == pytest.approx(ways[1], abs=1e-3) and ways[0][0] == pytest.approx(grasp, abs=1e-6)

@@ -20,10 +20,10 @@ from stages.config.generation import GenerationConfig
 from stages.config.matching import MatchingConfig
 from stages.config.scenes import ScenesConfig
 from stages.config.tables import TablesConfig
-from stages.config.task import TaskConfig
-from stages.config.training import TrainingRun
 from stages.contracts import InputError, read_options
 from stages.contracts.library import Recipe
+from stages.contracts.task_options import TaskConfig
+from stages.contracts.training_run import TrainingRun
 from stages.procedural.catalogue import sample
 from stages.procedural.folder import generate
 from tests.unit.contract_files import contents, write_files

@@ -8,10 +8,11 @@ import pytest
 from scipy.spatial import KDTree
 
 from stages.config.demonstrations import DemonstrationsConfig
-from stages.config.task import TaskConfig
+from stages.contracts.task_options import TaskConfig
 from stages.skills import FAR, Float
 from stages.skills.chain import SkillChain
 from stages.tasks.api import TaskEnv, make_task
+from stages.tasks.observation import sensor_noise
 from tests.refusals import refused
 from tests.unit.demo_assets import cabinet
 
@@ -100,6 +101,4 @@ def test_a_task_of_several_skills_is_refused(folder: Path) -> None:
 
 
 def test_noise_grows_with_the_square_of_distance() -> None:
-    from stages.tasks.mujoco_env import sensor_noise
-
     np.testing.assert_allclose(sensor_noise(np.array([0.4, 1.4])), [0.0012, 0.0031])

@@ -7,12 +7,12 @@ import pytest
 import torch
 from torch.nn import functional
 
-from stages.config.training import NetworkConfig, TrainingRun
 from stages.contracts.errors import InputError
+from stages.contracts.training_run import NetworkConfig, TrainingRun
 from stages.policies.bc_rnn_gmm import Policy
 from stages.policies.bc_rnn_gmm.actor import Actor
 from stages.policies.bc_rnn_gmm.mixture import Mixture
-from stages.policies.bc_rnn_gmm.pointnet import PointNet
+from stages.policies.pointnet import PointNet
 
 
 def dense(net: PointNet, clouds: torch.Tensor) -> torch.Tensor:

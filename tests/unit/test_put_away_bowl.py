@@ -9,16 +9,17 @@ import torch
 import trimesh
 
 from stages.config.demonstrations import DemonstrationsConfig
-from stages.config.task import TaskConfig
-from stages.contracts.errors import InputError
+from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
 from stages.geometry.frames import apply, rigid, yaw_matrix
+from stages.planning.path import ANGLE_WEIGHT
 from stages.simulation.region import headroom, level_region
-from stages.skills.pick.grasps import ALIKE, by_turn, object_cloud, sample_grasps, turn_between
-from stages.skills.place.predicates import DROP, FALL, inside, on_top, sample_placements
+from stages.skills.pick.grasps import TURNS, by_turn, object_cloud, sample_grasps, turn_between
+from stages.skills.place.predicates import DROP, inside, on_top, sample_placements
 from stages.tasks.api import TaskEnv, make_task
 from stages.tasks.put_away_bowl.bowl import default_bowl, seen_mesh
 from stages.tasks.put_away_bowl.environment import with_stand_in_view
+from tests.refusals import refused
 from tests.unit.demo_assets import cabinet
 
 OPTIONS = TaskConfig(scale_variants=1, scale_range=(1.0, 1.0))
@@ -95,7 +96,7 @@ def test_of_grasps_that_turn_alike_the_nearest_to_the_hand_comes_first() -> None
         grasps = sample_grasps(cloud, pose, 0.2, 0.04, seed)
         ways = by_turn(grasps, rest)
         sides.append(ways[0, 1, 3] - pose[1, 3])
-        assert turn_between(ways[:1], rest)[0] < turn_between(ways, rest).min() + ALIKE
+        assert turn_between(ways[:1], rest)[0] < turn_between(ways, rest).min() + 2 * np.pi / TURNS
         assert (grasps[:, 1, 3] > pose[1, 3]).any()  # the other rim is there to be had
     assert max(sides) < -0.04
 
@@ -116,7 +117,7 @@ def test_placements_are_upright_inside_the_walls_and_turn_and_fall_least_first()
     yaws = np.arctan2(objects[:, 1, 0], objects[:, 0, 0])
     now = hand @ tipped
     turns = np.abs((yaws - np.arctan2(now[1, 0], now[0, 0]) + np.pi) % (2 * np.pi) - np.pi)
-    assert (np.diff(turns + FALL * (heights)) > -1e-9).all()
+    assert (np.diff(ANGLE_WEIGHT * turns + heights) > -1e-9).all()
     assert len(on_top(region, bowl)) > len(places)  # only its foot has to stand on something
     assert len(sample_placements(places[:0], bowl, hand, tipped, 50, seed=0)) == 0
 
@@ -165,7 +166,7 @@ def test_the_bowl_fits_into_the_drawer(tmp_path: Path) -> None:
     assert low.env.bowl_meshes[0].extents[2] < headroom(floor, low.env.target.fixed)
     low.close()
     cabinet(tmp_path / "door")
-    with pytest.raises(InputError, match="has no drawer joint"):
+    with refused("E-TASK-JOINT"):
         make_task("put_away_bowl", tmp_path / "door", "door_0_joint", None, OPTIONS, render=False)
 
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from stages.config.demonstrations import DemonstrationsConfig
-from stages.config.task import TaskConfig
+from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
-from stages.demonstrations.recovery import draw_disturbance
+from stages.demonstrations.recovery import sample_disturbance
 from stages.skills import FAR
 from stages.skills.open import OpenSkill
 from stages.tasks.api import TaskEnv, make_task
@@ -81,7 +81,7 @@ def test_a_disturbed_attempt_shows_what_to_do_and_not_what_went_wrong(door: Task
 
 def test_some_attempts_are_disturbed_by_their_seed_and_some_approach_slowly(door: TaskEnv) -> None:
     recorder = Recorder(door, DemonstrationsConfig(noise=0.0, recovery=0.4, approach_speed=(0.4, 0.6)))
-    drawn = [draw_disturbance(np.random.default_rng((seed, 2)), 0.4) for seed in range(400)]
+    drawn = [sample_disturbance(np.random.default_rng((seed, 2)), 0.4) for seed in range(400)]
     kinds = [item.kind if item else None for item in drawn]
     assert 40 < kinds.count("push") < 120 and 40 < kinds.count("miss") < 120
     calm = kinds.index(None)

@@ -13,7 +13,7 @@ import torch
 from stages.config.demonstrations import DemonstrationsConfig, RandomiseOptions
 from stages.config.experiment import ExperimentConfig
 from stages.config.tables import TablesConfig
-from stages.config.task import TaskConfig
+from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import approach_speed
 from stages.demonstrations.collect import attempt_seeds
 from stages.evaluation.states import initial_states
@@ -21,8 +21,8 @@ from stages.policies.bc_rnn_gmm.actor import Actor
 from stages.procedural.catalogue import sample
 from stages.tables.intervals import PLACE, resampled
 from stages.tasks.cameras import jitter
-from stages.tasks.initial_state import draw_initial_state
-from stages.tasks.randomised import draw_factors
+from stages.tasks.initial_state import sample_initial_state
+from stages.tasks.randomised import sample_factors
 from stages.training.loop import generator
 from stages.training.train import run as train
 from tests.toy_reach import write_store
@@ -48,10 +48,10 @@ DRAWS: dict[str, Callable[[int], Any]] = {
     "attempts": lambda seed: list(attempt_seeds(seed, "twin", 4)),
     "states of the roles": lambda seed: initial_states("roles", seed, 4),
     "states of the split": lambda seed: initial_states("test", seed, 4, place=3),
-    "initial state": lambda seed: str(draw_initial_state(seed, TaskConfig())),
+    "initial state": lambda seed: str(sample_initial_state(seed, TaskConfig())),
     "camera": lambda seed: jitter(seed, 0, TaskConfig(camera_jitter=(0.1, 0.1))).tolist(),
     "speed": lambda seed: approach_speed(seed, DemonstrationsConfig(approach_speed=(0.4, 0.6))),
-    "factors": lambda seed: draw_factors(seed, RandomiseOptions()),
+    "factors": lambda seed: sample_factors(seed, RandomiseOptions()),
     "actions": random_actions,
     "batches": lambda seed: torch.rand(3, generator=generator(seed, 5)).tolist(),
     "resamples": resamples,

@@ -6,15 +6,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stages.config.task import TaskConfig
+from stages.contracts.task_options import TaskConfig
 from stages.geometry.frames import inverse
+from stages.planning.articulation import approaches
+from stages.planning.clearance import Surroundings
+from stages.planning.handle_grasp import FROM_ABOVE, Grasp, grasp_pose, grasps
+from stages.planning.path import distance, straight
+from stages.planning.rollout import Stretch, can_be_held, first_feasible
 from stages.simulation.kinematics import Chain, track
 from stages.simulation.robot import REST
-from stages.skills.articulate import approaches
-from stages.skills.clearance import Surroundings
-from stages.skills.handle_grasp import FROM_ABOVE, Grasp, grasp_pose, grasps
-from stages.skills.path import distance, straight
-from stages.skills.rollout import Stretch, can_be_held, first_feasible
 from stages.tasks.api import TaskEnv, make_task
 from tests.unit.demo_assets import cabinet
 
@@ -70,8 +70,8 @@ def test_an_arm_that_is_elsewhere_may_go_through_rest(door: TaskEnv) -> None:
     before = rest.copy()
     before[:3, 3] += [0.1, 0.0, -0.1]
     elsewhere = REST + np.array([0.8, 0.4, -0.3, 0.5, 0.4, -0.6, 0.5])
-    assert len(approaches(chain, REST, before)) == 2  # straight, and from above
-    way, slack = approaches(chain, elsewhere, before)[-1]
+    assert len(approaches(chain, REST, before, 0.1)) == 2  # straight, and from above
+    way, slack = approaches(chain, elsewhere, before, 0.1)[-1]
     assert slack > 1.0
     assert way[0] == pytest.approx(chain.pose(elsewhere[None])[0]) and way[-1] == pytest.approx(before)
     gaps = distance(way, np.broadcast_to(rest, way.shape))

@@ -8,13 +8,13 @@ from stages.assets.imports import import_model
 from stages.assets.library import make
 from stages.assets.reach import MIDDLE, out_of_reach
 from stages.config.demonstrations import DemonstrationsConfig
-from stages.config.task import TaskConfig
+from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
+from stages.planning.clearance import Surroundings
 from stages.simulation.robot import REST
-from stages.skills.clearance import Surroundings
 from stages.tasks.api import TaskEnv, make_task
-from stages.tasks.initial_state import base_pose, draw_initial_state, nominal_root
-from stages.tasks.standing import PLACES, standing
+from stages.tasks.base_placement import NEARBY, reachable_base
+from stages.tasks.initial_state import base_pose, nominal_root, sample_initial_state
 from tests.unit.test_sense import box, joint
 
 OPTIONS = TaskConfig()
@@ -42,7 +42,7 @@ def world(folder: Path, name: str) -> TaskEnv:
 
 def usual(env: TaskEnv, seed: int) -> np.ndarray:
     """Where the robot stands by the seed alone."""
-    target, setup = env.env.target, draw_initial_state(seed, OPTIONS)
+    target, setup = env.env.target, sample_initial_state(seed, OPTIONS)
     handle = np.add(target.reference, nominal_root(env.env.asset, np.ones(3)))
     return base_pose(handle, target.side, setup, OPTIONS)
 
@@ -68,7 +68,7 @@ def test_before_a_wide_door_it_stands_where_it_can_open_it(tmp_path: Path) -> No
         assert outcome.success, outcome.cause
         x, y, z = (env.env.agent.robot.pose.sp.p - usual(env, seed)[:3, 3]).round(5).tolist()
         moves.append((x, -y, z))
-    assert {(0, 0, 0), *((out, towards, 0) for out, towards in PLACES)} >= set(moves)
+    assert {(0, 0, 0), *((out, towards, 0) for out, towards in NEARBY)} >= set(moves)
     assert set(moves) != {(0, 0, 0)}
     env.close()
 
@@ -80,7 +80,7 @@ def test_a_door_that_is_followed_from_nowhere_is_told(tmp_path: Path) -> None:
     env.reset(0)
     target = env.env.target
     base = base_pose(target.reference, target.side, MIDDLE, OPTIONS)
-    assert standing(base, np.eye(4), REST, Surroundings(target), 0.5) is None
+    assert reachable_base(base, np.eye(4), REST, Surroundings(target), 0.5) is None
     stands = env.env.agent.robot.pose.sp.to_transformation_matrix()
     assert np.abs(stands - usual(env, 0)).max() < 1e-5, "then it stands where it always does"
     env.close()

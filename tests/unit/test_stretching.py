@@ -11,7 +11,7 @@ from mani_skill.utils.geometry.trimesh_utils import get_component_meshes
 
 from stages.articulated.asset_folder import read_asset, stretch_asset
 from stages.assets.library import make
-from stages.config.task import TaskConfig
+from stages.contracts.task_options import TaskConfig
 from stages.simulation.loading import ParsedAsset, load_asset, physics_scene
 from stages.simulation.stretching import stretched
 from stages.simulation.studio import _bounds

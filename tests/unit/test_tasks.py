@@ -5,7 +5,7 @@ import pytest
 import trimesh
 
 from stages.articulated.handle import find_handle
-from stages.config.task import TaskConfig
+from stages.contracts.task_options import TaskConfig
 from stages.geometry.frames import rigid, yaw_matrix
 from stages.simulation import observation
 from stages.simulation.controller import apply_delta, scale_action
@@ -13,14 +13,14 @@ from stages.simulation.kinematics import jacobian, pose_error, track
 from stages.simulation.robot import REST, panda_chain
 from stages.simulation.target import Target
 from stages.tasks.cameras import WRIST, jitter, other_shoulder, shoulder
-from stages.tasks.initial_state import base_pose, draw_initial_state, object_motion, variant_scale
+from stages.tasks.initial_state import base_pose, object_motion, sample_initial_state, variant_scale
 
 STILL = TaskConfig(base_xy=0, base_z=0, base_yaw=0, object_xy=0, object_yaw=0, qpos_noise=0, camera_jitter=(0, 0))
 
 
 def test_an_episode_follows_from_its_seed() -> None:
     options = TaskConfig()
-    once, again, other = (draw_initial_state(seed, options) for seed in (2**31 + 5, 2**31 + 5, 6))
+    once, again, other = (sample_initial_state(seed, options) for seed in (2**31 + 5, 2**31 + 5, 6))
     assert np.array_equal(once.joints, again.joints) and once.base_yaw == again.base_yaw
     assert not np.array_equal(once.base_offset, other.base_offset)
     assert np.abs(once.base_offset[:2]).max() <= options.base_xy
@@ -34,13 +34,13 @@ def test_scales_stay_in_their_range_and_differ() -> None:
 
 def test_the_robot_stands_in_front_of_the_handle_and_faces_it() -> None:
     handle = np.array([0.2, -0.1, 0.5])
-    pose = base_pose(handle, -1.0, draw_initial_state(0, STILL), STILL)
+    pose = base_pose(handle, -1.0, sample_initial_state(0, STILL), STILL)
     seen = np.linalg.inv(pose) @ np.append(handle, 1.0)
     assert seen[:3] == pytest.approx([STILL.base_distance, -STILL.base_side, STILL.handle_height])
 
 
 def test_the_object_is_turned_and_shifted_by_what_was_drawn() -> None:
-    setup = draw_initial_state(3, TaskConfig(object_yaw=0.3, object_xy=0.1))
+    setup = sample_initial_state(3, TaskConfig(object_yaw=0.3, object_xy=0.1))
     motion = object_motion(setup)
     assert abs(setup.object_yaw) > 0.01
     assert motion[:3, 0] == pytest.approx([np.cos(setup.object_yaw), np.sin(setup.object_yaw), 0.0])

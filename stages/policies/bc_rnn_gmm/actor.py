@@ -5,15 +5,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor
 
-from stages.policies import Choice
+from stages.policies import Choice, Float
+from stages.policies.bc_rnn_gmm.mixture import POWERS
 
 if TYPE_CHECKING:
     from stages.policies.bc_rnn_gmm.network import BcRnnGmm
-
-Float = NDArray[np.float32]
 
 
 class Actor:
@@ -29,7 +27,6 @@ class Actor:
 
     def __init__(self, policy: "BcRnnGmm", horizon: int, slots: int, choose: Choice) -> None:
         self.policy, self.horizon, self.choose = policy, horizon, choose
-        self.device = policy.proprio_mean.device
         self.past: list[list[Tensor]] = [[] for _ in range(slots)]
         self.random = [np.random.default_rng(0) for _ in range(slots)]
 
@@ -41,8 +38,8 @@ class Actor:
     @torch.inference_mode()
     def act(self, slots: Sequence[int], clouds: Sequence[Float], proprio: Sequence[Float]) -> Float:
         """Actions (n, 7) in [-1, 1] of the environments in `slots`, from clouds (P, 4) and proprioception (9,)."""
-        kept = [self._subset(slot, cloud) for slot, cloud in zip(slots, clouds, strict=True)]
-        encoded = self.policy.encode(self._tensor(kept), self._tensor(proprio))
+        kept = [self.policy.thinned(cloud, self.random[slot]) for slot, cloud in zip(slots, clouds, strict=True)]
+        encoded = self.policy.observed(kept, list(proprio))
         for slot, row in zip(slots, encoded, strict=True):
             self.past[slot] = [*self.past[slot], row][-self.horizon :]
         lengths = [len(self.past[slot]) for slot in slots]
@@ -52,19 +49,6 @@ class Actor:
             actions = mixture.most_likely()
         else:
             draws = [self.random[slot].random() for slot in slots]
-            power = 2.0 if self.choose == "sharpened" else 1.0
-            actions = mixture.sample(torch.tensor(draws, device=self.device, dtype=torch.float32), power)
+            uniform = torch.tensor(draws, device=mixture.logits.device, dtype=torch.float32)
+            actions = mixture.sample(uniform, POWERS[self.choose])
         return actions.clamp(-1, 1).cpu().numpy().astype(np.float32)
-
-    def _subset(self, slot: int, cloud: Float) -> Float:
-        """As many points as in training, drawn anew at every step (as official)."""
-        points = self.policy.network.points
-        if len(cloud) <= points:
-            return cloud
-        order = self.random[slot].permutation(len(cloud))
-        if self.policy.run.handle.keep:
-            order = order[np.argsort(cloud[order, 3] != -1, kind="stable")]
-        return cloud[order[:points]]
-
-    def _tensor(self, rows: Sequence[Float]) -> Tensor:
-        return torch.from_numpy(np.stack(rows)).to(self.device)

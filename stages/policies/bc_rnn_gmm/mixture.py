@@ -8,6 +8,10 @@ import torch
 from torch import Tensor
 from torch.nn import functional
 
+from stages.policies import Choice
+
+POWERS: dict[Choice, float] = {"sample": 1.0, "sharpened": 2.0, "most_likely": 1e4}  # of the weights of the modes
+
 
 @dataclass(frozen=True)
 class Mixture:

@@ -5,10 +5,10 @@ from typing import Any
 import torch
 from torch import Tensor, nn
 
+from stages.contracts.episode_store import ACTION
 from stages.policies import Choice
-from stages.policies.bc_rnn_gmm.network import ACTION, BcRnnGmm
-
-POWERS: dict[Choice, float] = {"sample": 1.0, "sharpened": 2.0, "most_likely": 1e4}  # of the weights of the modes
+from stages.policies.bc_rnn_gmm.mixture import POWERS
+from stages.policies.bc_rnn_gmm.network import BcRnnGmm
 
 
 def portable(policy: BcRnnGmm, choose: Choice) -> tuple[dict[str, Tensor], dict[str, Any]]:

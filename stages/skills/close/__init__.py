@@ -2,8 +2,7 @@
 
 from stages.simulation.target import Target
 from stages.skills.articulate import ArticulateSkill
-
-SHUT = 0.03  # of the range: a door at 3 degrees, a drawer at a centimetre
+from stages.tasks.base_placement import AJAR
 
 
 class CloseSkill(ArticulateSkill):
@@ -13,10 +12,10 @@ class CloseSkill(ArticulateSkill):
         return (target.lower,)
 
     def enough(self) -> bool:
-        return self.task.opened <= SHUT
+        return self.task.opened <= AJAR / 2
 
     def done(self) -> bool:
-        return self.task.opened <= SHUT
+        return self.task.opened <= AJAR
 
 
 Skill = CloseSkill

@@ -1,9 +1,10 @@
 """The Open skill: Approach, Converge, Grasp, Articulate, Ungrasp (paper A.4)."""
 
+from stages.planning.articulation import opened_to
 from stages.simulation.target import Target
-from stages.skills.articulate import ArticulateSkill, opened_to
+from stages.skills.articulate import ArticulateSkill
 
-SPARE = 0.2  # radians to the limits of the arm's joints where another skill begins: at a limit it finds no way
+SPARE = 0.2  # radians kept to the joint limits where another skill follows: from a limit it finds no plan
 
 
 class OpenSkill(ArticulateSkill):

@@ -4,27 +4,19 @@ from dataclasses import dataclass
 
 import numpy as np
 import trimesh
+from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 from stages.geometry.frames import rigid
+from stages.planning.clearance import MARGIN, gripper_spheres
+from stages.planning.handle_grasp import HALF_PAD
 from stages.simulation.kinematics import Array
+from stages.skills.carry import CANDIDATES
+from stages.skills.motion import EMPTY
 
 POINTS = 4000  # of an object's cloud
-CONTACTS = 120  # of them tried as the first contact
-ASIDE = 0.003  # the second contact is this near to the line through the first along its normal, metres
-FACING = 0.85  # cosine between the normal of one contact and the opposite normal of the other
-WIDEST, THINNEST = 0.07, 0.002  # between the contacts, metres
+LEAN = 0.6  # radians: between an approach and straight down, and between a contact's normal and the closing axis
 TURNS = 16  # approach directions tried about each closing axis
-CONE = 0.6  # radians between an approach and straight down
-DEPTH = 0.011  # that the pads' centres reach past the edge of what they hold, metres
-BESIDE = 0.015  # how far from the line of approach that edge is looked for, metres
-FARTHEST = 0.025  # that a contact may be below the edge, metres: beyond, the wall there may be another one
-NEAR = 2000  # points that the gripper is kept clear of
-# Boxes (low, high) of one open finger (y outwards of its inner face) and of the hand, in the frame of the tool centre.
-FINGER_BOX = np.array([[-0.011, 0.0, -0.045], [0.011, 0.024, 0.0105]])
-HAND_BOX = np.array([[-0.033, -0.105, -0.13], [0.033, 0.105, -0.044]])
-ALIKE = 0.4  # radians: turns of the hand that are no reason to prefer one grasp to another
-SLACK = 0.002  # metres kept between the gripper and the cloud
 
 
 @dataclass(frozen=True)
@@ -55,26 +47,28 @@ def sample_grasps(cloud: ObjectCloud, object_pose: Array, floor: float, opening:
     points = cloud.points @ object_pose[:3, :3].T + object_pose[:3, 3]
     normals = cloud.normals @ object_pose[:3, :3].T
     poses = []
-    level = np.flatnonzero(np.abs(normals[:, 2]) <= np.sin(CONE))  # an approach within the cone is across these
-    for first in rng.choice(level, min(CONTACTS, len(level)), replace=False):
-        second = opposite(points, normals, first)
+    level = np.flatnonzero(np.abs(normals[:, 2]) <= np.sin(LEAN))  # an approach within the cone is across these
+    for first in rng.choice(level, min(CANDIDATES, len(level)), replace=False):
+        second = opposite(points, normals, first, 2 * (opening - MARGIN))
         if second is None:
             continue
         closing = -normals[first]
         middle = points[first] + closing * ((points[second] - points[first]) @ closing) / 2
         for approach in approaches(closing):
             poses.append(rigid(np.stack([np.cross(closing, approach), closing, approach], axis=1), middle))
-    return fitting(np.array(poses).reshape(-1, 4, 4), points[:: len(points) // NEAR], floor, opening)
+    return fitting(np.array(poses).reshape(-1, 4, 4), points, floor, opening)
 
 
-def opposite(points: Array, normals: Array, first: int) -> int | None:
-    """The nearest point that a line from point `first` through the object comes out at, facing away; None if none."""
+def opposite(points: Array, normals: Array, first: int, widest: float) -> int | None:
+    """The nearest point that a line from point `first` through the object comes out at, facing away.
+
+    None if there is none, if what lies between them is thicker than `widest`, or too thin to tell it from nothing.
+    """
     offset = points - points[first]
     along = -(offset @ normals[first])
     aside = np.linalg.norm(offset + along[:, None] * normals[first], axis=1)
-    candidates = np.flatnonzero(
-        (along > THINNEST) & (along < WIDEST) & (aside < ASIDE) & (normals @ normals[first] < -FACING)
-    )
+    facing = normals @ normals[first] < -np.cos(LEAN)
+    candidates = np.flatnonzero((along > 2 * EMPTY) & (along < widest) & (aside < MARGIN) & facing)
     return int(candidates[along[candidates].argmin()]) if len(candidates) else None
 
 
@@ -86,46 +80,40 @@ def approaches(closing: Array) -> Array:
     across /= np.linalg.norm(across)
     angles = 2 * np.pi * np.arange(TURNS) / TURNS
     around = np.cos(angles)[:, None] * np.cross(closing, across) + np.sin(angles)[:, None] * across
-    return np.asarray(around[around[:, 2] < -np.cos(CONE)])
+    return np.asarray(around[around[:, 2] < -np.cos(LEAN)])
 
 
 def fitting(poses: Array, points: Array, floor: float, opening: float) -> Array:
     """Those of the poses (N, 4, 4) at which an open gripper touches neither the points (P, 3) nor the floor.
 
-    Each is first moved along its approach to where the pads reach `DEPTH` past the edge of what they hold: a contact
-    far below an edge is gripped at the edge, as the palm has no room below it.
+    Each is first moved along its approach until the pads reach past the edge of what they hold: a contact below an edge
+    is gripped at the edge, as the palm has no room below it. One that is more than a pad's length below it is left out:
+    the wall there may be another one.
     """
     rotations, centers = poses[:, :3, :3], poses[:, :3, 3]
-    local = np.swapaxes(points @ rotations - centers[:, None] @ rotations, 1, 2).astype(np.float32)  # (N, 3, P)
-    near = local[:, 0] ** 2 + local[:, 1] ** 2 < BESIDE**2
-    depth = np.where(near, local[:, 2], 0.0).min(axis=1) + DEPTH
+    local = np.swapaxes(points @ rotations - centers[:, None] @ rotations, 1, 2)  # (N, 3, P)
+    near = np.hypot(local[:, 0], local[:, 1]) < 2 * HALF_PAD
+    depth = np.where(near, local[:, 2], 0.0).min(axis=1) + HALF_PAD
     poses = poses.copy()
     poses[:, :3, 3] += depth[:, None] * poses[:, :3, 2]
-    local[:, 2] -= depth[:, None]
-    good = depth > -FARTHEST
-    finger = FINGER_BOX + np.array([0.0, opening, 0.0])
-    for box in (HAND_BOX, finger, finger * [1, -1, 1]):
-        low, high = box.min(axis=0) - SLACK, box.max(axis=0) + SLACK
-        inside = np.logical_and.reduce([(local[:, i] > low[i]) & (local[:, i] < high[i]) for i in range(3)])
-        good &= ~inside.any(axis=1)
-        corners = np.array(np.meshgrid(*box.T)).reshape(3, -1).T
-        heights = corners @ poses[:, 2, :3].T + poses[:, 2, 3]
-        good &= heights.min(axis=0) > floor + SLACK
-    return np.asarray(poses[good])
+    spheres, radii = gripper_spheres(opening)
+    placed = spheres @ np.swapaxes(rotations, 1, 2) + poses[:, None, :3, 3]  # (N, S, 3)
+    gaps = np.minimum(cKDTree(points).query(placed)[0], placed[..., 2] - floor) - radii
+    return np.asarray(poses[(gaps > MARGIN).all(axis=1) & (depth > -2 * HALF_PAD)])
 
 
 def by_turn(poses: Array, hand: Array) -> Array:
     """Grasps (N, 4, 4), those with the least change of orientation from `hand` (4, 4) first.
 
-    A gripper is the same turned half round: of the two ways the nearer one is taken. Of those that turn alike, within
-    `ALIKE`, the nearest to the hand comes first: a bowl offers two opposite rims at the same turn, and where
+    A gripper looks the same after half a turn: the nearer of the two orientations is used. Among equal turns, to one
+    of the `TURNS`, the nearest to the hand comes first: a bowl offers two opposite rims at the same turn, and where
     demonstrations take either, a policy closes between them (docs/results/742a43a/table3-why.md).
     """
     flipped = poses @ np.diag([-1.0, -1.0, 1.0, 1.0])
     turns = np.stack([turn_between(ways, hand) for ways in (poses, flipped)])
     nearer = np.where((turns[0] <= turns[1])[:, None, None], poses, flipped)
     distance = np.linalg.norm(poses[:, :3, 3] - hand[:3, 3], axis=1)
-    return np.asarray(nearer[np.lexsort([distance, np.round(turns.min(axis=0) / ALIKE)])])
+    return np.asarray(nearer[np.lexsort([distance, np.round(turns.min(axis=0) * TURNS / (2 * np.pi))])])
 
 
 def turn_between(poses: Array, hand: Array) -> Array:

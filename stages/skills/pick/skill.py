@@ -3,16 +3,14 @@
 import numpy as np
 
 from stages.geometry.frames import apply, inverse
+from stages.planning.path import along, straight
+from stages.planning.rollout import ON_THE_WAY, Stretch, homing
 from stages.simulation.kinematics import Array
 from stages.simulation.robot import GRIPPER_OPEN, REST
 from stages.skills.carry import CarrySkill, held_spheres, shifted
 from stages.skills.motion import CLOSED, OPEN, Motion
-from stages.skills.path import along, straight
 from stages.skills.pick.grasps import by_turn, object_cloud, sample_grasps
-from stages.skills.rollout import ON_THE_WAY, Stretch, homing
 from stages.tasks.movable import Movable
-
-LIFT = 0.08  # metres
 
 
 class PickSkill(CarrySkill):
@@ -54,7 +52,7 @@ class PickSkill(CarrySkill):
             above = shifted(grasp, -back * grasp[:3, 2])
             held = held_spheres(item.mesh, inverse(grasp) @ item.base_from_object)
             down = Stretch(straight(above, grasp), GRIPPER_OPEN, joint)
-            lift = Stretch(straight(grasp, shifted(grasp, np.array([0.0, 0.0, LIFT]))), None, joint, held)
+            lift = Stretch(straight(grasp, shifted(grasp, np.array([0.0, 0.0, back]))), None, joint, held)
             home = np.concatenate([to_rest, straight(to_rest[-1], above)[1:]])
             for way in (straight(hand, above), along([hand, off, above]), home):
                 plans.append((Stretch(way, GRIPPER_OPEN, joint, slack=ON_THE_WAY), down, lift))

@@ -6,25 +6,23 @@ import numpy as np
 import trimesh
 
 from stages.geometry.frames import inverse, rigid, yaw_matrix
+from stages.planning.clearance import MARGIN
+from stages.planning.path import ANGLE_WEIGHT
 from stages.simulation.kinematics import Array
-from stages.simulation.region import Region
+from stages.simulation.region import LEVEL, Region
 
-BESIDE = 0.01  # metres between an object and the walls around it
 DROP = (0.012, 0.16)  # metres above the surface at which it is let go: a deep drawer has no room for the hand
-FALL = 8.0  # radians of turn that a metre of fall counts for
-FOOT = 0.01  # metres above its lowest point that belong to what an object stands on
-TURN = 1.6  # radians, the largest turn of the hand about the vertical that is tried
 
 
 def inside(region: Region, mesh: trimesh.Trimesh) -> Array:
     """(N, 3) places for an upright object's axis on the region, where no part of it reaches past the region's walls."""
-    return region.places(_radius(mesh.vertices) + BESIDE)
+    return region.places(_radius(mesh.vertices) + MARGIN)
 
 
 def on_top(region: Region, mesh: trimesh.Trimesh) -> Array:
     """(N, 3) places for an upright object's axis on the region, where all that it stands on is supported."""
     vertices = mesh.vertices
-    return region.places(_radius(vertices[vertices[:, 2] < mesh.bounds[0, 2] + FOOT]))
+    return region.places(_radius(vertices[vertices[:, 2] < mesh.bounds[0, 2] + LEVEL]))
 
 
 PREDICATES: dict[str, Callable[[Region, trimesh.Trimesh], Array]] = {"inside": inside, "on_top": on_top}
@@ -47,10 +45,10 @@ def sample_placements(
     now = hand @ hand_from_object
     tipped = now[:3, 2]  # the object may have tilted between the fingers: it is set upright again
     yaw = np.arctan2(now[1, 0], now[0, 0]) if abs(tipped[2]) > 0.5 else 0.0
-    turns, drops = rng.uniform(-TURN, TURN, count), rng.uniform(*DROP, count)
+    turns, drops = rng.uniform(-np.pi / 2, np.pi / 2, count), rng.uniform(*DROP, count)
     chosen = places[rng.integers(len(places), size=count)]
     chosen[:, 2] += drops - float(mesh.bounds[0, 2])
-    order = np.argsort(np.abs(turns) + FALL * drops)
+    order = np.argsort(ANGLE_WEIGHT * np.abs(turns) + drops)
     objects = [rigid(yaw_matrix(yaw + turns[i]), chosen[i]) for i in order]
     return np.stack(objects) @ inverse(hand_from_object)
 

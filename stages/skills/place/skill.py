@@ -5,18 +5,15 @@ import itertools
 import numpy as np
 
 from stages.geometry.frames import apply, inverse
+from stages.planning.path import along, straight
+from stages.planning.rollout import ON_THE_WAY, Stretch
 from stages.simulation.kinematics import Array
 from stages.simulation.robot import GRIPPER_OPEN
-from stages.skills.carry import CarrySkill, held_spheres, shifted
+from stages.skills.carry import CANDIDATES, CarrySkill, held_spheres, shifted
 from stages.skills.motion import CLOSED, OPEN, Motion
-from stages.skills.path import along, straight
 from stages.skills.place.predicates import PREDICATES, sample_placements
-from stages.skills.rollout import ON_THE_WAY, Stretch
 
-SAMPLES = 300  # placements drawn; most are under the cabinet and rejected at once
-REACH = 0.15  # metres from the tool centre point within which a held object's origin is
 OVER = (0.06, 0.02)  # metres between a held object and what it is lifted over; the less if the arm cannot go so high
-RETREAT = 0.1  # metres that the hand lifts off afterwards
 
 
 class PlaceSkill(CarrySkill):
@@ -28,10 +25,10 @@ class PlaceSkill(CarrySkill):
     def attempt(self, motion: Motion, number: int) -> str:
         item, hand = self.movable(), self.task.hand()
         hand_from_object = inverse(hand) @ item.base_from_object
-        if np.linalg.norm(hand_from_object[:3, 3]) > REACH:
+        if not motion.holds:
             return "dropped"
         places = apply(item.base_from_region, PREDICATES[item.relation](item.region, item.mesh))
-        poses = sample_placements(places, item.mesh, hand, hand_from_object, SAMPLES, number)
+        poses = sample_placements(places, item.mesh, hand, hand_from_object, CANDIDATES, number)
         held = held_spheres(item.mesh, hand_from_object)
         poses = poses[self.held_at(poses, None, held)] if len(poses) else poses
         if len(poses) == 0:
@@ -55,7 +52,7 @@ class PlaceSkill(CarrySkill):
             high = hand.copy()
             high[2, 3] = max(hand[2, 3], above[2, 3])
             down = Stretch(straight(above, pose), None, joint, held)
-            up = shifted(pose, np.array([0.0, 0.0, max(RETREAT, top - pose[2, 3])]))
+            up = shifted(pose, np.array([0.0, 0.0, max(self.options.pregrasp, top - pose[2, 3])]))
             retreat = Stretch(straight(pose, up), GRIPPER_OPEN, joint)
             way = along([hand, high, above] if high[2, 3] > hand[2, 3] else [hand, above])
             plans.append((Stretch(way, None, joint, held, ON_THE_WAY), down, retreat))

@@ -8,6 +8,7 @@ import numpy as np
 import trimesh
 
 from stages.articulated.asset_folder import Description, read_model, write_asset
+from stages.procedural.colours import WOODS
 from stages.procedural.folder import LICENCE
 from stages.procedural.model import WOOD, Model, Part, part
 from stages.procedural.robot import robot_of
@@ -18,25 +19,25 @@ from stages.simulation.region import Region, headroom, level_region
 from stages.simulation.robot import cache_folder
 from stages.simulation.target import Target
 
-RADIUS, HEIGHT, WALL = 0.065, 0.05, 0.012  # of the default bowl, metres: as of wood, as PhysX lets go of thin walls
-PROFILE = [(0.6 * RADIUS, 0.0), (0.92 * RADIUS, 0.4 * HEIGHT), (RADIUS, HEIGHT)]  # (radius, z) of its outside
-COLOUR = [0.72, 0.45, 0.22]
-STAND = (((0.17, 0.17, 0.02), 0.0), ((0.06, 0.06, 0.5), -0.02))  # boxes: size, height of their tops
-STAND_COLOUR = (0.35, 0.33, 0.31)
+PROFILE = [(0.039, 0.0), (0.0598, 0.02), (0.065, 0.05)]  # of the default bowl: (radius, height) of its outside, metres
+WALL = 0.012  # metres; as of wood, as PhysX lets go of thin walls
+STAND = (((0.17, 0.17, 0.02), 0.0), ((0.06, 0.06, 0.5), -0.02))  # boxes: size, height of their tops; metres
 SCALE = (0.85, 1.15)  # of the bowl, uniform
-AROUND, ABOVE = 0.04, 0.015  # metres kept free beside a bowl in a drawer, and above it
+AROUND, ABOVE = 0.04, 0.015  # metres kept free on each side of a bowl in a drawer, and above it
 
 
 @cache
 def default_bowl() -> Path:
     """Folder of the bowl that is used unless another is given; made once and kept between runs."""
-    return _made("bowl", hollow(PROFILE, WALL, COLOUR, COLOUR, WOOD))
+    light = list(WOODS[0].colour)
+    return _made("bowl", hollow(PROFILE, WALL, light, light, WOOD))
 
 
 @cache
 def stand() -> Path:
     """Folder of what the bowl stands on: a plate on a column, its top at z = 0."""
-    return _made("stand", [part(slab((0, 0, top - size[2] / 2), size), STAND_COLOUR) for size, top in STAND])
+    dark = list(WOODS[1].colour)
+    return _made("stand", [part(slab((0, 0, top - size[2] / 2), size), dark) for size, top in STAND])
 
 
 def _made(name: str, parts: list[Part]) -> Path:
@@ -58,7 +59,7 @@ def seen_mesh(folder: Path) -> trimesh.Trimesh:
     return mesh
 
 
-def drawn_scale(extents: Array) -> float:
+def sampled_scale(extents: Array) -> float:
     """The scale of a bowl beside an object with these extents (3,): the same object, the same bowl."""
     entropy = [round(1e4 * extent) for extent in extents]
     return float(np.random.default_rng((*entropy, 47)).uniform(*SCALE))

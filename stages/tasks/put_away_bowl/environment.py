@@ -11,31 +11,30 @@ import trimesh
 from mani_skill.utils.structs import Actor
 from numpy.typing import NDArray
 
-from stages.config.task import TaskConfig
 from stages.contracts.errors import InputError
+from stages.contracts.task_options import TaskConfig
 from stages.geometry.frames import apply, inverse, rigid, yaw_matrix
+from stages.planning.clearance import surface_points
 from stages.simulation.kinematics import Array
 from stages.simulation.loading import ParsedAsset
 from stages.simulation.poses import to_poses
 from stages.simulation.region import Region
 from stages.simulation.studio import Prop
-from stages.skills.clearance import surface_points
+from stages.tasks.base_placement import AJAR
 from stages.tasks.cameras import WRIST, Camera, other_shoulder, shoulder
 from stages.tasks.environment import OpenTaskEnv
 from stages.tasks.initial_state import nominal_root
 from stages.tasks.movable import Movable
 from stages.tasks.put_away_bowl import TASK
-from stages.tasks.put_away_bowl.bowl import default_bowl, drawer_floor, drawn_scale, fitting_scale, seen_mesh
+from stages.tasks.put_away_bowl.bowl import AROUND, default_bowl, drawer_floor, fitting_scale, sampled_scale, seen_mesh
 from stages.tasks.put_away_bowl.bowl import stand as stand_folder
 
-SHUT = 0.1  # of the drawer's range: this far or less it counts as shut again
-CLEARANCE = 0.07  # metres that the drawer is opened further than the bowl is wide
-SINK, RISE = 0.01, 0.04  # metres around the height at which the bowl stands on the drawer's floor
+FOOT = (-0.01, 0.04)  # metres about the drawer's floor at which the foot of a bowl in it is
 SEEN = ((0.05, -0.6, 0.05), (1.0, 0.6, 0.95))  # workspace in the base frame that has the stand in it
 FIELD_OF_VIEW = 1.4  # radians, with the stand in view of both shoulders' cameras
-STAND_POINTS = 800  # that skills keep clear of
-BEFORE, BESIDE, BELOW = 0.44, 0.38, 0.12  # of the stand's top: out from the closed handle, to the robot's left, lower
-STAND_XY, STAND_Z, BOWL_XY = 0.04, 0.05, 0.015  # uniform +/- metres, of the stand and of the bowl on it
+STAND_AT = (0.44, -0.38, -0.12)  # of the stand's top, from the closed handle: out from the front, y, up; metres
+STAND_VARIES = (0.04, 0.04, 0.05)  # uniform +/- metres, of the stand
+BOWL_VARIES = 0.015  # uniform +/- metres, of the bowl on it
 
 
 def with_stand_in_view(options: TaskConfig) -> TaskConfig:
@@ -81,7 +80,7 @@ class PutAwayBowlEnv(OpenTaskEnv):
         builder = self._parse("stand", stand_folder(), fixed=True).builder()
         builder.initial_pose = sapien.Pose([0, -5, 0])
         self.stand: Actor = builder.build_kinematic("stand")
-        self._stand_points = surface_points(seen_mesh(stand_folder()), STAND_POINTS)
+        self._stand_points = surface_points(seen_mesh(stand_folder()))
 
     def _load_object(self, scales: Array) -> None:
         """The asset, and a bowl that its drawer can hold, in every environment."""
@@ -95,8 +94,10 @@ class PutAwayBowlEnv(OpenTaskEnv):
         for index, (target, scale) in enumerate(zip(self.targets, scales, strict=True)):
             floor = drawer_floor(target)
             if floor is None:
-                raise InputError(self.asset_folder, f"'{self.joint_name}' is no drawer with a level floor.")
-            drawn = drawn_scale(np.array(self.asset.size) * scale)
+                raise InputError(
+                    self.asset_folder, f"'{self.joint_name}' is no drawer with a level floor.", code="E-DRAWER-FLOOR"
+                )
+            drawn = sampled_scale(np.array(self.asset.size) * scale)
             factor = round(min(drawn, fitting_scale(mesh.extents, floor, target)), 3)
             self.floors.append(floor)
             self.bowl_scales.append(factor)
@@ -124,13 +125,13 @@ class PutAwayBowlEnv(OpenTaskEnv):
         stands, bowls = [], []
         for index in env_idx.tolist():
             rng = np.random.default_rng((int(self._episode_seed[index]), 23))
-            x, y, z = rng.uniform(-1, 1, 3) * [STAND_XY, STAND_XY, STAND_Z]
+            shift = rng.uniform(-1, 1, 3) * STAND_VARIES
             handle = self.targets[index].reference + nominal_root(self.asset, self.scales[index])
-            stand = rigid(np.eye(3), np.add(handle, (BEFORE + x, -BESIDE + y, -BELOW + z)))
+            stand = rigid(np.eye(3), np.add(handle, STAND_AT + shift))
             stand = self.room.world_from_nominal @ stand if self.room else stand
-            shift = [*rng.uniform(-BOWL_XY, BOWL_XY, 2), 1e-3 - float(self.bowl_meshes[index].bounds[0, 2])]
+            at = [*rng.uniform(-BOWL_VARIES, BOWL_VARIES, 2), 1e-3 - float(self.bowl_meshes[index].bounds[0, 2])]
             stands.append(stand)
-            bowls.append(stand @ rigid(yaw_matrix(rng.uniform(-np.pi, np.pi)), shift))
+            bowls.append(stand @ rigid(yaw_matrix(rng.uniform(-np.pi, np.pi)), at))
         self.stand.set_pose(to_poses(np.stack(stands)))
         self.bowl.set_pose(to_poses(np.stack(bowls)))
         for set_velocity in (self.bowl.set_linear_velocity, self.bowl.set_angular_velocity):
@@ -138,7 +139,7 @@ class PutAwayBowlEnv(OpenTaskEnv):
 
     def success_opening(self, index: int = 0) -> float:
         """The fraction of its range to which the drawer is opened for the bowl."""
-        wide = float(self.bowl_meshes[index].extents[:2].max()) + CLEARANCE
+        wide = float(self.bowl_meshes[index].extents[:2].max()) + 2 * AROUND
         return min(0.95, wide / (self.targets[index].upper - self.targets[index].lower))
 
     def inside(self) -> torch.Tensor:
@@ -147,8 +148,8 @@ class PutAwayBowlEnv(OpenTaskEnv):
         lows, highs, axes = [], [], []
         for target, floor, mesh in zip(self.targets, self.floors, self.bowl_meshes, strict=True):
             foot = float(mesh.bounds[0, 2])
-            lows.append(np.subtract(floor.low, (0, 0, SINK + foot)))
-            highs.append(np.add(floor.high, (0, 0, RISE - foot)))
+            lows.append(np.add(floor.low, (0, 0, FOOT[0] - foot)))
+            highs.append(np.add(floor.high, (0, 0, FOOT[1] - foot)))
             axes.append(target.axis * (target.upper - target.lower))
         travel = self.opened()[:, None] * torch.as_tensor(np.array(axes), dtype=local.dtype, device=local.device)
         low, high = (torch.as_tensor(np.array(ends), dtype=local.dtype, device=local.device) for ends in (lows, highs))
@@ -156,7 +157,7 @@ class PutAwayBowlEnv(OpenTaskEnv):
 
     def succeeded(self) -> torch.Tensor:
         """(N,) in, shut, and let go of."""
-        there = self.inside() & (self.opened() <= SHUT)
+        there = self.inside() & (self.opened() <= AJAR)
         return there & ~self.agent.is_grasping(self.bowl) if bool(there.any()) else there
 
     def evaluate(self) -> dict[str, torch.Tensor]:

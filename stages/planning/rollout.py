@@ -6,17 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from stages.geometry.frames import inverse
-from stages.simulation.kinematics import Array, Chain, pose_error, track
+from stages.planning.clearance import MARGIN, Surroundings, arm_spheres
+from stages.planning.path import distance, straight
+from stages.simulation.kinematics import MAX_JOINT_STEP, Array, Chain, pose_error, track
 from stages.simulation.robot import REST
-from stages.skills.clearance import MARGIN, Surroundings, arm_spheres
-from stages.skills.path import distance, straight
 
-STEP = 0.03  # path length between rolled-out poses
-POSITION_TOLERANCE, ROTATION_TOLERANCE = 0.01, 0.1  # metres and radians the rollout may miss a pose by
+STEP = 0.03  # path length between rolled-out poses; radians between those on the way to rest
+TOLERANCE = np.array([0.008, 0.1])  # metres and radians off a pose at which the hand has reached it
 ON_THE_WAY = 4.0  # slack of the poses that are only passed
-HOMING_STEP, HOMING_STEPS = 0.05, 80  # to rest: radians of the joint that goes farthest between poses; most poses
-STILL = 0.002  # path length between them at which nothing more comes of it
-SETTLING = 20  # iterations of the IK to a pose far away
 
 
 @dataclass(frozen=True)
@@ -83,17 +80,22 @@ def can_be_held(
     Args:
         stretch: the state that robot and object then are in; its path is not looked at.
     """
-    q = track(chain, np.tile(joints, (len(poses), 1)), poses, SETTLING)
-    error = pose_error(poses, chain.pose(q))
-    reached = np.linalg.norm(error[:, :3], axis=1) < POSITION_TOLERANCE
-    reached &= np.linalg.norm(error[:, 3:], axis=1) < ROTATION_TOLERANCE
+    across = int(np.ceil(np.ptp([chain.lower, chain.upper], axis=0).max() / MAX_JOINT_STEP))  # of the widest range
+    q = track(chain, np.tile(joints, (len(poses), 1)), poses, across)
+    reached = (deviation(poses, chain.pose(q)) < TOLERANCE).all(axis=1)
     spheres = arm_spheres(inverse(base_from_asset) @ chain.frames(q), stretch.fingers, stretch.held)
     gaps = surroundings.gaps(*spheres, np.full(len(poses), stretch.joint[0]))
     return np.asarray(reached & (gaps > MARGIN).all(axis=1))
 
 
+def deviation(goals: Array, poses: Array) -> Array:
+    """(N, 2) how far poses (N, 4, 4) are from their goals: metres, radians."""
+    error = pose_error(goals, poses)
+    return np.stack([np.linalg.norm(error[:, :3], axis=1), np.linalg.norm(error[:, 3:], axis=1)], axis=1)
+
+
 def homing(chain: Chain, joints: Array, off: Array) -> Array:
-    """(K, 4, 4) poses of a hand that goes straight to `off` (4, 4), from where the joints go to rest, or near it.
+    """(K, 4, 4) poses of a hand that goes straight to `off` (4, 4), from where the joints go to rest.
 
     A straight way of the hand would turn some joint to its limit. Nor can the poses be those that the joints pass on a
     straight way to rest: having a joint more than a pose needs, the arm would come to them bent in another way. So
@@ -102,13 +104,9 @@ def homing(chain: Chain, joints: Array, off: Array) -> Array:
     way = list(straight(chain.pose(joints[None])[0], off))
     for pose in thin(np.stack(way)):
         joints = track(chain, joints[None], pose[None])[0]
-    for _ in range(HOMING_STEPS):
-        left = REST - joints
-        pose = chain.pose((joints + left * min(1.0, HOMING_STEP / max(np.abs(left).max(), 1e-9)))[None])[0]
-        if distance(pose[None], way[-1][None])[0] < STILL:
-            break
-        way.append(pose)
-        joints = track(chain, joints[None], pose[None])[0]
+    for left in range(int(np.ceil(np.abs(REST - joints).max() / STEP)), 0, -1):
+        way.append(chain.pose((joints + (REST - joints) / left)[None])[0])
+        joints = track(chain, joints[None], way[-1][None])[0]
     return np.stack(way)
 
 
@@ -135,9 +133,7 @@ def roll_out(
     history = []
     for step in range(longest):
         q = track(chain, q, padded[:, step])
-        error = pose_error(padded[:, step], chain.pose(q))
-        reached &= np.linalg.norm(error[:, :3], axis=1) < POSITION_TOLERANCE * slacks[:, step]
-        reached &= np.linalg.norm(error[:, 3:], axis=1) < ROTATION_TOLERANCE * slacks[:, step]
+        reached &= (deviation(padded[:, step], chain.pose(q)) < TOLERANCE * slacks[:, step, None]).all(axis=1)
         history.append(q)
     joined = np.stack(history, axis=1)
     return [joined[i, : len(path)] for i, path in enumerate(paths)], reached.tolist()

@@ -1,5 +1,7 @@
 """Whether the arm keeps clear of what is about it: spheres on arm and hand against points on surfaces."""
 
+from copy import copy
+
 import numpy as np
 import trimesh
 from scipy.spatial import cKDTree
@@ -8,23 +10,25 @@ from stages.simulation.kinematics import Array
 from stages.simulation.target import Target
 
 POINTS = 20_000  # on the moving and on the fixed part of an object; about a centimetre apart on a cabinet
-SMALL, CELL = 0.1, 1e-6  # metres: middle extent of what is filled with points as well, m^3 for each of them
-MARGIN = 0.005  # for the gaps between them
-FAR = 0.1  # metres; what is farther off counts as this far
+INNER_POINTS = 500  # within every convex piece of them
+MARGIN = 0.005  # metres of air between the arm and what it must not touch
 
-# (frame, centre in that frame, radius) in metres; frame j < 7 is that of joint j + 1, frame 7 the tool centre point.
-ARM = (
-    (3, (0.0, 0.0, 0.0), 0.07),
-    (4, (0.0, 0.03, -0.22), 0.06),
-    (4, (0.0, 0.05, -0.14), 0.05),
-    (4, (0.0, 0.05, -0.06), 0.05),
-    (5, (0.0, 0.0, 0.0), 0.065),
-    (5, (0.08, 0.0, 0.0), 0.055),
-    (6, (0.0, 0.0, 0.05), 0.055),
+# Spheres of Franka's Panda: frame, centre in that frame, radius; metres. Frame j is that of joint j + 1, -1 the tool
+# centre point. Fingers move with their joints: y is outwards of the pad.
+ARM = np.array(
+    [
+        (3, 0.0, 0.0, 0.0, 0.07),
+        (4, 0.0, 0.03, -0.22, 0.06),
+        (4, 0.0, 0.05, -0.14, 0.05),
+        (4, 0.0, 0.05, -0.06, 0.05),
+        (5, 0.0, 0.0, 0.0, 0.065),
+        (5, 0.08, 0.0, 0.0, 0.055),
+        (6, 0.0, 0.0, 0.05, 0.055),
+        *((-1, 0.0, y, -0.08, 0.028) for y in (-0.075, -0.045, -0.015, 0.015, 0.045, 0.075)),
+    ]
 )
-HAND = tuple((7, (0.0, y, -0.08), 0.028) for y in (-0.075, -0.045, -0.015, 0.015, 0.045, 0.075))
-FINGER = ((0.0076, 0.002), (0.0076, -0.012), (0.013, -0.03))  # (y outwards of the finger joint, z) in the tool frame
-FINGER_RADIUS = 0.0075
+FINGER = np.array([(-1, 0.0, y, z, 0.0075) for y, z in ((0.0076, 0.002), (0.0076, -0.012), (0.013, -0.03))])
+BASE = np.array([(x, 0.0, z, 0.11) for x in (-0.09, 0.02) for z in (0.08, 0.18, 0.28)])  # link 0, shoulder; base frame
 
 
 class Surroundings:
@@ -42,18 +46,22 @@ class Surroundings:
 
     def beside(self, obstacles: Array | None) -> "Surroundings":
         """The same object with other obstacles (N, 3), asset frame; its own surfaces are not sampled again."""
-        other = object.__new__(Surroundings)
-        other.__dict__.update(self.__dict__, _obstacles=_tree(obstacles))
+        other = copy(self)
+        other._obstacles = _tree(obstacles)
         return other
 
     def gaps(self, centers: Array, radii: Array, values: Array) -> Array:
-        """(K, S) free distance around spheres (K, S, 3), (S,) in the asset frame with the joint at `values` (K,)."""
+        """(K, S) free distance around spheres (K, S, 3), (S,) in the asset frame with the joint at `values` (K,).
+
+        Exact where it is small: what is farther off than the largest sphere is wide counts as that far.
+        """
         motions = self.target.motions(values)
         in_moving = (centers - motions[:, None, :3, 3]) @ motions[:, :3, :3]
-        nearest = np.full(centers.shape[:2], FAR)
+        reach = radii.max() + 2 * MARGIN
+        nearest = np.full(centers.shape[:2], reach)
         for tree, points in ((self._moving, in_moving), (self._fixed, centers), (self._obstacles, centers)):
             if tree is not None:
-                nearest = np.minimum(nearest, tree.query(points, distance_upper_bound=FAR)[0])
+                nearest = np.minimum(nearest, tree.query(points, distance_upper_bound=reach)[0])
         return np.asarray(nearest - radii)
 
     def clear(self, centers: Array, radii: Array, values: Array) -> bool:
@@ -69,13 +77,11 @@ def surface_points(mesh: trimesh.Trimesh, count: int = POINTS) -> Array:
 
 
 def solid_points(mesh: trimesh.Trimesh) -> Array:
-    """Points on the convex pieces of a mesh, and in the small ones: a finger inside a knob is far from its surface."""
+    """Points on the convex pieces of a mesh and within them: a finger inside a knob is far from its surface."""
     points = [surface_points(mesh)]
+    share = np.random.default_rng(0).uniform(size=(INNER_POINTS, 1)) ** (1 / 3)  # of the way out; even in a ball
     for piece in mesh.split() if len(mesh.faces) else []:
-        if np.median(piece.extents) < SMALL:
-            surface = surface_points(piece, int(np.clip(piece.volume / CELL, 10, 500)))
-            share = np.random.default_rng(0).uniform(size=(len(surface), 1)) ** (1 / 3)
-            points.append(piece.centroid + share * (surface - piece.centroid))
+        points.append(piece.centroid + share * (surface_points(piece, INNER_POINTS) - piece.centroid))
     return np.concatenate(points)
 
 
@@ -87,15 +93,28 @@ def arm_spheres(frames: Array, fingers: float | None, held: Array | None = None)
         fingers: position of the finger joints in metres; None leaves the fingers out (they hold something).
         held: (M, 4) centre in the tool frame and radius of spheres on a held object.
     """
-    spheres = [*ARM, *HAND]
+    spheres = _spheres(fingers, held)
+    owners = frames[:, spheres[:, 0].astype(int)]
+    centers = np.einsum("ksij,sj->ksi", owners[..., :3, :3], spheres[:, 1:4]) + owners[..., :3, 3]
+    return centers, spheres[:, 4]
+
+
+def gripper_spheres(fingers: float) -> tuple[Array, Array]:
+    """Spheres of hand and fingers: centres (S, 3) in the tool frame, radii (S,); `fingers` as of `arm_spheres`."""
+    spheres = _spheres(fingers)
+    gripper = spheres[spheres[:, 0] < 0]
+    return gripper[:, 1:4], gripper[:, 4]
+
+
+def _spheres(fingers: float | None, held: Array | None = None) -> Array:
+    """(S, 5) rows as of `ARM`."""
+    rows = [ARM]
     if fingers is not None:
-        spheres += [(7, (0.0, side * (fingers + y), z), FINGER_RADIUS) for side in (-1, 1) for y, z in FINGER]
+        opened = np.add(FINGER, [0, 0, fingers, 0, 0])
+        rows += [opened, opened * [1, 1, -1, 1, 1]]
     if held is not None:
-        spheres += [(7, (x, y, z), radius) for x, y, z, radius in held.tolist()]
-    owners = frames[:, [frame for frame, _, _ in spheres]]
-    local = np.array([center for _, center, _ in spheres])
-    centers = np.einsum("ksij,sj->ksi", owners[..., :3, :3], local) + owners[..., :3, 3]
-    return centers, np.array([radius for _, _, radius in spheres])
+        rows.append(np.column_stack([np.full(len(held), -1), held]))
+    return np.concatenate(rows)
 
 
 def _tree(points: Array | None) -> cKDTree | None:

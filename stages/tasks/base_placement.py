@@ -5,18 +5,18 @@ from collections.abc import Iterator
 import numpy as np
 
 from stages.config.demonstrations import DemonstrationsConfig
-from stages.config.task import TaskConfig
+from stages.contracts.task_options import TaskConfig
 from stages.geometry.frames import apply, inverse, rigid
+from stages.planning.articulation import opened_to, plan_articulation
+from stages.planning.clearance import BASE, Surroundings
 from stages.simulation.kinematics import Array
-from stages.simulation.robot import panda_chain
+from stages.simulation.robot import REST, panda_chain
 from stages.simulation.target import Target
-from stages.skills.articulate import opened_to, plan_articulation
-from stages.skills.clearance import MARGIN, Surroundings
+from stages.tasks.initial_state import InitialState, base_pose, object_motion
 
 # Metres farther out from the front and towards the hinge, in this order.
-PLACES = tuple((out, towards) for out in (0.1, 0.2) for towards in (0.15, 0.3, 0.45))
-COLUMN = tuple((0.0, 0.0, height) for height in (0.05, 0.2, 0.35))  # spheres that are the robot's base, in its frame
-RADIUS = 0.09  # less than what counts as far
+NEARBY = tuple((out, towards) for out in (0.1, 0.2) for towards in (0.15, 0.3, 0.45))
+AJAR = 0.1  # of a joint's range: open by less it counts as shut (from here on as opened: official code)
 MOTION = DemonstrationsConfig()
 
 
@@ -26,7 +26,31 @@ def success_opening(target: Target, options: TaskConfig) -> float:
     return float(min(options.success_fraction, enough / (target.upper - target.lower)))
 
 
-def standing(base: Array, root: Array, joints: Array, surroundings: Surroundings, opening: float) -> Array | None:
+def placed(
+    setup: InitialState,
+    target: Target,
+    nominal: Array,
+    options: TaskConfig,
+    around: Surroundings | None,
+    shift: tuple[float, float, float] = (0.0, 0.0, 0.0),
+) -> tuple[Array, Array]:
+    """(4, 4) poses of the robot's base and of the asset's root when an episode starts.
+
+    Args:
+        nominal: (3,) where the root is before the object is moved.
+        around: the asset; before a door the robot stands where its arm can follow the handle; None: it does not look.
+        shift: metres that the robot stands farther out, along y and up.
+    """
+    at = np.add(target.reference + nominal, shift)
+    base = base_pose(at, target.side, setup, options, target.flap)
+    root = object_motion(setup) @ rigid(np.eye(3), nominal)
+    if around is not None and target.side and target.handle is not None:
+        reached = reachable_base(base, root, REST + setup.joints, around, success_opening(target, options))
+        base = base if reached is None else reached
+    return base, root
+
+
+def reachable_base(base: Array, root: Array, joints: Array, surroundings: Surroundings, opening: float) -> Array | None:
     """(4, 4) pose of the robot's base from which the arm follows a door's handle; None: there is none.
 
     Args:
@@ -37,30 +61,30 @@ def standing(base: Array, root: Array, joints: Array, surroundings: Surroundings
         opening: fraction of the range that counts as open.
     """
     for goal in opened_to(surroundings.target, opening, MOTION.goal_margin):
-        for place in places(base, surroundings.target):
+        for place in nearby_bases(base, surroundings.target):
             base_from_asset = inverse(place) @ root
             if place is not base and not _passes(base_from_asset, surroundings, goal):
                 continue
-            if followed(base_from_asset, joints, surroundings, goal):
+            if can_follow(base_from_asset, joints, surroundings, goal):
                 return place
     return None
 
 
-def followed(base_from_asset: Array, joints: Array, surroundings: Surroundings, goal: float) -> bool:
+def can_follow(base_from_asset: Array, joints: Array, surroundings: Surroundings, goal: float) -> bool:
     """Whether the arm, from `joints` (7,), can move a joint from closed to a value."""
     start = surroundings.target.lower
     return plan_articulation(panda_chain(), joints, base_from_asset, surroundings, start, goal, MOTION) is not None
 
 
-def places(base: Array, target: Target) -> Iterator[Array]:
+def nearby_bases(base: Array, target: Target) -> Iterator[Array]:
     """Where the robot may stand, first where it always does."""
     yield base
-    for out, towards in PLACES:
+    for out, towards in NEARBY:
         yield rigid(np.eye(3), [out, -target.side * towards, 0.0]) @ base
 
 
 def _passes(base_from_asset: Array, surroundings: Surroundings, goal: float) -> bool:
     """Whether the door passes by the robot's base."""
     values = np.linspace(surroundings.target.lower, goal, 20)
-    centers = np.tile(apply(inverse(base_from_asset), np.array(COLUMN)), (len(values), 1, 1))
-    return bool((surroundings.gaps(centers, np.full(len(COLUMN), RADIUS), values) > MARGIN).all())
+    centers = np.tile(apply(inverse(base_from_asset), BASE[:, :3]), (len(values), 1, 1))
+    return surroundings.clear(centers, BASE[:, 3], values)

@@ -1,10 +1,12 @@
-"""Config section `task`: environment and observation, shared by demonstrations and evaluation."""
+"""Options of a task's environment, as section `task` of the config and every episodes.h5 hold them."""
 
 from typing import Literal
 
 from pydantic import Field
 
-from stages.config.base import NotNegative, Range, Section
+from stages.contracts.section import NotNegative, Range, Section
+
+SIMULATION_FREQUENCY = 100  # physics steps per second; a task may have a multiple of it
 
 
 class TaskConfig(Section):

@@ -36,7 +36,7 @@ def along(way: Sequence[Array]) -> Array:
     return np.concatenate([legs[0], *[leg[1:] for leg in legs[1:]]])
 
 
-def articulation(target: Target, grasp: Array, start: float, goal: float, follow: float) -> Array:
+def handle_path(target: Target, grasp: Array, start: float, goal: float, follow: float) -> Array:
     """(K, 4, 4) poses of a hand that holds the handle while the joint goes from `start` to `goal`, asset frame.
 
     Args:

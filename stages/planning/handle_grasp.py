@@ -8,17 +8,11 @@ from scipy.spatial.transform import Rotation
 
 from stages.articulated.handle import Handle
 from stages.geometry.frames import rigid, yaw_matrix
+from stages.planning.clearance import MARGIN
 from stages.simulation.kinematics import Array
 from stages.simulation.target import Target
 
-FINGERTIP = 0.0145  # pad centre to fingertip, and 5 mm of air between fingertip and panel
-MAX_DEPTH = 0.009  # pad centre behind the foremost surface: pads of 18 mm then cover a bar
-DEEPEST = 0.03  # the same on a thick bar, which is held where it is thickest: nearer to its front the pads slip off
-FLAP_DEPTH = 0.012  # the same on a flap, whose weight draws its bar towards the fingertips
-
-# Pitch and follow for a flap, which comes down towards the robot. The less the handle turns between the fingers, the
-# better: 20 degrees lever a square bar out of them.
-FLAP = ((0.0, 1.0), (0.35, 1.0), (0.0, 0.5), (0.7, 1.0), (0.35, 0.5), (0.7, 0.5), (0.0, 0.0), (0.35, 0.0), (0.7, 0.0))
+HALF_PAD = 0.009  # from the middle of a finger's pad, which is the tool centre point, to the fingertip, metres
 
 # Tilt and pitch for the horizontal bar of a drawer where nothing else will do, or only with the arm at its limits: from
 # above, with the fingertips, as the upper finger comes near the panel.
@@ -27,14 +21,17 @@ FROM_ABOVE = ((0.7, 0.35), (-0.7, 0.35), (0.35, 0.5))
 
 @dataclass(frozen=True)
 class Grasp:
-    """A way to hold a handle: turns of the approach about the closing axis (`tilt`) and from above, about a horizontal
-    handle (`pitch`), in radians; and the share of a door's turn that the hand makes (`follow`). `over`: fingers above
-    and below a knob, not at its sides. `swing`: turn of the approach about the vertical, in radians."""
+    """A way to hold a handle. Angles in radians.
+
+    tilt: turn of the approach about the closing axis. pitch: turn from above, about a horizontal handle. follow: share
+    of a door's turn that the hand makes. depth: of the tool centre point behind the foremost surface, metres. over:
+    fingers above and below a knob, not at its sides. swing: turn of the approach about the vertical.
+    """
 
     tilt: float
     pitch: float
     follow: float
-    depth: float = MAX_DEPTH
+    depth: float = HALF_PAD
     over: bool = False
     swing: float = 0.0
 
@@ -43,20 +40,19 @@ def grasps(target: Target, handle: Handle) -> Iterator[Grasp]:
     """Candidates, the preferred ones first: always the same order, so that demonstrations look alike."""
     upright = not (handle.elongated and abs(handle.axis[2]) < 0.5)
     tilts = (0.7, 1.0, 0.35, 0.0) if upright else (0.0, 0.35, -0.35, 0.7, -0.7)
-    if target.flap:
-        yield from (Grasp(0.0, pitch, follow, FLAP_DEPTH) for pitch, follow in FLAP)
-    for follow in (1.0, 0.5, 0.0) if target.revolute else (1.0,):
-        yield from (Grasp(tilt, 0.0, follow) for tilt in tilts)
+    follows = (1.0, 0.5, 0.0) if target.revolute else (1.0,)
+    if target.flap:  # it comes down towards the robot; the less its bar turns between the fingers, the less it slips
+        yield from (Grasp(0.0, pitch, follow) for follow in follows for pitch in (0.0, 0.35, 0.7))
+    yield from (Grasp(tilt, 0.0, follow) for follow in follows for tilt in tilts)
     if not target.revolute and not upright:
         yield from (Grasp(tilt, pitch, 1.0, 0.0) for tilt, pitch in FROM_ABOVE)
     if not handle.elongated:  # another knob beside it leaves no room for a finger
-        for follow in (1.0, 0.5, 0.0) if target.revolute else (1.0,):
-            yield from (Grasp(tilt, 0.0, follow, over=True) for tilt in (0.0, 0.35, -0.35, 0.7, -0.7))
+        yield from (Grasp(tilt, 0.0, follow, over=True) for follow in follows for tilt in (0.0, 0.35, -0.35, 0.7, -0.7))
 
 
 def from_the_hinge(target: Target, handle: Handle) -> Iterator[Grasp]:
-    """Candidates for a wide door that nothing else opens: the hand comes from the side of the hinge, before which the
-    front stays as it turns."""
+    """Candidates for a wide door that no other grasp opens: the hand comes from the side of the hinge, where the front
+    stays near the robot as it turns."""
     upright = not (handle.elongated and abs(handle.axis[2]) < 0.5)
     for follow in (0.5, 1.0, 0.0) if target.side and upright else ():
         for swing in (0.35, 0.7):
@@ -80,9 +76,9 @@ def grasp_pose(handle: Handle, grasp: Grasp, hand: Array) -> Array:
     up = np.cross(closing, straight_in)
     lift = np.sign(up[2]) if abs(up[2]) > 0.5 else 1.0
     approach = Rotation.from_rotvec(-closing * grasp.tilt * lift).apply(straight_in)
-    thick = handle.elongated and handle.width > 2 * MAX_DEPTH
-    depth = max(grasp.depth, min(handle.width / 2, DEEPEST)) if thick else grasp.depth
-    depth = float(np.clip(handle.protrusion - FINGERTIP, 0.0, depth))
+    thick = handle.elongated and handle.width > 2 * HALF_PAD
+    depth = max(grasp.depth, handle.width / 2) if thick else grasp.depth  # nearer to its front the pads slip off
+    depth = float(np.clip(handle.protrusion - HALF_PAD - MARGIN, 0.0, depth))
     rotation = np.stack([np.cross(closing, approach), closing, approach], axis=1)
     from_above = Rotation.from_rotvec([0.0, -grasp.pitch, 0.0]).as_matrix()
     return rigid(yaw_matrix(grasp.swing) @ from_above @ rotation, handle.position + depth * straight_in)

@@ -1,0 +1,1 @@
+"""Policies of this package, by the name of their module."""

@@ -1,0 +1,138 @@
+"""The diffusion policy: it learns, samples by its seed, goes through files, and is found by its name."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import torch
+
+from plugins.diffusion.policies.diffusion import Policy, signal_levels
+from stages.contracts.training_run import HandleConfig, NetworkConfig, TrainingRun
+from stages.plugins import find
+from stages.policies import Choice, TrainablePolicy
+from stages.policies.checkpoint import load_policy
+from stages.training.dataset import gather, read_demonstrations, windows
+from stages.training.state import TrainingState
+from stages.training.train import run as train
+from tests.refusals import refused
+from tests.toy_reach import ToyReach, write_store
+
+NAME = "plugins.diffusion.policies.diffusion"
+SMALL = {
+    "policy": NAME,
+    "network": {"points": 48, "pointnet_width": 32, "flag_embedding": 8},
+    "own": {"diffusion": {"width": 64, "layers": 2}},
+    "rnn_horizon": 6,
+}
+
+
+def trained(folder: Path, store: Path, **options: object) -> Path:
+    """Folder of a policy that was trained on the toy."""
+    train(episodes=(store,), per_store=8, options=json.dumps(SMALL | options), out=folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write_store(tmp_path_factory.mktemp("toy") / "episodes.h5", 8)
+
+
+def test_it_is_found_by_its_name_where_the_package_is_named() -> None:
+    assert find("policies", "diffusion", ["plugins.diffusion"]) == NAME
+
+
+def test_loss_and_error_of_the_sampled_actions_fall(tmp_path: Path, store: Path) -> None:
+    folder = trained(tmp_path / "p", store, steps=60, batch_size=8, log_every=15, translation=0.0)
+    lines = [json.loads(line) for line in (folder / "metrics.jsonl").read_text().splitlines()]
+    assert lines[-1]["loss"] < 0.5 * lines[0]["loss"]
+    before, after = (error_of(policy, store) for policy in (policy_of(store), load_policy(folder, "last")))
+    assert after < 0.5 * before
+
+
+def error_of(policy: TrainablePolicy, store: Path) -> float:
+    """RMS error of the actions that a policy samples, on what it was trained on."""
+    data = read_demonstrations((store,), 8)
+    frames, real = windows(data, range(8), 6, 6)
+    batch = gather(data, frames, real, 48, torch.Generator().manual_seed(0))
+    with torch.no_grad():
+        return float(policy.loss(batch.clouds, batch.proprio, batch.actions, batch.weights)[1])
+
+
+def test_a_resumed_run_equals_a_whole_one(tmp_path: Path, store: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    options = {"steps": 4, "save_every": 2, "log_every": 2}
+    whole, broken = trained(tmp_path / "whole", store, **options), tmp_path / "broken"
+    save = TrainingState.save
+
+    def power_cut(*args: Any) -> None:
+        save(*args)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(TrainingState, "save", power_cut)
+    with pytest.raises(KeyboardInterrupt):
+        trained(broken, store, **options)
+    monkeypatch.undo()
+    trained(broken, store, **options)
+    one, two = (load_policy(folder, "last") for folder in (whole, broken))
+    assert int(one.get_buffer("updates")) == 4
+    assert np.array_equal(actions(one, seed=3), actions(two, seed=3))
+
+
+def actions(policy: TrainablePolicy, seed: int, steps: int = 6, choose: Choice = "sample") -> np.ndarray:
+    """(steps, 7) actions in a toy episode."""
+    actor, toy, done = policy.actor(2, choose), ToyReach(1), []
+    actor.reset(1, seed)
+    for _ in range(steps):
+        cloud, proprio = toy.observe()
+        done.append(actor.act([1], [cloud], [proprio])[0])
+        toy.step(done[-1])
+    return np.stack(done)
+
+
+def policy_of(store: Path, **options: object) -> Policy:
+    torch.manual_seed(0)
+    policy = Policy(TrainingRun.model_validate(SMALL | options))
+    data = read_demonstrations((store,), 8)
+    policy.fit(data.clouds, data.proprio, torch.arange(len(data.clouds)))
+    return policy.eval()
+
+
+def test_sampling_goes_by_the_seed_alone(store: Path) -> None:
+    policy = policy_of(store)
+    assert np.array_equal(actions(policy, 5), actions(policy, 5))
+    assert not np.allclose(actions(policy, 5), actions(policy, 6))
+    assert np.abs(actions(policy, 5)).max() <= 1.0
+    still = [actions(policy, seed, 1, "most_likely") for seed in (5, 5)]
+    assert np.array_equal(*still)
+
+
+def test_it_looks_again_when_its_plan_is_done(store: Path) -> None:
+    policy = policy_of(store, own={"diffusion": {"executed": 2, "width": 64}})
+    looks: list[int] = []
+    sample = policy.sample
+    policy.sample = lambda noise, seen: (looks.append(len(noise)), sample(noise, seen))[1]  # type: ignore[method-assign]
+    actions(policy, 0, steps=5)
+    assert looks == [1, 1, 1], "at steps 1, 3 and 5"
+
+
+def test_noise_ends_as_the_actions_where_the_network_knows_them(store: Path) -> None:
+    policy = policy_of(store)
+    known = torch.rand(2, 6, 7) * 2 - 1
+    policy.clean = lambda noisy, level, seen: known  # type: ignore[method-assign]
+    assert torch.allclose(policy.sample(torch.randn(2, 6, 7), torch.zeros(2, policy.features)), known)
+    signal = signal_levels(100)
+    assert signal[0] == 1 and signal[-1] < 0.001 and (signal.diff() < 0).all()
+
+
+def test_it_sees_marked_handles(store: Path) -> None:
+    policy = policy_of(store, handle=HandleConfig(flag=True, middle=True))
+    cloud = torch.rand(3, 6, 48, 4).round()
+    loss, error = policy.loss(cloud, torch.rand(3, 6, 9), torch.rand(3, 6, 7), torch.ones(3, 6))
+    loss.backward()
+    assert error > 0 and policy.features == 32 + 9 + 4
+
+
+def test_what_it_does_not_know_is_refused() -> None:
+    with refused("E-DIFFUSION-OPTION"):
+        Policy(TrainingRun(network=NetworkConfig(), own={"diffusion": {"stpes": 3}}))

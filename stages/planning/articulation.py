@@ -1,0 +1,110 @@
+"""Plans to open or close a joint by its handle (paper A.4): Approach, Converge, Articulate."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from stages.config.demonstrations import DemonstrationsConfig
+from stages.geometry.frames import inverse
+from stages.planning.clearance import Surroundings
+from stages.planning.handle_grasp import Grasp, from_the_hinge, grasp_pose, grasps
+from stages.planning.path import along, distance, handle_path, straight
+from stages.planning.rollout import ON_THE_WAY, Stretch, first_feasible, homing
+from stages.simulation.kinematics import Array, Chain
+from stages.simulation.robot import GRIPPER_OPEN, REST
+from stages.simulation.target import Target
+
+LESS = 0.6  # of the margin; half of it counts as enough
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Paths of the hand in the robot base frame, (K, 4, 4) each."""
+
+    approach: Array
+    converge: Array
+    articulate: Array
+
+
+def plan_articulation(
+    chain: Chain,
+    joints: Array,
+    base_from_asset: Array,
+    surroundings: Surroundings,
+    start: float,
+    goal: float,
+    options: DemonstrationsConfig,
+    spare: float = 0.0,
+) -> Plan | None:
+    """The first grasp by which the arm can take the target joint from `start` to `goal` without touching anything.
+
+    Args:
+        joints: (7,) of the arm as it stands.
+        start, goal: of the target joint; it stands at `start`.
+        spare: radians that the arm's joints are to keep to their limits, if some grasp does.
+
+    Returns:
+        None if there is none.
+    """
+    target = surroundings.target
+    assert target.handle is not None
+    for choice in (grasps(target, target.handle), from_the_hinge(target, target.handle)):
+        plans = list(_plans(chain, joints, base_from_asset, target, choice, start, goal, options))
+        candidates = [
+            (
+                Stretch(plan.approach, GRIPPER_OPEN, (start, start), slack=slack),
+                Stretch(plan.converge, GRIPPER_OPEN, (start, start)),
+                Stretch(plan.articulate, None, (start, goal)),
+            )
+            for plan, slack in plans
+        ]
+        index = first_feasible(chain, joints, candidates, base_from_asset, surroundings, spare)
+        if index is not None:
+            return plans[index][0]
+    return None
+
+
+def opened_to(target: Target, opening: float, margin: float) -> tuple[float, ...]:
+    """The values to which a joint is moved to open it by a fraction of its range: further by a margin; where the arm
+    cannot follow it so far, as of a wide door, by `LESS` of that.
+    """
+    fractions = (min(1.0, opening + share * margin) for share in (1.0, LESS))
+    return tuple(target.lower + fraction * (target.upper - target.lower) for fraction in fractions)
+
+
+def _plans(
+    chain: Chain,
+    joints: Array,
+    base_from_asset: Array,
+    target: Target,
+    choice: Iterable[Grasp],
+    start: float,
+    goal: float,
+    options: DemonstrationsConfig,
+) -> Iterator[tuple[Plan, float]]:
+    """The paths by each grasp and way to it, with the slack of that way."""
+    assert target.handle is not None
+    asset_hand = inverse(base_from_asset) @ chain.pose(joints[None])[0]
+    for grasp in choice:
+        pose = grasp_pose(target.handle, grasp, asset_hand)
+        motion = base_from_asset @ handle_path(target, pose, start, goal, grasp.follow)
+        before = motion[0].copy()
+        before[:3, 3] -= options.pregrasp * before[:3, 2]
+        for approach, slack in approaches(chain, joints, before, options.pregrasp):
+            yield Plan(approach, straight(before, motion[0]), motion), slack
+
+
+def approaches(chain: Chain, joints: Array, before: Array, apart: float) -> list[tuple[Array, float]]:
+    """Ways (K, 4, 4) from where the arm is to a pose of the hand, with their slack: straight; where the hand is higher
+    also from above; where it is `apart` from its rest pose (path length) also through that."""
+    hand, rest = chain.pose(np.stack([joints, REST]))
+    ways = [(straight(hand, before), 1.0)]
+    if hand[2, 3] > before[2, 3]:
+        over = before.copy()
+        over[2, 3] = hand[2, 3]
+        ways.append((along([hand, over, before]), 1.0))
+    if distance(hand[None], rest[None])[0] > apart:
+        to_rest = homing(chain, joints, hand)
+        ways.append((np.concatenate([to_rest, straight(to_rest[-1], before)[1:]]), ON_THE_WAY))
+    return ways
