@@ -5,10 +5,9 @@ cd "$(dirname "$0")/.."
 uv=${BIN:-.venv/bin}/uv
 flags=(--universal --python-version 3.11 --generate-hashes --no-emit-index-url --no-header --no-annotate -q)
 "$uv" pip compile pyproject.toml --all-extras "${flags[@]}" "${@:---upgrade}" -o envs/requirements.txt
-for family in simulation learning report; do
-    extras=(--extra "$family")
-    [ "$family" = learning ] && extras+=(--extra models)
-    "$uv" pip compile pyproject.toml "${extras[@]}" -c envs/requirements.txt "${flags[@]}" -o "envs/$family.txt"
+"$uv" pip compile pyproject.toml -c envs/requirements.txt "${flags[@]}" -o envs/simulation.txt
+for family in learning report; do
+    "$uv" pip compile "envs/$family.in" -c envs/requirements.txt "${flags[@]}" -o "envs/$family.txt"
 done
 # The executor plugin of profiles/slurm; what it shares with the rest has the same versions.
 echo snakemake-executor-plugin-slurm |

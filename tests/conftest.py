@@ -9,7 +9,7 @@ import pytest
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 FIRST = ("test_own_commands.py",)  # makes the micro run, which takes longest, while the other worker does the rest
-LAST = ("test_kill.py", "test_shipped_swaps.py", "test_run.py")  # use it
+LAST = ("test_kill.py", "test_shipped_swaps.py", "test_run.py", "test_package.py", "test_notebook.py")  # use it
 
 
 def _place(item: pytest.Item) -> int:

@@ -1,5 +1,8 @@
 """What a task is made of, without a simulator: randomisation, kinematics, handles, observations."""
 
+import atexit
+import gc
+
 import numpy as np
 import pytest
 import trimesh
@@ -12,6 +15,7 @@ from stages.simulation.controller import apply_delta, scale_action
 from stages.simulation.kinematics import jacobian, pose_error, track
 from stages.simulation.robot import REST, panda_chain
 from stages.simulation.target import Target
+from stages.tasks import api
 from stages.tasks.cameras import WRIST, jitter, other_shoulder, shoulder
 from stages.tasks.initial_state import base_pose, object_motion, sample_initial_state, variant_scale
 
@@ -189,3 +193,11 @@ def test_orientation_does_not_jump_at_the_rest_pose() -> None:
         for yaw in (-0.02, 0.02)
     ]
     assert np.abs(quaternions[0] - quaternions[1]).max() < 0.05
+
+
+def test_what_garbage_collection_leaves_out_is_freed_at_the_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    at_the_end: list[object] = []
+    monkeypatch.setattr(atexit, "register", at_the_end.append)
+    api._freeze_imports.__wrapped__()
+    assert at_the_end == [gc.unfreeze] and gc.get_freeze_count() > 0
+    gc.unfreeze()

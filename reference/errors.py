@@ -1,0 +1,93 @@
+"""docs/errors.md: every code of an `InputError`, what it says and how to mend it, as the calls in the code have it."""
+
+import ast
+import html
+import re
+from collections.abc import Iterator
+from itertools import groupby
+from pathlib import Path
+from typing import NamedTuple
+
+INTRODUCTION = """\
+# Errors
+
+A command that cannot use what it was given ends with exit code 1 and one line:
+
+    error: where: what is wrong. Fix: how to mend it [CODE]
+
+The words may change from release to release; the code stays. Below, `{name}` stands for a value.
+This page is written from the code by `make reference`.
+"""
+
+
+class Fault(NamedTuple):
+    """One place that raises an error; `code` is empty if it has none, or takes that of another error."""
+
+    code: str
+    file: str
+    line: int
+    says: str
+    fix: str
+
+
+def faults(root: Path, folders: tuple[str, ...] = ("stages",)) -> list[Fault]:
+    """Every call that makes an error in the Python files below some folders of the repository, by code and file."""
+    files = [file for folder in folders for file in sorted((root / folder).rglob("*.py"))]
+    found = [fault for file in files for fault in _faults_of(file, file.relative_to(root).as_posix())]
+    return sorted(found, key=lambda fault: (fault.code, fault.file, fault.line))
+
+
+def page(root: Path) -> str:
+    """The text of docs/errors.md."""
+    coded = [fault for fault in faults(root) if fault.code]
+    parts = [INTRODUCTION]
+    for code, same in groupby(coded, key=lambda fault: fault.code):
+        lines = [f"* `{fault.says}`{_mend(fault.fix)} ({fault.file})" for fault in same]
+        parts.append("\n".join([f"## {code}", "", *dict.fromkeys(lines)]) + "\n")
+    return "\n".join(parts)
+
+
+def _faults_of(file: Path, name: str) -> Iterator[Fault]:
+    tree = ast.parse(file.read_text(encoding="utf-8"))
+    for call in ast.walk(tree):
+        if not isinstance(call, ast.Call):
+            continue
+        given = dict(zip(("where", "what", "fix", "code"), call.args, strict=False))
+        given |= {word.arg: word.value for word in call.keywords if word.arg}
+        code = given.get("code")
+        codes = _codes(code) if code else []
+        if codes or ast.unparse(call.func) == "InputError":
+            where, what, fix = (_text(given.get(part)).replace("`", "'") for part in ("where", "what", "fix"))
+            says = what if where.startswith("{") else f"{where}: {what}"  # a path that is only known when it runs
+            for each in codes or ["" if code else "E-INPUT"]:
+                yield Fault(each, name, call.lineno, says, fix)
+
+
+def _codes(node: ast.expr) -> list[str]:
+    """The codes that an expression may give: of `"E-A" if here else "E-B"` both; none that it takes from elsewhere."""
+    texts = [each.value for each in ast.walk(node) if isinstance(each, ast.Constant) and isinstance(each.value, str)]
+    return [text for text in texts if text.startswith("E-")]
+
+
+def _text(node: ast.expr | None) -> str:
+    """What an expression says, with `{name}` for what is only known when it runs."""
+    match node:
+        case None:
+            return ""
+        case ast.Constant(value=str(text)):
+            return text
+        case ast.JoinedStr(values=parts):
+            return "".join(map(_text, parts))
+        case ast.BinOp(left=left, op=ast.Add(), right=right):
+            return _text(left) + _text(right)
+        case ast.IfExp(body=one, orelse=other):
+            return " | ".join(filter(None, (_text(one), _text(other))))
+        case ast.FormattedValue(value=value):
+            return _text(value)
+        case ast.Name(id=name) | ast.Attribute(attr=name):
+            return f"{{{name}}}"
+    return "{...}"
+
+
+def _mend(fix: str) -> str:
+    return " Fix: " + re.sub(r"([*_|\\[\]])", r"\\\1", html.escape(fix, quote=False)) if fix else ""

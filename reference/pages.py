@@ -1,0 +1,46 @@
+"""All that `make reference` writes."""
+
+from pathlib import Path
+
+from reference import data, errors, rooms
+
+ARCHITECTURE = """\
+# Architecture
+
+A stage is a command line, `python -m stages.<stage> <verb>`, that reads files and writes files. Snakemake calls it by a
+rule; it knows nothing of Snakemake, and of other stages only their files. This page is written from the code by
+`make reference`.
+
+## From file to file
+
+The rules of the default run, each with the files that it writes. An arrow goes from the maker of a file to its reader;
+arrows that follow from others are left out, and so is the report, which reads everything.
+[Files between stages](contracts.md) has a sample of each file.
+
+![The rules and their files](images/data.svg)
+
+## From folder to folder
+
+The folders of `stages/`. An arrow goes from a folder to one that it imports; what is imported by way of another
+has no arrow. Nothing imports upward{exceptions}.
+
+![The folders and their imports](images/rooms.svg)
+
+{table}
+"""
+
+
+def generate(root: Path) -> dict[str, str]:
+    """Contents of the written files by their path."""
+    return {
+        "docs/architecture.md": ARCHITECTURE.format(table=rooms.table(root), exceptions=rooms.exceptions()),
+        "docs/errors.md": errors.page(root),
+        "docs/images/data.svg": data.picture(root),
+        "docs/images/rooms.svg": rooms.picture(root),
+    }
+
+
+def write(root: Path) -> None:
+    """Write them."""
+    for name, text in generate(root).items():
+        (root / name).write_text(text, encoding="utf-8")

@@ -1,0 +1,70 @@
+"""Pages and pictures that are read off the code are up to date; every error has a code; nothing imports upward."""
+
+from itertools import pairwise
+from pathlib import Path
+
+import networkx as nx
+import pytest
+
+from reference import errors, pages, rooms
+
+ROOT = Path(__file__).resolve().parents[2]
+# Folders and files of stages/ with errors that have no code of their own yet.
+WITHOUT_CODES = {
+    "articulated", "assets", "config", "contracts", "demonstrations", "encoder", "evaluation", "experiment",
+    "extraction", "generation", "guard.py", "inputs", "matching", "patchnet", "plugins.py", "policies", "procedural",
+    "scenes", "simulation", "tables", "tasks", "training", "vlm",
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def written() -> dict[str, str]:
+    return pages.generate(ROOT)
+
+
+@pytest.mark.parametrize(
+    "name", ["docs/architecture.md", "docs/errors.md", "docs/images/data.svg", "docs/images/rooms.svg"]
+)
+def test_what_is_committed_is_what_the_code_says(written: dict[str, str], name: str) -> None:
+    assert (ROOT / name).read_text(encoding="utf-8") == written[name], "run `make reference`"
+
+
+def test_every_error_has_a_code() -> None:
+    bare = {fault.file.split("/")[1]: fault for fault in errors.faults(ROOT) if fault.code == "E-INPUT"}
+    assert {room: fault for room, fault in bare.items() if room not in WITHOUT_CODES} == {}
+    assert set(bare) >= WITHOUT_CODES, "take out of the list what has codes"
+
+
+def test_nothing_imports_upward() -> None:
+    graph = rooms.imports(ROOT)
+    assert set(rooms.UPWARD) <= set(graph.edges), "take out of the list what is mended"
+    graph.remove_edges_from(rooms.UPWARD)
+    circles = [
+        [(*edge, graph.edges[edge]["files"]) for edge in pairwise([*circle, circle[0]])]
+        for circle in nx.simple_cycles(graph)
+    ]
+    assert circles == []
+
+
+CODE = """
+raise InputError(path, f"has {len(links)} links in '{path.name}'.", "at most 9", code="E-LINKS-MANY")
+raise InputError("depth.npz", "is no " + what, fix, "E-DEPTH-A" if flat else "E-DEPTH-B")
+raise InputError(path, "is bad.")
+raise InputError(path, str(error), code=error.code)
+refuse(path, "is locked.", code="E-LINKS-MANY")
+"""
+
+
+def test_errors_are_read_from_their_calls(tmp_path: Path) -> None:
+    (tmp_path / "stages").mkdir()
+    (tmp_path / "stages/one.py").write_text(CODE)
+    assert [(fault.code, fault.says, fault.fix) for fault in errors.faults(tmp_path)] == [
+        ("", "{...}", ""),
+        ("E-DEPTH-A", "depth.npz: is no {what}", "{fix}"),
+        ("E-DEPTH-B", "depth.npz: is no {what}", "{fix}"),
+        ("E-INPUT", "is bad.", ""),
+        ("E-LINKS-MANY", "has {...} links in '{name}'.", "at most 9"),
+        ("E-LINKS-MANY", "is locked.", ""),
+    ]
+    last = ["## E-LINKS-MANY", "", "* `has {...} links in '{name}'.` Fix: at most 9 (stages/one.py)"]
+    assert errors.page(tmp_path).splitlines()[-4:] == [*last, "* `is locked.` (stages/one.py)"]

@@ -1,0 +1,93 @@
+"""The package as others install it: built by the pinned tools, whole, and of use without Snakemake."""
+
+import os
+import re
+import subprocess
+import sys
+import sysconfig
+import tomllib
+import zipfile
+from pathlib import Path
+
+import pytest
+import yaml
+
+from tests.workflow.workspace import ROOT
+
+UV = Path(sys.executable).with_name("uv")
+# In an environment of its own: what a robot learner does with it.
+USE = """\
+import sys
+from pathlib import Path
+
+sys.modules["snakemake"] = None  # an import of it fails
+import gymnasium
+import stages.tasks
+from stages.contracts import TaskAssets, read_json
+from stages.contracts.library_folder import AssetFolders
+from stages.policies.checkpoint import load_policy
+from stages.contracts.policy_folder import read_config
+
+results = Path(sys.argv[1])
+plan = read_json(TaskAssets, next(results.glob("experiment/*/door/assets.json")))
+folder = AssetFolders(results / "assets/library/library.json")[plan.assets[0].asset]
+trained = next(results.glob("training/door/twin/*/seed_0"))
+options = read_config(trained).task_options
+env = gymnasium.make("ACDC-OpenDoor-v1", asset_folder=folder, options=options, obs_mode="pointcloud")
+seen, _ = env.reset(seed=1)
+actor = load_policy(trained, "best").actor(1, "most_likely")
+actor.reset(0, seed=1)
+action = actor.act([0], [seen["point_cloud"][0].numpy()], [seen["proprio"][0].numpy()])
+env.step(action[0])
+print(Path(stages.__file__).parent)
+"""
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the sdist, and with the wheel that was made from it."""
+    folder = tmp_path_factory.mktemp("dist")
+    command = [UV, "build", "--quiet", "--offline", "--no-build-isolation", "--python", sys.executable]
+    subprocess.run([*command, "--out-dir", folder, ROOT], check=True)
+    return folder
+
+
+def names(folder: Path) -> set[str]:
+    """Files below a folder that belong to a package."""
+    files = {path.relative_to(folder.parent).as_posix() for path in folder.rglob("*") if path.is_file()}
+    return {name for name in files if "__pycache__" not in name}
+
+
+def test_the_wheel_has_every_file_of_the_package(built: Path) -> None:
+    (wheel,) = built.glob("*.whl")
+    inside = {name for name in zipfile.ZipFile(wheel).namelist() if ".dist-info/" not in name}
+    assert inside == names(ROOT / "stages")
+
+
+def test_one_version(built: Path) -> None:
+    version = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["version"]
+    assert {path.name for path in built.glob("acdc*")} == {
+        f"acdc_workflow-{version}-py3-none-any.whl",
+        f"acdc_workflow-{version}.tar.gz",
+    }
+    assert yaml.safe_load((ROOT / "CITATION.cff").read_text())["version"] == version
+    released = re.findall(r"^## (\d\S+)", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)
+    assert released[0] == version
+
+
+def test_an_installed_wheel_gives_tasks_and_policies_without_snakemake(built: Path, run: Path, tmp_path: Path) -> None:
+    (wheel,) = built.glob("*.whl")
+    subprocess.run([UV, "venv", "--quiet", "--offline", "--python", sys.executable, tmp_path / "venv"], check=True)
+    python = tmp_path / "venv/bin/python"
+    subprocess.run([UV, "pip", "install", "--quiet", "--offline", "--no-deps", "--python", python, wheel], check=True)
+    site = next((tmp_path / "venv/lib").glob("*/site-packages"))
+    (site / "pinned.pth").write_text(sysconfig.get_path("purelib"))  # what it depends on; its own files come first
+    done = subprocess.run(
+        [python, "-c", USE, run / "results"],
+        cwd=tmp_path,
+        env={name: value for name, value in os.environ.items() if name != "PYTHONPATH"},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr[-3000:]
+    assert Path(done.stdout.splitlines()[-1]) == site / "stages"
