@@ -68,8 +68,9 @@ lint: $(STAMP) ## ruff, snakefmt, snakemake --lint
 types: $(STAMP) ## mypy
 	$(BIN)/mypy stages
 
-config: $(STAMP) ## write config.yaml, config/schema.json and docs/config.md from the typed models
+config: $(STAMP) ## write what is made from the code: config.yaml, config/schema.json, docs/config.md, docs/commands.md
 	$(BIN)/python -m stages.config
+	$(BIN)/python -m stages.commands
 
 lock: $(STAMP) ## pin the newest versions that pyproject.toml allows
 	BIN=$(BIN) bash envs/lock.sh

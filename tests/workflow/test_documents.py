@@ -12,6 +12,7 @@ from typing import NamedTuple
 import pytest
 import yaml
 
+from stages.commands import PAGE, passed, reference
 from stages.config.inputs import INPUT_FILES
 from stages.config.model import load, merged
 from tests.workflow.workspace import ROOT, dry_run, make
@@ -134,23 +135,14 @@ def check_snakemake(folder: Path, words: list[str]) -> None:
     assert done.returncode == 0 and "total" in done.stdout, done.stdout[-3000:]
 
 
-def table() -> dict[str, list[str]]:
-    """The flags that docs/swapping.md promises, by `stage verb`."""
-    rows = re.findall(r"^\| `(\w+ \w+)` \| `([^`]+)` \|", (ROOT / "docs/swapping.md").read_text(), re.MULTILINE)
-    return {name: words.split() for name, words in rows}
-
-
-def test_the_flags_of_every_verb_are_told_to_strangers() -> None:
-    called = {}
-    for path in sorted((ROOT / "rules").glob("*.smk")):
-        for body in re.split(r"^(?:rule|checkpoint) ", path.read_text(), flags=re.MULTILINE)[1:]:
-            if verb := re.search(r'command=command\("(\w+)", "(\w+)"\)', body):
-                shell = body[body.index("    shell:") :]
-                called[f"{verb[1]} {verb[2]}"] = list(dict.fromkeys(re.findall(r"--[a-z][a-z0-9-]*", shell)))
-    assert table() == called
-    for name, words in called.items():
+def test_the_workflow_passes_flags_that_the_verbs_have() -> None:
+    for name, words in passed().items():
         known, needed = flags(*name.split())
-        assert needed <= set(words) <= known, name
+        assert needed <= words <= known, name
+
+
+def test_the_page_of_commands_is_that_of_the_code() -> None:
+    assert PAGE.read_text(encoding="utf-8") == reference(), "run `make config`"
 
 
 def test_what_is_not_run_says_why() -> None:
