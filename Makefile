@@ -12,7 +12,7 @@ STUDY := -$(BIN)/snakemake --cores $(CORES) --keep-going --configfile config.yam
 UNSEEN := $(BIN)/snakemake --cores $(CORES) --keep-going --configfile config.yaml config/study/table3.yaml config/study/over_assets.yaml --
 cells = $(foreach task,$(1),$(foreach set,$(2),results/evaluation/policies/$(task)/$(set)/rollouts.csv))
 
-.PHONY: help setup site all study unseen table2 photo test slurm test-cluster lint types config lock containers clean
+.PHONY: help setup site all study unseen table2 photo test slurm test-cluster lint types config reference lock containers clean
 help: ## list the verbs
 	@grep -hE '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 14
 
@@ -68,9 +68,11 @@ lint: $(STAMP) ## ruff, snakefmt, snakemake --lint
 types: $(STAMP) ## mypy
 	$(BIN)/mypy stages
 
-config: $(STAMP) ## write what is made from the code: config.yaml, config/schema.json, docs/config.md, docs/commands.md
+config: $(STAMP) ## write config.yaml, config/schema.json and docs/config.md from the typed models
 	$(BIN)/python -m stages.config
-	$(BIN)/python -m stages.commands
+
+reference: $(STAMP) ## write docs/commands.md from the code
+	$(BIN)/python -m reference.commands
 
 lock: $(STAMP) ## pin the newest versions that pyproject.toml allows
 	BIN=$(BIN) bash envs/lock.sh

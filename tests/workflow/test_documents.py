@@ -12,7 +12,7 @@ from typing import NamedTuple
 import pytest
 import yaml
 
-from stages.commands import PAGE, passed, reference
+from reference import commands as reference
 from stages.config.inputs import INPUT_FILES
 from stages.config.model import load, merged
 from tests.workflow.workspace import ROOT, dry_run, make
@@ -24,7 +24,7 @@ FENCE = re.compile(
     r"(?:^ *<!-- not run: (?P<why>[^\n]+) -->\n)?^ *```(?P<kind>\w*)\n(?P<text>.*?)^ *```", re.DOTALL | re.MULTILINE
 )
 OURS = re.compile(r"^(\.venv/bin/)?(snakemake|python -m stages\.|make |source )")
-# The package of docs/extending.md is run by tests/unit/test_extending.py; the text of a page's room file by that room's test.
+# The package of docs/extending.md is run by tests/unit/test_extending.py; a page's room file by the test of that room.
 PACKAGE = re.compile("my_package|colours")
 
 
@@ -137,13 +137,13 @@ def check_snakemake(folder: Path, words: list[str]) -> None:
 
 
 def test_the_workflow_passes_flags_that_the_verbs_have() -> None:
-    for name, words in passed().items():
+    for name, words in reference.passed(ROOT).items():
         known, needed = flags(*name.split())
         assert needed <= words <= known, name
 
 
 def test_the_page_of_commands_is_that_of_the_code() -> None:
-    assert PAGE.read_text(encoding="utf-8") == reference(), "run `make config`"
+    assert (ROOT / "docs/commands.md").read_text(encoding="utf-8") == reference.page(ROOT), "run `make reference`"
 
 
 def test_what_is_not_run_says_why() -> None:

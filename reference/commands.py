@@ -1,4 +1,4 @@
-"""Write docs/commands.md, every command with its flags, from the code: `python -m stages.commands`."""
+"""docs/commands.md: every command and its flags, as the code has them: `python -m reference.commands` writes it."""
 
 import ast
 import keyword
@@ -8,12 +8,10 @@ from dataclasses import dataclass
 from inspect import cleandoc
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[1]
-PAGE = ROOT / "docs/commands.md"
 HEAD = """\
 # Commands
 
-Written from the code by `make config`.
+This page is written from the code by `make reference`.
 
 ## make
 
@@ -48,19 +46,23 @@ class Verb:
     flags: list[Flag]
 
 
-def verbs() -> Iterator[Verb]:
+def verbs(root: Path) -> Iterator[Verb]:
     """All verbs of all stages, in the order of `stages/<stage>/__main__.py`."""
-    for path in sorted((ROOT / "stages").glob("*/__main__.py")):
+    for path in sorted((root / "stages").glob("*/__main__.py")):
         for call in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(call, ast.Call) and len(call.args) == 2 and isinstance(call.args[1], ast.Dict):
                 for name, summary in ast.literal_eval(call.args[1]).items():  # main("matching", {"match": ...})
-                    yield verb(path.parent.name, name, summary)
+                    yield verb(path.parent / module_of(name), path.parent.name, name, summary)
 
 
-def verb(stage: str, name: str, summary: str) -> Verb:
+def module_of(name: str) -> str:
+    """The file of a verb, as `stages.cli` finds it."""
+    return name.replace("-", "_") + "_" * keyword.iskeyword(name) + ".py"
+
+
+def verb(file: Path, stage: str, name: str, summary: str) -> Verb:
     """A verb, read from the function `run` of its module."""
-    module = name.replace("-", "_") + "_" * keyword.iskeyword(name)
-    tree = ast.parse((ROOT / f"stages/{stage}/{module}.py").read_text(encoding="utf-8"))
+    tree = ast.parse(file.read_text(encoding="utf-8"))
     run = next(node for node in tree.body if isinstance(node, ast.FunctionDef) and node.name == "run")
     meaning = arguments(ast.get_docstring(run) or "")
     flags = [Flag(each.arg.upper(), None, meaning.get(each.arg, "")) for each in run.args.posonlyargs]
@@ -78,10 +80,10 @@ def arguments(docstring: str) -> dict[str, str]:
     return {name: " ".join(text.split()) for name, text in zip(found[::2], found[1::2], strict=True)}
 
 
-def passed() -> dict[str, set[str]]:
+def passed(root: Path) -> dict[str, set[str]]:
     """The flags that the rules of the workflow pass, by `stage verb`."""
     called = {}
-    for path in sorted((ROOT / "rules").glob("*.smk")):
+    for path in sorted((root / "rules").glob("*.smk")):
         for body in re.split(r"^(?:rule|checkpoint) ", path.read_text(encoding="utf-8"), flags=re.MULTILINE)[1:]:
             if found := re.search(r'command=command\("(\w+)", "(\w+)"\)', body):
                 shell = body[body.index("    shell:") :]
@@ -89,16 +91,16 @@ def passed() -> dict[str, set[str]]:
     return called
 
 
-def targets() -> Iterator[tuple[str, str]]:
+def targets(root: Path) -> Iterator[tuple[str, str]]:
     """Targets of the Makefile and what they do."""
-    yield from re.findall(r"^([\w-]+):[^#\n]*## (.*)$", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE)
+    yield from re.findall(r"^([\w-]+):[^#\n]*## (.*)$", (root / "Makefile").read_text(encoding="utf-8"), re.MULTILINE)
 
 
-def reference() -> str:
+def page(root: Path) -> str:
     """The text of docs/commands.md."""
-    lines = [HEAD + "\n".join(f"| `make {name}` | {text} |" for name, text in targets()), VERBS]
-    called = passed()
-    for each in verbs():
+    lines = [HEAD + "\n".join(f"| `make {name}` | {text} |" for name, text in targets(root)), VERBS]
+    called = passed(root)
+    for each in verbs(root):
         ours = called.get(f"{each.stage} {each.name}", set())
         lines += [f"### `{each.stage} {each.name}`", "", each.summary[:1].upper() + each.summary[1:] + ".", ""]
         lines += ["| flag | default | workflow | meaning |", "|---|---|---|---|"]
@@ -112,4 +114,4 @@ def reference() -> str:
 
 
 if __name__ == "__main__":
-    PAGE.write_text(reference(), encoding="utf-8")
+    (Path.cwd() / "docs/commands.md").write_text(page(Path.cwd()), encoding="utf-8")
