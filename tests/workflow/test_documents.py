@@ -5,6 +5,7 @@ import json
 import re
 import shlex
 import shutil
+from itertools import pairwise
 from pathlib import Path
 from textwrap import dedent
 from typing import NamedTuple
@@ -132,7 +133,8 @@ def check_snakemake(folder: Path, words: list[str]) -> None:
 
         assert get_argument_parser().parse_args(words)
         return
-    done = dry_run(folder, *[word for word in words if word not in ("-n", "--cores", "2")])
+    kept = [word for before, word in pairwise(["", *words]) if "--cores" not in (before, word) and word != "-n"]
+    done = dry_run(folder, *kept)
     assert done.returncode == 0 and "total" in done.stdout, done.stdout[-3000:]
 
 
