@@ -38,7 +38,7 @@ unseen: setup ## success over unseen assets as docs/results has it, in an hour o
 	$(UNSEEN) table3 figures
 	$(BIN)/python -m stages.tables results --configs config.yaml config/study/table3.yaml config/study/over_assets.yaml --out docs/results
 
-table2: setup ## Table 2 and Figure 6 with every row, on the eight rooms and on rooms met otherwise
+table2: setup ## Table 2 and Figure 6 with every row, on the eight rooms and their robustness variants
 	$(BIN)/snakemake --cores $(CORES) --keep-going --configfile config.yaml config/study/table2.yaml -- table2
 	$(BIN)/python -m stages.tables scene_results --configs config.yaml config/study/table2.yaml --drawn b ours-geometry --out docs/results
 
@@ -71,8 +71,9 @@ types: $(STAMP) ## mypy
 config: $(STAMP) ## write config.yaml, config/schema.json and docs/config.md from the typed models
 	$(BIN)/python -m stages.config
 
-reference: $(STAMP) ## write docs/errors.md, docs/architecture.md and its pictures from the code
+reference: $(STAMP) ## write docs/commands.md, docs/errors.md, docs/architecture.md and its pictures from the code
 	$(BIN)/python -m reference
+	$(BIN)/python -m reference.commands
 
 lock: $(STAMP) ## pin the newest versions that pyproject.toml allows
 	BIN=$(BIN) bash envs/lock.sh

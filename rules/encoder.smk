@@ -1,4 +1,4 @@
-# The patch encoder `patchnet`: trained on renders of procedural models that are in no library (docs/encoders.md).
+# The patch encoder `patchnet`: trained on renders of procedural models that are in no library (docs/matching.md).
 # No part of `all`: its weights are shipped in stages/patchnet.
 # Reads:  nothing.
 # Writes: results/encoder/pairs_<i>.h5, results/encoder/{patchnet.safetensors,metrics.jsonl}.

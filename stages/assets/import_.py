@@ -112,7 +112,7 @@ def models_of(given: Path, out: Path, kinds: Sequence[str]) -> list[Found]:
     if parts:
         what = f"holds no model, only parts of models ({parts[0].name} and such)."
         raise InputError(given, what, "give the folder or the file of the model that they are part of")
-    fix = "docs/assets.md says how they may lie"
+    fix = "see docs/your-models.md for the layout"
     raise InputError(given, f"holds no models ({', '.join(kinds)}).", unread(given) or fix)
 
 

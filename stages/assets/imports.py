@@ -89,7 +89,7 @@ def named_models(folders: Sequence[Path], kinds: dict[str, Importer], taken: Ite
             raise InputError("assets.folders", f"{folder} is not a folder.")
         models = discover(folder, list(kinds))
         if not models:
-            raise InputError(folder, f"holds no model ({', '.join(kinds)}).", "docs/assets.md says how they may lie")
+            raise InputError(folder, f"holds no model ({', '.join(kinds)}).", "see docs/your-models.md for the layout")
         found += models
     return dict(zip(numbered_names([_name(one, kinds) for one in found], taken), found, strict=True))
 

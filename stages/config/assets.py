@@ -95,7 +95,7 @@ class AssetsConfig(SnapshotOptions, OwnOptions, LibraryOptions):
     folders: list[str] = Field(
         [],
         description="Folders with your own models, <folder>/<category>/<model>, each a URDF, GLB or OBJ file or a "
-        "folder that holds one (docs/assets.md).",
+        "folder that holds one (docs/your-models.md).",
     )
     shards: int | None = Field(
         None,

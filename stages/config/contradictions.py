@@ -138,7 +138,7 @@ def _library(config: "Config") -> Iterator[Mistake]:
         if not Path(folder).is_dir():
             yield Mistake("assets.folders", f"no folder {folder}", "correct it or leave it out")
         elif not any(path.is_file() for path in Path(folder).glob("*/*")) and not any(Path(folder).glob("*/*/*")):
-            yield Mistake("assets.folders", f"{folder} has no models", "<folder>/<category>/<model>, docs/assets.md")
+            yield Mistake("assets.folders", f"{folder} has no models", "see docs/your-models.md for the layout")
     if not any(config.assets.counts.values()) and not config.assets.folders:
         yield Mistake("assets", "the library would be empty", "set assets.counts or assets.folders")
 

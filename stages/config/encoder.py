@@ -1,4 +1,4 @@
-"""Config section `encoder`: training the patch encoder `patchnet` (docs/encoders.md)."""
+"""Config section `encoder`: training the patch encoder `patchnet` (docs/matching.md)."""
 
 from typing import Literal
 

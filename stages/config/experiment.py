@@ -21,7 +21,7 @@ class TaskTarget(Section):
     options: dict[str, Any] = Field({}, description="keys of section `task` that differ here, e.g. {max_steps: 200}")
     assets: str | None = Field(
         None,
-        description="a committed file of the row's assets (docs/experiment.md), checked against the library; null: "
+        description="a committed file of the row's assets (docs/policies.md), checked against the library; null: "
         "chosen anew",
     )
     assets_of: str | None = Field(

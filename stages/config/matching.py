@@ -35,7 +35,7 @@ class HogConfig(Section):
 
 
 class PatchNetConfig(Section):
-    """Our own network beside the columns of `hog` (docs/encoders.md); its vectors have weight 1."""
+    """Our own network beside the columns of `hog` (docs/matching.md); its vectors have weight 1."""
 
     hog: float = Field(1.0, ge=0, description="Weight of the gradients against the network's vectors.")
     normals: float = Field(1.8, ge=0, description="Weight of the normals. 0: never used.")

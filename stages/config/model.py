@@ -51,7 +51,7 @@ class Config(Section):
     photo: PhotoConfig = Field(PhotoConfig(), description="From one RGB picture to an input folder (A.2, A.7).")
     extraction: ExtractionConfig = Field(ExtractionConfig(), description="From image to objects in space (A.2, A.7).")
     matching: MatchingConfig = Field(MatchingConfig(), description="Digital cousins of every object (A.6, A.7, B.1).")
-    encoder: EncoderConfig = Field(EncoderConfig(), description="Training the encoder `patchnet` (docs/encoders.md).")
+    encoder: EncoderConfig = Field(EncoderConfig(), description="Training the encoder `patchnet` (docs/matching.md).")
     generation: GenerationSection = Field(GenerationSection(), description="Placing the cousins (A.3, A.7).")
     task: TaskConfig = Field(
         TaskConfig(), description="The tasks' environment, the same in demos and evaluation (B.3)."
@@ -65,7 +65,7 @@ class Config(Section):
     stages: Replaced = Field(
         {},
         description="Replace verbs of stages by commands of yours, "
-        "e.g. {matching: {match: {command: python mine.py, code: [mine.py]}}} (docs/swapping.md).",
+        "e.g. {matching: {match: {command: python mine.py, code: [mine.py]}}} (docs/extending.md).",
     )
     containers: ContainersConfig = Field(ContainersConfig(), description="Images of the rules, for `--sdm apptainer`.")
 

@@ -26,7 +26,7 @@ def pinned_assets(config: "Config") -> Iterator[Mistake]:
         try:
             plan = read_json(TaskAssets, Path(file))
         except InputError as error:
-            yield Mistake(f"{key}.assets", str(error).rstrip("."), "choose the assets anew: docs/experiment.md")
+            yield Mistake(f"{key}.assets", str(error).rstrip("."), "choose the assets anew: docs/policies.md")
             continue
         if (plan.scene, plan.object) != (target.scene, target.object):
             what = f"{target.object} of {target.scene}, but {file} is about {plan.object} of {plan.scene}"

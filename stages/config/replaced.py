@@ -27,7 +27,7 @@ class VerbCommand(Section):
 
     command: str = Field(
         min_length=1,
-        description="Called as `<command> --flags ...` with the flags of the verb (docs/swapping.md); what it "
+        description="Called as `<command> --flags ...` with the flags of the verb (docs/extending.md); what it "
         "writes is checked against the contract before the workflow goes on.",
     )
     code: list[str] = Field(

@@ -26,7 +26,7 @@ PAPER = TrainingRun(
     keep=10,
 )
 
-# What a policy needs to go by the handle, chosen on validation assets (docs/training.md).
+# What a policy needs to go by the handle, chosen on validation assets (docs/policies.md).
 LITE_HANDLE = TrainingRun(
     let_go=False,
     handle=HandleConfig(

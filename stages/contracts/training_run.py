@@ -8,7 +8,7 @@ from stages.contracts.section import OWN, Range, Rank, Section
 
 
 class HandleConfig(Section):
-    """What makes a policy look at the handle (not in the paper; docs/training.md has what each part brings)."""
+    """What makes a policy look at the handle (not in the paper; docs/policies.md has what each part brings)."""
 
     flag: bool = Field(False, description="points that stand proud of the front carry a flag of their own")
     keep: bool = Field(False, description="of the flagged points none is left out when a cloud is thinned to `points`")
@@ -54,7 +54,7 @@ class NetworkConfig(Section):
         0.0,
         ge=0,
         description="of the median spread of pooled features: those that vary by less are scaled as if they varied by "
-        "so much; 0.5 keeps long tasks from collapsing (docs/training.md)",
+        "so much; 0.5 keeps long tasks from collapsing (docs/policies.md)",
     )
     pointnet_width: int = Field(64, ge=8, description="paper: 512")
     pointnet_layers: int = Field(2, ge=2, description="linear layers before the max-pool; paper: 2, official code: 3")
@@ -63,7 +63,7 @@ class NetworkConfig(Section):
     mlp: list[Rank] = Field([128], description="hidden layers behind the LSTM; official code: [512, 512]")
     gmm_modes: int = Field(5, ge=1, description="official code: 5")
     gmm_min_std: float = Field(
-        0.1, gt=0, description="added to every standard deviation (official: 1e-4); docs/training.md says why so large"
+        0.1, gt=0, description="added to every standard deviation (official: 1e-4); docs/policies.md says why so large"
     )
 
 
@@ -112,7 +112,7 @@ class TrainingRun(Section):
     let_go: bool = Field(
         True,
         description="false: demonstrations end before the hand opens for the last time. A test is over at success, and "
-        "policies that learn to let go do so by where the hand is: wide doors too early (docs/training.md). Not for "
+        "policies that learn to let go do so by where the hand is: wide doors too early (docs/policies.md). Not for "
         "tasks that succeed by letting go, such as put_away_bowl",
     )
     validation_fraction: float = Field(0.1, ge=0, lt=1, description="episodes kept for validation (official: 0.1)")

@@ -1,1 +1,1 @@
-"""Training the patch encoder `patchnet` on pairs of pictures of procedural models (docs/encoders.md)."""
+"""Training the patch encoder `patchnet` on pairs of pictures of procedural models (docs/matching.md)."""

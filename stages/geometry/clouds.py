@@ -1,6 +1,6 @@
 """Point clouds as (N, 3) arrays, by Open3D: outliers, clusters, normals, farthest points. Same points, same answer.
 
-What Open3D does not do as well as this project's own code (planes, upright boxes, patch normals): docs/geometry.md.
+What Open3D does not do as well as this project's own code (planes, upright boxes, patch normals): docs/extraction.md.
 """
 
 import numpy as np

@@ -56,7 +56,7 @@ class PointNet(nn.Module):
         them from the first updates on (data-dependent initialisation, Mishkin and Matas 2016). Call it before training.
 
         A channel that a point of the fingers wins in every cloud varies by millimetres. To make them count as one can
-        blow the feature up in training until the LSTM behind is saturated for good (docs/training.md), so features that
+        blow the feature up in training until the LSTM behind is saturated for good (docs/policies.md), so features that
         vary by less than `floor` of the median are scaled as if they varied by that.
         """
         pooled = self._winners(clouds)[0]

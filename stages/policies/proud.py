@@ -1,7 +1,7 @@
 """Finds what stands proud of a front, which is the handle, from the cloud alone, without labels (not in the paper).
 
 A policy whose cloud marks the handle can go by it; one whose cloud does not goes by the borders of the front
-(docs/training.md). Torch alone is imported: an exported policy carries this file.
+(docs/policies.md). Torch alone is imported: an exported policy carries this file.
 
 Clouds (B, P, 4) are x, y, z in metres in the robot base frame and a flag: 0 scene, 1 finger, -1 proud (marked here).
 """

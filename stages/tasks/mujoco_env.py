@@ -1,4 +1,4 @@
-"""Door and drawer in MuJoCo, for whoever wants to know whether a policy has learnt its simulator (docs/evaluation.md).
+"""Door and drawer in MuJoCo, for whoever wants to know whether a policy has learnt its simulator (docs/policies.md).
 
 The same observation, actions, starts and success as in ManiSkill; physics, contacts, controller and depth are MuJoCo's.
 """

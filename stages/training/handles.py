@@ -3,7 +3,7 @@
 In every demonstration front and handle stay together, so a policy may as well go by the front's borders: here the
 front is shifted and stretched in its own plane, while handle, hand and actions stay. A knob is hidden by the fingers
 when they come near, and holds them wider apart than a bar: here handles disappear near the hand, and grips are wider.
-docs/training.md has what each brings. Clouds carry the flags of `policies.proud`; metres, robot base frame.
+docs/policies.md has what each brings. Clouds carry the flags of `policies.proud`; metres, robot base frame.
 """
 
 from collections.abc import Sequence

@@ -5,6 +5,7 @@ import json
 import re
 import shlex
 import shutil
+from itertools import pairwise
 from pathlib import Path
 from textwrap import dedent
 from typing import NamedTuple
@@ -12,18 +13,20 @@ from typing import NamedTuple
 import pytest
 import yaml
 
+from reference import commands as reference
 from stages.config.inputs import INPUT_FILES
 from stages.config.model import load, merged
 from tests.workflow.workspace import ROOT, dry_run, make
 
 GUIDES = [path for folder in ("docs", "docs/tutorial") for path in sorted((ROOT / folder).glob("*.md"))]
+REFERENCE = {"config.md", "contracts.md", "commands.md", "errors.md", "tables.md", "benchmarks.md"}
 PAGES = [ROOT / "README.md", ROOT / "config/README.md", *GUIDES]
 FENCE = re.compile(
     r"(?:^ *<!-- not run: (?P<why>[^\n]+) -->\n)?^ *```(?P<kind>\w*)\n(?P<text>.*?)^ *```", re.DOTALL | re.MULTILINE
 )
 OURS = re.compile(r"^(\.venv/bin/)?(snakemake|python -m stages\.|make |source )")
-# `docs/extending.md` is run by tests/unit/test_extending.py; the text of a page's room file by the test of that room.
-ELSEWHERE = {"extending.md"}
+# The package of docs/extending.md is run by tests/unit/test_extending.py; a page's room file by the test of that room.
+PACKAGE = re.compile("my_package|colours")
 
 
 class Block(NamedTuple):
@@ -42,8 +45,8 @@ def blocks(*kinds: str) -> list[Block]:
             page.name if page.parent != ROOT / "config" else "config", each["kind"], dedent(each["text"]), each["why"]
         )
         for page in PAGES
-        if page.name not in ELSEWHERE
         for each in FENCE.finditer(page.read_text(encoding="utf-8"))
+        if not (page.name == "extending.md" and PACKAGE.search(each["text"]))
     ]
     return [block for block in found if block.kind in kinds and block.why is None]
 
@@ -130,30 +133,39 @@ def check_snakemake(folder: Path, words: list[str]) -> None:
 
         assert get_argument_parser().parse_args(words)
         return
-    done = dry_run(folder, *[word for word in words if word not in ("-n", "--cores", "2")])
+    kept = [word for before, word in pairwise(["", *words]) if "--cores" not in (before, word) and word != "-n"]
+    done = dry_run(folder, *kept)
     assert done.returncode == 0 and "total" in done.stdout, done.stdout[-3000:]
 
 
-def table() -> dict[str, list[str]]:
-    """The flags that docs/swapping.md promises, by `stage verb`."""
-    rows = re.findall(r"^\| `(\w+ \w+)` \| `([^`]+)` \|", (ROOT / "docs/swapping.md").read_text(), re.MULTILINE)
-    return {name: words.split() for name, words in rows}
-
-
-def test_the_flags_of_every_verb_are_told_to_strangers() -> None:
-    called = {}
-    for path in sorted((ROOT / "rules").glob("*.smk")):
-        for body in re.split(r"^(?:rule|checkpoint) ", path.read_text(), flags=re.MULTILINE)[1:]:
-            if verb := re.search(r'command=command\("(\w+)", "(\w+)"\)', body):
-                shell = body[body.index("    shell:") :]
-                called[f"{verb[1]} {verb[2]}"] = list(dict.fromkeys(re.findall(r"--[a-z][a-z0-9-]*", shell)))
-    assert table() == called
-    for name, words in called.items():
+def test_the_workflow_passes_flags_that_the_verbs_have() -> None:
+    for name, words in reference.passed(ROOT).items():
         known, needed = flags(*name.split())
-        assert needed <= set(words) <= known, name
+        assert needed <= words <= known, name
+
+
+def test_the_page_of_commands_is_that_of_the_code() -> None:
+    assert (ROOT / "docs/commands.md").read_text(encoding="utf-8") == reference.page(ROOT), "run `make reference`"
 
 
 def test_what_is_not_run_says_why() -> None:
     for page in PAGES:
         for each in FENCE.finditer(page.read_text(encoding="utf-8")):
             assert each["why"] is None or len(each["why"]) > 10
+
+
+def test_readme_fits_on_a_screen_and_guides_into_an_hour() -> None:
+    assert len((ROOT / "README.md").read_text(encoding="utf-8").splitlines()) <= 60
+    words = {path.name: len(path.read_text(encoding="utf-8").split()) for path in GUIDES if path.name not in REFERENCE}
+    assert sum(words.values()) <= 15_000, words
+
+
+def test_lines_of_prose_are_short() -> None:
+    for page in [*PAGES, ROOT / "CONTRIBUTING.md"]:
+        lines = FENCE.sub("", page.read_text(encoding="utf-8")).splitlines()
+        assert not [line for line in lines if len(line) > 400 and not line.startswith("|")], page
+
+
+def test_pictures_are_small() -> None:
+    large = [path.name for path in (ROOT / "docs/images").iterdir() if path.stat().st_size > 150_000]
+    assert not large

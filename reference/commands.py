@@ -1,0 +1,117 @@
+"""docs/commands.md: every command and its flags, as the code has them: `python -m reference.commands` writes it."""
+
+import ast
+import keyword
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from inspect import cleandoc
+from pathlib import Path
+
+HEAD = """\
+# Commands
+
+This page is written from the code by `make reference`.
+
+## make
+
+| target | what it does |
+|---|---|
+"""
+VERBS = """
+## Verbs
+
+A stage is a command, `python -m stages.<stage> <verb> --flag value`; `--help` prints what stands here. Flags without
+a default must be given. `--options` is JSON of the stage's section of the [config](config.md). The workflow passes the
+flags marked x, also to a command of yours that [replaces a verb](extending.md#replace-a-verb-or-a-stage).
+"""
+
+
+@dataclass(frozen=True)
+class Flag:
+    """One flag of a verb; `default` is None if it must be given."""
+
+    name: str
+    default: str | None
+    meaning: str
+
+
+@dataclass(frozen=True)
+class Verb:
+    """One verb of a stage and what its docstring says."""
+
+    stage: str
+    name: str
+    summary: str
+    flags: list[Flag]
+
+
+def verbs(root: Path) -> Iterator[Verb]:
+    """All verbs of all stages, in the order of `stages/<stage>/__main__.py`."""
+    for path in sorted((root / "stages").glob("*/__main__.py")):
+        for call in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(call, ast.Call) and len(call.args) == 2 and isinstance(call.args[1], ast.Dict):
+                for name, summary in ast.literal_eval(call.args[1]).items():  # main("matching", {"match": ...})
+                    yield verb(path.parent / module_of(name), path.parent.name, name, summary)
+
+
+def module_of(name: str) -> str:
+    """The file of a verb, as `stages.cli` finds it."""
+    return name.replace("-", "_") + "_" * keyword.iskeyword(name) + ".py"
+
+
+def verb(file: Path, stage: str, name: str, summary: str) -> Verb:
+    """A verb, read from the function `run` of its module."""
+    tree = ast.parse(file.read_text(encoding="utf-8"))
+    run = next(node for node in tree.body if isinstance(node, ast.FunctionDef) and node.name == "run")
+    meaning = arguments(ast.get_docstring(run) or "")
+    flags = [Flag(each.arg.upper(), None, meaning.get(each.arg, "")) for each in run.args.posonlyargs]
+    for each, default in zip(run.args.kwonlyargs, run.args.kw_defaults, strict=True):
+        text = None if default is None else ast.unparse(default)
+        flags.append(Flag("--" + each.arg.replace("_", "-"), text, meaning.get(each.arg, "")))
+    return Verb(stage, name, summary, flags)
+
+
+def arguments(docstring: str) -> dict[str, str]:
+    """Texts of the section `Args` by argument."""
+    _, _, section = cleandoc(docstring).partition("\nArgs:\n")
+    section = re.split(r"\n\n\w+:\n", section)[0]
+    found = re.split(r"^    (\w+): ", section, flags=re.MULTILINE)[1:]
+    return {name: " ".join(text.split()) for name, text in zip(found[::2], found[1::2], strict=True)}
+
+
+def passed(root: Path) -> dict[str, set[str]]:
+    """The flags that the rules of the workflow pass, by `stage verb`."""
+    called = {}
+    for path in sorted((root / "rules").glob("*.smk")):
+        for body in re.split(r"^(?:rule|checkpoint) ", path.read_text(encoding="utf-8"), flags=re.MULTILINE)[1:]:
+            if found := re.search(r'command=command\("(\w+)", "(\w+)"\)', body):
+                shell = body[body.index("    shell:") :]
+                called[f"{found[1]} {found[2]}"] = set(re.findall(r"--[a-z][a-z0-9-]*", shell))
+    return called
+
+
+def targets(root: Path) -> Iterator[tuple[str, str]]:
+    """Targets of the Makefile and what they do."""
+    yield from re.findall(r"^([\w-]+):[^#\n]*## (.*)$", (root / "Makefile").read_text(encoding="utf-8"), re.MULTILINE)
+
+
+def page(root: Path) -> str:
+    """The text of docs/commands.md."""
+    lines = [HEAD + "\n".join(f"| `make {name}` | {text} |" for name, text in targets(root)), VERBS]
+    called = passed(root)
+    for each in verbs(root):
+        ours = called.get(f"{each.stage} {each.name}", set())
+        lines += [f"### `{each.stage} {each.name}`", "", each.summary[:1].upper() + each.summary[1:] + ".", ""]
+        lines += ["| flag | default | workflow | meaning |", "|---|---|---|---|"]
+        for flag in each.flags:
+            default = "" if flag.default is None else f"`{flag.default}`"
+            mark = "x" if flag.name in ours else ""
+            meaning = flag.meaning.replace("|", "\\|").replace("<", "&lt;")
+            lines.append(f"| `{flag.name}` | {default} | {mark} | {meaning} |")
+        lines.append("")
+    return "\n".join(lines).rstrip() + "\n"
+
+
+if __name__ == "__main__":
+    (Path.cwd() / "docs/commands.md").write_text(page(Path.cwd()), encoding="utf-8")
