@@ -88,7 +88,7 @@ def read_library(path: Path, store: FeatureStore | None) -> Library:
     missing = [entry.id for entry in library.assets if store is not None and entry.id not in store]
     if missing:
         what = f"{len(missing)} of {len(library.assets)} assets have no features, e.g. {missing[0]}."
-        raise InputError(path, what, "give the feature stores of all shards of this library")
+        raise InputError(path, what, "give the feature stores of all shards of this library", code="E-FEATURES-MISSING")
     return library
 
 

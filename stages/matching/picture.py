@@ -40,7 +40,8 @@ def write_picture(
             y = MARGIN + row * step_y
             item = items.get(entry.id)
             if item is None:
-                raise InputError("--cousins", f"names '{entry.id}', which is no object of the scene.", "match it again")
+                what = f"names '{entry.id}', which is no object of the scene."
+                raise InputError("--cousins", what, "match it again", code="E-SCENE-MIXED")
             view = scene.view(item)
             if view.mask.any():
                 page.paste(Image.fromarray(crop_picture(view)), (MARGIN, y))

@@ -44,7 +44,7 @@ def backdrop(
     standing, feet = [], []
     for wall in walls:
         normal = np.asarray(wall.normal)
-        if any(np.asarray(box.center) @ normal < wall.offset for box in boxes):
+        if any(box.center @ normal < wall.offset for box in boxes):
             continue
         tangent = np.array([-normal[1], normal[0], 0.0])
         along = points @ tangent

@@ -17,7 +17,9 @@ from stages.geometry.frames import quaternion_from_matrix, rigid, yaw_matrix
 try:
     from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdLux, UsdPhysics, UsdShade, Vt
 except ImportError:
-    raise InputError("--format usd", "usd-core is not installed.", "pip install usd-core") from None
+    raise InputError(
+        "--format usd", "usd-core is not installed.", "pip install usd-core", code="E-USD-MISSING"
+    ) from None
 
 ROOT, LOOKS = "/World", "/World/Looks"
 SURFACE_FRICTION = 0.6

@@ -25,7 +25,9 @@ class Encoder:
         patch = self.model.config.patch_size
         height, width = self.options.height, self.options.width
         if height % patch or width % patch:
-            raise InputError("matching.dinov2", f"{height} x {width}: no multiple of {patch}.", "e.g. 224")
+            raise InputError(
+                "matching.dinov2", f"{height} x {width}: no multiple of {patch}.", "e.g. 224", code="E-PATCH-SIZE"
+            )
         self.rows, self.columns = height // patch, width // patch
 
     def settings(self) -> dict[str, Any]:
