@@ -128,5 +128,4 @@ def _one(along: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _rounded(box: UprightBox) -> Box:
-    center, size, yaw = box
-    return Box(center=rounded(center), size=rounded(size), yaw=round(yaw, 6))
+    return Box(center=rounded(box.center), size=rounded(box.size), yaw=round(box.yaw, 6))
