@@ -16,6 +16,7 @@ from stages.contracts import GeneratedScene, InputError, atomic, read_json, read
 from stages.contracts.archives import pack
 from stages.contracts.films import Film
 from stages.contracts.in_scene import SceneDemonstration, SceneDemonstrations
+from stages.contracts.look import ROOM_LIGHT
 from stages.demonstrations.attempt import Recorder
 from stages.demonstrations.collect import attempt_seeds
 from stages.demonstrations.film import FRAMES, Taken, strip
@@ -24,7 +25,7 @@ from stages.demonstrations.store import StoreHeader, write_episodes
 from stages.plugins import load
 from stages.simulation.films import write_films
 from stages.simulation.room import read_room
-from stages.simulation.studio import ROOM_LIGHT, Studio
+from stages.simulation.studio import Studio
 from stages.tasks.api import make_task
 from stages.tasks.task import Task
 

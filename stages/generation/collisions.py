@@ -19,9 +19,7 @@ from stages.generation.surfaces import surface_beneath
 from stages.generation.walls import behind
 from stages.geometry.boxes import footprint, volume
 
-HERE = Point(0.0, 0.0)
 CLEAR = 1e-4  # metres that a push goes beyond the border, so that rounding does not leave the pair touching
-FAR = 100.0
 Pair = tuple[str, str]
 
 
@@ -91,7 +89,7 @@ def overlapping_pairs(scene: _Scene) -> list[Pair]:
             continue
         if not footprint(first.box).intersects(footprint(second.box)):
             continue
-        if forbidden_shifts(scene.shapes(a), scene.shapes(b), scene.options.touch).contains(HERE):
+        if forbidden_shifts(scene.shapes(a), scene.shapes(b), scene.options.touch).contains(Point(0, 0)):
             pairs.append((a, b))
     return pairs
 
@@ -135,7 +133,7 @@ def shortest_push(name: str, scene: _Scene) -> NDArray[np.float64] | None:
     free = allowed_shifts(name, scene).difference(forbidden_shifts(mover, others, scene.options.touch).buffer(CLEAR))
     if free.is_empty:
         return None
-    return np.array(nearest_points(HERE, free)[1].coords[0])
+    return np.array(nearest_points(Point(0, 0), free)[1].coords[0])
 
 
 def allowed_shifts(name: str, scene: _Scene) -> BaseGeometry:
@@ -148,25 +146,25 @@ def allowed_shifts(name: str, scene: _Scene) -> BaseGeometry:
         region = LineString([(-y * limit, x * limit), (y * limit, -x * limit)])
     else:
         for member in sorted(stack_of(name, scene.supports)):
-            region &= wall_limits(scene.items[member], scene.walls)
+            region &= wall_limits(scene.items[member], scene.walls, 2 * limit)
     if item.support in scene.items:
         surface = surface_beneath(item, scene.items[item.support])
         region &= affinity.translate(surface.steady_region(item), -item.center[0], -item.center[1])
     return region
 
 
-def wall_limits(item: Placed, walls: list[Wall]) -> BaseGeometry:
-    """Shifts that keep the item's box in front of every wall it stands in front of now."""
-    region: BaseGeometry = Point(0, 0).buffer(FAR)
+def wall_limits(item: Placed, walls: list[Wall], far: float) -> BaseGeometry:
+    """Shifts, as far as `far` metres, that keep the item's box in front of every wall it stands in front of now."""
+    region: BaseGeometry = Point(0, 0).buffer(far)
     for wall in walls:
         normal = np.asarray(wall.normal)
         if item.center @ normal < wall.offset:
             continue
         room = min(0.0, behind(item.box, wall))  # what is in the wall already may stay
         tangent = np.array([-normal[1], normal[0]])
-        near = normal[:2] * room
-        far = near + normal[:2] * FAR
-        region &= Polygon([near + tangent * FAR, near - tangent * FAR, far - tangent * FAR, far + tangent * FAR])
+        near, beyond = normal[:2] * room, normal[:2] * far
+        side = tangent * far
+        region &= Polygon([near + side, near - side, beyond - side, beyond + side])
     return region
 
 

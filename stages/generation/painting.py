@@ -9,28 +9,26 @@ from numpy.typing import NDArray
 from trimesh import Trimesh
 
 from stages.contracts.generated import GeneratedScene
-from stages.contracts.look import Look, Surface
+from stages.contracts.look import GAMMA, ROOM_LIGHT, Look, Surface
 from stages.contracts.objects import Objects
-from stages.generation.look import DEFAULT_LIGHT, LEAST_CORRELATION, Seen, grid_of, light_of, reach, surfaces_seen
+from stages.generation.look import LEAST_CORRELATION, Seen, grid_of, light_of, reach, surfaces_seen
 from stages.generation.models import collision_pieces
 from stages.generation.placed import Placed
 from stages.generation.settling import load_items
 from stages.geometry.boxes import corners
 from stages.geometry.frames import rigid, yaw_matrix
-from stages.simulation.backdrop import add_backdrop
+from stages.simulation.backdrop import BEYOND, add_backdrop
 from stages.simulation.rendering import RenderCamera, instance_id, make_scene
 
-GAMMA = 2.2  # of pictures; base colours are linear
 FITS = 2  # renderings, each with colours mended by the one before
 DARKEST = 0.02  # base colour
-SHADOWS_REACH = 1.5  # metres beyond the furniture
 
 
 def furnished(made: GeneratedScene, items: list[Placed], look: Look) -> sapien.Scene:
     """The scene in its look, to be rendered: floor, walls, furniture, and a light whose shadows reach all of it."""
     points = np.concatenate([corners(item.box) for item in items])
     center = (points.min(axis=0) + points.max(axis=0)) / 2
-    radius = float(np.linalg.norm(points - center, axis=1).max()) + SHADOWS_REACH
+    radius = float(np.linalg.norm(points - center, axis=1).max()) + BEYOND
     scene = make_scene(light=look.light, shaded=(center.tolist(), radius))
     add_backdrop(scene, [item.box for item in items], made.walls, np.array(made.floor_from_camera)[:3, 3], look)
     load_items(scene, items)
@@ -51,7 +49,7 @@ def look_of(
     seen = surfaces_seen(*pictures, objects)
     direction, correlation = light_of(seen, merged(items))
     told = correlation >= LEAST_CORRELATION
-    light = direction if told else np.array(DEFAULT_LIGHT) / np.linalg.norm(DEFAULT_LIGHT)
+    light = direction if told else np.array(ROOM_LIGHT) / np.linalg.norm(ROOM_LIGHT)
     surfaces = []
     for name, one in seen.items():
         low, high = reach(name, one)

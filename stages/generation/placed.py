@@ -13,7 +13,6 @@ from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import wrap_angle, yaw_matrix
 
 FLOOR, WALL, UNNAMED = "floor", "wall", "unnamed"
-LEAST, LEAST_TURN = 0.0005, 0.05  # metres, degrees: less is rounded away
 
 
 class Prism(NamedTuple):
@@ -82,7 +81,7 @@ class Placed:
     @property
     def wall_mounted(self) -> bool:
         """Whether it hangs on a wall (A.2, type 1)."""
-        return self.mounting.type == 1
+        return self.mounting.hangs
 
     @property
     def held(self) -> bool:
@@ -116,14 +115,17 @@ class Placed:
 
 
 def difference(before: UprightBox, after: UprightBox) -> str:
-    """How one box differs from another, e.g. `turned 12.0°, 0.41 x 0.90 x 0.80 m, moved 2.1 cm`; empty: not at all."""
+    """How one box differs from another, e.g. `turned 12.0°, 0.41 x 0.90 x 0.80 m, moved 2.1 cm`; empty: not at all.
+
+    What rounds to no tenth of a degree or millimetre is no difference.
+    """
     turn = float(np.rad2deg(wrap_angle(after.yaw - before.yaw)))
     shift = after.center - before.center
-    found = [f"turned {turn:+.1f}°"] if abs(turn) > LEAST_TURN else []
-    if np.abs(after.size - before.size).max() > LEAST:
+    found = [f"turned {turn:+.1f}°"] if round(turn, 1) else []
+    if (after.size - before.size).round(3).any():
         found.append(" x ".join(f"{extent:.3f}" for extent in after.size) + " m")
-    if np.abs(shift[:2]).max() > LEAST:
+    if shift[:2].round(3).any():
         found.append(f"moved {100 * float(np.linalg.norm(shift[:2])):.1f} cm")
-    if abs(shift[2]) > LEAST:
+    if round(shift[2], 3):
         found.append(f"{'raised' if shift[2] > 0 else 'lowered'} {100 * abs(float(shift[2])):.1f} cm")
     return ", ".join(found)

@@ -10,10 +10,10 @@ from stages.config.generation import GenerationConfig
 from stages.contracts.cousins import Cousin
 from stages.contracts.objects import Wall
 from stages.geometry.boxes import UprightBox
-from stages.geometry.frames import wrap_angle
+from stages.geometry.frames import SYMMETRY_PERIOD, wrap_angle
 from stages.geometry.viewing import view_yaw
 
-QUARTER = np.pi / 2
+QUARTER = SYMMETRY_PERIOD["quarter_turn"]
 OUTLINE_TOLERANCE = 0.02  # metres by which the outline of a cloud is smoothed, above the noise of depth
 OUTLINE_ANGLE = np.deg2rad(12)  # a side that is turned less than this runs along an axis
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,13 +11,13 @@ from scipy.ndimage import gaussian_filter1d
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import yaw_matrix
 
-BIN, SMOOTHING = 0.005, 0.015  # metres; densities are smoothed by half the noise as well
+BIN = 0.005  # metres: width of a bin of coordinates
+SPREAD = 0.015  # metres by which the points of a face lie apart however little noise there is
+REACH = 3.0  # standard deviations of noise within which all points of a face lie
 PROMINENT = 2.0  # a face is where points lie so many times denser than on average
-NEAR, REACH = 0.015, 3.0  # metres, standard deviations: how far the outermost points may lie before their face
-FAINT, THICK = 0.05, 4.5  # metres of noise; standard deviations in which nine of ten points of a face lie, and some
+FAINT = 0.05  # metres of noise, from which on it may hide a whole object
 STEEP = 0.35  # sine of the least angle from which a top is seen
-LEVEL, SLICES, FILLED = 0.12, 6, 0.3  # share of the height that is the top; parts of its depth; least share in each
-MEASURED = 6.0  # standard deviations: what is no deeper is noise
+SLICES = 6  # parts of the depth of a top, all of which are seen
 OUTSIDE, MOST = 0.7, 0.25  # standard deviations by which noise moves an end that is no face; share of the length
 Array = NDArray[np.float64]
 
@@ -33,6 +34,17 @@ class Sight:
     camera: Array
     error: Callable[[float], float]
 
+    @cached_property
+    def ray(self) -> Array:
+        """Unit vector (3,) from the camera to the middle of the points."""
+        ray = self.points.mean(axis=0) - self.camera
+        return np.asarray(ray / np.linalg.norm(ray))
+
+    @cached_property
+    def noise(self) -> float:
+        """Standard deviation, metres, by which noise moves the points along the ray."""
+        return self.error(float(np.linalg.norm(self.points.mean(axis=0) - self.camera)))
+
     def measured(
         self, box: UprightBox, yaw: float, trim: float, has_faces: bool = True, beyond: float = 0.0
     ) -> UprightBox:
@@ -48,10 +60,8 @@ class Sight:
         center, size = box.center.copy(), box.size.copy()
         level = self.points[:, :2] @ turn
         limits = np.quantile(level, [trim, 1 - trim], axis=0)
-        ray = box.center - self.camera
-        distance = float(np.linalg.norm(ray))
-        for axis, along in enumerate((ray[:2] @ turn) / distance):
-            noise = abs(along) * self.error(distance)
+        for axis, along in enumerate(self.ray[:2] @ turn):
+            noise = abs(along) * self.noise
             inset = min(OUTSIDE * noise, MOST * float(np.ptp(limits[:, axis])))
             limits[:, axis] += [inset, -inset]
             near = 1 if along < 0 else 0
@@ -65,29 +75,26 @@ class Sight:
 
     def is_one_face(self, normal: Array) -> bool:
         """Whether the points are no thicker along a direction (3,) than one face far away is made by noise."""
-        ray = np.mean(self.points, axis=0) - self.camera
-        distance = float(np.linalg.norm(ray))
-        noise = abs(float(ray @ normal)) / distance * self.error(distance)
+        noise = abs(float(self.ray @ normal)) * self.noise
         low, high = np.quantile(self.points @ normal, [0.05, 0.95])
-        return bool(noise > FAINT and high - low < THICK * noise)
+        return bool(noise > FAINT and high - low < 2 * REACH * noise)
 
     def sees_top(self, box: UprightBox) -> bool:
         """Whether the top of the object, whose box is `box`, is seen from its front edge to its rear one.
 
         Its depth is then measured.
         """
-        ray, size = box.center - self.camera, box.size
-        distance = float(np.linalg.norm(ray))
-        if ray[2] + size[2] / 2 > -STEEP * distance:
+        size, away = box.size, box.center - self.camera
+        if away[2] + size[2] / 2 > -STEEP * np.linalg.norm(away):
             return False
-        noise = self.error(distance)
-        local = (self.points - box.center) @ yaw_matrix(box.yaw)
-        axis = int(np.argmax(np.abs(ray[:2] @ yaw_matrix(box.yaw)[:2, :2])))
-        on_top = local[local[:, 2] > size[2] / 2 - max(LEVEL * size[2], 2 * noise), axis]
-        if size[axis] < MEASURED * noise or len(on_top) < 10 * SLICES:
+        turn = yaw_matrix(box.yaw)
+        local = (self.points - box.center) @ turn
+        axis = int(np.argmax(np.abs(self.ray[:2] @ turn[:2, :2])))
+        on_top = local[local[:, 2] > size[2] / 2 - max(SPREAD, REACH * self.noise), axis]
+        if size[axis] < 2 * REACH * self.noise or len(on_top) < 10 * SLICES:
             return False
         counts, _ = np.histogram(on_top, SLICES, (-size[axis] / 2, size[axis] / 2))
-        return bool(counts.min() > FILLED * counts.mean())
+        return bool(counts.all())
 
 
 def near_face(values: Array, sign: float, noise: float, trim: float) -> float | None:
@@ -107,8 +114,8 @@ def near_face(values: Array, sign: float, noise: float, trim: float) -> float | 
     if bins < 2:
         return None
     counts, edges = np.histogram(inward, bins, (low, high))
-    density = gaussian_filter1d(counts.astype(float), max(SMOOTHING, noise / 2) / BIN, mode="constant")
-    outer = density[: max(1, min(bins // 2, int(max(NEAR, REACH * noise) / BIN)))]
+    density = gaussian_filter1d(counts.astype(float), max(SPREAD, noise / 2) / BIN, mode="constant")
+    outer = density[: max(1, min(bins // 2, int(max(SPREAD, REACH * noise) / BIN)))]
     peak = int(np.argmax(outer))
     if outer[peak] < PROMINENT * len(values) / bins:
         return None

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from stages.contracts import InputError
 
-LEVELS = 127
+LEVELS = np.iinfo(np.int8).max
 MARGIN = 1.1  # numbers beyond this times the largest one of the sample are cut off
 
 

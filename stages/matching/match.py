@@ -21,8 +21,6 @@ from stages.matching.snapshots import Snapshots
 from stages.matching.store import FeatureStore
 from stages.matching.text_encoders import TextEncoder, make_text_encoder
 
-UNCOMPARED = Orientation(yaw=0.0, distance=0.0)  # stands for the views where none is compared
-
 
 class Pictures(NamedTuple):
     """What the object's picture is compared with."""
@@ -119,7 +117,8 @@ def match_object(
     question = judges.question(view, item, scene.objects)
     if stored is None:
         models = known_models(candidates, item, options)
-        return rank_cousins(models, lambda asset: ([], [UNCOMPARED]), candidates, item, question, judges, options)
+        facing = Orientation(yaw=0.0, distance=0.0)  # stands for the views, none of which is compared
+        return rank_cousins(models, lambda asset: ([], [facing]), candidates, item, question, judges, options)
     encoder, store = stored
     query = make_query(view if store.upright else replace(view, up=None), encoder, options.colour)
     if query is None:

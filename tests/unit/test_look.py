@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from stages.contracts import GeneratedScene, Objects
-from stages.contracts.look import Look, Surface
+from stages.contracts.look import ROOM_LIGHT, Look, Surface
 from stages.contracts.objects import Mounting, SceneObject, Wall
-from stages.generation.look import DEFAULT_LIGHT, direction_of, light_of, surfaces_seen
+from stages.generation.look import direction_of, light_of, surfaces_seen
 from stages.generation.painting import furnished, look_of, merged
 from stages.generation.placed import Placed
 from stages.geometry.boxes import UprightBox
@@ -99,7 +99,7 @@ def test_a_picture_without_shadows_gets_the_light_that_all_such_have(furniture: 
     noise = np.random.default_rng(0).integers(150, 160, rgb.shape).astype(np.uint8)
     look = look_of(objects, (noise, masks, depth), scene_of(objects), items)
     assert look.light_from == "default"
-    assert np.cross(look.light, DEFAULT_LIGHT) == pytest.approx(np.zeros(3), abs=1e-5)
+    assert np.cross(look.light, ROOM_LIGHT) == pytest.approx(np.zeros(3), abs=1e-5)
 
 
 def test_light_comes_through_no_wall(furniture: Any) -> None:

@@ -11,14 +11,14 @@ from stages.articulated.asset_folder import read_model
 from stages.articulated.forward_kinematics import link_frames
 from stages.articulated.model import JointModel, RobotModel
 from stages.contracts import Asset, GeneratedScene
-from stages.contracts.look import Look
-from stages.generation.look import DEFAULT_LIGHT
+from stages.contracts.look import ROOM_LIGHT, Look
 from stages.generation.placed import Placed
 from stages.geometry.frames import apply, rigid, yaw_matrix
 from stages.simulation.backdrop import Block, backdrop
 
 Matrix = NDArray[np.float64]
 CAMERA = "input_camera"
+OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])  # axes of a camera, from OpenCV's
 
 
 @dataclass(frozen=True)
@@ -74,4 +74,4 @@ def room_of(made: GeneratedScene, items: list[Placed], look: Look | None) -> Roo
         bodies.append(Body(item.id, item.label, item.asset, item.folder, model, pose, item.held))
     camera = np.array(made.floor_from_camera)[:3, 3]
     blocks = backdrop([item.box for item in items], made.walls, camera, look)
-    return Room(made, bodies, blocks, np.array(look.light if look else DEFAULT_LIGHT))
+    return Room(made, bodies, blocks, np.array(look.light if look else ROOM_LIGHT))

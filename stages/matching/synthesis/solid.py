@@ -16,11 +16,11 @@ from stages.articulated.model import Visual
 from stages.articulated.urdf_reader import UrdfReader
 from stages.contracts.errors import InputError
 from stages.contracts.library import Asset
+from stages.contracts.look import GAMMA
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import apply, yaw_matrix
 
 UNPAINTED = (0.6, 0.6, 0.6)  # linear
-GAMMA = 2.2  # of pictures
 Array = NDArray[np.float64]
 
 
