@@ -16,7 +16,6 @@ SPREAD = 0.015  # metres by which the points of a face lie apart however little 
 REACH = 3.0  # standard deviations of noise within which all points of a face lie
 PROMINENT = 2.0  # a face is where points lie so many times denser than on average
 FAINT = 0.05  # metres of noise, from which on it may hide a whole object
-STEEP = 0.35  # sine of the least angle from which a top is seen
 SLICES = 6  # parts of the depth of a top, all of which are seen
 OUTSIDE, MOST = 0.7, 0.25  # standard deviations by which noise moves an end that is no face; share of the length
 Array = NDArray[np.float64]
@@ -84,8 +83,8 @@ class Sight:
 
         Its depth is then measured.
         """
-        size, away = box.size, box.center - self.camera
-        if away[2] + size[2] / 2 > -STEEP * np.linalg.norm(away):
+        size = box.size
+        if box.top > self.camera[2]:
             return False
         turn = yaw_matrix(box.yaw)
         local = (self.points - box.center) @ turn

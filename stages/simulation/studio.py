@@ -195,7 +195,5 @@ def _plinth(scene: sapien.Scene, bounds: Array, floor: float) -> sapien.Entity:
     """A plinth beneath a body that does not reach the floor."""
     size = bounds[1] - bounds[0]
     width = np.minimum(0.92 * size[:2], 0.6)
-    center = (bounds[0, :2] + bounds[1, :2]) / 2
-    return add_block(
-        scene, [*center, (bounds[0, 2] + floor) / 2], [*width, bounds[0, 2] - floor], FLOOR_COLOUR, "plinth"
-    )
+    center = [*(bounds[0, :2] + bounds[1, :2]) / 2, (bounds[0, 2] + floor) / 2]
+    return add_block(scene, center, [*width, bounds[0, 2] - floor], FLOOR_COLOUR, "plinth")
