@@ -15,10 +15,11 @@ from stages.articulated.mesh_reader import convex_pieces, has_texture, load_mesh
 from stages.articulated.model import RGBA, JointModel, Link, Matrix, RobotModel, Visual, moved
 from stages.articulated.urdf_tree import UrdfTree
 from stages.contracts.errors import InputError
+from stages.geometry.solids import MINIMUM_INERTIA as MINIMUM_INERTIA
+from stages.geometry.solids import board_mass as board_mass
+from stages.geometry.solids import box_around as box_around
+from stages.geometry.solids import box_inertia as box_inertia
 
-DENSITY = 500.0  # kg / m^3, for links that say nothing of their mass
-BOARD = 0.018  # metres: what furniture is made of
-MINIMUM_MASS, MINIMUM_INERTIA = 0.01, 1e-7
 HEAVIEST = 1e5  # kg, of one link
 LOST = 0.25  # of the links that would be seen: where more have no shape that can be used, the model is refused
 
@@ -223,31 +224,6 @@ class UrdfReader:
         return found
 
 
-def board_mass(pieces: list[Trimesh], visuals: list[Visual]) -> float:
-    """What a link of unknown mass weighs: furniture is made of boards.
-
-    As much as boards of half of the visible area, both sides of which are seen, or as its hulls if they are smaller.
-    """
-    area = sum(float(visual.mesh.area) for visual in visuals)
-    volume = min(sum(abs(piece.volume) for piece in pieces), area / 2 * BOARD)
-    return max(volume * DENSITY, MINIMUM_MASS)
-
-
-def box_inertia(pieces: list[Trimesh], mass: float) -> Matrix:
-    """Inertia (3, 3) of a solid box around the pieces."""
-    low, high = box_around(pieces)
-    x, y, z = (high - low) ** 2
-    return mass / 12 * np.diag([y + z, x + z, x + y]) + MINIMUM_INERTIA * np.eye(3)
-
-
 def _is_primitive(shape: ET.Element) -> bool:
     """Whether a <visual> or <collision> is a box, sphere, cylinder or capsule: convex as it is."""
     return shape.find("geometry/mesh") is None
-
-
-def box_around(pieces: list[Trimesh]) -> Matrix:
-    """Lowest and highest corner (2, 3) of the pieces; of a centimetre around the origin if there are none."""
-    if not pieces:
-        return np.array([[-0.005] * 3, [0.005] * 3])
-    corners = np.array([piece.bounds for piece in pieces])
-    return np.array([corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)])

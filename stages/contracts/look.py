@@ -8,6 +8,8 @@ from stages.contracts.files import Contract, Document
 from stages.contracts.types import Coordinate, Finite, Fraction, Id, UnitVector, check_unique
 
 Colour = tuple[Fraction, Fraction, Fraction]
+GAMMA = 2.2  # of pictures; base colours are linear
+ROOM_LIGHT = (0.55, -0.5, -1.0)  # over the photographer's left shoulder: x of the floor frame is the viewing direction
 
 
 class Surface(Contract):

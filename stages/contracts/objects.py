@@ -83,6 +83,11 @@ class Mounting(Contract):
     type: Literal[1, 2, 3]
     walls: list[Id] = Field([], description="ids of the walls touched, the dominant one first")
 
+    @property
+    def hangs(self) -> bool:
+        """Whether it is held by a wall alone."""
+        return self.type == 1
+
 
 class SceneObject(Contract):
     """One object of the image."""

@@ -14,6 +14,7 @@ from stages.contracts import GeneratedScene, InputError, read_json, read_options
 from stages.contracts.archives import pack
 from stages.contracts.films import Film
 from stages.contracts.in_scene import SceneDemonstration, SceneDemonstrations
+from stages.contracts.look import ROOM_LIGHT
 from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
 from stages.demonstrations.collect import attempt_seeds
@@ -23,7 +24,7 @@ from stages.demonstrations.store import StoreHeader, write_episodes
 from stages.plugins import load
 from stages.simulation.films import FRAMES, write_films, write_png
 from stages.simulation.room import read_room
-from stages.simulation.studio import ROOM_LIGHT, Studio
+from stages.simulation.studio import Studio
 from stages.tasks.api import make_task
 from stages.tasks.task import Task
 

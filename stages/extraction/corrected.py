@@ -72,7 +72,7 @@ def _on(
     seen = float(np.asarray(box.size)[2])
     lift = 0.0 if seen / STRETCH <= box.top - top <= STRETCH * seen else top - box.bottom
     up = np.array([0, 0, lift])
-    box = with_bottom(box._replace(center=np.asarray(box.center) + up), top)
+    box = with_bottom(replace(box, center=box.center + up), top)
     cloud = (cloud + up).astype(np.float32)
     cloud[:, 2] = np.maximum(cloud[:, 2], np.float32(top))
     mounting = Mounting(type=3, walls=item.mounting.walls) if item.mounting.type == 1 else item.mounting
@@ -128,5 +128,4 @@ def _one(along: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _rounded(box: UprightBox) -> Box:
-    center, size, yaw = box
-    return Box(center=rounded(center), size=rounded(size), yaw=round(yaw, 6))
+    return Box(center=rounded(box.center), size=rounded(box.size), yaw=round(box.yaw, 6))

@@ -229,10 +229,12 @@ def reconstruct(
             del clouds[name]
             continue
         carriers[name] = placed.filled
-        center, size, yaw = placed.box
+        box = placed.box
         extracted[name] = extracted[name].model_copy(
             update={
-                "box": Box(center=rounded(center), size=rounded(np.maximum(size, THINNEST)), yaw=round(yaw, 6)),
+                "box": Box(
+                    center=rounded(box.center), size=rounded(np.maximum(box.size, THINNEST)), yaw=round(box.yaw, 6)
+                ),
                 "mounting": placed.mounting,
                 "measured_support": placed.support,
                 "measured_mounting": placed.measured if stated else None,

@@ -1,26 +1,25 @@
 """Push overlapping things apart in the x-y plane (paper A.3): by the shortest way, whole stacks at once, with a cap."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
-from shapely import LineString, Point, Polygon, affinity
+from shapely import LineString, MultiPoint, Point, Polygon, affinity
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import nearest_points
 
 from stages.config.generation import GenerationConfig
 from stages.contracts.objects import Wall
 from stages.generation.nesting import landing
-from stages.generation.placed import Placed
-from stages.generation.prisms import Prism, forbidden_shifts, placed_prisms, steady_region, surface_beneath
-from stages.generation.support import stack_of
-from stages.geometry.boxes import UprightBox, corners, footprint, volume
+from stages.generation.placed import Placed, Prism
+from stages.generation.stacking import stack_of
+from stages.generation.surfaces import surface_beneath
+from stages.generation.walls import behind
+from stages.geometry.boxes import footprint, volume
 
-HERE = Point(0.0, 0.0)
 CLEAR = 1e-4  # metres that a push goes beyond the border, so that rounding does not leave the pair touching
-FAR = 100.0
 Pair = tuple[str, str]
 
 
@@ -34,10 +33,9 @@ class Resolved:
 
 @dataclass(frozen=True)
 class _Scene:
-    """Everything that a push has to look at. `prisms`: by id, in the asset frame; `nested`: what lies in what."""
+    """Everything that a push has to look at. `nested`: what lies in what."""
 
     items: dict[str, Placed]
-    prisms: Mapping[str, list[Prism]]
     walls: list[Wall]
     options: GenerationConfig
     nested: frozenset[Pair] = frozenset()
@@ -47,7 +45,37 @@ class _Scene:
         return {name: item.support for name, item in self.items.items()}
 
     def shapes(self, name: str) -> list[Prism]:
-        return placed_prisms(self.prisms[name], self.items[name])
+        return self.items[name].collision_prisms
+
+
+def resolve(items: list[Placed], walls: list[Wall], options: GenerationConfig) -> Resolved:
+    """Free all pairs of items from each other, as far as that goes.
+
+    Each round frees one stack from everything around it, so that a push makes no new collision.
+    What touches a wall or hangs on it slides along it; what hangs does only if nothing else can give way.
+    """
+    scene = _Scene({item.id: item for item in items}, walls, options)
+    for _ in range(options.push_rounds if options.resolve_collisions else 0):
+        pushed = _one_push(scene)
+        if pushed is None:
+            break
+        scene = pushed
+    ends = [(item, scene.items[item.id]) for item in items]
+    freed = [replace(item.changed("out of collisions", end.box), moved=end.moved) for item, end in ends]
+    return Resolved(freed, overlapping_pairs(scene))
+
+
+def _one_push(scene: _Scene) -> _Scene | None:
+    """The scene after the first push that is possible; None: nothing overlaps, or nothing can give way."""
+    for pair in overlapping_pairs(scene):
+        for name in _movers(pair, scene):
+            push = shortest_push(name, scene)
+            if push is not None:
+                return _pushed(name, push, scene)
+        nested = _nested(pair, scene) if scene.options.stack_tolerance is not None else None
+        if nested is not None:
+            return nested
+    return None
 
 
 def overlapping_pairs(scene: _Scene) -> list[Pair]:
@@ -61,53 +89,26 @@ def overlapping_pairs(scene: _Scene) -> list[Pair]:
             continue
         if not footprint(first.box).intersects(footprint(second.box)):
             continue
-        if forbidden_shifts(scene.shapes(a), scene.shapes(b), scene.options.touch).contains(HERE):
+        if forbidden_shifts(scene.shapes(a), scene.shapes(b), scene.options.touch).contains(Point(0, 0)):
             pairs.append((a, b))
     return pairs
 
 
-def wall_limits(item: Placed, walls: list[Wall]) -> BaseGeometry:
-    """Shifts that keep the item's box in front of every wall it stands in front of now."""
-    region: BaseGeometry = Point(0, 0).buffer(FAR)
-    points = corners(item.box)
-    for wall in walls:
-        normal = np.asarray(wall.normal)
-        if item.center @ normal < wall.offset:
-            continue
-        room = min(0.0, wall.offset - float((points @ normal).min()))  # what is in the wall already may stay
-        tangent = np.array([-normal[1], normal[0]])
-        near = normal[:2] * room
-        far = near + normal[:2] * FAR
-        region &= Polygon([near + tangent * FAR, near - tangent * FAR, far - tangent * FAR, far + tangent * FAR])
-    return region
+def forbidden_shifts(mover: list[Prism], others: list[Prism], touch: float) -> BaseGeometry:
+    """All shifts (dx, dy) of `mover` at which it overlaps `others` by more than `touch` metres.
 
-
-def allowed_shifts(name: str, scene: _Scene) -> BaseGeometry:
-    """Where an item may go: not far, not into walls, not off its support; along its wall only if it touches one."""
-    item, limit = scene.items[name], scene.options.push_limit
-    region: BaseGeometry = Point(0, 0).buffer(limit)
-    touched = [wall for wall in scene.walls if wall.id in item.mounting.walls]
-    if touched:
-        x, y = np.asarray(touched[0].normal)[:2]
-        region = LineString([(-y * limit, x * limit), (y * limit, -x * limit)])
-    else:
-        for member in sorted(stack_of(name, scene.supports)):
-            region &= wall_limits(scene.items[member], scene.walls)
-    if item.support in scene.items:
-        surface = surface_beneath(item, scene.items[item.support], scene.shapes(item.support))
-        region &= affinity.translate(steady_region(item, surface.area), -item.center[0], -item.center[1])
-    return region
-
-
-def shortest_push(name: str, scene: _Scene) -> NDArray[np.float64] | None:
-    """The shortest shift (2,) that frees an item's stack from everything else; None if none is allowed."""
-    stack = sorted(stack_of(name, scene.supports))
-    mover = [prism for member in stack for prism in scene.shapes(member)]
-    others = [prism for other in sorted(scene.items) if other not in stack for prism in scene.shapes(other)]
-    free = allowed_shifts(name, scene).difference(forbidden_shifts(mover, others, scene.options.touch).buffer(CLEAR))
-    if free.is_empty:
-        return None
-    return np.array(nearest_points(HERE, free)[1].coords[0])
+    Convex outlines A + t and B meet if and only if t lies in the Minkowski difference B - A, which is
+    the hull of the differences of their vertices; so the shortest way out is the nearest point of a
+    polygon's border, for all pieces at once.
+    """
+    regions = []
+    for a in mover:
+        for b in others:
+            if min(a.high, b.high) - max(a.low, b.low) <= touch:
+                continue
+            differences = (b.outline[None] - a.outline[:, None]).reshape(-1, 2)
+            regions.append(MultiPoint(differences).convex_hull.buffer(-touch, join_style="mitre"))
+    return shapely.union_all(regions)
 
 
 def _movers(pair: Pair, scene: _Scene) -> list[str]:
@@ -122,6 +123,49 @@ def _movers(pair: Pair, scene: _Scene) -> list[str]:
         return held, sum(volume(scene.items[n].box) for n in stack), name
 
     return sorted((name for name in pair if not set(pair) <= stack_of(name, scene.supports)), key=weight)
+
+
+def shortest_push(name: str, scene: _Scene) -> NDArray[np.float64] | None:
+    """The shortest shift (2,) that frees an item's stack from everything else; None if none is allowed."""
+    stack = sorted(stack_of(name, scene.supports))
+    mover = [prism for member in stack for prism in scene.shapes(member)]
+    others = [prism for other in sorted(scene.items) if other not in stack for prism in scene.shapes(other)]
+    free = allowed_shifts(name, scene).difference(forbidden_shifts(mover, others, scene.options.touch).buffer(CLEAR))
+    if free.is_empty:
+        return None
+    return np.array(nearest_points(Point(0, 0), free)[1].coords[0])
+
+
+def allowed_shifts(name: str, scene: _Scene) -> BaseGeometry:
+    """Where an item may go: not far, not into walls, not off its support; along its wall only if it touches one."""
+    item, limit = scene.items[name], scene.options.push_limit
+    region: BaseGeometry = Point(0, 0).buffer(limit)
+    touched = [wall for wall in scene.walls if wall.id in item.mounting.walls]
+    if touched:
+        x, y = np.asarray(touched[0].normal)[:2]
+        region = LineString([(-y * limit, x * limit), (y * limit, -x * limit)])
+    else:
+        for member in sorted(stack_of(name, scene.supports)):
+            region &= wall_limits(scene.items[member], scene.walls, 2 * limit)
+    if item.support in scene.items:
+        surface = surface_beneath(item, scene.items[item.support])
+        region &= affinity.translate(surface.steady_region(item), -item.center[0], -item.center[1])
+    return region
+
+
+def wall_limits(item: Placed, walls: list[Wall], far: float) -> BaseGeometry:
+    """Shifts, as far as `far` metres, that keep the item's box in front of every wall it stands in front of now."""
+    region: BaseGeometry = Point(0, 0).buffer(far)
+    for wall in walls:
+        normal = np.asarray(wall.normal)
+        if item.center @ normal < wall.offset:
+            continue
+        room = min(0.0, behind(item.box, wall))  # what is in the wall already may stay
+        tangent = np.array([-normal[1], normal[0]])
+        near, beyond = normal[:2] * room, normal[:2] * far
+        side = tangent * far
+        region &= Polygon([near + side, near - side, beyond - side, beyond + side])
+    return region
 
 
 def _pushed(name: str, push: NDArray[np.float64], scene: _Scene) -> _Scene:
@@ -139,54 +183,10 @@ def _nested(pair: Pair, scene: _Scene) -> _Scene | None:
     item, carrier = scene.items[upper], scene.items[lower]
     if item.support != lower or item.wall_mounted:
         return None
-    middle = surface_beneath(item, carrier, scene.shapes(lower)).area.centroid
+    middle = surface_beneath(item, carrier).area.centroid
     scene = _pushed(upper, np.array([middle.x, middle.y]) - item.center[:2], scene)
     rise = landing(*([prism.vertices for prism in scene.shapes(name)] for name in (upper, lower)))
     items = dict(scene.items)
     for member in stack_of(upper, scene.supports):
         items[member] = items[member].shifted([0, 0, rise or 0.0])
     return replace(scene, items=items, nested=scene.nested | {pair})
-
-
-def _one_push(scene: _Scene) -> _Scene | None:
-    """The scene after the first push that is possible; None: nothing overlaps, or nothing can give way."""
-    for pair in overlapping_pairs(scene):
-        for name in _movers(pair, scene):
-            push = shortest_push(name, scene)
-            if push is not None:
-                return _pushed(name, push, scene)
-        nested = _nested(pair, scene) if scene.options.stack_tolerance is not None else None
-        if nested is not None:
-            return nested
-    return None
-
-
-def resolve(
-    items: list[Placed], prisms: Mapping[str, list[Prism]], walls: list[Wall], options: GenerationConfig
-) -> Resolved:
-    """Free all pairs of items from each other, as far as that goes.
-
-    Each round frees one stack from everything around it, so that a push makes no new collision.
-    What touches a wall or hangs on it slides along it; what hangs does only if nothing else can give way.
-
-    Args:
-        prisms: collision shapes by id, in the asset frame.
-    """
-    scene = _Scene({item.id: item for item in items}, prisms, walls, options)
-    for _ in range(options.push_rounds if options.resolve_collisions else 0):
-        pushed = _one_push(scene)
-        if pushed is None:
-            break
-        scene = pushed
-    return Resolved([scene.items[item.id] for item in items], overlapping_pairs(scene))
-
-
-def out_of_walls(box: UprightBox, walls: list[Wall]) -> UprightBox:
-    """The box moved out of the walls that it reaches into, if its centre is in front of them."""
-    center = np.array(box.center, dtype=float)
-    for wall in walls:
-        normal = np.asarray(wall.normal, dtype=float)
-        depth = wall.offset - float((corners(box._replace(center=center)) @ normal).min())
-        if depth > 0 and center @ normal > wall.offset:
-            center += depth * normal
-    return box._replace(center=center)

@@ -13,7 +13,7 @@ from stages.contracts.library_folder import AssetFolders
 from stages.generation.exports import glb, room_of
 from stages.generation.painting import furnished, look_of
 from stages.generation.pictures import preview, resized_to, side_by_side, thumbnail
-from stages.generation.standing import placed_items
+from stages.generation.scene_file import placed_items
 
 VIEW_TEXTURE = 128  # pixels: textures of the scene that the report lets turn
 
@@ -39,12 +39,12 @@ def run(*, scenes: tuple[Path, ...], objects: Path, image: Path, library: Path, 
     with TemporaryDirectory(prefix="acdc-sized-") as cache:
         for path in progress(scenes, "scenes drawn", len(scenes)):
             made = read_json(GeneratedScene, path)
-            items, sized = placed_items(made, folders, Path(cache), path)
-            look = look or look_of(extracted, seen, made, items, sized)
-            picture = preview(furnished(made, items, sized, look), made, width)
+            items = placed_items(made, folders, Path(cache), path)
+            look = look or look_of(extracted, seen, made, items)
+            picture = preview(furnished(made, items, look), made, width)
             with atomic(out / f"{path.stem}.png") as temporary:
                 Image.fromarray(picture).save(temporary)
-            room = room_of(made, items, sized, look)
+            room = room_of(made, items, look)
             glb.write(room, out / f"{path.stem}.glb")
             if path == scenes[0]:
                 glb.write(room, out / "view.glb", VIEW_TEXTURE)

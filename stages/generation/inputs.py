@@ -1,7 +1,7 @@
-"""What generation reads: objects and their clouds, cousins, the library's asset folders."""
+"""What generation reads: every object with its cloud and its cousins, and the library's models."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -15,53 +15,46 @@ from stages.contracts.library_folder import AssetFolders
 from stages.contracts.objects import SceneObject
 from stages.geometry.viewing import view_angle
 
-AS_NEAR = 0.05  # of distances of labels: a lamp is a table lamp (0.14) or a floor lamp (0.15)
+
+@dataclass(frozen=True)
+class MatchedObject:
+    """One object with all that is known of it.
+
+    cousins: best first. distances: of its label to categories. cloud: (N, 3), floor frame. bearings: least and largest
+    level direction (radians, floor frame) in which it is seen. correction: what a person says of it. failed: why no
+    cousin can stand for it; empty: one can.
+    """
+
+    object: SceneObject
+    cousins: list[Cousin]
+    distances: Mapping[str, float]
+    cloud: NDArray[np.float32]
+    bearings: tuple[float, float] | None
+    correction: Correction
+    failed: str = ""
 
 
 @dataclass(frozen=True)
 class Inputs:
-    """Everything that the scenes of all ranks share. `clouds`, `cousins`: by object id; `folders`: by asset id.
+    """What the scenes of all ranks share.
 
-    bearings: by object id, the least and the largest level direction (radians, floor frame) in which it is seen.
-    told: by mask value, what a person says of an object.
+    objects: as extraction wrote them. matched: what takes the model of another one comes after it. folders: of the
+    library's models, by asset id.
     """
 
     objects: Objects
-    cousins: dict[str, ObjectCousins]
-    clouds: dict[str, NDArray[np.float32]]
+    matched: list[MatchedObject]
     folders: Mapping[str, Path]
-    bearings: dict[str, tuple[float, float]]
-    told: Mapping[int, Correction] = field(default_factory=dict)
 
-    def said(self, item: SceneObject) -> Correction:
-        """What a person says of an object."""
-        return self.told.get(item.mask, Correction(mask=item.mask))
+    def folder(self, asset: str) -> Path:
+        """Of a model.
 
-    def ranked(self, item: SceneObject) -> list[Cousin] | str:
-        """The object's cousins, best first; or why it has none."""
-        matched = self.cousins.get(item.id)
-        if item.status == "failed" or item.box is None:
-            return f"extraction: {item.reason or 'no box'}"
-        if matched is None or matched.status == "failed" or not matched.cousins:
-            return f"matching: {matched.reason if matched and matched.reason else 'no cousins'}"
-        if item.id not in self.clouds:
-            return "extraction: no cloud"
-        best_first = sorted(matched.cousins, key=lambda cousin: cousin.rank)
-        return [self._facing(item, cousin) for cousin in best_first]
-
-    def called(self, item: SceneObject, category: str) -> set[str]:
-        """The categories that an object's label means as much as one of them, which it is among."""
-        near = {match.category: match.distance for match in self.cousins[item.id].categories}
-        return {category, *(name for name, far in near.items() if far <= near.get(category, -np.inf) + AS_NEAR)}
-
-    def _facing(self, item: SceneObject, cousin: Cousin) -> Cousin:
-        """The cousin, turned as the input says if it tells where the front is: then no view needs to be matched."""
-        if item.front is None or item.box is None:
-            return cousin
-        camera = np.array(self.objects.floor_from_camera)[:3, 3]
-        psi = view_angle(camera, item.box.center, item.front)
-        told = cousin.orientation.model_copy(update={"yaw": psi})
-        return cousin.model_copy(update={"orientation": told, "orientations": []})
+        Raises:
+            InputError: the library lacks it.
+        """
+        if asset not in self.folders:
+            raise InputError("--library", f"asset '{asset}' is not in the library", code="E-ASSET-MISSING")
+        return self.folders[asset]
 
 
 def read_inputs(cousins: Path, objects: Path, library: Path, corrections: tuple[Path, ...] = ()) -> Inputs:
@@ -72,17 +65,61 @@ def read_inputs(cousins: Path, objects: Path, library: Path, corrections: tuple[
     """
     matched, extracted = read_json(Cousins, cousins), read_json(Objects, objects)
     if matched.scene != extracted.scene:
-        raise InputError(
-            cousins, f"is of scene '{matched.scene}', {objects} of '{extracted.scene}'.", "match them again"
+        what = f"is of scene '{matched.scene}', {objects} of '{extracted.scene}'."
+        raise InputError(cousins, what, "match them again", code="E-SCENE-MIXED")
+    clouds = read_clouds(objects, extracted)
+    bearings = bearings_of(extracted, read_object_masks(objects, extracted))
+    told = corrections_of(corrections, "generation")
+    by_id = {entry.id: entry for entry in matched.objects}
+    found = []
+    for item in extracted.objects:
+        entry = by_id.get(item.id)
+        found.append(
+            MatchedObject(
+                object=item,
+                cousins=_turned(item, extracted, entry.cousins) if entry else [],
+                distances={match.category: match.distance for match in entry.categories} if entry else {},
+                cloud=clouds.get(item.id, np.empty((0, 3), np.float32)),
+                bearings=bearings.get(item.id),
+                correction=told.get(item.mask, Correction(mask=item.mask)),
+                failed=_failed(item, entry, item.id in clouds),
+            )
         )
-    return Inputs(
-        objects=extracted,
-        cousins={entry.id: entry for entry in matched.objects},
-        clouds=read_clouds(objects, extracted),
-        folders=AssetFolders(library),
-        bearings=bearings_of(extracted, read_object_masks(objects, extracted)),
-        told=corrections_of(corrections, "generation"),
-    )
+    return Inputs(extracted, _leaders_first(found), AssetFolders(library))
+
+
+def _failed(item: SceneObject, entry: ObjectCousins | None, has_cloud: bool) -> str:
+    """Why no cousin can stand for an object; empty: one can."""
+    if item.status == "failed" or item.box is None:
+        return f"extraction: {item.reason or 'no box'}"
+    if entry is None or entry.status == "failed" or not entry.cousins:
+        return f"matching: {entry.reason if entry and entry.reason else 'no cousins'}"
+    return "" if has_cloud else "extraction: no cloud"
+
+
+def _turned(item: SceneObject, scene: Objects, cousins: list[Cousin]) -> list[Cousin]:
+    """The cousins, best first; turned as the input says if it tells where the front is: no view needs to be matched."""
+    best_first = sorted(cousins, key=lambda cousin: cousin.rank)
+    if item.front is None or item.box is None:
+        return best_first
+    psi = view_angle(np.array(scene.floor_from_camera)[:3, 3], item.box.center, item.front)
+    return [
+        cousin.model_copy(
+            update={"orientation": cousin.orientation.model_copy(update={"yaw": psi}), "orientations": []}
+        )
+        for cousin in best_first
+    ]
+
+
+def _leaders_first(matched: list[MatchedObject]) -> list[MatchedObject]:
+    """What takes the model of another one comes after it."""
+    by_mask = {one.object.mask: one for one in matched}
+
+    def leaders(one: MatchedObject) -> int:
+        like = one.correction.like
+        return 0 if like not in by_mask else 1 + leaders(by_mask[like])
+
+    return sorted(matched, key=leaders)
 
 
 def bearings_of(objects: Objects, masks: NDArray[np.uint16]) -> dict[str, tuple[float, float]]:

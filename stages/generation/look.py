@@ -11,9 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 from trimesh import Trimesh
 
+from stages.contracts.look import ROOM_LIGHT
 from stages.contracts.objects import Objects
 from stages.geometry.cameras import back_project
 from stages.geometry.frames import apply
+from stages.simulation.backdrop import WALL_HEIGHT
 
 Array = NDArray[np.float64]
 Pixels = NDArray[np.int64]
@@ -21,13 +23,10 @@ GRID = 200  # the picture is looked at on a grid of so many columns, or its own
 NEAR, NEAR_SHARE = 0.05, 0.05  # how far (metres, share of the distance) the depth of a pixel may miss its surface
 OUTSIDE = 0.002  # share of a surface's pixels beyond its bounds
 MARGIN = 0.3  # metres that a surface goes on at the picture's border
-WALL_HEIGHT = 2.8  # metres, at least, of what the picture's upper border cuts
 FEWEST = 50  # pixels that make a surface
 FARTHEST = 30.0  # metres from the camera
 BORDER = 2  # grid cells
-DEFAULT_LIGHT = (0.55, -0.5, -1.0)  # over the photographer's left shoulder: x is the viewing direction
-AZIMUTHS, ELEVATIONS = np.radians(np.arange(0, 360, 15)), np.radians([25, 35, 45, 55, 65, 75])
-FINER = np.radians([-7.5, 0, 7.5]), np.radians([-5, 0, 5])
+AZIMUTHS, ELEVATIONS = np.radians(np.arange(0, 360, 15)), np.radians(np.arange(25, 76, 10))  # of light; then half steps
 CASTING = 3000  # pixels of which shadows are asked
 DARKEST = 0.5  # of the logarithm of brightness, more counts no more
 LEAST_CORRELATION = 0.25  # below it the picture shows no shadows to go by
@@ -112,7 +111,7 @@ def light_of(seen: Mapping[str, Seen], furniture: Trimesh) -> tuple[Array, float
     logarithm of brightness below the surface's median. Texture of a floor lowers it, but for every direction.
     """
     if not seen:
-        return _unit(np.array(DEFAULT_LIGHT)), 0.0
+        return _unit(np.array(ROOM_LIGHT)), 0.0
     share = min(1.0, CASTING / sum(len(one.points) for one in seen.values()))
     origins, dark = [], []
     for one in seen.values():
@@ -137,7 +136,9 @@ def light_of(seen: Mapping[str, Seen], furniture: Trimesh) -> tuple[Array, float
         return max((agreement(direction_of(*each)), *each) for each in angles)
 
     _, azimuth, elevation = best(list(product(AZIMUTHS, ELEVATIONS)))
-    found, *angles = best([(azimuth + a, elevation + b) for a, b in product(*FINER)])
+    half_a, half_e = ((grid[1] - grid[0]) / 2 for grid in (AZIMUTHS, ELEVATIONS))
+    finer = product((-half_a, 0, half_a), (-half_e, 0, half_e))
+    found, *angles = best([(azimuth + a, elevation + b) for a, b in finer])
     return direction_of(*angles), found
 
 

@@ -1,7 +1,6 @@
 """The look of a room's picture: light by its shadows, colours such that a rendering has those of the picture."""
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 
 import numpy as np
 import sapien
@@ -10,31 +9,29 @@ from numpy.typing import NDArray
 from trimesh import Trimesh
 
 from stages.contracts.generated import GeneratedScene
-from stages.contracts.look import Look, Surface
+from stages.contracts.look import GAMMA, ROOM_LIGHT, Look, Surface
 from stages.contracts.objects import Objects
-from stages.generation.look import DEFAULT_LIGHT, LEAST_CORRELATION, Seen, grid_of, light_of, reach, surfaces_seen
-from stages.generation.meshes import collision_pieces
+from stages.generation.look import LEAST_CORRELATION, Seen, grid_of, light_of, reach, surfaces_seen
+from stages.generation.models import collision_pieces
 from stages.generation.placed import Placed
 from stages.generation.settling import load_items
 from stages.geometry.boxes import corners
 from stages.geometry.frames import rigid, yaw_matrix
-from stages.simulation.backdrop import add_backdrop
+from stages.simulation.backdrop import BEYOND, add_backdrop
 from stages.simulation.rendering import RenderCamera, instance_id, make_scene
 
-GAMMA = 2.2  # of pictures; base colours are linear
 FITS = 2  # renderings, each with colours mended by the one before
 DARKEST = 0.02  # base colour
-SHADOWS_REACH = 1.5  # metres beyond the furniture
 
 
-def furnished(made: GeneratedScene, items: list[Placed], folders: Mapping[str, Path], look: Look) -> sapien.Scene:
+def furnished(made: GeneratedScene, items: list[Placed], look: Look) -> sapien.Scene:
     """The scene in its look, to be rendered: floor, walls, furniture, and a light whose shadows reach all of it."""
     points = np.concatenate([corners(item.box) for item in items])
     center = (points.min(axis=0) + points.max(axis=0)) / 2
-    radius = float(np.linalg.norm(points - center, axis=1).max()) + SHADOWS_REACH
+    radius = float(np.linalg.norm(points - center, axis=1).max()) + BEYOND
     scene = make_scene(light=look.light, shaded=(center.tolist(), radius))
     add_backdrop(scene, [item.box for item in items], made.walls, np.array(made.floor_from_camera)[:3, 3], look)
-    load_items(scene, items, folders)
+    load_items(scene, items)
     return scene
 
 
@@ -43,7 +40,6 @@ def look_of(
     pictures: tuple[NDArray[np.uint8], NDArray[np.uint16], NDArray[np.float32] | None],
     made: GeneratedScene,
     items: list[Placed],
-    folders: Mapping[str, Path],
 ) -> Look:
     """The look of a picture, its furniture told by one scene made of it.
 
@@ -51,9 +47,9 @@ def look_of(
         pictures: colours, masks and depth as `surfaces_seen` takes them.
     """
     seen = surfaces_seen(*pictures, objects)
-    direction, correlation = light_of(seen, merged(items, folders))
+    direction, correlation = light_of(seen, merged(items))
     told = correlation >= LEAST_CORRELATION
-    light = direction if told else np.array(DEFAULT_LIGHT) / np.linalg.norm(DEFAULT_LIGHT)
+    light = direction if told else np.array(ROOM_LIGHT) / np.linalg.norm(ROOM_LIGHT)
     surfaces = []
     for name, one in seen.items():
         low, high = reach(name, one)
@@ -64,7 +60,7 @@ def look_of(
         shadow_correlation=round(correlation, 4),
         surfaces=surfaces,
     )
-    scene = furnished(made, items, folders, look)
+    scene = furnished(made, items, look)
     for _ in range(FITS):
         look.surfaces = _mended(scene, look.surfaces, seen, objects)
     return look
@@ -96,12 +92,12 @@ def _mended(
     return mended
 
 
-def merged(items: list[Placed], folders: Mapping[str, Path]) -> Trimesh:
+def merged(items: list[Placed]) -> Trimesh:
     """All that collides in a scene, in its place, as one mesh."""
     meshes = []
     for item in items:
         middle, turn = (np.array(item.asset.box_min) + np.array(item.asset.box_max)) / 2, yaw_matrix(item.box.yaw)
-        for piece in collision_pieces(folders[item.id]):
+        for piece in collision_pieces(item.folder):
             mesh = Trimesh(piece.vertices, piece.faces, process=False)
             meshes.append(mesh.apply_transform(rigid(turn, item.center - turn @ middle)))
     whole = trimesh.util.concatenate(meshes)

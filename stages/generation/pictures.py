@@ -8,10 +8,9 @@ from PIL import Image, ImageDraw, ImageFont
 from stages.contracts import GeneratedScene
 from stages.simulation.rendering import RenderCamera
 
-TITLE, COLUMNS, GAP = 34, 3, 6
+TITLE, COLUMNS = 34, 3  # pixels of a title's line; pictures in a row
 THUMBNAIL = 144  # pixels across each
 SMOOTHING = 2  # rendered so many times larger and averaged
-INK, PAPER = (30, 30, 30), (255, 255, 255)
 
 
 def preview(scene: sapien.Scene, made: GeneratedScene, width: int) -> NDArray[np.uint8]:
@@ -33,14 +32,14 @@ def resized_to(rgb: NDArray[np.uint8], width: int) -> NDArray[np.uint8]:
 def side_by_side(pictures: list[tuple[str, NDArray[np.uint8]]]) -> Image.Image:
     """Pictures of one size with their titles above, three to a row."""
     height, width = pictures[0][1].shape[:2]
-    columns = min(COLUMNS, len(pictures))
+    columns, gap = min(COLUMNS, len(pictures)), TITLE // 6
     rows = -(-len(pictures) // columns)
-    cell_width, cell_height = width + GAP, height + TITLE + GAP
-    sheet = Image.new("RGB", (columns * cell_width - GAP, rows * cell_height - GAP), PAPER)
+    cell_width, cell_height = width + gap, height + TITLE + gap
+    sheet = Image.new("RGB", (columns * cell_width - gap, rows * cell_height - gap), "white")
     canvas = ImageDraw.Draw(sheet)
     for index, (title, picture) in enumerate(pictures):
         x, y = index % columns * cell_width, index // columns * cell_height
-        canvas.text((x + width / 2, y + TITLE / 2), title, fill=INK, font=ImageFont.load_default(20), anchor="mm")
+        canvas.text((x + width / 2, y + TITLE / 2), title, fill="black", font=ImageFont.load_default(20), anchor="mm")
         sheet.paste(Image.fromarray(picture).resize((width, height)), (x, y + TITLE))
     return sheet
 

@@ -1,6 +1,8 @@
-"""An asset in its place, as it passes from step to step."""
+"""A model in its place, as it passes from step to step."""
 
 from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -8,23 +10,48 @@ from numpy.typing import ArrayLike, NDArray
 from stages.contracts import Asset
 from stages.contracts.objects import Mounting
 from stages.geometry.boxes import UprightBox
+from stages.geometry.frames import wrap_angle, yaw_matrix
 
 FLOOR, WALL, UNNAMED = "floor", "wall", "unnamed"
 
 
+class Prism(NamedTuple):
+    """A convex outline (n, 2) in the x-y plane, from height `low` to `high`; `piece`: what it is around, (m, 3).
+
+    Exact for boxes and panels, a little generous for slanted legs.
+    """
+
+    outline: NDArray[np.float64]
+    low: float
+    high: float
+    piece: NDArray[np.float64] | None = None
+
+    @property
+    def vertices(self) -> NDArray[np.float64]:
+        """Of the convex piece, (m, 3); of the prism itself if it is around none."""
+        if self.piece is not None:
+            return self.piece
+        return np.concatenate([np.column_stack([self.outline, np.full(len(self.outline), z)]) for z in self[1:3]])
+
+
 @dataclass(frozen=True)
 class Placed:
-    """An asset whose closed box is `box` (floor frame). `support`: 'floor', 'wall', the id of the object
-    beneath, or 'unnamed': it is seen to stand on something that is no object of the scene; as extraction saw it
-    until it is stacked. `cousin`: its rank in cousins.json; `chosen`: by a person; `steps`: what each step changed so
-    far; `doubts`: what should not be taken for certain."""
+    """A model whose closed box is `box` (floor frame).
+
+    folder: of the model. prisms: of its collision shapes, in the asset frame. support: 'floor', 'wall', the id of the
+    object beneath, or 'unnamed': it stands on something that is no object of the scene; as extraction saw it until it
+    is stacked. cousin: its rank in cousins.json. chosen: by a person. steps: what each step changed so far. doubts:
+    what should not be taken for certain.
+    """
 
     id: str
     label: str
     asset: Asset
+    folder: Path
     box: UprightBox
     mounting: Mounting
     support: str = FLOOR
+    prisms: tuple[Prism, ...] = ()
     moved: float = 0.0
     cousin: int | None = None
     chosen: bool = False
@@ -34,33 +61,71 @@ class Placed:
     @property
     def center(self) -> NDArray[np.float64]:
         """Box centre (3,)."""
-        return np.asarray(self.box.center, dtype=float)
+        return self.box.center
 
     @property
     def size(self) -> NDArray[np.float64]:
         """Extents (3,) along the asset's own axes."""
-        return np.asarray(self.box.size, dtype=float)
+        return self.box.size
 
     @property
     def bottom(self) -> float:
         """Height of the lower face."""
-        return float(self.center[2] - self.size[2] / 2)
+        return self.box.bottom
 
     @property
     def top(self) -> float:
         """Height of the upper face."""
-        return float(self.center[2] + self.size[2] / 2)
+        return self.box.top
 
     @property
     def wall_mounted(self) -> bool:
         """Whether it hangs on a wall (A.2, type 1)."""
-        return self.mounting.type == 1
+        return self.mounting.hangs
 
     @property
     def held(self) -> bool:
         """Whether it cannot fall: what hangs on a wall, or stands on what nobody named."""
         return self.wall_mounted or self.support == UNNAMED
 
+    @property
+    def collision_prisms(self) -> list[Prism]:
+        """The prisms where it stands, in the floor frame."""
+        middle = (np.asarray(self.asset.box_min) + np.asarray(self.asset.box_max)) / 2
+        turn = yaw_matrix(self.box.yaw)
+        rise = self.center[2] - middle[2]
+        return [
+            Prism(
+                (prism.outline - middle[:2]) @ turn[:2, :2].T + self.center[:2],
+                prism.low + rise,
+                prism.high + rise,
+                (prism.vertices - middle) @ turn.T + self.center,
+            )
+            for prism in self.prisms
+        ]
+
     def shifted(self, offset: ArrayLike) -> "Placed":
         """Moved by `offset` (3,)."""
-        return replace(self, box=self.box._replace(center=self.center + np.asarray(offset, dtype=float)))
+        return replace(self, box=replace(self.box, center=self.center + np.asarray(offset, dtype=float)))
+
+    def changed(self, step: str, box: UprightBox) -> "Placed":
+        """In another box, after a step that says in words what it did, if it did anything."""
+        what = difference(self.box, box)
+        return replace(self, box=box, steps=(*self.steps, f"{step}: {what}") if what else self.steps)
+
+
+def difference(before: UprightBox, after: UprightBox) -> str:
+    """How one box differs from another, e.g. `turned 12.0°, 0.41 x 0.90 x 0.80 m, moved 2.1 cm`; empty: not at all.
+
+    What rounds to no tenth of a degree or millimetre is no difference.
+    """
+    turn = float(np.rad2deg(wrap_angle(after.yaw - before.yaw)))
+    shift = after.center - before.center
+    found = [f"turned {turn:+.1f}°"] if round(turn, 1) else []
+    if (after.size - before.size).round(3).any():
+        found.append(" x ".join(f"{extent:.3f}" for extent in after.size) + " m")
+    if shift[:2].round(3).any():
+        found.append(f"moved {100 * float(np.linalg.norm(shift[:2])):.1f} cm")
+    if round(shift[2], 3):
+        found.append(f"{'raised' if shift[2] > 0 else 'lowered'} {100 * abs(float(shift[2])):.1f} cm")
+    return ", ".join(found)

@@ -1,4 +1,4 @@
-"""Yaw of an asset from the matched view, its cloud and its walls (paper A.7, A.3)."""
+"""Yaw of a model from the matched view, the object's cloud and its walls (paper A.7, A.3)."""
 
 from collections.abc import Sequence
 
@@ -6,31 +6,48 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from shapely import MultiPoint
 
-from stages.geometry.frames import wrap_angle
+from stages.config.generation import GenerationConfig
+from stages.contracts.cousins import Cousin
+from stages.contracts.objects import Wall
+from stages.geometry.boxes import UprightBox
+from stages.geometry.frames import SYMMETRY_PERIOD, wrap_angle
+from stages.geometry.viewing import view_yaw
 
-QUARTER = np.pi / 2
+QUARTER = SYMMETRY_PERIOD["quarter_turn"]
 OUTLINE_TOLERANCE = 0.02  # metres by which the outline of a cloud is smoothed, above the noise of depth
 OUTLINE_ANGLE = np.deg2rad(12)  # a side that is turned less than this runs along an axis
 
 
-def turned_to(yaw: float, axes: float, limit: float | None = None) -> float:
-    """`yaw` turned by the smallest angle that lays the asset's x or y axis along the frame at angle `axes`.
+def yaw_of(
+    cousin: Cousin,
+    box: UprightBox,
+    cloud: NDArray[np.floating],
+    camera: ArrayLike,
+    touched: Sequence[Wall],
+    articulated: bool,
+    options: GenerationConfig,
+) -> float:
+    """The matched yaw, turned to the wall that the object touches (A.3), else to the axes of its cloud (A.7).
 
     Args:
-        limit: largest turn in radians; a larger one is not made. None: no limit.
+        box, cloud: of the object, floor frame.
+        camera: its position.
+        touched: the walls that the object touches, the dominant one first.
+        articulated: whether the model is.
     """
-    turn = wrap_angle(axes - yaw, QUARTER)
-    return yaw if limit is not None and abs(turn) > limit else wrap_angle(yaw + turn)
-
-
-def wall_axes(normal: ArrayLike) -> float:
-    """Angle of the frame whose x axis is the normal of a wall."""
-    x, y = np.asarray(normal, dtype=float)[:2]
-    return float(np.arctan2(y, x))
+    views = [cousin.orientation, *cousin.orientations]
+    yaws = [view_yaw(camera, box.center, view.yaw) for view in views]
+    yaw = rear_at_wall(yaws, [wall.normal for wall in touched]) if options.wall_view == "rear" else yaws[0]
+    if touched:
+        return turned_to(yaw, wall_axes(touched[0].normal))
+    if options.refinement == "off" or rectangularity(cloud, box.yaw) < options.rectangularity:
+        return yaw
+    limit = options.snap_articulated if articulated else options.snap_other
+    return turned_to(yaw, box.yaw, None if limit is None else float(np.deg2rad(limit)))
 
 
 def rear_at_wall(yaws: Sequence[float], normals: Sequence[ArrayLike]) -> float:
-    """The first of the yaws, best first, at which the asset's rear (-x) is to one of the walls; the first if none is.
+    """The first of the yaws, best first, at which the model's rear (-x) is to one of the walls; the first if none is.
 
     A.3 lays the rear face into the wall. A patch encoder often takes the rear or a side of furniture for its
     front, and one of the next best views is right.
@@ -42,6 +59,22 @@ def rear_at_wall(yaws: Sequence[float], normals: Sequence[ArrayLike]) -> float:
         if any(abs(wrap_angle(yaw - wall_axes(normal))) <= QUARTER / 2 for normal in normals):
             return yaw
     return yaws[0]
+
+
+def wall_axes(normal: ArrayLike) -> float:
+    """Angle of the frame whose x axis is the normal of a wall."""
+    x, y = np.asarray(normal, dtype=float)[:2]
+    return float(np.arctan2(y, x))
+
+
+def turned_to(yaw: float, axes: float, limit: float | None = None) -> float:
+    """`yaw` turned by the smallest angle that lays the model's x or y axis along the frame at angle `axes`.
+
+    Args:
+        limit: largest turn in radians; a larger one is not made. None: no limit.
+    """
+    turn = wrap_angle(axes - yaw, QUARTER)
+    return yaw if limit is not None and abs(turn) > limit else wrap_angle(yaw + turn)
 
 
 def rectangularity(cloud: NDArray[np.floating], yaw: float) -> float:

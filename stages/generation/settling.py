@@ -1,8 +1,7 @@
-"""The physics check: put the scene into SAPIEN, let it settle, and see what moves (CPU PhysX)."""
+"""The physics check: put the scene into SAPIEN, let it settle, and see what moves (CPU PhysX); nothing is rendered."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TypeAlias
 
 import numpy as np
@@ -12,11 +11,14 @@ from sapien.physx import PhysxArticulation
 from scipy.spatial.transform import Rotation
 
 from stages.config.generation import GenerationConfig
+from stages.contracts import Objects
 from stages.contracts.generated import Plausibility
 from stages.contracts.objects import Wall
-from stages.generation.doubts import BEHIND, reach_behind
+from stages.generation.doubts import BEHIND
 from stages.generation.placed import UNNAMED, Placed
-from stages.simulation.loading import load_asset, root_pose
+from stages.generation.walls import behind
+from stages.simulation.backdrop import add_backdrop
+from stages.simulation.loading import box_centre, load_asset, physics_scene, root_pose
 
 Body: TypeAlias = PhysxArticulation | sapien.Entity
 
@@ -29,39 +31,25 @@ class Settled:
     shifts: dict[str, float]
 
 
-def load_items(scene: sapien.Scene, items: list[Placed], folders: Mapping[str, Path]) -> dict[str, Body]:
-    """Load every item at its place, closed. `folders`: by id, of assets that have the item's size already."""
+def physics_check(items: list[Placed], room: Objects, collisions: int, options: GenerationConfig) -> Settled:
+    """Let a scene settle with floor and walls. `collisions`: pairs that the pushes could not free."""
+    scene = physics_scene()
+    add_backdrop(scene, [item.box for item in items], room.walls, np.array(room.floor_from_camera)[:3, 3])
+    return settle(scene, load_items(scene, items), items, collisions, options, room.walls)
+
+
+def load_items(scene: sapien.Scene, items: list[Placed]) -> dict[str, Body]:
+    """Load every item at its place, closed; the models have the items' sizes already."""
     return {
         item.id: load_asset(
             scene,
-            folders[item.id],
+            item.folder,
             root_pose(item.asset, item.center.tolist(), item.box.yaw),
             fixed=item.held,
             name=item.id,
         )
         for item in items
     }
-
-
-def _pose(body: Body) -> sapien.Pose:
-    return body.get_root_pose() if isinstance(body, PhysxArticulation) else body.get_pose()
-
-
-def _box_center(item: Placed, pose: sapien.Pose) -> NDArray[np.float64]:
-    middle = (np.asarray(item.asset.box_min) + np.asarray(item.asset.box_max)) / 2
-    return np.asarray((pose * sapien.Pose(middle)).p, dtype=float)
-
-
-def _tilt(pose: sapien.Pose) -> float:
-    """Angle between the body's z axis and the world's, degrees."""
-    up = Rotation.from_quat(pose.q, scalar_first=True).as_matrix()[2, 2]
-    return float(np.degrees(np.arccos(np.clip(up, -1, 1))))
-
-
-def deepest_contact(scene: sapien.Scene) -> float:
-    """Largest overlap of any two bodies in contact, metres."""
-    separations = [point.separation for contact in scene.get_contacts() for point in contact.points]
-    return max(0.0, -min(separations, default=0.0))
 
 
 def settle(
@@ -87,22 +75,39 @@ def settle(
             penetration = deepest_contact(scene)
     shifts, fallen = {}, []
     for item in items:
-        pose = _pose(bodies[item.id])
+        body = bodies[item.id]
+        pose = body.get_root_pose() if isinstance(body, PhysxArticulation) else body.get_pose()
         shift = float(np.linalg.norm(_box_center(item, pose) - item.center))
         shifts[item.id] = round(shift, 5)
         if shift > options.fallen_distance or _tilt(pose) > options.fallen_tilt:
             fallen.append(item.id)
     free = [shifts[item.id] for item in items if not item.held]
     held = [item.id for item in items if item.support == UNNAMED]
-    behind = [item.id for item in items if any(reach_behind(item, wall) > BEHIND for wall in walls)]
+    in_walls = [item.id for item in items if any(behind(item.box, wall) > BEHIND for wall in walls)]
     verdict = Plausibility(
         seconds=options.settle_seconds,
-        stable=not (fallen or collisions or held or behind),
+        stable=not (fallen or collisions or held or in_walls),
         fallen=fallen,
         held=held,
-        behind=behind,
+        behind=in_walls,
         mean_displacement=round(float(np.mean(free)), 5) if free else 0.0,
         max_penetration=round(penetration, 5),
         collisions=collisions,
     )
     return Settled(verdict, shifts)
+
+
+def deepest_contact(scene: sapien.Scene) -> float:
+    """Largest overlap of any two bodies in contact, metres."""
+    separations = [point.separation for contact in scene.get_contacts() for point in contact.points]
+    return max(0.0, -min(separations, default=0.0))
+
+
+def _box_center(item: Placed, pose: sapien.Pose) -> NDArray[np.float64]:
+    return np.asarray((pose * sapien.Pose(box_centre(item.asset))).p, dtype=float)
+
+
+def _tilt(pose: sapien.Pose) -> float:
+    """Angle between the body's z axis and the world's, degrees."""
+    up = Rotation.from_quat(pose.q, scalar_first=True).as_matrix()[2, 2]
+    return float(np.degrees(np.arccos(np.clip(up, -1, 1))))

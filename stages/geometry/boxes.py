@@ -1,6 +1,6 @@
 """Upright boxes: corners, footprint, intersection over union (paper B.1)."""
 
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,27 +11,35 @@ from stages.geometry.frames import yaw_matrix
 _SIGNS = np.array([(x, y, z) for z in (-0.5, 0.5) for x, y in ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))])
 
 
-class UprightBox(NamedTuple):
-    """A box turned about z: centre (3,), extents (3,) along its own axes, yaw in radians."""
+@dataclass(frozen=True, init=False, eq=False)
+class UprightBox:
+    """A box turned about z: centre (3,), extents (3,) along its own axes, yaw in radians. Its arrays are read-only."""
 
-    center: ArrayLike
-    size: ArrayLike
+    center: NDArray[np.float64]
+    size: NDArray[np.float64]
     yaw: float
+
+    def __init__(self, center: ArrayLike, size: ArrayLike, yaw: float) -> None:
+        for name, value in (("center", center), ("size", size)):
+            array = np.array(value, dtype=float)
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+        object.__setattr__(self, "yaw", yaw)
 
     @property
     def bottom(self) -> float:
         """Height of the lower face."""
-        return float(np.asarray(self.center)[2] - np.asarray(self.size)[2] / 2)
+        return float(self.center[2] - self.size[2] / 2)
 
     @property
     def top(self) -> float:
         """Height of the upper face."""
-        return float(np.asarray(self.center)[2] + np.asarray(self.size)[2] / 2)
+        return float(self.center[2] + self.size[2] / 2)
 
 
 def corners(box: UprightBox) -> NDArray[np.float64]:
     """The 8 corners (8, 3): bottom face counter-clockwise from (-x, -y), then the top face."""
-    return _SIGNS * np.asarray(box.size) @ yaw_matrix(box.yaw).T + np.asarray(box.center)
+    return _SIGNS * box.size @ yaw_matrix(box.yaw).T + box.center
 
 
 def footprint(box: UprightBox) -> Polygon:
@@ -47,19 +55,19 @@ def bounds(box: UprightBox) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
 
 def surface_points(box: UprightBox, count: int) -> NDArray[np.float64]:
     """About `count` points (N, 3) spread evenly over all six faces."""
-    size = np.asarray(box.size, dtype=float)
+    size = box.size
     step = np.sqrt(2 * (size[0] * size[1] + size[1] * size[2] + size[2] * size[0]) / count)
     counts = np.maximum(2, np.rint(size / step).astype(int))
     axes = [np.linspace(-length / 2, length / 2, n) for length, n in zip(size, counts, strict=True)]
     grid = np.stack([values.ravel() for values in np.meshgrid(*axes, indexing="ij")], axis=1)
     local = grid[(np.abs(grid) >= size / 2 * (1 - 1e-9)).any(axis=1)]
-    return np.asarray(local @ yaw_matrix(box.yaw).T + np.asarray(box.center))
+    return np.asarray(local @ yaw_matrix(box.yaw).T + box.center)
 
 
 def rounded_off(points: NDArray[np.float64], box: UprightBox) -> NDArray[np.float64]:
     """Points (N, 3) of a box, moved towards its axis until they lie in the upright cylinder in it."""
-    turn, half = yaw_matrix(box.yaw), np.asarray(box.size, dtype=float)[:2] / 2
-    local = (points - np.asarray(box.center)) @ turn
+    turn, half = yaw_matrix(box.yaw), box.size[:2] / 2
+    local = (points - box.center) @ turn
     plan = local[:, :2] / half
     far = np.linalg.norm(plan, axis=1)
     local[:, :2] *= (np.abs(plan).max(axis=1) / np.maximum(far, 1e-9))[:, None]
@@ -68,7 +76,7 @@ def rounded_off(points: NDArray[np.float64], box: UprightBox) -> NDArray[np.floa
 
 def volume(box: UprightBox) -> float:
     """Volume in cubic metres."""
-    return float(np.prod(np.asarray(box.size)))
+    return float(np.prod(box.size))
 
 
 def axis_aligned_iou(a: UprightBox, b: UprightBox) -> float:

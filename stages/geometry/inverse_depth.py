@@ -5,14 +5,13 @@ from numpy.typing import NDArray
 
 SAMPLED, HYPOTHESES, PLANES = 3000, 300, 3
 NEAR = 0.02  # relative: what lies on a plane
-LOWER, UPPER = 0.8, 0.4  # of the rows: what is below is nearer than what is above, in pictures of rooms and tables
-FARTHER = 1.3  # times the upper part: no picture of a room or table that was tried has its lower part so far away
 
 
 def is_inverse(depth: NDArray[np.floating]) -> bool:
-    """Whether values (H, W; 0: unknown) grow towards the lower border, and are planar where their inverses are not.
+    """Whether values (H, W; 0: unknown) are larger in the lower half, and are planar where their inverses are not.
 
-    On a plane inverse depth is linear in the pixel, depth is not.
+    What is below is nearer than what is above, in pictures of rooms and tables. On a plane inverse depth is linear in
+    the pixel, depth is not.
     """
     rng = np.random.default_rng(0)
     rows, columns = np.nonzero(depth > 0)
@@ -21,8 +20,8 @@ def is_inverse(depth: NDArray[np.floating]) -> bool:
     chosen = rng.choice(len(rows), SAMPLED, replace=False)
     rows, columns = rows[chosen], columns[chosen]
     values = depth[rows, columns].astype(np.float64)
-    lower, upper = values[rows > np.quantile(rows, LOWER)], values[rows < np.quantile(rows, UPPER)]
-    if not len(lower) or not len(upper) or np.median(lower) < FARTHER * np.median(upper):
+    is_lower = rows > np.median(rows)
+    if not is_lower.any() or np.median(values[is_lower]) < np.median(values[~is_lower]):
         return False
     pixels = np.column_stack([columns, rows, np.ones(SAMPLED)]).astype(np.float64)
     return _planar(values, pixels, rng) > _planar(1 / values, pixels, rng)

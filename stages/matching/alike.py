@@ -4,7 +4,6 @@ import numpy as np
 
 from stages.contracts.cousins import Cousin, ObjectCousins
 from stages.contracts.objects import SceneObject
-from stages.matching.priors import WALL_MOUNTED
 
 HEIGHT = 0.07  # logarithm: alike things' heights differ by less; widths and depths of what is half hidden by anything
 
@@ -53,7 +52,7 @@ def _alike(one: SceneObject, other: SceneObject) -> bool:
 
 
 def _stated(item: SceneObject) -> tuple[str, int, int, bool]:
-    hangs = item.mounting is not None and item.mounting.type == WALL_MOUNTED
+    hangs = item.mounting is not None and item.mounting.hangs
     return item.label, item.doors, item.drawers, hangs
 
 

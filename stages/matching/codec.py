@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from stages.contracts import InputError
 
-LEVELS = 127
+LEVELS = np.iinfo(np.int8).max
 MARGIN = 1.1  # numbers beyond this times the largest one of the sample are cut off
 
 
@@ -41,7 +41,8 @@ def learn(sample: NDArray[np.floating], dimensions: int, kept: int) -> Codec:
     """
     features = sample.shape[1] - kept
     if dimensions >= features:
-        raise InputError("matching.dimensions", f"{dimensions}: features have {features} numbers.", "0: no compression")
+        what = f"{dimensions}: features have {features} numbers."
+        raise InputError("matching.dimensions", what, "0: no compression", code="E-FEATURE-DIMENSIONS")
     rows = sample.astype(np.float64)
     mean = rows.mean(axis=0)
     _, axes = np.linalg.eigh(np.cov(rows[:, :features].T))  # smallest first

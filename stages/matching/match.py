@@ -21,8 +21,6 @@ from stages.matching.snapshots import Snapshots
 from stages.matching.store import FeatureStore
 from stages.matching.text_encoders import TextEncoder, make_text_encoder
 
-UNCOMPARED = Orientation(yaw=0.0, distance=0.0)  # stands for the views where none is compared
-
 
 class Pictures(NamedTuple):
     """What the object's picture is compared with."""
@@ -88,7 +86,7 @@ def read_library(path: Path, store: FeatureStore | None) -> Library:
     missing = [entry.id for entry in library.assets if store is not None and entry.id not in store]
     if missing:
         what = f"{len(missing)} of {len(library.assets)} assets have no features, e.g. {missing[0]}."
-        raise InputError(path, what, "give the feature stores of all shards of this library")
+        raise InputError(path, what, "give the feature stores of all shards of this library", code="E-FEATURES-MISSING")
     return library
 
 
@@ -119,7 +117,8 @@ def match_object(
     question = judges.question(view, item, scene.objects)
     if stored is None:
         models = known_models(candidates, item, options)
-        return rank_cousins(models, lambda asset: ([], [UNCOMPARED]), candidates, item, question, judges, options)
+        facing = Orientation(yaw=0.0, distance=0.0)  # stands for the views, none of which is compared
+        return rank_cousins(models, lambda asset: ([], [facing]), candidates, item, question, judges, options)
     encoder, store = stored
     query = make_query(view if store.upright else replace(view, up=None), encoder, options.colour)
     if query is None:

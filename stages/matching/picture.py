@@ -12,11 +12,10 @@ from stages.contracts import Cousins, InputError, atomic
 from stages.matching.crop import View, cut
 from stages.matching.scene import Scene
 from stages.matching.snapshots import Snapshots
-from stages.matching.synthesis.shown import InPlace
+from stages.matching.synthesis.in_place import InPlace
 
-TILE, CAPTION, TERMS, MARGIN = 128, 32, 46, 6
+TILE, LINE = 128, 15  # pixels across each picture, and of a line of its caption
 SHOWN = 8  # cousins per row
-PAPER, INK, PALE = (255, 255, 255), (30, 30, 30), (150, 150, 150)
 Picture = NDArray[np.uint8]
 
 
@@ -30,34 +29,36 @@ def write_picture(
     in_place = InPlace(scene, library) if library is not None else None
     rows = max(1, len(result.objects))
     columns = 1 + min(SHOWN, max((len(entry.cousins) for entry in result.objects), default=0))
-    below = TILE + CAPTION + MARGIN
-    step_x, step_y = TILE + MARGIN, below + (TILE + TERMS + MARGIN if in_place else 0)
-    page = Image.new("RGB", (columns * step_x + MARGIN, rows * step_y + MARGIN), PAPER)
+    margin = LINE // 2
+    below = TILE + 2 * LINE + margin  # a caption has two lines, that of what is in place three
+    step_x, step_y = TILE + margin, below + (TILE + 3 * LINE + margin if in_place else 0)
+    page = Image.new("RGB", (columns * step_x + margin, rows * step_y + margin), "white")
     draw, font = ImageDraw.Draw(page), ImageFont.load_default(size=11)
     with Snapshots(snapshots) as shards:
         items = {item.id: item for item in scene.objects.objects}
         for row, entry in enumerate(result.objects):
-            y = MARGIN + row * step_y
+            y = margin + row * step_y
             item = items.get(entry.id)
             if item is None:
-                raise InputError("--cousins", f"names '{entry.id}', which is no object of the scene.", "match it again")
+                what = f"names '{entry.id}', which is no object of the scene."
+                raise InputError("--cousins", what, "match it again", code="E-SCENE-MIXED")
             view = scene.view(item)
             if view.mask.any():
-                page.paste(Image.fromarray(crop_picture(view)), (MARGIN, y))
-            draw.text((MARGIN, y + TILE + 2), f"{entry.id}\n{_counts(item.doors, item.drawers)}", INK, font)
+                page.paste(Image.fromarray(crop_picture(view)), (margin, y))
+            draw.text((margin, y + TILE + 2), f"{entry.id}\n{_counts(item.doors, item.drawers)}", "black", font)
             if entry.status == "failed":
-                draw.text((MARGIN + step_x, y + TILE // 2), f"failed: {entry.reason}", INK, font)
+                draw.text((margin + step_x, y + TILE // 2), f"failed: {entry.reason}", "black", font)
             for column, cousin in enumerate(entry.cousins[:SHOWN], 1):
-                x = MARGIN + column * step_x
+                x = margin + column * step_x
                 tile = shards.picture(cousin.asset, cousin.orientation.yaw)
                 page.paste(Image.fromarray(_fit(tile)), (x, y))
                 yaw = f"{np.degrees(cousin.orientation.yaw):.0f}°"
-                draw.text((x, y + TILE + 2), f"{cousin.asset}\n{cousin.distance:.3f}  {yaw}", INK, font)
+                draw.text((x, y + TILE + 2), f"{cousin.asset}\n{cousin.distance:.3f}  {yaw}", "black", font)
                 placed = in_place.show(item, cousin) if in_place else None
                 if placed:
                     page.paste(Image.fromarray(_fit(placed[0])), (x, y + below))
-                    draw.text((x, y + below + TILE + 2), placed[1], INK, font)
-            draw.line([(MARGIN, y + step_y - 4), (page.width - MARGIN, y + step_y - 4)], PALE)
+                    draw.text((x, y + below + TILE + 2), placed[1], "black", font)
+            draw.line([(margin, y + step_y - 4), (page.width - margin, y + step_y - 4)], "darkgrey")
     with atomic(path) as temporary:
         page.save(temporary)
 

@@ -27,10 +27,12 @@ def load_pretrained(model_class: Any, options: PretrainedConfig, key: str) -> An
     except (OSError, ValueError, KeyError, RuntimeError, SafetensorError) as error:
         reason = str(error).splitlines()[0] if str(error) else error.__class__.__name__
         what = f"'{options.path}' does not load: {reason}"
-        raise InputError(f"{key}.path", what, f"it should hold a {model_class.__name__}") from None
+        raise InputError(
+            f"{key}.path", what, f"it should hold a {model_class.__name__}", code="E-WEIGHTS-BROKEN"
+        ) from None
     if loaded["missing_keys"]:  # transformers would fill them with random numbers
         what = f"'{options.path}' lacks {len(loaded['missing_keys'])} weights, e.g. {min(loaded['missing_keys'])}."
-        raise InputError(f"{key}.path", what, f"it should hold a {model_class.__name__}")
+        raise InputError(f"{key}.path", what, f"it should hold a {model_class.__name__}", code="E-WEIGHTS-BROKEN")
     return model.eval()
 
 
@@ -39,13 +41,15 @@ def check_folder(options: PretrainedConfig, key: str) -> None:
     folder = Path(options.path)
     fix = f"put config.json and model.safetensors into a folder and name it in {key}.path"
     if not options.path:
-        raise InputError(f"{key}.path", "is empty, and nothing works here without pretrained weights.", fix)
+        what = "is empty, and nothing works here without pretrained weights."
+        raise InputError(f"{key}.path", what, fix, code="E-WEIGHTS-MISSING")
     for name in ("config.json", "model.safetensors"):
         if not (folder / name).is_file():
-            raise InputError(folder / name, "no such file.", f"{fix}; for a model id set download: true")
+            fix = f"{fix}; for a model id set download: true"
+            raise InputError(folder / name, "no such file.", fix, code="E-WEIGHTS-MISSING")
     if options.sha256 and (found := weights_sha256(options)) != options.sha256:
         fix = f"{key}.sha256 asks for {options.sha256}"
-        raise InputError(folder / "model.safetensors", f"has sha256 {found}.", fix)
+        raise InputError(folder / "model.safetensors", f"has sha256 {found}.", fix, code="E-WEIGHTS-CHECKSUM")
 
 
 def weights_sha256(options: PretrainedConfig) -> str:

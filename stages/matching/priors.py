@@ -14,8 +14,6 @@ from stages.contracts.objects import SceneObject
 from stages.matching.candidates import Candidates
 from stages.matching.panels import panel_gap
 
-WALL_MOUNTED = 1  # type of mounting (A.2)
-
 
 def addends(item: SceneObject, candidates: Candidates, options: MatchingConfig) -> list[dict[str, float]]:
     """For every candidate what its distance grows by, by name; without those of weight 0."""
@@ -55,4 +53,4 @@ def misplaced(item: SceneObject, entry: LibraryEntry) -> float:
     """1 if the object hangs on a wall and the model does not, or the reverse; 0 where either is not known."""
     if item.mounting is None or entry.placement is None:
         return 0.0
-    return float((item.mounting.type == WALL_MOUNTED) != (entry.placement == "wall"))
+    return float(item.mounting.hangs != (entry.placement == "wall"))

@@ -22,7 +22,7 @@ Models = tuple[list[Candidate], list[Candidate]]  # by votes, by distance
 Orientations = tuple[list[Orientation], list[Orientation]]  # likewise
 BY_DISTANCE = "distance"  # what decides where a judge does not
 WHOLE = 0.1  # in a shortlist, what the median candidate's view as a whole adds: patches lie about so far apart
-DIGITS = 4  # of distances: beyond them backends differ, so what is equal up to here is a tie
+DIGITS = 4  # of distances and scores: beyond them backends differ, so what is equal up to here is a tie
 
 
 class Query(NamedTuple):

@@ -3,11 +3,11 @@
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+from PIL import ImageColor
 
 from stages.geometry.masks import pixel_bounds
 from stages.matching.crop import View, cut
 
-RED = (255, 0, 0)
 MARGIN = 4  # pixels between the object and its box
 
 
@@ -17,7 +17,7 @@ def boxed(view: View) -> NDArray[np.uint8]:
     height, width = view.mask.shape
     low, high = (max(0, x0 - MARGIN), max(0, y0 - MARGIN)), (min(width, x1 + MARGIN) - 1, min(height, y1 + MARGIN) - 1)
     picture = np.ascontiguousarray(view.rgb).copy()
-    cv2.rectangle(picture, low, high, RED, max(2, width // 300))
+    cv2.rectangle(picture, low, high, ImageColor.getrgb("red"), max(2, width // 300))
     return picture
 
 

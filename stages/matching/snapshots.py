@@ -89,9 +89,8 @@ class Snapshots:
             self._open.append(shard)
             if asset in shard:
                 return shard
-        raise InputError(
-            "--snapshots", f"no shard holds {asset}.", "give the snapshots that the features were made from"
-        )
+        fix = "give the snapshots that the features were made from"
+        raise InputError("--snapshots", f"no shard holds {asset}.", fix, code="E-SNAPSHOTS-MISSING")
 
 
 def up_of_camera(elevation: float | None) -> NDArray[np.float64] | None:

@@ -32,7 +32,8 @@ def write_store(
         first = rows[0] if rows else np.empty((0, 0), np.float16)  # a shard of broken models is empty
         shape = (index.starts[-1], first.shape[1])
         if rows and not shape[0]:
-            raise InputError(path, "no snapshot has a foreground patch.", "look at the contact sheet of the snapshots")
+            fix = "look at the contact sheet of the snapshots"
+            raise InputError(path, "no snapshot has a foreground patch.", fix, code="E-FEATURES-EMPTY")
         array = np.lib.format.open_memmap(temporary, mode="w+", dtype=first.dtype, shape=shape)
         for start, block in zip(index.starts, rows, strict=False):
             array[start : start + len(block)] = block
@@ -60,13 +61,16 @@ class FeatureStore:
         for path in paths:
             index, array = open_features(path)
             if index.settings != settings:
-                raise InputError(path, f"was made by {index.encoder} with other settings.", AGAIN)
+                raise InputError(
+                    path, f"was made by {index.encoder} with other settings.", AGAIN, code="E-FEATURES-OTHER"
+                )
             if self._indices and (index.yaws, index.upright) != (self._indices[0].yaws, self._indices[0].upright):
-                raise InputError(path, f"has other views than {paths[0]}.", AGAIN)
+                raise InputError(path, f"has other views than {paths[0]}.", AGAIN, code="E-FEATURES-OTHER")
             if not index.assets:
                 continue
             if self._arrays and array.shape[1] != self._arrays[0].shape[1]:
-                raise InputError(path, f"rows: {array.shape[1]} numbers each, {paths[0]} has others.", AGAIN)
+                what = f"rows: {array.shape[1]} numbers each, {paths[0]} has others."
+                raise InputError(path, what, AGAIN, code="E-FEATURES-OTHER")
             parts = open_companion(path, index, array)
             self._codecs.append(Codec(*(parts[name] for name in Codec._fields)) if "mean" in parts else None)
             self._wholes.append(parts["wholes"])
@@ -75,7 +79,7 @@ class FeatureStore:
             shard = len(self._indices) - 1
             self._where |= {asset: (shard, position) for position, asset in enumerate(index.assets)}
         if not self._indices:
-            raise InputError("--features", "names no feature store.", AGAIN)
+            raise InputError("--features", "names no feature store.", AGAIN, code="E-FEATURES-MISSING")
         self.yaws = self._indices[0].yaws
         self.upright = self._indices[0].upright
 

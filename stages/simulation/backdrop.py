@@ -12,8 +12,9 @@ from stages.contracts.objects import Wall
 from stages.geometry.boxes import UprightBox, corners
 from stages.simulation.rendering import add_block
 
-THICKNESS, WALL_HEIGHT, BEYOND = 0.1, 2.8, 1.5
-FLOOR_COLOUR, WALL_COLOUR = (0.62, 0.57, 0.50), (0.86, 0.85, 0.82)
+THICKNESS, WALL_HEIGHT = 0.1, 2.8  # metres
+BEYOND = 1.5  # metres by which floor and walls reach beyond the furniture
+FLOOR_COLOUR, WALL_COLOUR = (0.62, 0.57, 0.50), (0.86, 0.85, 0.82)  # linear RGB
 Array = NDArray[np.float64]
 
 
@@ -44,7 +45,7 @@ def backdrop(
     standing, feet = [], []
     for wall in walls:
         normal = np.asarray(wall.normal)
-        if any(np.asarray(box.center) @ normal < wall.offset for box in boxes):
+        if any(box.center @ normal < wall.offset for box in boxes):
             continue
         tangent = np.array([-normal[1], normal[0], 0.0])
         along = points @ tangent

@@ -112,6 +112,6 @@ def read_chain(urdf: Path, tip: str) -> Chain:
             limits.append([joint.lower, joint.upper])
             offset = np.eye(4)
     if not origins:
-        raise InputError(urdf, f"has no hinge that moves a link '{end}'.")
+        raise InputError(urdf, f"has no hinge that moves a link '{end}'.", code="E-ARM-HINGES")
     lower, upper = np.array(limits).T
     return Chain(np.array(origins), offset, lower, upper)

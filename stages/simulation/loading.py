@@ -18,6 +18,7 @@ from stages.articulated.asset_folder import read_asset, stretch_asset
 from stages.contracts.errors import InputError
 from stages.contracts.library import Asset
 from stages.geometry.frames import yaw_matrix, yaw_quaternion
+from stages.simulation.rendering import has_renderer
 from stages.simulation.stretching import stretched
 
 JOINT_FRICTION, JOINT_DAMPING = 0.1, 2.0
@@ -30,14 +31,6 @@ def physics_scene(timestep: float = 0.01) -> sapien.Scene:
     scene = sapien.Scene([sapien.physx.PhysxCpuSystem()])
     scene.timestep = timestep
     return scene
-
-
-def has_renderer(scene: sapien.Scene) -> bool:
-    """Whether the scene can show anything."""
-    try:
-        return scene.render_system is not None
-    except RuntimeError:
-        return False
 
 
 def box_centre(asset: Asset) -> NDArray[np.float64]:
@@ -93,11 +86,11 @@ class ParsedAsset:
         try:
             parsed = self._loader.parse(str(urdf))
         except Exception as error:  # the loader raises whatever its XML and mesh readers raise
-            raise InputError(urdf, f"cannot be loaded: {str(error).splitlines()[0]}.") from error
+            raise InputError(urdf, f"cannot be loaded: {str(error).splitlines()[0]}.", code="E-MODEL-BROKEN") from error
         names = ("articulation_builders", "actor_builders") if isinstance(parsed, dict) else (0, 1)
         bodies = [*parsed[names[0]], *parsed[names[1]]]
         if len(bodies) != 1:
-            raise InputError(urdf, f"holds {len(bodies)} separate bodies.", "one body per URDF")
+            raise InputError(urdf, f"holds {len(bodies)} separate bodies.", "one body per URDF", code="E-MODEL-BODIES")
         return bodies[0]
 
 

@@ -9,8 +9,7 @@ from scipy.ndimage import distance_transform_edt
 
 Array = NDArray[np.float64]
 
-CELL = 0.005  # metres between rays
-LEVEL = 0.005  # hits this close in height are one surface
+CELL = 0.005  # metres between rays; hits this close in height are one surface
 
 
 @dataclass(frozen=True)
@@ -53,10 +52,10 @@ def level_region(mesh: trimesh.Trimesh) -> Region | None:
     depth = np.full(len(origins), -np.inf)
     depth[rays] = hits[:, 2]
     heights = np.sort(hits[:, 2])
-    counts = np.searchsorted(heights, heights + LEVEL, side="right") - np.arange(len(heights))
+    counts = np.searchsorted(heights, heights + CELL, side="right") - np.arange(len(heights))
     best = int(counts.argmax())
     height = float(np.median(heights[best : best + counts[best]]))
-    level = (np.abs(depth - height) <= LEVEL).reshape(len(axes[0]), len(axes[1]))
+    level = (np.abs(depth - height) <= CELL).reshape(len(axes[0]), len(axes[1]))
     room = CELL * distance_transform_edt(np.pad(level, 1))[1:-1, 1:-1]
     return Region(height, np.array([axes[0][0], axes[1][0]]), room)
 

@@ -11,7 +11,6 @@ from sapien.physx import PhysxArticulation, PhysxArticulationLinkComponent
 
 from stages.contracts.errors import InputError
 from stages.geometry.frames import quaternion_from_matrix
-from stages.simulation.loading import has_renderer
 from stages.simulation.shaders import Pack, use
 
 # OpenCV camera axes (x right, y down, z forward) -> SAPIEN's (x forward, y left, z up)
@@ -61,7 +60,9 @@ def make_scene(
         device = [sapien.Device("cpu")] if render_backend() == "cpu" else []  # none: SAPIEN takes the GPU
         renderer = sapien.render.RenderSystem(*device)
     except RuntimeError as error:
-        raise InputError("renderer", f"no Vulkan device ({error}).", "python -m stages.doctor") from None
+        raise InputError(
+            "renderer", f"no Vulkan device ({error}).", "python -m stages.doctor", code="E-RENDERER-MISSING"
+        ) from None
     scene = sapien.Scene([sapien.physx.PhysxCpuSystem(), renderer])
     scene.timestep = timestep
     scene.set_ambient_light([0.42, 0.42, 0.44])
@@ -175,3 +176,11 @@ def add_block(
         builder.add_box_visual(half_size=half, material=material)
     builder.initial_pose = sapien.Pose(list(center), [np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)])
     return builder.build_kinematic(name)
+
+
+def has_renderer(scene: sapien.Scene) -> bool:
+    """Whether the scene can show anything."""
+    try:
+        return scene.render_system is not None
+    except RuntimeError:
+        return False

@@ -32,7 +32,7 @@ Array = NDArray[np.float64]
 Body: TypeAlias = PhysxArticulation | sapien.Entity
 AGAIN = "generate the scenes again"
 POINTS_PER_M2 = 8000  # a little more than a centimetre apart
-BEYOND = 1.6  # metres around the target within which furniture counts as an obstacle
+REACH = 1.6  # metres around the target within which furniture counts as an obstacle
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class Room:
     @property
     def world_from_nominal(self) -> Array:
         """(4, 4) pose of the frame in which the target's box stands above the origin, on z = 0, and faces +x."""
-        x, y, _ = np.asarray(self.target.box.center)
+        x, y, _ = self.target.box.center
         return rigid(yaw_matrix(self.target.box.yaw), [x, y, self.target.box.bottom])
 
     def stand(self, base: Array) -> Array:
@@ -75,14 +75,14 @@ class Room:
         camera = np.array(self.scene.floor_from_camera)[:3, 3]
         bodies: dict[str, Body] = {block.name: block for block in add_backdrop(scene, boxes, self.scene.walls, camera)}
         for item in self.others:
-            pose = root_pose(item.asset, np.asarray(item.box.center).tolist(), item.box.yaw)
+            pose = root_pose(item.asset, item.box.center.tolist(), item.box.yaw)
             bodies[item.id] = load_asset(scene, item.folder, pose, True, item.id)
         return bodies
 
     @cached_property
     def obstacles(self) -> Mapping[str, Array]:
         """(N, 3) points on the surfaces of floor, walls and furniture, by name, as far as the robot may reach."""
-        center, reach = np.asarray(self.target.box.center), float(np.linalg.norm(self.target.box.size)) / 2 + BEYOND
+        center, reach = self.target.box.center, float(np.linalg.norm(self.target.box.size)) / 2 + REACH
         scene = physics_scene()  # bodies die with it
         found = {name: surface(body, center, reach) for name, body in self.load(scene).items()}
         return {name: points for name, points in found.items() if len(points)}
@@ -103,14 +103,15 @@ def read_room(path: Path, target: str, library: Path, cache: Path) -> Room:
     if target not in placed:
         failed = {item.id: item.reason for item in made.objects if item.status == "failed"}
         why = f"object '{target}' failed: {failed[target]}" if target in failed else f"has no object '{target}'"
-        raise InputError(path, f"{why}.", f"those that stand: {', '.join(placed) or 'none'}")
+        raise InputError(path, f"{why}.", f"those that stand: {', '.join(placed) or 'none'}", code="E-OBJECT-MISSING")
     items = {name: _furniture(item, folders, cache, path) for name, item in placed.items()}
     return Room(made, items.pop(target), list(items.values()))
 
 
 def _furniture(item: PlacedObject, folders: Mapping[str, Path], cache: Path, path: Path) -> Furniture:
     if item.asset not in folders:
-        raise InputError(path, f"{item.id} is '{item.asset}', which the library does not have.", AGAIN)
+        what = f"{item.id} is '{item.asset}', which the library does not have."
+        raise InputError(path, what, AGAIN, code="E-ASSET-MISSING")
     folder = resized(folders[item.asset], item.size, cache)
     return Furniture(item.id, folder, read_asset(folder), UprightBox(item.position, item.size, item.yaw))
 

@@ -16,6 +16,7 @@ from sapien.physx import PhysxArticulation
 from sapien.physx import PhysxArticulationLinkComponent as Link
 
 from stages.geometry.frames import rigid
+from stages.simulation.backdrop import FLOOR_COLOUR, WALL_COLOUR
 from stages.simulation.loading import load_asset, move, remove
 from stages.simulation.rendering import RenderCamera, add_block, instance_id, make_scene
 from stages.simulation.robot import PANDA
@@ -27,9 +28,7 @@ Image = NDArray[np.uint8]
 WIDTH, HEIGHT = 360, 288
 FIELD_OF_VIEW = 0.7  # radians, across
 MARGIN = 1.06  # room around what moves
-FLOOR, WALL, PLINTH = (0.62, 0.56, 0.49), (0.80, 0.80, 0.78), (0.38, 0.37, 0.36)
-LIGHT = (-0.65, -0.35, -1.0)
-ROOM_LIGHT = (0.55, -0.5, -1.0)  # over the photographer's shoulder: x of the floor frame is the viewing direction
+LIGHT = (-0.65, -0.35, -1.0)  # onto the front of the asset, which faces +x
 AROUND = 0.2  # metres of a room that are shown about robot and asset
 
 
@@ -106,8 +105,8 @@ class Studio:
         """Floor, wall, and plinths beneath what does not reach the floor."""
         blocks = [_plinth(self.scene, bounds, low) for bounds in feet if bounds[0, 2] - low > 0.005]
         back = feet[0][0, 0] - 0.03
-        blocks.append(add_block(self.scene, [0, 0, low - 0.05], [24, 24, 0.1], FLOOR, "floor"))
-        blocks.append(add_block(self.scene, [back - 0.05, 0, low + 2], [0.1, 24, 4], WALL, "wall"))
+        blocks.append(add_block(self.scene, [0, 0, low - 0.05], [24, 24, 0.1], FLOOR_COLOUR, "floor"))
+        blocks.append(add_block(self.scene, [back - 0.05, 0, low + 2], [0.1, 24, 4], WALL_COLOUR, "wall"))
         return blocks
 
     def _in_room(self, room: Room, base: Array) -> list[Body]:
@@ -196,5 +195,5 @@ def _plinth(scene: sapien.Scene, bounds: Array, floor: float) -> sapien.Entity:
     """A plinth beneath a body that does not reach the floor."""
     size = bounds[1] - bounds[0]
     width = np.minimum(0.92 * size[:2], 0.6)
-    center = (bounds[0, :2] + bounds[1, :2]) / 2
-    return add_block(scene, [*center, (bounds[0, 2] + floor) / 2], [*width, bounds[0, 2] - floor], PLINTH, "plinth")
+    center = [*(bounds[0, :2] + bounds[1, :2]) / 2, (bounds[0, 2] + floor) / 2]
+    return add_block(scene, center, [*width, bounds[0, 2] - floor], FLOOR_COLOUR, "plinth")

@@ -1,11 +1,13 @@
 """Placed objects for the tests of generation."""
 
+from dataclasses import replace
+from pathlib import Path
+
 import numpy as np
 
 from stages.contracts import Asset
 from stages.contracts.objects import Mounting, Wall
-from stages.generation.placed import Placed
-from stages.generation.prisms import Prism
+from stages.generation.placed import Placed, Prism
 from stages.geometry.boxes import UprightBox
 
 BACK = Wall(id="wall_1", normal=(-1, 0, 0), offset=-4.0, points=100)  # the plane x = 4, seen from x < 4
@@ -18,12 +20,12 @@ def asset(size, **values) -> Asset:
 
 
 def thing(name, center, size, yaw=0.0, mounting=2, walls=(), support="floor") -> Placed:
-    return Placed(
-        name, name, asset(size), UprightBox(center, size, yaw), Mounting(type=mounting, walls=list(walls)), support
-    )
+    """A thing of which nothing collides: its surface is that of its box."""
+    box, held = UprightBox(center, size, yaw), Mounting(type=mounting, walls=list(walls))
+    return Placed(name, name, asset(size), Path(), box, held, support)
 
 
-def solid(item: Placed) -> list[Prism]:
-    """The whole box as one collision shape."""
+def solid(item: Placed) -> Placed:
+    """The same with its whole box as one collision shape."""
     x, y, z = item.size / 2
-    return [Prism(np.array([(-x, -y), (x, -y), (x, y), (-x, y)]), -z, z)]
+    return replace(item, prisms=(Prism(np.array([(-x, -y), (x, -y), (x, y), (-x, y)]), -z, z),))

@@ -320,7 +320,7 @@ def test_the_walk_over_imports_would_find_a_simulator() -> None:
         name for module in closure("stages.simulation.loading") if (path := source(module)) for name in imported(path)
     }
     assert "sapien" in found
-    assert read_model.__module__ in closure("stages.generation.meshes")
+    assert read_model.__module__ in closure("stages.generation.models")
 
 
 @pytest.mark.parametrize("kind", ["bar", "arch", "knob", "edge"])

@@ -2,10 +2,7 @@
 
 from dataclasses import replace
 
-from stages.contracts.cousins import CategoryMatch, ObjectCousins
-from stages.contracts.objects import SceneObject
-from stages.generation.build import chosen
-from stages.generation.inputs import Inputs
+from stages.generation.choosing import chosen, meant
 from stages.generation.placed import Placed
 from tests.unit.generation_scenes import thing
 
@@ -16,7 +13,7 @@ def _standing(*cousins: tuple[str, int, float], rank: int = 1, limit: float | No
     for number, (category, drawers, times) in enumerate(cousins, 1):
         item = thing("chest_1", (0, 0, 0), (1, 1, 1))
         asset = item.asset.model_copy(update={"category": category, "drawers": drawers})
-        box = item.box._replace(size=(times, times, times))
+        box = replace(item.box, size=(times, times, times))
         placed.append(replace(item, asset=asset, box=box, cousin=number))
     return chosen(placed, rank, limit, {"chest", "commode"})
 
@@ -45,10 +42,6 @@ def test_other_categories_and_other_counts_do_not_stand_for_what_does_not_fit() 
 
 def test_a_label_means_every_category_that_is_as_near() -> None:
     near = {"table_lamp": 0.14, "floor_lamp": 0.15, "candlestick": 0.75}
-    matches = [CategoryMatch(category=name, distance=distance) for name, distance in near.items()]
-    found = ObjectCousins(id="lamp_1", label="lamp", status="failed", reason="for the test", categories=matches)
-    lamp = SceneObject(id="lamp_1", label="lamp", mask=1)
-    inputs = Inputs(objects=None, cousins={"lamp_1": found}, clouds={}, folders={}, bearings={})  # type: ignore[arg-type]
-    assert inputs.called(lamp, "floor_lamp") == inputs.called(lamp, "table_lamp") == {"table_lamp", "floor_lamp"}
-    assert inputs.called(lamp, "candlestick") == set(near)
-    assert inputs.called(lamp, "box") == {"box"}  # chosen by hand
+    assert meant(near, "floor_lamp") == meant(near, "table_lamp") == {"table_lamp", "floor_lamp"}
+    assert meant(near, "candlestick") == set(near)
+    assert meant(near, "box") == {"box"}  # chosen by hand

@@ -7,17 +7,18 @@ import pytest
 from shapely import Point
 
 from stages.config.generation import GenerationConfig
-from stages.generation.collisions import out_of_walls, resolve
-from stages.generation.prisms import Prism, forbidden_shifts
+from stages.generation.collisions import forbidden_shifts, resolve
+from stages.generation.placed import Prism
+from stages.generation.walls import out_of_walls
 from stages.geometry.boxes import UprightBox, corners
 from tests.unit.generation_scenes import BACK, solid, thing
 
 OPTIONS = GenerationConfig(touch=0.0)
 
 
-def solve(items, walls=(), prisms=None, **options):
-    shapes = prisms or {item.id: solid(item) for item in items}
-    result = resolve(items, shapes, list(walls), OPTIONS.model_copy(update=options))
+def solve(items, walls=(), **options):
+    items = [item if item.prisms else solid(item) for item in items]
+    result = resolve(items, list(walls), OPTIONS.model_copy(update=options))
     return {item.id: item for item in result.items}, result.left
 
 
@@ -129,7 +130,7 @@ def test_what_overlaps_by_millimetres_is_pushed_apart():
 def test_a_chair_may_stand_under_a_table_top():
     table, chair = thing("table", (2, 0, 0.4), (1.2, 1.2, 0.8)), thing("chair", (2.5, 0, 0.2), (0.5, 0.5, 0.4))
     top = Prism(np.array([(-0.6, -0.6), (0.6, -0.6), (0.6, 0.6), (-0.6, 0.6)]), 0.35, 0.4)
-    items, left = solve([table, chair], prisms={"table": [top], "chair": solid(chair)})
+    items, left = solve([replace(table, prisms=(top,)), chair])
     assert not left
     assert items["chair"].moved == 0
 

@@ -9,11 +9,11 @@ from stages.config.generation import GenerationConfig
 from stages.contracts import Asset, read_json
 from stages.contracts.objects import Mounting
 from stages.generation.collisions import resolve
+from stages.generation.models import prisms_of
 from stages.generation.nesting import landing
 from stages.generation.placed import Placed
-from stages.generation.placement import stacked
-from stages.generation.prisms import asset_prisms
 from stages.generation.settling import load_items, settle
+from stages.generation.stacking import stacked
 from stages.geometry.boxes import UprightBox
 from stages.procedural import build
 from stages.procedural.catalogue import sample
@@ -58,15 +58,23 @@ def test_a_can_lies_in_a_bowl_and_stays(index: int, aside: float, tmp_path: Path
         "can": UprightBox([1 + aside, 0, 0.06], [0.07, 0.07, 0.1], 0.0),
     }
     items = [
-        Placed(name, name, read_json(Asset, folders[name] / "asset.json"), box, Mounting(type=2))
-        for name, box in boxes.items()
+        Placed(
+            name,
+            name,
+            read_json(Asset, folder / "asset.json"),
+            folder,
+            boxes[name],
+            Mounting(type=2),
+            prisms=tuple(prisms_of(folder)),
+        )
+        for name, folder in folders.items()
     ]
-    prisms, options = {name: asset_prisms(folder) for name, folder in folders.items()}, GenerationConfig()
-    result = resolve(stacked(items, prisms, options), prisms, [], options)
+    options = GenerationConfig()
+    result = resolve(stacked(items, {}, {}, options), [], options)
     assert not result.left
     physics = physics_scene()
     add_ground(physics)
-    settled = settle(physics, load_items(physics, result.items, folders), result.items, 0, options)
+    settled = settle(physics, load_items(physics, result.items), result.items, 0, options)
     assert settled.plausibility.stable and settled.plausibility.max_penetration < 1e-3
     assert settled.shifts["can"] < 2e-3
     placed = {item.id: item for item in result.items}["can"]

@@ -7,18 +7,28 @@ import trimesh
 from stages.config.generation import GenerationConfig
 from stages.contracts import Objects
 from stages.contracts.objects import USUAL_ERROR, Box, DepthError, Mounting, SceneObject, Wall
-from stages.generation.extents import beyond_front, measured_box, near_face, only_noise, top_seen
+from stages.generation.choosing import stretch
 from stages.generation.inputs import bearings_of
-from stages.generation.placement import sized, walls_reached
+from stages.generation.models import beyond_front
+from stages.generation.placing import (
+    as_wide_as_seen,
+    believable_box,
+    deep_at_wall,
+    deep_in_room,
+    reaches_walls,
+    round_box,
+    sight_yaw,
+)
 from stages.generation.pose import rear_at_wall, rectangularity, turned_to, wall_axes
-from stages.generation.sizing import as_wide_as_seen, believable_box, round_box, sight_yaw, stretch
 from stages.geometry.boxes import UprightBox
 from stages.geometry.cameras import intrinsics_from_fov, look_at, project
+from stages.geometry.estimate import Sight, near_face
 from stages.geometry.frames import apply, inverse, wrap_angle, yaw_matrix
 from stages.geometry.viewing import view_yaw
-from tests.unit.generation_scenes import asset
 
 DEGREE = np.pi / 180
+EXACT = DepthError(0, 0)
+BELIEVABLE = GenerationConfig().aspect_range
 
 
 @pytest.mark.parametrize(
@@ -98,11 +108,10 @@ def test_noise_does_not_make_a_table_longer():
     top = np.array([8.0, 0, 0.7]) + rng.uniform([-0.5, -0.5, 0], [0.5, 0.5, 0], (8000, 3))
     noisy = top + rng.normal(0, 0.1, (8000, 1)) * (top - camera) / np.linalg.norm(top - camera, axis=1, keepdims=True)
     seen = UprightBox((8.0, 0, 0.35), (1.0, 1.0, 0.7), 0.0)
-    as_in_the_paper = measured_box(noisy, seen, 0.0, camera, 0.005, None)
+    as_in_the_paper = Sight(noisy, camera, EXACT.at).measured(seen, 0.0, 0.005, has_faces=False)
     assert as_in_the_paper.size[0] > 1.2
-    assert measured_box(noisy, seen, 0.0, camera, 0.005, DepthError(0.004, 0.0015)).size[0] == pytest.approx(
-        1.1, abs=0.1
-    )
+    box = Sight(noisy, camera, DepthError(0.004, 0.0015).at).measured(seen, 0.0, 0.005)
+    assert box.size[0] == pytest.approx(1.1, abs=0.1)
 
 
 @pytest.mark.parametrize(("x", "side", "unknown"), [(10.0, 0.0, True), (10.0, 1.2, False), (3.0, 0.0, False)])
@@ -113,8 +122,9 @@ def test_the_depth_of_a_face_far_away_is_noise(x, side, unknown):
     cloud = np.concatenate([front, rng.uniform([x, 0.8, 0], [x + side, 0.8, 2], (3000, 3))])
     rays = (cloud - camera) / np.linalg.norm(cloud - camera, axis=1, keepdims=True)
     cloud = cloud + rng.normal(0, 0.003 + 0.0015 * x**2, (len(cloud), 1)) * rays
-    assert only_noise(cloud, (-1, 0, 0), camera, USUAL_ERROR) == unknown
-    assert not only_noise(cloud, (-1, 0, 0), camera, DepthError(0, 0))
+    normal = np.array([-1.0, 0, 0])
+    assert Sight(cloud, camera, USUAL_ERROR.at).is_one_face(normal) == unknown
+    assert not Sight(cloud, camera, EXACT.at).is_one_face(normal)
 
 
 def _faces(size, yaw, center, camera, count=3000):
@@ -135,10 +145,10 @@ def test_measured_box_in_the_assets_own_axes(quarter):
     size, center, camera = np.array([0.6, 1.2, 0.8]), np.array([3.0, 0.5, 0.4]), np.array([0, 0, 1.6])
     cloud = _faces(size, 0.4, center, camera)
     seen = UprightBox(center, size, 0.4)
-    box = measured_box(cloud, seen, 0.4 + quarter * np.pi / 2, camera, 0.001, USUAL_ERROR)
+    box = Sight(cloud, camera, USUAL_ERROR.at).measured(seen, 0.4 + quarter * np.pi / 2, 0.001)
     expected = size[[1, 0, 2]] if quarter % 2 else size
-    assert np.asarray(box.size) == pytest.approx(expected, abs=0.02)
-    assert np.asarray(box.center) == pytest.approx(center, abs=0.02)
+    assert box.size == pytest.approx(expected, abs=0.02)
+    assert box.center == pytest.approx(center, abs=0.02)
 
 
 @pytest.mark.parametrize(("quarter", "nearer"), [(2, 0.04), (0, 0.0)])  # its front to the camera, and its rear
@@ -146,7 +156,8 @@ def test_a_handle_stands_before_the_face_that_is_measured(quarter, nearer):
     size, center, camera = np.array([0.6, 1.2, 0.8]), np.array([3.0, 0.0, 0.4]), np.array([0, 0, 1.6])
     cloud, seen = _faces(size, 0.0, center, camera), UprightBox(center, size, 0.0)
     plain, handled = (
-        measured_box(cloud, seen, quarter * np.pi / 2, camera, 0.001, USUAL_ERROR, beyond) for beyond in (0, 0.04)
+        Sight(cloud, camera, USUAL_ERROR.at).measured(seen, quarter * np.pi / 2, 0.001, beyond=beyond)
+        for beyond in (0, 0.04)
     )
     assert handled.size[0] - plain.size[0] == pytest.approx(nearer)
     assert plain.center[0] - handled.center[0] == pytest.approx(nearer / 2)
@@ -161,7 +172,7 @@ def test_what_is_round_has_no_face():
     near[:, 0], step[:, 0] = rng.uniform(2.8, 2.81, 200), 2.81
     far = np.array([[3.2, 0, 0.5]] * 200)
     cloud = np.concatenate([near, step, far])
-    ends = [measured_box(cloud, seen, 0.0, camera, 0.001, DepthError(0, 0), flat=flat) for flat in (True, False)]
+    ends = [Sight(cloud, camera, EXACT.at).measured(seen, 0.0, 0.001, has_faces) for has_faces in (True, False)]
     starts = [box.center[0] - box.size[0] / 2 for box in ends]
     assert starts == pytest.approx([2.81, 2.80], abs=0.004)
 
@@ -206,7 +217,9 @@ def test_how_far_a_model_reaches_beyond_its_front():
 
 def test_heights_are_those_of_extraction():
     cloud = _faces((0.4, 0.4, 0.4), 0.0, np.array([2, 0, 0.8]), np.array([0, 0, 1.6]))
-    box = measured_box(cloud, UprightBox((2, 0, 0.5), (0.4, 0.4, 1.0), 0.0), 0.2, (0, 0, 1.6), 0.0, None)
+    box = Sight(cloud, np.array([0, 0, 1.6]), EXACT.at).measured(
+        UprightBox((2, 0, 0.5), (0.4, 0.4, 1.0), 0.0), 0.2, 0.0
+    )
     assert box.size[2] == 1.0
     assert box.center[2] == 0.5
 
@@ -232,13 +245,18 @@ def test_depth_that_is_seen_from_above_stays():
     top, front = rng.uniform(-half, half, (2, 2000, 3))
     top[:, 2], front[:, 0] = half[2], -half[0]
     cloud = np.concatenate([top, front]) + flat.center + rng.normal(0, 0.001, (4000, 3))
-    deep, options = asset((0.3, 0.3, 0.3)), GenerationConfig()
-    arguments = deep, Mounting(type=2), [], camera, USUAL_ERROR, options
-    assert sized(flat, cloud, *arguments) is flat
-    assert not top_seen(cloud[(cloud[:, 0] < 0.6) | (cloud[:, 2] < 0.15)], flat, camera, error), "its rear half is not"
-    assert not top_seen(cloud, flat, [0, 0, 0.25], error), "too level"
-    assert not top_seen(cloud, flat, camera, DepthError(0.02, 0)), "noise"
-    assert sized(flat, cloud[2000:], *arguments).size[0] == pytest.approx(0.16, abs=0.01), "of its front alone"
+    native = (0.3, 0.3, 0.3)
+
+    def sight(points=cloud, eye=camera, depth_error=error):
+        return Sight(points, np.array(eye), depth_error.at)
+
+    assert deep_in_room(flat, native, sight(), BELIEVABLE) is flat
+    front_half = cloud[(cloud[:, 0] < 0.6) | (cloud[:, 2] < 0.15)]
+    assert not sight(front_half).sees_top(flat), "its rear half is not"
+    assert not sight(eye=[0, 0, 0.2]).sees_top(flat), "from below"
+    assert not sight(depth_error=DepthError(0.02, 0)).sees_top(flat), "noise"
+    of_front = deep_in_room(flat, native, sight(cloud[2000:]), BELIEVABLE)
+    assert of_front.size[0] == pytest.approx(0.16, abs=0.01), "of its front alone"
 
 
 def test_a_width_is_never_changed():
@@ -265,13 +283,12 @@ def test_round_things_are_as_deep_as_wide():
 
 
 def test_what_stands_on_furniture_or_is_round_is_not_extended_to_the_wall():
-    wall = Wall(id="wall_1", normal=(-1, 0, 0), offset=-4.0, points=9)
     low, high = UprightBox((3.5, 0, 0.4), (0.4, 0.4, 0.8), 0.0), UprightBox((3.5, 0, 1.0), (0.4, 0.4, 0.4), 0.0)
     stands, hangs = Mounting(type=3, walls=["wall_1"]), Mounting(type=1, walls=["wall_1"])
-    assert walls_reached(stands, [wall], low, False) == [wall]
-    assert walls_reached(stands, [wall], high, False) == []
-    assert walls_reached(stands, [wall], low, True) == []
-    assert walls_reached(hangs, [wall], high, False) == [wall]
+    assert reaches_walls(stands, low, False)
+    assert not reaches_walls(stands, high, False)
+    assert not reaches_walls(stands, low, True)
+    assert reaches_walls(hangs, high, False)
 
 
 @pytest.mark.parametrize(
@@ -292,9 +309,8 @@ def test_what_is_far_too_deep_to_reach_its_wall_stands_before_it(mounting, front
     wall = Wall(id="wall_1", normal=(-1, 0, 0), offset=-4.0, points=9)
     box = UprightBox(((front + 4) / 2, 0, 0.5), (4 - front, 1.0, 1.0), np.pi)
     near = np.array([[front, 0.0, 0.5]])
-    item = asset((0.5, 1.0, 1.0))
-    held = Mounting(type=mounting, walls=["wall_1"])
-    placed = sized(box, near, item, held, [wall], np.array([2.0, 0, 1.6]), USUAL_ERROR, GenerationConfig())
+    sight = Sight(near, np.array([2.0, 0, 1.6]), USUAL_ERROR.at)
+    placed = deep_at_wall(box, (0.5, 1.0, 1.0), sight, BELIEVABLE, wall, hangs=mounting == 1)
     assert placed.size[0] == pytest.approx(size)
     assert placed.center[0] == pytest.approx(x)
 
@@ -304,5 +320,5 @@ def test_the_depth_of_a_top_far_away_is_noise(away, seen):
     """Noise grows with the square of the distance: six deviations of it are more than a small top is deep."""
     camera, box = np.array([0.0, 0.0, 0.5 + away]), UprightBox((away, 0, 0.25), (0.5, 0.5, 0.5), 0.0)
     top = np.random.default_rng(6).uniform([away - 0.25, -0.25, 0.5], [away + 0.25, 0.25, 0.5], (4000, 3))
-    assert top_seen(top, box, camera, USUAL_ERROR) == seen
-    assert top_seen(top, box, camera, DepthError(0, 0))
+    assert Sight(top, camera, USUAL_ERROR.at).sees_top(box) == seen
+    assert Sight(top, camera, EXACT.at).sees_top(box)

@@ -7,13 +7,14 @@ import pytest
 
 from stages.config.generation import GenerationConfig
 from stages.contracts.objects import Wall
+from stages.generation import stacking
 from stages.generation.collisions import resolve
-from stages.generation.mounting import against_wall, on_supports
-from stages.generation.placed import Placed
-from stages.generation.placement import stacked
-from stages.generation.prisms import Prism, Surface, surface_beneath
-from stages.generation.support import sorted_by_height, stack_of, support_tree
-from stages.geometry.boxes import UprightBox, corners, footprint
+from stages.generation.placed import Placed, Prism
+from stages.generation.stacking import on_supports, sorted_by_height, stack_of, support_tree
+from stages.generation.surfaces import surface_beneath
+from stages.generation.walls import against_wall
+from stages.geometry.boxes import UprightBox, corners
+from stages.geometry.frames import yaw_matrix
 from tests.unit.askew_desk import ASKEW_DESK
 from tests.unit.generation_scenes import BACK, solid, thing
 
@@ -23,12 +24,11 @@ CUP = thing("cup", (2, 0.2, 0.87), (0.08, 0.08, 0.1))
 
 
 def tree(items, overlap=0.7, tolerance=0.15):
-    return support_tree(sorted_by_height(items), overlap, tolerance, flat)
+    return support_tree(sorted_by_height(items), overlap, tolerance)
 
 
-def flat(item, lower):
-    """The surface of a thing without a back."""
-    return Surface(lower.top, footprint(lower.box))
+def stacked(items, options=GenerationConfig()):  # noqa: B008
+    return stacking.stacked(items, {}, {}, options)
 
 
 def test_a_stack_is_found_whatever_the_order():
@@ -63,7 +63,7 @@ def test_what_was_seen_to_carry_a_thing_carries_it_whatever_size_its_cousin_has(
     upper = thing("upper", (2, 0, 0.6), (0.6, 0.6, 0.2), support="small")  # overlaps a quarter of what it is on
     assert tree([low, small, upper])["upper"] == "small"
     assert tree([low, small, upper], tolerance=None)["upper"] == "low", "as in the paper"
-    assert tree([small, replace(upper, box=upper.box._replace(center=(2, 0, 0.9)))])["upper"] == "small"
+    assert tree([small, replace(upper, box=replace(upper.box, center=(2, 0, 0.9)))])["upper"] == "small"
 
 
 def test_stacks():
@@ -74,7 +74,7 @@ def test_stacks():
 def test_heights_follow_the_supports():
     floating = thing("book", (2, 0.2, 0.85), (0.2, 0.3, 0.05))
     sunk = thing("table", (2, 0, 0.35), (0.8, 1.2, 0.75))
-    placed = on_supports([sunk, floating], {"table": "floor", "book": "table"}, flat)
+    placed = on_supports([sunk, floating], {"table": "floor", "book": "table"})
     assert [item.bottom for item in placed] == pytest.approx([0, 0.75])
     assert placed[1].support == "table"
 
@@ -84,7 +84,7 @@ def test_type_1_is_only_lifted():
     clear = thing("clear", (3.85, 0, 1.6), (0.3, 1, 0.6), mounting=1)
     sunk = thing("sunk", (3.85, 0, 1.1), (0.3, 1, 0.6), mounting=1)  # bottom at 0.8
     supports = {"counter": "floor", "clear": "counter", "sunk": "counter"}
-    heights = {item.id: item for item in on_supports([counter, sunk, clear], supports, flat)}
+    heights = {item.id: item for item in on_supports([counter, sunk, clear], supports)}
     assert heights["clear"].bottom == pytest.approx(1.3)
     assert heights["sunk"].bottom == pytest.approx(0.9)
     assert heights["clear"].support == heights["sunk"].support == "wall"
@@ -130,13 +130,13 @@ def test_a_wall_at_an_odd_angle_is_left_alone():
 
 def test_what_noise_moved_over_the_edge_of_a_cabinet_still_stands_on_it():
     cabinet, pot = thing("cabinet", (2, 0, 0.4), (0.6, 0.6, 0.8)), thing("pot", (1.65, 0, 0.9), (0.3, 0.3, 0.2))
-    assert support_tree([cabinet, pot], 0.7, 0.15, flat)["pot"] == "cabinet"
-    assert support_tree([cabinet, pot], 0.7, None, flat)["pot"] == "floor"
-    assert support_tree([cabinet, thing("pot", (1.65, 0, 0.1), (0.3, 0.3, 0.2))], 0.7, 0.15, flat)["pot"] == "floor"
+    assert support_tree([cabinet, pot], 0.7, 0.15)["pot"] == "cabinet"
+    assert support_tree([cabinet, pot], 0.7, None)["pot"] == "floor"
+    assert support_tree([cabinet, thing("pot", (1.65, 0, 0.1), (0.3, 0.3, 0.2))], 0.7, 0.15)["pot"] == "floor"
     other = thing("other", (1, 0, 0.4), (0.6, 0.6, 0.8))
     aside, far = (thing("pot", (x, 0, 0.9), (0.2, 0.2, 0.2)) for x in (1.55, 1.4))  # 5 and 20 cm before the cabinet
-    assert support_tree([cabinet, other, aside], 0.7, 0.15, flat)["pot"] == "cabinet"
-    assert support_tree([cabinet, far], 0.7, 0.15, flat)["pot"] == "unnamed"
+    assert support_tree([cabinet, other, aside], 0.7, 0.15)["pot"] == "cabinet"
+    assert support_tree([cabinet, far], 0.7, 0.15)["pot"] == "unnamed"
 
 
 def test_what_is_seen_high_above_all_that_was_named_stands_on_a_shelf_and_stays_there():
@@ -145,11 +145,11 @@ def test_what_is_seen_high_above_all_that_was_named_stands_on_a_shelf_and_stays_
     supports = tree([jar, book, cup])
     assert supports == {"jar": "floor", "book": "unnamed", "cup": "book"}
     assert tree([jar, book], tolerance=None)["book"] == "jar"  # the paper's rule alone
-    placed = {item.id: item for item in on_supports(sorted_by_height([jar, book, cup]), supports, flat)}
+    placed = {item.id: item for item in on_supports(sorted_by_height([jar, book, cup]), supports)}
     assert placed["book"].center == pytest.approx([2, 0, 0.85]) and placed["book"].support == "unnamed"
     assert placed["cup"].bottom == pytest.approx(0.9)
     hung = thing("hung", (2, 0, 1.5), (0.1, 0.5, 0.5), mounting=1)
-    assert on_supports([hung], tree([hung]), flat)[0].support == "wall"
+    assert on_supports([hung], tree([hung]))[0].support == "wall"
 
 
 def block(x, y, half_x, half_y, low, high):
@@ -159,17 +159,16 @@ def block(x, y, half_x, half_y, low, high):
 
 
 CHAIR = thing("chair", (2, 0, 0.45), (0.44, 0.44, 0.9))  # seat at 0.46, back at x = 1.8, 4 cm thick
-PIECES = {"chair": [block(0, 0, 0.22, 0.22, -0.02, 0.01), block(-0.2, 0, 0.02, 0.22, 0.0, 0.45)]}
-PIECES["chair"] += [block(x, y, 0.02, 0.02, -0.45, -0.02) for x in (-0.2, 0.2) for y in (-0.2, 0.2)]
+PIECES = [block(0, 0, 0.22, 0.22, -0.02, 0.01), block(-0.2, 0, 0.02, 0.22, 0.0, 0.45)]
+PIECES += [block(x, y, 0.02, 0.02, -0.45, -0.02) for x in (-0.2, 0.2) for y in (-0.2, 0.2)]
+CHAIR = replace(CHAIR, prisms=tuple(PIECES))
 
 
 @pytest.mark.parametrize("bottom", [0.46, 0.9])  # of a bottle on a chair; on a stool that a chair takes the place of
 @pytest.mark.parametrize("x", [1.8, 1.83, 2.1])  # in the back, half in it, clear of it
 def test_what_stands_on_a_chair_stands_on_its_seat_clear_of_the_back(x, bottom):
     bottle = thing("bottle", (x, 0.05, bottom + 0.15), (0.08, 0.08, 0.3))
-    prisms = PIECES | {"bottle": solid(bottle)}
-    options = GenerationConfig()
-    result = resolve(stacked([bottle, CHAIR], prisms, options), prisms, [], options)
+    result = resolve(stacked([solid(bottle), CHAIR]), [], GenerationConfig())
     items = {item.id: item for item in result.items}
     assert items["bottle"].support == "chair" and not result.left
     assert items["bottle"].bottom == pytest.approx(0.46)
@@ -181,8 +180,9 @@ def test_a_wide_board_lies_on_a_narrow_stool():
     """What is narrow beside its support may still carry something wider."""
     board = thing("board", (2, 0, 0.9), (1.0, 1.0, 0.1))
     stool = thing("stool", (2, 0, 0.2), (0.3, 0.3, 0.5))
-    assert surface_beneath(board, stool, [block(2, 0, 0.15, 0.15, 0.0, 0.4)]).height == 0.4
-    assert surface_beneath(board, stool, []).height == stool.top
+    seat = replace(stool, prisms=(block(0, 0, 0.15, 0.15, -0.2, 0.2),))  # 5 cm below its top
+    assert surface_beneath(board, seat).height == pytest.approx(0.4)
+    assert surface_beneath(board, stool).height == stool.top
 
 
 def test_pieces_whose_edges_nearly_meet_are_joined_and_cut() -> None:
@@ -190,28 +190,26 @@ def test_pieces_whose_edges_nearly_meet_are_joined_and_cut() -> None:
         thing("desk", (3.37, 1.29, 0.4), (0.56, 1.54, 0.8), -2.19),
         thing("laptop", (3.59, 1.05, 0.9), (0.1,) * 3),
     )
-    pieces = [Prism(np.array(outline), 0.0, top) for top, outline in ASKEW_DESK]
-    assert surface_beneath(laptop, desk, pieces).height == pytest.approx(0.62481, abs=1e-5)
+    turn, (x, y, z) = yaw_matrix(desk.box.yaw)[:2, :2], desk.center
+    pieces = [Prism((np.array(outline) - [x, y]) @ turn, -z, top - z) for top, outline in ASKEW_DESK]
+    assert surface_beneath(laptop, replace(desk, prisms=tuple(pieces))).height == pytest.approx(0.62481, abs=1e-5)
 
 
-CABINET = thing("cabinet", (2, 0, 0.4), (0.6, 0.6, 0.8))
-FRONT = {  # the top begins at x = 1.78, the door, 5 mm lower, at 1.75, its handle at 1.7
-    "cabinet": [
-        block(0.04, 0, 0.26, 0.3, -0.4, 0.4),
-        block(-0.235, 0, 0.015, 0.3, -0.4, 0.395),
-        block(-0.275, 0, 0.025, 0.1, 0.1, 0.12),
-    ]
-}
+FRONT = (  # the top begins at x = 1.78, the door, 5 mm lower, at 1.75, its handle at 1.7
+    block(0.04, 0, 0.26, 0.3, -0.4, 0.4),
+    block(-0.235, 0, 0.015, 0.3, -0.4, 0.395),
+    block(-0.275, 0, 0.025, 0.1, 0.1, 0.12),
+)
+CABINET = replace(thing("cabinet", (2, 0, 0.4), (0.6, 0.6, 0.8)), prisms=FRONT)
 
 
 @pytest.mark.parametrize(("x", "y", "to"), [(1.77, 0.0, 1.8), (1.9, 0.25, 1.9), (2.35, 0.0, 2.28)])
 def test_what_stands_over_an_edge_is_moved_in_so_far_that_it_does_not_fall(x, y, to):
     """Over the door's upper edge; on the top; behind it, since far away a cabinet is found too shallow."""
-    pot = thing("pot", (x, y, 0.9), (0.2, 0.2, 0.2))
-    prisms = FRONT | {"pot": solid(pot)}
-    placed = {item.id: item for item in stacked([CABINET, pot], prisms, GenerationConfig())}["pot"]
+    pot = solid(thing("pot", (x, y, 0.9), (0.2, 0.2, 0.2)))
+    placed = {item.id: item for item in stacked([CABINET, pot])}["pot"]
     assert placed.support == "cabinet" and placed.center[:2] == pytest.approx([to, y])
-    paper = stacked([CABINET, pot], prisms, GenerationConfig(stack_tolerance=None))
+    paper = stacked([CABINET, pot], GenerationConfig(stack_tolerance=None))
     assert {item.id: item for item in paper}["pot"].center[:2] == pytest.approx([x, y])
 
 
@@ -227,15 +225,14 @@ def test_what_stands_on_a_light_thing_stays_over_its_feet(mass, to, mounting):
     nor what hangs on a wall."""
     stand = light(thing("stand", (2, 0, 0.15), (0.2, 0.2, 0.3), mounting=mounting), mass)
     can = thing("can", (2.095, 0, 0.4), (0.1, 0.1, 0.2))
-    pieces = [block(0, 0, 0.05, 0.05, -0.15, 0.1), block(0, 0, 0.1, 0.1, 0.1, 0.15)]
-    prisms = {"stand": pieces, "can": solid(can)}
-    placed = {item.id: item for item in stacked([stand, can], prisms, GenerationConfig())}["can"]
+    pieces = block(0, 0, 0.05, 0.05, -0.15, 0.1), block(0, 0, 0.1, 0.1, 0.1, 0.15)
+    placed = {item.id: item for item in stacked([replace(stand, prisms=pieces), solid(can)])}["can"]
     assert placed.support == "stand" and placed.center[0] == pytest.approx(to, abs=1e-4)
 
 
 def test_what_is_pushed_on_a_cabinet_stays_behind_its_handles():
     pot = thing("pot", (1.85, 0, 0.9), (0.2, 0.2, 0.2), support="cabinet")
     box = thing("box", (2.0, 0, 0.95), (0.25, 0.5, 0.3), support="cabinet")  # larger, so it stays
-    prisms = FRONT | {"pot": solid(pot), "box": solid(box)}
-    items = {item.id: item for item in resolve([CABINET, pot, box], prisms, [], GenerationConfig()).items}
+    result = resolve([CABINET, solid(pot), solid(box)], [], GenerationConfig())
+    items = {item.id: item for item in result.items}
     assert items["pot"].center[0] >= 1.8 - 1e-6 and items["pot"].moved > 0

@@ -12,6 +12,7 @@ import yaml
 from stages.config.model import load, merged
 from stages.contracts import InputError
 from stages.contracts.cousins import ObjectCousins
+from tests.refusals import refused
 from tests.unit.chat_server import Handler, chooses, pictures, says, serving
 from tests.unit.matching_data import SIZE, World
 from tests.workflow.workspace import ROOT
@@ -127,7 +128,7 @@ def test_a_scene_is_replayed_byte_for_byte(world: World, tmp_path: Path, capsys:
     assert f"0 asked for; the ledger has {asked} requests" in capsys.readouterr().out
     with pytest.raises(InputError, match="lacks a call to other about test/cabinet_1: model"):
         judged(world, tmp_path, "http://127.0.0.1:9", {"mode": "replay", "model": "other"}, **BOTH)
-    with pytest.raises(InputError, match=r"--snapshots: no shard holds cabinet_"):
+    with refused("E-SNAPSHOTS-MISSING"):
         judged(world, tmp_path, "http://127.0.0.1:9", {"mode": "replay"}, seen=False, **BOTH)
 
 

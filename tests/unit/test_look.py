@@ -1,15 +1,14 @@
 """The look of a room: light and colours of a picture that was drawn with known ones are found again."""
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 from stages.contracts import GeneratedScene, Objects
-from stages.contracts.look import Look, Surface
+from stages.contracts.look import ROOM_LIGHT, Look, Surface
 from stages.contracts.objects import Mounting, SceneObject, Wall
-from stages.generation.look import DEFAULT_LIGHT, direction_of, light_of, surfaces_seen
+from stages.generation.look import direction_of, light_of, surfaces_seen
 from stages.generation.painting import furnished, look_of, merged
 from stages.generation.placed import Placed
 from stages.geometry.boxes import UprightBox
@@ -24,16 +23,15 @@ FLOOR_COLOUR, WALL_COLOUR = (0.5, 0.3, 0.15), (0.3, 0.45, 0.6)
 
 
 @pytest.fixture(scope="module")
-def furniture(tmp_path_factory: pytest.TempPathFactory) -> tuple[list[Placed], dict[str, Path]]:
+def furniture(tmp_path_factory: pytest.TempPathFactory) -> list[Placed]:
     """A cabinet at the wall, and before it a table."""
     folder = tmp_path_factory.mktemp("furniture")
-    items, folders = [], {}
+    items = []
     for name, center in (("bottom_cabinet", (3.6, 0.6)), ("coffee_table", (2.6, -0.5))):
-        folders[name] = folder / name
-        asset = build(sample(name, 0, 0), None, folders[name], name, name)
+        asset = build(sample(name, 0, 0), None, folder / name, name, name)
         box = UprightBox((*center, asset.size[2] / 2), asset.size, np.pi)
-        items.append(Placed(name, name, asset, box, Mounting(type=2)))
-    return items, folders
+        items.append(Placed(name, name, asset, folder / name, box, Mounting(type=2)))
+    return items
 
 
 def objects_of(items: list[Placed], away: float = 0.0) -> Objects:
@@ -70,9 +68,9 @@ def true_look(light: Any) -> Look:
     )
 
 
-def taken(objects: Objects, items: list[Placed], folders: dict[str, Path], look: Look) -> tuple[Any, Any, Any]:
+def taken(objects: Objects, items: list[Placed], look: Look) -> tuple[Any, Any, Any]:
     """Picture, masks and depth of the furniture in a look."""
-    scene = furnished(scene_of(objects), items, folders, look)
+    scene = furnished(scene_of(objects), items, look)
     picture = RenderCamera(scene, objects.intrinsics, WIDTH, HEIGHT).render(objects.floor_from_camera)
     blocks = [instance_id(entity) for entity in scene.entities if entity.name in ("floor", "wall_1")]
     masks = np.where(np.isin(picture.segmentation, [0, *blocks]), 0, 1).astype(np.uint16)
@@ -81,47 +79,47 @@ def taken(objects: Objects, items: list[Placed], folders: dict[str, Path], look:
 
 @pytest.mark.parametrize(("azimuth", "elevation"), [(50, 50), (-35, 40), (10, 60)])
 def test_light_and_colours_are_found_again(furniture: Any, azimuth: float, elevation: float) -> None:
-    items, folders = furniture
+    items = furniture
     objects, light = objects_of(items), direction_of(np.radians(azimuth), np.radians(elevation))
-    pictures = taken(objects, items, folders, true_look(light))
-    look = look_of(objects, pictures, scene_of(objects), items, folders)
+    pictures = taken(objects, items, true_look(light))
+    look = look_of(objects, pictures, scene_of(objects), items)
     assert look.light_from == "shadows" and look.shadow_correlation > 0.6
     assert np.degrees(np.arccos(light @ look.light)) < 8
     found = {surface.id: surface.colour for surface in look.surfaces}
     assert found["floor"] == pytest.approx(FLOOR_COLOUR, abs=0.03)
     assert found["wall_1"] == pytest.approx(WALL_COLOUR, abs=0.03)
-    again = taken(objects, items, folders, look)[0]
+    again = taken(objects, items, look)[0]
     assert np.abs(again.astype(int) - pictures[0]).mean() < 2.5  # of 255
 
 
 def test_a_picture_without_shadows_gets_the_light_that_all_such_have(furniture: Any) -> None:
-    items, folders = furniture
+    items = furniture
     objects = objects_of(items)
-    rgb, masks, depth = taken(objects, items, folders, true_look(direction_of(0.8, 0.8)))
+    rgb, masks, depth = taken(objects, items, true_look(direction_of(0.8, 0.8)))
     noise = np.random.default_rng(0).integers(150, 160, rgb.shape).astype(np.uint8)
-    look = look_of(objects, (noise, masks, depth), scene_of(objects), items, folders)
+    look = look_of(objects, (noise, masks, depth), scene_of(objects), items)
     assert look.light_from == "default"
-    assert np.cross(look.light, DEFAULT_LIGHT) == pytest.approx(np.zeros(3), abs=1e-5)
+    assert np.cross(look.light, ROOM_LIGHT) == pytest.approx(np.zeros(3), abs=1e-5)
 
 
 def test_light_comes_through_no_wall(furniture: Any) -> None:
-    items, folders = furniture
+    items = furniture
     objects = objects_of(items)
-    pictures = taken(objects, items, folders, true_look(direction_of(0.8, 0.8)))
+    pictures = taken(objects, items, true_look(direction_of(0.8, 0.8)))
     seen = surfaces_seen(*pictures, objects)
     backwards = {name: one for name, one in seen.items() if name == "floor"}
     darkened = backwards["floor"].rgb.copy()
     darkened[backwards["floor"].points[:, 0] < 2.2] = 0.1  # as if light came through the wall x = 4
     for one in seen.values():
         one.rgb[...] = darkened if len(one.rgb) == len(darkened) else one.rgb
-    assert light_of(backwards, merged(items, folders))[0][0] < 0
-    assert light_of(seen, merged(items, folders))[0][0] >= 0
+    assert light_of(backwards, merged(items))[0][0] < 0
+    assert light_of(seen, merged(items))[0][0] >= 0
 
 
 def test_only_what_lies_in_its_plane_is_a_surface(furniture: Any) -> None:
-    items, folders = furniture
+    items = furniture
     objects = objects_of(items)
-    rgb, masks, depth = taken(objects, items, folders, true_look(direction_of(0.8, 0.8)))
+    rgb, masks, depth = taken(objects, items, true_look(direction_of(0.8, 0.8)))
     whole = surfaces_seen(rgb, masks, depth, objects)
     assert set(whole) == {"floor", "wall_1"}
     assert np.abs(whole["floor"].points[:, 2]).max() < 1e-9
@@ -134,10 +132,10 @@ def test_only_what_lies_in_its_plane_is_a_surface(furniture: Any) -> None:
 
 def test_shadows_fall_far_from_the_camera_too(furniture: Any) -> None:
     """The floor frame's origin is below the camera: the shadow map must follow the furniture."""
-    items, folders = furniture
+    items = furniture
     moved = [item.shifted([12, 0, 0]) for item in items]
     objects = objects_of(items).model_copy(update={"walls": []})
     objects.floor_from_camera = look_at([10, 0, 2.5], [15, 0, 0.2]).tolist()
-    rgb, masks, depth = taken(objects, moved, folders, true_look(direction_of(0.8, 0.8)))
+    rgb, masks, depth = taken(objects, moved, true_look(direction_of(0.8, 0.8)))
     floor = rgb[(masks == 0) & (depth > 0)][:, 0].astype(float)
     assert (floor < 0.85 * np.median(floor)).mean() > 0.004  # none otherwise

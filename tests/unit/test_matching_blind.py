@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from stages.config.matching import MatchingConfig
-from stages.contracts import Cousins, InputError, Objects, read_json
+from stages.contracts import Cousins, Objects, read_json
 from stages.contracts.cousins import Candidate, Orientation
 from stages.contracts.objects import Box, Mounting, SceneObject, Wall
 from stages.geometry.frames import angle_difference, rigid, wrap_angle
@@ -17,6 +17,7 @@ from stages.matching.judges import AbstainedError, Question
 from stages.matching.judges.priors import Judge
 from stages.matching.match import run as match
 from stages.matching.snapshots import Snapshots
+from tests.refusals import refused
 from tests.unit.matching_data import SHOWN, World
 
 BLIND = {"model_selection": "priors", "orientation_selection": "priors"}
@@ -136,7 +137,7 @@ def test_counts_decide_where_nothing_else_is_known(world: World, tmp_path: Path)
 
 def test_another_judge_beside_it_needs_features(world: World, tmp_path: Path) -> None:
     for mixed in ({"model_selection": "distance"}, {"orientation_selection": "distance"}):
-        with pytest.raises(InputError, match="names no feature store"):
+        with refused("E-FEATURES-MISSING"):
             blind(world, world.objects.parent, tmp_path / "mixed.json", **mixed)
     found = world.match(tmp_path / "both.json", model_selection="priors", orientation_selection="distance")
     assert found.objects[0].decided_by == "priors" and found.objects[0].cousins[0].parts["patches"] > 0

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stages.config.matching import MatchingConfig
-from stages.contracts import InputError, Library, read_json
+from stages.contracts import Library, read_json
 from stages.contracts.cousins import CategoryMatch
 from stages.contracts.feature_rows import check_features
 from stages.contracts.objects import SceneObject
@@ -16,6 +16,7 @@ from stages.matching.encoders import BESIDE, make_encoder, settings_digest
 from stages.matching.ranking import make_query, shortlisted
 from stages.matching.snapshots import SnapshotFile
 from stages.matching.store import FeatureStore, Snapshot
+from tests.refusals import refused
 from tests.unit.matching_data import MODELS, World
 
 
@@ -79,7 +80,7 @@ def test_compressed_features_give_nearly_the_same_distances(exact: World, small:
 
 
 def test_more_dimensions_than_features_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="features have 270 numbers"):
+    with refused("E-FEATURE-DIMENSIONS"):
         World(tmp_path, dimensions=270)
 
 

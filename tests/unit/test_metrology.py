@@ -1,6 +1,7 @@
 """Single-view metrology with known answers: what is projected from a room and measured in the picture is that room."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -108,7 +109,7 @@ def test_what_lines_leave_open_is_as_is_usual_and_what_is_fixed_stays() -> None:
 
 @pytest.mark.parametrize("turn", [0.0, 0.4], ids=["along the walls", "turned"])
 def test_a_standing_box_from_four_pixels(turn: float) -> None:
-    box = BOX._replace(yaw=turn)
+    box = replace(BOX, yaw=turn)
     left, right, top, rear = _seen(box, 0, 1, 4, 6)
     found = standing_box(VIEW, 0.0, [left, right, top, rear], NOTHING, free=bool(turn))
     assert oriented_iou(found, box) > 0.999
@@ -160,7 +161,7 @@ def test_a_hanging_box_from_three_pixels() -> None:
     for rear in (3, 2, 7):
         found = hanging_box(VIEW, wall, [*_seen(box, 0, 5), *_seen(box, rear)], NOTHING)
         assert oriented_iou(found, box) > 0.97
-    flat = hanging_box(VIEW, wall, _seen(box._replace(center=[-0.6, 3.985, 1.6], size=[0.9, 0.03, 0.7]), 0, 5), NOTHING)
+    flat = hanging_box(VIEW, wall, _seen(replace(box, center=[-0.6, 3.985, 1.6], size=[0.9, 0.03, 0.7]), 0, 5), NOTHING)
     assert np.asarray(flat.size)[1] == pytest.approx(0.03)
 
 
@@ -226,7 +227,7 @@ def test_what_has_no_place_does_not_stop_the_rest() -> None:
     a, b = VIEW.project([[-1, 4, 0], [1, 4, 0]]).tolist()
     wall = DrawnWall(id="back", a=tuple(a), b=tuple(b))
     assert solve(_project(objects=[off], walls=[wall])).boxes["off"].size[2] > 0.3  # type: ignore[index]
-    beside = _drawn("beside", BOX._replace(center=[-1.5, 3.2, 1.1], size=[0.2, 0.2, 0.2]), "low")
+    beside = _drawn("beside", replace(BOX, center=[-1.5, 3.2, 1.1], size=[0.2, 0.2, 0.2]), "low")
     guessed = solve(_project(objects=[low, bent, beside]))
     assert "depth is guessed" in guessed.notes["low"] and "beside" in guessed.notes["beside"]
     assert "before its front" in guessed.notes["bent"] and np.asarray(guessed.boxes["bent"].size)[1] == 0.6

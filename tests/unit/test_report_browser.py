@@ -70,8 +70,8 @@ def cabinet_to_turn(folder: Path, out: Path) -> None:
     made.walls = [Wall(id="wall_1", normal=(-1, 0, 0), offset=-3.0, points=99)]
     made.floor_from_camera = look_at([0, 0, 1.2], [3, 0, 0.4]).tolist()
     box = UprightBox((2.7, 0, asset.size[2] / 2), asset.size, np.pi)
-    item = Placed("cabinet_1", "cabinet", asset, box, Mounting(type=3))
-    glb.write(room_of(made, [item], {"cabinet_1": folder / "cabinet"}, None), out, 128)
+    item = Placed("cabinet_1", "cabinet", asset, folder / "cabinet", box, Mounting(type=3))
+    glb.write(room_of(made, [item], None), out, 128)
 
 
 @pytest.fixture(scope="module")

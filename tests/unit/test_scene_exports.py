@@ -56,9 +56,9 @@ def room(tmp_path_factory: pytest.TempPathFactory) -> Room:
         UprightBox((3.28, 0.2, 1.8), painting.size, np.pi),
     )
     items = [
-        Placed("cabinet_1", "cabinet", cabinet, boxes[0], hung),
-        Placed("mug_1", "mug", mug, boxes[1], loose, "cabinet_1"),
-        Placed("picture_1", "picture", painting, boxes[2], hung, "wall"),
+        Placed("cabinet_1", "cabinet", cabinet, folder / "bottom_cabinet", boxes[0], hung),
+        Placed("mug_1", "mug", mug, folder / "mug", boxes[1], loose, "cabinet_1"),
+        Placed("picture_1", "picture", painting, folder / "painting", boxes[2], hung, "wall"),
     ]
     made = GeneratedScene(
         scene="room_t",
@@ -73,8 +73,7 @@ def room(tmp_path_factory: pytest.TempPathFactory) -> Room:
     )
     surfaces = [Surface(id="floor", colour=(0.5, 0.3, 0.1), low=(0, -2), high=(3.3, 2))]
     look = Look(light=(0.6, 0, -0.8), light_from="shadows", shadow_correlation=0.9, surfaces=surfaces)
-    folders = {"cabinet_1": folder / "bottom_cabinet", "mug_1": folder / "mug", "picture_1": folder / "painting"}
-    return room_of(made, items, folders, look)
+    return room_of(made, items, look)
 
 
 def body(room: Room, name: str) -> Any:

@@ -1,6 +1,5 @@
 """A generated scene for other tools: a module per format, with `write(room, out)`, out a file or a folder."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
@@ -12,14 +11,14 @@ from stages.articulated.asset_folder import read_model
 from stages.articulated.forward_kinematics import link_frames
 from stages.articulated.model import JointModel, RobotModel
 from stages.contracts import Asset, GeneratedScene
-from stages.contracts.look import Look
-from stages.generation.look import DEFAULT_LIGHT
+from stages.contracts.look import ROOM_LIGHT, Look
 from stages.generation.placed import Placed
 from stages.geometry.frames import apply, rigid, yaw_matrix
 from stages.simulation.backdrop import Block, backdrop
 
 Matrix = NDArray[np.float64]
 CAMERA = "input_camera"
+OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])  # axes of a camera, from OpenCV's
 
 
 @dataclass(frozen=True)
@@ -66,13 +65,13 @@ class Room:
         return np.array(self.scene.floor_from_camera)
 
 
-def room_of(made: GeneratedScene, items: list[Placed], folders: Mapping[str, Path], look: Look | None) -> Room:
-    """A scene with the models of its items, whose folders are at their sizes."""
+def room_of(made: GeneratedScene, items: list[Placed], look: Look | None) -> Room:
+    """A scene with the models of its items, which are at their sizes."""
     bodies = []
     for item in items:
         middle, turn = (np.array(item.asset.box_min) + np.array(item.asset.box_max)) / 2, yaw_matrix(item.box.yaw)
-        pose, model = rigid(turn, item.center - turn @ middle), read_model(folders[item.id])
-        bodies.append(Body(item.id, item.label, item.asset, folders[item.id], model, pose, item.held))
+        pose, model = rigid(turn, item.center - turn @ middle), read_model(item.folder)
+        bodies.append(Body(item.id, item.label, item.asset, item.folder, model, pose, item.held))
     camera = np.array(made.floor_from_camera)[:3, 3]
     blocks = backdrop([item.box for item in items], made.walls, camera, look)
-    return Room(made, bodies, blocks, np.array(look.light if look else DEFAULT_LIGHT))
+    return Room(made, bodies, blocks, np.array(look.light if look else ROOM_LIGHT))

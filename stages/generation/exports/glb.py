@@ -10,12 +10,11 @@ from trimesh.exchange.gltf import export_glb
 
 from stages.articulated.model import JointModel
 from stages.contracts import GeneratedScene, atomic
-from stages.generation.exports import CAMERA, Body, Room
-from stages.generation.exports.surfaces import Surface, surface_of, surfaces
+from stages.generation.exports import CAMERA, OPENGL, Body, Room
+from stages.generation.exports.surfaces import ColouredMesh, surface_of, surfaces
 from stages.geometry.frames import rigid, yaw_matrix
 
 Y_UP = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
-OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])  # of a camera, from OpenCV's axes
 
 
 def write(room: Room, out: Path, largest: int | None = None) -> None:
@@ -83,7 +82,7 @@ def _wide(tree: dict[str, Any], made: GeneratedScene) -> None:
     tree["cameras"][0]["perspective"]["aspectRatio"] = made.width / made.height
 
 
-def _mesh(surface: Surface, largest: int | None) -> Trimesh:
+def _mesh(surface: ColouredMesh, largest: int | None) -> Trimesh:
     image = surface.image
     if image is not None and largest is not None:
         image = image.convert("RGB")

@@ -14,14 +14,12 @@ from stages.articulated import mesh_writer
 from stages.articulated.asset_folder import atomic_folder
 from stages.articulated.model import JointModel, Link, Matrix
 from stages.articulated.urdf_writer import FRICTION, PRISMATIC_DAMPING, REVOLUTE_DAMPING
+from stages.contracts.look import GAMMA
 from stages.contracts.system import sync
-from stages.generation.exports import CAMERA, Body, Room
-from stages.generation.exports.surfaces import GAMMA, Surface, surfaces, write_obj
+from stages.generation.exports import CAMERA, OPENGL, Body, Room
+from stages.generation.exports.surfaces import ColouredMesh, surfaces, write_obj
 from stages.geometry.frames import quaternion_from_matrix, yaw_quaternion
-
-SURFACE_FRICTION = 0.6
-SKY = 12.0  # metres above the floor, from where the light shines
-OPENGL = np.diag([1.0, -1.0, -1.0])  # of a camera, from OpenCV's axes
+from stages.simulation.loading import SURFACE_FRICTION
 
 
 def write(room: Room, out: Path) -> None:
@@ -69,7 +67,9 @@ class _Writer:
 
     def room(self, world: ET.Element, room: Room) -> None:
         """Light, camera, floor, walls and all bodies."""
-        position = -SKY * room.light / abs(room.light[2])
+        points = np.concatenate([body.corners for body in room.bodies])
+        away = np.linalg.norm(np.ptp(points, axis=0)) / np.linalg.norm(room.light)
+        position = points.mean(axis=0) - away * room.light
         light = {"name": "key", "type": "directional", "pos": _text(position), "dir": _text(room.light)}
         ET.SubElement(world, "light", light, diffuse="0.8 0.78 0.74", castshadow="true")
         self._camera(world, room)
@@ -92,7 +92,7 @@ class _Writer:
             "camera",
             name=CAMERA,
             pos=_text(pose[:3, 3]),
-            quat=_text(quaternion_from_matrix(pose[:3, :3] @ OPENGL)),
+            quat=_text(quaternion_from_matrix(pose[:3, :3] @ OPENGL[:3, :3])),
             resolution=f"{width} {height}",
             focalpixel=_text([k[0, 0], k[1, 1]]),
             principalpixel=_text(middle),
@@ -152,7 +152,7 @@ class _Writer:
             ET.SubElement(self.assets, "mesh", name=name, file=f"{name}.obj", inertia="shell")
             ET.SubElement(element, "geom", {"class": "collision", "type": "mesh", "mesh": name})
 
-    def _seen(self, element: ET.Element, name: str, surface: Surface) -> None:
+    def _seen(self, element: ET.Element, name: str, surface: ColouredMesh) -> None:
         write_obj(surface, self.folder / "meshes" / f"{name}.obj")
         ET.SubElement(self.assets, "mesh", name=name, file=f"{name}.obj", inertia="shell")
         looks = {"name": name, "rgba": _text(surface.shown_colour), "specular": "0.1", "shininess": "0.1"}

@@ -12,14 +12,14 @@ from PIL import Image
 from stages.articulated.mesh_reader import has_texture
 from stages.articulated.mesh_writer import shaded
 from stages.articulated.model import RGBA, Link, Visual
+from stages.contracts.look import GAMMA
 from stages.simulation.backdrop import Block
 
 Array = NDArray[np.float64]
-GAMMA = 2.2
 
 
 @dataclass(frozen=True)
-class Surface:
+class ColouredMesh:
     """vertices and normals (V, 3), faces (F, 3); colour linear; uv (V, 2) where there is an image."""
 
     vertices: Array
@@ -36,9 +36,9 @@ class Surface:
         return r, g, b, self.colour[3]
 
 
-def surfaces(link: Link) -> list[Surface]:
+def surfaces(link: Link) -> list[ColouredMesh]:
     """What is seen of a link, in its frame; everything of one colour is one surface."""
-    plain: dict[RGBA, list[Surface]] = {}
+    plain: dict[RGBA, list[ColouredMesh]] = {}
     textured = []
     for visual in link.visuals:
         if visual.colour is None and has_texture(visual.mesh):
@@ -47,18 +47,18 @@ def surfaces(link: Link) -> list[Surface]:
         colour = visual.colour or _colour(visual.mesh.visual)
         made = shaded(visual)
         normals = made.normals if made.normals is not None else np.zeros_like(made.vertices)
-        plain.setdefault(colour, []).append(Surface(made.vertices, made.faces, normals, colour))
+        plain.setdefault(colour, []).append(ColouredMesh(made.vertices, made.faces, normals, colour))
     return [_merged(parts) for parts in plain.values()] + textured
 
 
-def surface_of(block: Block) -> Surface:
+def surface_of(block: Block) -> ColouredMesh:
     """A block of the backdrop, about its own centre."""
     made = shaded(Visual(trimesh.creation.box(block.size), flat=True))
     assert made.normals is not None
-    return Surface(made.vertices, made.faces, made.normals, (*block.colour, 1.0))
+    return ColouredMesh(made.vertices, made.faces, made.normals, (*block.colour, 1.0))
 
 
-def write_obj(surface: Surface, path: Path) -> None:
+def write_obj(surface: ColouredMesh, path: Path) -> None:
     """An OBJ with normals and, where there are any, texture coordinates."""
     lines = [f"v {x:.5f} {y:.5f} {z:.5f}\n" for x, y, z in surface.vertices + 0.0]
     lines += [f"vn {x:.4f} {y:.4f} {z:.4f}\n" for x, y, z in surface.normals + 0.0]
@@ -69,9 +69,9 @@ def write_obj(surface: Surface, path: Path) -> None:
     path.write_text("".join(lines), encoding="ascii")
 
 
-def _merged(parts: list[Surface]) -> Surface:
+def _merged(parts: list[ColouredMesh]) -> ColouredMesh:
     starts = np.cumsum([0, *(len(part.vertices) for part in parts)])
-    return Surface(
+    return ColouredMesh(
         np.concatenate([part.vertices for part in parts]),
         np.concatenate([part.faces + start for part, start in zip(parts, starts, strict=False)]),
         np.concatenate([part.normals for part in parts]),
@@ -79,7 +79,7 @@ def _merged(parts: list[Surface]) -> Surface:
     )
 
 
-def _textured(visual: Visual) -> Surface:
+def _textured(visual: Visual) -> ColouredMesh:
     mesh = visual.mesh
     looks: Any = mesh.visual
     material = looks.material
@@ -87,7 +87,7 @@ def _textured(visual: Visual) -> Surface:
     colour = (1.0, 1.0, 1.0, 1.0) if material.baseColorFactor is None else _rgba(material.baseColorFactor)
     uv = np.asarray(looks.uv, dtype=np.float64)
     vertices, normals = np.asarray(mesh.vertices), np.asarray(mesh.vertex_normals)
-    return Surface(vertices, np.asarray(mesh.faces), normals, colour, uv, material.baseColorTexture)
+    return ColouredMesh(vertices, np.asarray(mesh.faces), normals, colour, uv, material.baseColorTexture)
 
 
 def _colour(looks: Any) -> RGBA:

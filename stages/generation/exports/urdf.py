@@ -12,9 +12,9 @@ from scipy.spatial.transform import Rotation
 
 from stages.articulated.asset_folder import atomic_folder
 from stages.articulated.model import Matrix
+from stages.contracts.look import GAMMA
 from stages.contracts.system import sync
 from stages.generation.exports import CAMERA, Body, Room
-from stages.generation.exports.surfaces import GAMMA
 from stages.geometry.frames import quaternion_from_matrix, rigid, yaw_matrix
 from stages.simulation.backdrop import Block
 

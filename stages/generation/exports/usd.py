@@ -10,20 +10,20 @@ from stages.articulated.model import JointModel, Link, Matrix
 from stages.articulated.urdf_writer import PRISMATIC_DAMPING, REVOLUTE_DAMPING
 from stages.contracts import InputError
 from stages.contracts.system import sync
-from stages.generation.exports import CAMERA, Body, Room
-from stages.generation.exports.surfaces import Surface, surface_of, surfaces
+from stages.generation.exports import CAMERA, OPENGL, Body, Room
+from stages.generation.exports.surfaces import ColouredMesh, surface_of, surfaces
 from stages.geometry.frames import quaternion_from_matrix, rigid, yaw_matrix
+from stages.simulation.loading import SURFACE_FRICTION
 
 try:
     from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdLux, UsdPhysics, UsdShade, Vt
 except ImportError:
-    raise InputError("--format usd", "usd-core is not installed.", "pip install usd-core") from None
+    raise InputError(
+        "--format usd", "usd-core is not installed.", "pip install usd-core", code="E-USD-MISSING"
+    ) from None
 
 ROOT, LOOKS = "/World", "/World/Looks"
-SURFACE_FRICTION = 0.6
 APERTURE = 20.955  # millimetres, USD's usual film
-OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])  # of a camera, from OpenCV's axes
-X = np.array([1.0, 0.0, 0.0])
 
 
 def write(room: Room, out: Path) -> None:
@@ -123,7 +123,7 @@ class _Writer:
         made = kind.get(joint.type, UsdPhysics.PrismaticJoint).Define(self.stage, f"{path}/{_name(joint.name)}_joint")
         made.CreateBody0Rel().SetTargets([Sdf.Path(f"{path}/{_name(joint.parent)}")])
         made.CreateBody1Rel().SetTargets([Sdf.Path(f"{path}/{_name(joint.child)}")])
-        along = rigid(_turn(X, joint.axis), np.zeros(3))  # the joint's x axis is that of the motion
+        along = rigid(_turn(np.eye(3)[0], joint.axis), np.zeros(3))  # the joint's x axis is that of the motion
         _frame(made, 0, joint.origin @ along)
         _frame(made, 1, along)
         if joint.type == "fixed":
@@ -145,7 +145,7 @@ class _Writer:
         mesh.CreateSubdivisionSchemeAttr("none")
         return mesh
 
-    def _seen(self, path: str, surface: Surface) -> None:
+    def _seen(self, path: str, surface: ColouredMesh) -> None:
         mesh = self._mesh(path, surface.vertices, surface.faces)
         mesh.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(surface.normals.astype(np.float32)))
         mesh.SetNormalsInterpolation("vertex")
@@ -165,7 +165,7 @@ class _Writer:
             self.rough, UsdShade.Tokens.weakerThanDescendants, "physics"
         )
 
-    def _material(self, surface: Surface) -> Any:
+    def _material(self, surface: ColouredMesh) -> Any:
         key = (surface.colour, None if surface.image is None else surface.image.tobytes())
         if key in self.materials:
             return self.materials[key]
@@ -181,7 +181,7 @@ class _Writer:
         material.CreateSurfaceOutput().ConnectToSource(shader.ConnectableAPI(), "surface")
         return material
 
-    def _texture(self, path: str, surface: Surface) -> Any:
+    def _texture(self, path: str, surface: ColouredMesh) -> Any:
         assert surface.image is not None
         image = surface.image.convert("RGB")
         file = self.textures.setdefault((image.size, image.tobytes()), f"textures/texture_{len(self.textures)}.png")

@@ -6,6 +6,7 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 from transformers import Dinov2Model
+from transformers.image_utils import IMAGENET_DEFAULT_MEAN, IMAGENET_DEFAULT_STD
 
 from stages.config.matching import EncoderOptions
 from stages.contracts import InputError
@@ -13,7 +14,7 @@ from stages.matching.crop import View, cut, foreground, masked_square, patch_pos
 from stages.matching.encoders import Patches
 from stages.matching.pretrained import load_pretrained, weights_sha256
 
-MEAN, STD = np.array([0.485, 0.456, 0.406], np.float32), np.array([0.229, 0.224, 0.225], np.float32)  # of ImageNet
+MEAN, STD = np.array(IMAGENET_DEFAULT_MEAN, np.float32), np.array(IMAGENET_DEFAULT_STD, np.float32)
 
 
 class Encoder:
@@ -25,7 +26,9 @@ class Encoder:
         patch = self.model.config.patch_size
         height, width = self.options.height, self.options.width
         if height % patch or width % patch:
-            raise InputError("matching.dinov2", f"{height} x {width}: no multiple of {patch}.", "e.g. 224")
+            raise InputError(
+                "matching.dinov2", f"{height} x {width}: no multiple of {patch}.", "e.g. 224", code="E-PATCH-SIZE"
+            )
         self.rows, self.columns = height // patch, width // patch
 
     def settings(self) -> dict[str, Any]:

@@ -70,13 +70,13 @@ def checked(judge: str, kind: type[T], answer: object, shown: Collection[str] | 
     """
     where, mend = f"judge {judge}", "docs/extending.md says what a judge gives"
     if not isinstance(answer, list | tuple) or not answer or not all(isinstance(each, kind) for each in answer):
-        raise InputError(where, f"gives {repr(answer)[:80]}, no list of {kind.__name__}.", mend)
+        raise InputError(where, f"gives {repr(answer)[:80]}, no list of {kind.__name__}.", mend, code="E-JUDGE-ANSWER")
     if shown is not None:
         names = [str(each.asset) for each in answer]  # type: ignore[attr-defined]
         for number, name in enumerate(names):
             if name not in shown or name in names[:number]:
                 why = f"{name} twice" if name in shown else f"{name}, which it was not shown"
-                raise InputError(where, f"gives {why}.", mend)
+                raise InputError(where, f"gives {why}.", mend, code="E-JUDGE-ANSWER")
     return list(answer)
 
 

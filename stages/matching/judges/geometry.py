@@ -12,10 +12,10 @@ from stages.config.matching import MatchingConfig
 from stages.contracts.cousins import Candidate, Orientation
 from stages.matching.judges import Question
 from stages.matching.priors import added
+from stages.matching.ranking import DIGITS
 from stages.matching.synthesis.fits import Fit
 from stages.matching.synthesis.workbench import Workbench
 
-DIGITS = 4  # of scores: what is equal up to here is a tie
 FITS = 0.7  # of a perfect score: below it, how models differ in their scores says nothing
 
 

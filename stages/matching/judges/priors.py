@@ -10,9 +10,8 @@ from stages.contracts.cousins import Candidate, Orientation
 from stages.geometry.viewing import view_angle
 from stages.matching.judges import AbstainedError, Question
 from stages.matching.priors import added
+from stages.matching.ranking import DIGITS
 from stages.matching.standing import aligned_yaws, touched_wall
-
-DIGITS = 4  # of sums: what is equal up to here is a tie
 
 
 class Judge:

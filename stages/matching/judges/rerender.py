@@ -8,7 +8,7 @@ from stages.contracts.cousins import Candidate, Orientation
 from stages.matching.encoders import encode_rows, make_encoder
 from stages.matching.judges import AbstainedError, Question
 from stages.matching.ranking import DIGITS, compare, make_query
-from stages.matching.synthesis.picture import render
+from stages.matching.synthesis.rendering import render
 from stages.matching.synthesis.workbench import Workbench
 
 

@@ -9,13 +9,14 @@ from stages.config.matching import GeometryConfig
 from stages.contracts import Objects
 from stages.contracts.objects import SceneObject
 from stages.geometry.boxes import UprightBox
+from stages.geometry.estimate import Sight
 from stages.geometry.frames import SYMMETRY_PERIOD, wrap_angle
 from stages.geometry.viewing import view_angle, view_yaw
 from stages.matching.crop import View
 from stages.matching.standing import aligned_yaws, touched_wall
 from stages.matching.synthesis.fitting import Measured, laid_over, measure
 from stages.matching.synthesis.observation import observe
-from stages.matching.synthesis.picture import Picture, render
+from stages.matching.synthesis.rendering import Rendering, render
 from stages.matching.synthesis.solid import Solid
 from stages.matching.synthesis.terms import Terms, compare, line_field
 
@@ -28,7 +29,7 @@ class Fit(NamedTuple):
     asset: str
     yaw: float
     box: UprightBox
-    picture: Picture
+    picture: Rendering
     terms: Terms
 
     def score(self, weights: GeometryConfig) -> float:
@@ -48,14 +49,13 @@ class Fitter:
 
     def __init__(self, view: View, item: SceneObject, scene: Objects, resolution: int) -> None:
         assert item.box is not None
-        self.box = item.box
+        self.box = UprightBox(item.box.center, item.box.size, item.box.yaw)
         self.seen = observe(view, np.array(scene.floor_from_camera, dtype=float), scene.depth_error, resolution)
         self.lines = line_field(self.seen.rgb)
-        middle, height = item.box.center[2], item.box.size[2]
-        self.heights = (middle - height / 2, middle + height / 2)
+        self.sight = Sight(self.seen.cloud, self.seen.eye, scene.depth_error.at)
         wall = touched_wall(item, scene)
         self.touches = wall is not None
-        self.behind = None if wall is None else (np.array(wall.normal), wall.offset)
+        self.wall = None if wall is None else (np.array(wall.normal), wall.offset)
         self._measured: dict[float, Measured] = {}
         self._fits: dict[tuple[str, float], Fit] = {}
         self.aligned = aligned_yaws(item, wall)  # yaws at which a model stands along the wall, else along the box
@@ -78,8 +78,7 @@ class Fitter:
     def box_of(self, solid: Solid, yaw: float) -> UprightBox:
         """The box of a model that stands at a yaw of the floor frame in the object's place."""
         if yaw not in self._measured:
-            seen = self.seen
-            self._measured[yaw] = measure(seen.cloud, self.heights, yaw, seen.eye, seen.depth_error, self.behind)
+            self._measured[yaw] = measure(self.sight, self.box, yaw, self.wall)
         return laid_over(solid, self._measured[yaw], self.seen)
 
     def floor_yaw(self, view: float) -> float:

@@ -5,16 +5,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts.objects import DepthError
 from stages.geometry.boxes import UprightBox
+from stages.geometry.estimate import BIN, REACH, Sight
 from stages.geometry.frames import SYMMETRY_PERIOD, yaw_matrix
 from stages.matching.synthesis.observation import Observation
 from stages.matching.synthesis.solid import Solid
 
 TRIM = 0.005  # share of the points left out at each end
-THIN = 0.005  # metres: no box is thinner
-MOST_NOISE = 0.25  # of an extent: no more is taken off it at either end, far away the noise is only guessed
-REACH = 2.0  # deviations by which the outermost points lie beyond a face
 SEEN, UNSEEN = 0.1, 0.3  # of an extent: how far a face may be wrong, across the line of sight and behind the object
 ROUNDS = 4
 SIDE_ERROR = 0.005  # of the object's longer side in the picture: how well outlines meet
@@ -34,48 +31,32 @@ class Measured(NamedTuple):
 
     def box(self) -> UprightBox:
         """The box between the ends."""
-        return UprightBox(yaw_matrix(self.yaw) @ self.ends.mean(axis=0), self.ends[1] - self.ends[0], self.yaw)
+        size = np.maximum(self.ends[1] - self.ends[0], BIN)
+        return UprightBox(yaw_matrix(self.yaw) @ self.ends.mean(axis=0), size, self.yaw)
 
 
-def measure(
-    cloud: Array,
-    heights: tuple[float, float],
-    yaw: float,
-    eye: Array,
-    depth_error: DepthError,
-    behind: tuple[Array, float] | None = None,
-) -> Measured:
-    """The extents of a cloud (N, 3), floor frame, along axes turned by `yaw`, and between two heights.
-
-    Noise of depth lays points before and behind the faces: taken off, as far as the axes run along the line of sight.
+def measure(sight: Sight, box: UprightBox, yaw: float, wall: tuple[Array, float] | None = None) -> Measured:
+    """The extents of an object along axes turned by `yaw`, with the heights of its box.
 
     Args:
-        behind: normal (3,) and offset of the wall that the object reaches to, further than its points may tell.
+        box: the minimum box of its points, down to what it stands on.
+        wall: normal (3,) and offset of the wall that the object reaches to, further than its points may tell.
     """
-    turn = yaw_matrix(yaw)[:2, :2]
-    level = np.quantile(cloud[:, :2] @ turn, [TRIM, 1 - TRIM], axis=0)
-    sight = (cloud.mean(axis=0) - eye)[:2] @ turn
-    distance = float(np.linalg.norm(sight))
-    along = sight / max(distance, 1e-6)
-    noise = REACH * depth_error.at(distance) * np.abs(along)
-    inset = np.minimum(noise, MOST_NOISE * (level[1] - level[0]))
-    level += [inset, -inset]
-    extent = np.maximum(level[1] - level[0], THIN)
-    share = np.array([SEEN + UNSEEN * np.clip(-along, 0, 1), SEEN + UNSEEN * np.clip(along, 0, 1)])
-    errors = share * extent + noise
-    if behind is not None:
-        normal = behind[0][:2] @ turn
+    seen = sight.measured(box, yaw, TRIM)
+    extent = np.maximum(seen.size, BIN)
+    center = seen.center @ yaw_matrix(yaw)
+    ends = np.array([center - extent / 2, center + extent / 2])
+    along = np.append(sight.ray[:2] @ yaw_matrix(yaw)[:2, :2], 0.0)
+    share = SEEN + UNSEEN * np.clip([-along, along], 0, 1)
+    errors = share * extent + REACH * sight.noise * np.abs(along)
+    if wall is not None:
+        normal = wall[0][:2] @ yaw_matrix(yaw)[:2, :2]
         axis = int(np.argmax(np.abs(normal)))
         end = 0 if normal[axis] > 0 else 1
-        wall = behind[1] * np.sign(normal[axis])
-        errors[end, axis] = SEEN * extent[axis] + abs(wall - level[end, axis]) / 2
-        level[end, axis] = wall
-    level = np.sort(level, axis=0)
-    thin = np.maximum(THIN - (level[1] - level[0]), 0) / 2
-    level += [-thin, thin]
-    height = max(heights[1] - heights[0], THIN)
-    ends = np.column_stack([level, [heights[0], heights[0] + height]])
-    return Measured(ends, np.column_stack([errors, [SEEN * height] * 2]), yaw)
+        there = wall[1] * np.sign(normal[axis])
+        errors[end, axis] = SEEN * extent[axis] + abs(there - ends[end, axis]) / 2
+        ends[end, axis] = there
+    return Measured(np.sort(ends, axis=0), errors, yaw)
 
 
 def laid_over(solid: Solid, measured: Measured, seen: Observation) -> UprightBox:
@@ -86,9 +67,9 @@ def laid_over(solid: Solid, measured: Measured, seen: Observation) -> UprightBox
     of Cauchy's distribution, by which errors are mostly small and sometimes of any size).
     """
     turn, start = yaw_matrix(measured.yaw), measured.box()
-    center, size = measured.ends.mean(axis=0), np.asarray(start.size, dtype=float)
+    center, size = measured.ends.mean(axis=0), start.size
     longer = float(np.max(seen.sides[2:] - seen.sides[:2]))
-    native = np.maximum(solid.asset.size, THIN)
+    native = np.maximum(solid.asset.size, BIN)
     level = TURNED if SYMMETRY_PERIOD[solid.asset.symmetry] < np.pi else STRETCH
 
     def residuals(change: Array) -> Array:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from stages.contracts.objects import DepthError
 from stages.geometry.cameras import back_project
+from stages.geometry.estimate import REACH
 from stages.geometry.frames import apply, inverse
 from stages.geometry.masks import pixel_bounds
 from stages.matching.crop import View
@@ -18,7 +19,7 @@ MARGIN = 0.12  # of the object's longer side, around its mask
 BEYOND = 3  # pixels from the mask's edge to what lies beyond it
 EDGE_SHARE = 0.03  # of its extent: the pixels that make up a side of the mask
 CLOUD_POINTS = 6000
-NEARER = 0.05, 4.0  # metres, and of the error of depth
+NEARER = 0.05  # metres, beyond the noise of depth
 Array = NDArray[np.float64]
 
 
@@ -79,7 +80,7 @@ class Observation:
 
 def nearer_by(depth: NDArray[np.floating], error: DepthError) -> NDArray[np.floating]:
     """Metres by which what hides a thing is nearer; less may be noise of depth, or the floor that it stands on."""
-    return NEARER[0] + NEARER[1] * error.at(depth)
+    return NEARER + REACH * error.at(depth)
 
 
 def observe(view: View, floor_from_camera: Array, depth_error: DepthError, longest: int) -> Observation:

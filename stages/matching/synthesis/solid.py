@@ -16,11 +16,11 @@ from stages.articulated.model import Visual
 from stages.articulated.urdf_reader import UrdfReader
 from stages.contracts.errors import InputError
 from stages.contracts.library import Asset
+from stages.contracts.look import GAMMA
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import apply, yaw_matrix
 
 UNPAINTED = (0.6, 0.6, 0.6)  # linear
-GAMMA = 2.2  # of pictures
 Array = NDArray[np.float64]
 
 
@@ -47,7 +47,7 @@ class Solid:
         frames = frames_of(reader.tree.root, reader.joints)
         pieces = [(frames[name], visual) for name in reader.tree.links for visual in reader.visuals(name)]
         if reader.remarks:
-            raise InputError(reader.path, reader.remarks[0])
+            raise InputError(reader.path, reader.remarks[0], code="E-MODEL-BROKEN")
         low, size = np.array(self.asset.box_min), np.maximum(self.asset.size, 1e-6)
         points = [(apply(frame, visual.mesh.vertices) - low) / size - 0.5 for frame, visual in pieces]
         faces = [np.asarray(visual.mesh.faces) for _, visual in pieces]
@@ -68,13 +68,13 @@ class Solid:
 
     def placed(self, box: UprightBox) -> Array:
         """Its outermost vertices (N, 3) when its box is `box`."""
-        return self.outermost * np.asarray(box.size) @ yaw_matrix(box.yaw).T + np.asarray(box.center)
+        return self.outermost * box.size @ yaw_matrix(box.yaw).T + box.center
 
     def look(self, origin: Array, directions: Array, box: UprightBox) -> Seen:
         """What rays from `origin` (3,) along `directions` (N, 3) see of it in the box; nobody is inside the box."""
-        turn, size = yaw_matrix(box.yaw), np.asarray(box.size, dtype=float)
+        turn, size = yaw_matrix(box.yaw), box.size
         rays = np.empty((len(directions), 6), np.float32)
-        rays[:, :3] = (origin - np.asarray(box.center)) @ turn / size
+        rays[:, :3] = (origin - box.center) @ turn / size
         rays[:, 3:] = directions @ turn / size
         hits = self._scene.cast_rays(o3d.core.Tensor.from_numpy(rays), nthreads=1)
         depth = hits["t_hit"].numpy()

@@ -6,14 +6,15 @@ import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stages.geometry.estimate import REACH
+from stages.matching.colours import LIGHTNESS
 from stages.matching.synthesis.observation import Observation
-from stages.matching.synthesis.picture import Picture
+from stages.matching.synthesis.rendering import Rendering
 
-DEPTH_SCALE, DEPTH_NOISE = 0.06, 2.0  # of the diagonal; of depth's error: a difference that counts as wholly wrong
+DEPTH_SCALE = 0.06  # of the diagonal, beyond the noise of depth: a difference that counts as wholly wrong
 BINS, BLUR, AROUND = 6, 1.2, 4.0  # directions of lines; cells by which they may be off; cells looked at together
 FAINT = 0.1  # lines weaker than this are noise
-UNDECIDED = 0.5  # of a thing too thin to have an inside
-COLOUR_SCALE, LIGHTNESS = 0.3, 0.5
+COLOUR_SCALE = 0.3  # of Lab / 100: a difference that counts as wholly wrong
 Array = NDArray[np.float32]
 
 
@@ -27,7 +28,7 @@ class Terms(NamedTuple):
     proportions: float
 
 
-def compare(seen: Observation, shown: Picture, size: ArrayLike, native: ArrayLike, given: Array) -> Terms:
+def compare(seen: Observation, shown: Rendering, size: ArrayLike, native: ArrayLike, given: Array) -> Terms:
     """Compare a candidate of extents `size` (3,), `native` in the library; `given`: `line_field` of the object."""
     covered = shown.cover >= 0.5
     both = seen.mask & covered
@@ -36,9 +37,9 @@ def compare(seen: Observation, shown: Picture, size: ArrayLike, native: ArrayLik
         return Terms(0, 0, 0, 0, distortion(size, native))
     ratio = float(np.median(seen.depth[known] / shown.depth[known]))  # the fit's distance, and the error of depth's
     outline = outline_agreement(seen, shown, ratio)
-    tolerance = DEPTH_SCALE * np.linalg.norm(np.asarray(size)) + DEPTH_NOISE * seen.depth_error.at(seen.depth[known])
+    tolerance = DEPTH_SCALE * np.linalg.norm(np.asarray(size)) + REACH * seen.depth_error.at(seen.depth[known])
     off = np.abs(seen.depth[known] - ratio * shown.depth[known]) / tolerance
-    shared = inner(both)
+    shared = inner(both) if inner(both).any() else both
     return Terms(
         outline,
         1 - float(np.minimum(off, 1).mean()),
@@ -48,7 +49,7 @@ def compare(seen: Observation, shown: Picture, size: ArrayLike, native: ArrayLik
     )
 
 
-def outline_agreement(seen: Observation, shown: Picture, ratio: float) -> float:
+def outline_agreement(seen: Observation, shown: Rendering, ratio: float) -> float:
     """Intersection over union of the outlines, over the cells where the candidate could be seen."""
     visible = ~((shown.cover > 0) & seen.hides(shown.depth * ratio))
     mask = seen.mask.astype(np.float32)
@@ -78,8 +79,6 @@ def line_agreement(given: Array, shown: Array, where: NDArray[np.bool_]) -> floa
 
     As in structural similarity: twice the product over the squares' sum, over a window; 1 where neither has lines.
     """
-    if not where.any():
-        return UNDECIDED
     a, b = _by_direction(given, where), _by_direction(shown, where)
     product = cv2.GaussianBlur((a * b).sum(axis=-1), (0, 0), AROUND)
     squares = cv2.GaussianBlur((a * a + b * b).sum(axis=-1), (0, 0), AROUND)

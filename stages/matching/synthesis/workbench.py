@@ -1,12 +1,13 @@
 """What the judges that render share: the object at hand, ready to be fitted to, and the models read so far."""
 
+import numpy as np
+
 from stages.contracts.library_folder import AssetFolders
 from stages.matching.judges import AbstainedError, Question
 from stages.matching.synthesis.fits import Fitter
 from stages.matching.synthesis.solid import Solid
 
 SMALLEST = 40  # pixels of a mask: fewer show nothing that models differ in
-KNOWN = 0.5  # of them, with depth
 MODELS = 300  # kept in memory
 
 
@@ -32,7 +33,7 @@ class Workbench:
             pixels = int(view.mask.sum())
             if pixels < SMALLEST:
                 raise AbstainedError(f"{self.judge}: the object has {pixels} pixels, fewer than {SMALLEST}")
-            if view.depth is None or view.intrinsics is None or (view.depth[view.mask] > 0).mean() < KNOWN:
+            if view.depth is None or view.intrinsics is None or 2 * np.count_nonzero(view.depth[view.mask]) < pixels:
                 raise AbstainedError(f"{self.judge}: less than half of the object has depth")
             self._object = (question.name, Fitter(view, item, scene, self.resolution))
         return self._object[1]

@@ -22,13 +22,16 @@ class TextEncoder:
         fix = "put vocab.json and merges.txt beside model.safetensors"
         folder = Path(options.path)
         if folder.is_dir() and not any((folder / name).is_file() for name in ("vocab.json", "tokenizer.json")):
-            raise InputError("matching.clip.path", f"'{options.path}' has no tokenizer.", fix)
+            raise InputError(
+                "matching.clip.path", f"'{options.path}' has no tokenizer.", fix, code="E-TOKENIZER-MISSING"
+            )
         try:
             self.tokenizer = CLIPTokenizer.from_pretrained(
                 options.path, local_files_only=not options.download, revision=options.revision
             )
         except (OSError, ValueError, TypeError):
-            raise InputError("matching.clip.path", f"the tokenizer in '{options.path}' does not load.", fix) from None
+            what = f"the tokenizer in '{options.path}' does not load."
+            raise InputError("matching.clip.path", what, fix, code="E-TOKENIZER-BROKEN") from None
         self.known: dict[str, NDArray[np.float64]] = {}
 
     def distance(self, label: str, categories: Sequence[str]) -> NDArray[np.float64]:

@@ -52,7 +52,9 @@ book box basket trashcan bag
 plant pot vase tree
 bed sofa crib mattress
 """
-CANONICAL = {word: line.split()[0] for line in SYNONYMS.strip().splitlines() for word in line.split()}
+CANONICAL = {
+    word: first for first, *others in map(str.split, SYNONYMS.strip().splitlines()) for word in (first, *others)
+}
 GROUPS = [set(line.split()) for line in KINDS.strip().splitlines()]
 LEAST = 0.03  # similarity below this is a few letters by chance
 KNOWN = set(CANONICAL).union(*GROUPS)

@@ -6,17 +6,15 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from stages.contracts.look import GAMMA, ROOM_LIGHT
 from stages.geometry.boxes import UprightBox
 from stages.matching.crop import View
 from stages.matching.synthesis.observation import Observation
-from stages.matching.synthesis.solid import GAMMA, Solid
-
-AMBIENT, DIFFUSE = 0.5, 0.55
-TO_LIGHT = np.array([-0.42, 0.32, 0.85])  # floor frame: over the photographer's shoulder
+from stages.matching.synthesis.solid import Solid
 
 
 @dataclass(frozen=True)
-class Picture:
+class Rendering:
     """What is seen of a candidate in each cell (h, w): colour (h, w, 3) 0 to 1, the same without textures, the share
     that it covers, depth where it covers anything."""
 
@@ -35,10 +33,11 @@ class Picture:
         return View((self.rgb * 255).round().astype(np.uint8), there, depth.astype(np.float32), intrinsics, up)
 
 
-def render(solid: Solid, box: UprightBox, seen: Observation) -> Picture:
+def render(solid: Solid, box: UprightBox, seen: Observation) -> Rendering:
     """Render a model in a box under one light; colours as in the model's materials."""
     look = solid.look(seen.eye, seen.rays.reshape(-1, 3), box)
-    shade = (AMBIENT + DIFFUSE * np.clip(look.normals @ TO_LIGHT, 0, None))[:, None]
+    lit = -look.normals @ np.array(ROOM_LIGHT) / np.linalg.norm(ROOM_LIGHT)
+    shade = (0.5 + np.clip(lit, 0, None) / 2)[:, None]
     there = (look.depth > 0)[:, None]
     rgb, plain = (np.clip(colour * shade, 0, 1) ** (1 / GAMMA) * there for colour in (look.colour, look.plain))
 
@@ -54,4 +53,4 @@ def render(solid: Solid, box: UprightBox, seen: Observation) -> Picture:
         """Means over what it covers of each cell."""
         return np.asarray(cells(values) / np.maximum(cover, 1e-6), np.float32)
 
-    return Picture(seen_part(rgb), seen_part(plain), cover[..., 0], seen_part(look.depth)[..., 0])
+    return Rendering(seen_part(rgb), seen_part(plain), cover[..., 0], seen_part(look.depth)[..., 0])

@@ -13,9 +13,6 @@ from stages.matching.scene import Scene
 from stages.matching.snapshots import Snapshots
 from stages.matching.synthesis.workbench import Workbench
 
-PALE = 0.86  # of the ground
-UNSEEN = 0.55  # what is hidden in the picture is darker
-
 
 class InPlace:
     """Renders cousins of a scene's objects; `library`: library.json, its archives beside it."""
@@ -34,9 +31,9 @@ class InPlace:
             return None
         (fit,) = fitter.fit(solid, [fitter.floor_yaw(cousin.orientation.yaw)])
         cover = fit.picture.cover[..., None]
-        rgb = fit.picture.rgb * cover + PALE * (1 - cover)
+        rgb = fit.picture.rgb * cover + (1 - cover)  # on white
         hidden = (fit.picture.cover > 0) & fitter.seen.hides(fit.picture.depth)
-        rgb = np.where(hidden[..., None], UNSEEN * rgb, rgb)
+        rgb = np.where(hidden[..., None], rgb / 2, rgb)
         terms = fit.terms
         caption = (
             f"outl. {terms.outline:.2f} depth {terms.depth:.2f}\n"

@@ -1,0 +1,105 @@
+"""Which of its cousins stands for an object in the scene of a rank, and what a person says of that."""
+
+from collections.abc import Callable, Collection, Iterable, Mapping
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from stages.contracts import Asset, InputError
+from stages.contracts.cousins import Cousin
+from stages.generation.inputs import MatchedObject
+from stages.generation.placed import Placed
+from stages.geometry.boxes import UprightBox
+
+AS_NEAR = 0.05  # of distances of labels: a lamp is a table lamp (0.14) or a floor lamp (0.15)
+
+
+def choose(
+    one: MatchedObject, rank: int, models: Mapping[int, str], place: Callable[[Cousin], Placed], limit: float | None
+) -> Placed:
+    """What stands for an object in the scene of a rank: what a person says, else the cousin of that rank that fits.
+
+    Args:
+        models: asset by mask value, of what stands in this scene already.
+        place: puts a cousin in the object's place.
+        limit: how far it may be stretched; None: they all fit.
+
+    Raises:
+        InputError: the object has no cousin left, or the library lacks it.
+    """
+    said, name = one.correction, one.object.id
+    if one.failed:
+        raise InputError(name, one.failed, code="E-OBJECT-FAILED")
+    if said.like is not None and said.like in models:
+        return by_hand(models[said.like], one, place, "the model of what it is like, as a person says")
+    if said.model is not None and (said.pinned or rank == 1):
+        return by_hand(said.model, one, place, "chosen by a person")
+    cousins = [cousin for cousin in one.cousins if cousin.asset not in {said.model, *said.banned}]
+    if not cousins:
+        raise InputError(name, "all of its cousins are banned", code="E-COUSINS-BANNED")
+    rank -= said.model is not None and rank > 1
+    return chosen((place(cousin) for cousin in cousins), rank, limit, meant(one.distances, cousins[0].category))
+
+
+def by_hand(asset: str, one: MatchedObject, place: Callable[[Cousin], Placed], why: str) -> Placed:
+    """Any model: as matching turned it, or as it turned the nearest cousin, for all models face +x."""
+    found = next((cousin for cousin in one.cousins if cousin.asset == asset), None)
+    placed = place(found or one.cousins[0].model_copy(update={"asset": asset}))
+    return replace(placed, chosen=True, steps=(why, *placed.steps))
+
+
+def meant(distances: Mapping[str, float], category: str) -> set[str]:
+    """The categories that a label means as much as one of them, which it is among; `distances`: of the label."""
+    return {category, *(name for name, far in distances.items() if far <= distances.get(category, -np.inf) + AS_NEAR)}
+
+
+def chosen(placed: Iterable[Placed], rank: int, limit: float | None, categories: Collection[str]) -> Placed:
+    """The cousin that stands in the scene of a rank: of those that fit, best first, the one of that rank.
+
+    Those come first that are what the object is called and have the doors and drawers of the nearest: that was stated,
+    a size is but measured. Then those with others; what is called otherwise never stands for it. Where fewer fit, the
+    last of them stands again; where none of the first does, the one that is stretched least. It says so.
+
+    Args:
+        placed: the cousins at their places, best first.
+        limit: how far they may be stretched; None: they all fit.
+        categories: that the object's label means, that of the nearest among them.
+    """
+    alike: list[Placed] = []
+    akin: list[Placed] = []
+    passed: list[tuple[float, Placed]] = []
+    nearest: Asset | None = None
+    for one in placed:
+        nearest, times = nearest or one.asset, stretch(one.asset.size, one.box)
+        if one.asset.category not in categories:
+            continue
+        same = (one.asset.doors, one.asset.drawers) == (nearest.doors, nearest.drawers)
+        if limit is None or times <= limit:
+            (alike if same else akin).append(one)
+        elif same:
+            passed.append((times, one))
+        if len(alike) == rank:
+            break
+    if not alike:
+        least = min(passed, key=lambda one: one[0])
+        passed.remove(least)
+        alike = [replace(least[1], doubts=(f"no cousin has its size: this one is stretched {least[0]:.1f} times",))]
+    fitting = alike + akin
+    one = fitting[min(rank, len(fitting)) - 1]
+    if len(fitting) < rank and not one.doubts:
+        doubt = f"only {len(fitting)} of its cousins have its size: the last of them stands here again"
+        one = replace(one, doubts=(doubt,))
+    over = ", ".join(f"{each.cousin} ({times:.1f})" for times, each in passed)
+    steps = (f"passed over, for so many times they would be stretched: cousins {over}",) if over else ()
+    return replace(one, steps=(*steps, *one.steps))
+
+
+def stretch(native: ArrayLike, box: UprightBox) -> float:
+    """How far a model is stretched in a box, 1 or more: as a whole, or one axis against another, whatever is more.
+
+    A sofa of 2 m is no stool: it would be squeezed to a fifth of its width.
+    """
+    scales = box.size / np.asarray(native, dtype=float)
+    middle = float(np.median(scales))
+    return max(float(scales.max() / scales.min()), middle, 1 / middle)

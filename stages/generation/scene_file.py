@@ -1,0 +1,100 @@
+"""A generated scene as its file has it: written, told in one line, and read again."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from stages.articulated.asset_folder import read_asset
+from stages.contracts import GeneratedScene, InputError, Objects
+from stages.contracts.generated import PlacedObject
+from stages.contracts.objects import Mounting
+from stages.generation.placed import Placed
+from stages.generation.settling import Settled
+from stages.geometry.boxes import UprightBox
+from stages.geometry.frames import rounded
+from stages.procedural.resize import resized
+
+
+def scene_of(
+    items: list[Placed], failed: Mapping[str, str], settled: Settled, room: Objects, variant: str, rank: int
+) -> GeneratedScene:
+    """The contract of one scene; objects in the order of objects.json, failed ones with their reason."""
+    placed = {item.id: item for item in items}
+    objects = []
+    for extracted in room.objects:
+        if reason := failed.get(extracted.id):
+            objects.append(PlacedObject(id=extracted.id, label=extracted.label, status="failed", reason=reason))
+            continue
+        item = placed[extracted.id]
+        objects.append(
+            PlacedObject(
+                id=item.id,
+                label=item.label,
+                asset=item.asset.id,
+                category=item.asset.category,
+                position=rounded(item.center),
+                yaw=round(item.box.yaw, 6),
+                size=rounded(item.size),
+                support=item.support,
+                mounting=item.mounting,
+                cousin=item.cousin,
+                chosen=item.chosen,
+                steps=list(item.steps),
+                doubts=list(item.doubts),
+                moved=round(item.moved, 6),
+                settled_shift=settled.shifts[item.id],
+            )
+        )
+    return GeneratedScene(
+        scene=room.scene,
+        variant=variant,
+        rank=rank,
+        width=room.width,
+        height=room.height,
+        intrinsics=room.intrinsics,
+        floor_from_camera=room.floor_from_camera,
+        walls=room.walls,
+        objects=objects,
+        plausibility=settled.plausibility,
+    )
+
+
+def summary(scene: GeneratedScene, left: list[tuple[str, str]]) -> str:
+    """One line for the log."""
+    check = scene.plausibility
+    failed = [item.id for item in scene.objects if item.status == "failed"]
+    parts = [f"{scene.scene} rank {scene.rank}: {len(scene.objects) - len(failed)} placed"]
+    if failed:
+        parts.append(f"failed {', '.join(failed)}")
+    if check is not None:
+        parts.append("stable" if check.stable else f"NOT stable: {check.wrong}")
+        parts.append(f"penetration {1000 * check.max_penetration:.1f} mm")
+    parts += [f"{item.id}: {what}" for item in scene.objects for what in item.doubts]
+    parts += [f"{a} and {b} still collide" for a, b in left]
+    return "; ".join(parts)
+
+
+def placed_items(made: GeneratedScene, folders: Mapping[str, Path], cache: Path, path: Path) -> list[Placed]:
+    """What stands in a scene, with models at their sizes.
+
+    Args:
+        folders: of the library's models, by asset id.
+        cache: folder for resized models.
+        path: of the scene, for what is refused.
+
+    Raises:
+        InputError: nothing stands in it, or an asset is not in the library.
+    """
+    items = []
+    for item in made.objects:
+        if item.status != "ok":
+            continue
+        if item.asset not in folders:
+            raise InputError(
+                path, f"{item.id} is '{item.asset}', which the library does not have.", code="E-ASSET-MISSING"
+            )
+        folder, mounting = resized(folders[item.asset], item.size, cache), item.mounting or Mounting(type=2)
+        box = UprightBox(item.position, item.size, item.yaw)
+        items.append(Placed(item.id, item.label, read_asset(folder), folder, box, mounting, item.support))
+    if not items:
+        raise InputError(path, "has no object that stands in it.", code="E-SCENE-EMPTY")
+    return items

@@ -1,0 +1,161 @@
+"""What stands on what, and at which height: the 70 % rule (paper A.3), on top of a thing and not in front of it."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from shapely import Point
+from shapely.ops import nearest_points
+
+from stages.config.generation import GenerationConfig
+from stages.generation.placed import FLOOR, UNNAMED, WALL, Placed
+from stages.generation.surfaces import surface_beneath
+from stages.geometry.boxes import footprint
+
+
+def stacked(
+    items: list[Placed],
+    stated: Mapping[str, str],
+    nudges: Mapping[str, Sequence[float] | None],
+    options: GenerationConfig,
+) -> list[Placed]:
+    """Supports found and every item at its height (A.3), from low to high.
+
+    Args:
+        stated: by id, what carries it as a person says.
+        nudges: by id, metres (x, y) by which a person moves it with all that it carries.
+    """
+    ordered = sorted_by_height(items)
+    supports = support_tree(ordered, options.support_overlap, options.stack_tolerance)
+    ordered, supports = with_stated(ordered, supports, stated)
+    return nudged(on_supports(ordered, supports, options.stack_tolerance is not None), nudges)
+
+
+def sorted_by_height(items: list[Placed]) -> list[Placed]:
+    """From low to high by the height of the box centre (A.3); ties by id, so that the order is always the same."""
+    return sorted(items, key=lambda item: (item.center[2], item.id))
+
+
+def support_tree(items: list[Placed], overlap: float, tolerance: float | None) -> dict[str, str]:
+    """The support of every item: 'floor', the id of the highest one beneath it, or 'unnamed'.
+
+    What extraction saw beneath it counts: cousins have other sizes than what was seen.
+
+    Args:
+        items: sorted from low to high.
+        overlap: share of the smaller footprint that must be exceeded (paper: 0.7).
+        tolerance: metres by which the upper bottom may lie below the surface. Without it (None, as
+            in the paper) a chair that is tucked under a table ends up standing on it. With it, what is found
+            at the height of a top and over its edge, or so far beside it, stands on that, not on the floor: far
+            away, noise moves it there; and what is farther above all of it stands on something that nobody named
+            (a shelf).
+    """
+    supports: dict[str, str] = {}
+    for index, item in enumerate(items):
+        if tolerance is not None and item.support in supports:
+            supports[item.id] = item.support
+            continue
+        carriers = [
+            lower
+            for lower in items[:index]
+            if overlap_share(item, lower) > overlap
+            and (tolerance is None or item.bottom >= surface_beneath(item, lower).height - tolerance)
+        ]
+        if not carriers and tolerance is not None and item.bottom > tolerance and not item.wall_mounted:
+            level = [
+                low
+                for low in items[:index]
+                if apart(item, low) <= tolerance and abs(item.bottom - surface_beneath(item, low).height) <= tolerance
+            ]
+            carriers = sorted(level, key=lambda low: (overlap_share(item, low), -apart(item, low), low.id))[-1:]
+        highest = max(((surface_beneath(item, lower).height, lower.id) for lower in carriers), default=(0.0, FLOOR))
+        top = max((lower.top for lower in carriers), default=0.0)  # a stool's may have become a chair's back
+        above = tolerance is not None and item.bottom > top + tolerance and not item.wall_mounted
+        supports[item.id] = UNNAMED if above else highest[1]
+    return supports
+
+
+def overlap_share(upper: Placed, lower: Placed) -> float:
+    """Shared footprint area as a share of the smaller of both footprints."""
+    a, b = footprint(upper.box), footprint(lower.box)
+    smaller = min(a.area, b.area)
+    return float(a.intersection(b).area / smaller) if smaller > 0 else 0.0
+
+
+def apart(item: Placed, other: Placed) -> float:
+    """Distance of their footprints, metres."""
+    return float(footprint(item.box).distance(footprint(other.box)))
+
+
+def with_stated(
+    ordered: list[Placed], supports: dict[str, str], stated: Mapping[str, str]
+) -> tuple[list[Placed], dict[str, str]]:
+    """Items and supports with those that a person says; what carries comes before what it carries.
+
+    What would carry itself by that stands on the floor, unless it was told as well.
+    """
+    if not stated:
+        return ordered, supports
+    supports = supports | {name: below for name, below in stated.items() if below in {FLOOR, *supports}}
+    for name in stated:
+        beneath, seen = supports.get(name, FLOOR), {name}
+        while beneath in supports and beneath not in seen:
+            seen.add(beneath)
+            if supports[beneath] == name:
+                supports[beneath] = FLOOR
+            beneath = supports[beneath]
+
+    def height(name: str) -> int:
+        return 1 + height(supports[name]) if name in supports else 0
+
+    return sorted(ordered, key=lambda item: height(item.id)), supports
+
+
+def on_supports(items: list[Placed], supports: dict[str, str], steady: bool = True) -> list[Placed]:
+    """Every item at its height, lower ones first, since a support must be in its place before what it carries.
+
+    What hangs is only lifted out of what is beneath it, everything else is put on top of it.
+
+    Args:
+        items: sorted from low to high, so that each comes after its support.
+        supports: id -> 'floor', 'unnamed' (it stays at its height) or the id of the item beneath.
+        steady: what stands on another but over its edge is moved in, so that it does not fall.
+    """
+    done: dict[str, Placed] = {}
+    for item in items:
+        support, moved, beneath = supports[item.id], item, 0.0
+        if support == UNNAMED:
+            done[item.id] = replace(item, support=UNNAMED)
+            continue
+        if support != FLOOR:
+            surface = surface_beneath(item, done[support])
+            beneath = surface.height
+            if steady and not item.wall_mounted:
+                there, here = nearest_points(surface.steady_region(item), Point(item.center[:2]))
+                moved = item.shifted([there.x - here.x, there.y - here.y, 0.0])
+        rise = beneath - item.bottom
+        moved = moved.shifted([0, 0, max(0.0, rise) if item.wall_mounted else rise])
+        done[item.id] = replace(
+            item.changed("on what carries it", moved.box), support=WALL if item.wall_mounted else support
+        )
+    return list(done.values())
+
+
+def nudged(items: list[Placed], moves: Mapping[str, Sequence[float] | None]) -> list[Placed]:
+    """The items after a person moved some, by id, x and y in metres, each with all that it carries."""
+    supports, after = {item.id: item.support for item in items}, {item.id: item for item in items}
+    for item in items:
+        if move := moves.get(item.id):
+            for name in stack_of(item.id, supports):
+                after[name] = after[name].shifted(np.array([*move, 0.0]))
+    return [item.changed("moved by a person", after[item.id].box) for item in items]
+
+
+def stack_of(base: str, supports: Mapping[str, str]) -> set[str]:
+    """Ids of an item and of everything that it carries, directly or not."""
+    stack = {base}
+    while True:
+        more = {name for name, support in supports.items() if support in stack} - stack
+        if not more:
+            return stack
+        stack |= more

@@ -1,0 +1,94 @@
+"""What things stand on: the surface of one that carries another, and where on it the other stands firmly."""
+
+from typing import NamedTuple
+
+import numpy as np
+import shapely
+from shapely import MultiPoint, MultiPolygon, Polygon, affinity
+from shapely.geometry.base import BaseGeometry
+
+from stages.generation.placed import Placed, Prism
+from stages.geometry.boxes import footprint
+
+LEVEL = 0.01  # metres: tops that differ by less are one surface
+EVEN = 0.001  # metres below the highest of them, at which a piece still carries: a door's upper edge does not
+HOLDS = 0.5  # of half the width of what it is to carry: a narrower surface (a back, a rail) carries nothing
+GRID = 1e-6  # metres to which outlines are cut and joined: overlays of floating point numbers may fail
+STEADY = 0.1  # of the width of what stands near an edge: the least distance of its centre from that edge
+
+
+class SupportSurface(NamedTuple):
+    """What something stands on: its height, and its outline from above."""
+
+    height: float
+    area: BaseGeometry  # within the hull of what is highest: a raised rim carries what is inside it
+
+    def steady_region(self, item: Placed) -> BaseGeometry:
+        """Where the centre of an item may be that stands on it: over it, and not just above its edge."""
+        side = min(shorter_side(footprint(item.box)), shorter_side(self.area.convex_hull))
+        inset = self.area.buffer(-STEADY * side)
+        return self.area if inset.is_empty else inset
+
+
+def surface_beneath(item: Placed, lower: Placed) -> SupportSurface:
+    """The surface of `lower` that carries an item: the seat of a chair, not its back.
+
+    Of the surfaces seen from above that are wide enough, the one that most of the item is over, else the nearest one.
+    If no piece is wide enough, the top of the box.
+    """
+    pieces, under, taller = lower.collision_prisms, footprint(item.box), Polygon()
+    whole = MultiPoint(np.concatenate([piece.outline for piece in pieces])).convex_hull if pieces else taller
+    reach = HOLDS * min(shorter_side(under), shorter_side(whole)) / 2
+    found: dict[tuple[float, float, float], BaseGeometry] = {}
+    left = sorted(pieces, key=lambda piece: piece.high)
+    while left:
+        height = left[-1].high
+        topmost = [piece for piece in left if piece.high > height - LEVEL]
+        left = left[: -len(topmost)]
+        level = joined([Polygon(piece.outline) for piece in topmost])
+        highest = joined([Polygon(piece.outline) for piece in topmost if piece.high > height - EVEN])
+        surface, carries, taller = without(level, taller), without(highest, taller), joined([taller, level])
+        if not surface.buffer(-reach).is_empty:
+            area = surface if carries.is_empty else polygons(surface.intersection(carries.convex_hull, GRID))
+            found[surface.intersection(under).area, -surface.distance(under), height] = area
+    if not found:
+        return SupportSurface(lower.top, footprint(lower.box))
+    return SupportSurface(max(found)[2], balanced(item, lower, pieces, found[max(found)]))
+
+
+def shorter_side(area: BaseGeometry) -> float:
+    """Of the smallest rectangle, turned as may be, around an area."""
+    if not isinstance(area, Polygon) or area.is_empty:
+        return 0.0
+    corner = np.array(area.minimum_rotated_rectangle.exterior.coords)
+    return float(np.linalg.norm(np.diff(corner[:3], axis=0), axis=1).min())
+
+
+def joined(areas: list[BaseGeometry]) -> MultiPolygon:
+    """The union of areas."""
+    return polygons(shapely.union_all(areas, GRID))
+
+
+def without(area: BaseGeometry, other: BaseGeometry) -> MultiPolygon:
+    """An area less another."""
+    return polygons(area.difference(other, GRID))
+
+
+def polygons(geometry: BaseGeometry) -> MultiPolygon:
+    """Its polygons: what is thinner than the grid is lines there."""
+    return MultiPolygon([part for part in shapely.get_parts(geometry) if isinstance(part, Polygon)])
+
+
+def balanced(item: Placed, lower: Placed, pieces: list[Prism], surface: BaseGeometry) -> BaseGeometry:
+    """The part of a surface where an item does not tip over what carries it: both weigh over the lower one's feet.
+
+    All of it if there is no such part, or the lower one is held.
+    """
+    if lower.held:
+        return surface
+    lowest = min(piece.low for piece in pieces)
+    feet = MultiPoint(np.concatenate([piece.outline for piece in pieces if piece.low < lowest + LEVEL])).convex_hull
+    reach = 1 + lower.asset.mass / item.asset.mass
+    steady = affinity.scale(feet.buffer(-STEADY * shorter_side(feet)), reach, reach, origin=tuple(lower.center[:2]))
+    within = surface.intersection(steady)
+    return surface if steady.contains(surface) or within.area == 0 else within

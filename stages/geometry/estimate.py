@@ -1,0 +1,121 @@
+"""The box of an object from the noisy cloud that a depth camera has of it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d
+
+from stages.geometry.boxes import UprightBox
+from stages.geometry.frames import yaw_matrix
+
+BIN = 0.005  # metres: width of a bin of coordinates
+SPREAD = 0.015  # metres by which the points of a face lie apart however little noise there is
+REACH = 3.0  # standard deviations of noise within which all points of a face lie
+PROMINENT = 2.0  # a face is where points lie so many times denser than on average
+FAINT = 0.05  # metres of noise, from which on it may hide a whole object
+SLICES = 6  # parts of the depth of a top, all of which are seen
+OUTSIDE, MOST = 0.7, 0.25  # standard deviations by which noise moves an end that is no face; share of the length
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Sight:
+    """An object as a depth camera sees it.
+
+    points: (N, 3). camera: its position (3,), in the same frame, z up. error: the standard deviation of depth, metres,
+    at a distance from the camera, metres.
+    """
+
+    points: Array
+    camera: Array
+    error: Callable[[float], float]
+
+    @cached_property
+    def ray(self) -> Array:
+        """Unit vector (3,) from the camera to the middle of the points."""
+        ray = self.points.mean(axis=0) - self.camera
+        return np.asarray(ray / np.linalg.norm(ray))
+
+    @cached_property
+    def noise(self) -> float:
+        """Standard deviation, metres, by which noise moves the points along the ray."""
+        return self.error(float(np.linalg.norm(self.points.mean(axis=0) - self.camera)))
+
+    def measured(
+        self, box: UprightBox, yaw: float, trim: float, has_faces: bool = True, beyond: float = 0.0
+    ) -> UprightBox:
+        """The object's box along axes turned by `yaw`, its heights those of `box`, which reaches down to the support.
+
+        Args:
+            box: the minimum box of its points.
+            trim: share of the points left out at an end.
+            has_faces: what is round has none, and its near end is where its points end.
+            beyond: metres by which the model that stands for it reaches beyond the face that it shows towards +x.
+        """
+        turn = yaw_matrix(yaw)[:2, :2]
+        center, size = box.center.copy(), box.size.copy()
+        level = self.points[:, :2] @ turn
+        limits = np.quantile(level, [trim, 1 - trim], axis=0)
+        for axis, along in enumerate(self.ray[:2] @ turn):
+            noise = abs(along) * self.noise
+            inset = min(OUTSIDE * noise, MOST * float(np.ptp(limits[:, axis])))
+            limits[:, axis] += [inset, -inset]
+            near = 1 if along < 0 else 0
+            face = near_face(level[:, axis], 2 * near - 1, noise, trim) if has_faces else None
+            if face is not None:
+                limits[near, axis] = face + (beyond if axis == 0 and near == 1 else 0.0)
+        limits.sort(axis=0)
+        center[:2] = turn @ limits.mean(axis=0)
+        size[:2] = limits[1] - limits[0]
+        return UprightBox(center, size, yaw)
+
+    def is_one_face(self, normal: Array) -> bool:
+        """Whether the points are no thicker along a direction (3,) than one face far away is made by noise."""
+        noise = abs(float(self.ray @ normal)) * self.noise
+        low, high = np.quantile(self.points @ normal, [0.05, 0.95])
+        return bool(noise > FAINT and high - low < 2 * REACH * noise)
+
+    def sees_top(self, box: UprightBox) -> bool:
+        """Whether the top of the object, whose box is `box`, is seen from its front edge to its rear one.
+
+        Its depth is then measured.
+        """
+        size = box.size
+        if box.top > self.camera[2]:
+            return False
+        turn = yaw_matrix(box.yaw)
+        local = (self.points - box.center) @ turn
+        axis = int(np.argmax(np.abs(self.ray[:2] @ turn[:2, :2])))
+        on_top = local[local[:, 2] > size[2] / 2 - max(SPREAD, REACH * self.noise), axis]
+        if size[axis] < 2 * REACH * self.noise or len(on_top) < 10 * SLICES:
+            return False
+        counts, _ = np.histogram(on_top, SLICES, (-size[axis] / 2, size[axis] / 2))
+        return bool(counts.all())
+
+
+def near_face(values: Array, sign: float, noise: float, trim: float) -> float | None:
+    """Where the face is on the side `sign` (1: high, -1: low) of an axis; None if the points have none there.
+
+    Many points lie at one coordinate, spread by the noise of depth, and the outermost ones are two or three
+    standard deviations in front of it. A face is where the points are densest, not far behind their end.
+
+    Args:
+        values: (N,) coordinates.
+        noise: standard deviation of their noise, metres.
+        trim: share of the points left out before their end.
+    """
+    inward = -sign * values  # grows into the object
+    low, high = np.quantile(inward, [trim, 1 - trim])
+    bins = int((high - low) / BIN)
+    if bins < 2:
+        return None
+    counts, edges = np.histogram(inward, bins, (low, high))
+    density = gaussian_filter1d(counts.astype(float), max(SPREAD, noise / 2) / BIN, mode="constant")
+    outer = density[: max(1, min(bins // 2, int(max(SPREAD, REACH * noise) / BIN)))]
+    peak = int(np.argmax(outer))
+    if outer[peak] < PROMINENT * len(values) / bins:
+        return None
+    return float(-sign * (edges[peak] + edges[peak + 1]) / 2)

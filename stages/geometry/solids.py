@@ -1,0 +1,47 @@
+"""Mass and inertia of what says nothing of its own: as of boards, in a box around its pieces."""
+
+from collections.abc import Iterable, Sequence
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from trimesh import Trimesh
+
+DENSITY = 500.0  # kg / m^3, for links that say nothing of their mass
+BOARD = 0.018  # metres: what furniture is made of
+MINIMUM_MASS, MINIMUM_INERTIA = 0.01, 1e-7
+Matrix = NDArray[np.float64]
+
+
+class HasMesh(Protocol):
+    """Something that is seen as a mesh."""
+
+    @property
+    def mesh(self) -> Trimesh:
+        """Its mesh."""
+        ...
+
+
+def board_mass(pieces: Sequence[Trimesh], visuals: Iterable[HasMesh]) -> float:
+    """What a link of unknown mass weighs: furniture is made of boards.
+
+    As much as boards of half of the visible area, both sides of which are seen, or as its hulls if they are smaller.
+    """
+    area = sum(float(visual.mesh.area) for visual in visuals)
+    volume = min(sum(abs(piece.volume) for piece in pieces), area / 2 * BOARD)
+    return max(volume * DENSITY, MINIMUM_MASS)
+
+
+def box_inertia(pieces: Sequence[Trimesh], mass: float) -> Matrix:
+    """Inertia (3, 3) of a solid box around the pieces."""
+    low, high = box_around(pieces)
+    x, y, z = (high - low) ** 2
+    return mass / 12 * np.diag([y + z, x + z, x + y]) + MINIMUM_INERTIA * np.eye(3)
+
+
+def box_around(pieces: Sequence[Trimesh]) -> Matrix:
+    """Lowest and highest corner (2, 3) of the pieces; of a centimetre around the origin if there are none."""
+    if not pieces:
+        return np.array([[-0.005] * 3, [0.005] * 3])
+    corners = np.array([piece.bounds for piece in pieces])
+    return np.array([corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)])
