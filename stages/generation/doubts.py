@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from stages.assets.discover import category_in
-from stages.assets.proportions import unusual
 from stages.contracts.objects import Wall
 from stages.generation.placed import UNNAMED, Placed
 from stages.geometry.boxes import corners
+from stages.procedural.naming import category_in
+from stages.procedural.sizes import unusual
 
 BEHIND = 0.05  # metres
 
