@@ -5,7 +5,7 @@ from pydantic import Field
 from stages.config.base import Count, Section
 from stages.config.categories import CATEGORIES
 
-COUNTS = {name: known.count for name, known in CATEGORIES.items()}
+COUNTS = {name: known.models for name, known in CATEGORIES.items()}
 
 
 class LibraryOptions(Section):

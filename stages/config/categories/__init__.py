@@ -11,7 +11,7 @@ FILE = Path(__file__).with_name("categories.json")
 class Known(NamedTuple):
     """Models of a category in the default library; whether the first of them have doors, and drawers."""
 
-    count: int
+    models: int
     doors: bool
     drawers: bool
 
