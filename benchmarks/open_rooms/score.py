@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from benchmarks.open_rooms import packs, pictures
-from stages.assets.proportions import usual
 from stages.contracts import Cousins, GeneratedScene, Objects, read_json
 from stages.contracts.doubts import doubts
 from stages.contracts.generated import PlacedObject
@@ -25,6 +24,7 @@ from stages.evaluation.scoring import box_in_world, world_from_floor
 from stages.evaluation.shapes import DENSE, POINTS, surface
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.frames import angle_difference, wrap_angle
+from stages.procedural.sizes import usual
 
 SIZE_SHARE, SIZE_LEAST = 0.10, 0.03  # what an extent may be off: a share of it, or metres
 PLACE = 0.05  # metres between true and found centre

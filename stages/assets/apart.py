@@ -35,10 +35,10 @@ def apart(path: Path, work: Callable[[], str]) -> str:
         said = told.read()
     status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
     if status == -signal.SIGXCPU:
-        raise InputError(path, f"takes more than {SECONDS} s to read.", SIMPLER)
+        raise InputError(path, f"takes more than {SECONDS} s to read.", SIMPLER, code="E-MODEL-TIME")
     if status != 0:
         what = f"crashes what reads it, or takes more than {MEGABYTES} MB of memory ({_name(status)})."
-        raise InputError(path, what, SIMPLER)
+        raise InputError(path, what, SIMPLER, code="E-MODEL-CRASH")
     error, text = json.loads(said)
     if error is not None:
         raise InputError(*error)
@@ -53,9 +53,11 @@ def _work(path: Path, work: Callable[[], str], ours: int) -> None:
         try:
             said = json.dumps([None, work()])
         except InputError as error:
-            said = json.dumps([(error.where, error.what, error.fix), ""])
+            said = json.dumps([(error.where, error.what, error.fix, error.code), ""])
         except MemoryError:
-            said = json.dumps([(str(path), f"takes more than {MEGABYTES} MB of memory to read.", SIMPLER), ""])
+            said = json.dumps(
+                [(str(path), f"takes more than {MEGABYTES} MB of memory to read.", SIMPLER, "E-MODEL-MEMORY"), ""]
+            )
         with os.fdopen(ours, "wb") as told:
             told.write(said.encode())
         code = 0

@@ -9,36 +9,15 @@ from pathlib import Path
 from typing import NamedTuple
 
 from stages.assets.mjcf_file import root_tag
-from stages.procedural.catalogue import CATEGORIES
+from stages.procedural.naming import NAMES as CATEGORY_NAMES
+from stages.procedural.naming import category_in, words
 
 # PartNet-Mobility and GAPartNet: <number>/, with the category in meta.json; the first of these files is the model.
 NUMBERED = ("mobility.urdf", "mobility_annotation_gapartnet.urdf")
-TOLD = {  # words of PartNet-Mobility and of file names where the library has others, or none of such things
-    "armoire": "wardrobe", "bedsidecabinet": "nightstand", "bedsidetable": "nightstand", "bin": "trash_can",
-    "bookcase": "bookshelf", "bucket": "trash_can", "cabinet": "bottom_cabinet", "cabinettelevision": "tv_stand",
-    "cabinetupper": "wall_cabinet", "candleholder": "candlestick", "ceilinglamp": "ceiling_lamp",
-    "chairdesk": "chair", "chestdrawers": "chest_of_drawers", "closet": "wardrobe", "commode": "chest_of_drawers",
-    "couch": "sofa", "cup": "mug", "cupboard": "bottom_cabinet", "drawerchest": "chest_of_drawers",
-    "dresser": "chest_of_drawers", "flowerpot": "plant_pot", "foldingchair": "chair", "fryingpan": "pan",
-    "frypan": "pan", "kitchenpot": "cooking_pot", "lamp": "table_lamp", "medicinecabinet": "wall_cabinet",
-    "painting": "picture", "pendantlamp": "ceiling_lamp", "plant": "plant_pot", "pot": "cooking_pot",
-    "refrigerator": "fridge", "rockingchair": "chair", "skillet": "pan", "standinglamp": "floor_lamp",
-    "storagefurniture": "bottom_cabinet", "tablecoffee": "coffee_table", "teapot": "kettle",
-    "televisioncabinet": "tv_stand", "trashcan": "trash_can", "tv": "television", "tvbench": "tv_stand",
-    "tvcabinet": "tv_stand", "tvunit": "tv_stand", "uppercabinet": "wall_cabinet", "walllamp": "wall_lamp",
-    "wastebasket": "trash_can",
-}  # fmt: skip
-KNOWN = TOLD | {category.replace("_", ""): category for category in CATEGORIES}
-JOINED = 7  # letters of a word that counts at the end of another, as in hingecabinet
 PAGE, PACK = "index.html", "pack.yaml"  # of the verb `import`, in the folder that it writes
 COMMON = {  # words that say nothing of what a model is
     "asset", "base", "collision", "data", "export", "glb", "main", "mesh", "meshes", "misc", "mjcf", "mobility",
     "model", "obj", "object", "other", "output", "result", "robot", "scene", "textured", "urdf", "visual", "xml",
-}  # fmt: skip
-COLLECTIONS = {"assets", "meshes", "models", "objects"}  # last words of folders that hold various things
-HEADS = {  # words after that of a category that make another thing of it, or a part: `table_leg`, `bowl_drainer`
-    "caddy", "door", "drainer", "handle", "holder", "knob", "leg", "lid", "panel", "rack", "seat", "shelf", "stand",
-    "window",
 }  # fmt: skip
 WHOLE = {".urdf", ".xml"}  # models that name the meshes that they are made of
 MESHES = {"dae", "msh", "obj", "ply", "stl"}
@@ -138,8 +117,8 @@ def _below(here: Path, folder: Path, kinds: Sequence[str]) -> list[Found]:
 
 
 def _sorted_in(child: Path, folder: Path, kinds: Sequence[str]) -> list[Found]:
-    """The models of a category's folder; where its name is no category of ours, one in it or a file's may tell: then it
-    is a collection, and the others in it are of the category that their own name says."""
+    """The models of a category's folder. If its name is none of ours, but that of a model in it is, it holds various
+    things: each is then of the category that its own name says."""
     told, own = category_in(child.name), bare(child.name)
     found: list[Found] = []
     for inner in sorted(child.iterdir()):
@@ -152,16 +131,10 @@ def _sorted_in(child: Path, folder: Path, kinds: Sequence[str]) -> list[Found]:
                 names = [*path.relative_to(child).parts[:-1], *([path.stem] if count_ > 1 else [])]
                 category = told or next((known for name in names if (known := category_in(name))), own)
                 found.append(Found(path, folder, category, _name(path, inner, count_)))
-    last = (words(child.name) or [""])[-1]
-    if all(one.category == own for one in found) and (last not in COLLECTIONS or len(found) < 2):
+    if all(one.category == own for one in found):
         return found
     named = {one: bare(one.name) for one in found if one.category == own and words(one.name)}
-    return [one._replace(category=named.get(one, one.category)) for one in found]  # a collection
-
-
-def words(name: str) -> list[str]:
-    """The words of a name, lower case, without numbers: `studyTable_2` has two."""
-    return [word.lower() for word in re.findall(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])", name)]
+    return [one._replace(category=named.get(one, one.category)) for one in found]
 
 
 def is_common(name: str) -> bool:
@@ -175,20 +148,6 @@ def bare(name: str) -> str:
     while (shorter := re.sub(r"[\W\d_]+[A-Za-z]+$", "", kept)) != kept and is_common(kept[len(shorter) :]):
         kept = shorter
     return kept or name
-
-
-def category_in(name: str) -> str | None:
-    """The category of ours that a name tells, by its last words: `025_mug`, `studyTable`, `hingecabinet`."""
-    all_words = words(name)
-    for end in range(len(all_words), 0, -1):
-        if end < len(all_words) and all_words[-1] in HEADS and "with" not in all_words:
-            return None
-        for start in range(end):
-            joined = "".join(all_words[start:end])
-            if known := KNOWN.get(joined) or KNOWN.get(joined.removesuffix("s")):
-                return known
-    ends = [known for word in all_words for known in KNOWN if len(known) >= JOINED and word.endswith(known)]
-    return KNOWN[max(ends, key=len)] if ends else None
 
 
 def named_meshes(folder: Path) -> set[Path]:
@@ -232,7 +191,7 @@ def told_category(folder: Path) -> str | None:
         return None
     if not isinstance(told, str) or not told.strip():
         return None
-    return TOLD.get(told.lower(), re.sub(r"(?<=[a-z])(?=[A-Z])", "_", told))
+    return CATEGORY_NAMES.get(told.lower(), re.sub(r"(?<=[a-z])(?=[A-Z])", "_", told))
 
 
 def is_model(path: Path, kinds: Sequence[str]) -> bool:

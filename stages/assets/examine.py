@@ -13,38 +13,25 @@ from pydantic import ConfigDict, Field, TypeAdapter
 
 from stages.articulated.asset_folder import atomic_folder
 from stages.articulated.model import RobotModel
-from stages.articulated.sense import front_direction, squared
-from stages.articulated.urdf_reader import read_urdf
 from stages.articulated.urdf_writer import write_urdf
 from stages.assets.apart import apart
-from stages.assets.convention import NOTHING, Evidence, Shared, evidence
-from stages.assets.discover import NUMBERED, WHOLE, Found
-from stages.assets.importers import Axis, Importer
+from stages.assets.discover import NUMBERED, Found
+from stages.assets.evidence import UNITS, UPS, Evidence, Shared, evidence
+from stages.assets.importers import Importer
 from stages.assets.importers.urdf import IMPORTER as URDF
 from stages.assets.imports import (
     ModelFile,
     Notes,
     import_file,
     in_one_line,
-    standing,
     with_notes,
-)
-from stages.assets.proportions import (
-    UNITS,
-    doubt_of_size,
-    likest,
-    other_up,
-    scale_from_sphere,
-    up_and_unit,
-    up_as_it_stands,
 )
 from stages.contracts.errors import InputError
 from stages.contracts.files import Contract, read_json, write_json
 from stages.contracts.library import Asset, Joint
-from stages.procedural.catalogue import CATEGORIES
+from stages.procedural.sizes import unusual, usual
 
 NOTES = "asset.json"
-STORAGE = ("bottom_cabinet", "wardrobe")  # both are StorageFurniture in PartNet
 
 
 @dataclass
@@ -105,7 +92,7 @@ def read(found: Found, importer: Importer, place: Path) -> Read:
         with in_one_line(found.path):
             robot = with_notes(found, importer).importer.read(found.path, found.folder)
             write_model(robot, place)
-            return Read(remarks=robot.remarks, evidence=evidence(robot, found.category)).model_dump_json()
+            return Read(remarks=robot.remarks, evidence=evidence(robot)).model_dump_json()
 
     return Read.model_validate_json(apart(found.path, work))
 
@@ -116,7 +103,8 @@ def examined(
     place: Path,
     work: Path,
     before: Sequence[Examined],
-    shared: Shared = NOTHING,
+    tells: Evidence,
+    shared: Shared,
     category: str | None = None,
 ) -> Examined:
     """Say what a model that was read into `place` is taken for; its asset is made below `work`, in another process.
@@ -125,13 +113,16 @@ def examined(
 
     Args:
         before: models that it may be a copy of.
+        tells: what the model tells of its file.
         shared: what such files in its folder have in common.
         category: of it; None: what its names say.
     """
     kind = TypeAdapter(Examined)
     named = found if category is None else found._replace(category=category)
     try:
-        told = apart(found.path, lambda: kind.dump_json(_examined(named, importer, place, work, shared)).decode())
+        told = apart(
+            found.path, lambda: kind.dump_json(_examined(named, importer, place, work, tells, shared)).decode()
+        )
     except InputError as error:
         return Examined(found.path, place, doubts=[str(error).removeprefix(f"{found.path}: ")])
     model = kind.validate_json(told)
@@ -144,7 +135,7 @@ def examined(
     return model
 
 
-def _examined(found: Found, importer: Importer, place: Path, work: Path, shared: Shared) -> Examined:
+def _examined(found: Found, importer: Importer, place: Path, work: Path, tells: Evidence, shared: Shared) -> Examined:
     model, written = Examined(found.path, place), place / "model.urdf"
     try:
         with in_one_line(found.path):
@@ -154,12 +145,7 @@ def _examined(found: Found, importer: Importer, place: Path, work: Path, shared:
                 model.notes = theirs
                 model.told.append(f"as {NOTES} says")
             else:
-                model.notes, model.told = guessed(read_urdf(written, place), file, shared)
-                if file.category not in CATEGORIES:
-                    if model.notes.scale not in (file.notes.scale, file.notes.scale * (shared.unit or 1.0)):
-                        unit = UNITS[round(model.notes.scale / file.notes.scale, 6)]
-                        model.doubts.append(f"of such things no size is known: that it is in {unit} is a guess")
-                    model.told.append("a category of its own: none of ours is called so")
+                model.notes, model.told = guessed(file, tells, shared)
                 write_json(place / NOTES, model.notes.sealed())
             as_written = Found(written, place.parent.parent, place.parent.name, place.name)
             asset, doubts = import_file(with_notes(as_written, URDF), work)
@@ -168,76 +154,49 @@ def _examined(found: Found, importer: Importer, place: Path, work: Path, shared:
         model.doubts.append(str(error).removeprefix(f"{found.path}: ").removeprefix(f"{written}: "))
         return model
     model.asset = asset
-    if doubt := doubt_of_size(asset.size, asset.category):
-        model.doubts.append(doubt)
+    if odd := unusual(asset.category, np.array(asset.size)):
+        model.doubts.append(odd)
     return model
 
 
-def guessed(robot: RobotModel, file: ModelFile, shared: Shared = NOTHING) -> tuple[Notes, list[str]]:
-    """The notes beside a model, with what they do not say; and how that was found, in lines."""
-    notes, lines = file.notes, []
-    up, scale, category = notes.up, notes.scale, file.category
-    kind, tells = file.path.suffix.lower(), evidence(robot, category)
-    if up is None:
-        up, how = told_up(robot, file, tells, shared)
-        extents = np.array(tells.extents) * scale
-        if file.path.name in NUMBERED and category == STORAGE[0]:
-            category = likest(extents, STORAGE)
-        if file.path.name in NUMBERED and (known := scale_from_sphere(extents, category)):
-            scale *= known
-            lines.append("as large as ours are: its file has it in a sphere of radius 1, as all of PartNet")
-        else:
-            # Proportions tell up only where nothing else does: an upright box is no book that stands on its edge.
-            ups = [up, other_up(up)] if not how and not file.importer.has_up and tells.stands is None else [up]
-            up, unit = up_and_unit(extents, category, ups, kind in WHOLE, shared.unit)
-            scale *= unit
-            if unit != 1.0:
-                told = f"as most {kind} here" if unit == shared.unit else "by its size"
-                lines.append(
-                    f"in {UNITS[unit]} {told}" if unit in UNITS else "as large as ours are: it is in no usual unit"
-                )
-        if not how and up != file.importer.up:
-            how = f"up {up} by its proportions"
-        lines += [how] if how else []
-    front: Axis | None = notes.front
-    if front is None:
-        told_front = tells.fronts.get(up)
-        default: Axis = "+z" if up == "+y" else "+x"
-        if told_front is not None:
-            opens = front_direction(squared(standing(robot, up))[0])
-            how = f"front where {opens[1]} of its doors and drawers open" if opens else "front away from its back"
-            front = told_front
-        elif shared.front is not None and shared.front[1] != up[1]:
-            front, how = shared.front, f"front {shared.front} as most {kind} here"
-        else:
-            unsure = file.notes.up is None and not shared.up and up == file.importer.up and not file.importer.has_up
-            front = default
-            how = "front and up assumed" if unsure and category not in CATEGORIES else "front assumed"
-        lines.append(how)
+def guessed(file: ModelFile, tells: Evidence, shared: Shared) -> tuple[Notes, list[str]]:
+    """The notes beside a model, with what they do not say: as the folder's models share it, else as this one tells it,
+    else as such files usually are; and what was not usual, in lines."""
+    notes, kind, lines = file.notes, f"most {file.path.suffix.lower()} here", list[str]()
+    agreed, told_up = file.importer.up, notes.up or shared.up or tells.slides
+    if told_up is None and not file.importer.has_up:
+        usual_up = (one for one in (agreed, *UPS) if tells.unit(file.category, one) is not None)
+        told_up = tells.up or next(usual_up, None)
+    up = told_up or agreed
+    if notes.up is None and (up != agreed or (shared.up and not file.importer.has_up)):
+        lines.append(f"up {up} {f'as {kind}' if shared.up else 'as it tells itself'}")
+    scale, sizes = notes.scale, usual(file.category)
+    if "scale" not in notes.model_fields_set:
+        if file.path.name in NUMBERED and sizes and sizes.misfit(tells.standing(up)):
+            scale = sizes.factor(tells.standing(up))
+            lines.append("as large as ours are: models of PartNet have no size")
+        elif (unit := shared.unit or tells.unit(file.category, up) or 1.0) != 1.0:
+            scale = unit
+            name = UNITS.get(unit, f"units of {unit:g} m")
+            lines.append(f"in {name} {f'as {kind}' if shared.unit else 'by its size'}")
+    front, opens = notes.front, tells.fronts.get(up)
+    if front is None and opens is not None:
+        front = opens
+        lines.append("front where its doors and drawers open")
+    elif front is None and shared.front is not None and shared.front[1] != up[1]:
+        front = shared.front
+        lines.append(f"front {front} as {kind}")
+    elif front is None:
+        front = "+z" if up == "+y" else "+x"
+        lines.append("front assumed")
     words = {
-        "category": category,
+        "category": file.category,
         "front": front,
         "up": up,
         "scale": scale,
         "provenance": notes.provenance or f"imported: {file.path.relative_to(file.folder).as_posix()}",
     }
     return notes.model_copy(update=words), lines
-
-
-def told_up(robot: RobotModel, file: ModelFile, tells: Evidence, shared: Shared) -> tuple[Axis, str]:
-    """The direction up of a model, and what tells it; empty: it is what is agreed, or assumed."""
-    agreed = file.importer.up
-    if shared.up is not None and not (file.importer.has_up and shared.up == agreed):
-        return shared.up, f"up {shared.up} as most {file.path.suffix.lower()} here"
-    if tells.slides not in (None, agreed) and tells.stands != agreed:
-        assert tells.slides is not None
-        return tells.slides, f"up {tells.slides}: so its drawers slide level"
-    if len(robot.links) == 1:
-        (body,) = robot.links.values()
-        points = np.concatenate([visual.mesh.vertices for visual in body.visuals])
-        up = up_as_it_stands(points, file.category, agreed, file.importer.has_up)
-        return up, f"up {up}: only so it stands" if up != agreed else ""
-    return agreed, ""
 
 
 def write_model(robot: RobotModel, place: Path) -> None:

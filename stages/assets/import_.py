@@ -6,8 +6,8 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from stages.assets.convention import Told, shared
 from stages.assets.discover import PACK, PAGE, Found, discover, is_model, is_part, numbered_names, single
+from stages.assets.evidence import Told, shared
 from stages.assets.examine import Examined, Read, examined, read
 from stages.assets.import_page import write_page
 from stages.assets.imports import IMPORTERS, by_suffix, in_one_line, snake_case, suffix
@@ -67,7 +67,8 @@ def run(folder: Path, /, *, out: Path) -> None:
             work, kind = Path(scratch) / str(number), suffix(one.path)
             category = pack.categories[snake_case(one.category)]
             before = list(models.values())
-            model = examined(one, kinds[kind], where[one.path], work, before, pack.kinds[kind], category)
+            tells = told[one.path].evidence
+            model = examined(one, kinds[kind], where[one.path], work, before, tells, pack.kinds[kind], category)
             model.doubts = [*told[one.path].remarks, *model.doubts]
             if model.asset is not None:
                 try:

@@ -10,10 +10,10 @@ import jinja2
 from PIL import Image
 
 from stages.assets.discover import PACK
+from stages.assets.evidence import UNITS
 from stages.assets.examine import NOTES, Examined
 from stages.assets.importers import Axis
 from stages.assets.pack import Pack
-from stages.assets.proportions import UNITS
 from stages.contracts.files import write_text
 from stages.procedural.catalogue import CATEGORIES
 

@@ -16,7 +16,7 @@ from pydantic import Field, ValidationError
 from stages.articulated.asset_folder import Description, read_asset, write_asset
 from stages.articulated.attributes import ungraspable
 from stages.articulated.forward_kinematics import closed_box, link_frames, rebased
-from stages.articulated.mesh_reader import thickened
+from stages.articulated.mesh_reader import FLAT, thickened
 from stages.articulated.model import Matrix, RobotModel
 from stages.articulated.roles import with_roles
 from stages.articulated.sense import doors_and_drawers, front_direction, squared
@@ -27,7 +27,6 @@ from stages.assets.apart import apart
 from stages.assets.discover import Found, discover, numbered_names
 from stages.assets.guess import Guess
 from stages.assets.importers import Axis, Importer
-from stages.assets.proportions import LARGEST
 from stages.assets.pushing import stuck_joints, touching_when_closed
 from stages.assets.snapshots import Look
 from stages.assets.weighing import weighed_sanely, with_mass
@@ -36,13 +35,11 @@ from stages.config.assets import OwnOptions
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json
 from stages.contracts.library import Asset, Placement, Symmetry
+from stages.contracts.types import LARGEST
 from stages.geometry.frames import rigid, yaw_matrix
 from stages.plugins import load, short
 
 IMPORTERS = tuple(OwnOptions().importers)
-LIGHTEST = 1e-9  # kg, of a link
-SPECK = 2e-5  # metres: what is narrower and thinner than this is not seen
-THINNEST = 1e-4  # metres, of a model's extents
 
 
 class Notes(Guess):
@@ -206,7 +203,7 @@ def import_file(file: ModelFile, models: Path) -> tuple[Asset, list[str]]:
 
 
 def check_believable(robot: RobotModel, path: Path) -> None:
-    """Refuse what is flat, larger than a room, or lighter or heavier than can be.
+    """Refuse what is flat, larger than a house, or heavier than can be.
 
     Raises:
         InputError: names the extent or the link.
@@ -214,16 +211,15 @@ def check_believable(robot: RobotModel, path: Path) -> None:
     low, high = closed_box(robot)
     extents = high - low
     size = " x ".join(f"{extent:.4g}" for extent in extents)
-    if extents.min() < THINNEST:
+    if extents.min() < FLAT:
         raise InputError(path, f"is flat: its extents are {size} m.", "0.1 mm at least")
     if extents.max() > LARGEST:
         raise InputError(path, f"is {size} m large.", f"at most {LARGEST:g} m; see scale in asset.json")
     if np.abs(np.array([low, high])).max() > 5 * LARGEST:
         raise InputError(path, f"lies {np.abs([low, high]).max():.4g} m from its origin.", "move it there")
     for link in robot.links.values():
-        if link.mass > HEAVIEST or (link.weighed and link.mass < LIGHTEST):
-            fix = f"{LIGHTEST:g} kg to {HEAVIEST:g} kg"
-            raise InputError(path, f"link '{link.name}': weighs {link.mass:.4g} kg.", fix)
+        if link.mass > HEAVIEST:
+            raise InputError(path, f"link '{link.name}': weighs {link.mass:.4g} kg.", f"at most {HEAVIEST:g} kg")
 
 
 def snake_case(text: str) -> str:
@@ -276,14 +272,13 @@ def in_metres(robot: RobotModel, scale: float) -> RobotModel:
     return replace(robot, links=links)
 
 
-def without_specks(robot: RobotModel, scale: float = 1.0) -> RobotModel:
-    """The model (`scale` metres per unit) without what is nothing to a hundredth of a millimetre; thin pieces made
-    thick."""
+def without_specks(robot: RobotModel) -> RobotModel:
+    """The model (in metres) without what is a thread or a dot; thin pieces that collide made thick."""
     links = {
         name: replace(
             link,
-            visuals=[visual for visual in link.visuals if np.sort(visual.mesh.extents)[1] * scale > SPECK],
-            collisions=[thickened(piece) for piece in link.collisions if piece.extents.max() * scale > THINNEST],
+            visuals=[visual for visual in link.visuals if np.sort(visual.mesh.extents)[1] > FLAT],
+            collisions=[thickened(piece) for piece in link.collisions if piece.extents.max() > FLAT],
         )
         for name, link in robot.links.items()
     }

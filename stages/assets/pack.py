@@ -6,7 +6,7 @@ from pathlib import Path
 import yaml
 from pydantic import ValidationError
 
-from stages.assets.convention import Shared
+from stages.assets.evidence import Shared
 from stages.assets.guess import Guess
 from stages.contracts.errors import InputError
 from stages.contracts.files import write_text

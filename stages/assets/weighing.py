@@ -6,57 +6,44 @@ import numpy as np
 
 from stages.articulated.attributes import moved_by
 from stages.articulated.model import Link, RobotModel
-from stages.articulated.urdf_reader import board_mass, box_around, box_inertia
+from stages.articulated.urdf_reader import board_mass, box_inertia
 
-ODD = 20.0  # times as heavy or as light as boards: solid steel is 16 times as heavy as wood
-ROD = 1e-5  # least principal moment of inertia, of the largest: a thinner rod's is nothing once it is rounded
+HEAVY = 5.0  # times what boards weigh: a door is no solid block, and the water in its hull is ten times as heavy
 SLACK = 0.01  # by which a principal moment of inertia may exceed the sum of the others
-HEAVY = 5.0  # the same of a door or drawer, which is no solid block: water in its hull is ten times as heavy
 
 
 def weighed_sanely(robot: RobotModel) -> tuple[RobotModel, list[str]]:
-    """The model (in metres) with masses and inertias that its shape can have; lines say what was changed."""
-    told, boards = robot.mass, {name: _boards(link) for name, link in robot.links.items()}
-    expected, lines, links = sum(boards.values()), [], dict(robot.links)
-    if any(link.weighed for link in links.values()) and not expected / ODD <= told <= expected * ODD:
-        lines.append(f"weighs {told:.3g} kg in its file, unlike anything of its size: taken for boards")
-        links = {name: _of_boards(link, boards[name]) for name, link in links.items()}
+    """The model (in metres) with masses of doors and drawers, and inertias, that its shape can have; lines say what was
+    changed."""
+    lines, links = [], dict(robot.links)
     for joint in robot.joints:
         if joint.type == "fixed":
             continue
-        moving = moved_by(joint, robot.joints)
-        told, expected = (sum(masses) for masses in ([links[n].mass for n in moving], [boards[n] for n in moving]))
+        moving = {name: links[name] for name in moved_by(joint, robot.joints)}
+        boards = {name: board_mass(link.collisions, link.visuals) for name, link in moving.items()}
+        told, expected = sum(link.mass for link in moving.values()), sum(boards.values())
         if told > HEAVY * expected:
             lines.append(
                 f"what '{joint.name}' moves weighs {told:.3g} kg in its file: taken for boards, {expected:.2g} kg"
             )
-            links |= {name: _of_boards(links[name], boards[name]) for name in moving}
+            links |= {name: _weighing(link, boards[name]) for name, link in moving.items()}
     impossible = [name for name, link in links.items() if _impossible(link)]
     for name in impossible:
         links[name] = replace(links[name], inertia=box_inertia(links[name].collisions, links[name].mass))
     if impossible:
         names = ", ".join(f"'{name}'" for name in impossible)
-        lines.append(f"inertia of {names} taken for that of a box: none of that mass and size has the one in its file")
+        lines.append(f"inertia of {names} taken for that of a box: nothing has the one in its file")
     return replace(robot, links=links), lines
 
 
-def _of_boards(link: Link, mass: float) -> Link:
-    inertia = box_inertia(link.collisions, mass) if _impossible(link) else link.inertia * (mass / link.mass)
-    return replace(link, mass=mass, inertia=inertia, weighed=False)
-
-
-def _boards(link: Link) -> float:
-    return board_mass(link.collisions, link.visuals)
+def _weighing(link: Link, mass: float) -> Link:
+    return replace(link, mass=mass, inertia=link.inertia * (mass / link.mass), weighed=False)
 
 
 def _impossible(link: Link) -> bool:
-    """Whether nothing has such an inertia, or only a larger thing: mass would have to lie outside of the link."""
+    """Whether nothing has such an inertia: two principal moments are together at least as large as the third."""
     least, middle, most = np.linalg.eigvalsh(link.inertia)
-    if most > (1 + SLACK) * (least + middle) or least < ROD * most:
-        return True
-    shapes = [*link.collisions, *(visual.mesh for visual in link.visuals)]
-    farthest = float(np.linalg.norm(np.ptp(box_around(shapes), axis=0)))
-    return bool(np.trace(link.inertia) > link.mass * (2 * farthest) ** 2)
+    return bool(most > (1 + SLACK) * (least + middle))
 
 
 def with_mass(robot: RobotModel, mass: float) -> RobotModel:

@@ -2,55 +2,10 @@
 
 from pydantic import Field
 
+from stages.config.categories import CATEGORIES
 from stages.contracts.section import Count, Section
 
-COUNTS = {
-    "bottom_cabinet": 56,
-    "wall_cabinet": 27,
-    "sideboard": 28,
-    "wardrobe": 26,
-    "chest_of_drawers": 32,
-    "fridge": 12,
-    "microwave": 12,
-    "oven": 12,
-    "dishwasher": 10,
-    "table": 10,
-    "coffee_table": 10,
-    "chair": 10,
-    "stool": 10,
-    "sofa": 10,
-    "bed": 10,
-    "bookshelf": 10,
-    "floor_lamp": 10,
-    "table_lamp": 10,
-    "television": 10,
-    "picture": 10,
-    "bowl": 10,
-    "mug": 10,
-    "plate": 10,
-    "cooking_pot": 10,
-    "bottle": 10,
-    "vase": 10,
-    "plant_pot": 10,
-    "box": 10,
-    "book": 10,
-    "armchair": 5,
-    "basket": 5,
-    "bench": 5,
-    "candlestick": 5,
-    "clock": 5,
-    "desk": 5,
-    "jar": 5,
-    "kettle": 5,
-    "laptop": 5,
-    "mirror": 5,
-    "nightstand": 5,
-    "pan": 5,
-    "toaster": 5,
-    "trash_can": 5,
-    "tv_stand": 5,
-    "wall_shelf": 5,
-}
+COUNTS = {name: known.models for name, known in CATEGORIES.items()}
 
 
 class LibraryOptions(Section):

@@ -86,6 +86,8 @@ def _needs(module: str) -> frozenset[str]:
         elif isinstance(node, ast.ImportFrom) and source(origin := _imported(node, module)):
             found.update(_origin(origin, alias.name) for alias in node.names)
     found.update(MODULE_NAME.findall(_text(module)))
+    if "iter_modules(__path__)" in _text(module) and (path := source(module)):  # a package that imports all it has
+        found.update(f"{module}.{file.stem}" for file in path.parent.glob("[!_]*.py"))
     return frozenset(name for name in found if source(name))
 
 

@@ -5,14 +5,12 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
+from stages.config.categories import CATEGORIES, Known
 from stages.config.inputs import Input
 from stages.contracts.errors import InputError
 from stages.contracts.objects import object_ids
 from stages.scenes.rooms import read_room, series
 
-EITHER = {"bottom_cabinet", "fridge", "nightstand", "oven", "sideboard", "tv_stand", "wardrobe"}
-DOORS = EITHER | {"dishwasher", "microwave", "wall_cabinet"}
-DRAWERS = EITHER | {"chest_of_drawers", "desk"}
 Panels = Mapping[str, bool]
 
 
@@ -34,12 +32,10 @@ def objects(scene: str, inputs: Mapping[str, Input], files: Mapping[str, Path]) 
         items = read_room(files[scene]).items
     except (KeyError, InputError):
         return {}
+    known = ((item.model, CATEGORIES.get(item.category, Known(0, False, False))) for item in items)
     panels = (
-        {
-            "door": item.category in DOORS and item.model.doors[1] > 0,
-            "drawer": item.category in DRAWERS and item.model.drawers[1] > 0,
-        }
-        for item in items
+        {"door": kind.doors and model.doors[1] > 0, "drawer": kind.drawers and model.drawers[1] > 0}
+        for model, kind in known
     )
     return dict(zip(object_ids(item.label for item in items), panels, strict=True))
 

@@ -1,10 +1,10 @@
 """What of a placed object should not be taken for certain: its size, its place, what holds it."""
 
-from stages.assets.discover import category_in
-from stages.assets.proportions import unusual
 from stages.contracts.objects import Wall
 from stages.generation.placed import UNNAMED, Placed
 from stages.generation.walls import behind
+from stages.procedural.naming import category_in
+from stages.procedural.sizes import unusual
 
 BEHIND = 0.05  # metres
 

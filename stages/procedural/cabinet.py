@@ -1,5 +1,6 @@
 """Carcasses with doors, flaps and drawers: cabinets, drawer units, wardrobes, fridges, ovens, microwaves."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -7,7 +8,7 @@ import numpy as np
 from stages.procedural.cabinet_recipe import CabinetRecipe
 from stages.procedural.front_cells import CellKind, FrontCell, cells
 from stages.procedural.handles import KINDS
-from stages.procedural.model import Model, Moving, Parameters, Part, Size, part
+from stages.procedural.model import Model, Moving, Part, Size, part
 from stages.procedural.panels import Front, control_panel, pulled_panel
 from stages.procedural.shapes import box, rod
 
@@ -16,9 +17,19 @@ SWING = 2.9  # so much more does a door swing out that is stretched by 1.25 in d
 FRONTS = {"door", "drawer", "flap"}
 
 
-def cabinet(size: Size, parameters: Parameters) -> Model:
-    """A carcass on a base, its front cut into cells (see `front_cells.cells`); the parameters are a `CabinetRecipe`."""
-    p = CabinetRecipe.model_validate(parameters)
+class Cabinet(CabinetRecipe):
+    """A carcass on a base, its front cut into cells (see `front_cells.cells`)."""
+
+    def build(self, size: Size) -> Model:
+        return _cabinet(self, size)
+
+    @classmethod
+    def fronts(cls, parameters: Mapping[str, Any]) -> tuple[int, int]:
+        kinds = [kind for line in parameters["layout"] for kind in line]
+        return kinds.count("door") + kinds.count("flap"), kinds.count("drawer")
+
+
+def _cabinet(p: CabinetRecipe, size: Size) -> Model:
     depth, width, height = size
     board = min(p.board, 0.1 * min(size))
     thick = min(p.front_thickness, 0.15 * depth)

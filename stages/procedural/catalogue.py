@@ -1,147 +1,66 @@
-"""What there is: generators by name (a recipe calls one) and, per category, how its members are drawn."""
+"""The categories of the library and the generators that recipes name, found in `categories/`; recipes by number."""
 
+import inspect
+import re
 import zlib
-from collections.abc import Callable
 from functools import cache
-from typing import Any
 
 import numpy as np
 
 from stages.contracts.library import Recipe
-from stages.procedural import (
-    armchairs,
-    cabinet_draws,
-    containers,
-    decor,
-    desks_and_benches,
-    families,
-    kitchenware,
-    lamps,
-    plants,
-    seats,
-    small_things,
-    sofas,
-    storage,
-    tables_and_beds,
-    turned,
-    vessels,
-)
-from stages.procedural.cabinet import cabinet
-from stages.procedural.model import Draw, Generator
+from stages.procedural import categories, families
+from stages.procedural.category import Category
+from stages.procedural.recipe import Generator, Sampled
 
-GENERATORS: dict[str, Generator] = {
-    "armchair": armchairs.armchair,
-    "basket": containers.basket,
-    "bed": tables_and_beds.bed,
-    "bench": desks_and_benches.bench,
-    "book": storage.book,
-    "bookshelf": storage.bookshelf,
-    "bowl": vessels.bowl,
-    "cabinet": cabinet,
-    "candlestick": small_things.candlestick,
-    "carton": storage.carton,
-    "chair": seats.chair,
-    "clock": small_things.clock,
-    "cooking_pot": vessels.cooking_pot,
-    "desk": desks_and_benches.desk,
-    "jar": kitchenware.jar,
-    "kettle": kitchenware.kettle,
-    "lamp": lamps.lamp,
-    "laptop": small_things.laptop,
-    "mirror": small_things.mirror,
-    "mug": vessels.mug,
-    "pan": kitchenware.pan,
-    "picture": decor.picture,
-    "plant_pot": plants.plant_pot,
-    "plate": vessels.plate,
-    "sofa": sofas.sofa,
-    "stool": seats.stool,
-    "table": tables_and_beds.table,
-    "television": decor.television,
-    "toaster": kitchenware.toaster,
-    "trash_can": containers.trash_can,
-    "turned_vessel": turned.turned_vessel,
-    "wall_shelf": desks_and_benches.wall_shelf,
+_FOUND = [value for module in categories.modules() for value in vars(module).values()]
+CATEGORIES: dict[str, Category] = {
+    record.name: record
+    for record in sorted((value for value in _FOUND if isinstance(value, Category)), key=lambda record: record.name)
 }
-
-CATEGORIES: dict[str, Callable[[np.random.Generator, int], Draw]] = {
-    "armchair": armchairs.draw_armchair,
-    "basket": containers.draw_basket,
-    "bed": tables_and_beds.draw_bed,
-    "bench": desks_and_benches.draw_bench,
-    "book": storage.draw_book,
-    "bookshelf": storage.draw_bookshelf,
-    "bottle": turned.draw_bottle,
-    "bottom_cabinet": cabinet_draws.bottom_cabinet,
-    "bowl": vessels.draw_bowl,
-    "box": storage.draw_box,
-    "candlestick": small_things.draw_candlestick,
-    "chair": seats.draw_chair,
-    "chest_of_drawers": cabinet_draws.chest_of_drawers,
-    "clock": small_things.draw_clock,
-    "coffee_table": tables_and_beds.draw_coffee_table,
-    "cooking_pot": vessels.draw_cooking_pot,
-    "desk": desks_and_benches.draw_desk,
-    "dishwasher": cabinet_draws.dishwasher,
-    "floor_lamp": lamps.draw_floor_lamp,
-    "fridge": cabinet_draws.fridge,
-    "jar": kitchenware.draw_jar,
-    "kettle": kitchenware.draw_kettle,
-    "laptop": small_things.draw_laptop,
-    "microwave": cabinet_draws.microwave,
-    "mirror": small_things.draw_mirror,
-    "mug": vessels.draw_mug,
-    "nightstand": cabinet_draws.nightstand,
-    "oven": cabinet_draws.oven,
-    "pan": kitchenware.draw_pan,
-    "picture": decor.draw_picture,
-    "plant_pot": plants.draw_plant_pot,
-    "plate": vessels.draw_plate,
-    "sideboard": cabinet_draws.sideboard,
-    "sofa": sofas.draw_sofa,
-    "stool": seats.draw_stool,
-    "table": tables_and_beds.draw_table,
-    "table_lamp": lamps.draw_table_lamp,
-    "television": decor.draw_television,
-    "toaster": kitchenware.draw_toaster,
-    "trash_can": containers.draw_trash_can,
-    "tv_stand": cabinet_draws.tv_stand,
-    "vase": turned.draw_vase,
-    "wall_cabinet": cabinet_draws.wall_cabinet,
-    "wall_shelf": desks_and_benches.draw_wall_shelf,
-    "wardrobe": cabinet_draws.wardrobe,
+GENERATORS: dict[str, type[Generator]] = {
+    re.sub(r"(?<=[a-z])(?=[A-Z])", "_", value.__name__).lower(): value
+    for value in _FOUND
+    if isinstance(value, type) and issubclass(value, Generator) and not inspect.isabstract(value)
 }
 
 
 def sample(category: str, index: int, seed: int) -> Recipe:
     """The recipe of the `index`-th model of a category; it does not depend on how many others there are."""
-    rng = _generator(category, index, seed)
-    founders = families.FOUNDERS[category]
-    if index < founders:
-        draw = CATEGORIES[category](rng, index)
-        return Recipe(generator=draw.generator, parameters={"size": list(draw.size), **draw.parameters})
-    in_turn, founder = families.in_turn(category, index), index % founders
+    record, rng = CATEGORIES[category], _generator(category, index, seed)
+    if index < record.founders:
+        return _recipe(record.sample(rng, index))
+    in_turn, founder = families.in_turn(record, index), index % record.founders
     if not in_turn:
-        founder = families.fewest([_fronts(category, k, seed) for k in range(index)], founders)
-    if category in families.CABINETS:
-        first = CATEGORIES[category](_generator(category, founder, seed), founder)
-        generation = index // founders if in_turn else index
-        draw = families.relative(category, first, generation, rng, any_fronts=in_turn)
+        founder = families.fewest([_fronts(category, k, seed) for k in range(index)], record.founders)
+    if record.varied:
+        first = record.sample(_generator(category, founder, seed), founder)
+        generation = index // record.founders if in_turn else index
+        sampled = families.relative(record, first, generation, rng, any_fronts=in_turn)
     else:
-        draw = CATEGORIES[category](rng, founder)  # in the founder's style: styles go by number
-    return Recipe(
-        generator=draw.generator,
-        parameters={"size": list(draw.size), **draw.parameters},
-        variation_of=model_name(category, founder),
-    )
+        sampled = record.sample(rng, founder)  # in the founder's style: styles go by number
+    return _recipe(sampled, model_name(category, founder))
+
+
+def _recipe(sampled: Sampled, variation_of: str | None = None) -> Recipe:
+    """As an asset records it."""
+    generator = next(name for name, kind in GENERATORS.items() if kind is type(sampled.recipe))
+    parameters = {"size": list(sampled.size), **sampled.recipe.parameters()}
+    return Recipe(generator=generator, parameters=parameters, variation_of=variation_of)
+
+
+@cache
+def opens(category: str) -> tuple[bool, bool]:
+    """Whether founders of a category have doors (or flaps), and whether they have drawers."""
+    record = CATEGORIES.get(category)
+    counts = [_fronts(category, k, 0) for k in range(record.founders)] if record else []
+    return any(doors for doors, _ in counts), any(drawers for _, drawers in counts)
 
 
 @cache
 def _fronts(category: str, index: int, seed: int) -> tuple[int, int]:
-    """Doors (and flaps) and drawers of a cabinet."""
-    layout: Any = sample(category, index, seed).parameters["layout"]
-    cells = [cell for line in layout for cell in line]
-    return cells.count("door") + cells.count("flap"), cells.count("drawer")
+    """Doors (and flaps) and drawers of a model."""
+    recipe = sample(category, index, seed)
+    return GENERATORS[recipe.generator].fronts(recipe.parameters)
 
 
 def model_name(category: str, index: int) -> str:

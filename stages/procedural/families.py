@@ -5,93 +5,23 @@ the others are farther: other fronts, handles and hinges. Relatives of all else 
 """
 
 import math
-from typing import Any
+from typing import Any, get_args
 
-import numpy as np
-
-from stages.procedural.cabinet_draws import HANDLE_SHARES, HANDLES, PANELS
-from stages.procedural.cabinet_recipe import CabinetRecipe
+from stages.procedural.cabinet import Cabinet
+from stages.procedural.cabinet_recipe import PanelStyle
+from stages.procedural.category import Category, Fronts
 from stages.procedural.colours import APPLIANCE, METALS, PAINTS, WOODS, pick
 from stages.procedural.finishes import shade
-from stages.procedural.handles import PROTRUSION
-from stages.procedural.model import Draw, Size
+from stages.procedural.handles import HANDLE_SHARES, HANDLES, PROTRUSION
+from stages.procedural.recipe import Rng, Sampled, rounded, uniform
 
-Rng = np.random.Generator
-Fronts = tuple[str, list[list[str]]]  # columns or rows of cells, as in a cabinet's recipe
-
-# The first models of a category are drawn freely, and rooms are furnished with them. Later ones are their variations.
-CABINETS = {
-    "bottom_cabinet": 24, "wall_cabinet": 9, "sideboard": 7, "wardrobe": 6, "chest_of_drawers": 8, "fridge": 4,
-    "microwave": 4, "oven": 3, "dishwasher": 2,
-}  # fmt: skip
-FOUNDERS = CABINETS | {
-    "table": 5, "coffee_table": 4, "chair": 6, "stool": 3, "sofa": 4, "bed": 3, "bookshelf": 5, "floor_lamp": 3,
-    "table_lamp": 4, "television": 4, "picture": 4, "bowl": 5, "mug": 5, "plate": 3, "cooking_pot": 3, "bottle": 3,
-    "vase": 4, "plant_pot": 4, "box": 4, "book": 3,
-    "armchair": 4, "basket": 4, "bench": 4, "candlestick": 4, "clock": 4, "desk": 4, "jar": 4, "kettle": 4, "laptop": 3,
-    "mirror": 3, "nightstand": 5, "pan": 3, "toaster": 3, "trash_can": 3, "tv_stand": 5, "wall_shelf": 5,
-}  # fmt: skip
 IN_TURN = 24  # models of a category that vary its founders in turn, at least
 ABOUT = 2  # doors and drawers more or less, as matching's count_threshold (A.7)
-APPLIANCES = {"fridge", "microwave", "oven", "dishwasher"}
-
-D, P, O = ["door"], ["drawer"], ["open"]  # noqa: E741
-FRONTS: dict[str, list[Fronts]] = {
-    "bottom_cabinet": [
-        ("columns", [D]),
-        ("columns", [D, D]),
-        ("columns", [D, D, D]),
-        ("columns", [D, D, D, D]),
-        ("columns", [[*P, *D]]),
-        ("columns", [[*P, *D], [*P, *D]]),
-        ("columns", [[*D, *P], [*D, *P]]),
-        ("columns", [D, P * 3]),
-        ("columns", [P * 4, D, D]),
-        ("rows", [P, D * 2]),
-        ("rows", [D * 2, P]),
-    ],
-    "wall_cabinet": [
-        ("columns", [D]),
-        ("columns", [D, D]),
-        ("columns", [D, D, D]),
-        ("columns", [D, D, D, D]),
-        ("columns", [[*D, *O], [*D, *O]]),
-        ("columns", [D, O]),
-        ("rows", [D * 2, P * 2]),
-    ],
-    "sideboard": [
-        ("columns", [D, P * 3, D]),
-        ("columns", [D, P * 2, P * 2, D]),
-        ("columns", [D, D, P * 3]),
-        ("columns", [P * 3, D, D]),
-        ("rows", [P * 3, D * 3]),
-        ("columns", [D, O, D]),
-        ("columns", [D, D, D, D]),
-    ],
-    "wardrobe": [
-        ("columns", [D, D]),
-        ("columns", [D, D, D]),
-        ("columns", [D, D, D, D]),
-        ("columns", [[*D, *P], [*D, *P]]),
-        ("columns", [D, P * 5]),
-        ("rows", [D * 2, P, P]),
-    ],
-    "chest_of_drawers": [
-        ("columns", [P * 2]),
-        ("columns", [P * 3]),
-        ("columns", [P * 4]),
-        ("columns", [P * 6]),
-        ("columns", [P * 3, P * 3]),
-        ("rows", [P * 2, P, P]),
-        ("rows", [P * 3, P, P, P]),
-        ("columns", [P * 4, D]),
-    ],
-}
 
 
-def in_turn(category: str, index: int) -> bool:
+def in_turn(category: Category, index: int) -> bool:
     """Whether a relative varies the founder whose turn it is; later ones go where models with such fronts are few."""
-    return category not in FRONTS or index < max(IN_TURN, 3 * FOUNDERS[category] // 2)
+    return not category.fronts or index < max(IN_TURN, 3 * category.founders // 2)
 
 
 def fewest(fronts: list[tuple[int, int]], founders: int) -> int:
@@ -100,10 +30,11 @@ def fewest(fronts: list[tuple[int, int]], founders: int) -> int:
     return alike.index(min(alike))
 
 
-def relative(category: str, founder: Draw, generation: int, rng: Rng, any_fronts: bool = True) -> Draw:
-    """A variation of a founder of the `CABINETS`; odd generations are near, even ones farther from it: with any
+def relative(category: Category, founder: Sampled, generation: int, rng: Rng, any_fronts: bool = True) -> Sampled:
+    """A variation of a founder that is a cabinet; odd generations are near, even ones farther from it: with any
     fronts of their category, or with one cell more or less than it."""
-    recipe, far = CabinetRecipe.model_validate(founder.parameters), generation % 2 == 0
+    recipe, far = founder.recipe, generation % 2 == 0
+    assert isinstance(recipe, Cabinet)
     changes: dict[str, Any] = _looks(category, rng)
     # Wider and lower, or narrower and higher: a relative does not fit into its founder's box unchanged.
     spread = 0.22 if far else 0.14
@@ -116,34 +47,32 @@ def relative(category: str, founder: Draw, generation: int, rng: Rng, any_fronts
     if far:
         handle = str(rng.choice(HANDLES, p=HANDLE_SHARES))
         changes |= {"handle": handle, "protrusion": PROTRUSION[handle], "hinge": int(rng.choice([-1, 1]))}  # type: ignore[index]
-        changes["handle_at"] = round(float(rng.uniform(-0.9, 0.9)), 3)
-        if category in FRONTS and recipe.column_weights is None:
-            fronts = FRONTS[category] if any_fronts else _resized(recipe)
+        changes["handle_at"] = uniform(rng, -0.9, 0.9)
+        if category.fronts and recipe.column_weights is None:
+            fronts = list(category.fronts) if any_fronts else _resized(recipe)
             major, layout = fronts[int(rng.integers(len(fronts)))]
             across, up = _grid(recipe.major, recipe.layout)
             new_across, new_up = _grid(major, layout)
-            wider = new_across / across
-            y *= math.sqrt(wider) if category in ("sideboard", "chest_of_drawers") else wider
-            z *= math.sqrt(new_up / up) if category == "chest_of_drawers" else 1.0
+            y *= (new_across / across) ** category.growth[0]
+            z *= (new_up / up) ** category.growth[1]
             changes |= {"major": major, "layout": layout}
     elif rng.random() < 0.5:
-        changes["inset_front"] = not recipe.inset_front and category not in APPLIANCES
-    size: Size = (round(x, 3), round(y, 3), round(z, 3))
-    return Draw(founder.generator, size, recipe.changed(**changes).parameters())
+        changes["inset_front"] = not recipe.inset_front and not category.appliance
+    return Sampled(rounded(x, y, z), recipe.changed(**changes))
 
 
-def _looks(category: str, rng: Rng) -> dict[str, Any]:
+def _looks(category: Category, rng: Rng) -> dict[str, Any]:
     """Colours, and where it is no appliance the style of the panels."""
-    front = pick(rng, APPLIANCE) if category in APPLIANCES else pick(rng, PAINTS, WOODS)
-    body = shade(front, 0.82) if rng.random() < 0.6 or category in APPLIANCES else pick(rng, PAINTS, WOODS)
+    front = pick(rng, APPLIANCE) if category.appliance else pick(rng, PAINTS, WOODS)
+    body = shade(front, 0.82) if rng.random() < 0.6 or category.appliance else pick(rng, PAINTS, WOODS)
     looks: dict[str, Any] = {"front_colour": front, "body_colour": body, "handle_colour": pick(rng, METALS)}
-    if category in APPLIANCES:
+    if category.appliance:
         return looks | {"field_colour": front}
-    panel = str(rng.choice(PANELS))
+    panel = str(rng.choice(get_args(PanelStyle)))
     return looks | {"field_colour": shade(front, float(rng.choice([0.72, 0.85, 1.2]))), "panel": panel}
 
 
-def _resized(recipe: CabinetRecipe) -> list[Fronts]:
+def _resized(recipe: Cabinet) -> list[Fronts]:
     """The recipe's fronts with one cell more or less in one of its lines."""
     found: list[Fronts] = []
     for k, line in enumerate(recipe.layout):

@@ -10,7 +10,8 @@ from stages.articulated.asset_folder import Description, write_asset
 from stages.contracts.errors import InputError
 from stages.contracts.files import first_error
 from stages.contracts.library import Asset, Recipe
-from stages.procedural.model import Generator, Model, Parameters, Size, bounds, fitted, parts_of
+from stages.procedural.model import Model, Size, bounds, fitted, parts_of
+from stages.procedural.recipe import Generator
 from stages.procedural.robot import robot_of
 
 LICENCE = "CC0-1.0"
@@ -53,12 +54,10 @@ def generate(recipe: Recipe, size: Size | None = None) -> Model:
     parameters = {key: value for key, value in recipe.parameters.items() if key != "size"}
     where = f"recipe of a {recipe.generator}"
     try:
-        return _made(GENERATORS[recipe.generator], wanted, parameters)
+        return _made(GENERATORS[recipe.generator].model_validate(parameters), wanted)
     except ValidationError as error:
         raise InputError(where, f"parameter {first_error(error)}.") from None
-    except KeyError as error:
-        raise InputError(where, f"parameter {error} is missing, or its value is not known.") from None
-    except (TypeError, ValueError, IndexError, ArithmeticError, QhullError) as error:
+    except (ValueError, IndexError, ArithmeticError, QhullError) as error:
         reason = (str(error).splitlines() or [type(error).__name__])[0][:200]
         raise InputError(where, f"its parameters make no model: {reason}.") from None
 
@@ -75,12 +74,12 @@ def _size(recipe: Recipe, size: Size | None) -> Size:
     return (x, y, z)
 
 
-def _made(generator: Generator, wanted: Size, parameters: Parameters) -> Model:
+def _made(generator: Generator, wanted: Size) -> Model:
     """The model at a size; where its boards do not fit in, that of a size where they do, scaled."""
     for room in ROOM:
         x, y, z = np.maximum(wanted, room).tolist()
         try:
-            model = _fitted(generator, (x, y, z), parameters)
+            model = _fitted(generator, (x, y, z))
         except (ValueError, IndexError, ArithmeticError, QhullError):
             if room == ROOM[-1]:
                 raise
@@ -96,10 +95,10 @@ def _is_sound(model: Model) -> bool:
     return solids and all(moving.upper > 0 for moving in model.moving)
 
 
-def _fitted(generator: Generator, wanted: Size, parameters: Parameters) -> Model:
+def _fitted(generator: Generator, wanted: Size) -> Model:
     aim = wanted
     for _ in range(SETTLING_PASSES):
-        model = generator(aim, parameters)
+        model = generator.build(aim)
         low, high = bounds(model)
         if max(abs(high - low - wanted)) < 1e-4:
             break

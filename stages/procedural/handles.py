@@ -17,6 +17,9 @@ KINDS: dict[Style, HandleKind | None] = {
     "bar": "bar", "square_bar": "bar", "knob": "knob", "arch": "arch", "edge": "edge", "none": None
 }  # fmt: skip
 
+HANDLES = ["bar", "square_bar", "knob", "arch", "edge"]
+HANDLE_SHARES = [0.3, 0.2, 0.2, 0.2, 0.1]  # of sampled cabinets
+
 
 def handle_parts(
     style: Style,

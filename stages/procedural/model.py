@@ -1,8 +1,8 @@
 """A procedural model before it is written: parts with colour and density, some of them on joints."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,6 @@ from stages.procedural.shapes import bounds_of
 Size = tuple[float, float, float]
 Symmetry = Literal["none", "half_turn", "third_turn", "quarter_turn", "full"]
 Placement = Literal["floor", "object", "wall"]
-Parameters = dict[str, Any]  # flat: see contracts.library.Recipe
 
 WOOD, METAL, STEEL, CERAMIC, GLASS = 500.0, 2700.0, 7800.0, 2200.0, 2400.0  # kg / m^3
 EXACT = 1e-9  # a model that fits as well as this is left as it is
@@ -64,18 +63,6 @@ class Model:
     moving: list[Moving] = field(default_factory=list)
     symmetry: Symmetry = "none"
     placement: Placement = "floor"
-
-
-Generator = Callable[[Size, Parameters], Model]
-
-
-@dataclass(frozen=True)
-class Draw:
-    """A sampled member of a category: native size of the closed box and the generator's parameters."""
-
-    generator: str
-    size: Size
-    parameters: Parameters
 
 
 def part(mesh: Trimesh, surface: Surface, density: float = WOOD, smooth: bool = False, solid: bool = True) -> Part:

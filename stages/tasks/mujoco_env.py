@@ -21,8 +21,16 @@ from stages.planning.clearance import Surroundings
 from stages.simulation.controller import apply_delta, scale_action
 from stages.simulation.kinematics import Array
 from stages.simulation.loading import load_asset, physics_scene
-from stages.simulation.mujoco_camera import DepthCamera
-from stages.simulation.mujoco_world import (
+from stages.simulation.observation import CAMERA_FROM_IMAGE
+from stages.simulation.robot import GRIPPER_CLOSED, GRIPPER_OPEN, REST, TCP
+from stages.simulation.studio import Moment, Recording
+from stages.simulation.target import Target, read_target
+from stages.tasks.api import Float, Size, TaskEnv
+from stages.tasks.base_placement import placed, success_opening
+from stages.tasks.cameras import shoulder
+from stages.tasks.initial_state import nominal_root, sample_initial_state, sampled_scale
+from stages.tasks.mujoco_camera import DepthCamera
+from stages.tasks.mujoco_world import (
     ARM_JOINTS,
     CAMERA,
     FINGER_JOINTS,
@@ -32,14 +40,6 @@ from stages.simulation.mujoco_world import (
     ModelFiles,
     build,
 )
-from stages.simulation.observation import CAMERA_FROM_IMAGE
-from stages.simulation.robot import GRIPPER_CLOSED, GRIPPER_OPEN, REST, TCP
-from stages.simulation.studio import Moment, Recording
-from stages.simulation.target import Target, read_target
-from stages.tasks.api import Float, Size, TaskEnv
-from stages.tasks.base_placement import placed, success_opening
-from stages.tasks.cameras import shoulder
-from stages.tasks.initial_state import nominal_root, sample_initial_state, sampled_scale
 from stages.tasks.observation import CameraRig, Observation, Sensing
 from stages.tasks.task import Task
 

@@ -7,7 +7,7 @@ import pytest
 
 from stages.assets.library import make
 from stages.config.assets import AssetsConfig
-from stages.procedural.families import FOUNDERS
+from stages.procedural.catalogue import CATEGORIES as RECORDS
 from stages.simulation.loading import add_ground, load_asset, physics_scene, position_of, root_pose
 
 CATEGORIES = sorted(AssetsConfig().counts)
@@ -16,7 +16,7 @@ STEPS, DRIFT, OPENING = 100, 0.01, 0.01
 
 @pytest.mark.parametrize("category", CATEGORIES)
 def test_nothing_explodes(category: str, tmp_path: Path) -> None:
-    for index in {*range(FOUNDERS[category]), AssetsConfig().counts[category] - 1}:
+    for index in {*range(RECORDS[category].founders), AssetsConfig().counts[category] - 1}:
         asset = make(category, index, 0, tmp_path)
         scene = physics_scene()
         add_ground(scene)

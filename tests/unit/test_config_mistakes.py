@@ -7,13 +7,12 @@ from typing import Any
 import pytest
 import yaml
 
-from stages.config import places
+from stages.config import categories
 from stages.config.assets import COUNTS
 from stages.config.inputs import INPUT_FILES
 from stages.config.mistakes import check_keys
 from stages.config.model import load, merged
 from stages.contracts import InputError
-from stages.procedural.catalogue import CATEGORIES, sample
 
 ROOT = Path(__file__).resolve().parents[2]
 DEFAULT = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
@@ -279,13 +278,4 @@ def test_rooms_of_the_users_are_known(tmp_path: Path) -> None:
 
 
 def test_what_is_known_here_is_what_the_stages_do() -> None:
-    assert set(COUNTS) == set(CATEGORIES)
-    for kind, known in (("door", places.DOORS), ("drawer", places.DRAWERS)):
-        panels = {"door": ("door", "flap"), "drawer": ("drawer",)}[kind]
-        able = {
-            category
-            for category in CATEGORIES
-            for index in range(12)
-            if any(panel in str(sample(category, index, 0).parameters.get("layout", "")) for panel in panels)
-        } | ({"desk"} if kind == "drawer" else set())  # whose recipe counts its drawers
-        assert able == known, kind
+    assert categories.FILE.read_text() == categories.generated(), "python -m stages.config"

@@ -11,56 +11,15 @@ import pytest
 import trimesh
 from PIL import Image
 
+from stages.assets.evidence import Evidence
 from stages.assets.import_ import run
 from stages.assets.importers import Axis
 from stages.assets.imports import axis_vector, in_file
 from stages.assets.portrait import ARROW
-from stages.assets.proportions import doubt_of_size, other_up, up_and_unit, up_as_it_stands
 from stages.contracts.errors import InputError
+from stages.procedural.sizes import unusual
 from tests.unit.own_models import import_folder
 from tests.unit.test_sense import box, cabinet, joint, write_partnet
-
-
-@pytest.mark.parametrize(
-    ("extents", "category", "default", "expected"),
-    [
-        ((0.5, 0.45, 0.9), "chair", "+z", ("+z", 1.0)),
-        ((500, 450, 900), "chair", "+z", ("+z", 0.001)),
-        ((45, 90, 50), "chair", "+z", ("+y", 0.01)),
-        ((0.9, 2.2, 0.8), "sofa", "+y", ("+z", 1.0)),
-        ((0.6, 0.6, 0.6), "chair", "+z", ("+z", 1.0)),
-        ((4, 6.4, 3.6), "chair", "+z", ("+y", 0.13)),
-        ((1, 60, 1), "chair", "+z", ("+z", 1.0)),
-        ((700, 300, 400), "gearbox", "+z", ("+z", 0.001)),
-        ((0.7, 0.3, 0.4), "gearbox", "+y", ("+y", 1.0)),
-    ],
-)
-def test_up_and_unit_by_proportions(
-    extents: tuple[float, float, float], category: str, default: Axis, expected: tuple[str, float]
-) -> None:
-    assert up_and_unit(np.array(extents, dtype=float), category, [default, other_up(default)]) == expected
-
-
-@pytest.mark.parametrize(
-    ("turn", "category", "default", "expected"),
-    [
-        (0, "bottle", "+z", "+z"),
-        (0, "bottle", "+y", "+z"),
-        (90, "bottle", "+z", "+y"),
-        (90, "bottle", "+y", "+y"),
-        (0, "clock", "+y", "+y"),
-    ],
-)
-def test_up_is_where_a_round_thing_stands(turn: int, category: str, default: Axis, expected: str) -> None:
-    bottle = trimesh.creation.cylinder(0.04, 0.2)
-    bottle.apply_transform(trimesh.transformations.rotation_matrix(np.deg2rad(turn), [1, 0, 0]))
-    ball = np.asarray(trimesh.creation.icosphere(3, 0.1).vertices)
-    for agreed in (True, False):
-        assert up_as_it_stands(np.asarray(bottle.vertices), category, default, agreed) == expected
-        assert up_as_it_stands(ball, category, default, agreed) == default, "it stands nowhere"
-    block = np.asarray(trimesh.creation.box(bounds=[(-0.2, 0, -0.2), (0.2, 0.6, 0.3)]).vertices)
-    assert up_as_it_stands(block, "crate", "+z", agreed=False) == "+y", "its foot is at the origin's height"
-    assert up_as_it_stands(block, "crate", "+z", agreed=True) == "+z"
 
 
 @pytest.mark.parametrize(
@@ -105,31 +64,28 @@ def test_files_of_one_folder_share_the_unit(tmp_path: Path, capsys: pytest.Captu
     }
     for name, size in things.items():
         trimesh.creation.box(size).export(tmp_path / f"theirs/{name}.glb")
-    for name, size in (("chair_in_metres", (0.45, 0.95, 0.48)), ("tray_in_metres", (0.4, 0.05, 0.3))):
-        trimesh.creation.box(size).export(tmp_path / f"theirs/{name}.glb")
     run(tmp_path / "theirs", out=tmp_path / "mine")
     said = {line.split(": ")[0].rpartition("/")[2]: line for line in capsys.readouterr().out.splitlines()}
     for name, (width, height, depth) in things.items():
         assert f"{width} cm wide, {depth} deep, {height} high" in said[f"{name}.glb"]
         assert "in centimetres as most .glb here" in said[f"{name}.glb"]
-    assert "45 cm wide, 48 deep, 95 high" in said["chair_in_metres.glb"], "far from usual in centimetres"
-    assert "40 cm wide, 30 deep, 5 high" in said["tray_in_metres.glb"], "a speck in centimetres"
 
 
 def test_unusual_sizes_are_doubted() -> None:
-    assert doubt_of_size((0.5, 0.45, 0.9), "chair") is None
-    assert doubt_of_size((4.0, 3.5, 4.9), "gearbox") is None
-    assert doubt_of_size((5.0, 4.5, 9.0), "gearbox") == "is 9 m large: a room, or not in metres?"
-    doubt = doubt_of_size((0.25, 0.22, 0.45), "chair")
-    assert doubt is not None
-    factor = re.search(r"; ([\d.]+) times its scale would be usual", doubt)
-    assert factor is not None
-    assert 1.6 < float(factor[1]) < 2.5
+    assert unusual("chair", np.array([0.5, 0.45, 0.9])) == ""
+    assert unusual("gearbox", np.array([5.0, 4.5, 9.0])) == "", "nobody knows how large such things are"
+    assert "25 cm, 45 cm high; usual are " in unusual("chair", np.array([0.25, 0.22, 0.45]))
 
 
-def test_what_seems_to_lie_on_its_side_is_doubted() -> None:
-    lying = doubt_of_size((0.92, 0.45, 0.45), "chair")
-    assert lying is not None and lying.startswith("seems to lie on its side")
+def test_a_model_tells_the_unit_in_which_it_is_as_large_as_its_category() -> None:
+    for extents, up, unit in (
+        ((0.5, 0.45, 0.9), "+z", 1.0),
+        ((500, 450, 900), "+z", 0.001),
+        ((45, 90, 50), "+y", 0.01),
+        ((4, 6.4, 3.6), "+y", None),
+    ):
+        assert Evidence(extents=extents).unit("chair", up) == unit
+    assert Evidence(extents=(700, 300, 400)).unit("gearbox", "+z") is None
 
 
 @pytest.mark.parametrize("front", ["+x", "-x", "+y", "-y"])
@@ -243,10 +199,9 @@ def test_one_file_is_enough_and_parts_alone_are_none(tmp_path: Path) -> None:
 def test_partnet_models_have_no_size_and_get_a_usual_one(tmp_path: Path) -> None:
     flat = f'<robot name="m"><link name="l">{box("0.9 1.45 0.95")}</link></robot>'
     write_partnet(tmp_path / "theirs", "7167", flat, "Microwave")
-    write_partnet(tmp_path / "theirs", "7168", flat.replace("0.9 1.45", "0.4 0.5").replace("0.95", "0.3"), "Microwave")
     write_partnet(tmp_path / "theirs", "9", flat.replace("0.95", "0.96"), "Gearbox")
     run(tmp_path / "theirs", out=tmp_path / "mine")
     scales = {
         path.parent.name: json.loads(path.read_text())["scale"] for path in (tmp_path / "mine").rglob("asset.json")
     }
-    assert scales == {"7167": pytest.approx(0.36, abs=0.03), "7168": 1.0, "9": 1.0}
+    assert scales == {"7167": pytest.approx(0.36, abs=0.03), "9": 1.0}

@@ -8,7 +8,7 @@ import pytest
 import trimesh
 import yaml
 
-from stages.assets.convention import Shared
+from stages.assets.evidence import Shared
 from stages.assets.examine import Examined
 from stages.assets.import_ import run
 from stages.assets.imports import Notes

@@ -16,8 +16,9 @@ from stages.articulated.roles import contract_joints, with_roles
 from stages.articulated.sense import doors_and_drawers, front_direction
 from stages.articulated.solid_handle import with_solid_handles
 from stages.articulated.urdf_reader import read_urdf
-from stages.assets.discover import category_in, discover, numbered_names
+from stages.assets.discover import discover, numbered_names
 from stages.assets.pushing import stuck_joints
+from stages.procedural.naming import category_in
 from stages.procedural.resize import resized
 from stages.simulation.loading import load_asset, physics_scene
 from tests.unit.own_models import import_folder
@@ -275,7 +276,7 @@ def test_names(tmp_path: Path) -> None:
         ("IKEA-Sofa (1)", "sofa"),
         ("old plant pot", "plant_pot"),
         ("studyTable", "table"),
-        ("hingecabinet", "bottom_cabinet"),
+        ("hingeCabinet", "bottom_cabinet"),
         ("MUG2", "mug"),
         ("chairs", "chair"),
         ("gearbox", None),
@@ -291,7 +292,7 @@ def test_models_lie_anywhere_and_what_they_are_made_of_is_none(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     for path, text in {
-        "hingecabinet.xml": "<mujoco><asset><mesh file='DOOR.stl'/></asset><worldbody/></mujoco>",
+        "hinge_cabinet.xml": "<mujoco><asset><mesh file='DOOR.stl'/></asset><worldbody/></mujoco>",
         "hinge_cabinet/meshes/door.stl": "",
         "hinge_cabinet/meshes/door_old.stl": "",
         "hinge_cabinet/body.xml": "<mujocoinclude/>",
@@ -307,7 +308,7 @@ def test_models_lie_anywhere_and_what_they_are_made_of_is_none(
         (tmp_path / path).write_text(text)
     found = {(one.category, one.name) for one in discover(tmp_path, [".urdf", ".xml", ".glb", ".obj", ".stl"])}
     assert found == {
-        ("bottom_cabinet", "hingecabinet"),
+        ("bottom_cabinet", "hinge_cabinet"),
         ("mug", "mug"),
         ("banana", "banana"),
         ("chair", "Wooden Chair"),

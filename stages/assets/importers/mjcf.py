@@ -4,8 +4,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import mujoco
 import numpy as np
 import trimesh
+from mujoco import mjtGeom, mjtJoint, mjtTexture, mjtTextureRole
 from PIL import Image
 from scipy.spatial.transform import Rotation
 from trimesh import Trimesh
@@ -19,12 +21,6 @@ from stages.assets.mjcf_file import compiled
 from stages.contracts.errors import InputError
 from stages.geometry.frames import rigid
 
-FREE, BALL, SLIDE, HINGE = range(4)  # mjtJoint
-SPHERE, CAPSULE, ELLIPSOID, CYLINDER, BOX, MESH = range(2, 8)  # mjtGeom
-SHOWN_GROUPS = 3  # a viewer shows groups 0 to 2
-WATER = 1000.0  # MuJoCo's density of what says nothing
-TEXTURE_2D, RGB = 0, 1  # mjtTexture, mjtTextureRole
-
 
 def read_mjcf(path: Path, folder: Path) -> RobotModel:
     """Read a whole MJCF model: bodies as links, hinges and slides with limits as joints, all else fixed.
@@ -32,15 +28,17 @@ def read_mjcf(path: Path, folder: Path) -> RobotModel:
     Raises:
         InputError: names the file and what is wrong with it.
     """
-    spec, model, remarks = compiled(path, folder)
+    spec, model = compiled(path, folder)
     if model.nbody > MOST_LINKS:
         raise InputError(path, f"has {model.nbody} bodies.", f"at most {MOST_LINKS}")
-    if (free := int((model.jnt_type == FREE).sum())) > 1:
-        raise InputError(path, f"holds {free} free bodies: a scene, not a model.", "one file per model")
+    if (free := int((model.jnt_type == mjtJoint.mjJNT_FREE).sum())) > 1:
+        raise InputError(
+            path, f"holds {free} free bodies: a scene, not a model.", "one file per model", code="E-MJCF-SCENE"
+        )
     links, joints = _Reader(spec, model).tree()
     if not any(link.visuals for link in links.values()):
         raise InputError(path, "shows nothing: no body has geometry.")
-    return RobotModel(path.stem, links, joints, remarks=tuple(remarks))
+    return RobotModel(path.stem, links, joints)
 
 
 class _Reader:
@@ -51,7 +49,7 @@ class _Reader:
         self.model = model
         self.told = {body.id: mass for body in spec.bodies if (mass := _told_mass(body)) is not None}
         collides = (model.geom_contype | model.geom_conaffinity) != 0
-        shown = (model.geom_group < SHOWN_GROUPS) & (model.geom_rgba[:, 3] > 0)
+        shown = (mujoco.MjvOption().geomgroup[model.geom_group] > 0) & (model.geom_rgba[:, 3] > 0)  # as a viewer shows
         self.collides, self.shown = collides, shown if shown.any() else np.ones_like(shown)
         # Models with looks of their own have them in other groups than what collides.
         own = self.shown & ~collides
@@ -86,7 +84,7 @@ class _Reader:
         model = self.model
         ends = np.abs(model.jnt_range[joint])  # a door's or drawer's, closed at one, may not hold in the simulation
         limited = bool(np.ptp(model.jnt_range[joint]) > FIXED_RANGE) and (model.jnt_limited[joint] or ends.min() == 0)
-        return model.jnt_type[joint] in (SLIDE, HINGE) and limited
+        return mjtJoint(model.jnt_type[joint]) in (mjtJoint.mjJNT_SLIDE, mjtJoint.mjJNT_HINGE) and limited
 
     def _joint(self, joint: int, parent: str, child: str, origin: Matrix) -> JointModel:
         model = self.model
@@ -95,7 +93,7 @@ class _Reader:
         name = model.joint(joint).name or f"joint_{joint}"
         made = JointModel(
             name,
-            "prismatic" if kind == SLIDE else "revolute",
+            "prismatic" if kind == mjtJoint.mjJNT_SLIDE else "revolute",
             parent,
             child,
             origin,
@@ -130,20 +128,20 @@ class _Reader:
         """The shape of a geom in its own frame; nothing for planes, height fields and the like."""
         model, size = self.model, self.model.geom_size[geom]
         kind = model.geom_type[geom]
-        if kind == BOX:
+        if kind == mjtGeom.mjGEOM_BOX:
             yield trimesh.creation.box(2 * size)
-        elif kind == SPHERE:
+        elif kind == mjtGeom.mjGEOM_SPHERE:
             yield trimesh.creation.icosphere(2, size[0])
-        elif kind == ELLIPSOID:
+        elif kind == mjtGeom.mjGEOM_ELLIPSOID:
             ball = trimesh.creation.icosphere(2)
             yield moved(ball, np.diag([*size, 1.0]))
-        elif kind == CYLINDER:
+        elif kind == mjtGeom.mjGEOM_CYLINDER:
             yield trimesh.creation.cylinder(size[0], 2 * size[1])
-        elif kind == CAPSULE:
+        elif kind == mjtGeom.mjGEOM_CAPSULE:
             mesh = trimesh.creation.capsule(2 * size[1], size[0])
             mesh.apply_translation([0, 0, -mesh.bounds.mean(axis=0)[2]])
             yield mesh
-        elif kind == MESH:
+        elif kind == mjtGeom.mjGEOM_MESH:
             number = int(model.geom_dataid[geom])
             start, count = int(model.mesh_vertadr[number]), int(model.mesh_vertnum[number])
             face, faces = int(model.mesh_faceadr[number]), int(model.mesh_facenum[number])
@@ -153,7 +151,7 @@ class _Reader:
     def _visuals(self, geom: int) -> Iterator[Visual]:
         model, material = self.model, int(self.model.geom_matid[geom])
         colour = (model.geom_rgba[geom] if material < 0 else model.mat_rgba[material]).clip(0, 1).astype(float)
-        image = None if material < 0 else self._image(int(model.mat_texid[material][RGB]))
+        image = None if material < 0 else self._image(int(model.mat_texid[material][mjtTextureRole.mjTEXROLE_RGB]))
         for mesh in self._meshes(geom):
             uv = self._uv(geom) if image is not None and image.width > 1 else None
             if uv is not None:
@@ -169,14 +167,17 @@ class _Reader:
                 plain[:3] *= (np.asarray(image, dtype=float).reshape(-1, 3).mean(axis=0) / 255) ** 2.2
             red, green, blue, alpha = plain.round(4).tolist()
             rgba: RGBA = (red, green, blue, alpha)
-            yield Visual(mesh, rgba, flat=model.geom_type[geom] == BOX)
+            yield Visual(mesh, rgba, flat=model.geom_type[geom] == mjtGeom.mjGEOM_BOX)
 
     def _uv(self, geom: int) -> Matrix | None:
         """Where the corners of a mesh's faces lie in its texture, v upwards; None if it does not say."""
         model, mesh = self.model, int(self.model.geom_dataid[geom])
-        if model.geom_type[geom] != MESH or model.mesh_texcoordadr[mesh] < 0:
+        if model.geom_type[geom] != mjtGeom.mjGEOM_MESH or model.mesh_texcoordadr[mesh] < 0:
             return None
-        if model.tex_type[model.mat_texid[model.geom_matid[geom]][RGB]] != TEXTURE_2D:
+        if (
+            model.tex_type[model.mat_texid[model.geom_matid[geom]][mjtTextureRole.mjTEXROLE_RGB]]
+            != mjtTexture.mjTEXTURE_2D
+        ):
             return None
         face, faces = int(model.mesh_faceadr[mesh]), int(model.mesh_facenum[mesh])
         corners = int(model.mesh_texcoordadr[mesh]) + model.mesh_facetexcoord[face : face + faces].ravel()
@@ -193,7 +194,8 @@ class _Reader:
 
 def _told_mass(body: Any) -> float | None:
     """The most that a body weighs, if it or its geoms say so: MuJoCo takes geoms that do not, looks too, for water."""
-    if body.explicitinertial or any(geom.density != WATER for geom in body.geoms):
+    water = mujoco.MjSpec().default.geom.density
+    if body.explicitinertial or any(geom.density != water for geom in body.geoms):
         return float("inf")
     masses = [geom.mass for geom in body.geoms if not np.isnan(geom.mass)]
     return sum(masses) if masses else None

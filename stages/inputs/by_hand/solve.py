@@ -6,8 +6,6 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.assets.discover import category_in
-from stages.assets.proportions import sizes_of, unusual
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.frames import yaw_matrix
 from stages.inputs.by_hand.metrology import (
@@ -22,6 +20,8 @@ from stages.inputs.by_hand.metrology import (
 )
 from stages.inputs.by_hand.perspective import fit_view
 from stages.inputs.by_hand.project import DrawnObject, Pixel, Project, Scale
+from stages.procedural.naming import category_in
+from stages.procedural.sizes import sizes_of, unusual
 
 NEAREST, FARTHEST = 0.05, 30.0  # metres: a camera is nowhere else above the floor
 EDGE = 6.0  # pixels beside the top of an object that still count as on it

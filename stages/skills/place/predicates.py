@@ -9,7 +9,7 @@ from stages.geometry.frames import inverse, rigid, yaw_matrix
 from stages.planning.clearance import MARGIN
 from stages.planning.path import ANGLE_WEIGHT
 from stages.simulation.kinematics import Array
-from stages.simulation.region import LEVEL, Region
+from stages.simulation.region import CELL, Region
 
 DROP = (0.012, 0.16)  # metres above the surface at which it is let go: a deep drawer has no room for the hand
 
@@ -22,7 +22,7 @@ def inside(region: Region, mesh: trimesh.Trimesh) -> Array:
 def on_top(region: Region, mesh: trimesh.Trimesh) -> Array:
     """(N, 3) places for an upright object's axis on the region, where all that it stands on is supported."""
     vertices = mesh.vertices
-    return region.places(_radius(vertices[vertices[:, 2] < mesh.bounds[0, 2] + LEVEL]))
+    return region.places(_radius(vertices[vertices[:, 2] < mesh.bounds[0, 2] + CELL]))
 
 
 PREDICATES: dict[str, Callable[[Region, trimesh.Trimesh], Array]] = {"inside": inside, "on_top": on_top}

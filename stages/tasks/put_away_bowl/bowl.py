@@ -8,12 +8,12 @@ import numpy as np
 import trimesh
 
 from stages.articulated.asset_folder import Description, read_model, write_asset
+from stages.procedural.categories.vessels import hollow
 from stages.procedural.colours import WOODS
 from stages.procedural.folder import LICENCE
 from stages.procedural.model import WOOD, Model, Part, part
 from stages.procedural.robot import robot_of
 from stages.procedural.shapes import slab
-from stages.procedural.vessels import hollow
 from stages.simulation.kinematics import Array
 from stages.simulation.region import Region, headroom, level_region
 from stages.simulation.robot import cache_folder

@@ -1,74 +1,65 @@
-"""Sample cabinets of all sorts; within a category the draws form a continuum of proportions, fronts and handles."""
+"""Cabinets of all sorts; within a category the samples form a continuum of proportions, fronts and handles."""
 
 from typing import Any
 
-import numpy as np
-
-from stages.procedural.cabinet_recipe import CabinetRecipe
+from stages.procedural.cabinet import Cabinet
+from stages.procedural.category import category
 from stages.procedural.colours import APPLIANCE, METALS, PAINTS, STONES, TILES, WOODS, Palette, pick
 from stages.procedural.finishes import brightness, shade
-from stages.procedural.handles import PROTRUSION
-from stages.procedural.model import Draw, Size
+from stages.procedural.handles import HANDLE_SHARES, HANDLES, PROTRUSION
+from stages.procedural.model import Size
+from stages.procedural.recipe import Rng, Sampled, rounded, uniform
 
-HANDLES = ["bar", "square_bar", "knob", "arch", "edge"]
-HANDLE_SHARES = [0.3, 0.2, 0.2, 0.2, 0.1]
-PANELS = ["flat", "frame", "raised", "planks"]
-
-Rng = np.random.Generator
 Layout = list[list[str]]  # of kinds of cells; the recipe checks them
+D, P, O = ["door"], ["drawer"], ["open"]  # noqa: E741
 
 
 def _size(rng: Rng, x: tuple[float, float], y: tuple[float, float], z: tuple[float, float]) -> Size:
-    a, b, c = (round(float(rng.uniform(*span)), 3) for span in (x, y, z))
-    return (a, b, c)
+    return rounded(rng.uniform(*x), rng.uniform(*y), rng.uniform(*z))
 
 
-def _recipe(rng: Rng, layout: Layout, tops: Palette = WOODS, **changes: Any) -> CabinetRecipe:
-    """A recipe for the layout; `changes` overrule the draw."""
+def _recipe(rng: Rng, layout: Layout, tops: Palette = WOODS, **changes: Any) -> Cabinet:
+    """A recipe for the layout; `changes` overrule what was sampled."""
     front = pick(rng, PAINTS, WOODS)
     body = shade(front, 0.82) if rng.random() < 0.6 else pick(rng, PAINTS, WOODS)
     handle = str(rng.choice(HANDLES, p=HANDLE_SHARES))
-    p: dict[str, Any] = {
-        "layout": layout,
-        "major": "columns",
-        "drawer_weight": round(float(rng.uniform(0.28, 0.42)), 3),
-        "open_weight": round(float(rng.uniform(0.5, 0.9)), 3),
-        "panel_weight": 0.2,
-        "hinge": int(rng.choice([-1, 1])),
-        "panel": str(rng.choice(PANELS)),
-        "window": False,
-        "inset_front": bool(rng.random() < 0.25),
-        "handle": handle,
-        "handle_length": round(float(rng.uniform(0.2, 0.45)), 3),
-        "handle_at": round(float(rng.uniform(0.3, 0.9)), 3),
-        "handle_inset": round(float(rng.uniform(0.035, 0.055)), 3),
-        "board": round(float(rng.uniform(0.016, 0.024)), 3),
-        "front_thickness": 0.02,
-        "base": str(rng.choice(["plinth", "legs", "feet", "none", "skids"], p=[0.35, 0.25, 0.15, 0.15, 0.1])),
-        "base_height": round(float(rng.uniform(0.06, 0.16)), 3),
-        "top": round(float(rng.choice([0.0, rng.uniform(0.008, 0.025)])), 3),
-        "top_thickness": round(float(rng.uniform(0.03, 0.06)), 3),
-        "reach": 0.8,
-        "shelves": int(rng.integers(0, 3)),
-        "buttons": int(rng.integers(2, 6)),
-        "body_colour": body,
-        "front_colour": front,
-        "field_colour": shade(front, float(rng.choice([0.72, 0.85, 1.2]))),
-        "handle_colour": pick(rng, METALS),
-        "top_colour": pick(rng, tops),
-        "base_colour": pick(rng, METALS, WOODS),
-        "inside_colour": [0.62, 0.52, 0.38],
-        "panel_colour": [0.20, 0.20, 0.22],
-        "placement": "floor",
-    } | changes
-    return CabinetRecipe.model_validate(p | {"protrusion": PROTRUSION[p["handle"]]})
+    recipe = Cabinet.sampled(
+        rng,
+        0,
+        layout=layout,
+        handle=handle,
+        body_colour=body,
+        front_colour=front,
+        field_colour=lambda: shade(front, rng.choice([0.72, 0.85, 1.2])),
+        top_colour=lambda: pick(rng, tops),
+        protrusion=0.0,
+    ).changed(**changes)
+    return recipe.changed(protrusion=PROTRUSION[recipe.handle])
 
 
-def _draw(size: Size, recipe: CabinetRecipe) -> Draw:
-    return Draw("cabinet", size, recipe.parameters())
-
-
-def bottom_cabinet(rng: Rng, index: int) -> Draw:
+@category(
+    "bottom_cabinet",
+    founders=24,
+    count=56,
+    names="cabinet, cupboard, storage furniture",
+    like="credenza",
+    kin="storage",
+    varied=True,
+    fronts=(
+        ("columns", [D]),
+        ("columns", [D, D]),
+        ("columns", [D, D, D]),
+        ("columns", [D, D, D, D]),
+        ("columns", [[*P, *D]]),
+        ("columns", [[*P, *D], [*P, *D]]),
+        ("columns", [[*D, *P], [*D, *P]]),
+        ("columns", [D, P * 3]),
+        ("columns", [P * 4, D, D]),
+        ("rows", [P, D * 2]),
+        ("rows", [D * 2, P]),
+    ),
+)
+def sample_bottom_cabinet(rng: Rng, index: int) -> Sampled:
     """Floor cabinet; one in five has drawers only, two have doors only, two have both."""
     kind = ["doors", "mixed", "doors", "mixed", "drawers"][index % 5]
     columns = int(rng.integers(1, 4))
@@ -87,54 +78,30 @@ def bottom_cabinet(rng: Rng, index: int) -> Draw:
             if not any("door" in column for column in layout):
                 layout[0] = [*stack, "door"]
     width = rng.uniform(0.38, 0.52) * max(len(line) if major == "rows" else len(layout) for line in layout)
-    size = _size(rng, (0.42, 0.66), (float(width), float(width) + 0.08), (0.62, 1.0))
-    return _draw(size, _recipe(rng, layout, WOODS + STONES + TILES, major=major))
+    size = _size(rng, (0.42, 0.66), (width, width + 0.08), (0.62, 1.0))
+    return Sampled(size, _recipe(rng, layout, WOODS + STONES + TILES, major=major))
 
 
-def pedestal(p: dict[str, Any]) -> dict[str, Any]:
-    """Parameters of the drawer unit of a desk, from those of the desk."""
-    same = {key: p[key] for key in ("handle", "panel", "front_colour", "body_colour", "handle_colour")}
-    rest = {
-        "layout": [["drawer"] * int(p["drawers"])],
-        "drawer_weight": 1.0,
-        "open_weight": 1.0,
-        "panel_weight": 1.0,
-        "hinge": 1,
-        "handle_length": 0.4,
-        "handle_at": 0.0,
-        "handle_inset": 0.04,
-        "board": 0.016,
-        "front_thickness": 0.018,
-        "base": "plinth",
-        "base_height": 0.04,
-        "top": 0.0,
-        "top_thickness": 0.02,
-        "reach": 0.8,
-        "shelves": 0,
-        "field_colour": shade(p["front_colour"], 0.85),
-        "top_colour": p["front_colour"],
-        "base_colour": p["body_colour"],
-        "inside_colour": [0.62, 0.52, 0.38],
-        "panel_colour": [0.2, 0.2, 0.22],
-        "protrusion": PROTRUSION[p["handle"]],
-    }
-    return same | rest
-
-
-def nightstand(rng: Rng, index: int) -> Draw:
+@category("nightstand", founders=5, names="bedside cabinet, bedside table", like="nighttable", kin="storage")
+def sample_nightstand(rng: Rng, index: int) -> Sampled:
     """Small, beside a bed: drawers, a door, an open shelf."""
     layout = [["drawer", "open"], ["drawer", "drawer"], ["drawer", "door"], ["drawer"] * 3, ["open", "drawer"]][
         index % 5
     ]
     size = _size(rng, (0.34, 0.44), (0.38, 0.54), (0.42, 0.64))
     base = str(rng.choice(["legs", "legs", "feet", "plinth"]))
-    p = _recipe(
-        rng, [layout], base=base, base_height=round(float(rng.uniform(0.08, 0.2)), 3), drawer_weight=0.6, shelves=0
-    )
-    return _draw(size, p)
+    p = _recipe(rng, [layout], base=base, base_height=uniform(rng, 0.08, 0.2), drawer_weight=0.6, shelves=0)
+    return Sampled(size, p)
 
 
-def tv_stand(rng: Rng, index: int) -> Draw:
+@category(
+    "tv_stand",
+    founders=5,
+    names="television cabinet, cabinet television, tv bench, tv cabinet, tv unit",
+    like="tvconsole, mediaconsole, mediaunit",
+    kin="storage",
+)
+def sample_tv_stand(rng: Rng, index: int) -> Sampled:
     """Long, very low, with open bays for what is beneath the screen."""
     layouts = [
         [["open"], ["drawer"]], [["door"], ["open", "open"], ["door"]], [["drawer"], ["open"], ["drawer"]],
@@ -146,21 +113,38 @@ def tv_stand(rng: Rng, index: int) -> Draw:
         rng,
         layouts[index % 5],
         base=base,
-        base_height=round(float(rng.uniform(0.05, 0.14)), 3),
+        base_height=uniform(rng, 0.05, 0.14),
         drawer_weight=0.9,
         shelves=0,
         open_weight=0.7,
     )
-    return _draw(size, p)
+    return Sampled(size, p)
 
 
-def wall_cabinet(rng: Rng, index: int) -> Draw:
+@category(
+    "wall_cabinet",
+    founders=9,
+    count=27,
+    names="medicine cabinet, upper cabinet, cabinet upper",
+    kin="storage",
+    varied=True,
+    fronts=(
+        ("columns", [D]),
+        ("columns", [D, D]),
+        ("columns", [D, D, D]),
+        ("columns", [D, D, D, D]),
+        ("columns", [[*D, *O], [*D, *O]]),
+        ("columns", [D, O]),
+        ("rows", [D * 2, P * 2]),
+    ),
+)
+def sample_wall_cabinet(rng: Rng, index: int) -> Sampled:
     """Hangs on the wall: shallow, doors, sometimes glazed, sometimes an open shelf."""
     columns = 1 + index % 3
     layout = [["door"] for _ in range(columns)]
     if rng.random() < 0.3:
         layout = [["door", "open"] for _ in range(columns)]
-    width = float(rng.uniform(0.32, 0.45) * columns)
+    width = rng.uniform(0.32, 0.45) * columns
     size = _size(rng, (0.30, 0.42), (width, width + 0.06), (0.5, 0.85))
     changes: dict[str, Any] = {
         "base": "none",
@@ -169,20 +153,53 @@ def wall_cabinet(rng: Rng, index: int) -> Draw:
         "handle_at": -0.8,
         "window": bool(rng.random() < 0.3),
     }
-    return _draw(size, _recipe(rng, layout, **changes))
+    return Sampled(size, _recipe(rng, layout, **changes))
 
 
-def sideboard(rng: Rng, index: int) -> Draw:
+@category(
+    "sideboard",
+    growth=(0.5, 0.0),
+    founders=7,
+    count=28,
+    kin="storage",
+    varied=True,
+    fronts=(
+        ("columns", [D, P * 3, D]),
+        ("columns", [D, P * 2, P * 2, D]),
+        ("columns", [D, D, P * 3]),
+        ("columns", [P * 3, D, D]),
+        ("rows", [P * 3, D * 3]),
+        ("columns", [D, O, D]),
+        ("columns", [D, D, D, D]),
+    ),
+)
+def sample_sideboard(rng: Rng, index: int) -> Sampled:
     """Long and low: doors at the ends, drawers or an open bay in the middle."""
     drawers = int(rng.integers(2, 4))
     middle = [["drawer"] * drawers, ["open"], ["drawer", "open"], ["door"]][index % 4]
     layout = [["door"], middle, ["door"]] if index % 2 == 0 else [["door"], middle, middle[:], ["door"]]
     size = _size(rng, (0.38, 0.50), (1.1, 1.8), (0.55, 0.85))
     base = str(rng.choice(["legs", "feet", "plinth"]))
-    return _draw(size, _recipe(rng, layout, base=base, base_height=round(float(rng.uniform(0.1, 0.22)), 3)))
+    return Sampled(size, _recipe(rng, layout, base=base, base_height=uniform(rng, 0.1, 0.22)))
 
 
-def wardrobe(rng: Rng, index: int) -> Draw:
+@category(
+    "wardrobe",
+    founders=6,
+    count=26,
+    names="armoire, closet",
+    kin="storage",
+    varied=True,
+    fronts=(
+        ("columns", [D, D]),
+        ("columns", [D, D, D]),
+        ("columns", [D, D, D, D]),
+        ("columns", [[*D, *P], [*D, *P]]),
+        ("columns", [D, P * 5]),
+        ("rows", [D * 2, P, P]),
+    ),
+)
+def sample_wardrobe(rng: Rng, index: int) -> Sampled:
     """Tall doors, sometimes above drawers."""
     columns = 2 + index % 2
     layout = [["door"] for _ in range(columns)]
@@ -192,23 +209,43 @@ def wardrobe(rng: Rng, index: int) -> Draw:
     elif index % 3 == 2:
         layout, changes["major"] = [["door"] * columns, ["drawer"]], "rows"
     size = _size(rng, (0.5, 0.65), (0.45 * columns, 0.56 * columns), (1.75, 2.1))
-    return _draw(size, _recipe(rng, layout, **changes))
+    return Sampled(size, _recipe(rng, layout, **changes))
 
 
-def chest_of_drawers(rng: Rng, index: int) -> Draw:
+@category(
+    "chest_of_drawers",
+    growth=(0.5, 0.5),
+    founders=8,
+    count=32,
+    names="chest drawers, drawer chest, dresser, commode",
+    like="bureau",
+    kin="storage",
+    varied=True,
+    fronts=(
+        ("columns", [P * 2]),
+        ("columns", [P * 3]),
+        ("columns", [P * 4]),
+        ("columns", [P * 6]),
+        ("columns", [P * 3, P * 3]),
+        ("rows", [P * 2, P, P]),
+        ("rows", [P * 3, P, P, P]),
+        ("columns", [P * 4, D]),
+    ),
+)
+def sample_chest_of_drawers(rng: Rng, index: int) -> Sampled:
     """Drawers only, in one to two columns, or two small ones above wide ones."""
     rows = int(rng.integers(2, 6))
     if index % 3 == 2:
         layout, major = [["drawer", "drawer"], *[["drawer"]] * (rows - 1)], "rows"
     else:
         layout, major = [["drawer"] * rows for _ in range(1 + index % 2)], "columns"
-    width = 0.45 + 0.3 * (index % 3) + float(rng.uniform(0, 0.25))
-    height = 0.2 + 0.17 * len(layout if major == "rows" else layout[0]) + float(rng.uniform(0, 0.12))
+    width = 0.45 + 0.3 * (index % 3) + rng.uniform(0, 0.25)
+    height = 0.2 + 0.17 * len(layout if major == "rows" else layout[0]) + rng.uniform(0, 0.12)
     size = _size(rng, (0.40, 0.55), (width, width + 0.05), (height, height + 0.05))
-    return _draw(size, _recipe(rng, layout, major=major))
+    return Sampled(size, _recipe(rng, layout, major=major))
 
 
-def _appliance(rng: Rng, layout: Layout, **changes: Any) -> CabinetRecipe:
+def _appliance(rng: Rng, layout: Layout, **changes: Any) -> Cabinet:
     """A recipe in metal or glass, with a handle that is seen before the front."""
     front = pick(rng, APPLIANCE)
     handle = METALS[2] if brightness(front) > 0.4 else METALS[0]
@@ -227,7 +264,17 @@ def _appliance(rng: Rng, layout: Layout, **changes: Any) -> CabinetRecipe:
     return _recipe(rng, layout, **(plain | changes))
 
 
-def fridge(rng: Rng, index: int) -> Draw:
+@category(
+    "fridge",
+    founders=4,
+    count=12,
+    names="refrigerator",
+    like="freezer, icebox",
+    kin="appliance",
+    varied=True,
+    appliance=True,
+)
+def sample_fridge(rng: Rng, index: int) -> Sampled:
     """One tall door, a freezer above or below, or two doors side by side."""
     layout = [[["door"]], [["door", "door"]], [["door"], ["door"]], [["door", "drawer"]]][index % 4]
     at = -0.5 if index % 4 == 1 else 0.2
@@ -239,36 +286,39 @@ def fridge(rng: Rng, index: int) -> Draw:
     )  # fmt: skip
     if index % 4 == 1:  # the freezer's door is the smaller one
         p = p.changed(layout=[["door"], ["door"]], major="rows", handle_at=0.0, handle_length=0.35)
-    return _draw(size, p)
+    return Sampled(size, p)
 
 
-def microwave(rng: Rng, index: int) -> Draw:
+@category("microwave", founders=4, count=12, kin="appliance", varied=True, appliance=True)
+def sample_microwave(rng: Rng, index: int) -> Sampled:
     """A glazed door beside a control panel; stands on something."""
     size = _size(rng, (0.34, 0.44), (0.44, 0.58), (0.26, 0.34))
     p = _appliance(
-        rng, [["door"], ["panel"]], column_weights=[round(float(rng.uniform(2.4, 4.0)), 2), 1.0], window=True, hinge=-1,
+        rng, [["door"], ["panel"]], column_weights=[uniform(rng, 2.4, 4.0, digits=2), 1.0], window=True, hinge=-1,
         handle_at=0.0, handle_length=0.55, handle_inset=0.022, shelves=0, base="feet" if index % 2 else "none",
         base_height=0.015, board=0.015, placement="object",
     )  # fmt: skip
-    return _draw(size, p)
+    return Sampled(size, p)
 
 
-def oven(rng: Rng, index: int) -> Draw:
+@category("oven", founders=3, count=12, kin="appliance", varied=True, appliance=True)
+def sample_oven(rng: Rng, index: int) -> Sampled:
     """A glazed flap below a control panel; the large ones have a drawer beneath."""
     layout = [["panel"], ["flap"], ["drawer"]] if index % 2 else [["panel"], ["flap"]]
     size = _size(rng, (0.55, 0.65), (0.55, 0.68), (0.85, 0.95) if index % 2 else (0.55, 0.65))
     p = _appliance(
         rng, layout, major="rows", window=True, handle_length=0.75, base="plinth", base_height=0.03, shelves=0,
-        panel_weight=round(float(rng.uniform(0.16, 0.28)), 3), drawer_weight=0.4,
+        panel_weight=uniform(rng, 0.16, 0.28), drawer_weight=0.4,
     )  # fmt: skip
-    return _draw(size, p)
+    return Sampled(size, p)
 
 
-def dishwasher(rng: Rng, index: int) -> Draw:
+@category("dishwasher", founders=2, count=10, kin="appliance", varied=True, appliance=True)
+def sample_dishwasher(rng: Rng, index: int) -> Sampled:
     """A plain flap below a narrow control panel."""
     size = _size(rng, (0.58, 0.64), (0.44, 0.62), (0.80, 0.88))
     p = _appliance(
         rng, [["panel"], ["flap"]], major="rows", handle_length=0.6, base="plinth", base_height=0.09, shelves=0,
         panel_weight=0.14, panel="flat" if index % 2 else "raised",
     )  # fmt: skip
-    return _draw(size, p)
+    return Sampled(size, p)
