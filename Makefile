@@ -35,12 +35,12 @@ study: setup ## Table 3 on two cores, overnight; the cells that tell most come f
 	$(BIN)/python -m stages.tables results --configs config.yaml config/study/table3.yaml --out docs/results
 
 unseen: setup ## success over unseen assets as docs/results has it, in an hour or two on two cores
-	$(UNSEEN) table3 figures
+	$(UNSEEN) table3
 	$(BIN)/python -m stages.tables results --configs config.yaml config/study/table3.yaml config/study/over_assets.yaml --out docs/results
 
 table2: setup ## Table 2 and Figure 6 with every row, on the eight rooms and their robustness variants
 	$(BIN)/snakemake --cores $(CORES) --keep-going --configfile config.yaml config/study/table2.yaml -- table2
-	$(BIN)/python -m stages.tables scene_results --configs config.yaml config/study/table2.yaml --drawn b ours-geometry --out docs/results
+	$(BIN)/python -m stages.tables results --table 2 --configs config.yaml config/study/table2.yaml --variants b ours-geometry --out docs/results
 
 photo: setup ## a picture of yours, e.g. make photo IMAGE=kitchen.jpg; needs weights: docs/your-data.md
 	$(BIN)/snakemake --cores $(CORES) photo --config image=$(IMAGE)

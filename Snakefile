@@ -56,7 +56,6 @@ rule all:
         rules.generation.input,
         rules.experiment.input,
         rules.tables.input,
-        rules.figures.output,
         rules.report_page.output,
         rules.overview.input if MORE else [],
     localrule: True

@@ -11,7 +11,7 @@ rule overview_page:
         scenes=files(rules.generate.output.scenes, scene=ROOMS),
         thumbnails=files(rules.draw_scenes.output.thumbnail, scene=ROOMS),
     output:
-        page=shown("results/report/overview/{variant}.html", "report"),
+        page=in_report("results/report/overview/{variant}.html", "report"),
     log:
         "logs/tables/overview_{variant}.log",
     localrule: True

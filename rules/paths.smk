@@ -117,7 +117,7 @@ def scene_image(wildcards):
     return scene_inputs(wildcards)["rgb"]
 
 
-def shown(path, kind):
+def in_report(path, kind):
     """A file that Snakemake's own report shows as well."""
     caption = f"../report/captions/{kind}.rst"
     return report(path, caption=caption, category=kind.capitalize(), labels={"name": Path(path).stem})

@@ -1,4 +1,5 @@
 # Helpers: scenes that are rooms met otherwise, `<room>.<protocol>.<seed>` (experiment.protocols). Nothing here makes a file.
+import subprocess
 from types import SimpleNamespace
 
 

@@ -1,7 +1,6 @@
 # The report page: one file that shows this run, exactly the files that its rule names, and one about its times.
 # Reads:  what the other stages wrote, benchmark files.
-# Writes: results/report/{index,times}.html, results/report/scenes/<scene>.html.
-import subprocess
+# Writes: results/report/{index,times}.html, results/report/scenes/<scene>.html, results/report/three.min.js.
 from types import SimpleNamespace
 
 # A command in the place of our verb need not make films.
@@ -38,13 +37,26 @@ BENCHMARKS = [
     *met([rules.room.benchmark, rules.extract.benchmark, rules.match.benchmark, rules.generate.benchmark]),
     *met(rules.score.benchmark),
     *expand("benchmarks/tables/{table}.tsv", table=["table2", "table3"]),
-    "benchmarks/tables/figures.tsv",
 ]
+
+
+rule viewer:
+    """The script by which pages turn a scene."""
+    output:
+        script="results/report/three.min.js",
+    log:
+        "logs/tables/viewer.log",
+    localrule: True
+    params:
+        script=str(Path(stages.__file__).parent / "tables/page/three/three.min.js"),
+    shell:
+        "cp {params.script:q} {output.script:q} 2>&1 | tee {log:q}"
 
 
 rule report_page:
     """One page that shows this run: what these inputs hold, and nothing else that lies in results/."""
     input:
+        viewer=rules.viewer.output.script,
         library=rules.library.output.library,
         snapshots=files([*rules.snapshots.output], shard=SHARDS),
         sheets=files(rules.draw_snapshots.output.sheet, shard=SHARDS),
@@ -53,7 +65,7 @@ rule report_page:
         overviews=files(rules.draw_objects.output.overview, scene=SHOWN),
         cousins=files(rules.match.output.cousins, variant=VARIANTS, scene=SHOWN),
         scenes=files(rules.generate.output.scenes, variant=VARIANTS, scene=SHOWN),
-        previews=files(rules.draw_scenes.output.previews, variant=VARIANTS, scene=SHOWN),
+        previews=files([*rules.draw_scenes.output.previews, rules.draw_scenes.output.view], variant=VARIANTS, scene=SHOWN),
         assets=[task_assets(task) for task in SOURCES],
         films=DEMO_FILMS,
         scene_films=SCENE_FILMS,
@@ -62,9 +74,8 @@ rule report_page:
         attempts=trained(rules.demonstrate.output.attempts),
         metrics=policies(rules.train.output.metrics, first=True),
         tables=rules.tables.input,
-        figures=rules.figures.output,
     output:
-        page=shown("results/report/index.html", "report"),
+        page=in_report("results/report/index.html", "report"),
         times="results/report/times.html",
     log:
         "logs/tables/report.log",
@@ -80,13 +91,14 @@ rule report_page:
         code=code("tables", "report"),
         options=options("tables", "report"),
         images=lambda wildcards, input: [f"{room}={image}" for room, image in zip(SHOWN, input.images)],
+        files=lambda wildcards, input: [file for file in input if file != input.viewer],
         benchmarks=BENCHMARKS,
         seed=CONFIG.seed,
         digest=config_digest(),
         more=len(MORE),
     shell:
-        "{params.command} --files {input:q} --images {params.images:q} --benchmarks {params.benchmarks:q} "
-        "--seed {params.seed} --config-digest {params.digest} --options {params.options:q} "
+        "{params.command} --files {params.files:q} --viewer {input.viewer:q} --images {params.images:q} "
+        "--benchmarks {params.benchmarks:q} --seed {params.seed} --config-digest {params.digest} --options {params.options:q} "
         '--published "$ACDC_PAPER" --more {params.more} --out {output.page:q} 2>&1 | tee {log:q}'
 
 
@@ -94,6 +106,7 @@ rule scene_page:
     """One page about one picture: what was found, cousins, scenes, every object's story, files to save."""
     input:
         unpack(scene_inputs),
+        viewer=rules.viewer.output.script,
         snapshots=files([*rules.snapshots.output], shard=SHARDS),
         found=[*rules.extract.output, rules.draw_objects.output.overview],
         cousins=files(rules.match.output.cousins, variant=VARIANTS),
@@ -103,7 +116,7 @@ rule scene_page:
             variant=VARIANTS,
         ),
     output:
-        page=shown("results/report/scenes/{scene}.html", "report"),
+        page=in_report("results/report/scenes/{scene}.html", "report"),
     log:
         "logs/tables/scene_page_{scene}.log",
     group:
@@ -119,8 +132,8 @@ rule scene_page:
         options=options("tables", "picture"),
     shell:
         "{params.command} --files {input.snapshots:q} {input.found:q} {input.cousins:q} {input.scenes:q} {input.drawn:q} "
-        "--image {input.rgb:q} --camera {input.camera:q} --scene {wildcards.scene} --options {params.options:q} "
-        "--out {output.page:q} 2>&1 | tee {log:q}"
+        "--image {input.rgb:q} --camera {input.camera:q} --scene {wildcards.scene} --viewer {input.viewer:q} "
+        "--options {params.options:q} --out {output.page:q} 2>&1 | tee {log:q}"
 
 
 rule pages:

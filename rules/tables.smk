@@ -6,17 +6,17 @@ ROLLOUTS = [*cells(rules.gather.output.rollouts), *demonstrated(rules.skill.outp
 
 
 rule table2:
-    """Table 2 and Figure 6, and the companion on rooms met otherwise; the published values beside ours."""
+    """Table 2 and Figure 6, and the companion on robustness variants of the rooms; the published values beside ours."""
     input:
         scores=files(rules.score.output.scores, variant=VARIANTS, scene=SCORED_ROOMS),
         met=met(rules.score.output.scores),
         comparisons=files(rules.draw_scenes.output.comparison, scene=SHOWN, variant=VARIANTS),
     output:
         csv=expand("results/tables/{table}.csv", table=["table2", "table2_robustness"]),
-        html=shown("results/tables/table2.html", "tables"),
-        robustness=shown("results/tables/table2_robustness.html", "tables"),
+        html=in_report("results/tables/table2.html", "tables"),
+        robustness=in_report("results/tables/table2_robustness.html", "tables"),
         tex=expand("results/tables/{table}.tex", table=["table2", "table2_robustness"]),
-        figure6=shown("results/figures/figure6.svg", "figures"),
+        figure6=in_report("results/figures/figure6.svg", "figures"),
         png="results/figures/figure6.png",
     log:
         "logs/tables/table2.log",
@@ -45,16 +45,19 @@ rule table2:
 
 
 rule table3:
-    """Success over unseen assets; Table 3: every cell with its n, seeds and interval, the published value beside it."""
+    """Success over unseen assets; Table 3: every cell with its n, seeds and interval; Figures 4 and 9."""
     input:
         rollouts=ROLLOUTS,
     output:
         csv="results/tables/table3.csv",
         more=expand("results/tables/table3_{what}.csv", what=["cells", "differences", "claims", "stability"]),
         assets=expand("results/tables/{table}.csv", table=["assets", "assets_by_handle"]),
-        unseen=shown("results/tables/assets.html", "tables"),
-        html=shown("results/tables/table3.html", "tables"),
+        unseen=in_report("results/tables/assets.html", "tables"),
+        html=in_report("results/tables/table3.html", "tables"),
         tex=expand("results/tables/{table}.tex", table=["assets", "table3"]),
+        figure4=in_report("results/figures/figure4.svg", "figures"),
+        figure9=in_report("results/figures/figure9.svg", "figures"),
+        png=expand("results/figures/{figure}.png", figure=["figure4", "figure9"]),
     log:
         "logs/tables/table3.log",
     benchmark:
@@ -71,13 +74,14 @@ rule table3:
         code=code("tables", "policies"),
         options=options("tables", "policies"),
         out=subpath(output.csv, parent=True),
+        figures=subpath(output.figure4, parent=True),
     shell:
-        "{params.command} --rollouts {input.rollouts:q} "
-        '--published "$ACDC_PAPER" --options {params.options:q} --out {params.out:q} 2>&1 | tee {log:q}'
+        '{params.command} --rollouts {input.rollouts:q} --published "$ACDC_PAPER" --options {params.options:q} '
+        "--figures {params.figures:q} --out {params.out:q} 2>&1 | tee {log:q}"
 
 
 rule tables:
-    """Tables 2 and 3, Figure 6."""
+    """Tables 2 and 3, Figures 4, 6 and 9."""
     input:
         rules.table2.output,
         rules.table3.output,
@@ -85,29 +89,9 @@ rule tables:
 
 
 rule figures:
-    """Figures 4 and 9."""
+    """Figures 4, 6 and 9."""
     input:
-        rollouts=ROLLOUTS,
-    output:
-        figure4=shown("results/figures/figure4.svg", "figures"),
-        figure9=shown("results/figures/figure9.svg", "figures"),
-        png=expand("results/figures/{figure}.png", figure=["figure4", "figure9"]),
-    log:
-        "logs/tables/figures.log",
-    benchmark:
-        "benchmarks/tables/figures.tsv"
+        rules.table2.output.figure6,
+        rules.table3.output.figure4,
+        rules.table3.output.figure9,
     localrule: True
-    container:
-        CONFIG.containers.report
-    threads: 1
-    resources:
-        **needs(1000, 10),
-    params:
-        command=command("tables", "figures"),
-        paper=paper("table3"),
-        code=code("tables", "figures"),
-        options=options("tables", "figures"),
-        out=subpath(output.figure4, parent=True),
-    shell:
-        '{params.command} --rollouts {input.rollouts:q} --published "$ACDC_PAPER" '
-        "--options {params.options:q} --out {params.out:q} 2>&1 | tee {log:q}"

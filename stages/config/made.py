@@ -18,7 +18,7 @@ def made(module: str, options: BaseModel, inputs: Iterable[Path], seed: int | No
         module: the verb's, with all that it imports.
         options: as the verb takes them, defaults filled in.
         inputs: files that it reads, by content.
-        seed: of its random numbers; None: it has none.
+        seed: of the random numbers behind it, its own or its inputs'; None: none.
     """
     digest = hashlib.sha256()
     for path in inputs:

@@ -40,7 +40,6 @@ READS: dict[tuple[str, str], type[Section]] = {
     ("evaluation", "skill"): SkillOptions,
     ("tables", "scenes"): TablesConfig,
     ("tables", "policies"): TablesConfig,
-    ("tables", "figures"): TablesConfig,
     ("tables", "report"): TablesConfig,
     ("tables", "picture"): TablesConfig,
 }

@@ -12,7 +12,7 @@ class Made(Contract):
     Files that were made together with an input, or of it (masks beside objects.json, features of a library), go by it.
     """
 
-    seed: Seed | None = Field(None, description="of its random numbers; null: it has none")
+    seed: Seed | None = Field(None, description="of the random numbers behind it, its own or its inputs'; null: none")
     options: Text = Field(description="digest of the verb's options")
     inputs: Text = Field(description="digest of the files that the verb was given")
     code: Text = Field(description="digest of the verb's code and of all that it imports")

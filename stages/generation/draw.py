@@ -4,8 +4,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from PIL import Image
+from PIL.PngImagePlugin import PngInfo
 
 from stages.cli import progress
+from stages.config.code import code_digest
 from stages.contracts import GeneratedScene, Objects, atomic, read_json, write_json
 from stages.contracts.extracted import read_metres, read_object_masks
 from stages.contracts.images import check_size, read_rgb
@@ -27,7 +29,8 @@ def run(*, scenes: tuple[Path, ...], objects: Path, image: Path, library: Path, 
         image: the input picture.
         library: library.json.
         out: folder; gets a .png and a .glb for each scene, view.glb (the first with small textures, for the report),
-            comparison.png, thumbnail.webp (input and first scene), look.json.
+            comparison.png, thumbnail.webp (input and first scene), look.json. The text chunks of comparison.png hold
+            what each scene was made of (seed and digests), and the digest of the code that drew it.
         width: of the pictures, pixels.
     """
     folders = AssetFolders(library)
@@ -35,10 +38,12 @@ def run(*, scenes: tuple[Path, ...], objects: Path, image: Path, library: Path, 
     check_size(image, rgb, extracted.width, extracted.height, objects.name)
     seen = rgb, read_object_masks(objects, extracted), read_metres(objects, extracted)
     pictures = [("input", resized_to(rgb, width))]
-    look = None
+    look, origin = None, PngInfo()
+    origin.add_text("code", code_digest("stages.generation.draw"))
     with TemporaryDirectory(prefix="acdc-sized-") as cache:
         for path in progress(scenes, "scenes drawn", len(scenes)):
             made = read_json(GeneratedScene, path)
+            origin.add_text(path.name, made.made.model_dump_json() if made.made else "{}")
             items = placed_items(made, folders, Path(cache), path)
             look = look or look_of(extracted, seen, made, items)
             picture = preview(furnished(made, items, look), made, width)
@@ -50,7 +55,7 @@ def run(*, scenes: tuple[Path, ...], objects: Path, image: Path, library: Path, 
                 glb.write(room, out / "view.glb", VIEW_TEXTURE)
             pictures.append((f"rank {made.rank}", picture))
     with atomic(out / "comparison.png") as temporary:
-        side_by_side(pictures).save(temporary)
+        side_by_side(pictures).save(temporary, pnginfo=origin)
     with atomic(out / "thumbnail.webp") as temporary:
         thumbnail([picture for _, picture in pictures[:2]]).save(temporary, quality=70)
     if look is not None:

@@ -54,7 +54,8 @@ def run(
             settled = physics_check(built.items, inputs.objects, len(built.left), config)
             scenes.append(scene_of(built.items, built.failed, settled, inputs.objects, variant, rank))
             print(summary(scenes[-1], built.left))
-    origin = made("stages.generation.generate", config, [cousins, objects, library, *corrections])
+    seed = inputs.objects.made.seed if inputs.objects.made else None
+    origin = made("stages.generation.generate", config, [cousins, objects, library, *corrections], seed)
     for scene in scenes:
         write_json(out / f"scene_{scene.rank}.json", scene.model_copy(update={"made": origin}))
 

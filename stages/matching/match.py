@@ -67,7 +67,8 @@ def run(
     entries = agreed(entries, scene.objects.objects)
     seen = [image] if settings.compares_pictures else []
     asked = settings.model_copy(update={"vlm": settings.vlm.asked()})
-    origin = made("stages.matching.match", asked, [objects, *seen, library, *without])
+    seed = scene.objects.made.seed if scene.objects.made else None
+    origin = made("stages.matching.match", asked, [objects, *seen, library, *without], seed)
     result = Cousins(scene=scene.objects.scene, encoder=encoder, objects=entries, made=origin)
     write_json(out, result)
     for line in judges.summaries():

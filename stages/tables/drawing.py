@@ -1,11 +1,12 @@
-"""What the figures share: colours, a look, and files that are the same bytes every time."""
+"""What the figures share: colours, a style, and files that are the same bytes every time."""
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
 
 import matplotlib
+import numpy as np
+import pandas as pd
 
 matplotlib.use("Agg")
 from matplotlib import pyplot as plt
@@ -14,6 +15,7 @@ from matplotlib.figure import Figure
 
 from stages.contracts.files import atomic
 from stages.tables.order import title
+from stages.tables.text import NOT_RUN
 
 # Okabe and Ito's palette: told apart by colour-blind readers as well
 COLOURS = {
@@ -25,44 +27,16 @@ COLOURS = {
     "all": "#CC79A7",
 }
 MARKERS = {"twin": "s", "twin_randomised": "P", "cousins_2": "v", "cousins_4": "o", "cousins_8": "^", "all": "D"}
-INK, GREY, RULE, PAPER = "#22252a", "#6a6d70", "#e4e1d9", "#ffffff"
-LOOK: dict[Any, Any] = {
-    "svg.hashsalt": "acdc",  # ids inside an SVG are random without it
-    "svg.fonttype": "none",  # text stays text: it can be searched, and takes the page's colours
-    "font.family": "DejaVu Sans",
-    "font.size": 8.5,
-    "text.color": INK,
-    "axes.labelcolor": INK,
-    "axes.titlecolor": INK,
-    "xtick.labelcolor": INK,
-    "ytick.labelcolor": INK,
-    "xtick.color": GREY,
-    "ytick.color": GREY,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.edgecolor": GREY,
-    "axes.titlesize": 9.5,
-    "axes.titleweight": "bold",
-    "axes.grid": True,
-    "grid.color": RULE,
-    "grid.linewidth": 0.7,
-    "axes.axisbelow": True,
-    "legend.frameon": False,
-    "figure.facecolor": PAPER,
-    "axes.facecolor": PAPER,
-    "savefig.dpi": 160,
-}
+GREY = "#6a6d70"  # as in figures.mplstyle
 
 
-@contextmanager
-def look() -> Iterator[None]:
+def style() -> AbstractContextManager[None]:
     """The style of every figure."""
-    with plt.rc_context(LOOK):
-        yield
+    return plt.style.context("stages.tables.figures")
 
 
 def colour(training_set: str) -> str:
-    """Colour of a training set; grey for one the paper does not have."""
+    """Colour of a training set; grey for one that the paper does not have."""
     return COLOURS.get(training_set, "#444444")
 
 
@@ -74,40 +48,25 @@ def rate_axis(axes: Axes, label: bool) -> None:
         axes.set_ylabel("success (%)")
 
 
-def not_run(axes: Axes, what: str = "not run", height: float = 0.5) -> None:
-    """Say in a panel, at a fraction of its height, that there is nothing to show."""
-    axes.text(
-        0.5, height, what, transform=axes.transAxes, ha="center", va="center", color=GREY, style="italic", size=10
-    )
+def mark_not_run(axes: Axes, what: str = NOT_RUN, height: float = 0.5) -> None:
+    """Write in a panel, at a fraction of its height, that there is nothing to show."""
+    axes.text(0.5, height, what, transform=axes.transAxes, ha="center", va="center", color=GREY, style="italic")
 
 
-def spread_out(places: Sequence[float], gap: float, low: float, high: float) -> list[float]:
-    """Places in order, moved as little as it takes to keep `gap` between neighbours and to stay in [low, high]."""
-    if not places:
-        return []
-    gap = min(gap, (high - low) / max(len(places) - 1, 1))
-    order = sorted(range(len(places)), key=places.__getitem__)
-    moved = [places[i] for i in order]
-    for index in range(1, len(moved)):
-        moved[index] = max(moved[index], moved[index - 1] + gap)
-    moved[-1] = min(moved[-1], high)
-    for index in range(len(moved) - 2, -1, -1):
-        moved[index] = min(moved[index], moved[index + 1] - gap)
-    shift = max(0.0, low - moved[0])
-    found = [0.0] * len(places)
-    for place, index in zip(moved, order, strict=True):
-        found[index] = place + shift
-    return found
+def draw_rates(axes: Axes, places: Any, rates: pd.DataFrame, training_set: str) -> None:
+    """A line of success rates with their intervals (`mean`, `low`, `high`), in percent."""
+    mean = rates["mean"].to_numpy()
+    bars = 100 * np.clip([mean - rates["low"].to_numpy(), rates["high"].to_numpy() - mean], 0, None)
+    axes.errorbar(
+        places, 100 * mean, yerr=bars, color=colour(training_set), marker=MARKERS.get(training_set, "x"), markersize=5,
+        linewidth=1.8, elinewidth=1, capsize=2.5, label=f"trained on {title(training_set)}",
+    )  # fmt: skip
 
 
-def legend_name(training_set: str) -> str:
-    """Name of a training set in a legend."""
-    return f"trained on {title(training_set)}"
-
-
-def save(figure: Figure, folder: Path, name: str) -> None:
-    """Write the figure as `name`.svg and `name`.png, without a date or a version in them."""
-    for suffix, metadata in (("svg", {"Date": None, "Creator": None}), ("png", {"Software": None})):
+def save(figure: Figure, folder: Path, name: str, formats: tuple[str, ...] = ("svg", "png")) -> None:
+    """Write the figure as `name`.<format>, without a date or a version in it."""
+    metadata = {"svg": {"Date": None, "Creator": None}, "png": {"Software": None}}
+    for suffix in formats:
         with atomic(folder / f"{name}.{suffix}") as path:
-            figure.savefig(path, format=suffix, metadata=metadata)
+            figure.savefig(path, format=suffix, metadata=metadata.get(suffix))
     plt.close(figure)

@@ -2,35 +2,34 @@
 
 from pathlib import Path
 
-from markupsafe import Markup
-
-from stages.contracts.files import read_text, write_text
+from stages.contracts.files import write_text
 from stages.tables.markup import environment
 from stages.tables.order import natural
-from stages.tables.page.overview import NOT_RUN, Layout, common, row
-
-SCRIPTS = ("sort.js",)
+from stages.tables.page.overview import Layout, common, row
+from stages.tables.report import script
+from stages.tables.text import NOT_RUN
 
 
 def run(
     *, scenes: tuple[str, ...], variant: str, out: Path, results: Path = Path("results"), logs: Path = Path("logs")
 ) -> None:
-    """Write the page: pictures of input and rank 1, what failed and why, doubts. It needs nothing but a browser.
+    """Write the page: pictures of input and rank 1, what failed and why, doubts. The page is one file.
 
     Args:
         scenes: their names.
         variant: the variant of matching that is shown.
         out: the HTML file.
         results: folder of the stages' results, in the fixed layout.
-        logs: folder of the logs: a scene that stopped is told by the last line of its log.
+        logs: folder of the logs; a scene that stopped shows the last line of its log.
     """
     layout = Layout(results, logs, variant)
     rows = [row(scene, layout) for scene in sorted(scenes, key=natural)]
     page = environment().get_template("page/overview.html.jinja")
-    script = Markup("\n".join(read_text(Path(__file__).with_name("page") / name) for name in SCRIPTS))
     waiting = sum(one.stopped is not None and one.stopped.reason == NOT_RUN for one in rows)
     stopped = sum(one.stopped is not None for one in rows) - waiting
-    text = page.render(rows=rows, variant=variant, stopped=stopped, waiting=waiting, common=common(rows), script=script)
+    text = page.render(
+        rows=rows, variant=variant, stopped=stopped, waiting=waiting, common=common(rows), script=script("sort.js")
+    )
     write_text(out, text)
     print(
         f"{out}: {len(rows) - stopped - waiting} of {len(rows)} scenes were made, {stopped} stopped, {waiting} not run"

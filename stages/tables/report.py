@@ -1,39 +1,39 @@
 """Verb `report`: the whole run on one page that needs nothing but a browser, and its times on another."""
 
-import re
+import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import pandas as pd
 from markupsafe import Markup
 
 from stages.config.tables import TablesConfig
 from stages.contracts.files import read_options, read_text, write_text
-from stages.tables import asset_tables, assets, claims, formatting, robustness, table2, table3
-from stages.tables.claim_tables import claims_table, stability_table
-from stages.tables.markup import Table, environment, number, percent
+from stages.tables import assets, claims, policy_tables, robustness, scene_tables, table2, table3
+from stages.tables.markup import Table, environment
 from stages.tables.order import role_title
 from stages.tables.page import library, policies, result, rooms
-from stages.tables.page.benchmarks import by_stage, duration, read_jobs
-from stages.tables.page.charts import inline
+from stages.tables.page.benchmarks import by_stage, longest_table, read_jobs, times_table
+from stages.tables.page.charts import embedded
 from stages.tables.page.files import RunFiles
-from stages.tables.page.headline import rate, tiles
 from stages.tables.page.pictures import Album
 from stages.tables.rows import published_policies, read_table
 from stages.tables.scenes import named
+from stages.tables.text import number
 
-MAX_BYTES = 12_000_000
 TIMES_PAGE = "times.html"
-SCRIPTS = ("page.js", "viewer.js", "turntable.js")
 STAGES = ["assets", "scenes", "extraction", "matching", "generation", "experiment"]
 STAGES += ["demonstrations", "training", "evaluation", "tables"]
-TEXT = ["scene", "protocol", "variant", "judge", "task", "cloud", "claim", "verdict", "test_asset", "training_set"]
-TEXT += ["assets_of", "baseline", "over", "by", "handle"]
-WHOLE = re.compile(
-    r".*_correct|(published_)?n_.*|((baseline|published)_)?runs|(published_)?collapsed|assets|families|places|episodes"
-    r"|(official_)?successes|seed"
-)
+COLUMNS = {
+    "table2": table2.ALL_COLUMNS,
+    "table2_robustness": robustness.COLUMNS,
+    "table3_cells": table3.CELL_COLUMNS,
+    "table3_claims": claims.COLUMNS,
+    "table3_stability": claims.STABILITY,
+    "assets": assets.COLUMNS,
+    "assets_by_handle": assets.BY_HANDLE,
+}
 FIGURES = {
     "figure4": "Figure 4: success on unseen assets against their distance from the twin and the length of their "
     "handles (faint: one asset; bold: thirds of the assets, with intervals over assets); below, on the roles of Table "
@@ -42,103 +42,72 @@ FIGURES = {
 }
 
 
-def _table(path: Path | None, columns: list[str]) -> pd.DataFrame | None:
-    if path is None:
-        return None
-    table = read_table(path, columns, TEXT)
-    return table.astype(dict.fromkeys((name for name in columns if WHOLE.fullmatch(name)), "Int64"))
+def script(*names: str) -> Markup:
+    """Scripts of the page, to be written into it."""
+    return Markup("\n".join(read_text(Path(__file__).with_name("page") / name) for name in names))
 
 
-class Shown(NamedTuple):
-    """Tables of the run: about policies, their breakdown (folded), the others; and the frames behind the headline."""
-
-    policies: list[Table]
-    folded: list[Table]
-    others: list[Table]
-    scenes: pd.DataFrame | None
-    assets: pd.DataFrame | None
-    cells: pd.DataFrame | None
-    gains: pd.DataFrame | None
+def link_to(viewer: Path | None, page: Path) -> str:
+    """The link from a page to three.min.js; empty: none."""
+    return os.path.relpath(viewer, page.parent) if viewer else ""
 
 
-def _tables(files: RunFiles, published: Path, options: TablesConfig) -> Shown:
-    def made(name: str, columns: list[str]) -> pd.DataFrame | None:
-        return _table(files.one(f"tables/{name}.csv"), columns)
-
-    def shown(form: Callable[..., Table], table: pd.DataFrame | None, *more: Any) -> list[Table]:
-        return [form(table, *more)] if table is not None and len(table) else []
-
-    scenes, cells = made("table2", table2.ALL_COLUMNS), made("table3_cells", table3.CELL_COLUMNS)
-    unseen, gains = made("assets", assets.COLUMNS), made("table3_differences", table3.DIFFERENCE_COLUMNS)
-    over, paper = shown(asset_tables.assets_table, unseen, options), published_policies(published)
-    others = shown(formatting.scenes_table, scenes, options)
-    others += shown(formatting.robustness_table, made("table2_robustness", robustness.COLUMNS))
-    others += [formatting.policies_table(cells, paper, options)] if cells is not None else []
-    others += shown(stability_table, made("table3_stability", claims.STABILITY))
-    others += shown(formatting.differences_table, gains, options)
-    return Shown(
-        policies=[*over, *shown(claims_table, made("table3_claims", claims.COLUMNS), options)],
-        folded=shown(asset_tables.by_handle_table, made("assets_by_handle", assets.BY_HANDLE), options),
-        others=others, scenes=scenes, assets=unseen, cells=cells, gains=gains,
-    )  # fmt: skip
+def _frames(files: RunFiles) -> dict[str, pd.DataFrame]:
+    """The CSV tables of the run that have rows, by name; integers with missing values stay integers."""
+    found = {}
+    for name, columns in COLUMNS.items():
+        if path := files.one(f"tables/{name}.csv"):
+            table = read_table(path, columns, ["scene", "variant", "judge", "test_asset", "training_set"])
+            found[name] = table.convert_dtypes(
+                infer_objects=False, convert_string=False, convert_boolean=False, convert_floating=False
+            )
+    return {name: table for name, table in found.items() if len(table)}
 
 
-def _page(
-    files: RunFiles,
-    published: Path,
-    facts: dict[str, Any],
-    options: TablesConfig,
-    width: int,
-) -> str:
-    album = Album(width, options.picture_quality)
-    shown = _tables(files, published, options)
-    over, by_role = result.over_assets(shown.assets), result.over_roles(shown.cells, shown.gains)
-    first = [*over, *(each for each in by_role if each.group not in {one.group for one in over})]
-    models, tasks, made = library.collect(files, album), policies.collect(files, album), rooms.collect(files, album)
-    of_tasks = [room for task in tasks for room in made if room.name == task.scene]
-    drawn = {name: (files.one(f"figures/{name}.svg"), alt) for name, alt in FIGURES.items()}
+def _page(files: RunFiles, published: Path, facts: dict[str, Any], options: TablesConfig, viewer: str) -> str:
+    album, frames = Album(options.picture_width, options.picture_quality), _frames(files)
+
+    def table(form: Callable[..., Table], name: str, *more: Any) -> list[Table]:
+        return [form(frames[name], *more)] if name in frames else []
+
+    judged, cells = frames.get("table3_claims"), frames.get("table3_cells")
+    over_assets, by_role = result.over_assets(frames.get("assets"), judged), result.over_roles(cells, judged)
+    first = [*over_assets, *(each for each in by_role if each.group not in {one.group for one in over_assets})]
+    models, tasks = library.collect(files, album), policies.collect(files, album, options.confidence)
+    shown = rooms.collect(files, album)
+    of_tasks = [room for task in tasks for room in shown if room.name == task.scene]
+    drawings = {name: (files.one(f"figures/{name}.svg"), alt) for name, alt in FIGURES.items()}
     return (
         environment()
         .get_template("page/page.html.jinja")
         .render(
             **facts,
-            first=next(iter([*of_tasks, *made]), None),
+            first=next(iter([*of_tasks, *shown]), None),
             results=first,
             roles=[each for each in by_role if each not in first],
-            tiles=tiles(shown.scenes, models, tasks, options),
-            rooms=made,
+            rooms=shown,
             library=models,
             tasks=tasks,
-            tables=shown.others,
-            of_policies=shown.policies,
-            folded=shown.folded,
+            of_policies=[
+                *table(policy_tables.assets_table, "assets", options),
+                *table(policy_tables.claims_table, "table3_claims", options),
+            ],
+            folded=table(policy_tables.by_handle_table, "assets_by_handle", options),
+            tables=[
+                *table(scene_tables.scenes_table, "table2", options),
+                *table(scene_tables.robustness_table, "table2_robustness"),
+                *table(policy_tables.policies_table, "table3_cells", published_policies(published), options),
+                *table(policy_tables.stability_table, "table3_stability"),
+            ],
             figures={
-                name: (inline(read_text(path), alt) if path else None, alt) for name, (path, alt) in drawn.items()
+                name: (embedded(path.read_bytes(), alt) if path else None, alt)
+                for name, (path, alt) in drawings.items()
             },
-            script=Markup("\n".join(read_text(Path(__file__).with_name("page") / name) for name in SCRIPTS)),
+            script=script("page.js", "viewer.js"),
+            viewer=viewer,
             times_page=TIMES_PAGE,
             number=number,
-            percent=percent,
-            rate=lambda successes, episodes: rate(successes, episodes, options.confidence),
             role_title=role_title,
-        )
-    )
-
-
-def _times_page(benchmarks: tuple[Path, ...], root: Path, page: str, more: int) -> str:
-    """The page of the times, with a link back to `page`; `more` scenes are not counted."""
-    jobs = read_jobs(benchmarks, root)
-    return (
-        environment()
-        .get_template("page/times.html.jinja")
-        .render(
-            page=page,
-            more=more,
-            times=by_stage(jobs, STAGES),
-            longest=sorted(jobs, key=lambda job: (-job.seconds, job.name))[:8],
-            duration=duration,
-            number=number,
-            percent=percent,
         )
     )
 
@@ -148,6 +117,7 @@ def run(
     out: Path,
     files: tuple[Path, ...] = (),
     images: tuple[str, ...] = (),
+    viewer: Path | None = None,
     benchmarks: tuple[Path, ...] = (),
     benchmarks_root: Path = Path("benchmarks"),
     published: Path = Path("report/published"),
@@ -157,29 +127,30 @@ def run(
     more: int = 0,
     options: str = "",
 ) -> None:
-    """Write the page; every part that was not run is said to be so.
+    """Write the page; parts that were not run are marked.
 
     The same run gives the same page, byte for byte: how long its jobs took stands in times.html beside it.
 
     Args:
         out: the HTML file.
-        files: everything that the page may show, in the fixed layout of results/; nothing else is looked at.
+        files: everything that the page may show, in the fixed layout of results/; nothing else is read.
         images: the pictures that went in, as room=picture.
+        viewer: three.min.js, to which the page links; without it scenes cannot be turned.
         benchmarks: Snakemake's benchmark files of this run; those that are not there are left out.
         benchmarks_root: the folder whose first level names the stage of a benchmark.
         published: folder with the paper's values.
         title: title of the page.
-        config_digest: digest of the config, to be shown.
-        seed: seed of the run, to be shown.
+        config_digest: digest of the config.
+        seed: seed of the run.
         more: how many more scenes the run has, which are neither shown nor counted here.
         options: JSON of the config section `tables`.
     """
     settings = read_options(TablesConfig, options)
     declared = RunFiles(files, {room: path for (room, _), path in named(images, "--images").items()})
     facts = {"title": title, "config_digest": config_digest, "seed": seed, "more": more}
-    for width in (settings.picture_width, settings.picture_width * 2 // 3, settings.picture_width // 2):
-        page = _page(declared, published, facts, settings, width)
-        if len(page.encode()) <= MAX_BYTES:
-            break
-    write_text(out.with_name(TIMES_PAGE), _times_page(benchmarks, benchmarks_root, out.name, more))
+    page = _page(declared, published, facts, settings, link_to(viewer, out))
+    jobs = read_jobs(benchmarks, benchmarks_root)
+    tables = [times_table(by_stage(jobs, STAGES)), longest_table(jobs)] if len(jobs) else []
+    times = environment().get_template("page/times.html.jinja").render(page=out.name, more=more, tables=tables)
+    write_text(out.with_name(TIMES_PAGE), times)
     write_text(out, page)

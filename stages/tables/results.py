@@ -1,56 +1,71 @@
-"""Verb `results`: what a study found, as Markdown, CSV and figures to be committed; also while it is still running."""
+"""Verb `results`: what a study found, as Markdown, CSV and figures to commit; also while it is still running."""
 
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Literal, NamedTuple
 
 import pandas as pd
 
 from stages.config.model import Config
 from stages.contracts.files import read_json, write_text
-from stages.contracts.policies import ChosenRuns, Rollout, TaskAssets
-from stages.tables import table3
+from stages.contracts.library import Library
+from stages.contracts.policies import ChosenRuns, Rollout, SceneScore, TaskAssets
+from stages.tables import robustness, table2, table3
 from stages.tables.assets import of_splits
-from stages.tables.figures import write_figures
-from stages.tables.markup import Cell, Row, Table, markdown, number
+from stages.tables.drawing import save, style
+from stages.tables.markup import Table, markdown
 from stages.tables.order import SKILL, SPLITS, title
-from stages.tables.policies import ONE_TEST, asset_tables, find, role_tables
+from stages.tables.policies import ONE_TEST, asset_tables, collect, role_tables, write_figures
 from stages.tables.roles import lists_table, roles_table
-from stages.tables.rows import published_policies, published_runs, read_rows
+from stages.tables.rows import published_policies, published_scenes, read_rows
+from stages.tables.scene_figure import figure6
+from stages.tables.scene_tables import robustness_table, scenes_table
+from stages.tables.scenes import ONE_SCENE
 from stages.tables.study import cost, facts, read_config
-from stages.tables.writing import as_csv
+from stages.tables.writing import write_csv
 
-STAGES = ["demonstrations", "training", "evaluation"]
+SCENE_STAGES = ["assets", "scenes", "extraction", "matching", "generation", "evaluation", "tables"]
+POLICY_STAGES = ["demonstrations", "training", "evaluation"]
+
+
+class Found(NamedTuple):
+    """What a study found: facts about it, tables for people, CSV files by name, figures with their captions."""
+
+    title: str
+    facts: list[tuple[str, str]]
+    tables: list[Table]
+    frames: dict[str, pd.DataFrame]
+    figures: dict[str, str]
 
 
 def rollout_files(config: Config, results: Path) -> Iterator[Path]:
     """The rollouts of the study's policies, and of the skill on the same assets, as far as they are there."""
     for task in config.experiment.tasks:
-        skill = results / f"evaluation/skill/{task}/rollouts.csv"
-        if skill.is_file():
-            yield skill
         plan = config.experiment.plan(task)
-        for name in plan.training_sets:
-            for run in plan.runs:
-                for seed in plan.seeds:
-                    path = results / f"evaluation/policies/{task}/{name}/{run}/seed_{seed}/rollouts.csv"
-                    if path.is_file():
-                        yield path
+        policies = results / f"evaluation/policies/{task}"
+        paths = [results / f"evaluation/skill/{task}/rollouts.csv"]
+        paths += [
+            policies / f"{name}/{run}/seed_{seed}/rollouts.csv"
+            for name in plan.training_sets
+            for run in plan.runs
+            for seed in plan.seeds
+        ]
+        yield from filter(Path.is_file, paths)
 
 
-def asked(config: Config) -> pd.DataFrame:
+def asked_cells(config: Config) -> pd.DataFrame:
     """The cells that the study is to fill, with the columns `table3.CELL`."""
-    plans = {task: config.experiment.plan(task) for task in config.experiment.tasks}
     cells = [
         (task, asset, name)
-        for task, plan in plans.items()
+        for task in config.experiment.tasks
         for asset in config.evaluation.test_assets
-        for name in plan.training_sets
+        for name in config.experiment.plan(task).training_sets
     ]
     return pd.DataFrame(cells, columns=table3.CELL)
 
 
-def _chosen(config: Config, results: Path) -> Table | None:
-    """The trials of the hyper-parameter sets."""
+def _chosen(config: Config, results: Path) -> list[Table]:
+    """The trials of the hyper-parameter sets; nothing if there were none."""
     rows = []
     for task in config.experiment.tasks:
         for name in config.experiment.plan(task).training_sets:
@@ -58,12 +73,12 @@ def _chosen(config: Config, results: Path) -> Table | None:
             if config.experiment.chooses(task) and path.is_file():
                 chosen = read_json(ChosenRuns, path)
                 scores = ", ".join(f"{score.run} {score.successes}/{score.episodes}" for score in chosen.scores)
-                rows.append(Row([Cell(title(task)), Cell(title(name)), Cell(", ".join(chosen.runs)), Cell(scores)]))
+                rows.append([title(task), title(name), ", ".join(chosen.runs), scores])
     columns = ["Task", "Training set", "Chosen", "Trials on the twin (best checkpoint of the first seed)"]
-    return Table("chosen", "Hyper-parameter sets chosen by trials.", columns, rows, headers=2) if rows else None
+    return [Table("chosen", "Hyper-parameter sets chosen by trials.", columns, rows, headers=2)] if rows else []
 
 
-def _told(config: Config, episodes: pd.DataFrame) -> list[tuple[str, str]]:
+def _about_rollouts(config: Config, episodes: pd.DataFrame) -> list[tuple[str, str]]:
     """Seeds and numbers of rollouts."""
     plans = [config.experiment.plan(task) for task in config.experiment.tasks]
     seeds = sorted({seed for plan in plans for seed in plan.seeds})
@@ -75,64 +90,130 @@ def _told(config: Config, episodes: pd.DataFrame) -> list[tuple[str, str]]:
     counts = [f"{count} ({'; '.join(map(title, part.index))})" for count, part in roles.groupby(roles)]
     if len(roles):
         rollouts += f", {' and '.join(counts) if len(counts) > 1 else roles.iloc[0]} per role"
-    facts = [("Seeds", f"{', '.join(map(str, seeds))} of training; {config.seed} of everything else")]
-    facts.append(("Rollouts", rollouts))
+    about = [("Seeds", f"{', '.join(map(str, seeds))} of training; {config.seed} of everything else")]
+    about.append(("Rollouts", rollouts))
     for (group, split), part in of_splits(policies).groupby(["assets_of", "test_asset"]):
         assets = f"{part['asset'].nunique()} of {part['family'].nunique()} families"
         states = part.groupby("asset")["initial_state"].nunique().max()
-        facts.append((f"{title(str(group))}, {title(str(split))}", f"{assets}, {states} initial states each"))
-    return facts
+        about.append((f"{title(str(group))}, {title(str(split))}", f"{assets}, {states} initial states each"))
+    return about
+
+
+def _policies(config: Config, results: Path, published: Path, out: Path) -> Found:
+    options, paper = config.tables, published_policies(published)
+    episodes = read_rows(Rollout, list(rollout_files(config, results)), ONE_TEST)
+    asked = asked_cells(config)
+    found = collect(episodes, pd.concat([asked, paper[table3.CELL]]).drop_duplicates(), published, options)
+    tables = [*asset_tables(found, options), *role_tables(found, paper, options)]
+    for task in config.experiment.tasks:
+        path = results / f"experiment/{config.experiment.policy_variant}/{task}/assets.json"
+        if path.is_file():
+            chosen, roles = read_json(TaskAssets, path), config.experiment.trained_roles(task)
+            tables.append(roles_table(chosen, roles, f"roles-{task}", f"{title(task)}: the assets."))
+            tables += lists_table(chosen, f"lists-{task}", f"{title(task)}: sets of assets.")
+    write_figures(out, episodes, found.cells, paper, options)
+    done = found.runs[found.runs["status"] == "run"].drop_duplicates(table3.CELL)
+    print(f"{len(done)} of {len(asked)} cells of the study, {len(episodes)} episodes")
+    return Found(
+        title="Table 3: success over unseen assets, and by role",
+        facts=_about_rollouts(config, episodes),
+        tables=[*tables, *_chosen(config, results)],
+        frames={"table3": found.runs, "assets": found.assets, "assets_by_handle": found.by_handle},
+        figures={"figure4.svg": "Figure 4", "figure9.svg": "Figure 9"},
+    )
+
+
+def score_files(config: Config, results: Path) -> list[Path]:
+    """The scores of the study that are there; of a draw of a protocol only if all its rooms are there."""
+    experiment = config.experiment
+    groups: dict[tuple[str, str], list[Path]] = {}
+    for variant in experiment.variants:
+        for room in (room for room in experiment.rooms if room not in experiment.inputs):
+            groups[variant, room] = [results / f"evaluation/scenes/{variant}/{room}/scores.csv"]
+    for scene, variants in experiment.met().items():
+        for variant in variants:
+            path = results / f"evaluation/scenes/{variant}/{scene}/scores.csv"
+            groups.setdefault((variant, scene.partition(".")[2]), []).append(path)
+    return [path for paths in groups.values() if all(each.is_file() for each in paths) for path in paths]
+
+
+def asked_protocols(config: Config) -> list[tuple[str, str]]:
+    """Protocols of the study with their variants; '' is the rooms as they are."""
+    experiment = config.experiment
+    protocols = {"": experiment.variants} | {
+        name: protocol.variants or experiment.variants for name, protocol in experiment.protocols.items()
+    }
+    return [(name, variant) for name, variants in protocols.items() for variant in variants]
+
+
+def _library(results: Path) -> str:
+    path = results / "assets/library/library.json"
+    if not path.is_file():
+        return ""
+    assets = read_json(Library, path).assets
+    return f"{len(assets)} models in {len({entry.category for entry in assets})} categories"
+
+
+def _scenes(config: Config, results: Path, published: Path, out: Path, variants: tuple[str, ...]) -> Found:
+    experiment, files = config.experiment, score_files(config, results)
+    rows = read_rows(SceneScore, files, ONE_SCENE)
+    scenes = table2.build(rows, published_scenes(published), config.tables)
+    companion = robustness.build(rows, asked_protocols(config))
+    seeds = [f"{name} {' '.join(map(str, protocol.seeds))}" for name, protocol in experiment.protocols.items()]
+    pairs = [(room, variant) for room in experiment.rooms for variant in variants or experiment.variants]
+    paths = {pair: results / f"generation/{pair[1]}/{pair[0]}/comparison.png" for pair in pairs}
+    pictures = {pair: path for pair, path in paths.items() if path.is_file()}
+    if pictures:
+        with style():
+            save(figure6(pictures, list(config.tables.scenes), config.tables.picture_width), out, "figure6", ("jpg",))
+    print(f"{len(files)} scenes, {companion['n_draws'].notna().sum()} of {len(companion)} rows of the companion")
+    return Found(
+        title="Table 2",
+        facts=[
+            ("Seeds", f"{config.seed} of library, rooms and depth noise; {', '.join(seeds)}"),
+            ("Library", _library(results)),
+            ("Scenes", f"{len(files)} scored, {(rows['rank'] == 1).sum()} objects"),
+        ],
+        tables=[scenes_table(scenes, config.tables), robustness_table(companion)],
+        frames={"table2": scenes, "table2_robustness": companion},
+        figures={"figure6.jpg": "Figure 6: the rooms and their reconstructions"} if pictures else {},
+    )
 
 
 def run(
     *,
     out: Path,
+    table: Literal[2, 3] = 3,
     configs: tuple[Path, ...] = (Path("config.yaml"),),
     results: Path = Path("results"),
     benchmarks: Path = Path("benchmarks"),
     published: Path = Path("report/published"),
     machine: str = "",
     commit: str = "",
+    variants: tuple[str, ...] = (),
 ) -> None:
-    """Write table3.md, its tables as CSV, figure4 and figure9 into `out`: what is there of a study.
+    """Write table<n>.md, its tables as CSV and its figures into `out`; cells without results are marked `not run`.
 
     Args:
         out: folder to write into.
+        table: 2: scenes, with their robustness variants and Figure 6; 3: policies, with Figures 4 and 9.
         configs: the config files of the study, later ones over earlier ones.
         results: folder that the study writes.
         benchmarks: folder of its benchmark files.
         published: folder with the paper's values.
         machine: what it ran on; this machine if left out.
         commit: of the code, to be named.
+        variants: variants of matching in Figure 6; all if left out.
     """
     config = read_config(configs)
-    options, paper, runs = config.tables, published_policies(published), published_runs(published)
-    episodes = read_rows(Rollout, list(rollout_files(config, results)), ONE_TEST)
-    cells = pd.concat([asked(config), paper[table3.CELL]]).drop_duplicates()
-    found = find(episodes, cells, runs, options)
-    shown = [*asset_tables(found, options), *role_tables(found, paper, options)]
-    for task in config.experiment.tasks:
-        path = results / f"experiment/{config.experiment.policy_variant}/{task}/assets.json"
-        if path.is_file():
-            chosen, roles = read_json(TaskAssets, path), config.experiment.trained_roles(task)
-            shown.append(roles_table(chosen, roles, f"roles-{task}", f"{title(task)}: the assets."))
-            shown += lists_table(chosen, f"lists-{task}", f"{title(task)}: sets of assets.")
-    shown += [each for each in (_chosen(config, results), cost(benchmarks, STAGES)) if each]
-    text = [
-        "# Table 3: success over unseen assets, and by role",
-        "",
-        facts("all", configs, commit, machine, _told(config, episodes)),
-        *map(markdown, shown),
-    ]
-    text += [f"![{name}]({name}.svg)\n" for name in ("figure4", "figure9")]
-    text.append(
-        "`table3.csv` has a row per task, role, training set, run and seed; `assets.csv` and `assets_by_handle.csv` "
-        "hold success over unseen assets ([what the columns are](../tables.md)).\n"
-    )
-    write_figures(out, episodes, paper, options)
-    write_text(out / "table3.csv", as_csv(found.runs))
-    write_text(out / "assets.csv", as_csv(found.assets))
-    write_text(out / "assets_by_handle.csv", as_csv(found.by_handle))
-    write_text(out / "table3.md", "\n".join(text))
-    done = found.runs[found.runs["status"] == "run"].drop_duplicates(table3.CELL)
-    print(f"{len(done)} of {len(asked(config))} cells of the study, {number(len(episodes), 0)} episodes")
+    if table == 2:
+        found, target, stages = _scenes(config, results, published, out, variants), "table2", SCENE_STAGES
+    else:
+        found, target, stages = _policies(config, results, published, out), "all", POLICY_STAGES
+    text = [f"# {found.title}", "", facts(target, configs, commit, machine, found.facts)]
+    text += map(markdown, [*found.tables, cost(benchmarks, stages)])
+    text += [f"![{caption}]({name})\n" for name, caption in found.figures.items()]
+    text.append(f"All columns: {', '.join(f'`{name}.csv`' for name in found.frames)} ([reference](../tables.md)).\n")
+    for name, frame in found.frames.items():
+        write_csv(out / f"{name}.csv", frame)
+    write_text(out / f"table{table}.md", "\n".join(text))

@@ -1,4 +1,4 @@
-"""The companion of Table 2: rooms met otherwise, a row per protocol and variant, mean and spread over its seeds."""
+"""Robustness variants of Table 2's rooms: a row per protocol and variant, mean and spread over its seeds."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -7,12 +7,14 @@ import pandas as pd
 
 from stages.tables.rows import records
 from stages.tables.statistics import mean, std
-from stages.tables.table2 import COUNTS, METRICS, judge
+from stages.tables.table2 import COUNTS, judge
+from stages.tables.table2 import METRICS as SCENE_METRICS
 
+METRICS = [name for name in SCENE_METRICS if name != "l2_cm"]
 SHAPES = ["chamfer", "shape_iou"]
 AFFORDANCES = ["panels_correct", "handle_correct", "hinge_correct"]
 PHYSICS = ["fallen", "shift_cm", "largest_shift_cm", "penetration_cm"]
-MEASURES = [*COUNTS, "l2_cm", "worst_room_l2_cm", *METRICS[1:], *PHYSICS, *SHAPES, *AFFORDANCES]
+MEASURES = [*COUNTS, "l2_cm", "worst_room_l2_cm", *METRICS, *PHYSICS, *SHAPES, *AFFORDANCES]
 MOMENTS = [f"{name}_{moment}" for name in MEASURES for moment in ("mean", "std")]
 COLUMNS = ["protocol", "variant", "judge", "n_draws", "n_rooms", "n_objects", "n_articulated", *MOMENTS]
 AS_SHIPPED = "as shipped"
@@ -21,7 +23,7 @@ AS_SHIPPED = "as shipped"
 def _measured(scores: pd.DataFrame) -> dict[str, float]:
     """What one draw gives, over the objects of all rooms."""
     cell: dict[str, float] = {name: float(scores[name].sum()) for name in COUNTS}
-    for name in ("l2_cm", *METRICS[1:], *SHAPES, "shift_cm"):
+    for name in ("l2_cm", *METRICS, *SHAPES, "shift_cm"):
         cell[name] = mean(scores[name])
     cell["worst_room_l2_cm"] = float(scores.groupby("scene")["l2_cm"].mean().max())
     cell["fallen"] = float((scores["stable"] == False).sum())  # noqa: E712, None is neither
@@ -33,7 +35,7 @@ def _measured(scores: pd.DataFrame) -> dict[str, float]:
 
 
 def build(scores: pd.DataFrame, asked: Sequence[tuple[str, str]] = ()) -> pd.DataFrame:
-    """One row per protocol and variant with `COLUMNS`; empty if no room was met otherwise.
+    """One row per protocol and variant with `COLUMNS`; empty if there is no such room.
 
     Args:
         scores: rows of `SceneScore`; rank 1 is used. Those without protocol are the first rows, `as shipped`.
@@ -43,7 +45,7 @@ def build(scores: pd.DataFrame, asked: Sequence[tuple[str, str]] = ()) -> pd.Dat
     The standard deviation, a sample one, is over draws; there is none of one draw.
     """
     scores = scores[(scores["rank"] == 1) & (scores["true_asset"] != "")]
-    numbers = ["l2_cm", *METRICS[1:], *SHAPES, "shift_cm", "penetration_cm"]
+    numbers = ["l2_cm", *METRICS, *SHAPES, "shift_cm", "penetration_cm"]
     scores = scores.astype(dict.fromkeys(numbers, float))
     rows: list[dict[str, Any]] = []
     if (scores["protocol"] != "").any():

@@ -1,60 +1,50 @@
-"""The assets of a policy experiment: who is who, what a policy meets there, and what it has met in training."""
+"""The assets of a policy experiment: their roles, their handles, and which of them are in the demonstrations."""
 
 from collections import Counter
 from collections.abc import Iterable
 
 from stages.contracts.policies import TaskAsset, TaskAssets
-from stages.tables.markup import Cell, Row, Table, number
+from stages.tables.markup import Table
 from stages.tables.order import role_title
+from stages.tables.text import cell, number
 
 
-def kind_of(asset: TaskAsset) -> str:
-    """What a gripper meets: 'bar, hinge left'; 'knob, slide'."""
+def handle_kind(asset: TaskAsset) -> str:
+    """Handle and hinge: 'bar, hinge left'; 'knob, slide'."""
     return f"{asset.handle}, {'slide' if asset.hinge == 'slide' else f'hinge {asset.hinge}'}"
 
 
 def by_role(chosen: TaskAssets) -> dict[str, TaskAsset]:
-    """The assets that play a role alone; those drawn by chance are random_1, random_2, ... as in training sets."""
-    drawn = {f"random_{number}": asset for number, asset in enumerate(chosen.random_assets, start=1)}
-    return {asset.role: asset for asset in chosen.assets} | drawn
+    """Role -> asset; random assets are random_1, random_2, ... as in training sets."""
+    sampled = {f"random_{number}": asset for number, asset in enumerate(chosen.random_assets, start=1)}
+    return {asset.role: asset for asset in chosen.assets} | sampled
 
 
 def demonstrated_assets(chosen: TaskAssets, roles: Iterable[str]) -> list[TaskAsset]:
     """The assets on which the demonstrations of some roles are collected; of twin_randomised it is the twin."""
-    known = by_role(chosen)
-    shown = [known[name] for role in roles if (name := role.removesuffix("_randomised")) in known]
-    return [*shown, *(chosen.all_assets if "all" in roles else [])]
-
-
-def known_kinds(chosen: TaskAssets, demonstrated: Iterable[str]) -> set[str]:
-    """What the assets in the demonstrated roles have; `all`: all of `all_assets`."""
-    return {kind_of(asset) for asset in demonstrated_assets(chosen, set(demonstrated))}
-
-
-def _used(role: str, asset: TaskAsset, roles: set[str], in_all: set[str]) -> str:
-    ways = ["yes"] if role in roles else ["in all assets"] if asset.asset in in_all else []
-    return ", ".join([*ways, *(["randomised"] if f"{role}_randomised" in roles else [])]) or "no"
+    known, names = by_role(chosen), [role.removesuffix("_randomised") for role in roles]
+    return [*(known[name] for name in names if name in known), *(chosen.all_assets if "all" in names else [])]
 
 
 def roles_table(chosen: TaskAssets, demonstrated: Iterable[str], name: str, caption: str) -> Table:
     """A row per role; `demonstrated`: roles on which demonstrations are collected, `all` for all of `all_assets`."""
     roles = set(demonstrated)
-    known = known_kinds(chosen, roles)
+    handles = {handle_kind(asset) for asset in demonstrated_assets(chosen, roles)}
     in_all = {asset.asset for asset in chosen.all_assets} if "all" in roles else set()
     rows = []
     for role, asset in by_role(chosen).items():
         if role.startswith("random_") and role not in roles:
             continue
-        width, height = asset.panel_size
         length = f"{100 * asset.handle_length:.0f} cm, at {100 * asset.handle_height:.0f} % of the front"
+        panel = " x ".join(f"{side:.2f}" for side in asset.panel_size)
+        used = ["yes"] if role in roles else ["in all assets"] if asset.asset in in_all else []
+        used += ["randomised"] if f"{role}_randomised" in roles else []
         rows.append(
-            Row(
-                [
-                    Cell(role_title(role)), Cell(asset.asset), Cell(asset.family), Cell(number(asset.distance, 2)),
-                    Cell(kind_of(asset), length), Cell(f"{asset.panel_height:.2f} m", f"{width:.2f} x {height:.2f} m"),
-                    Cell(_used(role, asset, roles, in_all)), Cell("yes" if kind_of(asset) in known else "no"),
-                ]
-            )
+            [
+                role_title(role), asset.asset, asset.family, number(asset.distance, 2),
+                cell(handle_kind(asset), length), cell(f"{asset.panel_height:.2f} m", f"{panel} m"),
+                ", ".join(used) or "no", "yes" if handle_kind(asset) in handles else "no",
+            ]
         )  # fmt: skip
     return Table(
         name=name,
@@ -62,16 +52,16 @@ def roles_table(chosen: TaskAssets, demonstrated: Iterable[str], name: str, capt
         columns=["Role", "Model", "Family", "Distance", "Handle", "Panel", "Demonstrated", "Handle known"],
         rows=rows,
         notes=[
-            "Family: the model that it is a variation of, or itself. Distance to the twin under the encoder of the "
-            "run. Handle: its kind, the side on which the front hangs, its length, its height on the front (0 %: lower "
-            "edge). Panel: height of its centre above the bottom of the asset, width x height. Handle known: some "
-            "demonstrated asset has a handle of this kind on a panel that hangs alike."
+            "Family: the model that the asset is a variation of, or the asset itself. Distance: to the twin, under the "
+            "encoder of the run. Handle: its kind, the side of the hinge seen from the front, its length, its height "
+            "on the front (0 %: lower edge). Panel: height of its centre above the bottom of the asset, width x height."
+            " Handle known: a demonstrated asset has the same kind of handle and the hinge on the same side."
         ],
     )
 
 
 def lists_table(chosen: TaskAssets, name: str, caption: str) -> list[Table]:
-    """What the sets of assets hold, by kind of handle; nothing if there are none."""
+    """The sets of assets by kind of handle; nothing if there are none."""
     lists = {
         "all assets": chosen.all_assets,
         "random assets": chosen.random_assets,
@@ -81,17 +71,10 @@ def lists_table(chosen: TaskAssets, name: str, caption: str) -> list[Table]:
     rows = []
     for title, assets in lists.items():
         if assets:
-            kinds = Counter(asset.handle for asset in assets)
+            kinds = ", ".join(f"{kind} {n}" for kind, n in sorted(Counter(asset.handle for asset in assets).items()))
             lengths = sorted(100 * asset.handle_length for asset in assets)
-            rows.append(
-                Row(
-                    [
-                        Cell(title), Cell(str(len(assets))), Cell(str(len({asset.family for asset in assets}))),
-                        Cell(", ".join(f"{kind} {count}" for kind, count in sorted(kinds.items()))),
-                        Cell(f"{lengths[0]:.0f}-{lengths[-1]:.0f} cm"),
-                    ]
-                )
-            )  # fmt: skip
+            families = len({asset.family for asset in assets})
+            rows.append([title, str(len(assets)), str(families), kinds, f"{lengths[0]:.0f}-{lengths[-1]:.0f} cm"])
     columns = ["Set", "Assets", "Families", "By kind of handle", "Length of handles"]
-    notes = ["A family is on one side alone: trained on, held out, validation or test."]
+    notes = ["A family is in one set alone: trained on, held out, validation or test."]
     return [Table(name, caption, columns, rows, notes=notes)] if rows else []

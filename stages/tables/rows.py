@@ -38,13 +38,14 @@ def read_rows(model: type[BaseModel], paths: Sequence[Path], one_file: list[str]
             key = tuple(row[name] for name in one_file)
             if source.setdefault(key, number) != number:
                 same = ", ".join(f"{name} {value}" for name, value in zip(one_file, key, strict=True))
-                raise InputError(path, f"holds the same rows as {paths[source[key]]} ({same}).", "give each file once")
+                what = f"holds the same rows as {paths[source[key]]} ({same})."
+                raise InputError(path, what, "give each file once", "E-ROWS-TWICE")
             rows.append(row)
     return pd.DataFrame(rows, columns=list(model.model_fields))
 
 
 def read_table(path: Path, columns: list[str], text: Sequence[str] = ()) -> pd.DataFrame:
-    """A CSV table that has at least `columns`; the columns in `text` stay text.
+    """A CSV table that has at least `columns`; the columns in `text` stay text, missing values there are ''.
 
     Raises:
         InputError: the file is missing, is not CSV, or lacks a column.
@@ -53,11 +54,11 @@ def read_table(path: Path, columns: list[str], text: Sequence[str] = ()) -> pd.D
     try:
         table = pd.read_csv(source, dtype=dict.fromkeys(text, str), keep_default_na=False, na_values=[""])
     except ValueError as error:  # also pandas' parser errors
-        raise InputError(path, f"is not a CSV table ({str(error).splitlines()[0]}).") from None
-    for column in columns:
-        if column not in table.columns:
-            raise InputError(path, f"lacks the column {column}.")
-    return table
+        raise InputError(path, f"is not a CSV table ({str(error).splitlines()[0]}).", code="E-TABLE-CSV") from None
+    missing = [column for column in columns if column not in table.columns]
+    if missing:
+        raise InputError(path, f"lacks the column {missing[0]}.", code="E-TABLE-COLUMN")
+    return table.fillna({name: "" for name in text if name in table})
 
 
 def records(table: pd.DataFrame) -> list[dict[str, Any]]:

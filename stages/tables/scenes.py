@@ -1,4 +1,4 @@
-"""Verb `scenes`: Table 2, its companion and Figure 6, from the scores and pictures of generated scenes."""
+"""Verb `scenes`: Table 2, its robustness variants and Figure 6, from the scores and pictures of generated scenes."""
 
 from pathlib import Path
 
@@ -6,10 +6,11 @@ from stages.config.tables import TablesConfig
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_options
 from stages.contracts.policies import SceneScore
-from stages.tables import formatting, robustness, table2
-from stages.tables.drawing import look, save
+from stages.tables import robustness, table2
+from stages.tables.drawing import save, style
 from stages.tables.rows import published_scenes, read_rows
 from stages.tables.scene_figure import figure6
+from stages.tables.scene_tables import robustness_table, scenes_table
 from stages.tables.writing import write
 
 ONE_SCENE = ["scene", "variant", "rank", "protocol", "draw"]
@@ -21,7 +22,7 @@ def named(items: tuple[str, ...], flag: str = "--comparisons") -> dict[tuple[str
     for item in items:
         name, sign, path = item.partition("=")
         if not (name and sign and path):
-            raise InputError(flag, f"'{item}' is not room=picture.", "write e.g. room_1=picture.png")
+            raise InputError(flag, f"'{item}' is not room=picture.", "write e.g. room_1=picture.png", "E-PICTURE-NAME")
         room, _, variant = name.partition("/")
         pictures[room, variant] = Path(path)
     return pictures
@@ -50,7 +51,7 @@ def run(
     pictures = named(comparisons)
     rows = read_rows(SceneScore, scores, ONE_SCENE)
     scenes, companion = table2.build(rows, published_scenes(published), settings), robustness.build(rows)
-    write(out, "table2", scenes, [formatting.scenes_table(scenes, settings)])
-    write(out, "table2_robustness", companion, [formatting.robustness_table(companion)])
-    with look():
-        save(figure6(pictures, list(settings.scenes)), figures or out, "figure6")
+    write(out, "table2", scenes, [scenes_table(scenes, settings)])
+    write(out, "table2_robustness", companion, [robustness_table(companion)])
+    with style():
+        save(figure6(pictures, list(settings.scenes), settings.picture_width), figures or out, "figure6")

@@ -1,4 +1,4 @@
-"""What the pages about studies share: their configs, what they ran on, what they cost."""
+"""About a study: its configs, its machine, its cost."""
 
 import os
 from collections.abc import Iterable
@@ -11,8 +11,8 @@ import yaml
 from stages.config.model import Config, load, merged
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_text
-from stages.tables.markup import Cell, Row, Table
-from stages.tables.page.benchmarks import by_stage, duration, read_jobs
+from stages.tables.markup import Table
+from stages.tables.page.benchmarks import by_stage, read_jobs, times_table
 
 
 def read_config(paths: tuple[Path, ...]) -> Config:
@@ -22,27 +22,16 @@ def read_config(paths: tuple[Path, ...]) -> Config:
         try:
             content = yaml.safe_load(read_text(path))
         except yaml.YAMLError as error:
-            raise InputError(path, f"is not YAML ({str(error).splitlines()[0]}).") from None
+            raise InputError(path, f"is not YAML ({str(error).splitlines()[0]}).", code="E-CONFIG-YAML") from None
         if not isinstance(content, dict):
-            raise InputError(path, "holds no mapping of sections.")
+            raise InputError(path, "holds no mapping of sections.", code="E-CONFIG-YAML")
         parts.append(content)
     return load(reduce(merged, parts, {}))
 
 
 def cost(benchmarks: Path, stages: list[str]) -> Table:
     """Hours by stage."""
-    jobs = read_jobs(benchmarks.glob("*/*.tsv"), benchmarks)
-    rows = [
-        Row(
-            [Cell(item.stage), Cell(str(item.jobs)), Cell(duration(item.seconds)), Cell(duration(item.cpu_seconds))],
-        )
-        for item in by_stage(jobs, stages)
-    ]
-    seconds, processor = (sum(v for v in values if v == v) for values in (
-        [job.seconds for job in jobs], [job.cpu_seconds for job in jobs]))  # fmt: skip
-    total = Row([Cell("all"), Cell(str(len(jobs))), Cell(duration(seconds)), Cell(duration(processor))], "total")
-    notes = ["Job time adds up jobs that ran side by side: on two busy cores the clock shows about half of it."]
-    return Table("cost", "Time.", ["Stage", "Jobs", "Job time", "CPU time"], [*rows, total], notes=notes)
+    return times_table(by_stage(read_jobs(benchmarks.glob("*/*.tsv"), benchmarks), stages))
 
 
 def cpu() -> str:
@@ -55,8 +44,8 @@ def cpu() -> str:
     return f"{os.cpu_count()} cores, {model}"
 
 
-def facts(target: str, configs: tuple[Path, ...], commit: str, machine: str, told: Iterable[tuple[str, str]]) -> str:
-    """How it was made, and what else is told of it."""
+def facts(target: str, configs: tuple[Path, ...], commit: str, machine: str, about: Iterable[tuple[str, str]]) -> str:
+    """The command, commit and machine of a study, and what else is known about it, as a list."""
     command = f"`snakemake --cores {os.cpu_count()} {target} --configfile {' '.join(map(str, configs))}`"
-    known = [("Command", command), ("Commit", f"`{commit}`" if commit else ""), ("Machine", machine or cpu()), *told]
+    known = [("Command", command), ("Commit", f"`{commit}`" if commit else ""), ("Machine", machine or cpu()), *about]
     return "\n".join(f"* {name}: {text}" for name, text in known if text) + "\n"

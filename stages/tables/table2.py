@@ -77,8 +77,8 @@ def build(scores: pd.DataFrame, published: pd.DataFrame, options: TablesConfig) 
     """One row per (scene, variant) with `ALL_COLUMNS`, and a row `total` per variant that was run.
 
     Args:
-        scores: rows of `SceneScore`; rank 1 (the nearest cousins) is used, rows of true objects only, and of rooms met
-            as they are.
+        scores: rows of `SceneScore`; rank 1 (the nearest cousins) is used, rows of true objects only, without
+            robustness variants.
         published: Table 2 of the paper, indexed by (scene number, variant).
 
     An object that was missed or that failed counts as not correct and has no distance, orientation or IoU. Standard

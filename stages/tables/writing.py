@@ -8,13 +8,13 @@ from stages.contracts.files import write_text
 from stages.tables.markup import Table, html, latex
 
 
-def as_csv(table: pd.DataFrame) -> str:
-    """A table as text, numbers with six digits."""
-    return table.to_csv(index=False, lineterminator="\n", float_format="%.6g")
+def write_csv(path: Path, table: pd.DataFrame) -> None:
+    """A table as CSV, numbers with six digits."""
+    write_text(path, table.to_csv(index=False, lineterminator="\n", float_format="%.6g"))
 
 
-def write(out: Path, name: str, table: pd.DataFrame, shown: list[Table]) -> None:
-    """`name`.csv, and .html and .tex with all that is shown of it."""
-    write_text(out / f"{name}.csv", as_csv(table))
-    write_text(out / f"{name}.html", html(shown, shown[0].caption))
-    write_text(out / f"{name}.tex", latex(shown))
+def write(out: Path, name: str, table: pd.DataFrame, tables: list[Table]) -> None:
+    """`name`.csv, and the tables about it as .html and .tex."""
+    write_csv(out / f"{name}.csv", table)
+    write_text(out / f"{name}.html", html(tables, tables[0].caption))
+    write_text(out / f"{name}.tex", latex(tables))

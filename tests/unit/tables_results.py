@@ -9,6 +9,7 @@ import numpy as np
 from PIL import Image, ImageDraw
 from pydantic import BaseModel
 
+from stages import tables
 from stages.contracts.archives import pack
 from stages.contracts.cousins import Cousin, Cousins, ObjectCousins, Orientation
 from stages.contracts.files import read_json, write_json
@@ -16,12 +17,15 @@ from stages.contracts.films import Film, Films
 from stages.contracts.generated import GeneratedScene, PlacedObject, Plausibility
 from stages.contracts.in_scene import SceneDemonstration, SceneDemonstrations
 from stages.contracts.library import Library, LibraryEntry, SnapshotShard
+from stages.contracts.made import Made
 from stages.contracts.objects import Box, Mounting, Objects, SceneObject
 from stages.contracts.policies import Attempt, Rollout, SceneScore, TaskAsset, TaskAssets
 from tests.unit.demo_assets import FRONT
 
+VIEWER = Path(tables.__file__).parent / "page/three/three.min.js"
 CAMERA = [[200.0, 0.0, 120.0], [0.0, 200.0, 80.0], [0.0, 0.0, 1.0]]
 POSE = [[0.0, 0.0, 1.0, 0.0], [-1.0, 0.0, 0.0, 0.0], [0.0, -1.0, 0.0, 1.4], [0.0, 0.0, 0.0, 1.0]]
+MADE = Made(seed=11, options="0a1b2c3d4e5f", inputs="111111111111", code="222222222222")
 LABELS = {"room_1": ["cabinet", "bowl", "lamp"], "room_2": ["table", "chair"]}
 ABOUT = FRONT | {"digest": "0", "handle_length": 0.12, "handle_height": 0.5}
 ROLES = {"twin": 0.0, "cousin_1": 3.1, "cousin_2": 4.0, "cousin_6": 7.5, "dissimilar": 12.25}
@@ -197,7 +201,9 @@ def _room(results: Path, name: str) -> None:
         fallen = ["lamp_1"] if rank == 2 and "lamp" in labels else []
         check = Plausibility(seconds=2, stable=not fallen, fallen=fallen, mean_displacement=0.004,
                              max_penetration=0.001, collisions=0)  # fmt: skip
-        scene = GeneratedScene(scene=name, variant="b", rank=rank, objects=placed, plausibility=check, **frame)
+        scene = GeneratedScene(
+            scene=name, variant="b", rank=rank, objects=placed, plausibility=check, made=MADE, **frame
+        )
         write_json(generation / f"scene_{rank}.json", scene)
         picture(generation / f"scene_{rank}.png", seed=10 + rank)
 

@@ -8,10 +8,10 @@ import pytest
 from stages.config.tables import TablesConfig
 from stages.contracts.policies import Rollout, TaskAsset, TaskAssets
 from stages.tables import asset_panels, assets, table3
-from stages.tables.asset_tables import assets_table, by_handle_table
 from stages.tables.markup import Table, markdown
 from stages.tables.order import kind, set_key, task_key, title
 from stages.tables.policy_figures import figure4
+from stages.tables.policy_tables import assets_table, by_handle_table
 from stages.tables.roles import lists_table, roles_table
 from stages.tables.rows import published_policies
 from tests.unit.tables_results import ABOUT, UNSEEN, over_assets, rollout
@@ -36,7 +36,7 @@ def table(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def texts(shown: Table) -> list[list[str]]:
-    return [[cell.value for cell in row.cells] for row in shown.rows]
+    return [[cell.split("\n")[0] for cell in row] for row in shown.rows]
 
 
 def test_every_kind_of_policy_is_compared_with_its_twin_and_with_the_papers_network(table: pd.DataFrame) -> None:
@@ -65,9 +65,9 @@ def test_table_of_assets(table: pd.DataFrame) -> None:
         ["handle flagged, minus the paper's network", "+33 points", "+17 points"],
         ["scripted skill: 100 %", "", ""],
     ]
-    assert shown.rows[0].cells[0].remark == "24 assets of 12 families, 48 initial states"
-    assert shown.rows[0].cells[2].remark.endswith("] 24 assets, 2 runs") and "48/48" in shown.rows[-1].cells[1].remark
-    assert "a mask by entity ids" in markdown(shown) and "nan" not in markdown(shown)
+    assert shown.rows[0][0].endswith("\n24 assets of 12 families, 48 initial states")
+    assert shown.rows[0][2].endswith("] 24 assets, 2 runs") and "48/48" in shown.rows[-1][1]
+    assert "the mask of the target" in markdown(shown) and "nan" not in markdown(shown)
 
 
 def test_by_kind_and_length_of_the_handle(rows: pd.DataFrame) -> None:
@@ -77,7 +77,7 @@ def test_by_kind_and_length_of_the_handle(rows: pd.DataFrame) -> None:
     assert door["mean"].tolist() == pytest.approx([1 / 3, 1 / 3, 1, 1 / 3, 1 / 3, 1 / 3, 1 / 3, 1])
     shown = by_handle_table(found, OPTIONS)
     assert shown.columns[2:] == ["twin", "4 cousins", "scripted skill"] and len(shown.rows) == 16
-    assert shown.rows[0].cells[1].remark == "n = 6" and texts(shown)[1][1:] == ["bar", "33 ± 0 %", "100 ± 0 %", "100 %"]
+    assert shown.rows[0][1].endswith("\nn = 6") and texts(shown)[1][1:] == ["bar", "33 ± 0 %", "100 ± 0 %", "100 %"]
 
 
 def test_table3_holds_roles_of_policies_alone(rows: pd.DataFrame) -> None:
@@ -97,7 +97,7 @@ def test_figure_4_has_a_point_per_asset_and_thirds_of_the_assets(rows: pd.DataFr
     figure = figure4(table3.cells(rows, OPTIONS), published_policies(PUBLISHED), (points, thirds))
     panels = figure.axes
     assert [panel.get_xlabel() for panel in panels[:4:2]] == [
-        "distance from the twin, 24 assets", "length of the handle (cm), 24 assets",
+        "distance from the twin, 24 assets", "length of the handle (m), 24 assets",
     ]  # fmt: skip
     assert len(panels) == 8 and panels[1].get_title(loc="left") == "Door opening, handle flagged"
 
@@ -144,8 +144,8 @@ def test_roles_tell_families_handles_and_what_was_demonstrated() -> None:
         ["twin", "yes, randomised", "yes"], ["cousin 1", "no", "yes"], ["dissimilar", "no", "no"],
         ["random 1", "yes", "yes"],
     ]  # fmt: skip
-    assert shown.rows[0].cells[2].value == "cabinet_00"
-    assert shown.rows[0].cells[4].remark == "12 cm, at 50 % of the front"
+    assert shown.rows[0][2] == "cabinet_00"
+    assert shown.rows[0][4].endswith("\n12 cm, at 50 % of the front")
     (lists,) = lists_table(chosen(), "lists", "")
     assert texts(lists) == [["random assets", "2", "1", "bar 1, knob 1", "12-12 cm"],
                             ["test", "3", "2", "bar 1, knob 2", "4-6 cm"]]  # fmt: skip

@@ -15,9 +15,9 @@ from stages.generation.exports import glb, room_of
 from stages.generation.placed import Placed
 from stages.geometry.boxes import UprightBox
 from stages.geometry.cameras import look_at
-from stages.tables import figures, policies, report, scenes
+from stages.tables import policies, report, scenes
 from tests.unit.demo_assets import cabinet
-from tests.unit.tables_results import declared, write_run
+from tests.unit.tables_results import VIEWER, declared, write_run
 
 PUBLISHED = Path(__file__).parents[2] / "report" / "published"
 WIDTHS = (360, 820, 1440)
@@ -83,9 +83,9 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> str:
     scores = tuple(sorted(results.glob("evaluation/scenes/b/*/scores.csv")))
     scenes.run(out=results / "tables", figures=results / "figures", scores=scores, published=PUBLISHED)
     rollouts = tuple(sorted(results.glob("evaluation/policies/*/rollouts.csv")))
-    policies.run(out=results / "tables", rollouts=rollouts, published=PUBLISHED)
-    figures.run(out=results / "figures", rollouts=rollouts, published=PUBLISHED)
-    report.run(out=root / "index.html", published=PUBLISHED, **declared(root))  # type: ignore[arg-type]
+    policies.run(out=results / "tables", figures=results / "figures", rollouts=rollouts, published=PUBLISHED)
+    viewer = Path(shutil.copy(VIEWER, root))
+    report.run(out=root / "index.html", published=PUBLISHED, viewer=viewer, **declared(root))  # type: ignore[arg-type]
     return (root / "index.html").as_uri()
 
 

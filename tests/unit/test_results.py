@@ -8,10 +8,10 @@ import pytest
 from PIL import Image
 
 from stages.config.model import Config
-from stages.contracts.errors import InputError
 from stages.contracts.files import write_json
 from stages.contracts.policies import ChosenRuns, RunScore
-from stages.tables import results, scene_results
+from stages.tables import results
+from tests.refusals import refused
 from tests.unit.tables_results import over_assets, picture, rollout, score, write_rows, write_run
 
 ROOT = Path(__file__).parents[2]
@@ -84,7 +84,7 @@ def test_what_is_there_is_told_and_what_is_not_is_said_to_be_so(study: Path, tmp
         "Machine: 2 cores, a test", "Commit: `abc1234`", "Seeds: 0, 3 of training; 7 of everything else",
         "102 episodes of 3 policies, 10 per role", "6 of 3 families, 2 initial states each", "scripted skill: 100 %",
         "n = 1", "not run", "official 90 %", "*paper 90 ± 4 %*",
-        "lite 9/15, lite_slow 7/15", "bar, hinge", "cannot be said", "1 run a side", "| all | ", "figure9.svg",
+        "lite 9/15, lite_slow 7/15", "bar, hinge", "cannot be said", "1 run a side", "| total | ", "figure9.svg",
         "cloud of the target link", "0 of 2", "12 cm, at 50 % of the front", "true handle",
     ):  # fmt: skip
         assert words in text, words
@@ -97,7 +97,7 @@ def test_what_is_there_is_told_and_what_is_not_is_said_to_be_so(study: Path, tmp
 def test_a_task_that_was_rolled_out_less_often_is_said_to_be() -> None:
     rows = [rollout(n, task=task) for task, count in (("door", 5), ("bowl", 2)) for n in range(count)]
     episodes = pd.DataFrame([row.model_dump() for row in rows])
-    told = dict(results._told(Config(), episodes))
+    told = dict(results._about_rollouts(Config(), episodes))
     assert told["Rollouts"] == "7 episodes of 2 policies, 2 (Putting away bowl) and 5 (Door opening) per role"
 
 
@@ -118,7 +118,7 @@ def test_configs_are_merged_as_the_workflow_merges_them(tmp_path: Path) -> None:
     config: Config = results.read_config((tmp_path / "a.yaml", tmp_path / "b.yaml"))
     assert (config.experiment.seeds, config.experiment.episodes) == ([2], 8)
     (tmp_path / "c.yaml").write_text("[1")
-    with pytest.raises(InputError, match="is not YAML"):
+    with refused("E-CONFIG-YAML"):
         results.read_config((tmp_path / "c.yaml",))
 
 
@@ -134,10 +134,10 @@ def test_a_study_of_table_2_tells_what_is_there_and_counts_whole_draws_alone(tmp
         write_rows(path, [score(room, 1, protocol=protocol, **met)])
     for variant in ("b", "ours"):
         picture(tmp_path / f"results/generation/{variant}/room_1/comparison.png", 700, 240, seed=4)
-    scene_results.run(
-        out=tmp_path / "out", configs=(ROOT / "config.yaml", tmp_path / "study.yaml"), results=tmp_path / "results",
-        benchmarks=tmp_path / "benchmarks", published=PUBLISHED, machine="a test", commit="abc1234",
-        drawn=("b",),
+    results.run(
+        out=tmp_path / "out", table=2, configs=(ROOT / "config.yaml", tmp_path / "study.yaml"),
+        results=tmp_path / "results", benchmarks=tmp_path / "benchmarks", published=PUBLISHED,
+        machine="a test", commit="abc1234", variants=("b",),
     )  # fmt: skip
     companion = pd.read_csv(tmp_path / "out/table2_robustness.csv").set_index(["protocol", "variant"])
     assert companion.loc[("noise", "b"), ["n_draws", "n_rooms", "n_objects"]].tolist() == [1, 2, 2]

@@ -1,10 +1,10 @@
 """Figures and the report page, on a small made-up run."""
 
+import base64
 import re
 import shutil
 from html import unescape
 from html.parser import HTMLParser
-from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -14,16 +14,15 @@ from stages.contracts.archives import pack
 from stages.contracts.errors import InputError
 from stages.contracts.ledgers import read_attempts
 from stages.contracts.snapshot_pictures import Snapshots
-from stages.tables import figures, policies, report, scenes
-from stages.tables.drawing import spread_out
-from stages.tables.page.benchmarks import by_stage, duration, read_jobs
+from stages.tables import policies, report, scenes
+from stages.tables.page.benchmarks import by_stage, duration, read_jobs, times_table
 from stages.tables.page.charts import line_chart
 from stages.tables.page.files import RunFiles
 from stages.tables.page.films import read_films
 from stages.tables.page.pictures import Album, load
 from stages.tables.page.policies import losses
-from stages.tables.page.result import verdict
-from tests.unit.tables_results import declared, films, picture, write_run
+from tests.refusals import refused
+from tests.unit.tables_results import MADE, VIEWER, declared, films, picture, write_run
 
 OPTIONS = '{"bootstrap_samples": 400}'
 PUBLISHED = Path(__file__).parents[2] / "report" / "published"
@@ -35,8 +34,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     root = write_run(tmp_path_factory.mktemp("run"))
     results = root / "results"
     out = results / "tables"
-    policies.run(out=out, rollouts=rolled(root), published=PUBLISHED, options=OPTIONS)
-    draw(root, results / "figures")
+    write_policies(root, out, results / "figures")
     write_scenes(root, out, results / "figures")
     page(root, results / "report" / "index.html")
     return root
@@ -46,8 +44,8 @@ def rolled(root: Path) -> tuple[Path, ...]:
     return tuple(sorted((root / "results/evaluation/policies").glob("*/rollouts.csv")))
 
 
-def draw(root: Path, out: Path) -> None:
-    figures.run(out=out, rollouts=rolled(root), published=PUBLISHED, options=OPTIONS)
+def write_policies(root: Path, out: Path, figures: Path) -> None:
+    policies.run(out=out, figures=figures, rollouts=rolled(root), published=PUBLISHED, options=OPTIONS)
 
 
 def write_scenes(root: Path, out: Path, drawn: Path) -> None:
@@ -58,7 +56,7 @@ def write_scenes(root: Path, out: Path, drawn: Path) -> None:
 
 
 def page(root: Path, out: Path, **flags: object) -> str:
-    report.run(out=out, published=PUBLISHED, **(declared(root) | flags))  # type: ignore[arg-type]
+    report.run(out=out, published=PUBLISHED, viewer=out.with_name(VIEWER.name), **(declared(root) | flags))  # type: ignore[arg-type]
     return out.read_text()
 
 
@@ -112,26 +110,34 @@ def test_a_rooms_heading_names_encoder_and_judge_of_the_run(made: Path) -> None:
     assert "(b) encoder model, encoder orientation" not in text[: text.index('id="tables"')]
 
 
+def test_page_holds_seed_and_digests_of_every_scene(made: Path) -> None:
+    text = (made / "results/report/index.html").read_text()
+    for room in ("room_1", "room_2"):
+        row = re.search(rf"b/{room}/scene_1.json</th><td>(\w+)</td>(.*)</tr>", text)
+        assert row and row[1] == str(MADE.seed)
+        assert re.findall(r"<code>(\w+)</code>", row[2]) == [MADE.options, MADE.inputs, MADE.code]
+
+
 def test_page_is_whole_and_stands_alone(made: Path) -> None:
     text = (made / "results/report/index.html").read_text()
     checker = Checker()
     checker.feed(text)
     assert checker.open == [] and checker.unnamed == []
-    assert all(link.removeprefix("#") in checker.ids for link in checker.links - {"times.html"})
+    assert all(link.removeprefix("#") in checker.ids for link in checker.links - {"times.html", "data:,"})
     assert len(checker.sources) > 15 and all(source.startswith("data:") for source in checker.sources)
     for outside in (r"(src|href)=\"(https?:)?//", "@import", r"url\((?!#)"):
         assert not re.search(outside, text), outside
-    assert len(text.encode()) < report.MAX_BYTES
 
 
 def test_page_tells_what_happened(made: Path) -> None:
     text = (made / "results/report/index.html").read_text()
     for words in (
-        "13</b><span>models in 2 categories", "only 12 points &lt;after cleaning&gt;", "fallen: lamp_1",
-        "cabinet 01", "grasp slip 1", "8/10, 49–95 %", "16/20", "train loss", "Table 3:", "paper 5/5",
-        "Trained on 4 cousins, lite, seed 0", "not run", "+55 points",
-        "does not tell policies trained on 4 cousins apart", "30 of 33 rows not run", "and 2 more by geometry",
-        "failure, opened 12 % in 23 steps", "Rebuilt from cousins of rank", "Not collected",
+        "13 models in 2 categories", "only 12 points &lt;after cleaning&gt;", "fallen: lamp_1",
+        "cabinet 01", "grasp slip 1", "8/10", "[49–95]", "Loss of the policy trained on 4 cousins",
+        "Table 3:", "paper 5/5",
+        "Trained on 4 cousins, lite, seed 0", "not run", "+17 points",
+        "30 of 33 rows and", "and 2 more by geometry",
+        "failure, opened 12 % in 23 steps", "Rebuilt from cousins of rank",
     ):  # fmt: skip
         assert words in text, words
     assert text.count("only 12 points") == 2  # once per room: a failure is told where it happened first
@@ -142,10 +148,10 @@ def test_first_screen_shows_unseen_assets_and_the_roles_stand_below(made: Path, 
     text = unescape((made / "results/report/index.html").read_text())
     first, below = text[: text.index('<p class="lede">')], text[text.index('id="policies"') :]
     for words in (
-        "success over 24 unseen assets", "paper's network", "handle flagged", "scripted skill", "48/96", "80/96",
-        "This run does not tell the paper's policies trained on 4 cousins apart from those trained on the twin",
-        "Policies that see the handle trained on the twin succeed more often than the paper's policies trained on the "
-        "same (83 % against 50 %, 24 assets; +33 points [",
+        "success over 24 unseen assets", 'class="chart"',
+        "Door opening. On unseen assets, policies trained on 4 cousins do better than those trained on the twin: "
+        "cannot be said (+17 points [",
+        "Door opening, handle flagged. On unseen assets,",
     ):  # fmt: skip
         assert words in first, words
     assert "success of the policies by test asset" not in first and "On the roles of Table 3" in below
@@ -154,11 +160,11 @@ def test_first_screen_shows_unseen_assets_and_the_roles_stand_below(made: Path, 
     files = tuple(path for path in flags["files"] if not path.name.startswith("assets"))  # type: ignore[attr-defined]
     without = page(made, tmp_path / "index.html", files=files)
     assert "success of the policies by test asset" in without[: without.index('<p class="lede">')]
-    assert "On the roles of Table 3" not in without and "unseen assets that no policy" not in without
+    assert "On the roles of Table 3" not in without and "families that no policy" not in without
 
 
 def test_page_and_figures_are_the_same_bytes_again(made: Path, tmp_path: Path) -> None:
-    draw(made, tmp_path)
+    write_policies(made, tmp_path, tmp_path)
     write_scenes(made, tmp_path, tmp_path)
     for name in ("figure4", "figure6", "figure9"):
         for suffix in ("svg", "png"):
@@ -168,7 +174,7 @@ def test_page_and_figures_are_the_same_bytes_again(made: Path, tmp_path: Path) -
 
 
 def test_figures_without_results_are_drawn_as_not_run(tmp_path: Path) -> None:
-    figures.run(out=tmp_path, published=PUBLISHED)
+    policies.run(out=tmp_path, published=PUBLISHED)
     scenes.run(out=tmp_path, published=PUBLISHED)
     assert sorted(path.name for path in tmp_path.glob("figure*")) == sorted(
         f"figure{n}.{suffix}" for n in (4, 6, 9) for suffix in ("png", "svg")
@@ -182,9 +188,9 @@ def test_page_of_an_empty_run_says_not_run(tmp_path: Path) -> None:
     text = (tmp_path / "index.html").read_text()
     assert text.count("Not run:") >= 5 and "<title>Nothing &lt;yet&gt;</title>" in text
     assert "seed of this run is 3" in text
-    with pytest.raises(InputError, match="no such file"):
+    with refused("E-FILE-MISSING"):
         report.run(out=tmp_path / "x.html", files=(tmp_path / "none.csv",), published=PUBLISHED)
-    with pytest.raises(InputError, match=r"--images: 'x\.png' is not room=picture"):
+    with refused("E-PICTURE-NAME"):
         report.run(out=tmp_path / "x.html", images=("x.png",), published=PUBLISHED)
 
 
@@ -222,82 +228,65 @@ def test_times_stand_on_a_page_of_their_own(made: Path, tmp_path: Path) -> None:
     assert "No benchmark files were found" in (tmp_path / "again" / "times.html").read_text()
 
 
-def test_nothing_is_claimed_where_the_interval_holds_zero() -> None:
-    row = {"difference": 0.125, "low": -0.012, "high": 0.27}
-    sides = "policies trained on 4 cousins", "those trained on the twin"
-    text = verdict(*sides, row, "62 % against 50 %")
-    assert text.startswith(
-        "This run does not tell policies trained on 4 cousins apart from those trained on the twin ("
-    )
-    assert "succeed more often" in verdict(*sides, row | {"low": 0.01}, "")
-    assert "succeed less often" in verdict(*sides, {"difference": -0.3, "low": -0.5, "high": -0.1}, "")
-
-
 def test_a_film_outside_its_folder_is_refused(tmp_path: Path) -> None:
     folder = tmp_path / "films"
     films(folder, ["twin"])
     text = (folder / "films.json").read_text()
     (folder / "films.json").write_text(text.replace("twin_1.webp", "../twin_1.webp"))
     pack(folder, tmp_path / "films.zip")
-    with pytest.raises(InputError, match=r"films.json: breaks the Films contract at films.1.file"):
+    with pytest.raises(InputError, match=r"films\.1\.file"):
         read_films(tmp_path / "films.zip", "Rollout", Album(100, 80))
 
 
 @pytest.mark.parametrize(
-    ("name", "text", "complaint"),
+    ("name", "text"),
     [
-        ("results/extraction/room_1/objects.json", "{", "breaks the Objects contract"),
-        ("results/demonstrations/door/twin/attempts.jsonl", '{"attempt": 0}\n', "attempts.jsonl:1: breaks the Attempt"),
-        ("results/training/door/twin/lite/seed_0/metrics.jsonl", '{"step": 1}\nnan,\n', "metrics.jsonl:2: breaks"),
-        ("results/generation/b/room_1/scene_1.png", "no picture", "is not a readable image"),
-        ("results/assets/snapshots/shard_0.h5", "no snapshots", "is not a readable snapshot shard"),
-        ("results/demonstrations/door/twin/films.zip", "no film", "is no zip archive that can be read"),
-        ("benchmarks/assets/library.tsv", "a\tb\n1\t2\n", "not a benchmark file"),
-        ("results/tables/table2.csv", "scene\n", "lacks the column"),
+        ("results/extraction/room_1/objects.json", "{"),
+        ("results/demonstrations/door/twin/attempts.jsonl", '{"attempt": 0}\n'),
+        ("results/training/door/twin/lite/seed_0/metrics.jsonl", '{"step": 1}\nnan,\n'),
+        ("results/generation/b/room_1/scene_1.png", "no picture"),
+        ("results/assets/snapshots/shard_0.h5", "no snapshots"),
+        ("results/demonstrations/door/twin/films.zip", "no film"),
+        ("benchmarks/assets/library.tsv", "a\tb\n1\t2\n"),
+        ("results/tables/table2.csv", "scene\n"),
     ],
 )
-def test_broken_input_gives_one_line_and_no_page(tmp_path: Path, name: str, text: str, complaint: str) -> None:
+def test_broken_input_gives_one_line_and_no_page(tmp_path: Path, name: str, text: str) -> None:
     root = write_run(tmp_path)
     (root / name).parent.mkdir(parents=True, exist_ok=True)
     (root / name).write_text(text)
-    with pytest.raises(InputError, match=complaint) as error:
+    with pytest.raises(InputError) as error:
         page(root, tmp_path / "out" / "index.html")
-    assert "\n" not in str(error.value) and not (tmp_path / "out").exists()
+    assert Path(name).name in str(error.value) and "\n" not in str(error.value) and not (tmp_path / "out").exists()
 
 
 def test_comparisons_must_name_a_room(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="not room=picture"):
+    with refused("E-PICTURE-NAME"):
         scenes.run(out=tmp_path, comparisons=("picture.png",), published=PUBLISHED)
 
 
 def test_benchmarks_by_stage(made: Path) -> None:
     root = made / "benchmarks"
     jobs = read_jobs([*root.rglob("*.tsv"), *root.rglob("*.jsonl"), root / "assets" / "never_ran.tsv"], root)
-    rows = {row.stage: row for row in by_stage(jobs, ["matching", "assets"])}
-    assert list(rows) == ["matching", "assets", "tables"]
-    assert rows["assets"].seconds == 61.5 and rows["assets"].memory == 300.25
-    assert sum(row.share for row in rows.values()) == pytest.approx(1)
-    assert rows["tables"].cpu_seconds == 0  # too short to be measured
-    assert [duration(s) for s in (0.4, 59.7, 74, 7500)] == ["0.4 s", "1 min 00 s", "1 min 14 s", "2 h 05 min"]
+    rows = by_stage(jobs, ["matching", "assets"]).set_index("stage")
+    assert list(rows.index) == ["matching", "assets", "tables", "total"]
+    assert rows.loc["assets", "seconds"] == 61.5 and rows.loc["assets", "memory"] == 300.25
+    assert rows.loc["total", ["jobs", "memory"]].tolist() == [3, 800]
+    assert rows.loc["tables", "cpu_seconds"] == 0  # too short to be measured
+    assert times_table(by_stage(jobs, [])).rows[-1][:3] == ["total", "3", "1 min 14 s"]
+    assert [duration(s) for s in (0.4, 59.7, 74, 7500)] == ["0 s", "1 min 00 s", "1 min 14 s", "2 h 05 min"]
 
 
 def test_losses_and_charts() -> None:
     step, series = losses([{"step": 10, "loss": 2.0, "lr": 1}, {"step": 20, "loss": 1.0, "valid_loss": 3}])
     assert step == "step" and series == {"loss": [(10.0, 2.0), (20.0, 1.0)], "valid_loss": [(20.0, 3.0)]}
     chart = line_chart({"<a>": [(0, 1), (1, float("nan")), (2, 0)]}, "step", "a & b")
-    assert "&lt;a&gt;" in chart and 'aria-label="a &amp; b"' in chart and "nan" not in chart.lower()
-    assert "var(--ink)" in chart and "var(--rule)" in chart and "#22252a" not in chart  # it follows the page's colours
+    svg = base64.b64decode(chart.split("base64,")[1].split('"')[0]).decode()
+    assert "&lt;a&gt;" in svg and 'alt="a &amp; b"' in chart and "nan" not in svg.lower()
     assert line_chart({"flat": [(0, 1)]}, "step", "x") != "" and line_chart({}, "step", "x") == ""
     assert line_chart({"loss": [(0, 9000), (4000, 1)]}, "step", "x") == line_chart(
         {"loss": [(0, 9000), (4000, 1)]}, "step", "x"
     )
-
-
-@pytest.mark.parametrize("places", [[0, 0.6357, 0.7017, 1.08], [0, 0.01, 0.02, 0.03], [1.0, 1.05, 1.08, 1.08], [0.5]])
-def test_labels_are_spread_out(places: list[float]) -> None:
-    moved = sorted(spread_out(places, 0.08, 0.0, 1.1))
-    assert all(b - a > 0.079 for a, b in pairwise(moved)) and moved[0] >= 0 and moved[-1] <= 1.1
-    assert spread_out([0.1, 0.9], 0.08, 0, 1) == [0.1, 0.9]
 
 
 def test_snapshots_are_cut_out_at_the_nearest_yaw(made: Path) -> None:
@@ -319,5 +308,5 @@ def test_pictures_are_made_smaller(tmp_path: Path) -> None:
 
 def test_attempts_of_an_empty_ledger(tmp_path: Path) -> None:
     (tmp_path / "attempts.jsonl").write_text("")
-    with pytest.raises(InputError, match=r"attempts\.jsonl: is empty"):
+    with pytest.raises(InputError):
         read_attempts(tmp_path / "attempts.jsonl")

@@ -1,98 +1,85 @@
 """Where the time went: the benchmark files that Snakemake wrote."""
 
-import csv
-import io
 import json
-import math
 from collections.abc import Iterable
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+
+import pandas as pd
 
 from stages.contracts.errors import InputError
-from stages.contracts.files import read_text
+from stages.tables.markup import Table
+from stages.tables.rows import records
+from stages.tables.text import number
 
-MENDING = "delete it and run its rule again"
-
-
-@dataclass(frozen=True)
-class Job:
-    """One benchmarked job: wall and CPU seconds, peak resident memory in MiB (NaN: not measured)."""
-
-    stage: str
-    name: str
-    seconds: float
-    cpu_seconds: float
-    memory: float
+JOB = ["stage", "name", "seconds", "cpu_seconds", "memory"]
 
 
-@dataclass(frozen=True)
-class StageTime:
-    """All jobs of a stage; `share` is its part of the job seconds of the run."""
-
-    stage: str
-    jobs: int
-    seconds: float
-    cpu_seconds: float
-    memory: float
-    share: float
-
-
-def _number(value: Any) -> float:
-    """A cell as a number; '-' and 'NA' mean that a short job was not measured."""
-    return math.nan if value in (None, "", "-", "NA") else float(value)
-
-
-def _lines(path: Path) -> list[dict[str, Any]]:
-    text = read_text(path)
-    if path.suffix == ".jsonl":
-        return [json.loads(line) for line in text.splitlines() if line.strip()]
-    return list(csv.DictReader(io.StringIO(text), delimiter="\t"))
-
-
-def read_jobs(paths: Iterable[Path], root: Path) -> list[Job]:
-    """The jobs of this run whose benchmark files lie below `root`, its first level being the stage; sorted by path.
+def read_jobs(paths: Iterable[Path], root: Path) -> pd.DataFrame:
+    """A row per benchmarked job, with `JOB`: wall and CPU seconds, peak resident memory in MiB (NaN: not measured).
 
     A file that is not there is left out: Snakemake writes none for a job that ran before benchmarks were asked for.
+
+    Args:
+        paths: .tsv or .jsonl files.
+        root: a folder whose first level names the stage.
 
     Raises:
         InputError: a file is no benchmark file.
     """
-    jobs = []
+    rows = []
     for path in sorted(path for path in set(paths) if path.is_file()):
         inner = path.relative_to(root)
         try:
-            for line in _lines(path):
-                numbers = [_number(line[name]) for name in ("s", "cpu_time", "max_rss")]
-                jobs.append(Job(inner.parts[0], str(inner.with_suffix("")), *numbers))
-        except (ValueError, KeyError, TypeError) as error:
-            raise InputError(path, f"is not a benchmark file of Snakemake ({error}).", MENDING) from None
-    return jobs
+            if path.suffix == ".jsonl":
+                text = path.read_text(encoding="utf-8")
+                table = pd.DataFrame([json.loads(line) for line in text.splitlines()])
+            else:
+                table = pd.read_csv(path, sep="\t")
+            times = table[["s", "cpu_time", "max_rss"]].replace(["-", "NA"], float("nan")).astype(float)
+        except (ValueError, KeyError) as error:
+            what = f"is not a benchmark file of Snakemake ({error})."
+            raise InputError(path, what, "delete it and run its rule again", "E-BENCHMARK") from None
+        rows += [(inner.parts[0], str(inner.with_suffix("")), *line) for line in times.itertuples(index=False)]
+    return pd.DataFrame(rows, columns=JOB)
 
 
-def _sum(values: list[float]) -> float:
-    return sum(value for value in values if not math.isnan(value))
+def by_stage(jobs: pd.DataFrame, stages: list[str]) -> pd.DataFrame:
+    """Number of jobs, sums and peaks per stage, in the order of `stages`, others after them; the last row: total."""
+    sums = {"seconds": ("seconds", "sum"), "cpu_seconds": ("cpu_seconds", "sum"), "memory": ("memory", "max")}
+    found = jobs.groupby("stage").agg(jobs=("name", "size"), **sums)
+    table = found.reindex([*(name for name in stages if name in found.index), *sorted(set(found.index) - set(stages))])
+    table.loc["total"] = [len(jobs), jobs["seconds"].sum(), jobs["cpu_seconds"].sum(), jobs["memory"].max()]
+    return table.astype({"jobs": int}).reset_index(names="stage")
 
 
-def by_stage(jobs: list[Job], stages: list[str]) -> list[StageTime]:
-    """Sums and peaks per stage, in the order of `stages`, others after them."""
-    total = _sum([job.seconds for job in jobs]) or 1.0
-    found = {job.stage for job in jobs}
-    rows = []
-    for stage in [*(name for name in stages if name in found), *sorted(found - set(stages))]:
-        mine = [job for job in jobs if job.stage == stage]
-        seconds = _sum([job.seconds for job in mine])
-        peaks = [job.memory for job in mine if not math.isnan(job.memory)]
-        cpu = _sum([job.cpu_seconds for job in mine])
-        rows.append(StageTime(stage, len(mine), seconds, cpu, max(peaks, default=math.nan), seconds / total))
-    return rows
+def times_table(stages: pd.DataFrame) -> Table:
+    """Time and memory by stage; `stages` as `by_stage` gives."""
+    rows = [
+        [row["stage"], str(row["jobs"]), duration(row["seconds"]), duration(row["cpu_seconds"]), _size(row["memory"])]
+        for row in records(stages)
+    ]
+    notes = ["Job time adds up jobs, of which several run at once: the run itself was shorter."]
+    columns = ["Stage", "Jobs", "Job time", "CPU time", "Peak memory"]
+    return Table("cost", "Time by stage.", columns, rows, notes=notes)
+
+
+def _size(memory: float) -> str:
+    return f"{number(memory, 0)} MiB" if memory == memory else ""
+
+
+def longest_table(jobs: pd.DataFrame) -> Table:
+    """The jobs that took longest, as many as fit a screen."""
+    longest = jobs.sort_values(["seconds", "name"], ascending=[False, True]).head(10)
+    rows = [[row["name"], duration(row["seconds"]), duration(row["cpu_seconds"])] for row in records(longest)]
+    return Table("longest", "The longest jobs.", ["Job", "Job time", "CPU time"], rows)
 
 
 def duration(seconds: float) -> str:
-    """'42 s', '3 min 20 s' or '2 h 05 min'."""
-    whole = round(seconds)
-    if whole < 60:
-        return f"{seconds:.1f} s" if seconds < 10 else f"{whole} s"
-    if whole < 3600:
-        return f"{whole // 60} min {whole % 60:02d} s"
-    return f"{whole // 3600} h {whole % 3600 // 60:02d} min"
+    """'42 s', '3 min 20 s' or '2 h 05 min'; empty for what was not measured."""
+    if seconds != seconds:
+        return ""
+    minutes, rest = divmod(round(seconds), 60)
+    if minutes == 0:
+        return f"{rest} s"
+    hours, left = divmod(minutes, 60)
+    return f"{hours} h {left:02d} min" if hours else f"{minutes} min {rest:02d} s"

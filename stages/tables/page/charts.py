@@ -1,73 +1,59 @@
-"""Charts by matplotlib as inline SVG that takes its colours from the page, so that it follows its dark mode."""
+"""Charts by matplotlib, as SVG."""
 
+import base64
 import io
 import math
-import re
-from hashlib import sha256
 
 import pandas as pd
-from markupsafe import Markup, escape
+from markupsafe import Markup
 from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, PercentFormatter
 
-from stages.tables.drawing import COLOURS, GREY, INK, MARKERS, PAPER, RULE, colour, look
+from stages.tables.drawing import GREY, MARKERS, colour, style
 from stages.tables.order import SKILL, set_key, title
 
 Points = list[tuple[float, float]]
 
-# Colours of the figures -> properties of the page's style.
-PROPERTIES = {INK: "--ink", GREY: "--soft", RULE: "--rule", PAPER: "--card"}
-PROPERTIES |= {value.lower(): f"--{name.replace('_', '-')}" for name, value in COLOURS.items()}
 SERIES = ("all", "cousins_8", "cousins_4", "twin")  # colours of lines that are not training sets
 
 
-def inline(svg: str, label: str) -> Markup:
-    """An SVG file as an element of the page: its ids its own, its colours the page's, a name for screen readers."""
-    key = sha256(label.encode()).hexdigest()[:6]
-    body = svg[svg.index("<svg") :]
-    body = re.sub(r"<metadata>.*?</metadata>", "", body, flags=re.DOTALL)
-    body = re.sub(r'\bid="', f'id="{key}-', body)
-    body = re.sub(r'(href="|url\()#', rf"\1#{key}-", body)
-    for found, name in PROPERTIES.items():
-        body = re.sub(rf"{found}\b", f"var({name})", body, flags=re.IGNORECASE)
-    body = body.replace("'DejaVu Sans'", "var(--sans)")
-    head, rest = body.split(">", 1)
-    box = re.search(r'viewBox="[^"]*"', head)
-    assert box, "matplotlib writes a viewBox"
-    return Markup(f'<svg class="chart" {box[0]} role="img" aria-label="{escape(label)}">' + rest)
+def embedded(svg: bytes, alt: str) -> Markup:
+    """An SVG file as a picture of the page."""
+    source = base64.b64encode(svg).decode("ascii")
+    return Markup('<img class="chart" src="data:image/svg+xml;base64,{}" alt="{}">').format(source, alt)
 
 
-def _drawn(figure: Figure, label: str) -> Markup:
-    buffer = io.StringIO()
+def _drawn(figure: Figure, alt: str) -> Markup:
+    buffer = io.BytesIO()
     figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
     plt.close(figure)
-    return inline(buffer.getvalue(), label)
+    return embedded(buffer.getvalue(), alt)
 
 
-def line_chart(series: dict[str, Points], x_label: str, label: str) -> Markup:
+def line_chart(series: dict[str, Points], x_label: str, alt: str) -> Markup:
     """A small line chart with a legend.
 
     Args:
         series: name -> (x, y) points; points that are not finite are left out.
-        label: what the chart shows, for screen readers.
+        alt: what the chart shows, for screen readers.
     """
     lines = {name: [p for p in points if all(map(math.isfinite, p))] for name, points in series.items()}
     if not any(lines.values()):
         return Markup("")
-    with look():
+    with style():
         figure, axes = plt.subplots(figsize=(3.6, 2.3), layout="constrained")
         for (name, points), key in zip(lines.items(), SERIES * len(lines), strict=False):
-            style = "o" if len(points) == 1 else "-"
-            axes.plot(*zip(*points, strict=True), style, color=colour(key), linewidth=1.6, label=name.replace("_", " "))
+            line = "o" if len(points) == 1 else "-"
+            axes.plot(*zip(*points, strict=True), line, color=colour(key), linewidth=1.6, label=name.replace("_", " "))
         axes.xaxis.set_major_locator(MaxNLocator(5, integer=True))
         axes.yaxis.set_major_locator(MaxNLocator(5))
         axes.set_xlabel(x_label)
         figure.legend(loc="outside upper left", ncols=3)
-        return _drawn(figure, label)
+        return _drawn(figure, alt)
 
 
-def success_chart(cells: pd.DataFrame, label: str, rows: dict[str, str], by: str, skill: float | None = None) -> Markup:
+def success_chart(cells: pd.DataFrame, alt: str, rows: dict[str, str], by: str, skill: float | None = None) -> Markup:
     """Success (`cells` as `cells.rates` gives) with intervals: lines of the column `by`, training sets as colours.
 
     Counts stand at the right, so that the chart can be read without the table.
@@ -77,7 +63,7 @@ def success_chart(cells: pd.DataFrame, label: str, rows: dict[str, str], by: str
         skill: success of the scripted skill, drawn as a line across.
     """
     sets, names = sorted(cells["training_set"].unique(), key=set_key), list(rows)
-    with look():
+    with style():
         figure, axes = plt.subplots(figsize=(4.4, 0.75 + 0.2 * len(rows) * (len(sets) + 0.9)), layout="constrained")
         step = 0.62 / max(len(sets), 1)
         for index, name in enumerate(sets):
@@ -99,4 +85,4 @@ def success_chart(cells: pd.DataFrame, label: str, rows: dict[str, str], by: str
         axes.grid(False, axis="y")
         axes.tick_params(axis="y", length=0)
         figure.legend(loc="outside upper left", ncols=2)
-        return _drawn(figure, label)
+        return _drawn(figure, alt)

@@ -20,7 +20,7 @@ class RunFiles:
         self._paths = sorted({Path(path) for path in paths}, key=lambda path: natural(str(path)))
         for path in (*self._paths, *self.images.values()):
             if not path.exists():
-                raise InputError(path, "no such file.", "run the workflow: snakemake --cores 2 all")
+                raise InputError(path, "no such file.", "run the workflow: snakemake --cores 2 all", "E-FILE-MISSING")
 
     def all(self, pattern: str) -> list[Path]:
         """Files whose path ends like `pattern` ('*' stands for one name), in natural order."""

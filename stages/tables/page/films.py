@@ -6,9 +6,9 @@ from pathlib import Path
 from stages.contracts.archives import unpack
 from stages.contracts.films import Film
 from stages.contracts.films import read_films as read_list
-from stages.tables.markup import percent
 from stages.tables.order import title
 from stages.tables.page.pictures import Album, Animation
+from stages.tables.text import percent
 
 
 @dataclass(frozen=True)

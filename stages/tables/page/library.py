@@ -11,7 +11,7 @@ from stages.tables.page.pictures import Album, Picture
 
 @dataclass(frozen=True)
 class LibraryPart:
-    """How many models of what, and pictures of them."""
+    """Number of models, by category, and pictures of them."""
 
     models: int
     with_doors: int
@@ -25,14 +25,12 @@ def collect(files: RunFiles, album: Album) -> LibraryPart | None:
     path = files.one("assets/library/library.json")
     if path is None:
         return None
-    assets = read_json(Library, path).assets
-    counts = Counter(asset.category.replace("_", " ") for asset in assets)
-    sheets = files.all("assets/snapshots/shard_*.png")
+    assets, sheets = read_json(Library, path).assets, files.all("assets/snapshots/shard_*.png")
+    counts = Counter(asset.category.replace("_", " ") for asset in sorted(assets, key=lambda asset: asset.category))
     return LibraryPart(
         models=len(assets),
         with_doors=sum(asset.doors > 0 for asset in assets),
         with_drawers=sum(asset.drawers > 0 for asset in assets),
-        categories=sorted(counts.items(), key=lambda item: (-item[1], item[0])),
-        sheets=[album.add(sheet, f"Contact sheet of the library, {index} of {len(sheets)}")
-                for index, sheet in enumerate(sheets, start=1)],
-    )  # fmt: skip
+        categories=counts.most_common(),
+        sheets=[album.add(sheet, f"Contact sheet of the library, {n}") for n, sheet in enumerate(sheets, start=1)],
+    )

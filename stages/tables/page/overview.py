@@ -1,4 +1,4 @@
-"""What the page over all scenes says of each: what came of it, what failed and why, what is in doubt."""
+"""A row of the overview for every scene: its result, what failed and why, what is in doubt."""
 
 import base64
 import re
@@ -8,12 +8,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from stages.contracts.cousins import Cousins
-from stages.contracts.doubts import doubts
 from stages.contracts.files import read_json
 from stages.contracts.generated import GeneratedScene
 from stages.contracts.objects import Objects
+from stages.tables.order import natural
+from stages.tables.page.found import Found
+from stages.tables.text import NOT_RUN
 
-NOT_RUN = "not run"
 NUMBER = re.compile(r"\d+(\.\d+)?")
 
 
@@ -28,20 +29,20 @@ class Failure:
 
 @dataclass(frozen=True)
 class SceneRow:
-    """A scene: `picture` of input and rank 1 as a data URI; `steady` of `ranks` scenes stood still, None: not asked."""
+    """A scene: `picture` of input and rank 1 as a data URI; `stable` of `ranks` scenes, None: not checked."""
 
     name: str
     picture: str
     objects: int
     placed: int
     ranks: int
-    steady: int | None
+    stable: int | None
     failures: list[Failure]
     doubts: list[tuple[str, str]]
 
     @property
     def stopped(self) -> Failure | None:
-        """Where and why nothing came of it."""
+        """Where and why the scene stopped."""
         return next((failure for failure in self.failures if not failure.about), None)
 
 
@@ -58,20 +59,20 @@ class Layout:
         before = (f"extraction/{scene}", f"scenes/frame_{scene}", f"photo/{scene}", f"scenes/{scene}")
         made = self.results / "generation" / self.variant / scene
         yield "extraction", self.results / f"extraction/{scene}/objects.json", [*map(self._log, before)]
-        yield "matching", self.cousins(scene), [self._log(f"matching/{self.variant}_{scene}")]
+        yield (
+            "matching",
+            self.results / f"matching/{self.variant}/{scene}/cousins.json",
+            [self._log(f"matching/{self.variant}_{scene}")],
+        )
         yield "generation", made / "scene_1.json", [self._log(f"generation/{self.variant}_{scene}")]
         yield "drawing", made / "thumbnail.webp", [self._log(f"generation/draw_{self.variant}_{scene}")]
-
-    def cousins(self, scene: str) -> Path:
-        """Its cousins.json."""
-        return self.results / f"matching/{self.variant}/{scene}/cousins.json"
 
     def _log(self, name: str) -> Path:
         return self.logs / f"{name}.log"
 
 
 def row(scene: str, layout: Layout) -> SceneRow:
-    """The row of a scene. What later stages left of an earlier run does not count where a stage has stopped."""
+    """The row of a scene. Where a stage has stopped, files of later stages are of an earlier run and do not count."""
     done: dict[str, Path] = {}
     failures: list[Failure] = []
     for stage, path, logs in layout.steps(scene):
@@ -79,35 +80,27 @@ def row(scene: str, layout: Layout) -> SceneRow:
             failures.append(Failure("", stage, _last_line(logs)))
             break
         done[stage] = path
-    objects = read_json(Objects, done["extraction"]) if "extraction" in done else None
-    found = read_json(Cousins, done["matching"]) if "matching" in done else None
-    paths = sorted(done["generation"].parent.glob("scene_*.json")) if "generation" in done else []
-    scenes = [read_json(GeneratedScene, path) for path in paths]
-    first = {item.id: item for item in scenes[0].objects} if scenes else {}
-    for stage, items in (
-        ("extraction", objects.objects if objects else []),
-        ("matching", found.objects if found else []),
-        ("generation", first.values()),
-    ):
-        told = {failure.about for failure in failures}
-        failures += [Failure(i.id, stage, i.reason) for i in items if i.status == "failed" and i.id not in told]
-    seen = {item.id: item for item in objects.objects} if objects else {}
-    about = [
-        (entry.id, doubt)
-        for entry in (found.objects if found else [])
-        if objects and entry.status == "ok" and entry.id in seen
-        for doubt in doubts(entry, seen[entry.id], first.get(entry.id), objects)
-    ]
-    checks = [made.plausibility for made in scenes if made.plausibility]
+    scenes = (
+        sorted(done["generation"].parent.glob("scene_*.json"), key=lambda path: natural(path.name))
+        if "generation" in done
+        else []
+    )
+    found = Found(
+        read_json(Objects, done["extraction"]) if "extraction" in done else None,
+        read_json(Cousins, done["matching"]) if "matching" in done else None,
+        [read_json(GeneratedScene, path) for path in scenes],
+    )
+    failures += [Failure(about, stage, reason) for about, (stage, reason) in found.failures().items()]
+    checks = [made.plausibility for made in found.scenes if made.plausibility]
     return SceneRow(
         name=scene,
         picture=_embedded(done.get("drawing")),
-        objects=len(seen),
-        placed=sum(item.status == "ok" for item in first.values()),
-        ranks=len(scenes),
-        steady=sum(check.stable for check in checks) if checks else None,
+        objects=len(found.seen),
+        placed=sum(item.status == "ok" for item in found.placed.values()),
+        ranks=len(found.scenes),
+        stable=sum(check.stable for check in checks) if checks else None,
         failures=failures,
-        doubts=about,
+        doubts=found.doubts(),
     )
 
 
@@ -126,6 +119,6 @@ def _embedded(picture: Path | None) -> str:
 
 
 def common(rows: Iterable[SceneRow], most: int = 8) -> list[tuple[str, int]]:
-    """What failed most, with how often; numbers in reasons do not tell them apart."""
+    """The most frequent failures with their counts; reasons that differ by numbers only are one."""
     failures = (failure for one in rows for failure in one.failures if failure.reason != NOT_RUN)
     return Counter(f"{each.stage}: {NUMBER.sub('…', each.reason)}" for each in failures).most_common(most)

@@ -90,13 +90,13 @@ const sections = new IntersectionObserver((entries) => {
 }, { rootMargin: "-20% 0px -70% 0px" });
 for (const section of document.querySelectorAll("main > section")) sections.observe(section);
 
-// A command that puts something right is copied when it is shown, where the browser lets a local file do so.
-for (const mend of document.querySelectorAll("details.mend")) {
-  mend.addEventListener("toggle", async () => {
-    if (!mend.open) return;
+// A command that corrects an object is copied when it is shown, where the browser lets a local file do so.
+for (const details of document.querySelectorAll("details.correct")) {
+  details.addEventListener("toggle", async () => {
+    if (!details.open) return;
     try {
-      await navigator.clipboard.writeText(mend.querySelector("code").textContent);
-      mend.querySelector("summary").textContent = "copied: run it in the folder of this run";
+      await navigator.clipboard.writeText(details.querySelector("code").textContent);
+      details.querySelector("summary").textContent = "copied: run it in the folder of this run";
     } catch { /* it can be selected */ }
   });
 }

@@ -2,15 +2,15 @@
 
 import base64
 import io
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
-from PIL import Image, UnidentifiedImageError
+from PIL import Image
 
 from stages.contracts.errors import InputError
 from stages.contracts.images import read_rgb
 
-STILLS = 4  # frames of a film that stand for it where nothing should move, two by two
+THUMBNAIL = 150  # pixels: small pictures of objects and assets
 
 
 def load(path: Path, width: int) -> Image.Image:
@@ -20,30 +20,8 @@ def load(path: Path, width: int) -> Image.Image:
         InputError: the file is missing or no picture.
     """
     picture = Image.fromarray(read_rgb(path))
-    if picture.width > width:
-        height = max(1, round(picture.height * width / picture.width))
-        picture = picture.resize((width, height), Image.Resampling.LANCZOS)
+    picture.thumbnail((width, max(width, picture.height)), Image.Resampling.LANCZOS)
     return picture
-
-
-def _opened(path: Path) -> Image.Image:
-    try:
-        return Image.open(path)
-    except FileNotFoundError:
-        raise InputError(path, "no such picture.") from None
-    except (UnidentifiedImageError, OSError, SyntaxError, ValueError) as error:
-        raise _unreadable(path, error) from None
-
-
-def _decoded(path: Path, opened: Image.Image) -> Image.Image:
-    try:
-        return opened.convert("RGBA")
-    except (OSError, SyntaxError, ValueError) as error:
-        raise _unreadable(path, error) from None
-
-
-def _unreadable(path: Path, error: Exception) -> InputError:
-    return InputError(path, f"is not a readable picture ({error.__class__.__name__}).", "make it again")
 
 
 @dataclass(frozen=True)
@@ -58,19 +36,22 @@ class Picture:
 
 @dataclass(frozen=True)
 class Animation:
-    """A film and the picture that stands for it where nothing should move."""
+    """A film, and the picture that stands for it where nothing should move."""
 
     film: Picture
     still: Picture
 
 
-@dataclass
+def _embedded(data: bytes, size: tuple[int, int], alt: str) -> Picture:
+    return Picture(f"data:image/webp;base64,{base64.b64encode(data).decode('ascii')}", *size, alt)
+
+
+@dataclass(frozen=True)
 class Album:
-    """Makes pictures for one page, all under the same limits."""
+    """Makes pictures for one page, no wider than `width` pixels, as WebP of one quality."""
 
     width: int
     quality: int
-    size: int = field(default=0, init=False)
 
     def add(self, path: Path, alt: str) -> Picture:
         """The picture of a file."""
@@ -80,32 +61,31 @@ class Album:
         """The picture, if the run has the file."""
         return self.add(path, alt) if path else None
 
-    def put(self, picture: Image.Image, alt: str, size: int = 0) -> Picture:
-        """A picture as WebP, fitted into a square of `size` pixels if that is given."""
-        if size and max(picture.size) > size:
-            picture = picture.copy()
-            picture.thumbnail((size, size), Image.Resampling.LANCZOS)
+    def put(self, picture: Image.Image, alt: str) -> Picture:
+        """A picture that is small enough."""
         buffer = io.BytesIO()
         picture.save(buffer, "WEBP", quality=self.quality, method=4)
-        return self._written(buffer.getvalue(), picture.size, alt)
+        return _embedded(buffer.getvalue(), picture.size, alt)
+
+    def thumbnail(self, picture: Image.Image | None, alt: str) -> Picture | None:
+        """A small picture, if there is one."""
+        if picture is None:
+            return None
+        small = picture.copy()
+        small.thumbnail((THUMBNAIL, THUMBNAIL), Image.Resampling.LANCZOS)
+        return self.put(small, alt)
 
     def film(self, path: Path, alt: str) -> Animation:
-        """An animated WebP as it is, and four of its frames."""
-        with _opened(path) as opened:
-            count = getattr(opened, "n_frames", 1)
-            width, height = opened.size
-            stills = Image.new("RGB", (width, height), "white")
-            for place in range(STILLS):
-                opened.seek(round(place * (count - 1) / (STILLS - 1)))
-                frame = (
-                    _decoded(path, opened).convert("RGB").resize((width // 2, height // 2), Image.Resampling.LANCZOS)
-                )
-                stills.paste(frame, ((place % 2) * (width - width // 2), (place // 2) * (height - height // 2)))
-        return Animation(
-            self._written(path.read_bytes(), (width, height), alt), self.put(stills, f"{alt}: four moments")
-        )
+        """An animated WebP as it is, and its last frame.
 
-    def _written(self, data: bytes, size: tuple[int, int], alt: str) -> Picture:
-        text = base64.b64encode(data).decode("ascii")
-        self.size += len(text)
-        return Picture(f"data:image/webp;base64,{text}", *size, alt)
+        Raises:
+            InputError: the file is missing or no film.
+        """
+        try:
+            with Image.open(path) as film:
+                film.seek(getattr(film, "n_frames", 1) - 1)
+                last = film.convert("RGB")
+        except (OSError, SyntaxError, ValueError) as error:
+            what = f"is not a readable film ({error.__class__.__name__})."
+            raise InputError(path, what, "make it again", "E-FILM-UNREADABLE") from None
+        return Animation(_embedded(path.read_bytes(), last.size, alt), self.put(last, f"{alt}: the last frame"))

@@ -10,7 +10,7 @@ from markupsafe import Markup
 from stages.contracts.files import read_json
 from stages.contracts.in_scene import SceneDemonstrations
 from stages.contracts.ledgers import read_attempts, read_metrics
-from stages.contracts.policies import TaskAsset, TaskAssets
+from stages.contracts.policies import TaskAssets
 from stages.contracts.snapshot_pictures import Snapshots
 from stages.tables.markup import Table
 from stages.tables.order import natural, role_title, set_key, task_key, title
@@ -18,84 +18,33 @@ from stages.tables.page.charts import Points, line_chart
 from stages.tables.page.files import RunFiles
 from stages.tables.page.films import FilmedAsset, read_films
 from stages.tables.page.pictures import Album, Picture
-from stages.tables.roles import by_role, kind_of, known_kinds, lists_table
+from stages.tables.roles import by_role, lists_table, roles_table
+from stages.tables.statistics import wilson
+from stages.tables.text import NOTHING, cell, percent, span
 
 STEPS = ("step", "steps", "update", "iteration", "epoch")
-SIZE = 132  # pixels of an asset's picture
-
-
-@dataclass(frozen=True)
-class Demonstrations:
-    """The attempts on one asset; `causes` counts the failures, most frequent first."""
-
-    role: str
-    attempts: int
-    successes: int
-    causes: list[tuple[str, int]]
-    films: list[FilmedAsset]
-
-
-@dataclass(frozen=True)
-class Line:
-    """An asset of the experiment (None: not in its list) and its demonstrations (None: not collected).
-
-    known: whether some demonstrated asset has such a handle.
-    """
-
-    role: str
-    asset: TaskAsset | None
-    picture: Picture | None
-    demonstrations: Demonstrations | None
-    known: bool
-
-
-@dataclass(frozen=True)
-class Curve:
-    """Training of one policy."""
-
-    name: str
-    chart: Markup
-
-
-@dataclass(frozen=True)
-class Rollouts:
-    """Filmed rollouts of one policy, a cell per test asset."""
-
-    name: str
-    cells: list[FilmedAsset]
-
-
-@dataclass(frozen=True)
-class InScenes:
-    """Demonstrations inside generated scenes: films, and why there are none of the other ranks."""
-
-    cells: list[FilmedAsset]
-    reasons: list[tuple[str, str]]
 
 
 @dataclass(frozen=True)
 class TaskPart:
-    """The whole experiment on one task; `scene` holds the object that was matched."""
+    """The whole experiment on one task.
+
+    scene: holds the object that was matched. curves: policy -> chart of its training; rollouts: policy -> films of it.
+    in_scenes: films of demonstrations inside generated scenes; not_in_scenes: scene -> why there is none.
+    """
 
     task: str
     title: str
     scene: str
     source: str
-    lines: list[Line]
-    lists: list[Table]
-    curves: list[Curve]
-    rollouts: list[Rollouts]
-    in_scenes: InScenes | None
-
-    @property
-    def demonstrations(self) -> list[Demonstrations]:
-        """Those that were collected."""
-        return [line.demonstrations for line in self.lines if line.demonstrations]
-
-    @property
-    def missing(self) -> list[str]:
-        """Assets on which nothing was collected: test assets and cousins further away."""
-        return [role_title(line.role) for line in self.lines if not line.demonstrations]
+    pictures: list[Picture]
+    assets: list[Table]
+    demonstrations: Table | None
+    films: list[FilmedAsset]
+    curves: dict[str, Markup]
+    rollouts: dict[str, list[FilmedAsset]]
+    in_scenes: list[FilmedAsset]
+    not_in_scenes: dict[str, str]
 
 
 def losses(rows: list[dict[str, Any]]) -> tuple[str, dict[str, Points]]:
@@ -109,14 +58,20 @@ def losses(rows: list[dict[str, Any]]) -> tuple[str, dict[str, Points]]:
     return step, series
 
 
-def _demonstrations(ledger: Path, films: Path | None, album: Album) -> Demonstrations:
-    attempts = read_attempts(ledger)
-    failed = Counter(attempt.cause for attempt in attempts if not attempt.success)
-    causes = sorted(failed.items(), key=lambda item: (-item[1], item[0]))
-    role = ledger.parent.name
-    return Demonstrations(
-        role, len(attempts), len(attempts) - sum(failed.values()), causes, read_films(films, "Demonstration", album)
-    )
+def _demonstrations(ledgers: list[Path], task: str, confidence: float) -> Table | None:
+    """A row per asset: success with its interval, and why attempts failed."""
+    rows = []
+    for ledger in ledgers:
+        tried = read_attempts(ledger)
+        kept = sum(attempt.success for attempt in tried)
+        low, high = wilson(kept, len(tried), confidence)
+        failures = Counter(attempt.cause.replace("_", " ") for attempt in tried if not attempt.success)
+        causes = ", ".join(f"{cause} {times}" for cause, times in failures.most_common()) or NOTHING
+        rate = cell(percent(kept / len(tried)), f"[{span(low, high)}]")
+        rows.append([role_title(ledger.parent.name), tried[0].asset, rate, f"{kept}/{len(tried)}", causes])
+    columns = ["Asset", "Model", "Success", "Kept / tried", "Why attempts failed"]
+    caption = "Demonstrations by asset; only successes become data."
+    return Table(f"demonstrations-{task}", caption, columns, rows, headers=2) if rows else None
 
 
 def _policy_name(folder: Path) -> str:
@@ -129,66 +84,64 @@ def _folder_key(path: Path) -> Any:
     return set_key(folder.parents[1].name), folder.parent.name, natural(folder.name)
 
 
-def _curves(files: RunFiles, task: str) -> list[Curve]:
-    curves = []
+def _curves(files: RunFiles, task: str) -> dict[str, Markup]:
+    found = {}
     for path in sorted(files.all(f"training/{task}/*/*/*/metrics.jsonl"), key=_folder_key):
         step, series = losses(read_metrics(path))
         name = _policy_name(path.parent)
-        curves.append(Curve(name, line_chart(series, step, f"Loss of the policy {name}")))
-    return [curve for curve in curves if curve.chart]
+        if chart := line_chart(series, step, f"Loss of the policy {name}"):
+            found[name] = chart
+    return found
 
 
-def _rollouts(files: RunFiles, task: str, album: Album) -> list[Rollouts]:
-    made = []
-    for folder in sorted(files.all(f"evaluation/policies/{task}/*/*/*/films.zip"), key=_folder_key):
-        name = _policy_name(folder.parent)
-        made.append(Rollouts(name, read_films(folder, f"Rollout of the policy {name},", album)))
-    return [item for item in made if item.cells]
+def _rollouts(files: RunFiles, task: str, album: Album) -> dict[str, list[FilmedAsset]]:
+    archives = sorted(files.all(f"evaluation/policies/{task}/*/*/*/films.zip"), key=_folder_key)
+    named = {_policy_name(path.parent): path for path in archives}
+    films = {name: read_films(path, f"Rollout of the policy {name},", album) for name, path in named.items()}
+    return {name: cells for name, cells in films.items() if cells}
 
 
-def _in_scenes(files: RunFiles, task: str, album: Album) -> InScenes | None:
-    path = files.one(f"demonstrations/{task}/in_scene/in_scene.json")
-    if path is None:
-        return None
-    found = read_json(SceneDemonstrations, path).demonstrations
-    films = read_films(files.one(f"{task}/in_scene/films.zip"), "Demonstration in the scene", album)
-    return InScenes(films, [(title(f"rank_{one.rank}"), one.reason) for one in found if one.status == "failed"])
+def _not_in_scenes(path: Path | None) -> dict[str, str]:
+    found = read_json(SceneDemonstrations, path).demonstrations if path else []
+    return {title(f"rank_{one.rank}"): one.reason for one in found if one.status == "failed"}
 
 
-def _task(files: RunFiles, task: str, chosen: Path | None, album: Album, snapshots: Snapshots) -> TaskPart:
+def _pictures(assets: TaskAssets | None, used: set[str], album: Album, snapshots: Snapshots) -> list[Picture]:
+    """The assets of the roles that are not random or are used."""
+    roles = by_role(assets).items() if assets else ()
+    kept = [(role, asset.asset) for role, asset in roles if role in used or not role.startswith("random_")]
+    made = [album.thumbnail(snapshots.picture(asset), f"{role_title(role)}: {asset}") for role, asset in kept]
+    return [picture for picture in made if picture]
+
+
+def _task(
+    files: RunFiles, task: str, chosen: Path | None, album: Album, snapshots: Snapshots, confidence: float
+) -> TaskPart:
     assets = read_json(TaskAssets, chosen) if chosen else None
-    known = by_role(assets) if assets else {}
-    done = {
-        path.parent.name: _demonstrations(path, files.one(f"{task}/{path.parent.name}/films.zip"), album)
-        for path in files.all(f"demonstrations/{task}/*/attempts.jsonl")
-    }
-
-    def picture(role: str) -> Picture | None:
-        view = snapshots.picture(known[role].asset) if role in known else None
-        return album.put(view, f"{known[role].asset}, {role_title(role)}", SIZE) if view else None
-
-    handles = known_kinds(assets, done) if assets else set()
-
-    def line(role: str) -> Line:
-        asset = known.get(role)
-        return Line(role, asset, picture(role), done.get(role), asset is not None and kind_of(asset) in handles)
-
-    named = [role for role in known if role in done or not role.startswith("random_")]
-    roles = [*named, *sorted(set(done) - set(named), key=set_key)]
+    ledgers = sorted(files.all(f"demonstrations/{task}/*/attempts.jsonl"), key=lambda path: set_key(path.parent.name))
+    roles = {path.parent.name for path in ledgers}
+    tables = [roles_table(assets, roles, f"roles-{task}", "Assets by role.")] if assets else []
+    films = [
+        film for path in ledgers
+        for film in read_films(files.one(f"{task}/{path.parent.name}/films.zip"), "Demonstration", album)
+    ]  # fmt: skip
     return TaskPart(
         task=task,
         title=title(task),
         scene=assets.scene if assets else "",
         source=f"{title(assets.object)} of {title(assets.scene)}" if assets else "",
-        lines=[line(role) for role in roles],
-        lists=lists_table(assets, f"lists-{task}", "Sets of assets.") if assets else [],
+        pictures=_pictures(assets, roles, album, snapshots),
+        assets=tables + (lists_table(assets, f"lists-{task}", "Sets of assets.") if assets else []),
+        demonstrations=_demonstrations(ledgers, task, confidence),
+        films=films,
         curves=_curves(files, task),
         rollouts=_rollouts(files, task, album),
-        in_scenes=_in_scenes(files, task, album),
+        in_scenes=read_films(files.one(f"{task}/in_scene/films.zip"), "Demonstration in the scene", album),
+        not_in_scenes=_not_in_scenes(files.one(f"demonstrations/{task}/in_scene/in_scene.json")),
     )
 
 
-def collect(files: RunFiles, album: Album) -> list[TaskPart]:
+def collect(files: RunFiles, album: Album, confidence: float) -> list[TaskPart]:
     """Every task of the run, in the paper's order."""
     snapshots = Snapshots(files.all("assets/snapshots/shard_*.h5"))
     chosen = {path.parent.name: path for path in files.all("experiment/*/*/assets.json")}
@@ -198,4 +151,4 @@ def collect(files: RunFiles, album: Album) -> list[TaskPart]:
         *files.names("training/*/*/*/*/metrics.jsonl", 3),
         *files.names("evaluation/policies/*/*/*/*/films.zip", 3),
     }
-    return [_task(files, task, chosen.get(task), album, snapshots) for task in sorted(tasks, key=task_key)]
+    return [_task(files, task, chosen.get(task), album, snapshots, confidence) for task in sorted(tasks, key=task_key)]

@@ -1,4 +1,4 @@
-"""What the page says of each room: input, reconstructions, failures, plausibility."""
+"""What the page says of each room: input, reconstructions, failures, plausibility, and what its files were made of."""
 
 import base64
 import gzip
@@ -13,58 +13,64 @@ from stages.contracts.extracted import read_clouds, read_object_masks
 from stages.contracts.files import read_json
 from stages.contracts.generated import GeneratedScene
 from stages.contracts.images import read_rgb
+from stages.contracts.made import Made
 from stages.contracts.objects import Objects
 from stages.contracts.snapshot_pictures import Snapshots
 from stages.tables.order import natural, title
-from stages.tables.page.cousins import Match, matches
 from stages.tables.page.files import RunFiles
+from stages.tables.page.found import Found
+from stages.tables.page.objects import Evidence, Match, match
 from stages.tables.page.pictures import Album, Picture
-from stages.tables.page.stories import Evidence
 from stages.tables.table2 import judge
 
 
 @dataclass(frozen=True)
 class RebuiltScene:
-    """The scene of one cousin rank; `steady` is None if physics was not asked."""
+    """The scene of one cousin rank; `stable` is None if physics was not checked."""
 
     rank: int
     picture: Picture | None
     placed: int
     moved: list[str]
     physics: str
-    steady: bool | None
+    stable: bool | None
 
 
 @dataclass(frozen=True)
 class Reconstruction:
-    """A room under one variant; `judge`: who decided on models and orientations."""
+    """A room under one variant.
+
+    judge: who decided on models and orientations. view: the scene of the first rank to turn, binary glTF, gzip in
+    base64; empty: none. correct: the command, up to an object's id, that opens the page to correct it; empty: none.
+    """
 
     variant: str
     encoder: str
     judge: str
     scenes: list[RebuiltScene]
     matches: list[Match]
-    view: str  # the scene of the first rank to turn round, binary glTF, gzip in base64; empty: the run has none
-    mend: str  # the command, up to an object's id, that opens the page on which that object is corrected; empty: none
+    view: str
+    correct: str
 
     @property
     def title(self) -> str:
         """Its name, and what compared and decided in this run."""
-        told = {"encoder": self.encoder, "judge": self.judge}
-        return " · ".join([f"Variant {self.variant}", *(f"{what} {name}" for what, name in told.items() if name)])
+        named = {"encoder": self.encoder, "judge": self.judge}
+        return " · ".join([f"Variant {self.variant}", *(f"{what} {name}" for what, name in named.items() if name)])
 
 
 @dataclass(frozen=True)
 class RoomPart:
-    """A room and everything made of it; `failures` are (object, stage, reason)."""
+    """A room and all that was made of it; `failures`: object -> (stage, reason); `origins`: file -> its provenance."""
 
     name: str
     title: str
     input: Picture | None
     overview: Picture | None
     objects: int
-    failures: list[tuple[str, str, str]]
+    failures: dict[str, tuple[str, str]]
     reconstructions: list[Reconstruction]
+    origins: dict[str, Made]
 
 
 def _scene(scene: GeneratedScene, picture: Picture | None) -> RebuiltScene:
@@ -77,91 +83,104 @@ def _scene(scene: GeneratedScene, picture: Picture | None) -> RebuiltScene:
             f"deepest penetration {1000 * check.max_penetration:.1f} mm"
         )
     placed = [item for item in scene.objects if item.status == "ok"]
-    moved = [f"{item.id} {100 * item.moved:.0f} cm" for item in placed if item.moved > 0.005]
+    moved = [f"{item.id} {100 * item.moved:.0f} cm" for item in placed if round(item.moved, 2)]
     return RebuiltScene(scene.rank, picture, len(placed), moved, physics, check.stable if check else None)
 
 
-def _evidence(
-    files: RunFiles, room: str, objects: Objects, image: Path | None, first: GeneratedScene | None
-) -> Evidence:
-    """What the run has to tell the objects' stories with."""
-    path = files.one(f"extraction/{room}/objects.json")
-    has = {name: path and files.one(f"extraction/{room}/{name}") for name in ("masks.png", "clouds.npz")}
+def _evidence(files: RunFiles, room: str, found: Found, image: Path | None) -> Evidence:
+    """What the run has of a room beside its objects."""
+    path, objects = files.one(f"extraction/{room}/objects.json"), found.objects
+    assert path is not None and objects is not None
+    masks, clouds = (files.one(f"extraction/{room}/{name}") for name in ("masks.png", "clouds.npz"))
     rgb = read_rgb(image) if image else None
     return Evidence(
         objects,
         rgb if rgb is not None and rgb.shape[:2] == (objects.height, objects.width) else None,
-        read_object_masks(path, objects) if path and has["masks.png"] else None,
-        read_clouds(path, objects) if path and has["clouds.npz"] else {},
-        {item.id: item for item in first.objects} if first else {},
+        read_object_masks(path, objects) if masks else None,
+        read_clouds(path, objects) if clouds else {},
+        found.placed,
     )
 
 
-def _packed(path: Path | None) -> str:
-    return base64.b64encode(gzip.compress(path.read_bytes(), 9, mtime=0)).decode("ascii") if path else ""
-
-
-class _Failures:
-    """Objects that failed, each told once, where it failed first."""
-
-    def __init__(self) -> None:
-        self.told: list[tuple[str, str, str]] = []
-
-    def add(self, stage: str, items: list) -> None:  # type: ignore[type-arg]
-        gone = {name for name, *_ in self.told}
-        self.told += [(i.id, stage, i.reason) for i in items if i.status == "failed" and i.id not in gone]
-
-
 def _judge(found: Cousins) -> str:
-    """As in Table 2; objects that nobody decided on say nothing."""
+    """As in Table 2; objects that nobody decided on do not count."""
     deciders = [(item.decided_by, item.orientation_decided_by) for item in found.objects]
     return judge(pd.DataFrame(deciders, columns=["model_judge", "orientation_judge"]))
 
 
-def _mend(image: Path | None, scene: str, variant: str) -> str:
+def _correct(image: Path | None, scene: str, variant: str) -> str:
     if image is None:
         return ""
-    said = ["annotate", str(image.parent), "--scene", scene, "--variant", variant, "--choose"]
-    return f"python -m stages.extraction {shlex.join(said)} "
+    arguments = ["annotate", str(image.parent), "--scene", scene, "--variant", variant, "--choose"]
+    return f"python -m stages.extraction {shlex.join(arguments)} "
+
+
+def origins(files: RunFiles, name: str) -> dict[str, Made]:
+    """What objects, cousins and the scenes of rank 1 were made of, as far as the files hold it, by file."""
+    kinds: list[tuple[type[Objects | Cousins | GeneratedScene], str]] = [
+        (Objects, f"extraction/{name}/objects.json"),
+        (Cousins, f"matching/*/{name}/cousins.json"),
+        (GeneratedScene, f"generation/*/{name}/scene_1.json"),
+    ]
+    found = {path: read_json(kind, path).made for kind, pattern in kinds for path in files.all(pattern)}
+    return {"/".join(path.parts[-3:]): made for path, made in found.items() if made is not None}
+
+
+def _found(files: RunFiles, name: str, variant: str) -> Found:
+    objects = files.one(f"extraction/{name}/objects.json")
+    cousins = files.one(f"matching/{variant}/{name}/cousins.json")
+    scenes = files.all(f"generation/{variant}/{name}/scene_*.json")
+    return Found(
+        read_json(Objects, objects) if objects else None,
+        read_json(Cousins, cousins) if cousins else None,
+        [read_json(GeneratedScene, path) for path in scenes],
+    )
+
+
+def _reconstruction(
+    files: RunFiles, name: str, variant: str, found: Found, album: Album, snapshots: Snapshots
+) -> Reconstruction:
+    cousins, folder, image = found.cousins, f"generation/{variant}/{name}", files.images.get(name)
+    matches = []
+    if cousins and found.objects:
+        evidence, seen = _evidence(files, name, found, image), found.seen
+        matched = [entry for entry in cousins.objects if entry.status == "ok" and entry.id in seen]
+        matches = [match(entry, seen[entry.id], evidence, album, snapshots) for entry in matched]
+    alt, view = f"Reconstruction of {title(name)} from cousins of rank", files.one(f"{folder}/view.glb")
+    return Reconstruction(
+        variant=variant,
+        encoder=cousins.encoder if cousins else "",
+        judge=_judge(cousins) if cousins else "",
+        scenes=[
+            _scene(scene, album.maybe(files.one(f"{folder}/scene_{scene.rank}.png"), f"{alt} {scene.rank}"))
+            for scene in found.scenes
+        ],
+        matches=matches,
+        view=base64.b64encode(gzip.compress(view.read_bytes(), 9, mtime=0)).decode("ascii") if view else "",
+        correct=_correct(image, name, variant),
+    )
 
 
 def _room(files: RunFiles, name: str, album: Album, snapshots: Snapshots) -> RoomPart:
     label = title(name)
-    path = files.one(f"extraction/{name}/objects.json")
-    objects = read_json(Objects, path) if path else None
-    image = files.images.get(name)
-    failures = _Failures()
-    failures.add("extraction", objects.objects if objects else [])
-    made = []
     patterns = (f"matching/*/{name}/cousins.json", f"generation/*/{name}/scene_*.json")
-    variants = {variant for pattern in patterns for variant in files.names(pattern, 1)}
-    for variant in sorted(variants, key=natural):
-        found_path = files.one(f"matching/{variant}/{name}/cousins.json")
-        found = read_json(Cousins, found_path) if found_path else None
-        failures.add(f"matching ({variant})", found.objects if found else [])
-        scenes: list[RebuiltScene] = []
-        first: GeneratedScene | None = None
-        for place in files.all(f"generation/{variant}/{name}/scene_*.json"):
-            scene = read_json(GeneratedScene, place)
-            if first is None:
-                first = scene
-                failures.add(f"generation ({variant})", scene.objects)
-            alt = f"Reconstruction of {label} from cousins of rank {scene.rank}"
-            drawn = files.one(f"generation/{variant}/{name}/{place.stem}.png")
-            scenes.append(_scene(scene, album.maybe(drawn, alt)))
-        evidence = _evidence(files, name, objects, image, first) if objects else None
-        pictured = matches(found, evidence, image, album, snapshots) if found else []
-        view = _packed(files.one(f"generation/{variant}/{name}/view.glb"))
-        encoder, decided = (found.encoder, _judge(found)) if found else ("", "")
-        made.append(Reconstruction(variant, encoder, decided, scenes, pictured, view, _mend(image, name, variant)))
+    variants = sorted({variant for pattern in patterns for variant in files.names(pattern, 1)}, key=natural)
+    found = {variant: _found(files, name, variant) for variant in variants or [""]}
+    failures: dict[str, tuple[str, str]] = {}
+    for variant, each in found.items():
+        for one, (stage, reason) in each.failures().items():
+            failures.setdefault(one, (stage if stage == "extraction" else f"{stage} ({variant})", reason))
     return RoomPart(
         name=name,
         title=label.capitalize(),
-        input=album.maybe(image, f"Input picture of {label}"),
+        input=album.maybe(files.images.get(name), f"Input picture of {label}"),
         overview=album.maybe(files.one(f"extraction/{name}/overview.png"), f"What extraction found in {label}"),
-        objects=len(objects.objects) if objects else 0,
-        failures=failures.told,
-        reconstructions=made,
+        objects=len(next(iter(found.values())).seen),
+        failures=failures,
+        reconstructions=[
+            _reconstruction(files, name, variant, found[variant], album, snapshots) for variant in variants
+        ],
+        origins=origins(files, name),
     )
 
 

@@ -1,37 +1,32 @@
-"""What the page about one picture says beyond what the report says of a room: camera, depth, doubts, files to save."""
+"""What the page about one picture adds to the report: camera, depth, doubts, files to save."""
 
-import base64
+import os
 from dataclasses import dataclass
 from pathlib import Path
+from urllib.parse import quote
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from stages.contracts.cousins import Cousins
 from stages.contracts.extracted import read_metres
 from stages.contracts.files import read_json
-from stages.contracts.generated import GeneratedScene
-from stages.contracts.made import Made
 from stages.contracts.objects import Objects
 from stages.contracts.scenes import Camera
 from stages.tables.page.files import RunFiles
 from stages.tables.page.pictures import Album, Picture
 from stages.tables.page.rooms import Reconstruction, RoomPart
 
-SAVED = 4_000_000  # bytes of files inside the page; what does not fit is named by its path
-KINDS = {".glb": "model/gltf-binary", ".json": "application/json"}
-
 
 @dataclass(frozen=True)
 class Download:
-    """A file to save; without `source` it is only named."""
+    """A file to save; `link` leads to it from the page."""
 
     name: str
     what: str
     size: str
-    source: str
+    link: str
 
 
 @dataclass(frozen=True)
@@ -59,7 +54,7 @@ def found(files: RunFiles, name: str, camera: Path, album: Album) -> Found:
     if depth is None or not (depth > 0).any():
         return Found(facts, None, "")
     near, far = (float(np.quantile(depth[depth > 0], share)) for share in (0.01, 0.99))
-    picture = album.put(Image.fromarray(coloured(depth, near, far)), "Distance of what the picture shows", album.width)
+    picture = album.put(Image.fromarray(coloured(depth, near, far)), "Distance of what the picture shows")
     return Found(facts, picture, f"Distance: dark {near:.1f} m, bright {far:.1f} m, black unknown")
 
 
@@ -86,49 +81,29 @@ def coloured(depth: NDArray[np.float32], near: float, far: float) -> NDArray[np.
     return np.where(depth[..., None] > 0, colours, 0).astype(np.uint8)
 
 
-def downloads(files: RunFiles, name: str) -> list[Download]:
-    """The scenes as GLB, and what the stages say of the picture as JSON."""
-    said = {"objects.json": "what was found", "cousins.json": "cousins of every object"}
-    paths = [*files.all(f"generation/*/{name}/scene_*.glb"), *files.all(f"extraction/{name}/objects.json")]
-    paths += [*files.all(f"matching/*/{name}/cousins.json"), *files.all(f"generation/*/{name}/scene_*.json")]
-    made, left = [], SAVED
-    for path in paths:
-        size = path.stat().st_size
-        rank = path.stem.removeprefix("scene_")
-        what = said.get(path.name) or f"scene of rank {rank}" + ("" if path.suffix == ".glb" else ", places and sizes")
-        source = ""
-        if size <= left:
-            left -= size
-            source = f"data:{KINDS[path.suffix]};base64,{base64.b64encode(path.read_bytes()).decode('ascii')}"
-        made.append(
-            Download(f"{name}_{path.name}" if source else str(path), what, f"{max(1, round(size / 1000))} kB", source)
-        )
-    return made
-
-
-def origins(files: RunFiles, name: str) -> list[tuple[str, Made]]:
-    """What objects, cousins and scenes of rank 1 were made of, as far as the files say so."""
-    kinds: list[tuple[type[Objects | Cousins | GeneratedScene], str]] = [
-        (Objects, f"extraction/{name}/objects.json"),
-        (Cousins, f"matching/*/{name}/cousins.json"),
-        (GeneratedScene, f"generation/*/{name}/scene_1.json"),
-    ]
-    found = [(path, read_json(kind, path).made) for kind, pattern in kinds for path in files.all(pattern)]
-    return [("/".join(path.parts[-3:]), made) for path, made in found if made is not None]
+def downloads(files: RunFiles, name: str, page: Path) -> list[Download]:
+    """The scenes as GLB, and what the stages found as JSON."""
+    named = {"objects.json": "what was found", "cousins.json": "cousins of every object"}
+    patterns = (f"generation/*/{name}/scene_*.glb", f"extraction/{name}/objects.json")
+    patterns += (f"matching/*/{name}/cousins.json", f"generation/*/{name}/scene_*.json")
+    found = []
+    for path in (path for pattern in patterns for path in files.all(pattern)):
+        places = "" if path.suffix == ".glb" else ", places and sizes"
+        what = named.get(path.name) or f"scene of rank {path.stem.removeprefix('scene_')}{places}"
+        size = f"{max(1, round(path.stat().st_size / 1000))} kB"
+        found.append(Download(f"{name}_{path.name}", what, size, quote(os.path.relpath(path, page.parent))))
+    return found
 
 
 def doubts(room: RoomPart, made: Reconstruction | None) -> list[tuple[str, str, str]]:
-    """What should not be taken for certain: the object or scene that it is about, the doubt, what opens the page on
-    which that object is corrected (empty: nothing does)."""
-    mend = made.mend if made else ""
-    told = [
-        (f"{one} failed in {stage}", reason or "no reason given", mend and mend + one)
-        for one, stage, reason in room.failures
+    """What is uncertain: the object or scene, the doubt, the command that opens the page to correct it (or nothing)."""
+    correct = made.correct if made else ""
+    found = [
+        (f"{one} failed in {stage}", reason, correct and correct + one)
+        for one, (stage, reason) in room.failures.items()
     ]
-    if made is None:
-        return told
-    for match in made.matches:
-        found = match.story.doubts if match.story else []
-        told += [(match.id.replace("_", " "), doubt, mend and mend + match.id) for doubt in found]
-    told += [(f"scene of rank {scene.rank}", scene.physics, "") for scene in made.scenes if scene.steady is False]
-    return told
+    for match in made.matches if made else []:
+        command = correct and correct + match.entry.id
+        found += [(match.entry.id.replace("_", " "), doubt, command) for doubt in match.doubts]
+    scenes = made.scenes if made else []
+    return found + [(f"scene of rank {scene.rank}", scene.physics, "") for scene in scenes if scene.stable is False]

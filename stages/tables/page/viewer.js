@@ -1,193 +1,139 @@
-// A generated scene to turn round: reads the binary glTF that `generation draw` wrote for it and draws it with WebGL 2.
-// Nothing is made before somebody presses a button; without WebGL the button says so.
-const SHADE = `#version 300 es
-precision highp float;
-precision highp sampler2DShadow;
-in vec3 at, facing; in vec2 place;
-uniform vec4 colour; uniform bool textured; uniform sampler2D image;
-uniform vec3 light; uniform mat4 fromLight; uniform sampler2DShadow shadows;
-out vec4 pixel;
-void main() {
-  vec3 n = normalize(gl_FrontFacing ? facing : -facing);
-  vec3 base = colour.rgb * (textured ? pow(texture(image, place).rgb, vec3(2.2)) : vec3(1));
-  vec3 seen = (fromLight * vec4(at + n * 0.015, 1)).xyz * 0.5 + 0.5;
-  float lit = 0.0;
-  for (int k = 0; k < 4; k++) lit += texture(shadows, seen + vec3(k % 2, k / 2, 0) * 0.0005 - vec3(0, 0, 0.0008)) / 4.0;
-  float key = max(dot(n, -light), 0.0) * lit, fill = max(dot(n, normalize(vec3(light.x, 1.4, light.z))), 0.0);
-  pixel = vec4(pow(base * (0.43 + 0.48 * key + 0.12 * fill), vec3(1.0 / 2.2)), 1);
-}`;
-const PLACE = `#version 300 es
-layout(location = 0) in vec3 position; layout(location = 1) in vec3 normal; layout(location = 2) in vec2 uv;
-uniform mat4 model, view; out vec3 at, facing; out vec2 place;
-void main() {
-  at = (model * vec4(position, 1)).xyz; facing = mat3(model) * normal; place = uv; gl_Position = view * vec4(at, 1);
-}`;
-const NOTHING = "#version 300 es\nprecision lowp float; void main() {}";
+// The dialog in which a scene turns, with three.js: drag or arrow keys turn it, wheel, two fingers, + and - come nearer.
+// Nothing is loaded before somebody presses a button.
+const table = document.getElementById("turntable");
+if (table) {
+  const canvas = table.querySelector("canvas"), turning = table.querySelector(".turning"), message = table.querySelector("p");
+  const doors = table.querySelector("input[type=range]"), download = table.querySelector("a");
+  let stage = null; // renderer, scene, camera, controls, moving parts and walls of the scene that is open
 
-// 4x4 matrices, column by column as glTF and WebGL have them.
-const UNIT = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
-const times = (a, b) => UNIT.map((_, i) => [0, 1, 2, 3].reduce((sum, k) => sum + a[i % 4 + 4 * k] * b[4 * (i >> 2) + k], 0));
-const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-const minus = (a, b) => a.map((value, i) => value - b[i]);
-const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-const unit = (a) => a.map((value) => value / Math.hypot(...a));
-const moved = (m, p) => [0, 1, 2].map((i) => m[i] * p[0] + m[i + 4] * p[1] + m[i + 8] * p[2] + m[i + 12]);
-const looking = (eye, target, up) => {
-  const z = unit(minus(eye, target)), x = unit(cross(up, z)), y = cross(z, x);
-  return [x[0], y[0], z[0], 0, x[1], y[1], z[1], 0, x[2], y[2], z[2], 0, -dot(x, eye), -dot(y, eye), -dot(z, eye), 1];
-};
-const perspective = (angle, aspect, near, far) => {
-  const f = 1 / Math.tan(angle / 2);
-  return [f / aspect, 0, 0, 0, 0, f, 0, 0, 0, 0, (far + near) / (near - far), -1, 0, 0, 2 * far * near / (near - far), 0];
-};
-const orthographic = (r) => [1 / r, 0, 0, 0, 0, 1 / r, 0, 0, 0, 0, -1 / r, 0, 0, 0, -1, 1]; // eye at distance r
-const turned = ([x, y, z], angle) => {
-  const c = Math.cos(angle), s = Math.sin(angle), t = 1 - c;
-  return [t * x * x + c, t * x * y + s * z, t * x * z - s * y, 0, t * x * y - s * z, t * y * y + c, t * y * z + s * x, 0,
-          t * x * z + s * y, t * y * z - s * x, t * z * z + c, 0, 0, 0, 0, 1];
-};
+  const three = () => globalThis.THREE ?? new Promise((resolve, reject) => {
+    const script = document.createElement("script");
+    script.src = table.dataset.viewer;
+    script.addEventListener("load", () => resolve(globalThis.THREE));
+    script.addEventListener("error", () => reject(new Error(`${script.src} is missing: keep it beside this page.`)));
+    document.head.append(script);
+  });
 
-// The pieces of a binary glTF: every mesh with its node, every node with its parent.
-const readScene = async (bytes) => {
-  const view = new DataView(bytes), length = view.getUint32(12, true);
-  const tree = JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 20, length)));
-  const start = 28 + length;
-  const array = (index) => {
-    const { bufferView, byteOffset = 0, componentType, count, type } = tree.accessors[index];
-    const Kind = { 5126: Float32Array, 5125: Uint32Array, 5123: Uint16Array, 5121: Uint8Array }[componentType];
-    return new Kind(bytes, start + (tree.bufferViews[bufferView].byteOffset ?? 0) + byteOffset,
-                    count * { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4 }[type]);
+  // Doors and drawers stand open by a part (0 to 1) of their range; walls between camera and room are hidden.
+  const draw = () => {
+    if (!stage || !table.open) return;
+    const { THREE, renderer, scene, camera, joints, walls } = stage;
+    const { clientWidth: width, clientHeight: height } = canvas;
+    renderer.setSize(width, height, false);
+    camera.aspect = width / height;
+    const wider = Math.max(1, stage.shape / camera.aspect); // on a phone all of the picture's width is seen
+    camera.fov = 2 * Math.atan(wider * Math.tan(stage.lens / 2)) * 180 / Math.PI;
+    camera.updateProjectionMatrix();
+    for (const { node, closed } of joints) {
+      const { joint, axis, lower, upper } = node.userData, by = doors.value / 100 * (upper - lower);
+      const along = new THREE.Vector3(...axis);
+      const motion = joint === "prismatic" ? new THREE.Matrix4().setPosition(along.multiplyScalar(by))
+        : new THREE.Matrix4().makeRotationAxis(along, by);
+      node.matrix.multiplyMatrices(closed, motion);
+    }
+    for (const wall of walls) { // its x axis points into the room
+      const [inward, at] = [new THREE.Vector3().setFromMatrixColumn(wall.matrixWorld, 0), new THREE.Vector3().setFromMatrixPosition(wall.matrixWorld)];
+      wall.visible = inward.dot(at.sub(camera.position)) <= 0;
+    }
+    renderer.render(scene, camera);
   };
-  const pictures = await Promise.all((tree.images ?? []).map(({ bufferView, mimeType }) => {
-    const { byteOffset = 0, byteLength } = tree.bufferViews[bufferView];
-    return createImageBitmap(new Blob([new Uint8Array(bytes, start + byteOffset, byteLength)], { type: mimeType }));
-  }));
-  const nodes = tree.nodes.map((node) => ({ matrix: UNIT, extras: {}, ...node, parent: null }));
-  nodes.forEach((node, index) => (node.children ?? []).forEach((child) => { nodes[child].parent = index; }));
-  const texture = (index) => {
-    const { source, extensions } = tree.textures[index];
-    return pictures[extensions?.EXT_texture_webp?.source ?? source];
+  const turn = (right, up, nearer = 1) => {
+    const { THREE, camera, controls } = stage;
+    const from = new THREE.Spherical().setFromVector3(camera.position.clone().sub(controls.target));
+    from.set(nearer * from.radius, from.phi - up, from.theta + right).makeSafe();
+    camera.position.setFromSpherical(from).add(controls.target);
+    controls.update();
   };
-  const parts = nodes.flatMap((node, index) => node.mesh === undefined ? [] : tree.meshes[node.mesh].primitives.map((part) => {
-    const { baseColorFactor = [1, 1, 1, 1], baseColorTexture } = tree.materials[part.material].pbrMetallicRoughness;
-    return { node: index, indices: array(part.indices), colour: baseColorFactor,
-             attributes: ["POSITION", "NORMAL", "TEXCOORD_0"].map((name) => name in part.attributes ? array(part.attributes[name]) : null),
-             image: baseColorTexture ? texture(baseColorTexture.index) : null };
-  }));
-  const eye = nodes.find((node) => node.camera !== undefined);
-  const { yfov, aspectRatio } = tree.cameras[eye.camera].perspective;
-  return { nodes, parts, eye: eye.matrix, lens: yfov, shape: aspectRatio, ...tree.scenes[0].extras };
-};
+  const spin = (on) => {
+    if (!stage) return;
+    stage.controls.autoRotate = on;
+    turning.ariaPressed = String(on);
+    turning.textContent = on ? "Stop turning" : "Turn";
+    const step = () => {
+      if (!stage.controls.autoRotate || !table.open) return;
+      stage.controls.update(); // draws what has changed
+      requestAnimationFrame(step);
+    };
+    if (on) requestAnimationFrame(step);
+  };
 
-// Where each node stands when doors and drawers are open by a part (0 to 1) of their range.
-const places = (nodes, open) => {
-  const found = [];
-  const of = (index) => found[index] ??= (() => {
-    const { matrix, parent, extras: { joint, axis, lower, upper } } = nodes[index];
-    const by = open * (upper - lower);
-    const motion = joint === "revolute" ? turned(axis, by)
-      : joint === "prismatic" ? [...UNIT.slice(0, 12), ...axis.map((value) => value * by), 1] : UNIT;
-    const here = joint ? times(matrix, motion) : matrix;
-    return parent === null ? here : times(of(parent), here);
-  })();
-  return nodes.map((_, index) => of(index));
-};
-
-const program = (gl, fragment) => {
-  const made = gl.createProgram();
-  for (const [kind, text] of [[gl.VERTEX_SHADER, PLACE], [gl.FRAGMENT_SHADER, fragment]]) {
-    const shader = gl.createShader(kind);
-    gl.shaderSource(shader, text);
-    gl.compileShader(shader);
-    gl.attachShader(made, shader);
-  }
-  gl.linkProgram(made);
-  const at = new Map();
-  return { made, at: (name) => at.get(name) ?? at.set(name, gl.getUniformLocation(made, name)).get(name) };
-};
-
-// A renderer of one scene on one WebGL context: draw(eye, target, aspect, open).
-const rendererOf = (gl, scene) => {
-  const seen = program(gl, SHADE), cast = program(gl, NOTHING), MAP = 2048;
-  const depth = gl.createTexture(), frame = gl.createFramebuffer();
-  gl.bindTexture(gl.TEXTURE_2D, depth);
-  gl.texStorage2D(gl.TEXTURE_2D, 1, gl.DEPTH_COMPONENT24, MAP, MAP);
-  for (const [key, value] of [[gl.TEXTURE_COMPARE_MODE, gl.COMPARE_REF_TO_TEXTURE], [gl.TEXTURE_MAG_FILTER, gl.LINEAR],
-    [gl.TEXTURE_MIN_FILTER, gl.LINEAR], [gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE], [gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE]]) {
-    gl.texParameteri(gl.TEXTURE_2D, key, value);
-  }
-  gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
-  gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.TEXTURE_2D, depth, 0);
-  const blank = gl.createTexture();
-  gl.bindTexture(gl.TEXTURE_2D, blank);
-  gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, 1, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
-  const textures = new Map();
-  for (const part of scene.parts) {
-    part.shape = gl.createVertexArray();
-    gl.bindVertexArray(part.shape);
-    part.attributes.forEach((values, location) => {
-      if (!values) return;
-      gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
-      gl.bufferData(gl.ARRAY_BUFFER, values, gl.STATIC_DRAW);
-      gl.enableVertexAttribArray(location);
-      gl.vertexAttribPointer(location, location < 2 ? 3 : 2, gl.FLOAT, false, 0, 0);
+  const staged = (THREE, gltf) => {
+    stage?.controls.dispose();
+    const renderer = stage?.renderer ?? new THREE.WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
+    renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    renderer.shadowMap.enabled = true;
+    const scene = new THREE.Scene(), camera = gltf.cameras[0], joints = [], walls = [];
+    scene.background = new THREE.Color("#d1d1d6");
+    scene.add(gltf.scene);
+    scene.updateMatrixWorld(true);
+    gltf.scene.traverse((node) => {
+      const { joint, surface } = node.userData;
+      if (node.isMesh) {
+        node.material = new THREE.MeshLambertMaterial({ color: node.material.color, map: node.material.map, side: THREE.DoubleSide });
+        node.castShadow = !surface;
+        node.receiveShadow = true;
+      }
+      if (surface === "wall") walls.push(node);
+      if (joint) {
+        node.matrixAutoUpdate = false;
+        joints.push({ node, closed: node.matrix.clone() });
+      }
     });
-    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
-    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, Uint32Array.from(part.indices), gl.STATIC_DRAW);
-    part.texture = blank;
-    if (part.image) {
-      if (!textures.has(part.image)) {
-        textures.set(part.image, gl.createTexture());
-        gl.bindTexture(gl.TEXTURE_2D, textures.get(part.image));
-        gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, gl.RGBA, gl.UNSIGNED_BYTE, part.image);
-        gl.generateMipmap(gl.TEXTURE_2D);
-      }
-      part.texture = textures.get(part.image);
-    }
-  }
-  gl.enable(gl.DEPTH_TEST);
-  const { center, radius } = scene, reach = 1.3 * radius;
-  const from = center.map((value, i) => value - reach * scene.light[i]);
-  const fromLight = times(orthographic(reach), looking(from, center, Math.abs(scene.light[1]) > 0.99 ? [1, 0, 0] : [0, 1, 0]));
-  const each = (use, view, standing, hidden) => {
-    gl.useProgram(use.made);
-    gl.uniformMatrix4fv(use.at("view"), false, view);
-    for (const part of scene.parts) {
-      if (hidden(part.node)) continue;
-      gl.uniformMatrix4fv(use.at("model"), false, standing[part.node]);
-      if (use === seen) {
-        gl.uniform4fv(use.at("colour"), part.colour);
-        gl.uniform1i(use.at("textured"), part.image ? 1 : 0);
-        gl.bindTexture(gl.TEXTURE_2D, part.texture);
-      }
-      gl.bindVertexArray(part.shape);
-      gl.drawElements(gl.TRIANGLES, part.indices.length, gl.UNSIGNED_INT, 0);
-    }
+    const { light, center, radius } = gltf.scene.userData, reach = 1.3 * radius, middle = new THREE.Vector3(...center);
+    const sun = new THREE.DirectionalLight("white", 0.55 * Math.PI); // a white surface that faces it is white
+    sun.target.position.copy(middle);
+    sun.position.copy(middle).addScaledVector(new THREE.Vector3(...light), -2 * reach);
+    sun.castShadow = true;
+    sun.shadow.mapSize.set(2048, 2048);
+    sun.shadow.normalBias = 0.02; // metres
+    Object.assign(sun.shadow.camera, { left: -reach, right: reach, top: reach, bottom: -reach, near: 0, far: 4 * reach });
+    scene.add(sun, sun.target, new THREE.AmbientLight("white", 0.5 * Math.PI));
+    scene.attach(camera);
+    const ahead = camera.getWorldDirection(new THREE.Vector3());
+    const along = Math.max(1, ahead.dot(middle.clone().sub(camera.position))); // as deep as the camera looks
+    const controls = new THREE.OrbitControls(camera, canvas);
+    controls.target.copy(camera.position).addScaledVector(ahead, along);
+    Object.assign(controls, { enablePan: false, minDistance: 0.6, maxDistance: 3 * Math.max(along, radius), maxPolarAngle: 0.49 * Math.PI });
+    controls.addEventListener("change", draw);
+    controls.addEventListener("start", () => spin(false));
+    return { THREE, renderer, scene, camera, controls, joints, walls, shape: camera.aspect, lens: camera.fov * Math.PI / 180 };
   };
-  return (eye, target, open) => {
-    const { drawingBufferWidth: width, drawingBufferHeight: height } = gl, standing = places(scene.nodes, open);
-    const surface = (index) => scene.nodes[index].extras.surface; // floor, or a wall, whose x axis points into the room
-    const behind = (index) => surface(index) === "wall"
-      && dot(standing[index].slice(0, 3), minus(eye, standing[index].slice(12, 15))) < 0;
-    gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
-    gl.viewport(0, 0, MAP, MAP);
-    gl.clear(gl.DEPTH_BUFFER_BIT);
-    each(cast, fromLight, standing, surface);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-    gl.viewport(0, 0, width, height);
-    gl.clearColor(0.82, 0.82, 0.84, 1);
-    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-    gl.useProgram(seen.made);
-    gl.uniform3fv(seen.at("light"), scene.light);
-    gl.uniformMatrix4fv(seen.at("fromLight"), false, fromLight);
-    gl.uniform1i(seen.at("image"), 0);
-    gl.uniform1i(seen.at("shadows"), 1);
-    gl.activeTexture(gl.TEXTURE1);
-    gl.bindTexture(gl.TEXTURE_2D, depth);
-    gl.activeTexture(gl.TEXTURE0);
-    const wider = Math.max(1, scene.shape * height / width); // on a phone all of the picture's width is seen
-    const lens = 2 * Math.atan(wider * Math.tan(scene.lens / 2));
-    const view = times(perspective(lens, width / height, 0.05, 80), looking(eye, target, [0, 1, 0]));
-    each(seen, view, standing, behind);
+
+  const open = async (button) => {
+    const held = document.getElementById(button.dataset.scene).textContent.trim();
+    const packed = Uint8Array.from(atob(held), (letter) => letter.charCodeAt(0));
+    const bytes = await new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
+    URL.revokeObjectURL(download.href);
+    download.href = URL.createObjectURL(new Blob([bytes], { type: "model/gltf-binary" }));
+    download.download = `${button.dataset.scene}.glb`;
+    table.showModal();
+    try {
+      const THREE = await three();
+      stage = staged(THREE, await new THREE.GLTFLoader().parseAsync(bytes, ""));
+      message.hidden = true;
+    } catch (error) {
+      message.hidden = false;
+      message.textContent = `${error.message} The scene can be saved and opened elsewhere.`;
+      return;
+    }
+    doors.value = 0;
+    doors.closest("label").hidden = stage.joints.length === 0;
+    stage.controls.update();
+    draw();
+    spin(!matchMedia("(prefers-reduced-motion: reduce)").matches);
+    canvas.focus();
   };
-};
+  for (const button of document.querySelectorAll("button.turn")) button.addEventListener("click", () => open(button));
+
+  turning.addEventListener("click", () => spin(!stage?.controls.autoRotate));
+  doors.addEventListener("input", draw);
+  table.querySelector(".close").addEventListener("click", () => table.close());
+  const KEYS = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, 0.1], ArrowDown: [0, -0.1], "+": [0, 0, 0.9], "-": [0, 0, 1.1] };
+  canvas.addEventListener("keydown", (event) => {
+    if (!(event.key in KEYS) || !stage) return;
+    event.preventDefault();
+    spin(false);
+    turn(...KEYS[event.key]);
+  });
+  addEventListener("resize", draw);
+}

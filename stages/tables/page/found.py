@@ -1,0 +1,52 @@
+"""What the stages found out about one picture under one variant of matching."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+from stages.contracts.cousins import Cousins, ObjectCousins
+from stages.contracts.doubts import doubts
+from stages.contracts.generated import GeneratedScene, PlacedObject
+from stages.contracts.objects import Objects, SceneObject
+
+
+@dataclass(frozen=True)
+class Found:
+    """The files of the stages, as far as they are there; scenes by rank."""
+
+    objects: Objects | None = None
+    cousins: Cousins | None = None
+    scenes: list[GeneratedScene] = field(default_factory=list)
+
+    @property
+    def seen(self) -> dict[str, SceneObject]:
+        """Objects of the picture, by id."""
+        return {item.id: item for item in self.objects.objects} if self.objects else {}
+
+    @property
+    def placed(self) -> dict[str, PlacedObject]:
+        """Objects of the scene of rank 1, by id."""
+        return {item.id: item for item in self.scenes[0].objects} if self.scenes else {}
+
+    def failures(self) -> dict[str, tuple[str, str]]:
+        """Object -> the stage where it failed first, and why."""
+        found: dict[str, tuple[str, str]] = {}
+        matched = self.cousins.objects if self.cousins else []
+        parts: dict[str, Iterable[SceneObject | ObjectCousins | PlacedObject]]
+        parts = {"extraction": self.seen.values(), "matching": matched, "generation": self.placed.values()}
+        for stage, items in parts.items():
+            for item in items:
+                if item.status == "failed":
+                    found.setdefault(item.id, (stage, item.reason or "no reason given"))
+        return found
+
+    def doubts(self) -> list[tuple[str, str]]:
+        """Object and what is uncertain about it."""
+        if self.objects is None or self.cousins is None:
+            return []
+        seen, placed = self.seen, self.placed
+        matched = [entry for entry in self.cousins.objects if entry.status == "ok" and entry.id in seen]
+        return [
+            (entry.id, doubt)
+            for entry in matched
+            for doubt in doubts(entry, seen[entry.id], placed.get(entry.id), self.objects)
+        ]

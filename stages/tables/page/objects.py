@@ -1,0 +1,213 @@
+"""An object of a picture: what was seen, what it was compared with, who chose its cousins, and what is in doubt."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageDraw
+
+from stages.contracts.cousins import Candidate, Cousin, ObjectCousins
+from stages.contracts.doubts import agree, doubts, held_as
+from stages.contracts.generated import PlacedObject
+from stages.contracts.objects import Objects, SceneObject
+from stages.contracts.snapshot_pictures import Snapshots
+from stages.geometry.cameras import project
+from stages.geometry.frames import apply, inverse, wrap_angle, yaw_matrix
+from stages.tables.page.pictures import THUMBNAIL, Album, Picture
+from stages.tables.text import count
+
+LISTED = 5  # cousins, models compared and categories of an object that are listed
+PLACES = {"floor": "on the floor", "wall": "on the wall", "unnamed": "where it was seen, above the floor"}
+Pixels = NDArray[np.uint8]
+
+
+@dataclass(frozen=True)
+class Relative:
+    """A cousin: `part` is its distance as a part of the largest one listed, for its bar."""
+
+    cousin: Cousin
+    part: float
+    picture: Picture | None
+
+
+@dataclass(frozen=True)
+class Rival:
+    """A model that the object was compared with; `rank` is that of the cousin it became, 0: none."""
+
+    model: Candidate
+    about: str
+    rank: int
+    picture: Picture | None
+
+
+@dataclass(frozen=True)
+class Match:
+    """One object of the picture and the cousins found for it.
+
+    pictures: mask and cloud, with captions; facts: (what, how it is); rivals: the nearest models.
+    """
+
+    entry: ObjectCousins
+    about: str
+    decided_by: str
+    picture: Picture | None
+    cousins: list[Relative]
+    pictures: list[tuple[Picture, str]]
+    facts: list[tuple[str, str]]
+    rivals: list[Rival]
+    doubts: list[str]
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What the run has of a room: its picture, masks (H, W), clouds by object, and the objects of its first scene."""
+
+    objects: Objects
+    rgb: Pixels | None
+    masks: NDArray[np.uint16] | None
+    clouds: dict[str, NDArray[np.float32]]
+    placed: dict[str, PlacedObject]
+
+
+def match(entry: ObjectCousins, item: SceneObject, evidence: Evidence, album: Album, snapshots: Snapshots) -> Match:
+    """An object that has cousins."""
+    placed, listed = evidence.placed.get(entry.id), entry.cousins[:LISTED]
+    largest = max((cousin.distance for cousin in listed), default=0.0) or 1.0
+    seen = Image.fromarray(cropped(evidence.rgb, item)) if evidence.rgb is not None else None
+
+    def relative(cousin: Cousin) -> Relative:
+        view, alt = snapshots.picture(cousin.asset, cousin.orientation.yaw), f"{cousin.asset}, cousin of {entry.id}"
+        return Relative(cousin, cousin.distance / largest, album.thumbnail(view, alt))
+
+    return Match(
+        entry=entry,
+        about=", ".join(_about(item)),
+        decided_by=" / ".join(dict.fromkeys(filter(None, (entry.decided_by, entry.orientation_decided_by)))),
+        picture=album.thumbnail(seen, f"{entry.id} in the input"),
+        cousins=[relative(cousin) for cousin in listed],
+        pictures=list(_pictures(item, evidence, album)),
+        facts=_facts(entry, item, placed),
+        rivals=[_rival(one, entry, album, snapshots) for one in entry.by_distance[:LISTED]],
+        doubts=doubts(entry, item, placed, evidence.objects),
+    )
+
+
+def _about(item: SceneObject) -> Iterator[str]:
+    """'stands free', '2 doors', '0.60 × 0.40 × 0.90 m'."""
+    if item.mounting:
+        yield held_as(item.mounting)
+    for number, noun in ((item.doors, "door"), (item.drawers, "drawer")):
+        if number:
+            yield count(number, noun)
+    if item.box:
+        yield _metres(item.box.size)
+
+
+def _pictures(item: SceneObject, evidence: Evidence, album: Album) -> Iterator[tuple[Picture, str]]:
+    if evidence.rgb is not None and evidence.masks is not None:
+        picture = Image.fromarray(cropped(masked(evidence.rgb, evidence.masks == item.mask), item))
+        yield album.thumbnail(picture, f"Mask of {item.id}"), "mask"  # type: ignore[misc]
+    cloud = evidence.clouds.get(item.id)
+    if cloud is not None and item.box is not None:
+        for axes, name in (((1, 2), "from the front"), ((1, 0), "from above")):
+            picture = cloud_picture(cloud, item, evidence, axes)
+            yield album.put(picture, f"Cloud of {item.id} {name}"), f"cloud {name}"
+
+
+def cropped(rgb: Pixels, item: SceneObject) -> Pixels:
+    """The object's part of the picture, with a margin; the whole picture if its place is unknown."""
+    if item.pixels is None:
+        return rgb
+    x0, y0, x1, y1 = item.pixels
+    margin = max(x1 - x0, y1 - y0) // 10
+    return rgb[max(0, y0 - margin) : y1 + margin, max(0, x0 - margin) : x1 + margin]
+
+
+def masked(rgb: Pixels, mask: NDArray[np.bool_]) -> Pixels:
+    """The picture, half-way to white outside of the mask."""
+    return np.where(mask[..., None], rgb, (rgb.astype(np.uint16) + 255) // 2).astype(np.uint8)
+
+
+def cloud_picture(
+    cloud: NDArray[np.float32], item: SceneObject, evidence: Evidence, axes: tuple[int, int]
+) -> Image.Image:
+    """The cloud in the picture's colours and its box, as the camera sees them.
+
+    Args:
+        axes: those drawn to the right and upwards, of the box as the camera sees it: 0 away from it, 1 left, 2 up.
+    """
+    assert item.box is not None
+    x, y, _ = item.box.center
+    quarters = round(wrap_angle(np.arctan2(y, x) - item.box.yaw) / (np.pi / 2))
+    turn = yaw_matrix(item.box.yaw + quarters * np.pi / 2)  # the first axis leads away from the camera
+    size = np.array(item.box.size)[[1, 0, 2] if quarters % 2 else [0, 1, 2]][list(axes)]
+    scale = 0.88 * THUMBNAIL / max(size.max(), 1e-3)
+    local = ((cloud - np.array(item.box.center)) @ turn)[:, axes]
+    pixels = (THUMBNAIL / 2 - scale * local).astype(int)  # left and up count from the right and lower edge
+    inside = ((pixels >= 0) & (pixels < THUMBNAIL)).all(axis=1)
+    canvas = np.full((THUMBNAIL, THUMBNAIL, 3), 255, dtype=np.uint8)
+    canvas[pixels[inside, 1], pixels[inside, 0]] = _colours(cloud, evidence)[inside]
+    picture = Image.fromarray(canvas)
+    low, high = (THUMBNAIL + sign * scale * size for sign in (-1, 1))
+    ImageDraw.Draw(picture).rectangle([*(low / 2), *(high / 2)], outline="orangered")
+    return picture
+
+
+def _colours(points: NDArray[np.float32], evidence: Evidence) -> Pixels:
+    """Of the pixels that show the points; grey without a picture."""
+    if evidence.rgb is None:
+        return np.full((len(points), 3), 110, dtype=np.uint8)
+    objects = evidence.objects
+    seen = project(apply(inverse(np.array(objects.floor_from_camera)), points), np.array(objects.intrinsics))
+    columns, rows = np.nan_to_num(seen).round().astype(int).T
+    return evidence.rgb[rows.clip(0, objects.height - 1), columns.clip(0, objects.width - 1)]
+
+
+def _facts(entry: ObjectCousins, item: SceneObject, placed: PlacedObject | None) -> list[tuple[str, str]]:
+    facts = [("seen", f"label “{item.label}”, {item.points:,} points in its cloud")]
+    if item.box is not None:
+        facts.append(("box of the cloud", _metres(item.box.size)))
+    if item.mounting is not None:
+        facts.append(("mounting", _mounting(item)))
+    if item.support is not None:
+        facts.append(("stands", f"{PLACES.get(item.support, f'on {item.support}')}, set by a person"))
+    if entry.categories:
+        nearest = [f"{one.category.replace('_', ' ')} {one.distance:.2f}" for one in entry.categories[:LISTED]]
+        more = len(entry.categories) - len(nearest)
+        text = ", ".join(nearest) + (f" and {more} more" if more else "")
+        facts.append(("categories, by distance of the label", text))
+    if entry.decided_by:
+        facts.append(("model chosen by", entry.decided_by))
+    if entry.orientation_decided_by:
+        turn = f"turned by {np.degrees(entry.cousins[0].orientation.yaw):.0f}° in the camera's view"
+        facts.append(("orientation chosen by", f"{entry.orientation_decided_by}, {turn}"))
+    if placed is not None and placed.status == "ok":
+        on = PLACES.get(placed.support, f"on {placed.support}")
+        turn = f"turned by {np.degrees(placed.yaw):.0f}°"
+        facts.append(("placed", f"{placed.asset.replace('_', ' ')} {on}, {_metres(placed.size)}, {turn}"))
+        facts += [("then" if number else "how", what) for number, what in enumerate(placed.steps)]
+    return facts
+
+
+def _mounting(item: SceneObject) -> str:
+    """How it is held, and whether the input and geometry agree on it."""
+    assert item.mounting is not None
+    if item.measured_mounting is None:
+        return held_as(item.mounting) + ", by geometry"
+    agreed = "geometry agrees" if agree(item) else f"geometry finds: {held_as(item.measured_mounting)}"
+    whose = "a person" if "mounting" in item.told else "the input"
+    return f"{held_as(item.mounting)}, set by {whose}; {agreed}"
+
+
+def _rival(one: Candidate, entry: ObjectCousins, album: Album, snapshots: Snapshots) -> Rival:
+    ranks = {cousin.asset: cousin.rank for cousin in entry.cousins}
+    about = [f"score {one.score:.2f}"] if one.score is not None else []
+    about += [f"{name} {value:.2f}" for name, value in (one.terms or one.parts).items()]
+    about += [f"{one.votes} votes"] if one.votes is not None else []
+    picture = album.thumbnail(snapshots.picture(one.asset), f"{one.asset}, compared with {entry.id}")
+    return Rival(one, ", ".join(about), ranks.get(one.asset, 0), picture)
+
+
+def _metres(size: tuple[float, float, float]) -> str:
+    return " × ".join(f"{length:.2f}" for length in size) + " m"
