@@ -47,10 +47,16 @@ rule viewer:
     log:
         "logs/tables/viewer.log",
     localrule: True
+    container:
+        CONFIG.containers.report
+    threads: 1
+    resources:
+        **needs(1000, 10),
     params:
-        script=str(Path(stages.__file__).parent / "tables/page/three/three.min.js"),
+        command=command("tables", "viewer"),
+        code=code("tables", "viewer"),
     shell:
-        "cp {params.script:q} {output.script:q} 2>&1 | tee {log:q}"
+        "{params.command} --out {output.script:q} 2>&1 | tee {log:q}"
 
 
 rule report_page:
@@ -65,7 +71,9 @@ rule report_page:
         overviews=files(rules.draw_objects.output.overview, scene=SHOWN),
         cousins=files(rules.match.output.cousins, variant=VARIANTS, scene=SHOWN),
         scenes=files(rules.generate.output.scenes, variant=VARIANTS, scene=SHOWN),
-        previews=files([*rules.draw_scenes.output.previews, rules.draw_scenes.output.view], variant=VARIANTS, scene=SHOWN),
+        previews=files(
+            [*rules.draw_scenes.output.previews, rules.draw_scenes.output.view], variant=VARIANTS, scene=SHOWN
+        ),
         assets=[task_assets(task) for task in SOURCES],
         films=DEMO_FILMS,
         scene_films=SCENE_FILMS,
