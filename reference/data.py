@@ -45,7 +45,7 @@ def plan(root: Path) -> nx.DiGraph:
 def picture(root: Path) -> str:
     """The text of docs/images/data.svg."""
     graph = plan(root)
-    graph.remove_nodes_from(["all", "report_page"])  # which read what all others write
+    graph.remove_nodes_from(["all", "report_page", "viewer"])  # the page reads what all others write
     return drawn(graph, {rule: [rule, *files] for rule, files in graph.nodes(data="files")}, TITLE)
 
 

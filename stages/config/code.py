@@ -14,7 +14,7 @@ ROOTS = {"stages": Path(__file__).resolve().parents[1]}  # of the packages whose
 MODULE_NAME = re.compile(r"""["'](\w+(?:\.\w+)+)(?::\w+)?["']""")  # as text: "stages.x.y" or "stages.x.y:Class"
 # Import statements are cut out before they are parsed: whole modules take a second more at every start of the workflow.
 IMPORT = re.compile(r"^[ \t]*((?:from\s+[\w.]+\s+)?import\b\s*(?:\([^)]*\)|(?:\\\n|[^\n(])*))", re.MULTILINE)
-DATA_SUFFIXES = {".jinja", ".mplstyle", ".html", ".css", ".js", ".csv", ".json", ".safetensors"}  # shipped beside modules
+DATA_SUFFIXES = {".jinja", ".mplstyle", ".html", ".css", ".js", ".csv", ".json", ".safetensors"}  # beside modules
 
 
 def cover(packages: Iterable[str]) -> None:

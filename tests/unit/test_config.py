@@ -125,7 +125,6 @@ FOR_PEOPLE = {
     "from-rgbd",
     "import",
     "results",
-    "scene_results",
 }  # pages and helpers that no rule calls: there is nothing to replace
 
 
