@@ -5,12 +5,12 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 ORDER = (
-    *("geometry", "contracts", "plugins", "config", "slurm", "guard", "cli", "pretrained", "vlm"),
-    *("articulated", "categories", "procedural", "simulation", "tasks", "skills", "assets", "policies", "scenes"),
-    *("extraction", "inputs", "patchnet", "matching", "encoder", "generation", "demonstrations", "training"),
-    *("experiment", "evaluation", "tables", "doctor"),
+    *("geometry", "contracts", "articulated", "procedural", "plugins", "config", "slurm", "guard", "cli", "pretrained"),
+    *("vlm", "simulation", "planning", "tasks", "skills", "assets", "policies", "scenes", "extraction", "inputs"),
+    *("patchnet", "matching", "encoder", "generation", "demonstrations", "training", "experiment", "evaluation"),
+    *("tables", "doctor"),
 )
-KNOWN = {("contracts", "config"), ("tasks", "skills")}  # upward all the same
+KNOWN = {("tasks", "generation")}  # upward all the same: a task in MuJoCo is written as scenes are
 
 
 def room_of(module: str) -> str:
