@@ -1,5 +1,7 @@
 """Cameras that are known by name: what `camera` of an input and `from-rgbd --camera` may say."""
 
+FIELD_OF_VIEW = 5, 135  # degrees over a picture's width: least and largest that are believed
+
 # Fields of view of colour cameras in degrees, width and height, by their makers. Pictures that are narrower than the
 # sensor are taken to be cut at the sides, wider ones above and below.
 FIELDS_OF_VIEW = {

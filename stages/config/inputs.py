@@ -9,7 +9,7 @@ from typing import Any
 
 from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
-from stages.config.cameras import FIELDS_OF_VIEW
+from stages.config.cameras import FIELD_OF_VIEW, FIELDS_OF_VIEW
 from stages.config.mistakes import Mistake
 from stages.contracts.section import Section
 
@@ -32,7 +32,12 @@ class Input(Section):
     fy: float | None = Field(None, gt=0)
     cx: float | None = None
     cy: float | None = None
-    fov: float | None = Field(None, ge=5, le=135, description="in the place of both: degrees over the picture's width")
+    fov: float | None = Field(
+        None,
+        ge=FIELD_OF_VIEW[0],
+        le=FIELD_OF_VIEW[1],
+        description="in the place of both: degrees over the picture's width",
+    )
     masks: str = Field("", description="COCO or labelme JSON, or a PNG of indices or colours")
     labels: str = Field("", description="what the PNG's values are called, as JSON")
     clusters: bool = Field(False, description="in the place of `masks`: what stands on the largest level plane")

@@ -20,6 +20,7 @@ from stages.config.mistakes import Mistake, mistakes_of, truths, validated, with
 from stages.config.names import resolved
 from stages.config.photo import PhotoConfig
 from stages.config.replaced import Replaced
+from stages.config.room_files import room_files
 from stages.config.scenes import ScenesConfig
 from stages.config.tables import TablesConfig
 from stages.config.training import TrainingConfig
@@ -27,7 +28,6 @@ from stages.contracts.errors import InputError
 from stages.contracts.section import Section, Seed
 from stages.contracts.task_options import TaskConfig
 from stages.plugins import find, folder
-from stages.scenes.rooms import room_files
 
 
 class Config(Section):

@@ -4,6 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
+from stages.config.cameras import FIELD_OF_VIEW
 from stages.config.matching import PretrainedConfig
 from stages.config.vlm import VlmConfig
 from stages.contracts.section import Section
@@ -69,8 +70,8 @@ class PhotoConfig(FetchOptions):
     min_share: float = Field(0.0005, ge=0, lt=1, description="Least share of the picture that an object covers.")
     field_of_view: float | None = Field(
         None,
-        ge=5,
-        le=135,
+        ge=FIELD_OF_VIEW[0],
+        le=FIELD_OF_VIEW[1],
         description="Degrees over the picture's width. null: Depth Pro's if it is used, else by EXIF, by lines in the "
         "picture, or that of a usual camera; which is said.",
     )

@@ -7,9 +7,9 @@ from pathlib import Path
 
 from stages.config.categories import CATEGORIES, Known
 from stages.config.inputs import Input
+from stages.config.room_files import read_room, series
 from stages.contracts.errors import InputError
 from stages.contracts.objects import object_ids
-from stages.scenes.rooms import read_room, series
 
 Panels = Mapping[str, bool]
 

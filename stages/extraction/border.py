@@ -1,4 +1,4 @@
-"""Depth of the border that erosion took off, continued from the inside.
+"""Extrapolate depth from the eroded part of a mask to its border.
 
 Estimated depth is wrong along outlines, so masks are eroded (paper A.7). But without their border
 objects come out too small: two pixels are 1 cm at 3 m on a face seen straight on, and 10 cm on a
@@ -10,13 +10,15 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-WINDOW = 3.0  # pixels: standard deviation of the local fits' weights
+from stages.extraction.masks import OUTLINE
+
 RIDGE = 0.1  # pixels squared, added to the fits' variances: a core one pixel wide says nothing across it
 MAX_CHANGE = 0.05  # largest relative change of depth from the core's local mean
 
 
 def _blur(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.asarray(cv2.GaussianBlur(values, (0, 0), WINDOW, borderType=cv2.BORDER_CONSTANT), dtype=np.float64)
+    """Local means; the standard deviation of the weights is as wide as a border."""
+    return np.asarray(cv2.GaussianBlur(values, (0, 0), OUTLINE, borderType=cv2.BORDER_CONSTANT), dtype=np.float64)
 
 
 def continued_depth(

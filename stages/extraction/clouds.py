@@ -19,7 +19,6 @@ LEVEL_BIN, LEVEL_BLUR = 0.005, 0.003  # metres; share of the distance: noise of 
 DENSE = 2.0  # times the mean density of heights, from which on one is a level
 ABOVE = 0.1  # share of the points that may lie above the level on which things stand
 HIGHER = 0.1  # share of the distance, up to `NEAR`, by which they may be above it: a part of the thing is higher
-LOST = 0.045  # metres that trusted points end below the whole mask: more is a thin top that they lack
 WIDE, THINGS = 0.7, 0.3  # metres; share of the points that may be those of things on what is longer
 SIDE_PARTS, SPANNED = 12, 0.5  # parts of a side; share of them in which a back is found
 AT_EDGE = 0.8  # share of its points in the outer quarters across
@@ -61,7 +60,12 @@ def fit_box(points: NDArray[np.float64], options: ExtractionConfig) -> UprightBo
 
 
 def level_height(
-    points: NDArray[np.float64], whole: NDArray[np.float64], box: UprightBox, noise: float, distance: float, trim: float
+    points: NDArray[np.float64],
+    whole: NDArray[np.float64],
+    box: UprightBox,
+    noise: float,
+    distance: float,
+    options: ExtractionConfig,
 ) -> float | None:
     """Height of the highest level at which many of the points (N, 3) lie; None without one, or if it is no top.
 
@@ -72,12 +76,12 @@ def level_height(
     Args:
         points: without stray ones. whole: all that the mask shows. box: of the points.
         noise, distance: of depth, metres, and of the camera.
-        trim: share of the points left out at either end of their heights.
+        options: the share of the points left out at either end, and the tolerance of heights.
     """
     heights = points[:, 2]
-    low, high = np.quantile(heights, [trim, 1 - trim])
+    low, high = np.quantile(heights, [options.trim, 1 - options.trim])
     bins = int((high - low) / LEVEL_BIN)
-    is_slender = distance < NEAR and high - low > SLENDER * max(np.asarray(box.size)[:2])
+    is_slender = distance < NEAR and high - low > SLENDER * max(box.size[:2])
     if bins < 3 or is_slender:
         return None
     counts, edges = np.histogram(heights, bins, (low, high))
@@ -89,18 +93,18 @@ def level_height(
         return None
     level = float(edges[dense[-1]] + edges[dense[-1] + 1]) / 2
     above = whole[whole[:, 2] > level + 2 * blur * LEVEL_BIN]
-    top = float(np.quantile(whole[:, 2], 1 - trim))
-    is_whole = top - high <= LOST + noise
+    top = float(np.quantile(whole[:, 2], 1 - options.trim))
+    is_whole = top - high <= options.tolerance(noise)  # else trusted points lack a thin top
     few = max(len(above) / len(whole), float((heights > level + 2 * blur * LEVEL_BIN).mean())) <= ABOVE
     if is_whole and few and top - level <= HIGHER * min(distance, NEAR):
         return level
-    things = max(np.asarray(box.size)[:2]) > WIDE and len(above) <= THINGS * len(whole)
+    things = max(box.size[:2]) > WIDE and len(above) <= THINGS * len(whole)
     return level if things and not spans(above[above[:, 2] > (level + top) / 2], box) else None
 
 
 def spans(points: NDArray[np.float64], box: UprightBox) -> bool:
     """Whether points (N, 3) lie along a side of a box, from one end of it to the other: a back, a headboard, arms."""
-    local, sides = (points - np.asarray(box.center)) @ yaw_matrix(box.yaw), np.asarray(box.size)[:2]
+    local, sides = (points - box.center) @ yaw_matrix(box.yaw), box.size[:2]
     along = local[:, :2] / sides
     filled = [np.histogram(values, SIDE_PARTS, (-0.5, 0.5))[0] > 0 for values in along.T]
     at_edge = (np.abs(along) > 0.25).mean(axis=0) > AT_EDGE

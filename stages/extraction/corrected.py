@@ -1,4 +1,4 @@
-"""What a person says of a scene's things, laid over what was found: before they are reconstructed, and after."""
+"""Apply a person's corrections: to masks and labels before reconstruction, to boxes and supports after it."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -11,18 +11,18 @@ from stages.contracts.corrections import FLOOR, Correction
 from stages.contracts.objects import Box, Mounting, SceneObject
 from stages.contracts.scenes import Held
 from stages.extraction.clouds import with_bottom
+from stages.extraction.mounting import STRETCHED
 from stages.extraction.observation import AnnotatedImage
 from stages.extraction.reconstruct import ExtractedScene
+from stages.extraction.regions import Cutter, corrected
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import rounded, yaw_matrix
-from stages.inputs.by_hand.regions import Cutter, corrected
 
 OBLONG = 1.2  # times by which one side of a thing is longer than the other, so that both can be told apart
-STRETCH = 2.0  # times by which a thing may become higher or lower to reach what carries it; else all of it is put there
 
 
 def as_seen(image: AnnotatedImage, told: dict[int, Correction]) -> AnnotatedImage:
-    """The picture with masks, labels, counts and mountings as a person says.
+    """The picture with corrected masks, labels, counts and mountings.
 
     Raises:
         InputError: nothing is left.
@@ -31,12 +31,12 @@ def as_seen(image: AnnotatedImage, told: dict[int, Correction]) -> AnnotatedImag
     for note in notes:
         print(note)
     if annotations is None:
-        raise InputError("corrections.json", "leaves no object.", "take back that one is gone")
+        raise InputError("corrections.json", "leaves no object.", "take back that one is gone", code="E-SCENE-EMPTY")
     return replace(image, annotations=annotations, masks=masks)
 
 
 def as_told(scene: ExtractedScene, told: dict[int, Correction]) -> ExtractedScene:
-    """The objects with sizes, supports and fronts as a person says: they count more than what was measured."""
+    """The objects with corrected sizes, supports and fronts, in the place of the measured ones."""
     objects, clouds = scene.objects, dict(scene.clouds)
     by_mask = {item.mask: item for item in objects.objects if item.status == "ok"}
     done: dict[int, SceneObject] = {}
@@ -66,11 +66,11 @@ def as_told(scene: ExtractedScene, told: dict[int, Correction]) -> ExtractedScen
 def _on(
     item: SceneObject, cloud: NDArray[np.float32], carrier: str, top: float
 ) -> tuple[SceneObject, NDArray[np.float32]]:
-    """An object and its cloud (N, 3) on a carrier whose top is at a height; what does not hang any more stands."""
+    """An object and its cloud (N, 3), put on a carrier whose top has a height; one that hung now stands."""
     assert item.box is not None and item.mounting is not None
     box = UprightBox(item.box.center, item.box.size, item.box.yaw)
-    seen = float(np.asarray(box.size)[2])
-    lift = 0.0 if seen / STRETCH <= box.top - top <= STRETCH * seen else top - box.bottom
+    seen = float(box.size[2])
+    lift = 0.0 if seen / STRETCHED <= box.top - top <= STRETCHED * seen else top - box.bottom
     up = np.array([0, 0, lift])
     box = with_bottom(replace(box, center=box.center + up), top)
     cloud = (cloud + up).astype(np.float32)

@@ -78,6 +78,6 @@ def suited(config: ExtractionConfig, own: Path) -> ExtractionConfig:
         section = told.get("extraction") or {}
         return ExtractionConfig.model_validate(section | config.model_dump(exclude_defaults=True))
     except ValidationError as error:
-        raise InputError(own, f"extraction: {first_error(error)}.", mend) from None
+        raise InputError(own, f"extraction: {first_error(error)}.", mend, code="E-CONFIG-FILE") from None
     except (yaml.YAMLError, AttributeError, TypeError):
-        raise InputError(own, "is no config.", mend) from None
+        raise InputError(own, "is no config.", mend, code="E-CONFIG-FILE") from None

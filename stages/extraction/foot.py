@@ -1,18 +1,16 @@
-"""What the picture shows at the foot of an object: where it ends, and what it stands on that nobody named."""
+"""The foot of an object in the picture: how far down the object reaches, and which unlabelled surface it stands on."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stages.extraction.clouds import with_bottom
+from stages.extraction.masks import OUTLINE
 from stages.extraction.visibility import DepthView
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import yaw_matrix
 
-BELOW, SHELF = 3, 0.5  # pixels below an object's lowest ones, and share of them that must show what it stands on
-OFF = 6  # pixels: a narrower strip without a name is what masks are off by
-FEET = 3  # image columns in which an object's lowest pixels must reach the ground for it to stand there
+SHELF = 0.5  # share of the pixels just below an object that must show what it stands on
 SHORT, SHORT_SHARE = 10, 0.25  # pixels, or share of its rows, by which a mask may end above its thing's foot
-INNER = 3  # pixels above a mask's lowest ones, whose depth is the thing's
 UNLIKE = 0.05  # metres: what is farther from where a thing or its ground would be is neither
 
 
@@ -31,8 +29,8 @@ def completed(
     upright down to it, level from there on. Where no end is near, something else may go on: nothing is changed.
     """
     columns, rows = lowest_pixels(own)
-    above = view.points(columns, rows - INNER)
-    start = (rows >= INNER) & np.isfinite(above[:, 2]) & (above[:, 2] < box.bottom + 2 * tolerance)
+    above = view.points(columns, rows - OUTLINE)
+    start = (rows >= OUTLINE) & np.isfinite(above[:, 2]) & (above[:, 2] < box.bottom + 2 * tolerance)
     columns, rows, above = columns[start], rows[start], above[start]
     count = max(SHORT, round(SHORT_SHARE * float(np.ptp(np.flatnonzero(own.any(axis=1))))))
     below = rows + np.arange(1, count + 1)[:, None]  # (count, N)
@@ -61,14 +59,14 @@ def completed(
 def height_shown(
     box: UprightBox, view: DepthView, own: NDArray[np.bool_], unnamed: NDArray[np.bool_], tolerance: float
 ) -> float | None:
-    """Height of what nobody named, on which the object is seen to stand: a shelf just below its lowest pixels."""
+    """Height of an unlabelled surface just below the lowest pixels of the object, e.g. a shelf; None: there is none."""
     columns, rows = lowest_pixels(own)
-    inside = rows + OFF < own.shape[0]
-    columns, rows = columns[inside], rows[inside] + BELOW
-    shown = unnamed[rows, columns] & unnamed[rows + OFF - BELOW, columns] & (view.depth[rows, columns] > 0)
+    inside = rows + 2 * OUTLINE < own.shape[0]
+    columns, rows = columns[inside], rows[inside] + OUTLINE
+    shown = unnamed[rows, columns] & unnamed[rows + OUTLINE, columns] & (view.depth[rows, columns] > 0)
     points = view.points(columns[shown], rows[shown])
-    local = (points - np.asarray(box.center)) @ yaw_matrix(box.yaw)
-    near = (np.abs(local[:, :2]) <= np.asarray(box.size)[:2] / 2 + 2 * tolerance).all(axis=1)
+    local = (points - box.center) @ yaw_matrix(box.yaw)
+    near = (np.abs(local[:, :2]) <= box.size[:2] / 2 + 2 * tolerance).all(axis=1)
     near &= np.abs(points[:, 2] - box.bottom) < tolerance
     return float(np.median(points[near, 2])) if near.sum() > SHELF * len(columns) else None
 
@@ -81,6 +79,6 @@ def reaches_down(box: UprightBox, height: float, tolerance: float, view: DepthVi
     """
     columns, lowest = lowest_pixels(own)
     hits = view.intersect_level(columns, lowest, height)
-    local = (hits - np.asarray(box.center)) @ yaw_matrix(box.yaw)
-    inside = (np.abs(local[:, :2]) <= np.asarray(box.size)[:2] / 2 + tolerance).all(axis=1)
-    return int(inside.sum()) >= FEET
+    local = (hits - box.center) @ yaw_matrix(box.yaw)
+    inside = (np.abs(local[:, :2]) <= box.size[:2] / 2 + tolerance).all(axis=1)
+    return int(inside.sum()) >= OUTLINE

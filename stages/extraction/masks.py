@@ -4,6 +4,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+OUTLINE = 3  # pixels by which the outline of a mask may be off
 SPECK = 0.01  # parts of a mask with a smaller share of its pixels are specks
 
 

@@ -1,4 +1,4 @@
-"""What holds an object, by geometry (paper A.2): what is beneath it, and which walls it touches."""
+"""Mounting of an object by geometry (paper A.2): what it stands on, and which walls it touches."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -10,6 +10,7 @@ from stages.config.extraction import ExtractionConfig
 from stages.contracts.objects import Mounting, Wall
 from stages.extraction.clouds import with_bottom
 from stages.extraction.foot import completed, height_shown, reaches_down
+from stages.extraction.masks import OUTLINE
 from stages.extraction.visibility import DepthView, cell_centres
 from stages.extraction.walls import filled_to, walls_touched
 from stages.geometry.boxes import UprightBox, footprint
@@ -20,8 +21,7 @@ ON_TOP = 0.5  # share of the upper footprint that lies over the lower one
 THINNEST = 0.01  # metres; noise may put a plate's top below the table's
 JUST_BELOW = 0.15  # metres
 SUNK = 0.04  # share of the distance, by which what is in a thing reaches down below its top
-BLUR = 3.0  # pixels between two things, one above the other, from which on there is a gap
-STRETCHED = 2.0  # times its seen height, up to which what is said to stand is taken to reach down to what carries it
+STRETCHED = 2.0  # times its seen height, up to which what is said to stand reaches down to what carries it
 FLOOR, WALL, UNNAMED = "floor", "wall", "unnamed"
 
 
@@ -37,8 +37,8 @@ class Placement:
 
 
 def collapsed(seen: UprightBox, placed: Placement, tolerance: float) -> bool:
-    """Whether something of some height, as seen, would be a thin plate on what was found beneath it."""
-    height, left = np.asarray(seen.size)[2], np.asarray(placed.box.size)[2]
+    """Whether an object that is seen to be high would become a thin plate on its carrier: the depth of one is wrong."""
+    height, left = seen.size[2], placed.box.size[2]
     return bool(left < 1.5 * THINNEST and height > tolerance)
 
 
@@ -50,9 +50,9 @@ def carrier_beneath(
     What reaches down by more than `sunk` metres and half of its height below a top is not on it, but in it (a can in a
     bowl), and stands where it ends.
     """
-    inside = max(sunk, float(np.asarray(box.size)[2]) / 2)
+    inside = max(sunk, float(box.size[2]) / 2)
     plan = footprint(box)
-    widened = min(BESIDE, BESIDE_SMALL * float(np.min(np.asarray(box.size)[:2])))
+    widened = min(BESIDE, BESIDE_SMALL * float(np.min(box.size[:2])))
     tops = [
         (carrier.top if carrier.top <= box.bottom + inside else box.bottom, name)
         for name, carrier in carriers.items()
@@ -68,10 +68,10 @@ def free_space_beneath(box: UprightBox, height: float, view: DepthView, own: NDA
 
     Farther down furniture may stand before it: a picture above a sofa hangs all the same.
     """
-    half = np.asarray(box.size)[:2] / 2
+    half = box.size[:2] / 2
     low = max(height, box.bottom - JUST_BELOW)
     local = cell_centres(np.array([*-half, low]), np.array([*half, box.bottom]), (6, 6, 8))
-    return view.free_space_share(local @ yaw_matrix(box.yaw).T + [*np.asarray(box.center)[:2], 0.0], own)
+    return view.free_space_share(local @ yaw_matrix(box.yaw).T + [*box.center[:2], 0.0], own)
 
 
 def placement(
@@ -102,7 +102,7 @@ def placement(
     """
     if known:
         options = options.model_copy(update={"max_hidden_depth": 0.0})
-    distance = view.distance(np.asarray(box.center))
+    distance = view.distance(box.center)
     tolerance = options.tolerance(view.error.at(distance))
     if unnamed is not None and not known:
         box, own = completed(box, view, own, unnamed, tolerance)
@@ -118,7 +118,7 @@ def placement(
     else:  # depth errs along the view, so a low edge is as sharp as the picture, however far away
         hangs = (
             bool(touched)
-            and box.bottom - beneath > BLUR * view.pixel_size(distance)
+            and box.bottom - beneath > OUTLINE * view.pixel_size(distance)
             and not reaches_down(box, beneath, tolerance, view, own)
             and free_space_beneath(box, beneath, view, own) >= options.free_space_share
         )

@@ -1,4 +1,4 @@
-"""What the common steps start from."""
+"""The input of reconstruction: a picture with depth, masks and annotations."""
 
 from dataclasses import dataclass
 from pathlib import Path

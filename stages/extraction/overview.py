@@ -14,9 +14,7 @@ from stages.geometry.cameras import project
 from stages.geometry.frames import apply, inverse
 
 SCALE = 2  # drawn larger, so that lines and letters are smooth
-EDGES = [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
-LARGE, SMALL = 22, 17  # letters
-CROWD = 8  # objects, from which on letters are small
+LETTERS = 22  # pixels
 GOLDEN = 0.618034  # steps of hue that keep neighbours apart
 Colour = tuple[int, int, int]
 
@@ -43,7 +41,8 @@ def _wireframe(canvas: ImageDraw.ImageDraw, item: SceneObject, objects: Objects,
     box = UprightBox(item.box.center, item.box.size, item.box.yaw)
     in_camera = apply(inverse(np.array(objects.floor_from_camera)), corners(box))
     pixels = project(in_camera, np.array(objects.intrinsics)) * SCALE
-    for a, b in EDGES:
+    ring = [(k, (k + 1) % 4) for k in range(4)]  # of its foot; its top is 4 corners on
+    for a, b in [*ring, *((a + 4, b + 4) for a, b in ring), *((a, a + 4) for a, _ in ring)]:
         if np.isfinite(pixels[[a, b]]).all():
             canvas.line([*map(tuple, pixels[[a, b]])], fill=colour, width=2)
 
@@ -61,9 +60,9 @@ def _caption(item: SceneObject) -> str:
 class _Captions:
     """Captions that do not cover each other: one that would is moved up."""
 
-    def __init__(self, canvas: ImageDraw.ImageDraw, count: int) -> None:
+    def __init__(self, canvas: ImageDraw.ImageDraw) -> None:
         self.canvas = canvas
-        self.font = ImageFont.load_default(LARGE if count <= CROWD else SMALL)
+        self.font = ImageFont.load_default(LETTERS)
         self.taken: list[tuple[float, float, float, float]] = []
 
     def write(self, text: str, at: tuple[float, float], colour: Colour) -> None:
@@ -88,7 +87,7 @@ def draw_overview(rgb: NDArray[np.uint8], masks: NDArray[np.uint16], objects: Ob
     canvas = ImageDraw.Draw(image)
     for item in good:
         _wireframe(canvas, item, objects, colours[item.mask])
-    captions = _Captions(canvas, len(good))
+    captions = _Captions(canvas)
     for item in sorted(good, key=lambda item: -item.mask):
         if item.pixels is not None:
             x0, y0, x1, _ = item.pixels

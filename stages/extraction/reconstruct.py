@@ -1,6 +1,6 @@
 """From an observation to `objects.json`: the steps that do not depend on where depth and masks came from."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,7 @@ from stages.contracts.scenes import Annotation
 from stages.contracts.types import LARGEST
 from stages.extraction import masks, room
 from stages.extraction.border import continued_depth
-from stages.extraction.clouds import cleaned_cloud, fit_box, level_height, with_top
+from stages.extraction.clouds import MAX_POINTS, cleaned_cloud, fit_box, level_height, with_top
 from stages.extraction.mounting import collapsed, placement
 from stages.extraction.observation import AnnotatedImage
 from stages.extraction.reflections import without_reflections
@@ -24,7 +24,6 @@ from stages.geometry.cameras import back_project
 from stages.geometry.frames import apply, rounded
 from stages.geometry.masks import pixel_bounds
 
-BOX_POINTS = 4000  # of the cloud of an object whose box is given
 THINNEST = 0.001  # metres: a box has some depth, also where a cloud has none
 
 
@@ -38,8 +37,149 @@ class ExtractedScene:
     clouds: dict[str, NDArray[np.float32]]
 
 
+@dataclass(frozen=True)
+class Found:
+    """An object and what was said of it; its pixels (H, W), cloud (N, 3) and box if it did not fail."""
+
+    object: SceneObject
+    said: Annotation
+    mask: NDArray[np.bool_] = field(default_factory=lambda: np.zeros((0, 0), dtype=bool))
+    cloud: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 3)))
+    box: UprightBox | None = None
+
+
 class ObjectError(Exception):
     """One object cannot be used; the scene goes on without it."""
+
+
+def reconstruct(
+    scene: str, image: AnnotatedImage, options: ExtractionConfig, rng: np.random.Generator
+) -> ExtractedScene:
+    """Floor frame, walls, and per object cloud, box and mounting.
+
+    Raises:
+        InputError: no floor can be found. Anything wrong with one object only marks that object as failed.
+    """
+    crop = masks.central_crop(image.depth.shape, options.crop)
+    usable = crop & (image.depth > 0)
+    camera_points = back_project(image.depth, image.intrinsics)
+    floor_from_camera = _floor_from_camera(camera_points, image, usable, options, rng)
+    points = np.where(usable[..., None], apply(floor_from_camera, camera_points), np.nan)
+    walls, fitted = _walls(points, image, usable, float(floor_from_camera[2, 3]), options, rng)
+    by_id = {wall.id: wall for wall in walls}
+    shown = {value: by_id[name] for value, name in fitted.items()}
+    error = error_of(image, points, floor_from_camera[:3, 3], shown, options)
+    annotations = sorted(image.annotations.objects, key=lambda item: item.mask)
+    things = (image.masks == item.mask for item in annotations)
+    image = replace(image, depth=without_reflections(image.depth, points, things, walls, error))
+
+    found = [
+        _found(name, item, image, crop, floor_from_camera, error, options, rng)
+        for name, item in zip(object_ids([item.label for item in annotations]), annotations, strict=True)
+    ]
+    view = DepthView(np.where(usable, image.depth, 0), image.intrinsics, floor_from_camera, error)
+    found = _held(scene, found, image, walls, fitted, view, options)
+    clean = np.zeros(image.depth.shape, dtype=np.uint16)
+    for one in found:
+        if one.box is not None:
+            clean[one.mask] = one.object.mask
+    objects = Objects(
+        scene=scene,
+        width=clean.shape[1],
+        height=clean.shape[0],
+        intrinsics=image.intrinsics.tolist(),
+        floor_from_camera=floor_from_camera.tolist(),
+        depth_error=error,
+        walls=walls,
+        objects=[one.object for one in found],
+    )
+    clouds = {one.object.id: one.cloud.astype(np.float32) for one in found if one.box is not None}
+    return ExtractedScene(objects, clean, image.depth, clouds)
+
+
+def _floor_from_camera(
+    points: NDArray[np.float64],
+    image: AnnotatedImage,
+    usable: NDArray[np.bool_],
+    options: ExtractionConfig,
+    rng: np.random.Generator,
+) -> NDArray[np.float64]:
+    """Floor frame as given, from the floor mask, or from the level planes if there is no mask or it is no use."""
+    if image.floor_from_camera is not None:
+        return image.floor_from_camera
+    floor = None
+    if image.annotations.floor is not None:
+        floor = room.fit_floor(points[usable & (image.masks == image.annotations.floor)], options, rng)
+    if floor is None:
+        named = [item.mask for item in image.annotations.objects]
+        clouds = [cloud for value in named if len(cloud := points[usable & (image.masks == value)])]
+        rest = points[usable & ~np.isin(image.masks, [*named, *image.annotations.walls])]
+        floor = room.find_floor(rest, clouds, options, rng) or room.find_floor(points[usable], clouds, options, rng)
+    if floor is None:
+        raise InputError(
+            "depth.npz",
+            "shows no level plane that could be the floor.",
+            "check depth (metres) and intrinsics",
+            code="E-FLOOR-MISSING",
+        )
+    if image.annotations.floor is None:
+        what = "the level plane that most objects stand on" if image.annotations.objects else "the lowest level plane"
+        print(f"no mask of the floor: taken to be {what}, {-floor.offset:.2f} m below the camera")
+    return room.floor_frame(floor)
+
+
+def _walls(
+    points: NDArray[np.float64],
+    image: AnnotatedImage,
+    usable: NDArray[np.bool_],
+    camera_height: float,
+    options: ExtractionConfig,
+    rng: np.random.Generator,
+) -> tuple[list[Wall], dict[int, str]]:
+    """The walls, and each one's id by the mask values that show it; what nobody named may show others."""
+    fits, shown = [], []
+    others = usable & ~np.isin(image.masks, [item.mask for item in image.annotations.objects])
+    others &= image.masks != image.annotations.floor
+    for value in image.annotations.walls:
+        mask = masks.eroded(usable & (image.masks == value), options.erosion, options.erosion_keep)
+        fit = room.fit_wall(points[mask], camera_height, options, rng)
+        if fit is not None:
+            fits.append(fit)
+            shown.append(value)
+            others &= ~(points @ fit[0] - fit[1] < 3 * options.plane_threshold)
+    fits += room.find_walls(points[usable], others[usable], camera_height, options, rng.spawn(1)[0])
+    walls, ids = room.merge_walls(fits, options)
+    return walls, dict(zip(shown, ids, strict=False))
+
+
+def _found(
+    name: str,
+    item: Annotation,
+    image: AnnotatedImage,
+    crop: NDArray[np.bool_],
+    floor_from_camera: NDArray[np.float64],
+    error: DepthError,
+    options: ExtractionConfig,
+    rng: np.random.Generator,
+) -> Found:
+    """One object's pixels, cloud and box."""
+    whole = item.box is not None and not item.guessed
+    known = SceneObject(id=name, whole=whole, **item.model_dump(exclude={"box", "guessed", "mounting"}))
+    try:
+        mask = _object_mask(item, image, crop, options)
+        if item.box is not None:
+            box = UprightBox(item.box.center, item.box.size, item.box.yaw)
+            cloud = surface_points(box, MAX_POINTS)
+            cloud = cloud if item.front is not None else rounded_off(cloud, box)
+        else:
+            cloud = _object_cloud(mask, image, floor_from_camera, options, rng)
+            box = _fitted(cloud, mask, image, floor_from_camera, error, options)
+        extent = float(np.max(box.size))
+        if extent > LARGEST:
+            raise ObjectError(f"{extent:.0f} m large: its depth cannot be right")
+    except ObjectError as failure:
+        return Found(known.model_copy(update={"status": "failed", "reason": str(failure)}), item)
+    return Found(known.model_copy(update={"pixels": pixel_bounds(mask), "points": len(cloud)}), item, mask, cloud, box)
 
 
 def _object_mask(
@@ -86,67 +226,57 @@ def _fitted(
 ) -> UprightBox:
     """The box of a cleaned cloud. What has a level top ends there; what lost its thin top to erosion has it again."""
     box = fit_box(cloud, options)
-    distance = float(np.linalg.norm(np.asarray(box.center) - floor_from_camera[:3, 3]))
+    distance = float(np.linalg.norm(box.center - floor_from_camera[:3, 3]))
     noise = error.at(distance)
     depth = np.where(mask, image.depth, 0.0)
     whole = apply(floor_from_camera, back_project(depth, image.intrinsics)[depth > 0])
-    level = level_height(cloud, whole, box, noise, distance, options.trim)
+    level = level_height(cloud, whole, box, noise, distance, options)
     if level is not None:
         return with_top(box, level)
     top = float(np.quantile(whole[:, 2], 1 - options.trim))
     return with_top(box, top) if top > box.top + options.tolerance(noise) else box
 
 
-def _floor_from_camera(
-    points: NDArray[np.float64],
+def _held(
+    scene: str,
+    found: list[Found],
     image: AnnotatedImage,
-    usable: NDArray[np.bool_],
+    walls: list[Wall],
+    fitted: dict[int, str],
+    view: DepthView,
     options: ExtractionConfig,
-    rng: np.random.Generator,
-) -> NDArray[np.float64]:
-    """Floor frame as given, from the floor mask, or from the level planes if there is no mask or it is no use."""
-    if image.floor_from_camera is not None:
-        return image.floor_from_camera
-    floor = None
-    if image.annotations.floor is not None:
-        floor = room.fit_floor(points[usable & (image.masks == image.annotations.floor)], options, rng)
-    if floor is None:
-        named = [item.mask for item in image.annotations.objects]
-        clouds = [cloud for value in named if len(cloud := points[usable & (image.masks == value)])]
-        rest = points[usable & ~np.isin(image.masks, [*named, *image.annotations.walls])]
-        floor = room.find_floor(rest, clouds, options, rng) or room.find_floor(points[usable], clouds, options, rng)
-    if floor is None:
-        raise InputError(
-            "depth.npz", "shows no level plane that could be the floor.", "check depth (metres) and intrinsics"
-        )
-    if image.annotations.floor is None:
-        what = "the level plane that most objects stand on" if image.annotations.objects else "the lowest level plane"
-        print(f"no mask of the floor: taken to be {what}, {-floor.offset:.2f} m below the camera")
-    return room.floor_frame(floor)
-
-
-def _walls(
-    points: NDArray[np.float64],
-    image: AnnotatedImage,
-    usable: NDArray[np.bool_],
-    camera_height: float,
-    options: ExtractionConfig,
-    rng: np.random.Generator,
-) -> tuple[list[Wall], dict[int, str]]:
-    """The walls, and each one's id by the mask values that show it; what nobody named may show others."""
-    fits, shown = [], []
-    others = usable & ~np.isin(image.masks, [item.mask for item in image.annotations.objects])
-    others &= image.masks != image.annotations.floor
-    for value in image.annotations.walls:
-        mask = masks.eroded(usable & (image.masks == value), options.erosion, options.erosion_keep)
-        fit = room.fit_wall(points[mask], camera_height, options, rng)
-        if fit is not None:
-            fits.append(fit)
-            shown.append(value)
-            others &= ~(points @ fit[0] - fit[1] < 3 * options.plane_threshold)
-    fits += room.find_walls(points[usable], others[usable], camera_height, options, rng.spawn(1)[0])
-    walls, ids = room.merge_walls(fits, options)
-    return walls, dict(zip(shown, ids, strict=False))
+) -> list[Found]:
+    """The objects with their mountings and supports, and boxes down to these; what carries comes before the carried."""
+    boxes = {one.object.id: one.box for one in found if one.box is not None}
+    unnamed = ~np.isin(image.masks, image.annotations.values)
+    carriers: dict[str, UprightBox] = {}
+    done = {one.object.id: one for one in found}
+    for name in sorted(boxes, key=lambda key: boxes[key].bottom):
+        one, box = done[name], boxes[name]
+        others = [other for key, other in boxes.items() if key != name]
+        own = image.masks == one.object.mask
+        stated, note = _stated(one.said, box, walls, fitted, options)
+        if note:
+            print(f"{scene} {name}: {note}: mounting by geometry")
+        told = one.said.box is not None
+        placed = placement(box, carriers, others, walls, view, own, options, told, stated, unnamed)
+        if collapsed(box, placed, options.tolerance(view.noise(box.center))):
+            reason = "its top is found below what carries it: the depth of one of the two is wrong"
+            failed = {"status": "failed", "reason": reason, "points": 0}
+            done[name] = Found(one.object.model_copy(update=failed), one.said)
+            continue
+        carriers[name] = placed.filled
+        final = placed.box
+        size = rounded(np.maximum(final.size, THINNEST))
+        update = {
+            "box": Box(center=rounded(final.center), size=size, yaw=round(final.yaw, 6)),
+            "mounting": placed.mounting,
+            "measured_support": placed.support,
+            "measured_mounting": placed.measured if stated else None,
+            "note": note,
+        }
+        done[name] = replace(one, object=one.object.model_copy(update=update))
+    return list(done.values())
 
 
 def _stated(
@@ -159,96 +289,3 @@ def _stated(
         return stated_mounting(item.mounting, box, walls, fitted, options), ""
     except ImpossibleError as error:
         return None, str(error)
-
-
-def reconstruct(
-    scene: str, image: AnnotatedImage, options: ExtractionConfig, rng: np.random.Generator
-) -> ExtractedScene:
-    """Floor frame, walls, and per object cloud, box and mounting.
-
-    Raises:
-        InputError: no floor can be found. Anything wrong with one object only marks that object as failed.
-    """
-    shape = image.depth.shape
-    crop = masks.central_crop(shape, options.crop)
-    usable = crop & (image.depth > 0)
-    camera_points = back_project(image.depth, image.intrinsics)
-    floor_from_camera = _floor_from_camera(camera_points, image, usable, options, rng)
-    points = np.where(usable[..., None], apply(floor_from_camera, camera_points), np.nan)
-    walls, fitted = _walls(points, image, usable, float(floor_from_camera[2, 3]), options, rng)
-    by_id = {wall.id: wall for wall in walls}
-    error = error_of(image, points, floor_from_camera[:3, 3], {value: by_id[name] for value, name in fitted.items()})
-
-    annotations = sorted(image.annotations.objects, key=lambda item: item.mask)
-    things = (image.masks == item.mask for item in annotations)
-    image = replace(image, depth=without_reflections(image.depth, points, things, walls, error))
-    extracted: dict[str, SceneObject] = {}
-    boxes: dict[str, UprightBox] = {}
-    clouds: dict[str, NDArray[np.float32]] = {}
-    clean = np.zeros(shape, dtype=np.uint16)
-    for name, item in zip(object_ids([item.label for item in annotations]), annotations, strict=True):
-        whole = item.box is not None and not item.guessed
-        known = SceneObject(id=name, whole=whole, **item.model_dump(exclude={"box", "guessed", "mounting"}))
-        try:
-            mask = _object_mask(item, image, crop, options)
-            if item.box is not None:
-                box = UprightBox(item.box.center, item.box.size, item.box.yaw)
-                cloud = surface_points(box, BOX_POINTS)
-                cloud = cloud if item.front is not None else rounded_off(cloud, box)
-            else:
-                cloud = _object_cloud(mask, image, floor_from_camera, options, rng)
-                box = _fitted(cloud, mask, image, floor_from_camera, error, options)
-            extent = float(np.max(box.size))
-            if extent > LARGEST:
-                raise ObjectError(f"{extent:.0f} m large: its depth cannot be right")
-        except ObjectError as failure:
-            extracted[name] = known.model_copy(update={"status": "failed", "reason": str(failure)})
-            continue
-        clean[mask] = item.mask
-        clouds[name] = cloud.astype(np.float32)
-        boxes[name] = box
-        extracted[name] = known.model_copy(update={"pixels": pixel_bounds(mask), "points": len(cloud)})
-
-    view = DepthView(np.where(usable, image.depth, 0), image.intrinsics, floor_from_camera, error)
-    given = {item.mask: item for item in annotations}
-    unnamed = ~np.isin(image.masks, image.annotations.values)
-    carriers: dict[str, UprightBox] = {}
-    for name in sorted(boxes, key=lambda key: boxes[key].bottom):  # what carries comes before what it carries
-        others = [other for key, other in boxes.items() if key != name]
-        own = image.masks == extracted[name].mask
-        item = given[extracted[name].mask]
-        stated, note = _stated(item, boxes[name], walls, fitted, options)
-        if note:
-            print(f"{scene} {name}: {note}: mounting by geometry")
-        told = item.box is not None
-        placed = placement(boxes[name], carriers, others, walls, view, own, options, told, stated, unnamed)
-        if collapsed(boxes[name], placed, options.tolerance(view.noise(boxes[name].center))):
-            reason = "its top is found below what carries it: the depth of one of the two is wrong"
-            extracted[name] = extracted[name].model_copy(update={"status": "failed", "reason": reason, "points": 0})
-            clean[clean == extracted[name].mask] = 0
-            del clouds[name]
-            continue
-        carriers[name] = placed.filled
-        box = placed.box
-        extracted[name] = extracted[name].model_copy(
-            update={
-                "box": Box(
-                    center=rounded(box.center), size=rounded(np.maximum(box.size, THINNEST)), yaw=round(box.yaw, 6)
-                ),
-                "mounting": placed.mounting,
-                "measured_support": placed.support,
-                "measured_mounting": placed.measured if stated else None,
-                "note": note,
-            }
-        )
-    objects = Objects(
-        scene=scene,
-        width=shape[1],
-        height=shape[0],
-        intrinsics=image.intrinsics.tolist(),
-        floor_from_camera=floor_from_camera.tolist(),
-        depth_error=error,
-        walls=walls,
-        objects=list(extracted.values()),
-    )
-    return ExtractedScene(objects, clean, image.depth, clouds)

@@ -1,4 +1,4 @@
-"""Depth of mirrors and panes: it is that of what they show, behind the wall that they hang on."""
+"""Remove depth of reflections: what a mirror or a pane shows seems to lie behind the wall that it hangs on."""
 
 from collections.abc import Iterable, Sequence
 

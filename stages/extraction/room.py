@@ -13,10 +13,8 @@ from stages.geometry.planes import Plane, fit_plane
 UP_IN_IMAGE = np.array([0.0, -1.0, 0.0])  # camera frame: y is down
 MAX_POINTS = 20_000
 FALLBACK_PLANES = 4
-FALLBACK_SHARE = 0.02  # of all points, for a plane to be the floor when no floor mask is given
-FEET, STANDING = 0.02, 0.03  # share of an object's points that are its lowest; metres at 1 m that they may be off
-BEHIND = 0.02  # share of a picture's points that may lie behind a wall without a mask: mirrors, windows, noise
-GRAZING = 0.2  # sine of the angle between sight and such a wall, below which it is the edge of something
+STRAY = 0.02  # share of some points that say nothing: noise, what mirrors and windows show
+GRAZING = 0.2  # sine of the angle between sight and a wall without a mask, below which it is the edge of something
 WALL_TILT = 0.25  # largest |z| of a wall's unit normal, 14 degrees from upright
 
 
@@ -47,6 +45,21 @@ def fit_floor(points: NDArray[np.float64], options: ExtractionConfig, rng: np.ra
     )
 
 
+def level_planes(points: NDArray[np.float64], options: ExtractionConfig, rng: np.random.Generator) -> list[Plane]:
+    """Level planes below the camera in points (N, 3), camera frame: floors and table tops, one after the other."""
+    found: list[Plane] = []
+    rest = sampled(points, rng)
+    least = max(3, STRAY * len(rest))
+    for _ in range(FALLBACK_PLANES):
+        plane = fit_floor(rest, options, rng)
+        if plane is None or plane.inliers.sum() < least:
+            break
+        if plane.offset < 0:  # else a ceiling, or nothing level: the camera is below it
+            found.append(plane)
+        rest = rest[~plane.inliers]
+    return found
+
+
 def find_floor(
     points: NDArray[np.float64],
     objects: Sequence[NDArray[np.float64]],
@@ -61,27 +74,19 @@ def find_floor(
         options: thresholds.
         rng: source of RANSAC's hypotheses.
     """
-    rest = points = sampled(points, rng)
-    best, most = None, (-1, -np.inf)
-    for _ in range(FALLBACK_PLANES):
-        plane = fit_floor(rest, options, rng)
-        if plane is None or plane.inliers.sum() < max(3, FALLBACK_SHARE * len(points)):
-            break
-        if plane.offset >= 0:  # a ceiling, or nothing level: the camera is below it
-            rest = rest[~plane.inliers]
-            continue
+    points = sampled(points, rng)
+
+    def score(plane: Plane) -> tuple[int, float]:
         below = float((points @ plane.normal - plane.offset < -_threshold(points, options)).mean())
-        found = sum(_stands_on(cloud, plane) for cloud in objects), -below
-        if found > most:
-            best, most = plane, found
-        rest = rest[~plane.inliers]
-    return best
+        return sum(_stands_on(cloud, plane, options.plane_threshold) for cloud in objects), -below
+
+    return max(level_planes(points, options, rng), key=score, default=None)
 
 
-def _stands_on(points: NDArray[np.float64], plane: Plane) -> bool:
-    """Whether the lowest of an object's points (N, 3) are at a plane."""
+def _stands_on(points: NDArray[np.float64], plane: Plane, reach: float) -> bool:
+    """Whether the lowest of an object's points (N, 3) are within `reach` of a plane, metres at 1 m."""
     far = max(1.0, float(np.median(points[:, 2])))
-    return bool(abs(np.quantile(points @ plane.normal - plane.offset, FEET)) < STANDING * far)
+    return bool(abs(np.quantile(points @ plane.normal - plane.offset, STRAY)) < reach * far)
 
 
 def _face_up(plane: Plane | None) -> Plane | None:
@@ -151,12 +156,12 @@ def find_walls(
     reach, found = _threshold(points - [0, 0, camera_height], options), []
     for _ in range(FALLBACK_PLANES):
         fit = fit_wall(rest, camera_height, options, rng)
-        if fit is None or fit[2] < max(3, FALLBACK_SHARE * len(points)):
+        if fit is None or fit[2] < max(3, STRAY * len(points)):
             break
         normal, offset, _ = fit
         near = rest[np.abs(rest @ normal - offset) < reach]
         faces = -offset > GRAZING * float(np.median(np.linalg.norm(near[:, :2], axis=1)))
-        if faces and (points @ normal - offset < -2 * reach).mean() < BEHIND:
+        if faces and (points @ normal - offset < -2 * reach).mean() < STRAY:
             found.append(fit)
         rest = rest[rest @ normal - offset > reach]
     return found

@@ -1,4 +1,4 @@
-"""How far depth errs, measured at the planes of the picture: floor and walls are flat, their depth is not."""
+"""Estimate the error of depth from the planes in the picture: floor and walls are flat, their measured depth is not."""
 
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
@@ -7,13 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
+from stages.config.extraction import ExtractionConfig
 from stages.contracts.objects import USUAL_ERROR, DepthError, Wall
 from stages.extraction.masks import eroded
 from stages.extraction.observation import AnnotatedImage
+from stages.extraction.room import GRAZING
 
-ERODED, LEVEL = 2, 0.03  # pixels off a surface's border; metres about z = 0 that are floor where no mask is
 PARTS, LEAST = 8, 100  # parts of a plane by distance, each with so many points at least
-SHALLOW = 0.2  # sine of the angle between ray and plane, below which a plane's own unevenness looks like depth's error
 MOST = 0.05  # of the distance: what lies farther from a plane is no plane
 TO_DEVIATION = 1.4826  # times the median of the errors' sizes: a few pixels of something else do not count
 
@@ -27,7 +27,11 @@ class Surface(NamedTuple):
 
 
 def error_of(
-    image: AnnotatedImage, points: NDArray[np.float64], eye: NDArray[np.float64], walls: Mapping[int, Wall]
+    image: AnnotatedImage,
+    points: NDArray[np.float64],
+    eye: NDArray[np.float64],
+    walls: Mapping[int, Wall],
+    options: ExtractionConfig,
 ) -> DepthError:
     """The error of a picture's depth: as its source knows it, else measured at the floor, else at the walls (one mask
     of people's may show two of them), else the usual one.
@@ -35,17 +39,20 @@ def error_of(
     Args:
         points: (H, W, 3) of the picture in the floor frame, NaN where not used. eye: (3,) of the camera.
         walls: by the mask values that show them.
+        options: thresholds.
     """
     if image.depth_error is not None:
         return image.depth_error
     if image.annotations.floor is not None:
         floor = image.masks == image.annotations.floor
     else:
-        floor = (np.abs(points[..., 2]) < LEVEL) & ~np.isin(image.masks, image.annotations.values)
+        floor = (np.abs(points[..., 2]) < options.plane_threshold) & ~np.isin(image.masks, image.annotations.values)
     shown = [(floor, [0.0, 0.0, 1.0], 0.0)]
     shown += [(image.masks == value, list(wall.normal), wall.offset) for value, wall in walls.items()]
     known = np.isfinite(points[..., 2])
-    surfaces = [Surface(points[eroded(mask & known, ERODED, 0)], np.array(n), offset) for mask, n, offset in shown]
+    surfaces = [
+        Surface(points[eroded(mask & known, options.erosion, 0)], np.array(n), offset) for mask, n, offset in shown
+    ]
     return measured_error(surfaces[:1], eye) or measured_error(surfaces[1:], eye) or USUAL_ERROR
 
 
@@ -59,7 +66,7 @@ def measured_error(surfaces: Sequence[Surface], eye: NDArray[np.float64]) -> Dep
         rays = points - eye
         ranges = np.linalg.norm(rays, axis=1)
         slope = rays @ normal / ranges
-        seen = np.abs(slope) > SHALLOW
+        seen = np.abs(slope) > GRAZING  # else its own unevenness looks like an error of depth
         off, ranges = np.abs((points @ normal - offset)[seen] / slope[seen]), ranges[seen]
         for part in np.array_split(np.argsort(ranges), PARTS):
             if len(part) >= LEAST:

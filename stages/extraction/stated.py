@@ -1,4 +1,4 @@
-"""How the input says that something is held (paper A.2: a captioner's answer), at the walls that were fitted."""
+"""The mounting that the input states (paper A.2: by a captioner), with ids of the fitted walls."""
 
 from stages.config.extraction import ExtractionConfig
 from stages.contracts.objects import Mounting, Wall
@@ -8,7 +8,7 @@ from stages.geometry.boxes import UprightBox
 
 
 class ImpossibleError(Exception):
-    """What is stated cannot be; geometry tells then."""
+    """The stated mounting is impossible; the one by geometry is used."""
 
 
 def stated_mounting(

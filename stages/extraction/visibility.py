@@ -1,4 +1,4 @@
-"""What the camera has seen of a piece of space: empty, or hidden behind something."""
+"""Visibility of points in space by the depth image: seen to be empty, or hidden."""
 
 from dataclasses import dataclass
 

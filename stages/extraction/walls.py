@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from stages.config.extraction import ExtractionConfig
 from stages.contracts.objects import Wall
+from stages.extraction.masks import OUTLINE
 from stages.extraction.visibility import DepthView, cell_centres
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.frames import wrap_angle, yaw_matrix
 
 BLOCKED = 0.3  # share of the gap that another object fills, from which on that one stands at the wall instead
-OUTLINE = 3.0  # pixels by which the faces looked at are moved inwards: outlines are not exact
 
 
 @dataclass(frozen=True)
@@ -50,8 +50,8 @@ class Gap:
         points = self.points(self.along, self.height)
         filled = np.zeros(len(points), dtype=bool)
         for other in others:
-            local = (points - np.asarray(other.center)) @ yaw_matrix(other.yaw)
-            filled |= (np.abs(local) < np.asarray(other.size) / 2).all(axis=1)
+            local = (points - other.center) @ yaw_matrix(other.yaw)
+            filled |= (np.abs(local) < other.size / 2).all(axis=1)
         return bool(filled.mean() > BLOCKED)
 
 
@@ -64,8 +64,8 @@ def gap_to(box: UprightBox, wall: Wall) -> Gap:
     normal = np.asarray(wall.normal)
     tangent = np.array([-normal[1], normal[0], 0.0])
     depth = float((corners(box) @ normal).min() - wall.offset)
-    middle = float(np.asarray(box.center) @ tangent)
-    half = float(np.abs(np.asarray(box.size)[:2] * (tangent @ yaw_matrix(box.yaw))[:2]).max()) / 2
+    middle = float(box.center @ tangent)
+    half = float(np.abs(box.size[:2] * (tangent @ yaw_matrix(box.yaw))[:2]).max()) / 2
     return Gap(normal, wall.offset, (middle - half, middle + half), (box.bottom, box.top), depth)
 
 
@@ -78,7 +78,7 @@ def walls_touched(
     options: ExtractionConfig,
 ) -> list[Wall]:
     """The walls that the object touches, the one it leans on with its widest face first."""
-    distance = view.distance(np.asarray(box.center))
+    distance = view.distance(box.center)
     tolerance = options.tolerance(view.error.at(distance))
     touched = []
     for wall in walls:
@@ -88,9 +88,7 @@ def walls_touched(
             and gap.free_space_share(view, own, OUTLINE * view.pixel_size(distance)) < options.free_space_share
             and not gap.blocked(others)
         )
-        in_front = (
-            float(np.asarray(box.center) @ gap.normal - gap.offset) > -tolerance
-        )  # not behind a free-standing wall
+        in_front = float(box.center @ gap.normal - gap.offset) > -tolerance  # not behind a free-standing wall
         if (gap.depth <= tolerance and in_front) or hidden:
             touched.append((gap.along[0] - gap.along[1], wall.id, wall))
     return [wall for _, _, wall in sorted(touched, key=lambda entry: entry[:2])]
@@ -102,7 +100,7 @@ def filled_to(box: UprightBox, wall: Wall) -> UprightBox:
     turn = yaw_matrix(box.yaw)
     axis = int(np.argmax(np.abs(turn.T[:2] @ normal)))
     outward = turn[:, axis] * np.sign(turn[:, axis] @ normal)
-    front = float(np.asarray(box.center) @ outward + np.asarray(box.size)[axis] / 2)
+    front = float(box.center @ outward + box.size[axis] / 2)
     aligned = abs(wrap_angle(np.arctan2(outward[1], outward[0]) - np.arctan2(normal[1], normal[0]))) < np.pi / 4
     if not aligned or front <= wall.offset:
         return box

@@ -1,4 +1,4 @@
-"""Point clouds as (N, 3) arrays, by Open3D: outliers, clusters, normals, farthest points. Same points, same answer.
+"""Point clouds as (N, 3) arrays, by Open3D: outliers, clusters, farthest points. Same points, same answer.
 
 What Open3D does not do as well as this project's own code (planes, upright boxes, patch normals): docs/extraction.md.
 """
@@ -27,14 +27,6 @@ def statistical_inliers(points: NDArray[np.floating], neighbours: int, deviation
 def dbscan(points: NDArray[np.floating], radius: float, min_points: int) -> NDArray[np.int32]:
     """Cluster (N,) of each point by DBSCAN (Ester et al. 1996), -1 for noise."""
     return np.asarray(_open3d_cloud(points).cluster_dbscan(radius, min_points), dtype=np.int32)
-
-
-def surface_normals(points: NDArray[np.floating], radius: float) -> NDArray[np.float64]:
-    """Unit normals (N, 3) of the surface within `radius` of each point, turned to the origin, where the camera is."""
-    cloud = _open3d_cloud(points)
-    cloud.estimate_normals(o3d.geometry.KDTreeSearchParamHybrid(radius, 50))
-    cloud.orient_normals_towards_camera_location(np.zeros(3))
-    return np.asarray(cloud.normals)
 
 
 def farthest_points(points: NDArray[np.float32], count: int) -> NDArray[np.float32]:

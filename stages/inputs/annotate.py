@@ -1,4 +1,4 @@
-"""Verb `annotate`: a page in the browser on which a photograph becomes an input folder, or a found one is corrected."""
+"""Verb `annotate`: a page in the browser to draw a photograph into an input folder, or to correct one."""
 
 import json
 import webbrowser
@@ -65,18 +65,27 @@ def run(
     if image.is_dir():
         for name, given in (("--out", out), ("--depth", depth), ("--camera", camera), ("--lens", lens)):
             if given is not None:
-                raise InputError(name, "is for a picture; the folder has its own.", "leave it out")
+                raise InputError(
+                    name, "is for a picture; the folder has its own.", "leave it out", code="E-OPTION-CONFLICT"
+                )
         name = scene or (image.parent.name if image.name in MADE else scene_of(image.resolve()))
         session: Session | Correcting = Correcting(image, _categories(library), results, name, variant, choose)
         session.opened()
     elif lens is not None and depth is not None:
-        raise InputError("--lens", "bends the picture, not the depth.", "`inputs from-rgbd` straightens both")
+        raise InputError(
+            "--lens",
+            "bends the picture, not the depth.",
+            "`inputs from-rgbd` straightens both",
+            code="E-OPTION-CONFLICT",
+        )
     else:
         session = _drawn(read_photo(image, lens), image, out, depth, camera, library)
     try:
         server = PageServer(session, port)
     except OSError as error:
-        raise InputError(f"--port {port}", f"cannot be used ({error.strerror}).", "leave it out") from None
+        raise InputError(
+            f"--port {port}", f"cannot be used ({error.strerror}).", "leave it out", code="E-PORT-TAKEN"
+        ) from None
     kept = session.folder / (CORRECTIONS if image.is_dir() else PROJECT)
     print(f"Draw at {server.address}\nEnd it there, or with Ctrl+C: {kept} keeps what is drawn.", flush=True)
     if browser:
@@ -115,5 +124,5 @@ def _drawn(
 
 def _folder(path: Path) -> Path:
     if path.exists() and not path.is_dir():
-        raise InputError(path, "is a file, not a folder.", "give a folder with --out")
+        raise InputError(path, "is a file, not a folder.", "give a folder with --out", code="E-OUTPUT-FOLDER")
     return path

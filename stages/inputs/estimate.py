@@ -30,7 +30,7 @@ ROOM = (FLOOR, WALL)
 
 @dataclass(frozen=True)
 class Thing:
-    """A detection with its mask (H, W) and what was said of it."""
+    """A detection with its mask (H, W), and what the language model says of it."""
 
     detection: Detection
     mask: NDArray[np.bool_]
@@ -59,7 +59,9 @@ def run(*, image: Path, out: Path, options: str = "", device: str = "cpu") -> No
         try:
             labels = listed(asker, photo.rgb)
         except NoAnswerError as error:
-            raise InputError(settings.vlm.url, f"says not what is in the picture ({error}).", _BY_LABEL) from None
+            raise InputError(
+                settings.vlm.url, f"says not what is in the picture ({error}).", _BY_LABEL, code="E-VLM-ANSWER"
+            ) from None
         print(f"{settings.vlm.model} lists {', '.join(labels)}")
     depth, focal = depth_of(photo.rgb, settings, device)
     intrinsics, line = camera_of(photo, focal, settings)
@@ -111,7 +113,7 @@ def found_things(rgb: NDArray[np.uint8], labels: list[str], options: PhotoConfig
     detections = detect(rgb, [*labels, *ROOM], options, device)
     if all(item.label in ROOM for item in detections):
         fix = "lower photo.box_threshold, name it in photo.labels, or draw it: python -m stages.inputs annotate"
-        raise InputError("photo", "the detector finds no object in the picture.", fix)
+        raise InputError("photo", "the detector finds no object in the picture.", fix, code="E-SCENE-EMPTY")
     things: list[Thing] = []
     least = max(1.0, options.min_share * rgb.shape[0] * rgb.shape[1])
     for detection, mask in zip(detections, segment(rgb, detections, options, device), strict=True):
@@ -125,7 +127,7 @@ def _overlap(one: NDArray[np.bool_], other: NDArray[np.bool_]) -> float:
 
 
 def recaptioned(asker: Asker, rgb: NDArray[np.uint8], things: list[Thing], labels: list[str]) -> list[Thing]:
-    """Things as the language model sees them one by one; what it calls none of the labels is left out, and said."""
+    """Detections with the labels that the language model gives them; those without a label are left out."""
     kept = []
     for number, thing in enumerate(progress(things, "objects"), 1):
         detection = thing.detection
@@ -150,7 +152,7 @@ def recaptioned(asker: Asker, rgb: NDArray[np.uint8], things: list[Thing], label
 
 
 def hung(asker: Asker, rgb: NDArray[np.uint8], things: list[Thing]) -> list[Thing]:
-    """Things as the language model says that they are held; geometry tells it where there is no usable answer."""
+    """Detections with the mountings that the language model states; None without a usable answer."""
     walls = [thing.mask for thing in things if thing.detection.label == WALL]
     if not walls:
         print("no wall is found: mounting by geometry")

@@ -8,7 +8,7 @@ from pydantic import Field, TypeAdapter, ValidationError
 from stages.config.photo import FetchOptions, WeightsConfig
 from stages.contracts import InputError, read_options, write_text
 from stages.contracts.files import Contract, first_error
-from stages.matching.pretrained import check_folder, weights_sha256
+from stages.pretrained import check_folder, weights_sha256
 
 LOCK = Path("weights.lock.json")
 RECORD = "fetched.json"  # beside the weights, when all of their files are there
@@ -51,7 +51,9 @@ def _read_lock(path: Path) -> dict[str, Locked]:
     try:
         return TypeAdapter(dict[str, Locked]).validate_json(path.read_bytes())
     except ValidationError as error:
-        raise InputError(path, f"is broken at {first_error(error)}.", "remove it to lock what comes next") from None
+        raise InputError(
+            path, f"is broken at {first_error(error)}.", "remove it to lock what comes next", code="E-WEIGHTS-LOCK"
+        ) from None
 
 
 def fetched(network: WeightsConfig, key: str, locked: Locked | None = None) -> Record:
@@ -78,7 +80,12 @@ def fetched(network: WeightsConfig, key: str, locked: Locked | None = None) -> R
             _check_lock(folder, known["sha256"], locked)
         return known or {"path": network.path, "sha256": weights_sha256(network)}
     if not network.source:
-        raise InputError(f"{key}.source", "is empty, and its path holds no weights.", "a model id of the hub")
+        raise InputError(
+            f"{key}.source",
+            "is empty, and its path holds no weights.",
+            "a model id of the hub",
+            code="E-WEIGHTS-MISSING",
+        )
     record.unlink(missing_ok=True)
     commit = _download(network, key, locked.commit if locked else network.revision)
     check_folder(network, key)
@@ -94,7 +101,7 @@ def _check_lock(folder: Path, sha256: str, locked: Locked | None) -> None:
             f"has sha256 {sha256}, locked is {locked.sha256}.",
             "remove the folder, or the entry of the lock file",
         )
-        raise InputError(folder / "model.safetensors", what, fix)
+        raise InputError(folder / "model.safetensors", what, fix, code="E-WEIGHTS-CHECKSUM")
 
 
 def _download(network: WeightsConfig, key: str, revision: str) -> str:
@@ -110,5 +117,5 @@ def _download(network: WeightsConfig, key: str, revision: str) -> str:
         reason = (str(error).strip() or error.__class__.__name__).splitlines()[0]
         what = f"'{network.source}' at '{revision}' cannot be fetched ({reason})."
         fix = f"run it again, what came stays; or put the folder into {network.path} by hand"
-        raise InputError(f"{key}.source", what, fix) from None
+        raise InputError(f"{key}.source", what, fix, code="E-WEIGHTS-DOWNLOAD") from None
     return commit

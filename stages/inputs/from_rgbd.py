@@ -42,7 +42,7 @@ def run(
         out: the input folder to write (docs/scenes.md).
         rgb: the colour picture.
         depth: depth aligned to it, at any size: PNG, TIFF, PGM, EXR, NPZ, NPY.
-        recording: in the place of both, a recording: TUM, Open3D, RealSense, Record3D, NYU (.mat), SUN RGB-D.
+        recording: in the place of both, the folder of a recording: TUM, Open3D, RealSense, Record3D.
         number: which frame of the recording, from 0.
         unit: of the depth: auto, m, mm, or the number that stands for one metre.
         intrinsics: file with the colour camera's intrinsics (JSON, YAML, text); distortion in it is taken out.
@@ -51,13 +51,20 @@ def run(
         matrix: fx, fy, cx, cy in pixels, in the place of all three.
         masks: COCO or labelme JSON, or a PNG of indices or colours.
         labels: names of the PNG's values, as JSON.
-        clusters: make masks by geometry, of what stands on the largest level plane, to be named by you.
+        clusters: make masks of what stands on a table or floor, by depth alone, to be named by you.
     """
     known = sum((intrinsics is not None, bool(camera), fov > 0, bool(matrix)))
     if known > 1:
-        raise InputError("--intrinsics, --camera, --fov, --matrix", "say the same thing.", "give one of them")
+        raise InputError(
+            "--intrinsics, --camera, --fov, --matrix",
+            "say the same thing.",
+            "give one of them",
+            code="E-OPTION-CONFLICT",
+        )
     if matrix and len(matrix) != 4:
-        raise InputError("--matrix", f"has {len(matrix)} numbers.", "fx fy cx cy, in pixels")
+        raise InputError(
+            "--matrix", f"has {len(matrix)} numbers.", "fx fy cx cy, in pixels", code="E-CAMERA-INTRINSICS"
+        )
 
     def told(width: int, height: int) -> Matrix:
         if intrinsics is not None:
@@ -68,12 +75,19 @@ def run(
 
     if recording is not None:
         if rgb is not None or depth is not None:
-            raise InputError("--recording", "has its own pictures.", "leave out --rgb and --depth")
+            raise InputError(
+                "--recording", "has its own pictures.", "leave out --rgb and --depth", code="E-OPTION-CONFLICT"
+            )
         frame = read_frame(recording, number, told if known else None)
     elif rgb is None or depth is None:
-        raise InputError("--rgb, --depth", "both are needed.", "or give --recording")
+        raise InputError("--rgb, --depth", "both are needed.", "or give --recording", code="E-OPTION-MISSING")
     elif not known:
-        raise InputError(rgb, "nothing says what camera took it.", f"--intrinsics: {KNOWS}; or --camera, or --fov")
+        raise InputError(
+            rgb,
+            "nothing says what camera took it.",
+            f"--intrinsics: {KNOWS}; or --camera, or --fov",
+            code="E-CAMERA-MISSING",
+        )
     else:
         frame = _of_files(rgb, depth, unit, told)
     height, width = frame.rgb.shape[:2]
@@ -86,8 +100,7 @@ def run(
     if frame.masks is not None:
         frame = replace(frame, depth=without_edges(frame.depth, frame.masks.values))
     if clusters and masks is None:
-        found, clean = clustered(frame.depth, frame.intrinsics, frame.rgb)
-        frame = replace(frame, masks=found, depth=clean)
+        frame = replace(frame, masks=clustered(frame.depth, frame.intrinsics))
     height, width = frame.rgb.shape[:2]
     written = write_frame(out, frame)
     (fx, _, cx), (_, fy, cy), _ = frame.intrinsics

@@ -1,4 +1,4 @@
-"""Which model plays which item: drawn by seed for all rooms together, no model in two rooms (paper B.1)."""
+"""Choose a model for every item of the rooms by seed; no model stands in two rooms (paper B.1)."""
 
 import sys
 from collections.abc import Sequence
@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
+from stages.config.room_recipe import Room
 from stages.contracts import Asset, InputError
 from stages.scenes.layout import Layout, arrange
-from stages.scenes.recipe import Room
 
 ATTEMPTS = 400  # casts tried per room before the library is said not to fit
 SALT = 0x5CE7E  # keeps this draw apart from others with the same seed
@@ -50,6 +50,7 @@ def choose_models(
                 library,
                 f"has no model left for '{item.name}' of {room.name}: category {item.category}, {item.model.text()}.",
                 f"raise assets.counts.{item.category} (no model stands in two rooms)",
+                code="E-MODELS-SHORT",
             )
         name = able[int(rng.integers(len(able)))]
         taken.add(name)
@@ -77,7 +78,12 @@ def cast(rooms: Sequence[Room], models: dict[str, Asset], seed: int, library: Pa
             found = fitting(room, models, able, rng, library)
             print(f"{room.name}: no models that are left fit its layout: some are of other rooms", file=sys.stderr)
         if found is None:
-            raise InputError(library, f"{room.name}: no choice of models fits its layout.", "raise assets.counts")
+            raise InputError(
+                library,
+                f"{room.name}: no choice of models fits its layout.",
+                "raise assets.counts",
+                code="E-MODELS-SHORT",
+            )
         result[room.name] = found
         free -= {asset.id for asset in found.assets.values()}
     return result

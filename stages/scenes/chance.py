@@ -1,4 +1,4 @@
-"""Rooms drawn by chance: a recipe with other places, camera, colours and models, and nothing much hidden."""
+"""Random variants of a room: places, camera, colours and models are sampled until every object is seen well."""
 
 import colorsys
 import zlib
@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from stages.config.room_recipe import Against, Beside, CameraStand, Colour, Floor, Hung, Item, On, Place, Room, WallName
 from stages.config.scenes import ScenesConfig
 from stages.contracts import Asset, InputError
 from stages.geometry.boxes import UprightBox, corners
@@ -15,7 +16,6 @@ from stages.geometry.frames import yaw_matrix
 from stages.scenes.casting import CastRoom, choose_models, founders
 from stages.scenes.framing import frame
 from stages.scenes.layout import arrange
-from stages.scenes.recipe import Against, Beside, CameraStand, Colour, Floor, Hung, Item, On, Place, Room, WallName
 
 ATTEMPTS = 600
 ALONG, ON_FLOOR, HEIGHT = 0.35, 0.4, 0.12  # metres by which things move at most
@@ -48,7 +48,9 @@ def draw_room(room: Room, models: dict[str, Asset], seed: int, library: Path, op
         camera = frame(points, drawn.camera, options.width, options.height, options.margin)
         if all_seen(boxes, *camera, options.width, options.height):
             return CastRoom(drawn, layout, {i.name: a for i, a in zip(drawn.items, assets, strict=True)})
-    raise InputError(library, f"{room.name}: no draw of models and places fits.", "change the seed")
+    raise InputError(
+        library, f"{room.name}: no draw of models and places fits.", "change the seed", code="E-ROOM-LAYOUT"
+    )
 
 
 def redrawn(room: Room, rng: Rng, reach: float = 1.0) -> Room:
@@ -127,8 +129,8 @@ def all_seen(
 def _hit(origin: NDArray[np.float64], directions: NDArray[np.float64], box: UprightBox) -> NDArray[np.float64]:
     """Distance along each ray to the box, inf if it misses (slabs)."""
     turn = yaw_matrix(box.yaw)
-    start, along = (origin - np.asarray(box.center)) @ turn, directions @ turn
+    start, along = (origin - box.center) @ turn, directions @ turn
     with np.errstate(divide="ignore", invalid="ignore"):
-        sides = (np.array([[-0.5], [0.5]]) * np.asarray(box.size) - start)[:, None] / along
+        sides = (np.array([[-0.5], [0.5]]) * box.size - start)[:, None] / along
     enter, leave = sides.min(axis=0).max(axis=-1), sides.max(axis=0).min(axis=-1)
     return np.where((enter < leave) & (enter > 0), enter, np.inf)

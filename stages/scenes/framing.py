@@ -1,12 +1,12 @@
-"""Put the camera where a person would stand to get the whole room into the picture."""
+"""Place the camera at the least distance from which it sees all objects."""
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from stages.config.room_recipe import CameraStand
 from stages.geometry.cameras import intrinsics_from_fov, look_at, project
 from stages.geometry.frames import apply, inverse
-from stages.scenes.recipe import CameraStand
 
 Matrix = NDArray[np.float64]
 DISTANCES = (1.0, 30.0)  # metres

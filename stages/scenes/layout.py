@@ -1,4 +1,4 @@
-"""From a recipe and the models' sizes to poses: every box in its place, the room stretched to its scale."""
+"""Poses of all objects of a room from its recipe and the sizes of its models, stretched to the scale of the room."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 from shapely import Polygon
 
+from stages.config.room_recipe import Against, Beside, Floor, Hung, Item, Room, WallName
 from stages.geometry.boxes import UprightBox, footprint
 from stages.geometry.frames import yaw_matrix
-from stages.scenes.recipe import Against, Beside, Floor, Hung, Item, Room, WallName
 
 WALL_YAW: dict[WallName, float] = {"back": 0.0, "left": np.pi / 2, "right": -np.pi / 2}
 STRETCH = (0.3, 3.0)
@@ -65,9 +65,9 @@ def _place(item: Item, size: Size, room: Room, done: Mapping[str, Standing], str
         yaw = np.deg2rad(place.yaw)
     else:
         below = done[place.on_top].box
-        free = (np.asarray(below.size)[:2] - _turned_extent(size, np.deg2rad(place.yaw))) / 2
+        free = (below.size[:2] - _turned_extent(size, np.deg2rad(place.yaw))) / 2
         offset = yaw_matrix(below.yaw) @ [place.forward * free[0], place.right * free[1], 0]
-        center = np.array([*(np.asarray(below.center) + offset)[:2], below.top + height / 2])
+        center = np.array([*(below.center + offset)[:2], below.top + height / 2])
         yaw, support = below.yaw + np.deg2rad(place.yaw), place.on_top
     return Standing(item, UprightBox(center, np.array(size), float(yaw)), support)
 
@@ -81,10 +81,10 @@ def _beside(place: Beside, size: Size, room: Room, done: Mapping[str, Standing],
     """The same wall, next to the other item. Facing a side wall, `right` runs along -x (left wall) or +x."""
     other = done[place.beside]
     wall = next(name for name, yaw in WALL_YAW.items() if np.isclose(yaw, other.box.yaw))
-    step = (np.asarray(other.box.size)[1] + size[1]) / 2 + place.gap
+    step = (other.box.size[1] + size[1]) / 2 + place.gap
     side = 1 if place.side == "right" else -1
     axis, sign = (1, side) if wall == "back" else (0, side * (-1 if wall == "left" else 1))
-    along = float(np.asarray(other.box.center)[axis] + sign * step) / stretch
+    along = float(other.box.center[axis] + sign * step) / stretch
     return Against(against=wall, along=along)
 
 

@@ -10,9 +10,9 @@ import numpy as np
 import sapien
 from numpy.typing import NDArray
 
+from stages.config.room_recipe import Room
 from stages.config.scenes import ScenesConfig
 from stages.scenes.casting import CastRoom
-from stages.scenes.recipe import Room
 from stages.scenes.repaint import AS_IS, Look
 from stages.simulation.loading import load_asset, root_pose
 from stages.simulation.rendering import RenderCamera, add_block, instance_id, make_scene
@@ -74,7 +74,7 @@ def furnish(
     bodies = {}
     for name, standing in cast_room.layout.standing.items():
         asset = cast_room.assets[name]
-        pose = root_pose(asset, np.asarray(standing.box.center, dtype=float).tolist(), standing.box.yaw)
+        pose = root_pose(asset, standing.box.center.tolist(), standing.box.yaw)
         held = fixed or standing.support == "wall"
         folder = made[name] if made else folders[asset.id]
         bodies[name] = load_asset(scene, folder, pose, held, name)

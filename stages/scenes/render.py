@@ -6,6 +6,7 @@ from tempfile import TemporaryDirectory
 import cv2
 import numpy as np
 
+from stages.config.room_files import read_room, room_files, series
 from stages.config.scenes import ScenesConfig
 from stages.contracts import Annotations, Camera, InputError, Truth, atomic, read_options, write_json
 from stages.contracts.library_folder import AssetFolders
@@ -17,7 +18,6 @@ from stages.scenes.framing import frame
 from stages.scenes.layout import scale_of
 from stages.scenes.photograph import photograph
 from stages.scenes.repaint import AS_IS, repainted
-from stages.scenes.rooms import read_room, room_files, series
 
 
 def mask_values(cast_room: CastRoom) -> dict[str, int]:
@@ -36,9 +36,9 @@ def truth_of(cast_room: CastRoom, world_from_camera: np.ndarray) -> Truth:
                 mask=values[name],
                 asset=asset.id,
                 category=asset.category,
-                position=tuple(np.asarray(box.center, dtype=float).tolist()),
+                position=tuple(box.center.tolist()),
                 yaw=box.yaw,
-                size=tuple(np.asarray(box.size, dtype=float).tolist()),
+                size=tuple(box.size.tolist()),
                 symmetry=asset.symmetry,
                 support=str(values.get(standing.support, standing.support)),
             )
@@ -96,7 +96,9 @@ def run(
     """
     config = read_options(ScenesConfig, options)
     if room is None and scene not in room_files():
-        raise InputError("--scene", f"no room is called '{scene}'.", f"one of {', '.join(room_files())}")
+        raise InputError(
+            "--scene", f"no room is called '{scene}'.", f"one of {', '.join(room_files())}", code="E-ROOM-NAME"
+        )
     names = [path.stem for path in series()]
     rooms = [read_room(room)] if room else [read_room(path) for path in series()[: names.index(scene) + 1]]
     folders = AssetFolders(*library)

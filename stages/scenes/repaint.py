@@ -1,4 +1,4 @@
-"""A room painted, lit and scaled otherwise than the library's snapshots (protocol `recoloured`)."""
+"""Robustness variant of a room: other colours, light and model sizes (protocol `recoloured`)."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -12,13 +12,11 @@ from stages.contracts import Asset, InputError
 from stages.contracts.library import Vector
 from stages.procedural import build
 from stages.procedural.refinishing import refinished
-from stages.scenes.casting import CastRoom
+from stages.scenes.casting import ATTEMPTS, CastRoom
 from stages.scenes.chance import colours
 from stages.scenes.layout import arrange
 
-ATTEMPTS = 200
-STRETCH = 0.15  # largest relative change of a model's extents, each drawn for itself
-EXPOSURE, TINT = 0.15, 0.06  # largest relative change of all channels, and of one
+CHANGE, TINT = 0.15, 0.06  # largest relative change of an extent or of all colours, and of one colour channel
 SALT = 0xF1715
 Rng = np.random.Generator
 
@@ -50,7 +48,9 @@ def repainted(cast_room: CastRoom, library: Mapping[str, Path], out: Path, seed:
         if layout is not None:
             break
     else:
-        raise InputError(cast_room.room.name, "its models fit at no other size.", "change the seed")
+        raise InputError(
+            cast_room.room.name, "its models fit at no other size.", "change the seed", code="E-ROOM-LAYOUT"
+        )
     folders = {name: out / name for name in cast_room.assets}
     assets = {
         name: _made(asset, library[asset.id], sizes[name], folders[name], rng)
@@ -58,12 +58,12 @@ def repainted(cast_room: CastRoom, library: Mapping[str, Path], out: Path, seed:
     }
     room = cast_room.room.model_copy(update=colours(rng))
     light = (-rng.uniform(0.3, 0.8), rng.uniform(-0.7, 0.7), -1.0)
-    gain = (1 + EXPOSURE * rng.uniform(-1, 1)) * (1 + TINT * rng.uniform(-1, 1, 3))
+    gain = (1 + CHANGE * rng.uniform(-1, 1)) * (1 + TINT * rng.uniform(-1, 1, 3))
     return replace(cast_room, room=room, layout=layout, assets=assets), Look(folders, light, gain)
 
 
 def _stretched(size: Vector, rng: Rng) -> Vector:
-    x, y, z = (np.array(size) * (1 + STRETCH * rng.uniform(-1, 1, 3))).tolist()
+    x, y, z = (np.array(size) * (1 + CHANGE * rng.uniform(-1, 1, 3))).tolist()
     return x, y, z
 
 

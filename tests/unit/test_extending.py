@@ -19,6 +19,7 @@ from stages.config import code
 from stages.config.assets import AssetsConfig
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.config.model import load, merged
+from stages.config.room_files import read_room, room_files
 from stages.contracts import InputError, LibraryPart, Objects, read_json
 from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
@@ -28,7 +29,6 @@ from stages.plugins import KINDS, available, find
 from stages.plugins import load as implementation
 from stages.policies.checkpoint import load_policy
 from stages.scenes.layout import arrange
-from stages.scenes.rooms import read_room, room_files
 from stages.tasks.api import make_task
 from stages.training.train import run as train
 from tests.toy_reach import write_store

@@ -20,6 +20,7 @@ from stages.extraction.extract import run, suited
 from stages.extraction.observation import read_folder
 from stages.geometry.boxes import UprightBox, oriented_iou
 from stages.geometry.frames import apply, inverse, wrap_angle, yaw_of_matrix
+from tests.refusals import refused
 from tests.unit.synthetic_room import BACK_WALL, FLOOR, INTRINSICS, OBJECT, WALL, WORLD_FROM_CAMERA, write_room
 
 EXACT = json.dumps({"depth_noise": "none"})
@@ -105,7 +106,7 @@ def test_options_beside_the_picture_hold_where_the_run_has_the_default(tmp_path:
     assert suited(ExtractionConfig(), own) == ExtractionConfig()
     for text in ("extraction: {crop: 2}", "extraction: 3", "- 1", "a: ["):
         own.write_text(text)
-        with pytest.raises(InputError, match=r"config\.yaml: (extraction: crop|is no config)"):
+        with refused("E-CONFIG-FILE"):
             suited(ExtractionConfig(), own)
 
 

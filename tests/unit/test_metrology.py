@@ -22,7 +22,7 @@ from stages.inputs.by_hand.metrology import (
 )
 from stages.inputs.by_hand.perspective import fit_view, horizon, vanishing_point
 from stages.inputs.by_hand.project import DrawnObject, DrawnWall, Guide, Perspective, Project, Scale
-from stages.inputs.by_hand.segments import FocalPrior, propose, usual_focal
+from stages.inputs.by_hand.segments import propose, usual_focal
 from stages.inputs.by_hand.solve import solve, support_at
 
 ROOM = Path(__file__).parents[1] / "data" / "photographed_room"  # room_1 of the default run, as JPEG, and its truth
@@ -248,7 +248,7 @@ def test_the_camera_is_proposed_from_a_picture_alone() -> None:
     assert np.rad2deg(np.arccos(view.rotation[2] @ up)) < 0.5
     assert {guide.axis for guide in proposed.guides} == {"x", "y", "z"}
     assert propose(grey, usual_focal(width, height, None)) == proposed
-    known = propose(grey, FocalPrior(true, 0.03))
+    known = propose(grey, Perspective(likely_focal=true, spread=0.03))
     assert fit_view(known, width, height).focal == pytest.approx(true, rel=0.01)
     nothing = propose(np.full((300, 400), 90, np.uint8), usual_focal(400, 300, None))
     assert nothing.guides == [] and fit_view(nothing, 400, 300).focal == pytest.approx(320, rel=0.01)

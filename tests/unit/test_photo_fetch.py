@@ -14,8 +14,8 @@ from typing import Any
 import pytest
 
 from stages.config.photo import FetchOptions, WeightsConfig
-from stages.contracts import InputError
 from stages.inputs.fetch import fetched
+from tests.refusals import refused
 
 COMMIT = "c0ffee" * 6 + "cafe"
 FILES = {"config.json": b"{}", "model.safetensors": b"weights " * 1000, "vocab.txt": b"mug", "model.bin": b"no"}
@@ -104,7 +104,7 @@ def test_weights_come_once_and_say_what_they_are(hub: str, tmp_path: Path) -> No
     assert (tmp_path / "net/vocab.txt").read_bytes() == b"mug"
     network = WeightsConfig(path=str(tmp_path / "net"), source="toy/net")
     assert fetched(network, "photo.detector")["commit"] == COMMIT  # nobody is asked again
-    with pytest.raises(InputError, match=r"photo\.detector\.sha256 asks for 0000"):
+    with refused("E-WEIGHTS-CHECKSUM"):
         fetched(network.model_copy(update={"sha256": "0" * 64}), "photo.detector")
 
 
@@ -128,7 +128,7 @@ def test_weights_of_ones_own_stay(tmp_path: Path) -> None:
         (tmp_path / name).write_bytes(FILES[name])
     found = fetched(WeightsConfig(path=str(tmp_path), source="toy/other"), "photo.detector")
     assert found["sha256"] == hashlib.sha256(FILES["model.safetensors"]).hexdigest() and "commit" not in found
-    with pytest.raises(InputError, match=r"photo\.detector\.source: is empty"):
+    with refused("E-WEIGHTS-MISSING"):
         fetched(WeightsConfig(path=str(tmp_path / "nowhere")), "photo.detector")
 
 

@@ -3,20 +3,18 @@
 import json
 import os
 import sys
-import zipfile
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import cv2
-import h5py
 import numpy as np
 import pytest
 import yaml
 
 from stages.config.extraction import ExtractionConfig
-from stages.contracts import Annotations, Camera, InputError, read_json
+from stages.contracts import Camera, InputError, read_json
 from stages.contracts.scene_input import read_scene_input
 from stages.extraction.observation import read_folder
 from stages.extraction.reconstruct import reconstruct
@@ -25,8 +23,8 @@ from stages.inputs import from_rgbd
 from stages.inputs.rgbd.cameras import of_camera, read_intrinsics, resized
 from stages.inputs.rgbd.clusters import clustered
 from stages.inputs.rgbd.depth_files import in_metres, read_raw
-from stages.inputs.rgbd.halos import completed, without_halos
 from stages.inputs.rgbd.mask_files import read_labelled
+from tests.refusals import refused
 from tests.unit.synthetic_room import FLOOR, HEIGHT, INTRINSICS, OBJECT, WALL, WIDTH, WORLD_FROM_CAMERA, trace
 
 TABLE = UprightBox([2.5, 0.0, 0.35], [1.8, 2.2, 0.7], 0.0)
@@ -80,7 +78,7 @@ def test_depth_of_another_size_is_laid_on_the_picture(files: SimpleNamespace, ro
     assert depth.shape == (HEIGHT, WIDTH)
     assert np.median(np.abs(depth - room[1])) < 0.02
     np.save(files.folder / "square.npy", small[:, : HEIGHT // 3])
-    with pytest.raises(InputError, match="other proportions"):
+    with refused("E-DEPTH-SIZE"):
         from_rgbd.run(out=files.folder / "b", depth=files.folder / "square.npy", **options)
     assert not (files.folder / "b").exists()
 
@@ -90,10 +88,10 @@ def test_intrinsics_may_be_told_as_numbers(files: SimpleNamespace) -> None:
     options: dict[str, Any] = {"rgb": files.color, "depth": files.depth, "masks": files.masks, "labels": files.names}
     from_rgbd.run(out=files.folder / "a", matrix=told, **options)
     assert read_scene_input(files.folder / "a").camera.intrinsics == INTRINSICS.tolist()
-    for wrong, words in ((told[:3], "has 3 numbers"), ((*told[:3], 5000.0), "cy 5000"), ((30.0, *told[1:]), "fx 30")):
-        with pytest.raises(InputError, match=f"--matrix: .*{words}"):
+    for wrong in (told[:3], (*told[:3], 5000.0), (30.0, *told[1:])):
+        with refused("E-CAMERA-INTRINSICS"):
             from_rgbd.run(out=files.folder / "b", matrix=wrong, **options)
-    with pytest.raises(InputError, match="say the same thing"):
+    with refused("E-OPTION-CONFLICT"):
         from_rgbd.run(out=files.folder / "b", matrix=told, fov=60.0, **options)
 
 
@@ -111,9 +109,11 @@ def boxes_of(folder: Path) -> dict[str, Any]:
     return {"up": found.floor_from_camera[2][3], **{item.id: item.box for item in found.objects}}
 
 
-def test_clusters_find_what_stands_on_the_table(files: SimpleNamespace) -> None:
-    out = files.folder / "clusters"
-    from_rgbd.run(out=out, rgb=files.color, depth=files.depth, intrinsics=files.K, clusters=True)
+def test_clusters_find_what_stands_on_the_table(files: SimpleNamespace, room: tuple) -> None:
+    """The same view of a table with things 0.4 of the size, and as near."""
+    out, near = files.folder / "clusters", files.folder / "near.npy"
+    np.save(near, 0.4 * room[1])
+    from_rgbd.run(out=out, rgb=files.color, depth=near, intrinsics=files.K, clusters=True)
     given = read_scene_input(out)
     assert [item.label for item in given.annotations.objects] == ["object", "object"]
     assert given.annotations.floor is None, "extraction finds the ground"
@@ -123,9 +123,9 @@ def test_clusters_find_what_stands_on_the_table(files: SimpleNamespace) -> None:
     columns = [np.nonzero(given.masks == value)[1].mean() for value in (left, right)]
     assert columns[0] < columns[1]
     found = boxes_of(out)
-    assert found["up"] == pytest.approx(1.6 - TABLE.top, abs=0.01)  # the table top is the ground
-    assert sorted(found["object_1"].size) == pytest.approx(sorted(BOX.size), abs=0.03)
-    assert found["object_2"].size[2] == pytest.approx(CAN.size[2], abs=0.03)
+    assert found["up"] == pytest.approx(0.4 * (1.6 - TABLE.top), abs=0.03)  # the table top is the ground
+    assert sorted(found["object_1"].size) == pytest.approx(sorted(0.4 * np.array(BOX.size)), abs=0.03)
+    assert found["object_2"].size[2] == pytest.approx(0.4 * CAN.size[2], abs=0.03)
 
 
 def test_a_ceiling_is_no_table() -> None:
@@ -134,16 +134,15 @@ def test_a_ceiling_is_no_table() -> None:
     rise = (np.stack([u, v, 1 + 0 * u], -1) @ np.linalg.inv(INTRINSICS).T @ WORLD_FROM_CAMERA[:3, :3].T)[..., 2]
     ceiling = (depth == 0) & (rise > 0.03)
     depth = np.where(ceiling, 0.4 / np.maximum(rise, 1e-3), depth).astype(np.float32)
-    rgb = np.dstack([masks * 20] * 3).astype(np.uint8)
-    values = clustered(0.4 * depth, INTRINSICS, rgb)[0].values
-    assert len(np.unique(values)) == 3 and not values[ceiling].any()
+    values = clustered(0.4 * depth, INTRINSICS).values
+    assert not values[ceiling].any()
     assert (values[masks > OBJECT] > 0).mean() > 0.8
 
 
-def test_in_a_room_what_stands_on_the_floor_is_found_and_its_walls(capsys: pytest.CaptureFixture[str]) -> None:
+def test_in_a_room_what_stands_on_the_floor_is_found_and_its_walls() -> None:
     boxes = [UprightBox([2.8, -0.8, 0.4], [0.6, 0.8, 0.8], 0.2), UprightBox([3.2, 0.8, 0.9], [0.5, 0.6, 1.8], 0.0)]
     depth, masks = trace([*boxes, UprightBox([2.8, -0.8, 0.9], [0.3, 0.3, 0.2], 0.2)])
-    found, _ = clustered(depth, INTRINSICS, np.dstack([masks * 20] * 3).astype(np.uint8))
+    found = clustered(depth, INTRINSICS)
     assert sorted(found.labels.values()) == ["object", "object", "wall"]
     wall = next(value for value, label in found.labels.items() if label == "wall")
     assert ((found.values == wall) & (masks == WALL)).sum() > 0.9 * (masks == WALL).sum()
@@ -151,65 +150,27 @@ def test_in_a_room_what_stands_on_the_floor_is_found_and_its_walls(capsys: pytes
         (value,) = np.unique(found.values[shown & (found.values > 0)])
         both, either = shown & (found.values == value), shown | (found.values == value)
         assert both.sum() > 0.8 * either.sum()
-    assert "a room: what stands on its floor" in capsys.readouterr().out
 
 
-def test_a_wide_lid_is_no_table() -> None:
-    lid = UprightBox([2.4, 0.5, 0.75], [1.2, 1.1, 0.1], 0.0)
-    depth, _ = trace([TABLE, lid, CAN], wall=False)
-    found, _ = clustered(depth.astype(np.float32), INTRINSICS, np.zeros((HEIGHT, WIDTH, 3), np.uint8))
-    shown = [(found.values == value).sum() for value in found.labels]
-    assert len(shown) == 2 and max(shown) > 5 * min(shown), "the lid, and the can beside it"
+def test_a_table_is_told_from_the_floor_around_it_and_from_lids_on_it() -> None:
+    """What stands on the floor beside the table is none of its things; two things that touch are one."""
+    lid = UprightBox([2.4, 0.5, 0.8], [0.5, 0.4, 0.2], 0.0)
+    beside = UprightBox([2.2, -1.6, 0.3], [0.4, 0.4, 0.6], 0.0)
+    touching = UprightBox([2.5, -0.35, 1.02], [0.1, 0.1, 0.04], 0.0)
+    depth, masks = trace([TABLE, lid, CAN, touching, beside], wall=False)
+    found = clustered(0.4 * depth, INTRINSICS)
+    assert list(found.labels.values()) == ["object", "object"]
+    can, box = (np.isin(masks, values) for values in ((OBJECT + 2, OBJECT + 3), (OBJECT + 1,)))
+    for true in (can, box):
+        mine = found.values == np.bincount(found.values[true]).argmax()
+        assert (mine & true).sum() > 0.7 * (mine | true).sum()
 
 
-def test_things_that_touch_are_cut_apart_on_a_table() -> None:
-    """One on another, one in front of another, and one alone, which stays whole; farther away is furniture."""
-    boxes = [
-        UprightBox([2.4, 0.6, 0.8], [0.5, 0.5, 0.2], 0.3),
-        UprightBox([2.45, 0.6, 1.05], [0.25, 0.25, 0.3], 0.3),  # on it
-        UprightBox([2.1, -0.45, 0.78], [0.2, 0.35, 0.16], 0.0),
-        UprightBox([2.35, -0.4, 0.85], [0.24, 0.3, 0.3], 0.0),  # behind it
-        UprightBox([2.9, 0.0, 0.8], [0.25, 0.4, 0.2], 0.5),
-    ]
-    depth, masks = trace([TABLE, *boxes], wall=False)
-    rgb = np.dstack([masks * 20] * 3).astype(np.uint8)
-    near = clustered((0.4 * depth).astype(np.float32), INTRINSICS, rgb)[0].values  # the same view of smaller things
-    assert len(np.unique(near[near > 0])) == len(boxes)
-    for value in range(OBJECT + 1, OBJECT + 1 + len(boxes)):
-        true = masks == value
-        found = near == np.bincount(near[true]).argmax()
-        assert (found & true).sum() / (found | true).sum() > 0.75, value
-    far = clustered(depth, INTRINSICS, rgb)[0].values
-    assert len(np.unique(far[far > 0])) == 3
-
-
-def test_halos_of_the_table_s_colour_are_left_out() -> None:
-    _, masks = trace([TABLE, BOX], wall=False)
-    thing = masks == OBJECT + 1
-    halo = (cv2.dilate(thing.astype(np.uint8), np.ones((13, 13))) > 0) & (masks == OBJECT)
-    rgb = np.where(thing[..., None], (180, 30, 30), (120, 90, 60))
-    rgb = rgb + np.random.default_rng(0).integers(-9, 9, (*masks.shape, 1))
-    values = np.where(thing | halo, 1, 0).astype(np.uint16)
-    kept = without_halos(values, rgb.astype(np.uint8), masks == OBJECT) > 0
-    assert (kept & thing).sum() > 0.97 * thing.sum() and (kept & halo).sum() < 0.2 * halo.sum()
-    same = np.full_like(rgb, 120).astype(np.uint8)
-    assert np.array_equal(without_halos(values, same, masks == OBJECT), values), "of the table's colour: left alone"
-
-
-def test_what_depth_takes_for_the_table_is_known_by_its_colour() -> None:
-    """A bowl of which depth shows the rim alone; its shadow on the table is the table's."""
-    _, masks = trace([TABLE, BOX], wall=False)
-    thing, size = masks == OBJECT + 1, 25
-    rim = thing & (cv2.erode(thing.astype(np.uint8), np.ones((size, size))) == 0)
-    rim[np.nonzero(thing)[0].max() - size // 3 :] = False  # open below
-    rgb = np.where(thing[..., None], (230, 230, 240), (120, 90, 60))
-    rgb[:, : np.nonzero(thing)[1].min()] //= 2
-    rgb = rgb + np.random.default_rng(0).integers(-9, 9, (*masks.shape, 1))
-    values = np.where(rim, 1, 0).astype(np.uint16)
-    whole = completed(values, rgb.astype(np.uint8), masks >= OBJECT) > 0
-    assert (whole & thing).sum() > 0.95 * thing.sum() and not (whole & ~thing).any()
-    same = np.full_like(rgb, 120).astype(np.uint8)
-    assert np.array_equal(completed(values, same, masks >= OBJECT), values), "of the table's colour: left alone"
+def test_nothing_on_a_table_is_refused() -> None:
+    depth, _ = trace([TABLE], wall=False)
+    for bare in (0.4 * depth, 0 * depth):
+        with refused("E-MASKS-EMPTY"):
+            clustered(bare, INTRINSICS)
 
 
 def test_ground_is_what_the_named_things_stand_on(files: SimpleNamespace) -> None:
@@ -243,7 +204,7 @@ def test_unit_of_depth(room: tuple, scale: float, dtype: type, unit: str, says: 
 def test_inverse_depth_and_another_unit_are_told(room: tuple) -> None:
     with pytest.raises(InputError, match="looks like inverse depth"):
         in_metres(Path("d.npy"), np.where(room[1] > 0, 1 / np.maximum(room[1], 1e-3), 0))
-    with pytest.raises(InputError, match=r"m in millimetres, .* m in 1/5000 m.*--unit 5000"):
+    with refused("E-DEPTH-UNIT"):
         in_metres(Path("d.png"), np.rint(5000 * room[1]).astype(np.uint16))
     assert np.allclose(in_metres(Path("d.png"), np.rint(5000 * room[1]), "5000")[0], room[1], atol=1e-3)
 
@@ -294,13 +255,13 @@ def test_exr_is_read_by_openexr(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setitem(sys.modules, "OpenEXR", SimpleNamespace(File=File))
     assert np.array_equal(read_raw(path), pixels)
     monkeypatch.setitem(sys.modules, "OpenEXR", None)
-    with pytest.raises(InputError, match="pip install OpenEXR"):
+    with refused("E-LIBRARY-MISSING"):
         read_raw(path)
 
 
 def test_a_picture_of_depth_is_refused(tmp_path: Path, room: tuple) -> None:
     cv2.imwrite(str(tmp_path / "pretty.png"), room[0])
-    with pytest.raises(InputError, match="a picture of depth"):
+    with refused("E-DEPTH-FORMAT"):
         read_raw(tmp_path / "pretty.png")
 
 
@@ -349,7 +310,7 @@ def test_camera_by_name() -> None:
     """A real D435 at 640x480 has fx 613; its narrow picture is cut at the sides of a wide sensor."""
     assert of_camera("realsense_d435", 640, 480)[0, 0] == pytest.approx(613, rel=0.02)
     assert of_camera("realsense_d435", 1280, 720)[0, 0] == pytest.approx(920, rel=0.02)
-    with pytest.raises(InputError, match="one of azure_kinect"):
+    with refused("E-CAMERA-NAME"):
         of_camera("polaroid", 640, 480)
 
 
@@ -413,17 +374,17 @@ def test_mask_files(tmp_path: Path, room: tuple, kind: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("content", "says"),
+    ("content", "code"),
     [
-        ({"shapes": []}, "no object"),
-        ({"shapes": [{"label": "a"}]}, "no readable labelme"),
-        ({"annotations": [], "categories": [], "images": [{"id": 1, "width": 5, "height": 5}]}, "5x5 pixels"),
-        ([1, 2], "neither COCO"),
+        ({"shapes": []}, "MASKS-EMPTY"),
+        ({"shapes": [{"label": "a"}]}, "INPUT"),
+        ({"annotations": [], "categories": [], "images": [{"id": 1, "width": 5, "height": 5}]}, "MASKS-SIZE"),
+        ([1, 2], "MASKS-FORMAT"),
     ],
 )
-def test_broken_masks_are_one_line(tmp_path: Path, content: object, says: str) -> None:
+def test_broken_masks_are_one_line(tmp_path: Path, content: object, code: str) -> None:
     (tmp_path / "m.json").write_text(json.dumps(content))
-    with pytest.raises(InputError, match=says):
+    with refused(f"E-{code}"):
         read_labelled(tmp_path / "m.json", None, WIDTH, HEIGHT, "a.png")
 
 
@@ -462,46 +423,8 @@ def record3d(folder: Path, rgb: np.ndarray, depth: np.ndarray, masks: np.ndarray
     return folder
 
 
-def r3d(folder: Path, rgb: np.ndarray, depth: np.ndarray, masks: np.ndarray) -> Path:
-    folder.mkdir(parents=True)
-    with zipfile.ZipFile(folder / "a.r3d", "w") as archive:
-        archive.writestr("metadata", json.dumps(about_record3d()))
-        archive.writestr("rgbd/0.jpg", cv2.imencode(".jpg", rgb[..., ::-1])[1].tobytes())
-        archive.writestr("rgbd/0.depth", np.ascontiguousarray(depth[::2, ::2]).tobytes())
-    return folder / "a.r3d"
-
-
-def nyu(folder: Path, rgb: np.ndarray, depth: np.ndarray, masks: np.ndarray) -> Path:
-    folder.mkdir(parents=True)
-    names = ["floor", "wall", "box", "table"]
-    classes = np.select([masks == FLOOR, masks == OBJECT, masks > OBJECT], [1, 4, 3], 0).astype(np.uint16)
-    with h5py.File(folder / "nyu.mat", "w") as file:
-        file["images"] = rgb.transpose(2, 1, 0)[None]
-        file["depths"], file["labels"] = depth.T[None], classes.T[None]
-        file["instances"] = np.where(masks > OBJECT, masks - OBJECT, 0).astype(np.uint8).T[None]
-        stored = [file.create_dataset(f"#refs#/{name}", data=np.frombuffer(name.encode(), np.uint8)) for name in names]
-        file["names"] = np.array([[one.ref for one in stored]], dtype=h5py.ref_dtype)
-    return folder / "nyu.mat"
-
-
-def sun(folder: Path, rgb: np.ndarray, depth: np.ndarray, masks: np.ndarray) -> Path:
-    for name in ("image", "depth_bfx", "annotation2Dfinal"):
-        (folder / name).mkdir(parents=True)
-    cv2.imwrite(str(folder / "image" / "a.jpg"), rgb[..., ::-1])
-    stored = np.rint(depth * 1000).astype(np.uint16)
-    cv2.imwrite(str(folder / "depth_bfx" / "a.png"), (stored << 3) | (stored >> 13))
-    (folder / "intrinsics.txt").write_text(" ".join(map(str, INTRINSICS.ravel())))
-    corners = np.array(labelme(masks)["shapes"][0]["points"])
-    polygon = {"object": 0, "x": corners[:, 0].tolist(), "y": corners[:, 1].tolist()}
-    (folder / "annotation2Dfinal" / "index.json").write_text(
-        json.dumps({"objects": [{"name": "box"}], "frames": [{"polygon": [polygon]}]})
-    )
-    return folder
-
-
-@pytest.mark.parametrize("layout", [tum, open3d, record3d, r3d, nyu, sun])
-def test_recordings(tmp_path: Path, room: tuple, layout: Callable[..., Path], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "liblzfse", SimpleNamespace(decompress=bytes))
+@pytest.mark.parametrize("layout", [tum, open3d, record3d])
+def test_recordings(tmp_path: Path, room: tuple, layout: Callable[..., Path]) -> None:
     recording, out = layout(tmp_path / "recording", *room), tmp_path / "out"
     from_rgbd.run(out=out, recording=recording)
     with np.load(out / "depth.npz") as stored:
@@ -509,12 +432,8 @@ def test_recordings(tmp_path: Path, room: tuple, layout: Callable[..., Path], mo
     close = np.abs(depth - room[1])[(depth > 0) & (room[1] < 8)]
     assert np.quantile(close, 0.9) < 0.05 and len(close) > 0.5 * depth.size
     fx = read_json(Camera, out / "camera.json").intrinsics[0][0]
-    theirs = {tum: 525 * WIDTH / 640, nyu: 518.857901}.get(layout, INTRINSICS[0, 0])
-    assert fx == pytest.approx(theirs)
-    if layout in (nyu, sun):
-        labels = [item.label for item in read_json(Annotations, out / "annotations.json").objects]
-        assert sorted(labels) == (["box", "box", "table"] if layout is nyu else ["box"])
-    with pytest.raises(InputError, match="there is no 5"):
+    assert fx == pytest.approx(525 * WIDTH / 640 if layout is tum else INTRINSICS[0, 0])
+    with refused("E-RECORDING-FRAME"):
         from_rgbd.run(out=out, recording=recording, number=5)
 
 
@@ -534,18 +453,18 @@ def test_intrinsics_follow_the_size() -> None:
 
 
 @pytest.mark.parametrize(
-    ("given", "says"),
+    ("given", "code"),
     [
-        ({}, "both are needed"),
-        ({"recording": Path("nothing")}, "no such file"),
-        ({"recording": Path("tests")}, "no recording that is known"),
-        ({"recording": Path("tests"), "rgb": Path("a")}, "has its own pictures"),
-        ({"fov": 50.0, "camera": "xtion"}, "the same thing"),
-        ({"rgb": Path("a.png"), "depth": Path("b.png")}, "what camera took it"),
+        ({}, "OPTION-MISSING"),
+        ({"recording": Path("nothing")}, "RECORDING-LAYOUT"),
+        ({"recording": Path("tests")}, "RECORDING-LAYOUT"),
+        ({"recording": Path("tests"), "rgb": Path("a")}, "OPTION-CONFLICT"),
+        ({"fov": 50.0, "camera": "xtion"}, "OPTION-CONFLICT"),
+        ({"rgb": Path("a.png"), "depth": Path("b.png")}, "CAMERA-MISSING"),
     ],
 )
-def test_what_does_not_go_together(tmp_path: Path, given: dict[str, Any], says: str) -> None:
-    with pytest.raises(InputError, match=says):
+def test_what_does_not_go_together(tmp_path: Path, given: dict[str, Any], code: str) -> None:
+    with refused(f"E-{code}"):
         from_rgbd.run(out=tmp_path / "out", **given)
     assert not (tmp_path / "out").exists()
 
@@ -556,7 +475,7 @@ def test_a_real_table_top(tmp_path: Path) -> None:
     rgb, depth = REAL / "0000_color.png", REAL / "0000_depth.png"
     from_rgbd.run(out=tmp_path / "top", rgb=rgb, depth=depth, camera="realsense_d435", clusters=True)
     found = boxes_of(tmp_path / "top")
-    assert len(found) == 11
+    assert 10 <= len(found) <= 14
     assert any(
         sorted(box.size) == pytest.approx([0.06, 0.16, 0.21], abs=0.02) for name, box in found.items() if name != "up"
     )

@@ -13,10 +13,9 @@ from stages.extraction.room import find_floor
 from stages.geometry.boxes import UprightBox
 from stages.geometry.cameras import back_project
 from stages.inputs import from_rgbd
-from stages.inputs.rgbd.clusters import clustered
+from stages.inputs.rgbd.clusters import clustered, ground_of
 from stages.inputs.rgbd.edges import STEP, _as_far_as, without_edges
 from stages.inputs.rgbd.frame import Frame, Labelled
-from stages.inputs.rgbd.levels import level_planes
 from stages.inputs.rgbd.write import write_frame
 from tests.unit.synthetic_room import FLOOR, HEIGHT, INTRINSICS, OBJECT, WIDTH, trace
 from tests.unit.test_rgbd import BOX, CAN, TABLE, boxes_of
@@ -30,8 +29,8 @@ def test_a_wall_is_not_level() -> None:
     side, table, wall = rng.uniform(-0.5, 0.5, 5000), rng.uniform(0.5, 1.0, 2000), rng.uniform(-0.4, 0.4, 3000)
     across = side[:, None] * [1.0, 0, 0]
     points = np.concatenate([across[:2000] - 0.6 * up - table[:, None] * out, across[2000:] + wall[:, None] * up - out])
-    found = level_planes(points, rng)
-    assert found[0].up @ up > 0.999 and found[0].offset == pytest.approx(-0.6, abs=0.01)
+    found = ground_of(points, rng)
+    assert found is not None and found.normal @ up > 0.999 and found.offset == pytest.approx(-0.6, abs=0.01)
 
 
 @pytest.mark.parametrize(("down", "found"), [(40, {}), (70, {"max_tilt": 75.0})])
@@ -94,7 +93,7 @@ def test_a_wall_behind_a_table_is_a_wall() -> None:
     wall, wide = UprightBox([3.42, 0.0, 1.2], [0.1, 6.0, 2.4], 0.0), UprightBox([2.6, 0.0, 0.9], [0.1, 1.4, 0.4], 0.0)
     depth, masks = trace([TABLE, wall, wide, CAN], wall=False)
     depth += np.random.default_rng(0).normal(0, 0.003, depth.shape)
-    found = clustered((0.4 * depth).astype(np.float32), INTRINSICS, np.dstack([masks * 20] * 3).astype(np.uint8))[0]
+    found = clustered((0.4 * depth).astype(np.float32), INTRINSICS)
     named = [found.labels[int(np.bincount(found.values[masks == OBJECT + k]).argmax())] for k in (1, 2, 3)]
     assert named == ["wall", "object", "object"]
 
@@ -125,35 +124,6 @@ def test_a_thin_handle_is_kept_and_what_is_behind_a_wide_mask_is_not() -> None:
     handle = clean[30:70, 80:87]
     assert (np.abs(handle - 1.1) < 0.03).sum() > 0.5 * handle.size
     assert (clean > 1.15).sum() < 10
-
-
-def test_a_thing_s_pixels_with_the_table_s_depth_are_its_own_without_depth() -> None:
-    depth, masks = trace([TABLE, BOX], wall=False)
-    bare, _ = trace([TABLE], wall=False)
-    true = masks == OBJECT + 1
-    low = true & (np.arange(HEIGHT)[:, None] > np.quantile(np.nonzero(true)[0], 0.9))
-    depth[low] = bare[low]
-    rgb = np.where(true[..., None], [200, 40, 30], [90, 110, 120]).astype(np.uint8)
-    given = (0.4 * depth).astype(np.float32)
-    found, clean = clustered(given, INTRINSICS, rgb)
-    assert (found.values[low] > 0).mean() > 0.9 and (clean[low & (found.values > 0)] == 0).mean() > 0.9
-    assert (clean[true & ~low] > 0).mean() > 0.95
-    assert np.array_equal(clean[found.values == 0], given[found.values == 0])
-
-
-def test_a_halo_on_a_lit_part_of_the_table_is_told_by_what_has_no_depth_beside_it() -> None:
-    """Behind the box the table shines: the sensor gives the box's depth near it, none farther back."""
-    depth, masks = trace([TABLE, BOX], wall=False)
-    true, row = masks == OBJECT + 1, np.arange(HEIGHT)[:, None]
-    top = np.argmax(true, axis=0)
-    lit = ~true & (row < np.median(top[true.any(axis=0)]) + 10) & (row > top.max() - 40)
-    halo = lit & true.any(axis=0) & (row < top) & (row >= top - 4)
-    depth[lit] = 0
-    depth[halo] = np.broadcast_to(depth[top, np.arange(WIDTH)], depth.shape)[halo]
-    rgb = np.where(true[..., None], [200, 40, 30], [90, 110, 120])
-    rgb[lit] = [210, 220, 225]
-    found = clustered((0.4 * depth).astype(np.float32), INTRINSICS, rgb.astype(np.uint8))[0].values
-    assert (found[true] > 0).mean() > 0.95 and (found[halo] > 0).mean() < 0.2
 
 
 def test_what_is_as_far_is_told_by_the_share_of_the_distance() -> None:

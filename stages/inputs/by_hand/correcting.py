@@ -1,4 +1,4 @@
-"""One input folder being corrected: what the page asks for, as plain data. Knows nothing of HTTP."""
+"""Session of the page that corrects an input folder: its requests and answers as plain data, without HTTP."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -16,9 +16,7 @@ from stages.contracts.files import Contract
 from stages.contracts.objects import object_ids
 from stages.contracts.scene_input import read_scene_input
 from stages.contracts.types import Id
-from stages.inputs.by_hand.fronts import extents, straight_on
-from stages.inputs.by_hand.made import Made, made_of
-from stages.inputs.by_hand.regions import (
+from stages.extraction.regions import (
     FLOOR,
     ROOM,
     WALL,
@@ -29,11 +27,12 @@ from stages.inputs.by_hand.regions import (
     laid_over,
     painted,
 )
-from stages.inputs.by_hand.session import Answer, jpeg
+from stages.inputs.by_hand.fronts import extents, jpeg, straight_on
+from stages.inputs.by_hand.made import Made, made_of
+from stages.inputs.by_hand.session import Answer
 from stages.inputs.by_hand.write import tinted
 
-CURVES, SMALLEST = 20, 12  # outlines of one thing that are shown, and the least pixels of one
-COARSE = 1.0  # pixels by which a shown outline may be off
+SMALLEST = 12  # pixels of an outline that is shown beside a thing's largest
 
 
 class Thing(Correction):
@@ -160,7 +159,7 @@ class Correcting:
             InputError: it was not drawn.
         """
         if self.made.picture is None:
-            raise InputError(self.scene, "has no picture of its scene.", "make its page")
+            raise InputError(self.scene, "has no picture of its scene.", "make its page", code="E-PICTURE-MISSING")
         return self.made.picture.read_bytes()
 
     def preview(self) -> bytes:
@@ -222,7 +221,9 @@ class Correcting:
         told = {item.mask: item for item in self.corrections(self._drawing(body)).objects}
         annotations, _, notes = corrected(self.given.annotations, self.given.masks, told, self._cut)
         if annotations is None:
-            raise InputError(str(self.folder), "no object is left.", "draw a box around at least one")
+            raise InputError(
+                str(self.folder), "no object is left.", "draw a box around at least one", code="E-SCENE-EMPTY"
+            )
         self.save(body)
         ordered = sorted(annotations.objects, key=lambda item: item.mask)
         ids = object_ids(item.label for item in ordered)
@@ -235,8 +236,8 @@ class Correcting:
 
 
 def outlines(mask: NDArray[np.bool_]) -> list[list[list[int]]]:
-    """The largest outlines of a mask, as lists of pixels."""
+    """Outlines of a mask as lists of pixels, a pixel off at most, the largest first."""
     curves, _ = cv2.findContours(mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
-    largest = sorted(curves, key=cv2.contourArea, reverse=True)[:CURVES]
+    largest = sorted(curves, key=cv2.contourArea, reverse=True)
     kept = [curve for k, curve in enumerate(largest) if k == 0 or cv2.contourArea(curve) >= SMALLEST]
-    return [cv2.approxPolyDP(curve, COARSE, True)[:, 0].tolist() for curve in kept]
+    return [cv2.approxPolyDP(curve, 1.0, True)[:, 0].tolist() for curve in kept]

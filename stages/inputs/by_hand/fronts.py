@@ -1,4 +1,4 @@
-"""The front of a thing, seen straight on, for doors and drawers to be drawn on."""
+"""Rectify the front of an object, so that doors and drawers can be drawn on it."""
 
 import base64
 from typing import Any
@@ -11,9 +11,8 @@ from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.frames import yaw_matrix
 
 LONGEST = 400  # pixels of its longer side
-NARROWEST = 0.1  # of its longer side: what is shown of a lath
-QUALITY = 85
-SIDES = ((1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7), (0, 1, 5, 4))  # from +x on; corners as below
+# Corners of the faces +x, +y, -x, -y of a box (lower left, lower right, upper right, upper left), of its top and foot.
+FACES = ((1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7), (0, 1, 5, 4), (4, 5, 6, 7), (0, 1, 2, 3))
 
 
 def front_corners(box: UprightBox, facing: float) -> NDArray[np.float64]:
@@ -21,7 +20,7 @@ def front_corners(box: UprightBox, facing: float) -> NDArray[np.float64]:
     upper left as whoever faces it sees them."""
     ahead = yaw_matrix(box.yaw).T @ yaw_matrix(facing)[:, 0]
     side = int(np.argmax([ahead[0], ahead[1], -ahead[0], -ahead[1]]))
-    return corners(box)[list(SIDES[side])]
+    return corners(box)[list(FACES[side])]
 
 
 def extents(points: NDArray[np.float64]) -> tuple[float, float]:
@@ -39,17 +38,22 @@ def straight_on(rgb: NDArray[np.uint8], pixels: NDArray[np.float64], width: floa
         height: likewise.
     """
     longest = max(width, height)
-    size = [max(1, round(LONGEST * max(side / longest, NARROWEST))) for side in (width, height)]
+    size = [max(1, round(LONGEST * side / longest)) for side in (width, height)]
     answer: dict[str, Any] = {"width": size[0], "height": size[1], "picture": None}
     if not seen(pixels):
         return answer
     right, low = size[0] - 0.5, size[1] - 0.5
     target = np.array([(-0.5, low), (right, low), (right, -0.5), (-0.5, -0.5)], np.float32)
     turn = cv2.getPerspectiveTransform(pixels.astype(np.float32), target)
-    front = cv2.warpPerspective(rgb, turn, size)[..., ::-1]
-    done, data = cv2.imencode(".jpg", front, [cv2.IMWRITE_JPEG_QUALITY, QUALITY])
+    front = np.asarray(cv2.warpPerspective(rgb, turn, size), np.uint8)
+    return answer | {"picture": "data:image/jpeg;base64," + base64.b64encode(jpeg(front)).decode("ascii")}
+
+
+def jpeg(rgb: NDArray[np.uint8]) -> bytes:
+    """A picture (H, W, 3) as the bytes of a JPEG."""
+    done, data = cv2.imencode(".jpg", rgb[..., ::-1])
     assert done
-    return answer | {"picture": "data:image/jpeg;base64," + base64.b64encode(data.tobytes()).decode("ascii")}
+    return data.tobytes()
 
 
 def seen(pixels: NDArray[np.float64]) -> bool:

@@ -1,4 +1,4 @@
-"""What the last run made of the folder that is corrected: boxes, doubts, cousins with pictures."""
+"""Results of the last run of an input folder: boxes, doubts, cousins with pictures."""
 
 import base64
 import io
@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
 
 from stages.contracts import Cousins, GeneratedScene, Library, Objects, read_json
 from stages.contracts.corrections import Correction
@@ -20,12 +19,9 @@ from stages.contracts.snapshot_pictures import Snapshots
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.cameras import project
 from stages.geometry.frames import apply, inverse
-from stages.inputs.by_hand.fronts import extents, front_corners
+from stages.inputs.by_hand.fronts import FACES, extents, front_corners
 
 SHOWN = 24  # models that can be chosen, nearest first
-SIZE = 96  # pixels of their pictures
-FRONT = ([1, 2, 6, 5], "front")  # corners of the face that an asset looks with
-SIDES = ([0, 1, 5, 4], [2, 3, 7, 6], [3, 0, 4, 7], [4, 5, 6, 7], [0, 1, 2, 3])
 
 
 @dataclass(frozen=True)
@@ -91,7 +87,7 @@ class Made:
         pixels = project(apply(inverse(np.array(self.objects.floor_from_camera)), points), self.objects.intrinsics)
         if not np.isfinite(pixels).all():
             return []
-        return [np.round(pixels[face], 1).tolist() for face in (*SIDES, FRONT[0])]
+        return [np.round(pixels[face], 1).tolist() for face in map(list, (*FACES[1:], FACES[0]))]
 
     def front(self, mask: int, told: float | None) -> tuple[NDArray[np.float64], float, float] | None:
         """Corners (4, 2) of a thing's front in the picture, its width and height in metres; None: there was no run.
@@ -146,7 +142,7 @@ class Made:
         if view is None:
             return None
         file = io.BytesIO()
-        view.resize((SIZE, SIZE), Image.Resampling.LANCZOS).save(file, "PNG")
+        view.save(file, "PNG")
         return "data:image/png;base64," + base64.b64encode(file.getvalue()).decode("ascii")
 
 

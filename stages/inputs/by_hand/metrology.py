@@ -14,9 +14,8 @@ from stages.geometry.frames import rigid, yaw_matrix
 
 Points = NDArray[np.float64]
 FARTHEST = 60.0  # heights of the camera: a floor point farther away lies at the horizon and says nothing
-DEPTHS = np.geomspace(0.002, 3.0, 600)  # heights of the camera: how far a hanging box may stand out from its wall
-RIVAL = 3.0  # pixels: an edge that misses by no more than this more than the nearest one may be the right one
-AT_END = 0.01  # metres beyond the end of a wall that still show it: no gap where two meet
+CLICK = 3.0  # pixels by which a point that was marked may be off
+THINNEST = 0.002  # metres: less is an error of drawing
 LEVEL_VIEW = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])  # room from camera of a level camera that looks along y
 
 
@@ -113,7 +112,7 @@ class WallPlane:
             reach = np.where(towards < 0, self.offset / towards, np.inf)
             at = reach * sideways
         low, high = self.ends
-        return np.where((at >= low - AT_END) & (at <= high + AT_END), reach, np.inf)
+        return np.where((at >= low - THINNEST) & (at <= high + THINNEST), reach, np.inf)
 
 
 def snapped(direction: Points, free: bool) -> Points:
@@ -162,7 +161,7 @@ def depth_by_pixel(view: View, corners: Points, inward: Points, pixel: ArrayLike
     best = int(np.argmin(misses))
     if depths[best] <= 0:
         raise RearCornerError("its rear corner lies before its front")
-    rivals = (misses < misses[best] + RIVAL) & (depths > 0) & (depths < depths[best] / 2)
+    rivals = (misses < misses[best] + CLICK) & (depths > 0) & (depths < depths[best] / 2)
     return float(depths[rivals].min() if rivals.any() else depths[best])
 
 
@@ -244,6 +243,26 @@ def _face(view: View, wall: WallPlane, depth: float, pixels: list[tuple[float, f
     return np.array([view.on_plane(pixel, wall.normal, wall.offset + depth) for pixel in pixels[:2]])
 
 
+def _depth_of_rear(view: View, wall: WallPlane, pixels: list[tuple[float, float]]) -> float:
+    """How far a face stands out from a wall if the third of the pixels shows a rear corner, on the wall.
+
+    A corner of the face moves along its ray with the depth, linearly; that depth is right at which one of the four
+    corners comes nearest to the rear corner (least squares).
+    """
+    rear = view.on_plane(pixels[2], wall.normal, wall.offset)
+    near, far = (_face(view, wall, depth, pixels) for depth in (-wall.offset / 2, 0.0))
+    plan = np.stack([wall.along, [0.0, 0.0, 1.0]])
+    starts = np.array([(far[i] @ plan[0], far[j] @ plan[1]) for i in (0, 1) for j in (0, 1)])
+    ends = np.array([(near[i] @ plan[0], near[j] @ plan[1]) for i in (0, 1) for j in (0, 1)])
+    steps, gaps = (ends - starts) * 2 / -wall.offset, plan @ rear - starts
+    depths = (steps * gaps).sum(axis=1) / (steps**2).sum(axis=1)
+    misses = np.linalg.norm(gaps - depths[:, None] * steps, axis=1)
+    depth = float(depths[np.argmin(np.where(depths > 0, misses, np.inf))])
+    if not 0 < depth < -wall.offset:
+        raise RearCornerError("its rear corner does not lie behind its front")
+    return depth
+
+
 def hanging_box(
     view: View,
     wall: WallPlane,
@@ -261,19 +280,7 @@ def hanging_box(
     along = wall.along
     depth = sizes[1] or flat
     if sizes[1] is None and len(pixels) > 2:
-        trials = DEPTHS[DEPTHS * view.above < -0.9 * wall.offset] * view.above
-        if not len(trials):
-            raise RearCornerError("its wall is as near as the camera itself")
-        faces = np.array([_face(view, wall, trial, pixels) for trial in trials])
-        alongs = faces @ along
-        rear = wall.offset * wall.normal + np.zeros((len(trials), 4, 3))
-        for corner, (i, j) in enumerate([(0, 0), (0, 1), (1, 0), (1, 1)]):
-            rear[:, corner] += alongs[:, i, None] * along
-            rear[:, corner, 2] = faces[:, j, 2]
-        misses = np.linalg.norm(view.project(rear) - np.asarray(pixels[2]), axis=-1).min(axis=1)
-        if not np.isfinite(misses).any():
-            raise RearCornerError("its rear corner does not lie on that wall")
-        depth = float(trials[int(np.nanargmin(misses))])
+        depth = _depth_of_rear(view, wall, pixels)
     face = _face(view, wall, depth, pixels)
     (left, right), (low, high) = np.sort(face @ along), np.sort(face[:, 2])
     width, height = sizes[0] or max(right - left, 1e-4), sizes[2] or max(high - low, 1e-4)

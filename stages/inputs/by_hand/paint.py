@@ -2,17 +2,17 @@
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from stages.contracts.depth import FARTHEST
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.frames import yaw_matrix
+from stages.geometry.masks import polygon
 from stages.inputs.by_hand.metrology import View
-from stages.inputs.by_hand.project import DrawnObject, Pixel, Project
+from stages.inputs.by_hand.project import DrawnObject, Project
 from stages.inputs.by_hand.solve import Solved
 
-FARTHEST = 30.0  # metres: what is farther away is no room
 Depth = NDArray[np.float64]
 
 
@@ -45,8 +45,8 @@ def _bounds(view: View, box: UprightBox, stride: int) -> tuple[slice, slice]:
 def box_depth(view: View, box: UprightBox, rays: Depth) -> Depth:
     """Depth (...) at which rays (..., 3) enter a box, inf where they miss it."""
     turn = yaw_matrix(box.yaw)
-    start, direction = (np.array([0, 0, view.above]) - np.asarray(box.center)) @ turn, rays @ turn
-    half = np.asarray(box.size, dtype=float) / 2
+    start, direction = (np.array([0, 0, view.above]) - box.center) @ turn, rays @ turn
+    half = box.size / 2
     with np.errstate(divide="ignore", invalid="ignore"):
         one, other = (-half - start) / direction, (half - start) / direction
     enter, leave = np.fmin(one, other).max(axis=-1), np.fmax(one, other).min(axis=-1)
@@ -55,8 +55,8 @@ def box_depth(view: View, box: UprightBox, rays: Depth) -> Depth:
 
 def round_depth(view: View, box: UprightBox, rays: Depth) -> Depth:
     """Depth (...) at which rays (..., 3) enter the upright cylinder in a box, inf where they miss it."""
-    turn, half = yaw_matrix(box.yaw), np.asarray(box.size, dtype=float) / 2
-    start, direction = (np.array([0, 0, view.above]) - np.asarray(box.center)) @ turn / half, rays @ turn / half
+    turn, half = yaw_matrix(box.yaw), box.size / 2
+    start, direction = (np.array([0, 0, view.above]) - box.center) @ turn / half, rays @ turn / half
     a, b = (direction[..., :2] ** 2).sum(axis=-1), direction[..., :2] @ start[:2]
     with np.errstate(divide="ignore", invalid="ignore"):
         root = np.sqrt(b**2 - a * (start[:2] @ start[:2] - 1))  # nan: beside the cylinder
@@ -70,14 +70,6 @@ def solid_depth(item: DrawnObject, solved: Solved, rays: Depth) -> Depth:
     """Depth at which rays enter what was drawn."""
     is_round = item.round and item.on not in solved.walls
     return (round_depth if is_round else box_depth)(solved.view, solved.boxes[item.id], rays)
-
-
-def polygon(points: list[Pixel], shape: tuple[int, int]) -> NDArray[np.bool_]:
-    """Pixels (H, W) inside an outline."""
-    filled = np.zeros(shape, dtype=np.uint8)
-    corners_ = np.clip(np.rint(np.array(points)), -30_000, 30_000).astype(np.int32)
-    cv2.fillPoly(filled, [corners_], 1)
-    return filled > 0
 
 
 def paint(project: Project, solved: Solved, stride: int = 1) -> Painted:

@@ -10,12 +10,10 @@ from stages.inputs.by_hand.metrology import View, rotation_of
 from stages.inputs.by_hand.project import Guide, Perspective, Pixel
 
 Points = NDArray[np.float64]
-LINE, PIN = 1.0, 0.3  # pixels: by how much lines and what was fixed by hand may miss
+PIN = 0.3  # pixels by which what was fixed by hand may be off; of lines, one
 USUAL = np.array([0.0, np.deg2rad(-8), 0.0])  # yaw, pitch and roll of a hand-held camera, and how sure that is
 SURE = np.deg2rad([45.0, 15.0, 2.0])
-AXES = {"x": 0, "y": 1, "z": 2}
-STEPS = 100  # of one fit; usual ones take ten
-FIXED_FOCAL = 0.002
+AXES = "xyz"
 WEAK = np.deg2rad(2.0)  # between a line and the direction that it should run in
 
 
@@ -39,7 +37,7 @@ def misses(view: View, axes: NDArray[np.integer], ends: Points) -> Points:
 def weak(view: View, guides: list[Guide]) -> list[bool]:
     """Which lines do not run as the camera says: they say little of it, or are wrong."""
     ends = np.array([(line.a, line.b) for line in guides], dtype=float).reshape(-1, 2, 2)
-    off = np.abs(misses(view, np.array([AXES[line.axis] for line in guides], dtype=int), ends))
+    off = np.abs(misses(view, np.array([AXES.index(line.axis) for line in guides], dtype=int), ends))
     half = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) / 2
     return [bool(one) for one in off > WEAK * half]
 
@@ -75,17 +73,17 @@ def vanishing_point(view: View, axis: int) -> Pixel | None:
 @lru_cache(maxsize=64)
 def _fit(width: int, height: int, text: str, start: tuple[float, float, float] | None) -> View:
     given = Perspective.model_validate_json(text)
-    axes = np.array([AXES[line.axis] for line in given.guides], dtype=int)
+    axes = np.array([AXES.index(line.axis) for line in given.guides], dtype=int)
     ends = np.array([(line.a, line.b) for line in given.guides], dtype=float).reshape(-1, 2, 2)
-    focal, spread = (given.focal, FIXED_FOCAL) if given.focal else (given.likely_focal, given.spread)
-    pins = [(AXES[name], pixel) for name in "xyz" if (pixel := getattr(given, name)) is not None]
+    focal, spread = (given.focal, PIN / given.focal) if given.focal else (given.likely_focal, given.spread)
+    pins = [(AXES.index(name), pixel) for name in "xyz" if (pixel := getattr(given, name)) is not None]
 
     def view_of(state: Points) -> View:
         return View(width, height, float(np.exp(np.clip(state[3], 2, 12))), rotation_of(*state[:3]))
 
     def residuals(state: Points) -> Points:
         view = view_of(state)
-        parts = [robust(misses(view, axes, ends) / LINE)]
+        parts = [robust(misses(view, axes, ends))]
         parts += [_pinned(view, axis, pixel) / PIN for axis, pixel in pins]
         if given.horizon is not None:
             (u0, v0), (u1, v1) = given.horizon
@@ -96,7 +94,7 @@ def _fit(width: int, height: int, text: str, start: tuple[float, float, float] |
         return np.concatenate(parts)
 
     starts = [start] if start else [(yaw, USUAL[1], 0.0) for yaw in np.deg2rad([-40, -15, 0, 15, 40])]
-    fits = [least_squares(residuals, [*first, np.log(focal)], x_scale=0.1, max_nfev=STEPS) for first in starts]
+    fits = [least_squares(residuals, [*first, np.log(focal)], x_scale=0.1) for first in starts]
     return view_of(min(fits, key=lambda fit: float(fit.cost)).x)
 
 

@@ -8,18 +8,18 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
+from PIL.ExifTags import IFD, Base
 
 from stages.contracts.errors import InputError
 from stages.contracts.images import read_rgb
 from stages.inputs.rgbd.cameras import resized
+from stages.inputs.rgbd.frame import LONGEST
 from stages.inputs.rgbd.lens import read_lens, straightened
 
-LONGEST = 1600  # pixels of the longer side; larger pictures are made smaller
 WIDEST = 2.4  # of a picture's sides: a panorama has no single perspective
 FLAT = 2.0  # standard deviation of the brightness below which nothing is to be seen
 FILM = np.hypot(36, 24)  # millimetres: diagonal that "35 mm equivalent" focal lengths refer to
-EQUIVALENT, FOCAL, RESOLUTION, UNIT, EXIF_WIDTH = 0xA405, 0x920A, 0xA20E, 0xA210, 0xA002  # EXIF tags
-MILLIMETRES = {2: 25.4, 3: 10.0, 4: 1.0}
+MILLIMETRES = {2: 25.4, 3: 10.0}  # of EXIF's units of resolution: inch, centimetre
 HEIF_BRANDS = (b"heic", b"heix", b"hevc", b"hevx", b"heim", b"heis", b"mif1", b"msf1")
 
 
@@ -47,26 +47,33 @@ def _from_heif(path: Path) -> tuple[NDArray[np.uint8], Image.Exif]:
         import pillow_heif
     except ImportError:
         mend = "pip install pillow-heif, or save it as JPEG"
-        raise InputError(path, "is a HEIC photograph, which nothing installed here reads.", mend) from None
+        raise InputError(
+            path, "is a HEIC photograph, which nothing installed here reads.", mend, code="E-LIBRARY-MISSING"
+        ) from None
     try:
         image = pillow_heif.open_heif(path).to_pillow()  # upright already
         return np.array(image.convert("RGB")), image.getexif()
     except Exception as error:  # a decoder raises its own kinds for broken data
-        raise InputError(path, f"is not a readable image ({error.__class__.__name__}).", "save it as JPEG") from None
+        raise InputError(
+            path, f"is not a readable image ({error.__class__.__name__}).", "save it as JPEG", code="E-PICTURE-BROKEN"
+        ) from None
 
 
 def exif_focal(exif: Image.Exif, width: int, height: int) -> float | None:
     """Focal length in pixels of a picture of this size, from the EXIF data of an uncropped photograph; else None."""
     try:
-        fine = exif.get_ifd(0x8769)
-        equivalent = float(fine.get(EQUIVALENT) or 0)
+        fine = exif.get_ifd(IFD.Exif)
+        equivalent = float(fine.get(Base.FocalLengthIn35mmFilm) or 0)
         if equivalent > 0:
             found = equivalent / FILM * np.hypot(width, height)
         else:
-            per_mm = float(fine.get(RESOLUTION) or 0) / MILLIMETRES.get(int(fine.get(UNIT, 2)), 25.4)
-            found = float(fine.get(FOCAL) or 0) * per_mm
-            found *= max(width, height) / float(fine.get(EXIF_WIDTH) or max(width, height))
-    except (ValueError, TypeError, ZeroDivisionError, ArithmeticError, SyntaxError):
+            per_mm = (
+                float(fine.get(Base.FocalPlaneXResolution) or 0)
+                / MILLIMETRES[int(fine.get(Base.FocalPlaneResolutionUnit, 2))]
+            )
+            found = float(fine.get(Base.FocalLength) or 0) * per_mm
+            found *= max(width, height) / float(fine.get(Base.ExifImageWidth) or max(width, height))
+    except (ValueError, TypeError, ZeroDivisionError, ArithmeticError, SyntaxError, KeyError):
         return None
     return float(found) if 0.2 * max(width, height) < found < 20 * min(width, height) else None
 
@@ -98,13 +105,17 @@ def read_photo(path: Path, lens: Path | None = None) -> Photo:
     height, width = rgb.shape[:2]
     if panorama or max(width, height) > WIDEST * min(width, height):
         mend = "cut out a part with an ordinary field of view"
-        raise InputError(path, f"is a panorama ({width}x{height}), which has no single perspective.", mend)
+        raise InputError(
+            path, f"is a panorama ({width}x{height}), which has no single perspective.", mend, code="E-PICTURE-PANORAMA"
+        )
     focal, shrunk = exif_focal(exif, width, height), max(1.0, max(width, height) / LONGEST)
     if shrunk > 1:
         size = round(width / shrunk), round(height / shrunk)
         rgb = np.asarray(cv2.resize(rgb, size, interpolation=cv2.INTER_AREA), dtype=np.uint8)
     if float(rgb.std(axis=(0, 1)).max()) < FLAT:
-        raise InputError(path, "shows nothing: it is all of one colour.", "take another photograph")
+        raise InputError(
+            path, "shows nothing: it is all of one colour.", "take another photograph", code="E-PICTURE-BLANK"
+        )
     focal = None if focal is None else focal / shrunk
     if lens is not None:
         known = read_lens(lens, width, height)

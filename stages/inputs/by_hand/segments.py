@@ -1,43 +1,31 @@
 """Propose the perspective of a photograph: line segments, RANSAC for three orthogonal vanishing points, refinement."""
 
-from dataclasses import dataclass
-
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from stages.geometry.frames import wrap_angle
 from stages.inputs.by_hand.metrology import View
-from stages.inputs.by_hand.perspective import AXES, fit_view, misses
+from stages.inputs.by_hand.perspective import AXES, WEAK, fit_view, misses
 from stages.inputs.by_hand.project import Guide, Perspective
 
 Points = NDArray[np.float64]
-SHORTEST = 0.03  # of the picture's diagonal
-MOST = 250  # segments, the longest
+MOST = 200  # segments, the longest: as many as a drawing may have
 HYPOTHESES = 400  # per focal length
 FOCALS = np.geomspace(0.5, 2.2, 9)  # of the longer side: 90 to 26 degrees across
-AGREES = np.deg2rad(2.0)  # between a segment and the direction to its vanishing point
 STEEPEST, MOST_ROLL = np.deg2rad(50), np.deg2rad(12)
 PRIOR = 0.02  # share of agreeing length that one standard deviation of the focal length is worth
 SHOWN, APART = 5, 0.06  # guides per axis; share of the diagonal between their middles
 FITS = 0.9  # agreement of a segment that is shown: two thirds of a degree
-USUAL_FOCAL, USUAL_SPREAD = 0.8, 0.3  # of the longer side; of its logarithm
-KNOWN_SPREAD = 0.03  # of a focal length from EXIF
+USUAL_FOCAL = 0.8  # of the longer side: 64 degrees across
+KNOWN_SPREAD = 0.03  # of the logarithm of a focal length from EXIF
 
 
-@dataclass(frozen=True)
-class FocalPrior:
-    """A focal length in pixels and the standard deviation of its logarithm."""
-
-    pixels: float
-    spread: float
-
-
-def usual_focal(width: int, height: int, exif: float | None) -> FocalPrior:
-    """The focal length (pixels) that EXIF tells, else that of a usual camera."""
+def usual_focal(width: int, height: int, exif: float | None) -> Perspective:
+    """A perspective of which only the focal length is known: the one (pixels) that EXIF tells, or a usual camera's."""
     if exif is not None:
-        return FocalPrior(exif, KNOWN_SPREAD)
-    return FocalPrior(USUAL_FOCAL * max(width, height), USUAL_SPREAD)
+        return Perspective(likely_focal=exif, spread=KNOWN_SPREAD)
+    return Perspective(likely_focal=USUAL_FOCAL * max(width, height))
 
 
 def find_segments(grey: NDArray[np.uint8]) -> Points:
@@ -47,8 +35,7 @@ def find_segments(grey: NDArray[np.uint8]) -> Points:
         return np.zeros((0, 2, 2))
     ends = np.asarray(found, dtype=float).reshape(-1, 2, 2)
     lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
-    order = np.argsort(-lengths, kind="stable")[:MOST]
-    return ends[order][lengths[order] > SHORTEST * np.hypot(*grey.shape)]
+    return ends[np.argsort(-lengths, kind="stable")[:MOST]]
 
 
 def _planes(ends: Points, width: int, height: int, focal: float) -> Points:
@@ -82,8 +69,8 @@ def _hypotheses(normals: Points, weights: Points, highest: float, rng: np.random
 
 
 def _agreement(view_misses: Points, half: Points) -> Points:
-    """1 where a segment points to its vanishing point, 0 where it is off by AGREES or more."""
-    return np.clip(1 - (np.abs(view_misses) / np.maximum(half, 1e-9) / AGREES) ** 2, 0, None)
+    """1 where a segment points to its vanishing point, 0 where it is off by `WEAK` or more."""
+    return np.clip(1 - (np.abs(view_misses) / np.maximum(half, 1e-9) / WEAK) ** 2, 0, None)
 
 
 def _scores(ends: Points, lengths: Points, focal: float, size: tuple[int, int], rotations: Points) -> Points:
@@ -118,7 +105,7 @@ def _assigned(view: View, ends: Points) -> tuple[NDArray[np.integer], Points]:
 def _shown(ends: Points, axes: NDArray[np.integer], good: Points, diagonal: float) -> list[Guide]:
     """The longest segments of each axis that fit and do not lie on each other."""
     guides = []
-    for name, axis in AXES.items():
+    for axis, name in enumerate(AXES):
         kept: list[Points] = []
         for segment in ends[(axes == axis) & (good > FITS)]:
             middle = segment.mean(axis=0)
@@ -131,7 +118,7 @@ def _shown(ends: Points, axes: NDArray[np.integer], good: Points, diagonal: floa
     return guides
 
 
-def propose(grey: NDArray[np.uint8], prior: FocalPrior, seed: int = 0) -> Perspective:
+def propose(grey: NDArray[np.uint8], prior: Perspective, seed: int = 0) -> Perspective:
     """Guides along the three axes of the room, and the focal length that all segments speak for.
 
     Without lines that agree there are no guides, and the camera is the usual one.
@@ -142,12 +129,15 @@ def propose(grey: NDArray[np.uint8], prior: FocalPrior, seed: int = 0) -> Perspe
     """
     height, width = grey.shape
     ends = find_segments(grey)
-    nothing = Perspective(likely_focal=prior.pixels, spread=prior.spread)
     if len(ends) < 6:
-        return nothing
+        return prior
     rng = np.random.default_rng(seed)
     lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
-    trials = [prior.pixels] if prior.spread <= KNOWN_SPREAD else [float(share * max(width, height)) for share in FOCALS]
+    trials = (
+        [prior.likely_focal]
+        if prior.spread <= KNOWN_SPREAD
+        else [float(share * max(width, height)) for share in FOCALS]
+    )
     best, best_score = None, 0.0
     for focal in trials:
         highest = float(np.arctan(height / 2 / focal))
@@ -155,19 +145,19 @@ def propose(grey: NDArray[np.uint8], prior: FocalPrior, seed: int = 0) -> Perspe
         if not len(rotations):
             continue
         scores = _scores(ends, lengths, focal, (width, height), rotations)
-        scores -= PRIOR * (np.log(focal / prior.pixels) / prior.spread) ** 2
+        scores -= PRIOR * (np.log(focal / prior.likely_focal) / prior.spread) ** 2
         if scores.max() > best_score:
             best, best_score = (rotations[int(np.argmax(scores))], focal), float(scores.max())
     if best is None:
-        return nothing
+        return prior
     view = View(width, height, best[1], best[0])
     for _ in range(3):  # better lines give a better camera, which gives better lines
         axes, good = _assigned(view, ends)
         every = [
             Guide(axis="xyz"[axis], a=tuple(a), b=tuple(b))  # type: ignore[arg-type]
-            for axis, (a, b) in zip(axes[good > 0.1], ends[good > 0.1].tolist(), strict=True)
+            for axis, (a, b) in zip(axes[good > 0], ends[good > 0].tolist(), strict=True)
         ]
-        view = fit_view(nothing.model_copy(update={"guides": every[:200]}), width, height, _angles(view.rotation))
+        view = fit_view(prior.model_copy(update={"guides": every}), width, height, _angles(view.rotation))
     axes, good = _assigned(view, ends)
     guides = _shown(ends, axes, good, float(np.hypot(width, height)))
     return Perspective(guides=guides, likely_focal=view.focal, spread=min(prior.spread, 0.1))

@@ -1,4 +1,4 @@
-"""One picture being drawn into: what the page asks for, as plain data. Knows nothing of HTTP."""
+"""Session of the page that draws into a picture: its requests and answers as plain data, without HTTP."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -12,7 +12,7 @@ from pydantic import TypeAdapter
 
 from stages.contracts import InputError, read_json, write_json
 from stages.geometry.boxes import UprightBox, corners
-from stages.inputs.by_hand.fronts import extents, front_corners, straight_on
+from stages.inputs.by_hand.fronts import FACES, extents, front_corners, jpeg, straight_on
 from stages.inputs.by_hand.metrology import View, WallPlane
 from stages.inputs.by_hand.paint import paint
 from stages.inputs.by_hand.perspective import horizon, vanishing_point, weak
@@ -20,11 +20,9 @@ from stages.inputs.by_hand.photo import Photo
 from stages.inputs.by_hand.project import PROJECT, Pixel, Project
 from stages.inputs.by_hand.segments import propose, usual_focal
 from stages.inputs.by_hand.solve import Solved, support_at
-from stages.inputs.by_hand.write import SIDES, finished, tinted, write_folder
+from stages.inputs.by_hand.write import finished, side_angle, tinted, write_folder
 
 GRID, REACH = 0.5, 8.0  # metres: spacing of the floor's grid, and how far it goes
-PICTURE_QUALITY = 90
-FACES = ((0, 1, 2, 3), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
 Answer = dict[str, Any]
 
 
@@ -77,7 +75,7 @@ class Session:
             what = (
                 f"was drawn into a picture of {project.width}x{project.height} pixels, this one has {width}x{height}."
             )
-            raise InputError(path, what, "give another --out, or move it away to begin anew")
+            raise InputError(path, what, "give another --out, or move it away to begin anew", code="E-PROJECT-SIZE")
         return project
 
     def start(self) -> Answer:
@@ -111,7 +109,7 @@ class Session:
         project = Project.model_validate(body)
         height, width = self.photo.rgb.shape[:2]
         if (project.width, project.height) != (width, height):
-            raise InputError("drawing", "is of a picture of another size.", "reload the page")
+            raise InputError("drawing", "is of a picture of another size.", "reload the page", code="E-PROJECT-SIZE")
         return project
 
     def solve(self, body: Any) -> Answer:
@@ -137,8 +135,10 @@ class Session:
         solved = finished(project, self.depth)[1]
         item = {one.id: one for one in project.objects}[body["id"]]
         if (box := solved.boxes.get(item.id)) is None:
-            raise InputError(item.label or item.id, "has no place yet.", "mark its front first")
-        points = front_corners(box, box.yaw + SIDES[item.faces])
+            raise InputError(
+                item.label or item.id, "has no place yet.", "mark its front first", code="E-OBJECT-UNPLACED"
+            )
+        points = front_corners(box, box.yaw + side_angle(item.faces))
         return straight_on(self.photo.rgb, solved.view.project(points), *extents(points))
 
     def write(self, body: Any) -> Answer:
@@ -153,12 +153,6 @@ class Session:
         """The page is done with."""
         self.finished = True
         return {}
-
-
-def jpeg(rgb: NDArray[np.uint8]) -> bytes:
-    done, data = cv2.imencode(".jpg", rgb[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, PICTURE_QUALITY])
-    assert done
-    return bytes(data)
 
 
 def _lines(view: View, ends: NDArray[np.float64]) -> list[list[list[float]]]:
@@ -185,7 +179,7 @@ def _box(view: View, box: UprightBox) -> Answer:
     faces = []
     for face in FACES:
         middle = points[list(face)].mean(axis=0)
-        if (middle - np.asarray(box.center)) @ (eye - middle) > 0 and np.isfinite(pixels[list(face)]).all():
+        if (middle - box.center) @ (eye - middle) > 0 and np.isfinite(pixels[list(face)]).all():
             faces.append(np.round(pixels[list(face)], 1).tolist())
     foot = view.project(points[[3, 2]] * [1, 1, 0])  # where a wall behind it meets the floor
     known = [bool(np.isfinite(pixel).all()) for pixel in pixels]
@@ -193,8 +187,8 @@ def _box(view: View, box: UprightBox) -> Answer:
         "corners": [np.round(pixel, 1).tolist() if ok else None for pixel, ok in zip(pixels, known, strict=True)],
         "faces": faces,
         "foot": np.round(foot, 1).tolist() if np.isfinite(foot).all() else None,
-        "size": [round(float(value), 4) for value in np.asarray(box.size)],
-        "distance": round(float(np.linalg.norm(np.asarray(box.center) - eye)), 3),
+        "size": [round(float(value), 4) for value in box.size],
+        "distance": round(float(np.linalg.norm(box.center - eye)), 3),
     }
 
 

@@ -1,4 +1,4 @@
-"""From what was drawn to a camera over the floor, walls and boxes in metres."""
+"""Solve a drawing: camera, walls and boxes in metres."""
 
 from dataclasses import dataclass, field, replace
 
@@ -6,9 +6,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from stages.contracts.depth import FARTHEST, NEAREST
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.frames import yaw_matrix
 from stages.inputs.by_hand.metrology import (
+    CLICK,
+    THINNEST,
     MetrologyError,
     RearCornerError,
     View,
@@ -23,14 +26,10 @@ from stages.inputs.by_hand.project import DrawnObject, Pixel, Project, Scale
 from stages.procedural.naming import category_in
 from stages.procedural.sizes import sizes_of, unusual
 
-NEAREST, FARTHEST = 0.05, 30.0  # metres: a camera is nowhere else above the floor
-EDGE = 6.0  # pixels beside the top of an object that still count as on it
-THINNEST = 0.002  # metres
 BEHIND = 0.05  # of the picture's height, that the foot of what stands may be marked above the top that it stands on
 NEARER = 0.7  # of its distance at least, at which something that was marked too high is put onto what carries it
 WITHIN = 0.25  # of the length that was drawn of a wall, by which another one may cut it off
 FLAT = 0.03  # metres: how deep something on a wall is of which nobody said what it is
-SIDES = {"width": 0, "depth": 1, "height": 2}
 
 
 @dataclass(frozen=True)
@@ -61,8 +60,8 @@ def _guessed(item: DrawnObject, hangs: bool) -> str:
 
 
 def _unusual(item: DrawnObject, box: UprightBox) -> str:
-    """What is wrong with a box that is as large as nothing of its label."""
-    size = np.asarray(box.size, dtype=float)
+    """What is wrong with the size of a box, by the usual sizes of its label."""
+    size = box.size
     if size.min() < THINNEST:
         return f"would be {1000 * size.min():.1f} mm thin: draw it anew"
     return unusual(category_in(item.label), size)
@@ -158,9 +157,9 @@ class _Room:
         """
         box, eye = self.boxes[item.id], np.array([0, 0, self.view.above])
         for share in np.linspace(1, NEARER, 31):
-            sizes = zip(item.sizes if self.typed else (None,) * 3, np.asarray(box.size), strict=True)
+            sizes = zip(item.sizes if self.typed else (None,) * 3, box.size, strict=True)
             size = np.array([known or share * seen for known, seen in sizes])
-            center = eye + share * (np.asarray(box.center) - eye)
+            center = eye + share * (box.center - eye)
             if _over(carrier, center + yaw_matrix(box.yaw) @ [0, size[1] / 2, 0]):
                 break
         else:
@@ -197,7 +196,7 @@ def _height(project: Project, view: View) -> float:
         boxes = _Room(project, view, typed=False).boxes
         if scale.object not in boxes:
             raise MetrologyError("the object whose size is known has no place yet")
-        return scale.metres / float(np.asarray(boxes[scale.object].size)[SIDES[scale.side]])
+        return scale.metres / float(boxes[scale.object].size[("width", "depth", "height").index(scale.side)])
     if scale.points is None:
         raise MetrologyError("draw the line whose length is known")
     return scale.metres / _length(view, scale)
@@ -230,8 +229,8 @@ def solve(project: Project) -> Solved:
     room = _Room(project, replace(view, above=above), typed=True)
     for item in project.objects:
         box = room.boxes.get(item.id)
-        if box is not None and max(np.asarray(box.size)) > FARTHEST:
-            room.notes[item.id] = f"would be {max(np.asarray(box.size)):.0f} m large"
+        if box is not None and max(box.size) > FARTHEST:
+            room.notes[item.id] = f"would be {max(box.size):.0f} m large"
             del room.boxes[item.id]
         elif box is not None:
             told = [room.notes.get(item.id, _guessed(item, item.on in room.walls)), _unusual(item, box)]
@@ -256,7 +255,7 @@ def support_at(project: Project, solved: Solved, pixel: tuple[float, float], sta
             continue
         reach = (box.top - eye[2]) / ray[2]
         inside = cv2.pointPolygonTest(top.astype(np.float32), pixel, True)
-        if inside <= -EDGE:
+        if inside <= -2 * CLICK:
             beside[name] = -inside
         elif reach < nearest:
             best, nearest = name, reach
@@ -276,6 +275,6 @@ def support_at(project: Project, solved: Solved, pixel: tuple[float, float], sta
 def _over(box: UprightBox, point: NDArray[np.float64]) -> bool:
     """Whether a point lies over the footprint of a box."""
     c, s = np.cos(box.yaw), np.sin(box.yaw)
-    dx, dy = (point - np.asarray(box.center))[:2]
-    width, depth, _ = np.asarray(box.size)
+    dx, dy = (point - box.center)[:2]
+    width, depth, _ = box.size
     return bool(abs(c * dx + s * dy) <= width / 2 and abs(-s * dx + c * dy) <= depth / 2)

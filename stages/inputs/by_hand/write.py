@@ -1,4 +1,4 @@
-"""What was drawn as an input folder: rgb.png, camera.json, depth.npz, masks.png, annotations.json."""
+"""Write a drawing as an input folder: rgb.png, camera.json, depth.npz, masks.png, annotations.json."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +11,7 @@ from stages.config.own_scene import write_config
 from stages.contracts import Annotations, Camera, InputError, atomic, write_json
 from stages.contracts.objects import Box, object_ids
 from stages.contracts.scenes import Annotation
+from stages.extraction.overview import colour_of
 from stages.extraction.room import floor_frame
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import apply, inverse, rounded, wrap_angle, yaw_of_matrix
@@ -19,11 +20,11 @@ from stages.inputs.by_hand.metrology import View
 from stages.inputs.by_hand.paint import paint
 from stages.inputs.by_hand.project import DrawnObject, Project
 from stages.inputs.by_hand.solve import Solved, solve
+from stages.inputs.rgbd.frame import is_stretched
 
 SPARSE = 4  # every so many pixels tell the scale of given depth: it is asked for with every movement
 LEAST_DEPTH = 30  # pixels on which given depth and floor must agree to find the scale
-SIDES = {"front": -np.pi / 2, "right": 0.0, "rear": np.pi / 2, "left": np.pi}  # from the x axis of a drawn box
-TINTS = np.array([(230, 120, 60), (70, 140, 220), (90, 190, 110), (200, 90, 180), (220, 190, 60), (80, 190, 200)])
+SIDES = ("right", "rear", "left", "front")  # of a drawn box, counter-clockwise from its x axis
 
 
 @dataclass(frozen=True)
@@ -44,7 +45,7 @@ def floor_box(view: View, box: UprightBox) -> Box:
     floor_from_room = floor_from_camera(view) @ inverse(view.room_from_camera)
     yaw = box.yaw + yaw_of_matrix(floor_from_room[:3, :3])
     turned = wrap_angle(yaw, np.pi / 2)
-    width, depth, height = np.asarray(box.size, dtype=float)
+    width, depth, height = box.size
     if round((yaw - turned) / (np.pi / 2)) % 2:
         width, depth = depth, width
     size = rounded([width, depth, height])
@@ -54,7 +55,12 @@ def floor_box(view: View, box: UprightBox) -> Box:
 def front_of(view: View, box: UprightBox, side: str) -> float:
     """Direction about z, floor frame, of a side of a drawn box; its y axis goes back from what was drawn as front."""
     floor_from_room = floor_from_camera(view) @ inverse(view.room_from_camera)
-    return round(wrap_angle(box.yaw + SIDES[side] + yaw_of_matrix(floor_from_room[:3, :3])), 6)
+    return round(wrap_angle(box.yaw + side_angle(side) + yaw_of_matrix(floor_from_room[:3, :3])), 6)
+
+
+def side_angle(side: str) -> float:
+    """Direction of a side of a drawn box, from its x axis."""
+    return SIDES.index(side) * np.pi / 2
 
 
 def with_scale_of(depth: NDArray[np.float32], project: Project) -> Project:
@@ -69,7 +75,9 @@ def with_scale_of(depth: NDArray[np.float32], project: Project) -> Project:
     floor = (painted.masks == painted.values["floor"]) & (depth > 0) & (painted.depth > 0)
     if floor.sum() < LEAST_DEPTH:
         what = "shows too little of the floor to tell the scale."
-        raise InputError("--depth", what, "give the height of the camera or one known length on the page")
+        raise InputError(
+            "--depth", what, "give the height of the camera or one known length on the page", code="E-SCALE-UNKNOWN"
+        )
     metres = float(np.median(depth[floor] / painted.depth[floor]))
     return project.model_copy(update={"scale": project.scale.model_copy(update={"metres": round(metres, 4)})})
 
@@ -81,7 +89,12 @@ def finished(project: Project, depth: NDArray[np.float32] | None) -> tuple[Proje
     """The drawing with its scale, solved."""
     if project.scale.kind == "depth":
         if depth is None:
-            raise InputError("project.json", "takes its scale from depth, but none was given.", "start with --depth")
+            raise InputError(
+                "project.json",
+                "takes its scale from depth, but none was given.",
+                "start with --depth",
+                code="E-SCALE-UNKNOWN",
+            )
         project = with_scale_of(depth, project)
     return project, solve(project)
 
@@ -115,13 +128,20 @@ def write_folder(
     project, solved = finished(project, depth)
     placed = [item for item in project.objects if item.id in solved.boxes]
     if not placed:
-        raise InputError(str(folder), "no object has a place yet.", "draw a box around at least one object")
+        raise InputError(
+            str(folder), "no object has a place yet.", "draw a box around at least one object", code="E-SCENE-EMPTY"
+        )
     painted = paint(project, solved)
     view, values = solved.view, painted.values
     shown = set(np.unique(painted.masks).tolist())
     seen = [item for item in placed if values[item.id] in shown]
     if not seen:
-        raise InputError(str(folder), "no object can be seen in the picture.", "draw a box where something is shown")
+        raise InputError(
+            str(folder),
+            "no object can be seen in the picture.",
+            "draw a box where something is shown",
+            code="E-SCENE-EMPTY",
+        )
 
     with atomic(folder / "rgb.png") as path:
         cv2.imwrite(str(path), rgb[..., ::-1])
@@ -166,7 +186,7 @@ def tinted(rgb: NDArray[np.uint8], masks: NDArray[np.uint16], objects: list[int]
     Args:
         objects: mask values of objects; what else has one is floor or wall, and tinted lightly.
     """
-    tints = TINTS[(masks.astype(int) - 1) % len(TINTS)]
+    tints = np.array([colour_of(value) for value in range(int(masks.max()) + 1)])[masks]
     strength = np.where(np.isin(masks, objects), 0.55, np.where(masks > 0, 0.22, 0.0))[..., None]
     return np.rint(rgb * (1 - strength) + tints * strength).astype(np.uint8)
 
@@ -177,7 +197,7 @@ def at_size(depth: NDArray[np.float32], width: int, height: int) -> NDArray[np.f
     Raises:
         InputError: it has other proportions than the picture.
     """
-    if abs(depth.shape[1] / depth.shape[0] / (width / height) - 1) > 0.02:
+    if is_stretched(depth.shape[::-1], (width, height)):
         what = f"is {depth.shape[1]}x{depth.shape[0]}, of other proportions than the picture ({width}x{height})."
-        raise InputError("--depth", what, "it must cover the same view as the upright picture")
+        raise InputError("--depth", what, "it must cover the same view as the upright picture", code="E-DEPTH-SIZE")
     return np.asarray(cv2.resize(depth, (width, height), interpolation=cv2.INTER_NEAREST), dtype=np.float32)

@@ -1,4 +1,4 @@
-"""What is in the picture, by a language model that sees: a list, then every found object again (paper A.2, A.7)."""
+"""Labels by a vision-language model: a list for the whole picture, then each detected object (paper A.2, A.7)."""
 
 from collections.abc import Sequence
 from typing import Any, Literal
@@ -6,13 +6,15 @@ from typing import Any, Literal
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+from PIL import ImageColor
 from pydantic import BaseModel, ConfigDict, Field, create_model, model_validator
 
+from stages.extraction.overview import colour_of
 from stages.vlm.ask import Asker, NoAnswerError
 from stages.vlm.prompt import Prompt
 
 NONE = "none"
-RED = (255, 0, 0)
+RED = ImageColor.getrgb("red")
 SYSTEM = (
     "You look at a picture of a room and say what things stand, lie or hang in it. Say only what you can see. You "
     "answer with one JSON object and nothing else."
@@ -35,8 +37,7 @@ HOLD = (
     "and 'stands_at_wall' name the walls that it touches, the one at its back first. "
     'Answer {{"held": "stands_at_wall", "walls": [1]}}.'
 )
-TYPES = {"hangs": 1, "stands": 2, "stands_at_wall": 3}
-TINTS = ((230, 60, 60), (60, 110, 230), (50, 170, 80), (230, 160, 30), (160, 70, 200), (30, 180, 190))
+TYPES = ("hangs", "stands", "stands_at_wall")  # of mounting, from 1
 
 
 class Listed(BaseModel):
@@ -114,7 +115,7 @@ def held(
     answer = create_model("Held", __base__=Hung, walls=(number, ...))
     text = HOLD.format(label=label, count=len(walls))
     found = asker.ask(Prompt(SYSTEM, [boxed(rgb, box), numbered(rgb, walls), text]), answer, about)
-    return TYPES[found.held], [wall - 1 for wall in dict.fromkeys(found.walls)]
+    return 1 + TYPES.index(found.held), [wall - 1 for wall in dict.fromkeys(found.walls)]
 
 
 def boxed(rgb: NDArray[np.uint8], box: Sequence[float]) -> NDArray[np.uint8]:
@@ -129,7 +130,7 @@ def numbered(rgb: NDArray[np.uint8], masks: Sequence[NDArray[np.bool_]]) -> NDAr
     """The picture with masks tinted, each with its number, from 1, where it is widest."""
     shown = rgb.copy()
     for k, mask in enumerate(masks):
-        shown[mask] = (0.5 * rgb[mask] + 0.5 * np.array(TINTS[k % len(TINTS)])).astype(np.uint8)
+        shown[mask] = (0.5 * rgb[mask] + 0.5 * np.array(colour_of(k))).astype(np.uint8)
     size = max(0.5, max(rgb.shape) / 500)
     for k, mask in enumerate(masks):
         inside = np.pad(mask, 1).astype(np.uint8)

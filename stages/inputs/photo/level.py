@@ -1,19 +1,17 @@
-"""Where is down, if depth shows no floor: by the lines in the picture."""
+"""The direction of gravity by lines in the picture, where depth shows no floor."""
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from stages.config.extraction import ExtractionConfig
-from stages.extraction.room import find_floor, fit_floor, floor_frame
+from stages.contracts.depth import NEAREST
+from stages.extraction.room import STRAY, find_floor, fit_floor, floor_frame
 from stages.geometry.cameras import back_project
 from stages.geometry.planes import Plane
 from stages.inputs.by_hand.perspective import fit_view
 from stages.inputs.by_hand.segments import propose, usual_focal
 from stages.inputs.rgbd.frame import Frame
-
-LOWEST = 0.01  # share of the points that may lie below the floor: depth is noisy
-NEAREST = 0.1  # metres of the camera above the floor
 
 
 def level_camera(frame: Frame, floor: int | None) -> NDArray[np.float64] | None:
@@ -33,5 +31,5 @@ def level_camera(frame: Frame, floor: int | None) -> NDArray[np.float64] | None:
     height, width = frame.depth.shape
     grey = np.asarray(cv2.cvtColor(frame.rgb, cv2.COLOR_RGB2GRAY), np.uint8)
     up = fit_view(propose(grey, usual_focal(width, height, float(frame.intrinsics[0, 0]))), width, height).rotation[2]
-    lowest = float(np.quantile(points[seen] @ up, LOWEST))
+    lowest = float(np.quantile(points[seen] @ up, STRAY))
     return floor_frame(Plane(up, min(lowest, -NEAREST), np.zeros(0, dtype=bool)))

@@ -21,18 +21,17 @@ from transformers import (
     Sam2Model,
 )
 
+from stages.config.cameras import FIELD_OF_VIEW
 from stages.config.photo import PhotoConfig, WeightsConfig
 from stages.contracts import InputError
-from stages.matching.pretrained import load_pretrained
+from stages.contracts.depth import NEAREST, SKY
+from stages.pretrained import load_pretrained
 
 Picture = NDArray[np.uint8]
 IMAGENET = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)
 HALF = (0.5, 0.5, 0.5), (0.5, 0.5, 0.5)
 DETECTOR_SIDES = 800, 1333  # pixels: the shorter side is made so long, the longer one at most that
 DEPTH_SIDE = 518  # pixels of the shorter side (Depth-Anything V2), in patches
-MOST_TOKENS = 250  # of one text that Grounding DINO reads
-NEAREST, FARTHEST = 0.05, 100.0  # metres
-BELIEVED = 5.0, 135.0  # degrees across the picture
 
 
 class Detection(NamedTuple):
@@ -78,7 +77,7 @@ def _detect(rgb: Picture, labels: Sequence[str], options: PhotoConfig, device: s
     pixels = _pixels(rgb, round(width * scale), round(height * scale), IMAGENET).to(device)
     seen = torch.ones(pixels.shape[0], *pixels.shape[2:], dtype=torch.long, device=device)
     found: list[Detection] = []
-    for ids, spans in _texts(tokenizer, labels, min(MOST_TOKENS, model.config.max_text_len)):
+    for ids, spans in _texts(tokenizer, labels, model.config.max_text_len):
         tokens = torch.tensor([ids], device=device)
         result = model(
             pixel_values=pixels,
@@ -107,7 +106,7 @@ def _tokenizer(options: WeightsConfig, key: str) -> Any:
         )
     except (OSError, ValueError, TypeError, KeyError):
         what, fix = f"the tokenizer in '{options.path}' does not load.", "put tokenizer.json beside model.safetensors"
-        raise InputError(f"{key}.path", what, fix) from None
+        raise InputError(f"{key}.path", what, fix, code="E-TOKENIZER-MISSING") from None
 
 
 def _texts(
@@ -162,8 +161,10 @@ def depth_of(rgb: Picture, options: PhotoConfig, device: str = "cpu") -> tuple[N
     with _freed(device):
         depth, focal = (_depth_pro if options.depth == "depth_pro" else _depth_anything)(rgb, options, device)
         if not np.isfinite(depth).all():
-            raise InputError(f"photo.{options.depth}.path", "gives depth that is not finite.", "other weights")
-        return np.clip(depth, NEAREST, FARTHEST).astype(np.float32), focal
+            raise InputError(
+                f"photo.{options.depth}.path", "gives depth that is not finite.", "other weights", code="E-WEIGHTS-KIND"
+            )
+        return np.clip(depth, NEAREST, SKY).astype(np.float32), focal
 
 
 def _depth_anything(rgb: Picture, options: PhotoConfig, device: str) -> tuple[NDArray[np.float32], None]:
@@ -171,7 +172,7 @@ def _depth_anything(rgb: Picture, options: PhotoConfig, device: str) -> tuple[ND
     model = load_pretrained(DepthAnythingForDepthEstimation, options.depth_anything, key).to(device)
     if model.config.depth_estimation_type != "metric":
         what = f"'{options.depth_anything.path}' gives relative depth, not metres."
-        raise InputError(f"{key}.path", what, "metric weights are asked for")
+        raise InputError(f"{key}.path", what, "metric weights are asked for", code="E-WEIGHTS-KIND")
     patch, scale = model.config.patch_size, DEPTH_SIDE / min(width, height)
     across, down = (max(patch, round(side * scale / patch) * patch) for side in (width, height))
     depth = model(_pixels(rgb, across, down, IMAGENET).to(device)).predicted_depth[0].float().cpu().numpy()
@@ -185,11 +186,18 @@ def _depth_pro(rgb: Picture, options: PhotoConfig, device: str) -> tuple[NDArray
     result = model(_pixels(rgb, side, side, HALF).to(device))
     inverse = result.predicted_depth[0].float().cpu().numpy()
     if result.field_of_view is None:  # without it the depth has no scale
-        raise InputError("photo.depth_pro.path", "tells no field of view.", "weights with a field of view are needed")
+        raise InputError(
+            "photo.depth_pro.path",
+            "tells no field of view.",
+            "weights with a field of view are needed",
+            code="E-WEIGHTS-KIND",
+        )
     degrees = float(result.field_of_view.flatten()[0])
-    if not BELIEVED[0] < degrees < BELIEVED[1]:
+    if not FIELD_OF_VIEW[0] < degrees < FIELD_OF_VIEW[1]:
         what = f"sees a field of view of {degrees:.0f} degrees."
-        raise InputError("photo.depth_pro", what, "photo.depth: depth_anything, or another picture")
+        raise InputError(
+            "photo.depth_pro", what, "photo.depth: depth_anything, or another picture", code="E-CAMERA-VIEW"
+        )
     focal = width / 2 / float(np.tan(np.deg2rad(degrees) / 2))
     inverse *= width / focal
     inverse = cv2.resize(inverse, (width, height), interpolation=cv2.INTER_LINEAR)

@@ -8,10 +8,11 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
-from stages.config.cameras import FIELDS_OF_VIEW
+from stages.config.cameras import FIELD_OF_VIEW, FIELDS_OF_VIEW
 from stages.contracts import InputError
 from stages.contracts.arrays import readable
 from stages.contracts.types import check_view
+from stages.inputs.rgbd.frame import is_stretched
 
 Matrix = NDArray[np.float64]
 
@@ -32,8 +33,10 @@ def resized(intrinsics: Matrix, width: float, height: float) -> Matrix:
 
 def of_field_of_view(degrees: float, width: int, height: int) -> Matrix:
     """K of square pixels with the axis in the middle, from the field of view over the picture's width."""
-    if not 5 <= degrees <= 135:
-        raise InputError("--fov", f"is {degrees:g} degrees.", "5 to 135, over the picture's width")
+    low, high = FIELD_OF_VIEW
+    if not low <= degrees <= high:
+        what, fix = f"is {degrees:g} degrees.", f"{low:g} to {high:g}, over the picture's width"
+        raise InputError("--fov", what, fix, code="E-CAMERA-VIEW")
     focal = width / 2 / np.tan(np.deg2rad(degrees) / 2)
     return matrix(focal, focal, (width - 1) / 2, (height - 1) / 2)
 
@@ -41,7 +44,12 @@ def of_field_of_view(degrees: float, width: int, height: int) -> Matrix:
 def of_camera(name: str, width: int, height: int) -> Matrix:
     """K of a camera by its name, as its maker describes it: about 2 % off, as single cameras differ."""
     if name not in FIELDS_OF_VIEW:
-        raise InputError("--camera", f"'{name}' is not known.", f"one of {', '.join(FIELDS_OF_VIEW)}; or {KNOWS}")
+        raise InputError(
+            "--camera",
+            f"'{name}' is not known.",
+            f"one of {', '.join(FIELDS_OF_VIEW)}; or {KNOWS}",
+            code="E-CAMERA-NAME",
+        )
     across, up = np.tan(np.deg2rad(FIELDS_OF_VIEW[name]) / 2)
     focal = max(width / 2 / across, height / 2 / up)
     return matrix(focal, focal, (width - 1) / 2, (height - 1) / 2)
@@ -60,9 +68,9 @@ def read_intrinsics(path: Path, width: int, height: int) -> Matrix:
     told = contents(path)
     found, size = of_mapping(path, told) if isinstance(told, dict) else (told, None)
     if size is not None and size != (width, height):
-        if abs(size[0] / size[1] / (width / height) - 1) > 0.02:
+        if is_stretched(size, (width, height)):
             what = f"is of {size[0]:g}x{size[1]:g} pixels, the picture has {width}x{height}: other proportions."
-            raise InputError(path, what)
+            raise InputError(path, what, code="E-CAMERA-SIZE")
         found = resized(found, width / size[0], height / size[1])
     return checked(path, found, width, height)
 
@@ -76,7 +84,7 @@ def checked(where: object, intrinsics: Matrix, width: int, height: int) -> Matri
     try:
         check_view(width, height, intrinsics.tolist())
     except ValueError as error:
-        raise InputError(where, f"{error}.", KNOWS) from None
+        raise InputError(where, f"{error}.", KNOWS, code="E-CAMERA-INTRINSICS") from None
     return intrinsics
 
 
@@ -99,7 +107,7 @@ def contents(path: Path) -> Matrix | dict[str, Any]:
     with readable(path, "file of intrinsics", KNOWS):
         data = json.loads(text) if text.lstrip().startswith("{") else yaml.safe_load(text.replace("%YAML:1.0", ""))
     if not isinstance(data, dict):
-        raise InputError(path, "holds no intrinsics.", KNOWS)
+        raise InputError(path, "holds no intrinsics.", KNOWS, code="E-CAMERA-INTRINSICS")
     return flat(data)
 
 
@@ -126,15 +134,17 @@ def of_mapping(path: Path, data: dict[str, Any]) -> tuple[Matrix, tuple[float, f
             fx, fy = known["fx"], known["fy"]
             cx, cy = (_first(known, f"c{axis}", f"pp{axis}", f"{axis}_offset") for axis in "xy")
             if cx is None or cy is None:
-                raise InputError(path, "says fx, but not cx and cy.", KNOWS)
+                raise InputError(path, "says fx, but not cx and cy.", KNOWS, code="E-CAMERA-INTRINSICS")
             return matrix(float(fx), float(fy), float(cx), float(cy)), size
         for name in ("intrinsics", "k", "camera_matrix", "intrinsic_matrix", "cam_k"):
             if name in known:
                 value = known[name]["data"] if isinstance(known[name], dict) else known[name]
                 return _matrix_of(np.asarray(value, dtype=float).ravel().tolist()), size
     except (ValueError, TypeError, KeyError) as error:
-        raise InputError(path, f"holds intrinsics that cannot be read ({error}).", KNOWS) from None
-    raise InputError(path, "holds no intrinsics.", KNOWS)
+        raise InputError(
+            path, f"holds intrinsics that cannot be read ({error}).", KNOWS, code="E-CAMERA-INTRINSICS"
+        ) from None
+    raise InputError(path, "holds no intrinsics.", KNOWS, code="E-CAMERA-INTRINSICS")
 
 
 def _first(known: dict[str, Any], *names: str) -> Any:

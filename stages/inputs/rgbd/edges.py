@@ -1,4 +1,4 @@
-"""Depth at the edges of things, which is neither theirs nor that of what is behind them."""
+"""Remove depth at object edges, where cameras mix an object with its background."""
 
 import cv2
 import numpy as np
@@ -11,17 +11,22 @@ SMEAR, THIN = 7, 12  # pixels across, in which a smear has something nearer; pix
 BESIDE = 11  # pixels across, that are looked at around a part
 
 
+def without_steps(depth: NDArray[np.float32], step: float) -> NDArray[np.bool_]:
+    """Pixels (H, W) of known depth beside which depth (H, W) changes by no step: a share of the distance."""
+    known = depth > 0
+    inverse = np.where(known, 1 / np.maximum(depth, 1e-6), 0)
+    bends = [np.abs(correlate1d(inverse, [1, -2, 1], axis)) for axis in (0, 1)]  # 0 on planes
+    slopes = [np.abs(correlate1d(inverse, [-0.5, 0, 0.5], axis)) for axis in (0, 1)]
+    return np.asarray(known & (np.max([*bends, *slopes], axis=0) <= step * inverse))
+
+
 def without_edges(depth: NDArray[np.float32], masks: NDArray[np.uint16]) -> NDArray[np.float32]:
     """Depth (H, W) that is unknown (0) where a mask (H, W) reaches beyond its thing, or depth changes by a step.
 
     At its edge a depth camera mixes a thing with what is behind it, and masks are some pixels off. Of what is too thin
     to have anything but edges (handles, spouts, poles) the nearest depth is kept: a mixed one is farther.
     """
-    known = depth > 0
-    inverse = np.where(known, 1 / np.maximum(depth, 1e-6), 0)
-    bends = [np.abs(correlate1d(inverse, [1, -2, 1], axis)) for axis in (0, 1)]  # 0 on planes
-    slopes = [np.abs(correlate1d(inverse, [-0.5, 0, 0.5], axis)) for axis in (0, 1)]
-    level = known & (np.max([*bends, *slopes], axis=0) <= STEP * inverse)
+    known, level = depth > 0, without_steps(depth, STEP)
     front = known & (depth <= (1 + STEP) * minimum_filter(np.where(known, depth, np.inf), SMEAR))
     clean = depth.copy()
     for value, place in enumerate(find_objects(masks), 1):

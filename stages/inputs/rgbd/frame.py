@@ -6,6 +6,14 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+LONGEST = 1600  # pixels of the longer side of a picture; larger ones are made smaller
+STRETCHED = 0.02  # by which the proportions of two pictures of the same view may differ
+
+
+def is_stretched(one: tuple[float, float], other: tuple[float, float]) -> bool:
+    """Whether two sizes (width, height) have other proportions."""
+    return abs(one[0] / one[1] / (other[0] / other[1]) - 1) > STRETCHED
+
 
 @dataclass(frozen=True)
 class Labelled:

@@ -1,4 +1,4 @@
-"""A lens that bends straight lines, from a calibration file, and pictures without that."""
+"""Lens distortion: read it from a calibration file, and remove it from pictures."""
 
 import re
 from dataclasses import dataclass
@@ -46,7 +46,7 @@ def read_lens(path: Path, width: int, height: int) -> Lens:
     intrinsics = read_intrinsics(path, width, height)
     distortion = find_distortion(path, intrinsics, width, height)
     if distortion is None:
-        raise InputError(path, "holds no distortion.", CALIBRATION)
+        raise InputError(path, "holds no distortion.", CALIBRATION, code="E-LENS-MISSING")
     return Lens(intrinsics, distortion)
 
 
@@ -67,7 +67,9 @@ def find_distortion(path: Path, intrinsics: Matrix, width: int, height: int) -> 
         return None
     found = _coefficients(path, known)
     if found.any() and model not in MODELS | {INVERSE}:
-        raise InputError(path, f"has the distortion model '{model}', which is not read.", CALIBRATION)
+        raise InputError(
+            path, f"has the distortion model '{model}', which is not read.", CALIBRATION, code="E-LENS-MODEL"
+        )
     return _turned_round(found, intrinsics, width, height) if model == INVERSE else found
 
 
@@ -86,14 +88,14 @@ def _turned_round(inverse: NDArray[np.float64], intrinsics: Matrix, width: int, 
 def _fisheye(path: Path, known: dict[str, Any]) -> NDArray[np.float64]:
     found = _numbers(known, ("k1", "k2", "k3", "k4"))
     if len(found) < 4 or found[4:].any() or not np.isfinite(found).all():  # RealSense writes a fifth, which is 0
-        raise InputError(path, "holds no distortion of a fisheye lens.", CALIBRATION)
+        raise InputError(path, "holds no distortion of a fisheye lens.", CALIBRATION, code="E-LENS-MISSING")
     return found[:4]
 
 
 def _coefficients(path: Path, known: dict[str, Any]) -> NDArray[np.float64]:
     found = _numbers(known, NAMES)
     if len(found) not in (4, 5, 8) or not np.isfinite(found).all():
-        raise InputError(path, "holds no distortion.", CALIBRATION)
+        raise InputError(path, "holds no distortion.", CALIBRATION, code="E-LENS-MISSING")
     return np.pad(found, (0, 1)) if len(found) == 4 else found
 
 
@@ -154,7 +156,9 @@ def _pinhole(lens: Lens, width: int, height: int, where: object) -> Matrix:
         )
         focal = float(max(whole[0, 0], whole[1, 1]))
     if not 0.2 * width < focal < 20 * width:
-        raise InputError(where, "bends the picture so much that nothing of it is left.", CALIBRATION)
+        raise InputError(
+            where, "bends the picture so much that nothing of it is left.", CALIBRATION, code="E-LENS-WIDE"
+        )
     return matrix(focal, focal, (width - 1) / 2, (height - 1) / 2)
 
 

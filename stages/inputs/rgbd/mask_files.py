@@ -42,7 +42,7 @@ def read_labelled(path: Path, labels: Path | None, width: int, height: int, pict
     elif isinstance(data, dict) and "shapes" in data:
         masks = _from_labelme(path, data, width, height)
     else:
-        raise InputError(path, "is neither COCO (annotations, categories) nor labelme (shapes).")
+        raise InputError(path, "is neither COCO (annotations, categories) nor labelme (shapes).", code="E-MASKS-FORMAT")
     return stacked(path, masks)
 
 
@@ -54,7 +54,7 @@ def stacked(path: Path, masks: Masks) -> Labelled:
     """
     masks = [(label, mask) for label, mask in masks if mask.any()]
     if not masks:
-        raise InputError(path, "shows no object in this picture.")
+        raise InputError(path, "shows no object in this picture.", code="E-MASKS-EMPTY")
     values = np.zeros(masks[0][1].shape, dtype=np.uint16)
     for number in sorted(range(len(masks)), key=lambda k: -int(masks[k][1].sum())):
         values[masks[number][1]] = number + 1
@@ -77,7 +77,7 @@ def _from_coco(path: Path, data: dict[str, Any], width: int, height: int, pictur
         mine = [image for image in images if Path(str(image.get("file_name", ""))).name == picture]
         if not mine and len(images) > 1:
             known = ", ".join(str(image.get("file_name")) for image in images[:5])
-            raise InputError(path, f"has no picture called {picture}, but {known}, ...")
+            raise InputError(path, f"has no picture called {picture}, but {known}, ...", code="E-MASKS-PICTURE")
         image = (mine or images or [{}])[0]
         size = int(image.get("width", width)), int(image.get("height", height))
         _check_size(path, size, width, height)
@@ -141,21 +141,21 @@ def _from_image(path: Path, labels: Path | None, width: int, height: int) -> Lab
     with readable(path, "picture"), Image.open(path) as image:
         colours = image.mode in ("RGB", "RGBA")
         if colours and image.format == "JPEG":
-            raise InputError(path, "is a JPEG, which changes mask values.", "save masks as PNG")
+            raise InputError(path, "is a JPEG, which changes mask values.", "save masks as PNG", code="E-MASKS-FORMAT")
         picture = np.asarray(image.convert("RGB")) if colours else None
     values = read_masks(path) if picture is None else None
     shown: NDArray[Any] = values if picture is None else _packed(picture)  # type: ignore[assignment]
     _check_size(path, (shown.shape[1], shown.shape[0]), width, height)
     found = [int(value) for value in np.unique(shown) if value]
     if len(found) > MOST:
-        raise InputError(path, f"has {len(found):,} different values: a photograph, not masks.")
+        raise InputError(path, f"has {len(found):,} different values: a photograph, not masks.", code="E-MASKS-FORMAT")
     if labels is None:
-        raise InputError(path, f"has {len(found)} values without names.", NAMES)
+        raise InputError(path, f"has {len(found)} values without names.", NAMES, code="E-MASKS-NAMES")
     names = _read_names(labels)
     known = {value: names[value] for value in found if value in names}
     if not known:
         first = ", ".join(_written(value, colours) for value in found[:5]) or "nothing"
-        raise InputError(labels, f"names none of the values of {path}: {first}.", NAMES)
+        raise InputError(labels, f"names none of the values of {path}: {first}.", NAMES, code="E-MASKS-NAMES")
     if missing := [value for value in found if value not in known]:
         print(f"{path}: without a name, left out: {', '.join(_written(value, colours) for value in missing[:8])}")
     numbers = {value: number for number, value in enumerate(known, 1)} if colours else {value: value for value in known}
@@ -179,10 +179,12 @@ def _read_names(path: Path) -> dict[int, str]:
         data = json.loads(path.read_text(encoding="utf-8"))
         names = {int(key[1:], 16) if key.startswith("#") else int(key): value for key, value in data.items()}
         if not all(isinstance(name, str) and name.strip() for name in names.values()):
-            raise InputError(path, "has values that are no names.", NAMES)
+            raise InputError(path, "has values that are no names.", NAMES, code="E-MASKS-NAMES")
         return names
 
 
 def _check_size(path: Path, found: tuple[int, int], width: int, height: int) -> None:
     if found != (width, height):
-        raise InputError(path, f"is of {found[0]}x{found[1]} pixels, but the picture has {width}x{height}.")
+        raise InputError(
+            path, f"is of {found[0]}x{found[1]} pixels, but the picture has {width}x{height}.", code="E-MASKS-SIZE"
+        )

@@ -11,15 +11,14 @@ from numpy.typing import NDArray
 from stages.config.own_scene import write_config
 from stages.contracts import Annotations, Camera, InputError, atomic, write_json
 from stages.contracts.scenes import Annotation
+from stages.extraction.room import UP_IN_IMAGE
 from stages.geometry.cameras import back_project
 from stages.inputs.rgbd.cameras import resized
-from stages.inputs.rgbd.frame import Frame, Labelled
-from stages.inputs.rgbd.levels import TILT, UP_IN_IMAGE, level_planes, sampled
+from stages.inputs.rgbd.clusters import TILT, ground_of
+from stages.inputs.rgbd.frame import LONGEST, Frame, Labelled, is_stretched
 
-LONGEST = 1600  # pixels of the longer side; larger pictures are made smaller
 STEEP = np.deg2rad(55)  # between image-up and the ground's normal, from which on extraction looks farther for it
 TRIM = 0.005  # of a thing's points left out at either end: strays are fewer than in estimated depth
-STRETCHED = 0.02  # by which the proportions of depth and picture may differ
 FLOOR, WALL = {"floor", "ground", "carpet"}, {"wall", "walls"}
 NOTHING = {"", "background", "ceiling", "unknown", "unlabeled", "unlabelled", "void"}
 OPENS = {
@@ -35,9 +34,11 @@ def fitted(frame: Frame) -> Frame:
         InputError: depth has other proportions than the picture, so that it is of another view.
     """
     height, width = frame.rgb.shape[:2]
-    if abs(frame.depth.shape[1] / frame.depth.shape[0] / (width / height) - 1) > STRETCHED:
+    if is_stretched(frame.depth.shape[::-1], (width, height)):
         what = f"is {frame.depth.shape[1]}x{frame.depth.shape[0]}, the picture {width}x{height}: other proportions."
-        raise InputError("depth", what, "align depth to the colour picture first (every camera's software does)")
+        raise InputError(
+            "depth", what, "align depth to the colour picture first (every camera's software does)", code="E-DEPTH-SIZE"
+        )
     shrunk = max(1.0, max(width, height) / LONGEST)
     size = round(width / shrunk), round(height / shrunk)
     masks = frame.masks and Labelled(_nearest(frame.masks.values, size), frame.masks.labels)
@@ -71,7 +72,7 @@ def annotated(masks: Labelled) -> tuple[NDArray[np.uint16], Annotations]:
         if label not in FLOOR | WALL | NOTHING
     ]
     if not objects:
-        raise InputError("masks", "show no object, only floor and walls.")
+        raise InputError("masks", "show no object, only floor and walls.", code="E-MASKS-EMPTY")
     walls = [value for value, label in kinds.items() if label in WALL]
     return values, Annotations(objects=objects, floor=floors[0] if floors else None, walls=walls)
 
@@ -111,8 +112,7 @@ def write_frame(folder: Path, frame: Frame) -> Annotations | None:
 
 def _extraction(frame: Frame) -> dict[str, float]:
     """Options of extraction that suit a measured frame: depth is good up to the border, and few points stray."""
-    rng = np.random.default_rng(0)
     points = back_project(frame.depth, frame.intrinsics)[frame.depth > 0]
-    levels = level_planes(sampled(points, rng), rng)
-    steep = bool(levels) and float(levels[0].up @ UP_IN_IMAGE) < np.cos(STEEP)
-    return {"crop": 1.0, "trim": TRIM} | ({"max_tilt": float(round(np.rad2deg(TILT)))} if steep else {})
+    ground = ground_of(points, np.random.default_rng(0))
+    steep = ground is not None and float(ground.normal @ UP_IN_IMAGE) < np.cos(STEEP)
+    return {"crop": 1.0, "trim": TRIM} | ({"max_tilt": TILT} if steep else {})

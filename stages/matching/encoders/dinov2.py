@@ -12,7 +12,7 @@ from stages.config.matching import EncoderOptions
 from stages.contracts import InputError
 from stages.matching.crop import View, cut, foreground, masked_square, patch_positions
 from stages.matching.encoders import Patches
-from stages.matching.pretrained import load_pretrained, weights_sha256
+from stages.pretrained import load_pretrained, weights_sha256
 
 MEAN, STD = np.array(IMAGENET_DEFAULT_MEAN, np.float32), np.array(IMAGENET_DEFAULT_STD, np.float32)
 

@@ -10,7 +10,7 @@ from transformers import CLIPTextModelWithProjection, CLIPTokenizer
 
 from stages.config.matching import MatchingConfig
 from stages.contracts import InputError
-from stages.matching.pretrained import load_pretrained
+from stages.pretrained import load_pretrained
 
 
 class TextEncoder:

@@ -1,4 +1,4 @@
-"""What a person corrects of found masks, labels, counts and mountings: the masks and annotations that come of it."""
+"""Masks and annotations after a person corrected masks, labels, counts and mountings."""
 
 import cv2
 import numpy as np
@@ -9,19 +9,17 @@ from stages.contracts.corrections import MEASURED, Correction
 from stages.contracts.fronts import counted
 from stages.contracts.scenes import Annotation, Held
 from stages.contracts.types import Pixel
-from stages.geometry.masks import pixel_bounds
-from stages.inputs.by_hand.paint import polygon
+from stages.geometry.masks import pixel_bounds, polygon
 
 FLOOR, WALL = "floor", "wall"
 ROOM = (FLOOR, WALL)
 AROUND = 0.25  # share of a box by which the picture around it is looked at, to tell what is behind
 LONGEST = 320  # pixels at which a box's content is cut out
 ROUNDS = 4
-LEAST = 0.05  # share of its box that a thing fills; what is found to be smaller is not believed
 
 
 def as_found(annotations: Annotations) -> dict[int, Correction]:
-    """All that an input folder names, by mask value: things, then floor and walls; nothing is left to be found."""
+    """Objects, floor and walls of an input folder as corrections, by mask value."""
     rooms = [(value, FLOOR) for value in [annotations.floor] if value is not None]
     rooms += [(value, WALL) for value in annotations.walls]
     things = [
@@ -34,7 +32,7 @@ def as_found(annotations: Annotations) -> dict[int, Correction]:
 
 
 def laid_over(found: dict[int, Correction], told: dict[int, Correction]) -> dict[int, Correction]:
-    """What was found, with what a person says of it; what is gone is left out."""
+    """The found objects with the corrections applied; removed ones are left out."""
     merged = dict(found)
     for mask, item in told.items():
         said = {name: getattr(item, name) for name in item.model_dump(exclude_defaults=True)}
@@ -88,7 +86,7 @@ class Cutter:
         seen = ((kinds == cv2.GC_FGD) | (kinds == cv2.GC_PR_FGD)).astype(np.uint8)
         whole = cv2.resize(seen, part.shape[1::-1], interpolation=cv2.INTER_NEAREST) > 0
         mask[top : top + part.shape[0], left : left + part.shape[1]] = whole
-        if mask[box].sum() < LEAST * (x1 - x0) * (y1 - y0):
+        if not mask[box].any():
             mask[box] = True
         return mask
 
@@ -103,7 +101,7 @@ def pixel_box(box: tuple[Pixel, Pixel], width: int, height: int) -> tuple[int, i
 
 
 def painted(things: dict[int, Correction], found: NDArray[np.uint16], cut: Cutter) -> NDArray[np.uint16]:
-    """Masks (H, W) of what a person says; floor and walls lie below things, what was found below what was drawn."""
+    """Corrected masks (H, W): objects cover floor and walls, drawn masks cover found ones."""
     masks = np.zeros_like(found)
     height, width = masks.shape
     for item in sorted(things.values(), key=lambda item: (item.label not in ROOM, drawn(item))):
@@ -120,7 +118,7 @@ def painted(things: dict[int, Correction], found: NDArray[np.uint16], cut: Cutte
 def corrected(
     given: Annotations, found: NDArray[np.uint16], told: dict[int, Correction], cut: Cutter
 ) -> tuple[Annotations | None, NDArray[np.uint16], list[str]]:
-    """Annotations and masks (H, W) as a person says, and lines on what was left out; None: there is no object."""
+    """Corrected annotations and masks (H, W), and a line for each object that was left out. None: no object is left."""
     things = laid_over(as_found(given), told)
     masks = painted(things, found, cut)
     shown = set(np.unique(masks).tolist())

@@ -1,0 +1,65 @@
+"""Find and read the rooms, a YAML file each: the eight of Table 2, and a user's."""
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import yaml
+from pydantic import ValidationError
+
+from stages.config.room_recipe import Room
+from stages.contracts.errors import InputError
+from stages.contracts.files import first_error, read_text
+from stages.plugins import KINDS, available, data_file, folder
+
+Loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # five times as fast where it is there
+
+
+def series() -> list[Path]:
+    """Files of the rooms of Table 2, in its order: no model stands in two of them."""
+    return sorted(folder(KINDS["rooms"].home).glob("*.yaml"), key=lambda path: (len(path.stem), path.stem))
+
+
+def room_files(own: Iterable[str] = (), packages: Sequence[str] = ()) -> dict[str, Path]:
+    """Files of all rooms by their names: ours, those of the packages, and the files `own`.
+
+    Raises:
+        InputError: a file is not there, or a name is taken twice.
+    """
+    files = {path.stem: path for path in series()}
+    files |= {name: data_file("rooms", module) for name, module in available("rooms", packages).items()}
+    for path in map(Path, own):
+        if not path.is_file():
+            raise InputError("scenes.rooms", f"there is no file {path}.", code="E-ROOM-MISSING")
+        if path.stem in files:
+            raise InputError(
+                "scenes.rooms",
+                f"room '{path.stem}' is in {files[path.stem]} and in {path}.",
+                "rename it",
+                code="E-ROOM-NAME",
+            )
+        files[path.stem] = path
+    return files
+
+
+def read_room(path: Path) -> Room:
+    """The room of a YAML file.
+
+    Raises:
+        InputError: it is no YAML, or no room; the field is named.
+    """
+    fix = "see docs/scenes.md"
+    try:
+        content = yaml.load(read_text(path, fix), Loader)
+    except yaml.YAMLError as error:
+        raise InputError(path, f"is no YAML ({' '.join(str(error).split())}).", fix, code="E-ROOM-FILE") from None
+    if not isinstance(content, dict) or "name" in content:
+        raise InputError(
+            path,
+            "is no room: it needs keys like scale and items; its name is that of the file.",
+            fix,
+            code="E-ROOM-FILE",
+        )
+    try:
+        return Room.model_validate({"name": path.stem, **content})
+    except ValidationError as error:
+        raise InputError(path, f"is no room: {first_error(error)}.", fix, code="E-ROOM-FILE") from None
