@@ -73,7 +73,6 @@ config: $(STAMP) ## write config.yaml, config/schema.json and docs/config.md fro
 
 reference: $(STAMP) ## write docs/commands.md, docs/errors.md, docs/architecture.md and its pictures from the code
 	$(BIN)/python -m reference
-	$(BIN)/python -m reference.commands
 
 lock: $(STAMP) ## pin the newest versions that pyproject.toml allows
 	BIN=$(BIN) bash envs/lock.sh

@@ -1,4 +1,4 @@
-"""`python -m reference`: write docs/errors.md, docs/architecture.md and its pictures from the code."""
+"""`python -m reference`: write the pages of docs/ that are read off the code, and their pictures."""
 
 from pathlib import Path
 

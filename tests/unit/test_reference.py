@@ -23,7 +23,8 @@ def written() -> dict[str, str]:
 
 
 @pytest.mark.parametrize(
-    "name", ["docs/architecture.md", "docs/errors.md", "docs/images/data.svg", "docs/images/rooms.svg"]
+    "name",
+    ["docs/architecture.md", "docs/commands.md", "docs/errors.md", "docs/images/data.svg", "docs/images/rooms.svg"],
 )
 def test_what_is_committed_is_what_the_code_says(written: dict[str, str], name: str) -> None:
     assert (ROOT / name).read_text(encoding="utf-8") == written[name], "run `make reference`"

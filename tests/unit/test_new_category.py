@@ -1,0 +1,34 @@
+"""The category that docs/assets.md adds: one module, and it is sampled, built, known to rooms and found by its name."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+USE = """
+import sys
+from pathlib import Path
+
+from stages.procedural import categories
+
+categories.__path__.append(sys.argv[1])
+
+from stages.config.categories import generated
+from stages.matching.text_encoders.lexical import lexical_distance
+from stages.procedural import catalogue, folder, naming
+
+assert '"plinth": [5, false, false]' in generated()  # what `make config` writes for config and rooms
+asset = folder.build(catalogue.sample("plinth", 4, seed=0), None, Path(sys.argv[1]) / "made", "plinth_04", "plinth")
+assert (asset.category, asset.symmetry, asset.placement) == ("plinth", "quarter_turn", "floor")
+assert 0.7 <= asset.size[2] <= 1.1
+assert naming.category_in("oldPedestal_2") == "plinth"  # a model of yours
+assert lexical_distance("plinth", ["table", "plinth"]).argmin() == 1
+"""
+
+
+def test_a_category_is_one_module(tmp_path: Path) -> None:
+    page = (ROOT / "docs/assets.md").read_text(encoding="utf-8")
+    (text,) = re.findall(r"```python\n# stages/procedural/categories/plinths.py\n(.*?)```", page, re.DOTALL)
+    (tmp_path / "plinths.py").write_text(text, encoding="utf-8")
+    subprocess.run([sys.executable, "-c", USE, str(tmp_path)], check=True, cwd=ROOT, timeout=120)
