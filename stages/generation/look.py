@@ -20,7 +20,7 @@ from stages.simulation.backdrop import WALL_HEIGHT
 Array = NDArray[np.float64]
 Pixels = NDArray[np.int64]
 GRID = 200  # the picture is looked at on a grid of so many columns, or its own
-NEAR, NEAR_SHARE = 0.05, 0.05  # how far (metres, share of the distance) the depth of a pixel may miss its surface
+NEAR = 0.05  # metres, at 0 m and more for each: how far the depth of a pixel may miss its surface
 OUTSIDE = 0.002  # share of a surface's pixels beyond its bounds
 MARGIN = 0.3  # metres that a surface goes on at the picture's border
 FEWEST = 50  # pixels that make a surface
@@ -76,7 +76,7 @@ def surfaces_seen(
     free &= nearest < FARTHEST
     if depth is not None:
         depth = depth[::step, ::step]
-        free &= (depth > 0) & (np.abs(depth - nearest) < NEAR + NEAR_SHARE * nearest)
+        free &= (depth > 0) & (np.abs(depth - nearest) < NEAR * (1 + nearest))
     found = {}
     for index, (name, normal, _) in enumerate(planes):
         rows, columns = np.nonzero(free & (first == index))

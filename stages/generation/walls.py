@@ -8,6 +8,7 @@ from stages.contracts.objects import Wall
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.frames import yaw_matrix
 
+CONTACT = 0.05  # metres by which a place may be missed: of the floor, of a wall
 PARALLEL = np.cos(np.deg2rad(15))  # a wall turned more than this against the box is not one it can lie flat on
 
 
