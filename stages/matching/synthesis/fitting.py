@@ -18,7 +18,7 @@ SIDE_ERROR = 0.005  # of the object's longer side in the picture: how well outli
 UNSURE = 2.0  # deviations, scale of Cauchy's weights: a mask may lack legs, or points belong to other things
 STRETCH = 0.5  # deviation of the logarithm of one axis' scale over another's ...
 TURNED = 0.05  # ... and of the two level ones, if a quarter turn maps the model onto itself
-FARTHEST = 1.5  # logarithm: extents never change by more
+LARGEST_CHANGE = 1.5  # logarithm: extents never change by more
 Array = NDArray[np.float64]
 
 
@@ -88,5 +88,5 @@ def laid_over(solid: Solid, measured: Measured, seen: Observation) -> UprightBox
         jacobian = np.stack([(residuals(change + row) - now) / small for row in small * np.eye(6)], axis=1)
         trust = 1 / np.sqrt(1 + (now / UNSURE) ** 2)
         step = np.linalg.lstsq(jacobian * trust[:, None], now * trust, rcond=None)[0]
-        change = (change - step).clip(-FARTHEST, FARTHEST)
+        change = (change - step).clip(-LARGEST_CHANGE, LARGEST_CHANGE)
     return UprightBox(turn @ (center + change[:3] * size), size * np.exp(change[3:]), measured.yaw)
