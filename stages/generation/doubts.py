@@ -2,11 +2,9 @@
 
 from stages.contracts.objects import Wall
 from stages.generation.placed import UNNAMED, Placed
-from stages.generation.walls import behind
+from stages.generation.walls import CONTACT, behind
 from stages.procedural.naming import category_in
 from stages.procedural.sizes import unusual
-
-BEHIND = 0.05  # metres
 
 
 def doubts(item: Placed, walls: list[Wall], sized: bool = False) -> list[str]:
@@ -19,7 +17,7 @@ def doubts(item: Placed, walls: list[Wall], sized: bool = False) -> list[str]:
     if not sized and (what := unusual(category_in(item.label), item.size)):
         found.append(what)
     for wall in walls:
-        if (depth := behind(item.box, wall)) > BEHIND:
+        if (depth := behind(item.box, wall)) > CONTACT:
             found.append(f"reaches {100 * depth:.0f} cm behind {wall.id}")
     if item.support == UNNAMED:
         found.append("stands on something that was not named, and is held there: name what carries it")

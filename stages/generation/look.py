@@ -20,11 +20,11 @@ from stages.simulation.backdrop import WALL_HEIGHT
 Array = NDArray[np.float64]
 Pixels = NDArray[np.int64]
 GRID = 200  # the picture is looked at on a grid of so many columns, or its own
-NEAR, NEAR_SHARE = 0.05, 0.05  # how far (metres, share of the distance) the depth of a pixel may miss its surface
-OUTSIDE = 0.002  # share of a surface's pixels beyond its bounds
-MARGIN = 0.3  # metres that a surface goes on at the picture's border
+OFF_SURFACE = 0.05  # metres, at 0 m and more for each: how far the depth of a pixel may miss its surface
+STRAY = 0.002  # share of a surface's pixels beyond its bounds
+BEYOND_BORDER = 0.3  # metres that a surface goes on at the picture's border
 FEWEST = 50  # pixels that make a surface
-FARTHEST = 30.0  # metres from the camera
+FARTHEST_SEEN = 30.0  # metres from the camera
 BORDER = 2  # grid cells
 AZIMUTHS, ELEVATIONS = np.radians(np.arange(0, 360, 15)), np.radians(np.arange(25, 76, 10))  # of light; then half steps
 CASTING = 3000  # pixels of which shadows are asked
@@ -73,10 +73,10 @@ def surfaces_seen(
     planes += [(wall.id, np.array(wall.normal), wall.offset) for wall in objects.walls]
     far = np.stack([_distance(rays, camera, normal, offset) for _, normal, offset in planes])
     first, nearest = far.argmin(axis=0), far.min(axis=0)  # along the optical axis
-    free &= nearest < FARTHEST
+    free &= nearest < FARTHEST_SEEN
     if depth is not None:
         depth = depth[::step, ::step]
-        free &= (depth > 0) & (np.abs(depth - nearest) < NEAR + NEAR_SHARE * nearest)
+        free &= (depth > 0) & (np.abs(depth - nearest) < OFF_SURFACE * (1 + nearest))
     found = {}
     for index, (name, normal, _) in enumerate(planes):
         rows, columns = np.nonzero(free & (first == index))
@@ -96,9 +96,9 @@ def reach(name: str, seen: Seen) -> tuple[tuple[float, float], tuple[float, floa
     """Bounds of a surface from what is seen of it: x and y of the floor; along the tangent of a wall, and in height."""
     tangent = np.array([-seen.normal[1], seen.normal[0], 0.0])
     along = seen.points[:, :2] if name == "floor" else np.column_stack([seen.points @ tangent, seen.points[:, 2]])
-    low, high = np.quantile(along, [OUTSIDE, 1 - OUTSIDE], axis=0) + np.array([[-MARGIN], [MARGIN]])
+    low, high = np.quantile(along, [STRAY, 1 - STRAY], axis=0) + np.array([[-BEYOND_BORDER], [BEYOND_BORDER]])
     if name != "floor":
-        low[1], high[1] = 0.0, max(high[1], WALL_HEIGHT) if seen.open_above else high[1] - MARGIN
+        low[1], high[1] = 0.0, max(high[1], WALL_HEIGHT) if seen.open_above else high[1] - BEYOND_BORDER
     (a, b), (c, d) = low.round(3).tolist(), high.round(3).tolist()
     return (a, b), (c, d)
 

@@ -1,4 +1,4 @@
-"""Where a thing ends that is let down into another: a can in a bowl. The paper (A.3) only moves things sideways."""
+"""At which height a thing comes to rest in another: a can in a bowl. The paper (A.3) only moves things sideways."""
 
 from itertools import product
 

@@ -18,12 +18,11 @@ from stages.generation.inputs import Inputs, MatchedObject
 from stages.generation.models import beyond_front, visual_meshes
 from stages.generation.placed import FLOOR, Placed
 from stages.generation.pose import yaw_of
-from stages.generation.walls import against_wall, out_of_walls
+from stages.generation.walls import CONTACT, against_wall, out_of_walls
 from stages.geometry.boxes import UprightBox, volume
 from stages.geometry.estimate import Sight
 from stages.geometry.frames import wrap_angle, yaw_matrix
 
-ON_FURNITURE = 0.05  # metres above the floor
 MEASURED, DEEP = "measured along the model's axes", "as deep as it can be"  # names of steps
 
 
@@ -74,7 +73,7 @@ def place(one: MatchedObject, cousin: Cousin, inputs: Inputs, options: Generatio
 def reaches_walls(mounting: Mounting, box: UprightBox, is_round: bool) -> bool:
     """Whether a model is extended to the walls that the object touches: not what stands on furniture, nor what is as
     deep as it is wide."""
-    return mounting.type != 3 or not (is_round or box.bottom > ON_FURNITURE)
+    return mounting.type != 3 or not (is_round or box.bottom > CONTACT)
 
 
 def told_box(box: UprightBox, yaw: float, walls: Sequence[Wall], min_extent: float) -> UprightBox:

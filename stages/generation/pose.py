@@ -9,13 +9,13 @@ from shapely import MultiPoint
 from stages.config.generation import GenerationConfig
 from stages.contracts.cousins import Cousin
 from stages.contracts.objects import Wall
+from stages.generation.walls import ALONG
 from stages.geometry.boxes import UprightBox
+from stages.geometry.estimate import SPREAD
 from stages.geometry.frames import SYMMETRY_PERIOD, wrap_angle
 from stages.geometry.viewing import view_yaw
 
 QUARTER = SYMMETRY_PERIOD["quarter_turn"]
-OUTLINE_TOLERANCE = 0.02  # metres by which the outline of a cloud is smoothed, above the noise of depth
-OUTLINE_ANGLE = np.deg2rad(12)  # a side that is turned less than this runs along an axis
 
 
 def yaw_of(
@@ -82,11 +82,11 @@ def rectangularity(cloud: NDArray[np.floating], yaw: float) -> float:
 
     1 for a rectangle seen whole, 0.6 for its front and one side, about a quarter for a round thing.
     """
-    outline = MultiPoint(np.asarray(cloud, dtype=float)[:, :2]).convex_hull.simplify(OUTLINE_TOLERANCE)
+    outline = MultiPoint(np.asarray(cloud, dtype=float)[:, :2]).convex_hull.simplify(SPREAD)
     points = np.asarray(outline.exterior.coords if outline.geom_type == "Polygon" else outline.coords)
     sides = np.diff(points, axis=0)
     lengths = np.linalg.norm(sides, axis=1)
     if not lengths.sum():
         return 0.0
     turns = np.abs([wrap_angle(angle - yaw, QUARTER) for angle in np.arctan2(sides[:, 1], sides[:, 0])])
-    return float(lengths[turns <= OUTLINE_ANGLE].sum() / lengths.sum())
+    return float(lengths[turns <= ALONG].sum() / lengths.sum())

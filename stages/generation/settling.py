@@ -14,9 +14,8 @@ from stages.config.generation import GenerationConfig
 from stages.contracts import Objects
 from stages.contracts.generated import Plausibility
 from stages.contracts.objects import Wall
-from stages.generation.doubts import BEHIND
 from stages.generation.placed import UNNAMED, Placed
-from stages.generation.walls import behind
+from stages.generation.walls import CONTACT, behind
 from stages.simulation.backdrop import add_backdrop
 from stages.simulation.loading import box_centre, load_asset, physics_scene, root_pose
 
@@ -65,7 +64,7 @@ def settle(
     Args:
         scene: holds the bodies of `load_items`, a floor and the walls.
         collisions: pairs of collision shapes that the pushes could not free.
-        walls: what reaches behind one is wrong, however still it stands.
+        walls: a scene is not stable if something reaches behind one.
     """
     steps = round(options.settle_seconds / scene.timestep)
     penetration = 0.0
@@ -83,7 +82,7 @@ def settle(
             fallen.append(item.id)
     free = [shifts[item.id] for item in items if not item.held]
     held = [item.id for item in items if item.support == UNNAMED]
-    in_walls = [item.id for item in items if any(behind(item.box, wall) > BEHIND for wall in walls)]
+    in_walls = [item.id for item in items if any(behind(item.box, wall) > CONTACT for wall in walls)]
     verdict = Plausibility(
         seconds=options.settle_seconds,
         stable=not (fallen or collisions or held or in_walls),

@@ -8,7 +8,8 @@ from stages.contracts.objects import Wall
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.frames import yaw_matrix
 
-PARALLEL = np.cos(np.deg2rad(15))  # a wall turned more than this against the box is not one it can lie flat on
+CONTACT = 0.05  # metres by which a place may be missed: of the floor, of a wall
+ALONG = np.deg2rad(15)  # what is turned less than this against a side runs along it
 
 
 def against_wall(box: UprightBox, wall: Wall, min_extent: float) -> UprightBox:
@@ -19,7 +20,7 @@ def against_wall(box: UprightBox, wall: Wall, min_extent: float) -> UprightBox:
     normal = np.asarray(wall.normal, dtype=float)
     along = normal @ yaw_matrix(box.yaw)
     axis = int(np.argmax(np.abs(along[:2])))
-    if abs(along[axis]) < PARALLEL:
+    if abs(along[axis]) < np.cos(ALONG):
         return box
     size = box.size.copy()
     edges = size[1 - axis] * abs(along[1 - axis])  # how much farther than its middle the turned faces reach, both

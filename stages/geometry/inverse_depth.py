@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 SAMPLED, HYPOTHESES, PLANES = 3000, 300, 3
-NEAR = 0.02  # relative: what lies on a plane
+ON_PLANE = 0.02  # relative: what lies on a plane
 
 
 def is_inverse(depth: NDArray[np.floating]) -> bool:
@@ -38,7 +38,7 @@ def _planar(values: NDArray[np.float64], pixels: NDArray[np.float64], rng: np.ra
         if not len(three):
             break
         planes = np.linalg.solve(pixels[three], values[three][..., None])[..., 0]
-        on = np.abs(pixels @ planes.T - values[:, None]) < NEAR * values[:, None]
+        on = np.abs(pixels @ planes.T - values[:, None]) < ON_PLANE * values[:, None]
         best = on[:, np.argmax(on.sum(axis=0))]
         found += int(best.sum())
         values, pixels = values[~best], pixels[~best]

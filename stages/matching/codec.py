@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from stages.contracts import InputError
 
 LEVELS = np.iinfo(np.int8).max
-MARGIN = 1.1  # numbers beyond this times the largest one of the sample are cut off
+HEADROOM = 1.1  # numbers beyond this times the largest one of the sample are cut off
 
 
 class Codec(NamedTuple):
@@ -50,5 +50,5 @@ def learn(sample: NDArray[np.floating], dimensions: int, kept: int) -> Codec:
     components[:dimensions, :features] = axes[:, ::-1][:, :dimensions].T
     components[dimensions:, features:] = np.eye(kept)
     largest = np.abs((rows - mean) @ components.T).max(axis=0)
-    steps = np.maximum(MARGIN * largest, 1e-6) / LEVELS
+    steps = np.maximum(HEADROOM * largest, 1e-6) / LEVELS
     return Codec(mean.astype(np.float32), components.astype(np.float32), steps.astype(np.float32))

@@ -10,7 +10,7 @@ from stages.config.matching import EncoderOptions
 from stages.contracts import read_options
 from stages.contracts.features import FeatureIndex
 from stages.matching.codec import learn
-from stages.matching.encoders import BESIDE, PatchEncoder, encode_rows, make_encoder, settings_digest, whole
+from stages.matching.encoders import EXTRA_COLUMNS, PatchEncoder, encode_rows, make_encoder, settings_digest, whole
 from stages.matching.snapshots import SnapshotFile
 from stages.matching.store import write_store
 
@@ -35,7 +35,7 @@ def run(*, snapshots: Path, out: Path, options: str = "{}", batch: int = 0) -> N
     with SnapshotFile(snapshots) as shard:
         codec = None
         if settings.dimensions and shard.sidecar.assets:
-            codec = learn(sample_rows(shard, encoder), settings.dimensions, BESIDE)
+            codec = learn(sample_rows(shard, encoder), settings.dimensions, EXTRA_COLUMNS)
         for asset in progress(shard.sidecar.assets, "assets encoded", len(shard.sidecar.assets)):
             for patches in encode_rows(encoder, shard.views(asset)):
                 rows.append(codec.encode(patches) if codec else patches)

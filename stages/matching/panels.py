@@ -11,7 +11,7 @@ from stages.contracts.library import LibraryEntry
 from stages.contracts.objects import SceneObject
 from stages.matching.candidates import count_gap
 
-BESIDE = 0.1  # share of a front by which all of its panels may lie beside where they are said to: boxes of things err
+SHIFT = 0.1  # share of a front by which all of its panels may lie beside where they are said to: boxes of things err
 
 
 def panel_gap(item: SceneObject, entry: LibraryEntry) -> float:
@@ -23,7 +23,7 @@ def layout_gap(said: Sequence[Panel], own: Sequence[Panel]) -> float:
     """Sum of 1 - IoU over pairs of the same kind, paired so that it is least, and 1 for each without a partner.
 
     With all of them in place it is |d doors| + |d drawers| (`count_gap`). The model's may be laid over those that were
-    said, all together and by `BESIDE` at most: the front that a person drew on is that of an estimated box.
+    said, all together and by `SHIFT` at most: the front that a person drew on is that of an estimated box.
     """
     ours, theirs = boxes(said), boxes(own)
     return min(_gap(said, ours, own, there) for there in (theirs, laid_over(theirs, ours)))
@@ -46,12 +46,12 @@ def boxes(panels: Sequence[Panel]) -> NDArray[np.float64]:
 
 
 def laid_over(own: NDArray[np.float64], said: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Boxes (N, 2, 2) with the outline of all of them nearer to that of others, its edges by at most `BESIDE`."""
+    """Boxes (N, 2, 2) with the outline of all of them nearer to that of others, its edges by at most `SHIFT`."""
     if not len(own) or not len(said):
         return own
     low, high = own[..., 0].min(axis=0), own[..., 1].max(axis=0)
-    to_low = low + np.clip(said[..., 0].min(axis=0) - low, -BESIDE, BESIDE)
-    to_high = high + np.clip(said[..., 1].max(axis=0) - high, -BESIDE, BESIDE)
+    to_low = low + np.clip(said[..., 0].min(axis=0) - low, -SHIFT, SHIFT)
+    to_high = high + np.clip(said[..., 1].max(axis=0) - high, -SHIFT, SHIFT)
     scale = np.maximum(to_high - to_low, 0) / (high - low)
     return np.asarray((own - low[:, None]) * scale[:, None] + to_low[:, None])
 

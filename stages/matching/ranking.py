@@ -21,7 +21,7 @@ from stages.matching.voting import Pick, embedding_distance, vote
 Models = tuple[list[Candidate], list[Candidate]]  # by votes, by distance
 Orientations = tuple[list[Orientation], list[Orientation]]  # likewise
 BY_DISTANCE = "distance"  # what decides where a judge does not
-WHOLE = 0.1  # in a shortlist, what the median candidate's view as a whole adds: patches lie about so far apart
+WHOLE = 0.1  # distance of the median candidate's views as a whole, in a shortlist: that of patches is about as large
 DIGITS = 4  # of distances and scores: beyond them backends differ, so what is equal up to here is a tie
 
 
@@ -73,7 +73,7 @@ def compare(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """The table T (Q, count) of `distance_table` for `count` pictures of unweighted rows, and their distances (count,).
 
-    `symmetric`: share of the way back, from a picture's patches to the query's, in a distance.
+    `symmetric`: weight of the distance from a picture's patches to the query's (0: the other way alone).
     """
 
     def vectors(number: int) -> NDArray[np.float32]:
@@ -99,8 +99,8 @@ def rank(
 ) -> Ranking:
     """Compare the query with snapshots that are grouped, e.g. by model: a group is as near as its nearest snapshots.
 
-    `symmetric`: share of the way back, from the snapshot's patches to the query's, in a distance. `counted`: the mean
-    of so many of the group's nearest snapshots is its distance.
+    `symmetric`: weight of the distance from the snapshot's patches to the query's (0: the other way alone). `counted`:
+    a group's distance is the mean over so many of its nearest snapshots.
     """
     owner = np.asarray(groups, dtype=np.intp)
     nearest = rounds * int(np.bincount(owner).max())  # entries per patch that some round of voting can look at

@@ -8,14 +8,17 @@ from PIL import ImageColor
 from stages.geometry.masks import pixel_bounds
 from stages.matching.crop import View, cut
 
-MARGIN = 4  # pixels between the object and its box
+FRAME_GAP = 4  # pixels between the object and its box
 
 
 def boxed(view: View) -> NDArray[np.uint8]:
     """The picture (H, W, 3) with a red box around the object."""
     x0, y0, x1, y1 = pixel_bounds(view.mask)
     height, width = view.mask.shape
-    low, high = (max(0, x0 - MARGIN), max(0, y0 - MARGIN)), (min(width, x1 + MARGIN) - 1, min(height, y1 + MARGIN) - 1)
+    low, high = (
+        (max(0, x0 - FRAME_GAP), max(0, y0 - FRAME_GAP)),
+        (min(width, x1 + FRAME_GAP) - 1, min(height, y1 + FRAME_GAP) - 1),
+    )
     picture = np.ascontiguousarray(view.rgb).copy()
     cv2.rectangle(picture, low, high, ImageColor.getrgb("red"), max(2, width // 300))
     return picture

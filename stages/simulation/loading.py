@@ -15,13 +15,13 @@ from numpy.typing import NDArray
 from sapien.physx import PhysxArticulation, PhysxMaterial
 
 from stages.articulated.asset_folder import read_asset, stretch_asset
+from stages.articulated.urdf_writer import FRICTION, REVOLUTE_DAMPING
 from stages.contracts.errors import InputError
 from stages.contracts.library import Asset
 from stages.geometry.frames import yaw_matrix, yaw_quaternion
 from stages.simulation.rendering import has_renderer
 from stages.simulation.stretching import stretched
 
-JOINT_FRICTION, JOINT_DAMPING = 0.1, 2.0
 SURFACE_FRICTION = 0.6
 _NUMBERS = count()  # of bodies
 
@@ -161,10 +161,10 @@ def closed(articulation: PhysxArticulation) -> PhysxArticulation:
 
 
 def soften(articulation: PhysxArticulation) -> None:
-    """Give every joint friction and damping (SAPIEN's loader ignores the URDF's)."""
+    """Give every joint the friction and damping of our URDFs, which SAPIEN's loader ignores."""
     for joint in articulation.get_active_joints():
-        joint.set_friction(JOINT_FRICTION)
-        joint.set_drive_properties(stiffness=0.0, damping=JOINT_DAMPING)
+        joint.set_friction(FRICTION)
+        joint.set_drive_properties(stiffness=0.0, damping=REVOLUTE_DAMPING)
 
 
 def add_ground(scene: sapien.Scene, height: float = 0.0) -> sapien.Entity:

@@ -32,7 +32,7 @@ Array = NDArray[np.float64]
 Body: TypeAlias = PhysxArticulation | sapien.Entity
 AGAIN = "generate the scenes again"
 POINTS_PER_M2 = 8000  # a little more than a centimetre apart
-REACH = 1.6  # metres around the target within which furniture counts as an obstacle
+OBSTACLES_WITHIN = 1.6  # metres around the target within which furniture counts as an obstacle
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ class Room:
     @cached_property
     def obstacles(self) -> Mapping[str, Array]:
         """(N, 3) points on the surfaces of floor, walls and furniture, by name, as far as the robot may reach."""
-        center, reach = self.target.box.center, float(np.linalg.norm(self.target.box.size)) / 2 + REACH
+        center, reach = self.target.box.center, float(np.linalg.norm(self.target.box.size)) / 2 + OBSTACLES_WITHIN
         scene = physics_scene()  # bodies die with it
         found = {name: surface(body, center, reach) for name, body in self.load(scene).items()}
         return {name: points for name, points in found.items() if len(points)}

@@ -12,7 +12,7 @@ from stages.contracts.feature_rows import check_features
 from stages.contracts.objects import SceneObject
 from stages.matching.candidates import Candidates
 from stages.matching.codec import learn
-from stages.matching.encoders import BESIDE, make_encoder, settings_digest
+from stages.matching.encoders import EXTRA_COLUMNS, make_encoder, settings_digest
 from stages.matching.ranking import make_query, shortlisted
 from stages.matching.snapshots import SnapshotFile
 from stages.matching.store import FeatureStore, Snapshot
@@ -58,7 +58,7 @@ def test_compressed_rows_are_small_and_near(exact: World, small: World) -> None:
         one, other = (store.rows(Snapshot(name, 3)).astype(np.float32) for store in (a, b))
         assert one.shape == other.shape
         assert np.linalg.norm(one - other, axis=1).mean() < 0.35 * np.linalg.norm(one - one.mean(0), axis=1).mean()
-        assert np.abs(one - other)[:, -BESIDE:].max() < 0.03
+        assert np.abs(one - other)[:, -EXTRA_COLUMNS:].max() < 0.03
 
 
 def test_same_bytes_again(small: World, tmp_path: Path) -> None:

@@ -12,8 +12,8 @@ ROOT = Path(__file__).resolve().parents[2]
 # Folders and files of stages/ with errors that have no code of their own yet.
 WITHOUT_CODES = {
     "articulated", "assets", "config", "contracts", "demonstrations", "encoder", "evaluation", "experiment",
-    "extraction", "generation", "guard.py", "inputs", "matching", "patchnet", "plugins.py", "policies", "procedural",
-    "scenes", "simulation", "tables", "tasks", "training", "vlm",
+    "extraction", "guard.py", "inputs", "patchnet", "plugins.py", "policies", "procedural",
+    "scenes", "tables", "tasks", "training", "vlm",
 }  # fmt: skip
 
 

@@ -7,12 +7,12 @@ import pytest
 import sapien
 
 from stages.articulated.asset_folder import read_asset
+from stages.articulated.urdf_writer import FRICTION
 from stages.assets.library import make
 from stages.contracts.errors import InputError
 from stages.contracts.library import Asset
 from stages.procedural.resize import resized
 from stages.simulation.loading import (
-    JOINT_FRICTION,
     add_ground,
     load_asset,
     move,
@@ -63,7 +63,7 @@ def test_articulated_assets_are_closed_and_have_friction(models: Path) -> None:
     assert [joint.name for joint in joints] == [joint.name for joint in asset.joints]
     assert np.allclose(body.get_qpos(), 0)
     for joint, contract in zip(joints, asset.joints, strict=True):
-        assert joint.friction == pytest.approx(JOINT_FRICTION)
+        assert joint.friction == pytest.approx(FRICTION)
         assert joint.damping == pytest.approx(2.0)
         assert np.allclose(joint.limits[0], (contract.lower, contract.upper), atol=1e-4)
     assert sum(link.mass for link in body.links) == pytest.approx(asset.mass, rel=1e-3)

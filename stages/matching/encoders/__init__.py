@@ -13,7 +13,7 @@ from stages.matching.crop import View
 from stages.plugins import load
 
 COLUMNS = ["features", "position", "colour"]  # of a stored row
-BESIDE = 2 + COLOUR_COLUMNS  # columns after the features
+EXTRA_COLUMNS = 2 + COLOUR_COLUMNS  # columns after the features
 
 
 class Patches(NamedTuple):
@@ -68,15 +68,15 @@ def whole(rows: NDArray[np.floating]) -> NDArray[np.float16]:
 
     Both as shares of all patches, so that little depends on how many there are.
     """
-    column, row = (rows[:, -BESIDE : 2 - BESIDE] > 0).T.astype(int)
+    column, row = (rows[:, -EXTRA_COLUMNS : 2 - EXTRA_COLUMNS] > 0).T.astype(int)
     quarters = np.eye(4, dtype=np.float32)[2 * row + column]
-    counted = np.concatenate([rows[:, :-BESIDE], np.ones((len(rows), 1))], axis=1, dtype=np.float32)
+    counted = np.concatenate([rows[:, :-EXTRA_COLUMNS], np.ones((len(rows), 1))], axis=1, dtype=np.float32)
     return (quarters.T @ counted / max(len(rows), 1)).ravel().astype(np.float16)
 
 
 def whole_weights(weights: NDArray[np.float32]) -> NDArray[np.float32]:
     """Factor on each number of `whole` from those on each column of the rows."""
-    return np.tile(np.append(weights[:-BESIDE], np.float32(1)), 4)
+    return np.tile(np.append(weights[:-EXTRA_COLUMNS], np.float32(1)), 4)
 
 
 def settings_digest(options: EncoderOptions, encoder: PatchEncoder) -> str:

@@ -12,13 +12,13 @@ from stages.matching.synthesis.observation import Observation
 from stages.matching.synthesis.solid import Solid
 
 TRIM = 0.005  # share of the points left out at each end
-SEEN, UNSEEN = 0.1, 0.3  # of an extent: how far a face may be wrong, across the line of sight and behind the object
+SEEN, UNSEEN = 0.1, 0.3  # of an extent: deviation of any face, and how much more of the hidden one
 ROUNDS = 4
 SIDE_ERROR = 0.005  # of the object's longer side in the picture: how well outlines meet
-UNSURE = 2.0  # deviations from which on something counts less and less: a mask may lack legs, points be of other things
-STRETCH = 0.5  # logarithm: how unlike the axes of a model may be stretched ...
-TURNED = 0.05  # ... and its two level axes, if a quarter turn maps it onto itself
-FARTHEST = 1.5  # logarithm: extents never change by more
+UNSURE = 2.0  # deviations, scale of Cauchy's weights: a mask may lack legs, or points belong to other things
+STRETCH = 0.5  # deviation of the logarithm of one axis' scale over another's ...
+TURNED = 0.05  # ... and of the two level ones, if a quarter turn maps the model onto itself
+LARGEST_CHANGE = 1.5  # logarithm: extents never change by more
 Array = NDArray[np.float64]
 
 
@@ -60,11 +60,11 @@ def measure(sight: Sight, box: UprightBox, yaw: float, wall: tuple[Array, float]
 
 
 def laid_over(solid: Solid, measured: Measured, seen: Observation) -> UprightBox:
-    """The box, changed as little as makes the model's outline reach the same sides of the picture as the mask.
+    """The box whose outline in the picture reaches the sides of the mask, near the measured one.
 
-    Gauss-Newton over place and logarithms of the extents; what picture and points leave open, the model's own
-    proportions settle. Sides that are hidden or cut off say nothing; what contradicts all the rest says little (weights
-    of Cauchy's distribution, by which errors are mostly small and sometimes of any size).
+    Gauss-Newton over place and logarithms of the extents, with Cauchy's weights. Three kinds of residuals: sides of
+    the outline against those of the mask (neither hidden nor cut off), ends against the measured ones, and scales of
+    the axes against each other, which keep the model's proportions where nothing else decides.
     """
     turn, start = yaw_matrix(measured.yaw), measured.box()
     center, size = measured.ends.mean(axis=0), start.size
@@ -88,5 +88,5 @@ def laid_over(solid: Solid, measured: Measured, seen: Observation) -> UprightBox
         jacobian = np.stack([(residuals(change + row) - now) / small for row in small * np.eye(6)], axis=1)
         trust = 1 / np.sqrt(1 + (now / UNSURE) ** 2)
         step = np.linalg.lstsq(jacobian * trust[:, None], now * trust, rcond=None)[0]
-        change = (change - step).clip(-FARTHEST, FARTHEST)
+        change = (change - step).clip(-LARGEST_CHANGE, LARGEST_CHANGE)
     return UprightBox(turn @ (center + change[:3] * size), size * np.exp(change[3:]), measured.yaw)

@@ -15,7 +15,7 @@ from stages.geometry.masks import pixel_bounds
 from stages.matching.crop import View
 
 SAMPLES = 2  # rays per cell and direction: thin lines do not break
-MARGIN = 0.12  # of the object's longer side, around its mask
+SURROUNDINGS = 0.12  # of the object's longer side, around its mask
 BEYOND = 3  # pixels from the mask's edge to what lies beyond it
 EDGE_SHARE = 0.03  # of its extent: the pixels that make up a side of the mask
 CLOUD_POINTS = 6000
@@ -90,7 +90,7 @@ def observe(view: View, floor_from_camera: Array, depth_error: DepthError, longe
     """
     assert view.depth is not None and view.intrinsics is not None
     x0, y0, x1, y1 = pixel_bounds(view.mask)
-    around = int(np.ceil(MARGIN * max(x1 - x0, y1 - y0))) + 2
+    around = int(np.ceil(SURROUNDINGS * max(x1 - x0, y1 - y0))) + 2
     width, height = x1 - x0 + 2 * around, y1 - y0 + 2 * around
     step = max(1.0, max(width, height) / longest)
     w, h = int(np.ceil(width / step)), int(np.ceil(height / step))
