@@ -16,7 +16,7 @@ from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
 from stages.demonstrations.film import write_demonstration_films
 from stages.demonstrations.store import RecordedEpisode, StoreHeader, write_episodes
-from stages.tasks.api import make_task
+from stages.tasks.api import TaskEnv
 
 TRIES = 3  # attempts of an asset before it passes its turn
 FAILED_LEDGER = "attempts.failed.jsonl"  # not an output of the rule: Snakemake deletes those of a failed job
@@ -61,7 +61,7 @@ def run(
     chosen = [(models[entry.asset], entry) for entry in wanted]
     folder, entry = chosen[0]
     randomise = settings.randomise if role == "twin_randomised" else None
-    task = make_task(plan.task, folder, entry.joint, entry.size, world, randomise=randomise)
+    task = TaskEnv(plan.task, folder, entry.joint, entry.size, world, randomise=randomise)
     recorder = Recorder(task, settings, film=settings.film_episodes)
     seeds = list(attempt_seeds(seed, role, int(np.ceil(episodes * settings.max_attempts_factor))))
     kept, ledger = take_turns(recorder, chosen, seeds, episodes)

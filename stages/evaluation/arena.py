@@ -21,7 +21,7 @@ from stages.evaluation.states import Start
 from stages.policies import TrainablePolicy, closed_loop
 from stages.policies.checkpoint import load_policy
 from stages.simulation.studio import Studio
-from stages.tasks.api import TaskEnv, make_task
+from stages.tasks.api import TaskEnv
 
 
 class Acting(NamedTuple):
@@ -68,7 +68,7 @@ class Arena:
 
     def task(self, asset: TaskAsset) -> TaskEnv:
         """A new environment with the asset."""
-        return make_task(
+        return TaskEnv(
             self.plan.task,
             self.folder(asset),
             asset.joint,
@@ -86,9 +86,8 @@ class Arena:
             InputError: the library does not have it.
         """
         if asset.asset not in self.folders:
-            raise InputError(
-                self.library, f"has no asset '{asset.asset}'.", "run the matching stage again", code="E-LIBRARY-ASSET"
-            )
+            what = f"has no asset '{asset.asset}'."
+            raise InputError(self.library, what, "run the matching stage again", code="E-LIBRARY-ASSET")
         return self.folders[asset.asset]
 
     def rows(self, acting: Acting, role: str, episodes: Sequence[RolloutEpisode]) -> list[Rollout]:
