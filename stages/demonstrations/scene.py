@@ -32,7 +32,7 @@ TRIES = 10  # attempts in one scene
 
 @dataclass(frozen=True)
 class Setting:
-    """What is the same in all scenes."""
+    """Task, options and seed, the same in all scenes."""
 
     task: str
     options: DemonstrationsConfig

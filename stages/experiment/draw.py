@@ -1,4 +1,4 @@
-"""Verb `draw`: pictures of the assets of a task, each with its role and what a gripper meets there."""
+"""Verb `draw`: pictures of the assets of a task, each with its role, handle and hinge."""
 
 from pathlib import Path
 
@@ -47,7 +47,7 @@ def sheet_of(items: list[TaskAsset], views: dict[str, NDArray[np.uint8]]) -> Ima
 
 
 def caption(item: TaskAsset) -> str:
-    """Role, model and what a gripper meets, in three lines."""
+    """Role, model, handle and hinge, in three lines."""
     distance = f", {item.distance:.2f} away" if item.distance else ""
     hinge = "slides" if item.hinge == "slide" else f"hinge {item.hinge}"
     meets = f"{item.handle} {item.handle_length:.2f} m, {hinge}, front at {item.panel_height:.2f} m"
