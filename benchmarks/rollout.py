@@ -23,7 +23,7 @@ from stages.config.training import TrainingConfig  # noqa: E402
 from stages.contracts.task_options import TaskConfig  # noqa: E402
 from stages.policies import TrainablePolicy, make_policy  # noqa: E402
 from stages.policies.checkpoint import load_policy  # noqa: E402
-from stages.tasks.api import TaskEnv, make_task  # noqa: E402
+from stages.tasks.api import TaskEnv  # noqa: E402
 
 
 def timed(what: Callable[[], object], times: int) -> float:
@@ -60,7 +60,7 @@ def main(steps: int, folder: Path | None) -> None:
     with tempfile.TemporaryDirectory() as temporary:
         models = Path(temporary)
         assets = [models / make("bottom_cabinet", index, 0, models).id for index in (0, 2)]
-        tasks = [make_task("door", assets[0], "door_0_joint", None, options, vary_scale=False) for _ in range(4)]
+        tasks = [TaskEnv("door", assets[0], "door_0_joint", None, options, vary_scale=False) for _ in range(4)]
         task = tasks[0]
         print(f"first episode, first picture   {timed(lambda: task.reset(0), 1):8.0f} ms")
         print(f"the next environment           {timed(lambda: tasks[1].reset(0), 1):8.0f} ms")
@@ -80,7 +80,7 @@ def main(steps: int, folder: Path | None) -> None:
         print(f"crop, farthest points, fingers {seen:8.2f} ms")
         for count in (1, 4):
             print(f"policy in the loop, {count} envs     {rolled_out(tasks[:count], policy, steps):8.0f} steps/s")
-        varied = make_task("door", assets[0], "door_0_joint", None, options)
+        varied = TaskEnv("door", assets[0], "door_0_joint", None, options)
         varied.place(0)
         seeds = iter(range(1, 1000))
         print(f"episode at another scale       {timed(lambda: varied.place(next(seeds)), 20):8.1f} ms")

@@ -21,7 +21,7 @@ from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
 from stages.demonstrations.film import write_demonstration_films
 from stages.plugins import load
-from stages.tasks.api import Size, make_task
+from stages.tasks.api import Size, TaskEnv
 
 FIELDS = ("asset", "category", "joint", "handle", "hinge", "seed", "success", "cause", "retries", "steps", "opened")
 
@@ -44,7 +44,7 @@ def attempts(
 ) -> Iterator[Any]:
     """A line of the ledger per seed."""
     asset = read_asset(folder)
-    world = make_task(task, folder, joint, size, TaskConfig(), render=False)
+    world = TaskEnv(task, folder, joint, size, TaskConfig(), render=False)
     opened = next(item for item in asset.joints if item.name == joint)
     recorder = Recorder(world, options)
     for seed in states:
@@ -89,7 +89,7 @@ def film(
     folder: Path, task: str, row: dict[str, str], size: Size | None, options: DemonstrationsConfig, out: Path
 ) -> None:
     """Films of one failed attempt, as it was."""
-    world = make_task(task, folder, row["joint"], size, TaskConfig(), render=True)
+    world = TaskEnv(task, folder, row["joint"], size, TaskConfig(), render=True)
     recorder = Recorder(world, options, film=1, failures=True)
     recorder.attempt(int(row["seed"]))
     write_demonstration_films(out, recorder.filmed, "twin", world.options.control_frequency)

@@ -16,9 +16,9 @@ from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
 from stages.demonstrations.film import write_demonstration_films
 from stages.demonstrations.store import RecordedEpisode, StoreHeader, write_episodes
-from stages.tasks.api import make_task
+from stages.tasks.api import TaskEnv
 
-TRIES = 3  # attempts of an asset before it passes its turn
+TRIES = 3  # attempts on an asset before the next one has its turn
 FAILED_LEDGER = "attempts.failed.jsonl"  # not an output of the rule: Snakemake deletes those of a failed job
 
 
@@ -35,10 +35,9 @@ def run(
 ) -> None:
     """Write `episodes.h5` with as many successes as asked, and beside it attempts.jsonl, film.png and films.zip.
 
-    With several assets each has its turn, of one success or `TRIES` failures, so that the first n episodes of the store
-    are spread over them as evenly as all are.
+    Several assets take turns of one success or `TRIES` failures, so that the first n episodes are spread evenly.
 
-    If there are too few, the ledger alone is left, as attempts.failed.jsonl.
+    If too few attempts succeed, only their ledger is kept, as attempts.failed.jsonl.
 
     Args:
         assets: the experiment's assets (contract TaskAssets).
@@ -61,7 +60,7 @@ def run(
     chosen = [(models[entry.asset], entry) for entry in wanted]
     folder, entry = chosen[0]
     randomise = settings.randomise if role == "twin_randomised" else None
-    task = make_task(plan.task, folder, entry.joint, entry.size, world, randomise=randomise)
+    task = TaskEnv(plan.task, folder, entry.joint, entry.size, world, randomise=randomise)
     recorder = Recorder(task, settings, film=settings.film_episodes)
     seeds = list(attempt_seeds(seed, role, int(np.ceil(episodes * settings.max_attempts_factor))))
     kept, ledger = take_turns(recorder, chosen, seeds, episodes)

@@ -25,7 +25,7 @@ from stages.plugins import load
 from stages.simulation.films import FRAMES, write_films, write_png
 from stages.simulation.room import read_room
 from stages.simulation.studio import Studio
-from stages.tasks.api import make_task
+from stages.tasks.api import TaskEnv
 from stages.tasks.task import Task
 
 TRIES = 10  # attempts in one scene
@@ -33,7 +33,7 @@ TRIES = 10  # attempts in one scene
 
 @dataclass(frozen=True)
 class Setting:
-    """What is the same in all scenes."""
+    """Task, options and seed, the same in all scenes."""
 
     task: str
     options: DemonstrationsConfig
@@ -75,12 +75,8 @@ def run(
     read = {path: read_json(GeneratedScene, path) for path in scenes}
     if not any(item.id == object for made in read.values() for item in made.objects):
         known = dict.fromkeys(item.id for made in read.values() for item in made.objects)
-        raise InputError(
-            "--object",
-            f"no scene has an object '{object}'.",
-            f"those there are: {', '.join(known)}",
-            code="E-SCENE-OBJECT",
-        )
+        what = f"no scene has an object '{object}'."
+        raise InputError("--object", what, f"those there are: {', '.join(known)}", code="E-SCENE-OBJECT")
     found, films, strips = [], [], []
     with TemporaryDirectory(prefix="acdc-room-") as cache, TemporaryDirectory(prefix="acdc-stores-") as stores:
         setting = Setting(task, settings, world, seed, Path(stores))
@@ -119,7 +115,7 @@ def in_one(
         reason = f"{object} is {asset}, which has no {known.role} that the robot can open"
         return SceneDemonstration(**about, asset=asset, status="failed", reason=reason), None
     about |= {"asset": asset, "joint": target.joint}
-    task = make_task(setting.task, room.target.folder, target.joint, None, setting.world, vary_scale=False, room=room)
+    task = TaskEnv(setting.task, room.target.folder, target.joint, None, setting.world, vary_scale=False, room=room)
     recorder, reasons, attempts = Recorder(task, setting.options, film=1), Counter[str](), 0
     seeds = attempt_seeds(setting.seed, f"rank_{made.rank}", len(places()))
     for room.shift, seed in zip(places(), seeds, strict=True):

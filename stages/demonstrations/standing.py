@@ -1,4 +1,4 @@
-"""Where the robot may stand in a room, and what is in the way of it and of what its task needs there."""
+"""Where the robot may stand in a room, and what is in its way there."""
 
 import numpy as np
 from sapien.physx import PhysxArticulationLinkComponent
@@ -21,7 +21,7 @@ def places() -> list[tuple[float, float]]:
 
 
 def in_the_way(task: TaskEnv, room: Room) -> str | None:
-    """What stands where the robot, as it is, or something that the task brings along would have to stand; or None."""
+    """What is in the way of the robot in its present pose, or of what the task brings along (props); or None."""
     things = {name: points for name, points in room.obstacles.items() if name != "floor"}
     base = task.env.agent.robot.pose.sp.to_transformation_matrix()
     arm, radii = arm_spheres(task.chain.frames(task.joints()[None, :7]), GRIPPER_OPEN)

@@ -23,7 +23,7 @@ from stages.evaluation.states import Start
 from stages.policies import TrainablePolicy, closed_loop
 from stages.policies.checkpoint import load_policy
 from stages.simulation.studio import Studio
-from stages.tasks.api import TaskEnv, make_task
+from stages.tasks.api import TaskEnv
 from stages.tasks.observation import Sensing
 
 
@@ -53,6 +53,15 @@ def sensing_of(settings: SceneOptions) -> Sensing:
     """How the test's cameras differ from perfect ones."""
     metres, degrees = settings.camera_error
     return Sensing(settings.depth_noise, (metres, float(np.deg2rad(degrees))))
+
+
+def env_class(simulator: str) -> type[TaskEnv]:
+    """The environments of a simulator; MuJoCo is imported when it is asked for."""
+    if simulator == "maniskill":
+        return TaskEnv
+    from stages.tasks.mujoco_env import MujocoTaskEnv
+
+    return MujocoTaskEnv
 
 
 class Arena:
@@ -88,7 +97,7 @@ class Arena:
     def task(self, asset: TaskAsset) -> TaskEnv:
         """A new environment with the asset."""
         asset = self.sized(asset)
-        return make_task(
+        return env_class(self.settings.simulator)(
             self.plan.task,
             self.folder(asset),
             asset.joint,
@@ -98,7 +107,6 @@ class Arena:
             cache=Path(self._sized.name),
             vary_scale=self.settings.vary_scale,
             sensing=sensing_of(self.settings),
-            simulator=self.settings.simulator,
         )
 
     def folder(self, asset: TaskAsset) -> Path:
@@ -108,9 +116,8 @@ class Arena:
             InputError: the library does not have it.
         """
         if asset.asset not in self.folders:
-            raise InputError(
-                self.library, f"has no asset '{asset.asset}'.", "run the matching stage again", code="E-LIBRARY-ASSET"
-            )
+            what = f"has no asset '{asset.asset}'."
+            raise InputError(self.library, what, "run the matching stage again", code="E-LIBRARY-ASSET")
         return self.folders[asset.asset]
 
     def sized(self, asset: TaskAsset) -> TaskAsset:

@@ -30,12 +30,8 @@ def run(*, trials: tuple[Path, ...], count: int, out: Path) -> None:
     about = {(row.task, row.training_set) for each in rows.values() for row in each}
     states = {tuple(dict.fromkeys(row.initial_state for row in each)) for each in rows.values()}
     if len(about) != 1 or len(states) != 1:
-        raise InputError(
-            "--trials",
-            "are not of one task and training set from the same states.",
-            "run them again",
-            code="E-TRIALS-MIXED",
-        )
+        what = "are not of one task and training set from the same states."
+        raise InputError("--trials", what, "run them again", code="E-TRIALS-MIXED")
     scores = [best_checkpoint(each) for each in rows.values()]
     best = sorted(scores, key=lambda score: -score.successes)[:count]
     for score in scores:

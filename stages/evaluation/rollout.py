@@ -82,10 +82,6 @@ def checkpoint_of(settings: RolloutOptions, trial: tuple[Path, ...]) -> str:
     if settings.checkpoint != "rollouts":
         return settings.checkpoint
     if len(trial) != 1:
-        raise InputError(
-            "--trial",
-            "is not one file; `checkpoint: rollouts` needs it.",
-            "run `evaluation trial`",
-            code="E-TRIAL-MISSING",
-        )
+        what = "is not one file; `checkpoint: rollouts` needs it."
+        raise InputError("--trial", what, "run `evaluation trial`", code="E-TRIAL-MISSING")
     return best_checkpoint(read_rows(Rollout, trial[0])).checkpoint

@@ -21,11 +21,8 @@ def check_same_scene(scenes: list[GeneratedScene], objects: Objects, truth: Trut
     """
     names = {scene.scene for scene in scenes} | {objects.scene, truth.scene}
     if len(names) > 1:
-        raise InputError(
-            "--scenes, --objects, --truth",
-            f"are of different scenes: {', '.join(sorted(names))}.",
-            code="E-SCENES-MIXED",
-        )
+        what = f"are of different scenes: {', '.join(sorted(names))}."
+        raise InputError("--scenes, --objects, --truth", what, code="E-SCENES-MIXED")
 
 
 def check_categories(path: Path, items: Sequence[PlacedObject | TrueObject], categories: Mapping[str, str]) -> None:
@@ -87,12 +84,8 @@ def run(
     folders = AssetFolders(library)
     strangers = sorted({item.asset for item in true.objects} - set(folders))
     if strangers:
-        raise InputError(
-            truth,
-            f"has assets that {library} lacks: {', '.join(strangers)}.",
-            "render the room again",
-            code="E-LIBRARY-ASSET",
-        )
+        what = f"has assets that {library} lacks: {', '.join(strangers)}."
+        raise InputError(truth, what, "render the room again", code="E-LIBRARY-ASSET")
     categories = {entry.id: entry.category for entry in read_json(Library, library).assets}
     for path, scene in zip(scenes, generated, strict=True):
         check_categories(path, scene.objects, categories)

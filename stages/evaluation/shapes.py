@@ -1,4 +1,4 @@
-"""How alike two models are in shape and in what they offer to a hand, whatever their size."""
+"""Similarity of two models in shape and in doors, drawers and handles, whatever their size."""
 
 from collections import Counter
 from functools import lru_cache

@@ -1,4 +1,4 @@
-"""Verb `skill`: the scripted skill on what policies are rolled out on, as a reference: can it be done at all?"""
+"""Verb `skill`: success of the scripted skill on the test assets of the policies, as an upper reference."""
 
 import sys
 from pathlib import Path
@@ -29,7 +29,7 @@ def run(
 ) -> None:
     """Do a task by its skills from the states of `evaluation rollout`, without noise and disturbances.
 
-    It knows the true model; of the test roles `trained` is left out.
+    It knows the true model. The test role `trained` is left out.
 
     Args:
         assets: the experiment's assets (contract TaskAssets).

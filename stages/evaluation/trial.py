@@ -1,4 +1,4 @@
-"""Verb `trial`: the checkpoints of one policy on the twin, from states that no test uses (paper B.3, B.4)."""
+"""Verb `trial`: success of a policy's checkpoints on the twin, from states that no test uses (paper B.3, B.4)."""
 
 import sys
 from pathlib import Path

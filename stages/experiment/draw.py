@@ -1,4 +1,4 @@
-"""Verb `draw`: pictures of the assets of a task, each with its role and what a gripper meets there."""
+"""Verb `draw`: pictures of the assets of a task, each with its role, handle and hinge."""
 
 from pathlib import Path
 
@@ -12,7 +12,7 @@ from stages.contracts.files import atomic
 from stages.contracts.policies import TaskAsset
 from stages.contracts.snapshot_file import AGAIN, open_snapshots
 
-COLUMNS, TILE, CAPTION = 6, 192, 44
+COLUMNS, TILE = 6, 192  # pictures in a row, and their side in pixels
 INK, PAPER = "#282828", "white"
 
 
@@ -35,11 +35,11 @@ def run(*, assets: Path, snapshots: tuple[Path, ...], out: Path, splits: Path) -
 
 def sheet_of(items: list[TaskAsset], views: dict[str, NDArray[np.uint8]]) -> Image.Image:
     """The assets in rows, each with its caption; an asset without a view leaves its place empty."""
-    rows = max(1, -(-len(items) // COLUMNS))
-    sheet = Image.new("RGB", (COLUMNS * TILE, rows * (TILE + CAPTION)), PAPER)
+    rows, height = max(1, -(-len(items) // COLUMNS)), TILE + TILE // 4  # with three lines of text
+    sheet = Image.new("RGB", (COLUMNS * TILE, rows * height), PAPER)
     pen = ImageDraw.Draw(sheet)
     for number, item in enumerate(items):
-        x, y = number % COLUMNS * TILE, number // COLUMNS * (TILE + CAPTION)
+        x, y = number % COLUMNS * TILE, number // COLUMNS * height
         if item.asset in views:
             sheet.paste(Image.fromarray(views[item.asset]).resize((TILE, TILE), Image.Resampling.LANCZOS), (x, y))
         pen.text((x + 4, y + TILE + 2), caption(item), fill=INK, spacing=2)
@@ -47,7 +47,7 @@ def sheet_of(items: list[TaskAsset], views: dict[str, NDArray[np.uint8]]) -> Ima
 
 
 def caption(item: TaskAsset) -> str:
-    """Role, model and what a gripper meets, in three lines."""
+    """Role, model, handle and hinge, in three lines."""
     distance = f", {item.distance:.2f} away" if item.distance else ""
     hinge = "slides" if item.hinge == "slide" else f"hinge {item.hinge}"
     meets = f"{item.handle} {item.handle_length:.2f} m, {hinge}, front at {item.panel_height:.2f} m"

@@ -76,12 +76,8 @@ def run(
     if item is None or size is None or twin is None or not opens(twin):
         would_do = [e.id for e in matched.objects if any(opens(cousin.asset) for cousin in e.cousins[:1])]
         what = f"object '{object}' {_why_not(item, kind.role, size, true)}."
-        raise InputError(
-            cousins,
-            what,
-            f"objects that would do for a {kind.role}: {', '.join(would_do) or 'none'}",
-            code="E-EXPERIMENT-OBJECT",
-        )
+        fix = f"objects that would do for a {kind.role}: {', '.join(would_do) or 'none'}"
+        raise InputError(cousins, what, fix, code="E-EXPERIMENT-OBJECT")
     print(f"twin: {twin}, {f'the true model; matching chose {best}' if true else 'by matching'}", file=sys.stderr)
     if twin not in alike.distances:
         raise InputError(distances, f"has no distances from {twin}, the twin.", STALE, code="E-DISTANCES-STALE")
@@ -90,12 +86,8 @@ def run(
     if f"cousin_{count}" not in roles:
         found = sum(role.startswith("cousin_") for role in roles)
         what = f"'{object}' has {found} cousins with a {kind.role} that has a handle, {count} are asked for."
-        raise InputError(
-            library,
-            what,
-            "lower experiment.cousins, raise matching.k_cat, or make a larger library",
-            code="E-EXPERIMENT-COUSINS",
-        )
+        fix = "lower experiment.cousins, raise matching.k_cat, or make a larger library"
+        raise InputError(library, what, fix, code="E-EXPERIMENT-COUSINS")
     plan = TaskAssets(
         task=task,
         scene=matched.scene,

@@ -1,4 +1,4 @@
-"""The assets of the library that a task can open, and what a policy and a gripper meet there."""
+"""The assets of the library that a task can open, with the size and place of their fronts and handles."""
 
 from collections.abc import Mapping
 from pathlib import Path

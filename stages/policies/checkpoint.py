@@ -37,7 +37,6 @@ def load_policy(folder: Path, checkpoint: str, device: str = "cpu") -> Trainable
         policy.load_state_dict(load_file(path))
     except RuntimeError as error:
         reason = str(error).splitlines()[-1].strip()
-        raise InputError(
-            path, f"does not hold the weights that config.json describes ({reason}).", code="E-POLICY-WEIGHTS"
-        ) from None
+        what = f"does not hold the weights that config.json describes ({reason})."
+        raise InputError(path, what, code="E-POLICY-WEIGHTS") from None
     return policy.to(device).eval()

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 import torch
@@ -44,21 +44,10 @@ class StepResult:
     done: bool
 
 
-def make_task(
-    task: str,
-    assets: Path,
-    joint: str,
-    size: Size | None,
-    options: TaskConfig,
-    render: bool = True,
-    cache: Path | None = None,
-    vary_scale: bool = True,
-    room: Room | None = None,
-    randomise: RandomiseOptions | None = None,
-    sensing: Sensing | None = None,
-    simulator: Literal["maniskill", "mujoco"] = "maniskill",
-) -> "TaskEnv":
-    """A task on one asset. Several may live in one process.
+class TaskEnv:
+    """A task on one asset: env = TaskEnv(...); observation = env.reset(seed); result = env.step(action).
+
+    Several may live in one process.
 
     Args:
         task: its name, e.g. 'door'; one of a package of yours by its module.
@@ -72,55 +61,43 @@ def make_task(
         room: a generated scene about the asset.
         randomise: draw the asset's friction and mass with the episode, and its scale from this range.
         sensing: how the cameras differ from perfect ones.
-        simulator: mujoco has doors and drawers, without a room.
     """
-    known: Task = load("tasks", task)
-    if simulator == "mujoco":
-        from stages.tasks.mujoco_env import MujocoTaskEnv
-
-        return MujocoTaskEnv(known, assets, joint, size, options, render, vary_scale, sensing)
-    if options.sim_backend == "physx_cuda" and not torch.cuda.is_available():
-        raise InputError(
-            "task.sim_backend", "is physx_cuda, but torch finds no GPU.", "set it to physx_cpu", code="E-DEVICE-GPU"
-        )
-    return TaskEnv(known, assets, joint, size, options, render, cache, vary_scale, room, randomise, sensing)
-
-
-class TaskEnv:
-    """env = make_task(...); obs = env.reset(seed); result = env.step(action)."""
 
     def __init__(
         self,
-        task: Task,
+        task: str,
         assets: Path,
         joint: str,
         size: Size | None,
         options: TaskConfig,
-        render: bool,
-        cache: Path | None,
-        vary_scale: bool,
-        room: Room | None,
+        render: bool = True,
+        cache: Path | None = None,
+        vary_scale: bool = True,
+        room: Room | None = None,
         randomise: RandomiseOptions | None = None,
         sensing: Sensing | None = None,
     ) -> None:
-        self.task, self.options, self.sensing = task, options, sensing
+        if options.sim_backend == "physx_cuda" and not torch.cuda.is_available():
+            what, fix = "is physx_cuda, but torch finds no GPU.", "set it to physx_cpu"
+            raise InputError("task.sim_backend", what, fix, code="E-DEVICE-GPU")
+        self.task: Task = load("tasks", task)
+        self.options, self.sensing = options, sensing
         self.turn_to(assets, joint, size)
         self.render, self.vary_scale, self.room, self.randomise = render, vary_scale, room, randomise
         self._temporary = None if cache else tempfile.TemporaryDirectory(prefix="acdc-sized-")
         self.sized = cache or Path(self._temporary.name)  # type: ignore[union-attr]
-        self.max_steps = options.max_steps or task.horizon
+        self.max_steps = options.max_steps or self.task.horizon
         self.chain = panda_chain()
         self._env: OpenTaskEnv | None = None
         self._nominal: dict[tuple[Path, Size], Path] = {}  # folders of assets at their nominal sizes
 
     def turn_to(self, assets: Path, joint: str, size: Size | None) -> None:
-        """Use another asset and joint from the next episode on; see `make_task`."""
+        """Use another asset and joint from the next episode on; see `TaskEnv`."""
         asset, role = read_json(Asset, assets / "asset.json"), self.task.role
         names = [candidate.name for candidate in asset.joints if candidate.role == role]
         if joint not in names:
-            raise InputError(
-                assets, f"has no {role} joint {joint!r}.", f"its {role} joints: {names or 'none'}", code="E-TASK-JOINT"
-            )
+            fix = f"its {role} joints: {names or 'none'}"
+            raise InputError(assets, f"has no {role} joint {joint!r}.", fix, code="E-TASK-JOINT")
         self.assets, self.asset, self.joint, self.size = assets, asset.id, joint, size or asset.size
 
     @property

@@ -41,7 +41,6 @@ from stages.tasks.mujoco_world import (
     build,
 )
 from stages.tasks.observation import CameraRig, Observation, Sensing
-from stages.tasks.task import Task
 
 SHOWN = np.array([1], np.int16)  # entity id of what the cloud shows; everything else has 0
 IK_STEPS, IK_DAMPING = 20, 0.03  # of damped least squares; metres and radians
@@ -54,22 +53,21 @@ class MujocoTaskEnv(TaskEnv):
 
     def __init__(
         self,
-        task: Task,
+        task: str,
         assets: Path,
         joint: str,
         size: Size | None,
         options: TaskConfig,
-        render: bool,
-        vary_scale: bool,
-        sensing: Sensing | None,
+        render: bool = True,
+        cache: Path | None = None,
+        vary_scale: bool = True,
+        sensing: Sensing | None = None,
     ) -> None:
-        """Args as of `make_task`."""
-        if len(task.skills) > 1:
-            fix = "mujoco has doors and drawers"
-            raise InputError(
-                "evaluation.simulator", f"'mujoco' does not have the task {task.gym_id}.", fix, "E-MUJOCO-TASK"
-            )
-        super().__init__(task, assets, joint, size, options, render, None, vary_scale, None, None, sensing)
+        """Args as of `TaskEnv`; doors and drawers alone, and nothing stands about them."""
+        super().__init__(task, assets, joint, size, options, render, cache, vary_scale, sensing=sensing)
+        if len(self.task.skills) > 1:
+            what, fix = f"'mujoco' does not have the task {self.task.gym_id}.", "mujoco has doors and drawers"
+            raise InputError("evaluation.simulator", what, fix, code="E-MUJOCO-TASK")
         self.rig = CameraRig([shoulder(options)], options, sensing)
         self._files = ModelFiles()
         self._camera: DepthCamera | None = None

@@ -80,28 +80,17 @@ def read_demonstrations(paths: Sequence[Path], per_store: int, let_go: bool = Tr
         InputError: a file is no episode store, has too few episodes, or differs in task or task options.
     """
     if not paths or per_store < 1:
-        raise InputError(
-            "--episodes, --per-store",
-            "name no episodes to train on.",
-            "at least one store and one episode",
-            code="E-EPISODES-NONE",
-        )
+        what = "name no episodes to train on."
+        raise InputError("--episodes, --per-store", what, "at least one store and one episode", code="E-EPISODES-NONE")
     stores = [read_episodes(path, per_store) for path in paths]
     first = stores[0]
     for path, store in zip(paths, stores, strict=True):
         if (store.task, store.task_options) != (first.task, first.task_options):
-            raise InputError(
-                path,
-                f"was collected for another task or with other task options than {paths[0]}.",
-                code="E-EPISODES-MIXED",
-            )
+            what = f"was collected for another task or with other task options than {paths[0]}."
+            raise InputError(path, what, code="E-EPISODES-MIXED")
         if task and store.task != task:
-            raise InputError(
-                path,
-                f"was collected for the task '{store.task}', not '{task}'.",
-                "collect it again",
-                code="E-EPISODES-TASK",
-            )
+            what = f"was collected for the task '{store.task}', not '{task}'."
+            raise InputError(path, what, "collect it again", code="E-EPISODES-TASK")
     episodes = [
         episode if let_go else tuple(array[: steps_until_release(episode[2])] for array in episode)
         for store in stores

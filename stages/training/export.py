@@ -34,19 +34,11 @@ def run(*, policy: Path, out: Path, checkpoint: str = "best", action: Choice = "
     module = qualified("policies", config.run.policy)
     cover([module])
     if source(f"{module}.portable") is None:
-        raise InputError(
-            policy,
-            f"a policy '{config.run.policy}' has no portable form.",
-            f"write {module}.portable",
-            code="E-POLICY-PORTABLE",
-        )
+        what = f"a policy '{config.run.policy}' has no portable form."
+        raise InputError(policy, what, f"write {module}.portable", code="E-POLICY-PORTABLE")
     if not config.run.network.cloud:
-        raise InputError(
-            policy,
-            "sees no cloud: it is a baseline for rollouts.",
-            "export one with network.cloud: true",
-            code="E-POLICY-PORTABLE",
-        )
+        what = "sees no cloud: it is a baseline for rollouts."
+        raise InputError(policy, what, "export one with network.cloud: true", code="E-POLICY-PORTABLE")
     code = importlib.import_module(f"{module}.portable")
     weights, about = code.portable(load_policy(policy, checkpoint), action)
     options = config.task_options

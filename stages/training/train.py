@@ -54,18 +54,14 @@ def run(
     """
     hyper = read_options(TrainingRun, options)
     if device == "cuda" and not torch.cuda.is_available():
-        raise InputError(
-            "device", "cuda is asked for, but torch finds no GPU.", "set `device: cpu`", code="E-DEVICE-GPU"
-        )
+        what = "cuda is asked for, but torch finds no GPU."
+        raise InputError("device", what, "set `device: cpu`", code="E-DEVICE-GPU")
     torch.set_num_threads(threads)
     torch.manual_seed(seed)
     data = read_demonstrations(episodes, per_store, hyper.let_go, task)
     if data.clouds.shape[1] < hyper.network.points:
-        raise InputError(
-            "training.network.points",
-            f"is {hyper.network.points}, but the clouds have {data.clouds.shape[1]} points.",
-            code="E-EPISODES-POINTS",
-        )
+        what = f"is {hyper.network.points}, but the clouds have {data.clouds.shape[1]} points."
+        raise InputError("training.network.points", what, code="E-EPISODES-POINTS")
     if hyper.handle.flag:
         data = data.marked()
     setting = Setting(hyper, data.on(device), seed, work=out.parent / f"{out.name}.work")

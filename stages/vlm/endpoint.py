@@ -15,7 +15,7 @@ from urllib.request import Request
 
 from stages.config.vlm import VlmConfig
 from stages.contracts.errors import InputError
-from stages.vlm.deadline import LARGEST, opened
+from stages.vlm.deadline import LARGEST, response_to
 
 BUSY = {HTTPStatus.REQUEST_TIMEOUT, HTTPStatus.CONFLICT, HTTPStatus.TOO_EARLY, HTTPStatus.TOO_MANY_REQUESTS}
 SHOWN = 300  # characters of a message or of a bad answer that are repeated
@@ -92,16 +92,13 @@ class Endpoint:
             headers["Authorization"] = f"Bearer {key}"
         data = json.dumps(body, ensure_ascii=False).encode()
         request = Request(f"{self.options.url}/chat/completions", data, headers, method="POST")
-        content = b""
-        with opened(request, self.options.timeout) as response:
-            while chunk := response.read1(LARGEST):
-                content += chunk
-                if len(content) > LARGEST:
-                    raise OversizedError(f"a reply of more than {LARGEST} bytes")
-            if len(content) < int(response.headers.get("Content-Length") or 0):
-                raise HTTPException("the reply is cut off")
+        headers, body = response_to(request, self.options.timeout)
+        if len(body) > LARGEST:
+            raise OversizedError(f"a reply of more than {LARGEST} bytes")
+        if len(body) < int(headers.get("Content-Length") or 0):
+            raise HTTPException("the reply is cut off")
         try:
-            reply = json.loads(content)
+            reply = json.loads(body)
         except (ValueError, RecursionError):
             raise HTTPException("the reply is no JSON") from None
         if not isinstance(reply, dict):

@@ -14,13 +14,13 @@ from stages.contracts.policies import TaskAssets
 from stages.contracts.task_options import TaskConfig
 from stages.evaluation.states import starts_of
 from stages.geometry.frames import rigid
-from stages.tasks.api import make_task
+from stages.tasks.api import TaskEnv
 from tests.unit.demo_assets import an_asset, cabinet
 
 
 def test_a_hand_is_noted_where_it_first_closes_wherever_the_joint_then_is(tmp_path: Path) -> None:
     cabinet(tmp_path / "door")
-    task = make_task("door", tmp_path / "door", "door_0_joint", None, TaskConfig(scale_variants=1), render=False)
+    task = TaskEnv("door", tmp_path / "door", "door_0_joint", None, TaskConfig(scale_variants=1), render=False)
     watched = Watched(task, {})
     watched.reset(5)
     still = np.array([0, 0, 0, 0, 0, 0, 1.0])
@@ -47,7 +47,7 @@ def test_a_hand_that_is_to_pick_something_up_is_noted_beside_it(
 ) -> None:
     cabinet(tmp_path / "drawer", layout=[["drawer", "open", "open"]])
     options = TaskConfig(scale_variants=1)
-    task = make_task("put_away_bowl", tmp_path / "drawer", "drawer_0_joint", None, options, render=False)
+    task = TaskEnv("put_away_bowl", tmp_path / "drawer", "drawer_0_joint", None, options, render=False)
     watched = Watched(task, {})
     watched.reset(5)
     close = np.array([0, 0, 0, 0, 0, 0, -1.0])

@@ -19,7 +19,7 @@ from stages.contracts.library_folder import write_part
 from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.collect import attempt_seeds, run
 from stages.simulation.loading import SURFACE_FRICTION
-from stages.tasks.api import make_task
+from stages.tasks.api import TaskEnv
 from stages.tasks.randomised import sample_factors
 from tests.refusals import refused
 from tests.unit.demo_assets import an_asset, cabinet
@@ -91,7 +91,7 @@ def test_collect_writes_successes_that_replay(tmp_path: Path) -> None:
     assert 0.1 < np.ptp(scene[:, 1]) < 0.8 and np.median(scene[:, 0]) > 0.4  # the cabinet is in front of it
 
     # Evaluation sees the same first observation, from the options in the file.
-    task = make_task("door", tmp_path / "models" / "cab", "door_0_joint", (0.4, 0.45, 0.7), options)
+    task = TaskEnv("door", tmp_path / "models" / "cab", "door_0_joint", (0.4, 0.45, 0.7), options)
     again = task.reset(kept[0].seed)
     for action in executed:
         task.act(action)
@@ -139,8 +139,8 @@ def test_a_randomised_twin_is_another_one_in_every_attempt(tmp_path: Path) -> No
         seed = int(file["data/demo_0"].attrs["seed"])
     folder, joint = tmp_path / "models" / "cab", "door_0_joint"
     made = {"assets": folder, "joint": joint, "size": None, "options": TaskConfig(**world), "render": False}
-    drawn = make_task("door", **made, randomise=RandomiseOptions(**ranges))
-    plain = make_task("door", **made, vary_scale=False)
+    drawn = TaskEnv("door", **made, randomise=RandomiseOptions(**ranges))
+    plain = TaskEnv("door", **made, vary_scale=False)
     for _ in range(2):  # nothing adds up from episode to episode
         drawn.place(seed)
         plain.place(seed)

@@ -18,7 +18,7 @@ from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
 from stages.demonstrations.export import run
 from stages.demonstrations.store import RecordedEpisode, StoreHeader, write_episodes
-from stages.tasks.api import make_task
+from stages.tasks.api import TaskEnv
 from tests.unit.test_demonstrations import experiment
 
 ROOT = Path(__file__).parents[2]
@@ -167,7 +167,7 @@ def done_again(tmp_path_factory: pytest.TempPathFactory) -> Path:
     world = TaskConfig(points=64, finger_points=8)
     episodes = []
     for name, size in (("cab", (0.42, 0.45, 0.7)), ("narrow", (0.35, 0.4, 0.65))):
-        task = make_task("door", folder / "models" / name, "door_0_joint", size, world, render=False)
+        task = TaskEnv("door", folder / "models" / name, "door_0_joint", size, world, render=False)
         recorder = Recorder(task, DemonstrationsConfig(noise=0.004, recovery=1.0))
         found = (recorder.attempt(seed) for seed in range(20))
         episodes += islice((episode for episode, outcome in found if outcome.success), 2)

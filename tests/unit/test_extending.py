@@ -29,7 +29,7 @@ from stages.plugins import KINDS, available, find
 from stages.plugins import load as implementation
 from stages.policies.checkpoint import load_policy
 from stages.scenes.layout import arrange
-from stages.tasks.api import make_task
+from stages.tasks.api import TaskEnv
 from stages.training.train import run as train
 from tests.toy_reach import write_store
 from tests.unit.demo_assets import cabinet
@@ -233,7 +233,7 @@ def test_task_and_skill(package: Path, tmp_path: Path) -> None:
     cabinet(tmp_path / "door")
     options = TaskConfig(scale_variants=1)
     name = find("tasks", "touch", ["my_package"])
-    task = make_task(name, tmp_path / "door", "door_0_joint", None, options, render=False)
+    task = TaskEnv(name, tmp_path / "door", "door_0_joint", None, options, render=False)
     episode, outcome = Recorder(task, DemonstrationsConfig()).attempt(3)
     assert outcome.success and task.success and task.opened < 0.1 and 2 < len(episode.actions) < 30
     assert task.task.target_joint(tmp_path / "door") is not None

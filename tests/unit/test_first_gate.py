@@ -9,7 +9,7 @@ from stages.evaluation.episodes import roll_out
 from stages.evaluation.states import FIRST_STATE
 from stages.policies import TrainablePolicy, make_policy
 from stages.policies.checkpoint import load_policy
-from stages.tasks.api import TaskEnv, make_task
+from stages.tasks.api import TaskEnv
 from stages.training.train import run as train
 from tests.unit.demo_assets import an_asset
 from tests.unit.test_demonstrations import experiment
@@ -33,7 +33,7 @@ def test_a_policy_opens_the_asset_that_it_was_trained_on(tmp_path: Path) -> None
     options = {"network": {"points": 96}, "steps": 800, "log_every": 400, "validation_fraction": 0}
     train(episodes=(store,), per_store=16, options=json.dumps(options), out=out)
     policy = load_policy(out, "last")
-    task = make_task("door", tmp_path / "models" / "cab", "door_0_joint", None, WORLD, vary_scale=False)
+    task = TaskEnv("door", tmp_path / "models" / "cab", "door_0_joint", None, WORLD, vary_scale=False)
     try:
         assert opened(make_policy(policy.run), task, states=2) == 0
         assert opened(policy, task, states=8) >= 5  # three seeds of training: 8, 8, 7

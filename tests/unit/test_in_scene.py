@@ -18,7 +18,7 @@ from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.scene import run
 from stages.demonstrations.standing import in_the_way, places
 from stages.simulation.room import Room, read_room
-from stages.tasks.api import make_task
+from stages.tasks.api import TaskEnv
 from tests.refusals import refused
 from tests.unit.demo_assets import cabinet
 
@@ -140,7 +140,7 @@ def test_what_a_task_brings_along_does_not_stand_in_furniture(library: Path, tmp
     write_json(tmp_path / "scene_1.json", scene(1, stool, target="chest"))
     room = read_room(tmp_path / "scene_1.json", "cabinet_1", library, tmp_path)
     world = TaskConfig.model_validate(TASK)
-    task = make_task(
+    task = TaskEnv(
         "put_away_bowl", room.target.folder, "drawer_0_joint", None, world, render=False, vary_scale=False, room=room
     )
     task.place(0)
@@ -151,7 +151,7 @@ def test_what_a_task_brings_along_does_not_stand_in_furniture(library: Path, tmp
 
 def demo_task(room: Room, options: dict[str, object]):  # type: ignore[no-untyped-def]
     """The door task in a room, placed, without a camera."""
-    task = make_task(
+    task = TaskEnv(
         "door", room.target.folder, "door_0_joint", None, TaskConfig.model_validate(options), render=False,
         vary_scale=False, room=room,
     )  # fmt: skip

@@ -11,7 +11,7 @@ from stages.articulated.asset_folder import Description, read_model, write_asset
 from stages.contracts.task_options import TaskConfig
 from stages.geometry.frames import inverse, rigid
 from stages.planning.path import handle_path
-from stages.tasks.api import TaskEnv, make_task
+from stages.tasks.api import TaskEnv
 from tests.unit.demo_assets import cabinet
 
 SHIFT = {"door": 0.4, "drawer": -0.25}  # what is added to both limits: radians, metres
@@ -39,7 +39,7 @@ def both(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
     role, folder = request.param, tmp_path_factory.mktemp("cabinets") / request.param
     cabinet(folder, layout=[[role]])
     tasks = [
-        make_task(role, each, f"{role}_0_joint", None, FULL, render=False, vary_scale=False)
+        TaskEnv(role, each, f"{role}_0_joint", None, FULL, render=False, vary_scale=False)
         for each in (folder, shifted(folder, role))
     ]
     for task in tasks:

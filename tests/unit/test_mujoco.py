@@ -11,7 +11,8 @@ from stages.config.demonstrations import DemonstrationsConfig
 from stages.contracts.task_options import TaskConfig
 from stages.skills import FAR, Float
 from stages.skills.chain import SkillChain
-from stages.tasks.api import TaskEnv, make_task
+from stages.tasks.api import TaskEnv
+from stages.tasks.mujoco_env import MujocoTaskEnv
 from stages.tasks.observation import sensor_noise
 from tests.refusals import refused
 from tests.unit.demo_assets import cabinet
@@ -29,13 +30,13 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def door(folder: Path) -> Iterator[TaskEnv]:
-    task = make_task("door", folder, "door_0_joint", None, TaskConfig(), vary_scale=False, simulator="mujoco")
+    task = MujocoTaskEnv("door", folder, "door_0_joint", None, TaskConfig(), vary_scale=False)
     yield task
     task.close()
 
 
 def test_the_start_looks_as_in_maniskill_but_for_the_noise_of_depth(door: TaskEnv, folder: Path) -> None:
-    other = make_task("door", folder, "door_0_joint", None, TaskConfig(), vary_scale=False)
+    other = TaskEnv("door", folder, "door_0_joint", None, TaskConfig(), vary_scale=False)
     ours, theirs = door.reset(SEED), other.reset(SEED)
     np.testing.assert_allclose(ours["proprio"], theirs["proprio"], atol=1e-4)
     clouds = [seen["point_cloud"][seen["point_cloud"][:, 3] == 0, :3] for seen in (ours, theirs)]
@@ -68,14 +69,11 @@ def test_the_same_seed_gives_the_same_episode(door: TaskEnv) -> None:
         np.testing.assert_array_equal(ends[0][key], ends[1][key])  # type: ignore[literal-required]
 
 
-@pytest.mark.parametrize(
-    ("layout", "task", "joint"), [("door", "door", "door_0_joint"), ("drawer", "drawer", "drawer_0_joint")]
-)
-def test_the_scripted_skill_opens_it(tmp_path: Path, layout: str, task: str, joint: str) -> None:
-    cabinet(tmp_path / "cabinet_0", layout=[[layout]])
-    env = make_task(
-        task, tmp_path / "cabinet_0", joint, None, TaskConfig(), render=False, vary_scale=False, simulator="mujoco"
-    )
+@pytest.mark.parametrize("task", ["door", "drawer"])
+def test_the_scripted_skill_opens_it(tmp_path: Path, task: str) -> None:
+    where = tmp_path / "cabinet_0"
+    cabinet(where, layout=[[task]])
+    env = MujocoTaskEnv(task, where, f"{task}_0_joint", None, TaskConfig(), render=False, vary_scale=False)
     env.place(SEED)
     done = []
 
@@ -97,7 +95,7 @@ def test_nothing_opens_untouched(door: TaskEnv) -> None:
 
 def test_a_task_of_several_skills_is_refused(folder: Path) -> None:
     with refused("E-MUJOCO-TASK"):
-        make_task("put_away_bowl", folder, "door_0_joint", None, TaskConfig(), simulator="mujoco")
+        MujocoTaskEnv("put_away_bowl", folder, "door_0_joint", None, TaskConfig())
 
 
 def test_noise_grows_with_the_square_of_distance() -> None:

@@ -16,7 +16,7 @@ from stages.planning.path import ANGLE_WEIGHT
 from stages.simulation.region import headroom, level_region
 from stages.skills.pick.grasps import TURNS, by_turn, object_cloud, sample_grasps, turn_between
 from stages.skills.place.predicates import DROP, inside, on_top, sample_placements
-from stages.tasks.api import TaskEnv, make_task
+from stages.tasks.api import TaskEnv
 from stages.tasks.put_away_bowl.bowl import default_bowl, seen_mesh
 from stages.tasks.put_away_bowl.environment import with_stand_in_view
 from tests.refusals import refused
@@ -126,7 +126,7 @@ def test_placements_are_upright_inside_the_walls_and_turn_and_fall_least_first()
 def task(tmp_path_factory: pytest.TempPathFactory) -> TaskEnv:
     folder = tmp_path_factory.mktemp("assets") / "drawer"
     cabinet(folder, layout=[["drawer", "open", "open"]])
-    return make_task("put_away_bowl", folder, "drawer_0_joint", None, OPTIONS, render=False)
+    return TaskEnv("put_away_bowl", folder, "drawer_0_joint", None, OPTIONS, render=False)
 
 
 def put(task: TaskEnv, opened: float, at: np.ndarray) -> None:
@@ -160,14 +160,14 @@ def test_success_is_the_bowl_in_the_drawer_and_the_drawer_shut(task: TaskEnv) ->
 
 def test_the_bowl_fits_into_the_drawer(tmp_path: Path) -> None:
     cabinet(tmp_path / "low", layout=[["drawer"] * 6])
-    low = make_task("put_away_bowl", tmp_path / "low", "drawer_2_joint", None, OPTIONS, render=False)
+    low = TaskEnv("put_away_bowl", tmp_path / "low", "drawer_2_joint", None, OPTIONS, render=False)
     low.place(0)
     floor = low.env.floors[0]
     assert low.env.bowl_meshes[0].extents[2] < headroom(floor, low.env.target.fixed)
     low.close()
     cabinet(tmp_path / "door")
     with refused("E-TASK-JOINT"):
-        make_task("put_away_bowl", tmp_path / "door", "door_0_joint", None, OPTIONS, render=False)
+        TaskEnv("put_away_bowl", tmp_path / "door", "door_0_joint", None, OPTIONS, render=False)
 
 
 def test_films_show_bowl_and_stand(task: TaskEnv) -> None:

@@ -9,7 +9,7 @@ from stages.demonstrations.attempt import Recorder
 from stages.demonstrations.recovery import sample_disturbance
 from stages.skills import FAR
 from stages.skills.open import OpenSkill
-from stages.tasks.api import TaskEnv, make_task
+from stages.tasks.api import TaskEnv
 from tests.unit.demo_assets import cabinet
 
 
@@ -17,7 +17,7 @@ from tests.unit.demo_assets import cabinet
 def door(tmp_path_factory: pytest.TempPathFactory) -> TaskEnv:
     folder = tmp_path_factory.mktemp("assets") / "door"
     cabinet(folder)
-    return make_task("door", folder, "door_0_joint", None, TaskConfig(scale_variants=1), render=False)
+    return TaskEnv("door", folder, "door_0_joint", None, TaskConfig(scale_variants=1), render=False)
 
 
 def test_what_is_recorded_is_the_clean_action_and_what_is_executed_is_not(

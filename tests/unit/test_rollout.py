@@ -176,7 +176,7 @@ def evaluate(
 
 @pytest.fixture
 def toy_simulator(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(arena, "make_task", lambda *args, **options: ToyTask())
+    monkeypatch.setattr(arena, "TaskEnv", lambda *args, **options: ToyTask())
     monkeypatch.setattr(arena, "Studio", ToyStudio)
 
 

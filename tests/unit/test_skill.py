@@ -22,7 +22,7 @@ from stages.skills import FAR, Act, Outcome
 from stages.skills.close import CloseSkill
 from stages.skills.motion import Motion
 from stages.skills.open import OpenSkill
-from stages.tasks.api import TaskEnv, make_task
+from stages.tasks.api import TaskEnv
 from stages.tasks.base_placement import AJAR
 from tests.refusals import refused
 from tests.unit.demo_assets import cabinet
@@ -34,7 +34,7 @@ OPTIONS = TaskConfig(scale_variants=1)
 def door(tmp_path_factory: pytest.TempPathFactory) -> TaskEnv:
     folder = tmp_path_factory.mktemp("assets") / "door"
     cabinet(folder)
-    return make_task("door", folder, "door_0_joint", None, OPTIONS, render=False)
+    return TaskEnv("door", folder, "door_0_joint", None, OPTIONS, render=False)
 
 
 def act_of(task: TaskEnv) -> Act:
@@ -49,9 +49,9 @@ def attempt(task: TaskEnv, seed: int) -> Outcome:
 def test_an_unknown_task_or_joint_is_one_clear_line(tmp_path: Path) -> None:
     cabinet(tmp_path / "door")
     with refused("E-TASK-JOINT"):
-        make_task("door", tmp_path / "door", "nonsense", None, OPTIONS)
+        TaskEnv("door", tmp_path / "door", "nonsense", None, OPTIONS)
     with pytest.raises(InputError, match=r"no 'drower'.* did you mean 'drawer'"):
-        make_task("drower", tmp_path / "door", "door_0_joint", None, OPTIONS)
+        TaskEnv("drower", tmp_path / "door", "door_0_joint", None, OPTIONS)
 
 
 def test_a_seed_gives_one_initial_state(door: TaskEnv) -> None:
@@ -66,7 +66,7 @@ def test_a_seed_gives_one_initial_state(door: TaskEnv) -> None:
 def test_an_action_moves_the_hand_in_the_base_frame(tmp_path: Path, controller: str) -> None:
     cabinet(tmp_path / "door")
     options = OPTIONS.model_copy(update={"controller": controller})
-    task = make_task("door", tmp_path / "door", "door_0_joint", None, options, render=False)
+    task = TaskEnv("door", tmp_path / "door", "door_0_joint", None, options, render=False)
     task.place(3)
     before = task.hand()
     for _ in range(3):
@@ -108,7 +108,7 @@ def test_a_door_is_open_at_half_of_its_range_or_at_an_angle(
 def test_a_drawer_is_open_at_half_of_its_range_or_at_a_length(tmp_path: Path) -> None:
     cabinet(tmp_path / "drawer", layout=[["drawer", "open"]])
     options = OPTIONS.model_copy(update={"success_distance": 0.05})
-    drawer = make_task("drawer", tmp_path / "drawer", "drawer_0_joint", None, options, render=False)
+    drawer = TaskEnv("drawer", tmp_path / "drawer", "drawer_0_joint", None, options, render=False)
     drawer.place(0)
     length = drawer.env.target.upper - drawer.env.target.lower
     assert drawer.success_opening * length == pytest.approx(0.05)
@@ -117,7 +117,7 @@ def test_a_drawer_is_open_at_half_of_its_range_or_at_a_length(tmp_path: Path) ->
 
 def test_the_official_criterion_is_any_joint_at_any_time(tmp_path: Path) -> None:
     cabinet(tmp_path / "two", layout=[["door", "door"]])
-    task = make_task("door", tmp_path / "two", "door_0_joint", None, OPTIONS, render=False)
+    task = TaskEnv("door", tmp_path / "two", "door_0_joint", None, OPTIONS, render=False)
     task.place(0)
     stay = np.array([0, 0, 0, 0, 0, 0, 1], np.float32)
     for value, expected in ((0.05, False), (0.2, True), (0.0, True)):
@@ -134,7 +134,7 @@ def test_the_official_criterion_is_any_joint_at_any_time(tmp_path: Path) -> None
 
 def test_the_cloud_shows_the_target_or_the_object(tmp_path: Path) -> None:
     cabinet(tmp_path / "two", layout=[["door", "door"]])
-    task = make_task("door", tmp_path / "two", "door_0_joint", None, OPTIONS, render=False)
+    task = TaskEnv("door", tmp_path / "two", "door_0_joint", None, OPTIONS, render=False)
     task.place(0)
     links = {link.entity.per_scene_id: link.name for link in task.env.object._objs[0].links}
     assert all("door_0" in links[i] for i in task.env.seen_ids().tolist())
@@ -224,7 +224,7 @@ def test_doors_and_drawers_are_opened(door: TaskEnv, tmp_path: Path) -> None:
     assert [outcome.cause for outcome in outcomes] == ["success"] * 4
     assert door.opened > 0.5 and 15 < door.steps < 60
     cabinet(tmp_path / "drawer", layout=[["drawer", "open"]], handle="knob", protrusion=0.034)
-    drawer = make_task("drawer", tmp_path / "drawer", "drawer_0_joint", None, OPTIONS, render=False)
+    drawer = TaskEnv("drawer", tmp_path / "drawer", "drawer_0_joint", None, OPTIONS, render=False)
     assert sum(attempt(drawer, seed).success for seed in range(4)) >= 3
     drawer.close()
 
@@ -240,11 +240,11 @@ def test_what_was_opened_is_closed_again(door: TaskEnv) -> None:
 
 def test_failures_have_causes(tmp_path: Path) -> None:
     cabinet(tmp_path / "smooth", handle="none")
-    smooth = make_task("door", tmp_path / "smooth", "door_0_joint", None, OPTIONS, render=False)
+    smooth = TaskEnv("door", tmp_path / "smooth", "door_0_joint", None, OPTIONS, render=False)
     assert attempt(smooth, 0) == Outcome(False, "no_handle")
     smooth.close()
     cabinet(tmp_path / "door")
-    far = make_task(
+    far = TaskEnv(
         "door", tmp_path / "door", "door_0_joint", None, OPTIONS.model_copy(update={"base_distance": 1.6}), render=False
     )
     assert attempt(far, 0) == Outcome(False, "no_plan")
@@ -286,12 +286,12 @@ def test_the_tasks_are_known_to_gym_and_end_at_their_own_horizon(tmp_path: Path)
     env.close()
     assert "ACDC-OpenDrawer-v1" in gymnasium.registry
     with refused("E-DEVICE-GPU"):
-        make_task("door", tmp_path / "door", "door_0_joint", None, TaskConfig(sim_backend="physx_cuda"))
+        TaskEnv("door", tmp_path / "door", "door_0_joint", None, TaskConfig(sim_backend="physx_cuda"))
 
 
 def test_a_heavy_flap_is_opened_from_beside_it(tmp_path: Path) -> None:
     cabinet(tmp_path / "oven", layout=[["panel"], ["flap"]], major="rows", handle_length=0.6, density=1500.0)
-    flap = make_task("door", tmp_path / "oven", "door_0_joint", None, OPTIONS, render=False)
+    flap = TaskEnv("door", tmp_path / "oven", "door_0_joint", None, OPTIONS, render=False)
     assert sum(attempt(flap, seed).success for seed in range(3)) >= 2
     beside = inverse(flap.env.base_from_asset())[:3, 3] - flap.env.target.reference
     assert flap.env.target.flap and abs(beside[1]) > 0.2

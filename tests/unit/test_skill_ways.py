@@ -15,7 +15,7 @@ from stages.planning.path import distance, straight
 from stages.planning.rollout import Stretch, can_be_held, first_feasible
 from stages.simulation.kinematics import Chain, track
 from stages.simulation.robot import REST
-from stages.tasks.api import TaskEnv, make_task
+from stages.tasks.api import TaskEnv
 from tests.unit.demo_assets import cabinet
 
 OPTIONS = TaskConfig(scale_variants=1)
@@ -25,7 +25,7 @@ OPTIONS = TaskConfig(scale_variants=1)
 def door(tmp_path_factory: pytest.TempPathFactory) -> TaskEnv:
     folder = tmp_path_factory.mktemp("assets") / "door"
     cabinet(folder)
-    return make_task("door", folder, "door_0_joint", None, OPTIONS, render=False)
+    return TaskEnv("door", folder, "door_0_joint", None, OPTIONS, render=False)
 
 
 def test_of_ways_that_can_be_followed_the_first_with_joints_to_spare_is_taken(door: TaskEnv) -> None:
@@ -101,7 +101,7 @@ def test_a_hand_can_be_held_where_the_arm_reaches_and_nothing_is(door: TaskEnv) 
 
 def test_a_bar_is_held_from_above_only_on_a_drawer_and_last(door: TaskEnv, tmp_path: Path) -> None:
     cabinet(tmp_path / "drawer", layout=[["drawer", "open"]])
-    drawer = make_task("drawer", tmp_path / "drawer", "drawer_0_joint", None, OPTIONS, render=False)
+    drawer = TaskEnv("drawer", tmp_path / "drawer", "drawer_0_joint", None, OPTIONS, render=False)
     door.place(0)
     drawer.place(0)
     for task, last in ((door, []), (drawer, list(FROM_ABOVE))):

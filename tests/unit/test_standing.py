@@ -12,7 +12,7 @@ from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
 from stages.planning.clearance import Surroundings
 from stages.simulation.robot import REST
-from stages.tasks.api import TaskEnv, make_task
+from stages.tasks.api import TaskEnv
 from stages.tasks.base_placement import NEARBY, reachable_base
 from stages.tasks.initial_state import base_pose, nominal_root, sample_initial_state
 from tests.unit.test_sense import box, joint
@@ -37,7 +37,7 @@ def fridge(folder: Path, width: float) -> Path:
 
 
 def world(folder: Path, name: str) -> TaskEnv:
-    return make_task("door", folder, name, None, OPTIONS, render=False, vary_scale=False)
+    return TaskEnv("door", folder, name, None, OPTIONS, render=False, vary_scale=False)
 
 
 def usual(env: TaskEnv, seed: int) -> np.ndarray:

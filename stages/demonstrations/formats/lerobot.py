@@ -18,9 +18,8 @@ try:
     import pyarrow
     from pyarrow import parquet
 except ImportError:
-    raise InputError(
-        "pyarrow", "is missing: LeRobot data sets are parquet files.", "make setup", code="E-PACKAGE-MISSING"
-    ) from None
+    what = "is missing: LeRobot data sets are parquet files."
+    raise InputError("pyarrow", what, "make setup", code="E-PACKAGE-MISSING") from None
 
 FILES_PER_CHUNK, FILE_MB = 1000, 100
 DATA = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
@@ -70,11 +69,8 @@ def write(stores: Sequence[Path], out: Path, library: Path | None) -> None:
         columns = columns_of(demo, number, frames, tasks.setdefault(task, len(tasks)))
         found, frequency = features_of(columns), demo.store.task_options.control_frequency
         if number and (found, frequency) != (features, fps):
-            raise InputError(
-                demo.asset,
-                "has clouds of another size, or another frequency, than the first store.",
-                code="E-EPISODES-MIXED",
-            )
+            what = "has clouds of another size, or another frequency, than the first store."
+            raise InputError(demo.asset, what, code="E-EPISODES-MIXED")
         features, fps = found, frequency
         chunk, file = files.add(columns)
         total.append(statistics(columns))

@@ -45,18 +45,16 @@ class Subject(NamedTuple):
 def write(stores: Sequence[Path], out: Path, library: Path | None) -> None:
     """Write `<asset>.h5` and `<asset>.json` per asset into the folder `out`; the assets lie in `out/assets`."""
     if library is None:
-        raise InputError(
-            "--library", "is missing: ManiSkill trajectories name the asset's folder.", code="E-OPTION-MISSING"
-        )
+        what = "is missing: ManiSkill trajectories name the asset's folder."
+        raise InputError("--library", what, code="E-OPTION-MISSING")
     folders = AssetFolders(library)
     found: dict[Subject, tuple[EpisodeStore, list[Trajectory]]] = {}
     for path in stores:
         store = read_episodes(path)
         for subject, trajectory in trajectories(path, len(store.episodes)):
             if subject.asset not in folders:
-                raise InputError(
-                    path, f"is of '{subject.asset}', which the library does not have.", AGAIN, code="E-LIBRARY-ASSET"
-                )
+                what = f"is of '{subject.asset}', which the library does not have."
+                raise InputError(path, what, AGAIN, code="E-LIBRARY-ASSET")
             found.setdefault(subject, (store, []))[1].append(trajectory)
     for subject, (store, episodes) in found.items():
         folder = resized(folders[subject.asset], subject.size, out / "assets")
@@ -74,9 +72,8 @@ def trajectories(path: Path, count: int) -> list[tuple[Subject, Trajectory]]:
             demo, randomise = file[f"data/demo_{index}"], str(file["data"].attrs.get("randomise", ""))
             missing = {"seed", "asset", "joint", "size"} - set(demo.attrs) | {"executed"} - set(demo)
             if missing:
-                raise InputError(
-                    path, f"demo_{index}: has no {', '.join(sorted(missing))}.", AGAIN, code="E-EPISODES-ATTRIBUTE"
-                )
+                what = f"demo_{index}: has no {', '.join(sorted(missing))}."
+                raise InputError(path, what, AGAIN, code="E-EPISODES-ATTRIBUTE")
             x, y, z = (float(extent) for extent in demo.attrs["size"])
             subject = Subject(str(demo.attrs["asset"]), str(demo.attrs["joint"]), (x, y, z), randomise)
             executed = np.asarray(demo["executed"][()], np.float32)

@@ -94,9 +94,8 @@ class PutAwayBowlEnv(OpenTaskEnv):
         for index, (target, scale) in enumerate(zip(self.targets, scales, strict=True)):
             floor = drawer_floor(target)
             if floor is None:
-                raise InputError(
-                    self.asset_folder, f"'{self.joint_name}' is no drawer with a level floor.", code="E-DRAWER-FLOOR"
-                )
+                what = f"'{self.joint_name}' is no drawer with a level floor."
+                raise InputError(self.asset_folder, what, code="E-DRAWER-FLOOR")
             drawn = sampled_scale(np.array(self.asset.size) * scale)
             factor = round(min(drawn, fitting_scale(mesh.extents, floor, target)), 3)
             self.floors.append(floor)
