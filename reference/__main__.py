@@ -1,4 +1,4 @@
-"""`python -m reference`: write docs/errors.md, docs/architecture.md and its pictures from the code."""
+"""`python -m reference`: write docs/commands.md, docs/errors.md, docs/architecture.md and its pictures."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""docs/commands.md: every command and its flags, as the code has them: `python -m reference.commands` writes it."""
+"""docs/commands.md: every command and its flags, as the code has them."""
 
 import ast
 import keyword
@@ -111,7 +111,3 @@ def page(root: Path) -> str:
             lines.append(f"| `{flag.name}` | {default} | {mark} | {meaning} |")
         lines.append("")
     return "\n".join(lines).rstrip() + "\n"
-
-
-if __name__ == "__main__":
-    (Path.cwd() / "docs/commands.md").write_text(page(Path.cwd()), encoding="utf-8")

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from reference import data, errors, rooms
+from reference import commands, data, errors, rooms
 
 ARCHITECTURE = """\
 # Architecture
@@ -34,6 +34,7 @@ def generate(root: Path) -> dict[str, str]:
     """Contents of the written files by their path."""
     return {
         "docs/architecture.md": ARCHITECTURE.format(table=rooms.table(root), exceptions=rooms.exceptions()),
+        "docs/commands.md": commands.page(root),
         "docs/errors.md": errors.page(root),
         "docs/images/data.svg": data.picture(root),
         "docs/images/rooms.svg": rooms.picture(root),

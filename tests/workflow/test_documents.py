@@ -144,10 +144,6 @@ def test_the_workflow_passes_flags_that_the_verbs_have() -> None:
         assert needed <= words <= known, name
 
 
-def test_the_page_of_commands_is_that_of_the_code() -> None:
-    assert (ROOT / "docs/commands.md").read_text(encoding="utf-8") == reference.page(ROOT), "run `make reference`"
-
-
 def test_what_is_not_run_says_why() -> None:
     for page in PAGES:
         for each in FENCE.finditer(page.read_text(encoding="utf-8")):
