@@ -1,4 +1,5 @@
-# make all    set up what is missing, then run the whole workflow
+# make demo   set up what is missing, then a picture, its cousins and a scene to turn, in a minute
+# make all    the same set-up, then the whole workflow
 # make test   the same set-up, then lint, types and tests
 .DEFAULT_GOAL := help
 CORES ?= 2
@@ -12,7 +13,7 @@ STUDY := -$(BIN)/snakemake --cores $(CORES) --keep-going --configfile config.yam
 UNSEEN := $(BIN)/snakemake --cores $(CORES) --keep-going --configfile config.yaml config/study/table3.yaml config/study/over_assets.yaml --
 cells = $(foreach task,$(1),$(foreach set,$(2),results/evaluation/policies/$(task)/$(set)/rollouts.csv))
 
-.PHONY: help setup site all study unseen table2 photo test slurm test-cluster lint types config reference lock containers clean
+.PHONY: help setup site demo all study unseen table2 photo test slurm test-cluster lint types config reference lock containers clean
 help: ## list the verbs
 	@grep -hE '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 14
 
@@ -22,6 +23,10 @@ setup: $(STAMP) ## create .venv from the pinned requirements, make sure a Vulkan
 $(STAMP): envs/requirements.txt envs/setup.sh pyproject.toml
 	@bash envs/setup.sh
 	@touch $@
+
+demo: setup ## a picture, its cousins and a scene to turn, in about a minute
+	$(BIN)/snakemake --cores $(CORES) --directory results/demo --configfile config/demo.yaml -- pages
+	@echo "Open results/demo/results/report/scenes/room_1.html"
 
 all: setup ## run the default workflow: library, scenes, policies, tables, report
 	$(BIN)/snakemake --cores $(CORES) all

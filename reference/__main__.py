@@ -1,4 +1,4 @@
-"""`python -m reference`: write the pages of docs/ that are read off the code, and their pictures."""
+"""`python -m reference`: write docs/commands.md, docs/errors.md, docs/architecture.md and its pictures."""
 
 from pathlib import Path
 

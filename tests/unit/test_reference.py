@@ -11,9 +11,8 @@ from reference import errors, pages, rooms
 ROOT = Path(__file__).resolve().parents[2]
 # Folders and files of stages/ with errors that have no code of their own yet.
 WITHOUT_CODES = {
-    "articulated", "assets", "config", "contracts", "demonstrations", "encoder", "evaluation", "experiment",
-    "extraction", "guard.py", "inputs", "patchnet", "plugins.py", "policies", "procedural",
-    "scenes", "tables", "tasks", "training", "vlm",
+    "articulated", "assets", "config", "contracts", "encoder", "extraction", "guard.py", "inputs", "patchnet",
+    "plugins.py", "procedural", "scenes", "tables", "tasks",
 }  # fmt: skip
 
 
