@@ -79,14 +79,15 @@ def reconstruct(
     ]
     view = DepthView(np.where(usable, image.depth, 0), image.intrinsics, floor_from_camera, error)
     found = _held(scene, found, image, walls, fitted, view, options)
-    clean = np.zeros(image.depth.shape, dtype=np.uint16)
+    height, width = image.depth.shape
+    clean = np.zeros((height, width), dtype=np.uint16)
     for one in found:
         if one.box is not None:
             clean[one.mask] = one.object.mask
     objects = Objects(
         scene=scene,
-        width=clean.shape[1],
-        height=clean.shape[0],
+        width=width,
+        height=height,
         intrinsics=image.intrinsics.tolist(),
         floor_from_camera=floor_from_camera.tolist(),
         depth_error=error,

@@ -92,13 +92,13 @@ class Endpoint:
             headers["Authorization"] = f"Bearer {key}"
         data = json.dumps(body, ensure_ascii=False).encode()
         request = Request(f"{self.options.url}/chat/completions", data, headers, method="POST")
-        headers, body = response_to(request, self.options.timeout)
-        if len(body) > LARGEST:
+        received, content = response_to(request, self.options.timeout)
+        if len(content) > LARGEST:
             raise OversizedError(f"a reply of more than {LARGEST} bytes")
-        if len(body) < int(headers.get("Content-Length") or 0):
+        if len(content) < int(received.get("Content-Length") or 0):
             raise HTTPException("the reply is cut off")
         try:
-            reply = json.loads(body)
+            reply = json.loads(content)
         except (ValueError, RecursionError):
             raise HTTPException("the reply is no JSON") from None
         if not isinstance(reply, dict):

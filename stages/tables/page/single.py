@@ -84,8 +84,8 @@ def coloured(depth: NDArray[np.float32], near: float, far: float) -> NDArray[np.
 def downloads(files: RunFiles, name: str, page: Path) -> list[Download]:
     """The scenes as GLB, and what the stages found as JSON."""
     named = {"objects.json": "what was found", "cousins.json": "cousins of every object"}
-    patterns = (f"generation/*/{name}/scene_*.glb", f"extraction/{name}/objects.json")
-    patterns += (f"matching/*/{name}/cousins.json", f"generation/*/{name}/scene_*.json")
+    patterns = [f"generation/*/{name}/scene_*.glb", f"extraction/{name}/objects.json"]
+    patterns += [f"matching/*/{name}/cousins.json", f"generation/*/{name}/scene_*.json"]
     found = []
     for path in (path for pattern in patterns for path in files.all(pattern)):
         places = "" if path.suffix == ".glb" else ", places and sizes"
