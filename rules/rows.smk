@@ -97,3 +97,18 @@ def in_scenes(pattern):
 def task_assets(task):
     """The file that names the assets of a task's policy experiment; it may be another row's."""
     return f"results/experiment/{EXPERIMENT.policy_variant}/{EXPERIMENT.source(task)}/assets.json"
+
+
+def under_conditions(wildcards):
+    """The rollouts of all skills and policies under every condition of `evaluation.conditions`."""
+    conditions = list(CONFIG.evaluation.conditions)
+    if not conditions:
+        raise WorkflowError("evaluation.conditions: is empty. Fix: name some, e.g. {mujoco: {simulator: mujoco}}")
+    tasks = [task for task in SOURCES if EXPERIMENT.sets_of(task)]
+    found = files(rules.skill_under.output.rollouts, condition=conditions, task=tasks)
+    for task in TASKS:
+        plan = EXPERIMENT.plan(task)
+        for name in plan.training_sets:
+            policy = {"task": task, "training_set": name, "run": runs_of(task, name), "seed": plan.seeds}
+            found += files(rules.rollout_under.output.rollouts, condition=conditions, **policy)
+    return found

@@ -58,6 +58,9 @@ def section_of(config: Config, stage: str, wildcards: dict[str, str]) -> Section
         return config.generation_of(wildcards["variant"])
     if stage == "training":
         return config.training.runs[wildcards["run"]]
+    if stage == "evaluation" and "condition" in wildcards:
+        differs = config.evaluation.conditions[wildcards["condition"]]
+        return config.evaluation.model_copy(update={name: getattr(differs, name) for name in differs.model_fields_set})
     section: Section = getattr(config, section_name(stage))
     if isinstance(section, ExtractionConfig) and not config.experiment.meeting(wildcards["scene"]).protocol.scale_error:
         return section.model_copy(update={"noise": section.noise.model_copy(update={"scale": 0.0})})

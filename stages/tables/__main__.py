@@ -7,6 +7,7 @@ main(
     {
         "scenes": "Table 2, its robustness variants and Figure 6, with the paper's values beside ours",
         "policies": "success over unseen assets, Table 3, Figures 4 and 9, with the paper's values beside ours",
+        "conditions": "success in another simulator, under noise, ..., minus the usual",
         "results": "what a study found, as Markdown, CSV and figures for docs/results",
         "viewer": "the script by which pages turn a scene",
         "report": "one page about the whole run",

@@ -1,0 +1,52 @@
+# Policies and skills under the conditions of `evaluation.conditions`, paired with the usual rollouts. No part of `all`.
+# Reads:  what rollouts read.
+# Writes: results/evaluation/conditions/<condition>/<task>/{<training set>/<run>/seed_<n>,skill}/rollouts.csv,
+#         results/tables/conditions.{csv,html,tex}.
+
+
+use rule rollout as rollout_under with:
+    output:
+        film="results/evaluation/conditions/{condition}/{task}/{training_set}/{run}/seed_{seed}/film.png",
+        films="results/evaluation/conditions/{condition}/{task}/{training_set}/{run}/seed_{seed}/films.zip",
+        rollouts="results/evaluation/conditions/{condition}/{task}/{training_set}/{run}/seed_{seed}/rollouts.csv",
+    log:
+        "logs/evaluation/{condition}_{task}_{training_set}_{run}_{seed}.log",
+    benchmark:
+        "benchmarks/evaluation/{condition}_{task}_{training_set}_{run}_{seed}.tsv"
+
+
+use rule skill as skill_under with:
+    output:
+        rollouts="results/evaluation/conditions/{condition}/{task}/skill/rollouts.csv",
+    log:
+        "logs/evaluation/{condition}_skill_{task}.log",
+    benchmark:
+        "benchmarks/evaluation/{condition}_skill_{task}.tsv"
+
+
+rule conditions:
+    """Success of all policies and skills under every condition, and minus that under the usual one."""
+    input:
+        rollouts=ROLLOUTS,
+        elsewhere=under_conditions,
+    output:
+        csv="results/tables/conditions.csv",
+        html=in_report("results/tables/conditions.html", "tables"),
+        tex="results/tables/conditions.tex",
+    log:
+        "logs/tables/conditions.log",
+    localrule: True
+    container:
+        CONFIG.containers.report
+    threads: 1
+    resources:
+        **needs(1000, 10),
+    params:
+        command=command("tables", "conditions"),
+        code=code("tables", "conditions"),
+        options=options("tables", "policies"),
+        names=list(CONFIG.evaluation.conditions),
+        out=subpath(output.csv, parent=True),
+    shell:
+        "{params.command} --rollouts {input.rollouts:q} --elsewhere {input.elsewhere:q} --names {params.names:q} "
+        "--options {params.options:q} --out {params.out:q} 2>&1 | tee {log:q}"

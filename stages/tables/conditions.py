@@ -1,0 +1,102 @@
+"""Verb `conditions`: success under further conditions (another simulator, a depth camera's noise), paired with ours."""
+
+from pathlib import Path
+
+import pandas as pd
+
+from stages.config.tables import TablesConfig
+from stages.contracts.errors import InputError
+from stages.contracts.files import read_options
+from stages.contracts.policies import Rollout
+from stages.tables.cells import CELL, gains, rates
+from stages.tables.markup import Table
+from stages.tables.order import title
+from stages.tables.rows import read_rows, records
+from stages.tables.text import cell, count, percent, points, span
+from stages.tables.writing import write
+
+USUAL = "usual"  # of the column `condition`: as section `evaluation` says
+ENDS = {"difference": "difference", "low": "difference_low", "high": "difference_high"}
+COLUMNS = [*CELL, "condition", "assets", "runs", "episodes", "successes", "mean", "low", "high", *ENDS.values()]
+ONE_TEST = ["task", "training_set", "run", "seed", "checkpoint", "test_asset"]
+
+
+def run(
+    *,
+    out: Path,
+    rollouts: tuple[Path, ...],
+    elsewhere: tuple[Path, ...],
+    names: tuple[str, ...],
+    options: str = "",
+) -> None:
+    """Write conditions.csv, .html and .tex: every policy and skill under each condition, and minus the usual one.
+
+    Args:
+        out: folder to write into.
+        rollouts: rollouts.csv files under the usual condition.
+        elsewhere: rollouts.csv files under others, each below a folder that is called as its condition.
+        names: of the conditions.
+        options: JSON of the config section `tables`.
+    """
+    settings = read_options(TablesConfig, options)
+    by_name: dict[str, list[Path]] = {name: [] for name in names}
+    for path in elsewhere:
+        by_name[_condition(path, names)].append(path)
+    frames = [read_rows(Rollout, rollouts, ONE_TEST).assign(condition=USUAL)]
+    frames += [read_rows(Rollout, paths, ONE_TEST).assign(condition=name) for name, paths in by_name.items() if paths]
+    table = build(pd.concat(frames, ignore_index=True), settings)
+    write(out, "conditions", table, [conditions_table(table)])
+
+
+def _condition(path: Path, names: tuple[str, ...]) -> str:
+    found = [part for part in path.parts if part in names]
+    if not found:
+        raise InputError(path, f"lies below no folder of a condition ({', '.join(names)}).", code="E-CONDITIONS-NAMES")
+    return found[-1]
+
+
+def build(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
+    """A row per task, test asset, training set and condition, with `COLUMNS`.
+
+    Args:
+        rollouts: rows of `Rollout` with a column `condition`; `usual` is what the others are compared with, at the same
+            assets and initial states by the same policies.
+    """
+    by = [*CELL, "condition"]
+    table = rates(rollouts, by, options)
+    differences = gains(rollouts, CELL, "condition", USUAL, options)[[*by, *ENDS]].rename(columns=ENDS)
+    merged = table.merge(differences, "left", by)[COLUMNS]
+    usual = (merged["condition"] != USUAL).astype(int)
+    return merged.assign(order=usual).sort_values(
+        [*CELL, "order", "condition"], key=lambda column: _place(column, merged), ignore_index=True
+    )[COLUMNS]
+
+
+def _place(column: pd.Series, merged: pd.DataFrame) -> pd.Series:
+    """The order in which tasks, assets and sets stand in the table; conditions by name, the usual one first."""
+    if column.name not in CELL:
+        return column
+    places = {name: place for place, name in enumerate(dict.fromkeys(merged[str(column.name)]))}
+    return column.map(places)
+
+
+def conditions_table(table: pd.DataFrame) -> Table:
+    """The rows as text."""
+    rows = []
+    for row in records(table):
+        remark = f"[{span(row['low'], row['high'])}] {count(row['assets'], 'asset')}, {count(row['runs'], 'run')}"
+        difference = ""
+        if not pd.isna(row["difference"]):
+            between = span(row["difference_low"], row["difference_high"])
+            difference = cell(points(row["difference"]), f"[{between}]")
+        rows.append(
+            [*(title(row[name]) for name in (*CELL, "condition")), cell(percent(row["mean"]), remark), difference]
+        )
+    return Table(
+        "conditions",
+        "Success under other conditions: mean over assets, 95 % interval over assets, states and runs",
+        ["task", "tested on", "trained on", "condition", "success", "minus usual"],
+        rows,
+        headers=4,
+        notes=["Differences are of the same policies on the same assets from the same initial states."],
+    )
