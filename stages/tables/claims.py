@@ -1,4 +1,4 @@
-"""What the paper says of its policies, claim by claim, and whether the rollouts bear it out (paper B.4).
+"""The paper's claims about policies, one by one, and whether the rollouts support them (paper B.4).
 
 Every claim compares one number of the policies trained on most cousins with that of a baseline's policies. It holds if
 the interval of the difference lies on its side, it does not hold if it lies on the other, else it cannot be said.
@@ -19,7 +19,7 @@ from stages.tables.statistics import Interval
 from stages.tables.table3 import BASELINE, TRAINED, UNSEEN
 
 MARGIN = 0.10  # as well as the twin on the twin: not worse by more than this
-MIN_RUNS = 2  # a side; one policy says nothing of training again
+MIN_RUNS = 2  # a side; one run shows nothing about training again
 MIN_SPREAD_RUNS = 3  # a side, to speak of how runs differ
 COLLAPSED = 0.25  # a run is collapsed if it succeeds less often than this share of the best run of its task
 HOLDS, FAILS, OPEN = "holds", "does not hold", "cannot be said"
@@ -71,7 +71,7 @@ CLAIMS = {
 
 
 def verdict(claim: Claim, low: float, high: float, runs: int) -> str:
-    """What an interval says of a claim; `runs`: of the side that has fewer."""
+    """The verdict on a claim by the interval of its difference; `runs`: of the side that has fewer."""
     if runs < claim.runs:
         return OPEN
     return HOLDS if low > -claim.margin else FAILS if high < -claim.margin else OPEN
@@ -102,8 +102,8 @@ def compare(name: str, ours: Sides, theirs: Sides, options: TablesConfig) -> dic
     runs = [len(next(iter(side.values()))) for side in (ours, theirs)]
     low = high = float("nan")
     if min(runs) >= claim.runs:
-        drawn = resampled([[ours[key], theirs[key]] for key in ours], options)
-        sides = [claim.measure({key: pair[side] for key, pair in zip(ours, drawn, strict=True)}) for side in (0, 1)]
+        pairs = resampled([[ours[key], theirs[key]] for key in ours], options)
+        sides = [claim.measure({key: pair[side] for key, pair in zip(ours, pairs, strict=True)}) for side in (0, 1)]
         found = quantiles(sides[0] - sides[1], options)
         floor = score_floor(claim, ours, theirs, options.confidence) if claim.plus else found
         low, high = min(found.low, floor.low), max(found.high, floor.high)

@@ -17,7 +17,7 @@ from stages.contracts.files import atomic
 from stages.tables.order import title
 from stages.tables.text import NOT_RUN
 
-# Okabe and Ito's palette: told apart by colour-blind readers as well
+# Okabe and Ito's palette: colour-blind readers can distinguish its colours
 COLOURS = {
     "twin": "#D55E00",
     "twin_randomised": "#E69F00",

@@ -56,8 +56,8 @@ def place_weights(places: pd.Index, samples: int, rng: np.random.Generator) -> F
     states = np.bincount(asset)
     state = pd.Series(asset).groupby(asset).cumcount().to_numpy()
     chances = (np.arange(states.max()) < states[:, None]) / states[:, None]
-    drawn = rng.multinomial(states, chances, size=(samples, len(assets))) / states[:, None]
-    weights *= drawn[:, asset, state]
+    times = rng.multinomial(states, chances, size=(samples, len(assets))) / states[:, None]
+    weights *= times[:, asset, state]
     return np.asarray(weights / weights.sum(axis=1, keepdims=True))
 
 
@@ -72,18 +72,18 @@ def resampled(groups: Sequence[Sequence[Side]], options: TablesConfig) -> list[l
     """
     samples, rng = options.bootstrap_samples, np.random.default_rng(options.seed)
     runs = [rng.integers(0, len(side), (samples, len(side))) for side in groups[0]]
-    drawn = []
+    found = []
     for sides in groups:
         weights = place_weights(sides[0].columns, samples, rng)
         rates = [weights @ side.to_numpy().T for side in sides]
-        drawn.append([np.take_along_axis(rate, picked, axis=1) for rate, picked in zip(rates, runs, strict=True)])
-    return drawn
+        found.append([np.take_along_axis(rate, picked, axis=1) for rate, picked in zip(rates, runs, strict=True)])
+    return found
 
 
-def quantiles(drawn: Floats, options: TablesConfig) -> Interval:
+def quantiles(resamples: Floats, options: TablesConfig) -> Interval:
     """The percentile interval of a bootstrap."""
     tail = (1 - options.confidence) / 2
-    low, high = np.quantile(drawn, [tail, 1 - tail])
+    low, high = np.quantile(resamples, [tail, 1 - tail])
     return Interval(float(low), float(high))
 
 
@@ -96,9 +96,9 @@ def rate_interval(side: Side, options: TablesConfig) -> Interval:
     """Interval of `rate_of`: the bootstrap, never narrower than Wilson's over the units (24 of 24 is no point)."""
     if side.empty:
         return Interval(float("nan"), float("nan"))
-    ((drawn,),) = resampled([[side]], options)
+    ((rates,),) = resampled([[side]], options)
     score = wilson_of_rate(rate_of(side), len(unit_rates(side)), options.confidence)
-    return wider(quantiles(drawn.mean(axis=1), options), score, 0.0)
+    return wider(quantiles(rates.mean(axis=1), options), score, 0.0)
 
 
 def correlation(ours: Floats, theirs: Floats) -> float:

@@ -209,7 +209,7 @@ def evidence(row: dict[str, Any]) -> str:
 
 
 def claims_table(table: pd.DataFrame, options: TablesConfig) -> Table:
-    """Claim by claim what the paper says, and what this run says of it; `table` as `claims.answer` gives."""
+    """The paper's claims with the verdicts of this run; `table` as `claims.answer` gives."""
     rows = []
     for row in records(table):
         paper = ""

@@ -1,4 +1,4 @@
-"""Means, standard deviations and intervals of the tables. NaN stands for 'cannot be said'."""
+"""Means, standard deviations and intervals of the tables. NaN: undefined, e.g. the deviation of one value."""
 
 from typing import NamedTuple
 

@@ -1,4 +1,4 @@
-"""What the page says of the asset library."""
+"""The page's section about the asset library."""
 
 from collections import Counter
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What the page says of the policy experiment: assets, demonstrations, training, rollouts."""
+"""The page's section about the policy experiment: assets, demonstrations, training, rollouts."""
 
 from collections import Counter
 from dataclasses import dataclass

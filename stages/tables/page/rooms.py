@@ -1,4 +1,4 @@
-"""What the page says of each room: input, reconstructions, failures, plausibility, and what its files were made of."""
+"""The page's sections about rooms: input, reconstructions, failures, plausibility, and what its files were made of."""
 
 import base64
 import gzip
@@ -112,7 +112,7 @@ def _correct(image: Path | None, scene: str, variant: str) -> str:
     if image is None:
         return ""
     arguments = ["annotate", str(image.parent), "--scene", scene, "--variant", variant, "--choose"]
-    return f"python -m stages.extraction {shlex.join(arguments)} "
+    return f"python -m stages.inputs {shlex.join(arguments)} "
 
 
 def origins(files: RunFiles, name: str) -> dict[str, Made]:
