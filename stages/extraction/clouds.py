@@ -8,7 +8,6 @@ from scipy.spatial import KDTree
 from stages.config.extraction import ExtractionConfig
 from stages.geometry.boxes import UprightBox
 from stages.geometry.clouds import dbscan, statistical_inliers
-from stages.geometry.frames import yaw_matrix
 from stages.geometry.minimum_box import minimum_box
 
 MAX_POINTS = 8000
@@ -19,9 +18,6 @@ LEVEL_BIN, LEVEL_BLUR = 0.005, 0.003  # metres; share of the distance: noise of 
 DENSE = 2.0  # times the mean density of heights, from which on one is a level
 ABOVE = 0.1  # share of the points that may lie above the level on which things stand
 HIGHER = 0.1  # share of the distance, up to `NEAR`, by which they may be above it: a part of the thing is higher
-WIDE, THINGS = 0.7, 0.3  # metres; share of the points that may be those of things on what is longer
-SIDE_PARTS, SPANNED = 12, 0.5  # parts of a side; share of them in which a back is found
-AT_EDGE = 0.8  # share of its points in the outer quarters across
 SLENDER, NEAR = 2.0, 2.0  # times as tall as wide; metres, as farther away noise makes things taller
 SPARSE = 0.95  # taken where points are sparse: faces that the camera sees at a grazing angle
 
@@ -69,9 +65,8 @@ def level_height(
 ) -> float | None:
     """Height of the highest level at which many of the points (N, 3) lie; None without one, or if it is no top.
 
-    A table top gives many points of one height. What is higher is noise, shadows at the edges of what stands on it,
-    pixels of that, or things that nobody named. The neck of a bottle is more than that, and nothing stands on what is
-    far taller than wide.
+    A table top gives many points of one height; a few higher ones are noise, or depth at the edges of things on it.
+    The neck of a bottle is more than that, and nothing stands on what is far taller than wide.
 
     Args:
         points: without stray ones. whole: all that the mask shows. box: of the points.
@@ -96,19 +91,7 @@ def level_height(
     top = float(np.quantile(whole[:, 2], 1 - options.trim))
     is_whole = top - high <= options.tolerance(noise)  # else trusted points lack a thin top
     few = max(len(above) / len(whole), float((heights > level + 2 * blur * LEVEL_BIN).mean())) <= ABOVE
-    if is_whole and few and top - level <= HIGHER * min(distance, NEAR):
-        return level
-    things = max(box.size[:2]) > WIDE and len(above) <= THINGS * len(whole)
-    return level if things and not spans(above[above[:, 2] > (level + top) / 2], box) else None
-
-
-def spans(points: NDArray[np.float64], box: UprightBox) -> bool:
-    """Whether points (N, 3) lie along a side of a box, from one end of it to the other: a back, a headboard, arms."""
-    local, sides = (points - box.center) @ yaw_matrix(box.yaw), box.size[:2]
-    along = local[:, :2] / sides
-    filled = [np.histogram(values, SIDE_PARTS, (-0.5, 0.5))[0] > 0 for values in along.T]
-    at_edge = (np.abs(along) > 0.25).mean(axis=0) > AT_EDGE
-    return any(np.mean(filled[k]) > SPANNED and at_edge[1 - k] for k in (0, 1))
+    return level if is_whole and few and top - level <= HIGHER * min(distance, NEAR) else None
 
 
 def with_top(box: UprightBox, top: float) -> UprightBox:

@@ -17,7 +17,7 @@ WALL = Wall(id="wall_1", normal=(-1, 0, 0), offset=-4.0, points=100)
 
 
 def level(cloud: np.ndarray, distance: float) -> float | None:
-    return level_height(cloud, cloud, minimum_box(cloud, 0.01), USUAL_ERROR.at(distance), distance, 0.01)
+    return level_height(cloud, cloud, minimum_box(cloud, 0.01), USUAL_ERROR.at(distance), distance, ExtractionConfig())
 
 
 def _table(rng: np.random.Generator, shadows: int) -> np.ndarray:
@@ -42,19 +42,6 @@ def test_a_seat_under_a_back_is_no_top() -> None:
     seat, back = rng.uniform(0, 0.5, (3000, 3)), rng.uniform(0, 0.5, (1000, 3))
     seat[:, 2], back[:, 2] = 0.45, rng.uniform(0.45, 0.9, 1000)
     assert level(np.concatenate([seat, back]), 3.0) is None
-
-
-@pytest.mark.parametrize(("width", "is_part"), [(0.3, False), (1.0, True)])
-def test_things_on_a_wide_level_are_not_the_thing(width: float, is_part: bool) -> None:
-    """A table of 1 m with something 30 cm high on it that has no mask; a bed with its headboard."""
-    rng = np.random.default_rng(0)
-    table = _table(rng, 0)
-    higher = rng.uniform([-width / 2, 0.4, 0.5], [width / 2, 0.5, 0.8], (600, 3))
-    cloud = np.concatenate([table, higher])
-    found = level(cloud, 1.5)
-    assert found is None if is_part else found == pytest.approx(0.5, abs=0.005)
-    small = cloud * [0.5, 0.5, 1]
-    assert level(small, 1.5) is None, "on what is as small nothing of the kind is told from a part"
 
 
 def test_a_neck_above_a_shoulder_counts() -> None:
