@@ -9,8 +9,6 @@ import networkx as nx
 from reference.picture import drawn
 
 TITLE = "The folders of stages/: each imports only what lies below it."
-# Against the arrows of the picture, to be mended: who imports whom.
-UPWARD = (("tasks", "generation"),)
 
 
 def imports(root: Path) -> nx.DiGraph:
@@ -29,13 +27,7 @@ def imports(root: Path) -> nx.DiGraph:
 def picture(root: Path) -> str:
     """The text of docs/images/rooms.svg."""
     graph = imports(root)
-    graph.remove_edges_from(UPWARD)
     return drawn(graph, {room: [room] for room in graph}, TITLE)
-
-
-def exceptions() -> str:
-    """What of `UPWARD` the page has to admit; empty if nothing."""
-    return "".join(f", but `{one}` imports `{other}`" for one, other in UPWARD)
 
 
 def table(root: Path) -> str:

@@ -59,7 +59,7 @@ def env_class(simulator: str) -> type[TaskEnv]:
     """The environments of a simulator; MuJoCo is imported when it is asked for."""
     if simulator == "maniskill":
         return TaskEnv
-    from stages.tasks.mujoco_env import MujocoTaskEnv
+    from stages.evaluation.mujoco_env import MujocoTaskEnv
 
     return MujocoTaskEnv
 

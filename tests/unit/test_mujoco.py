@@ -9,10 +9,10 @@ from scipy.spatial import KDTree
 
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.contracts.task_options import TaskConfig
+from stages.evaluation.mujoco_env import MujocoTaskEnv
 from stages.skills import FAR, Float
 from stages.skills.chain import SkillChain
 from stages.tasks.api import TaskEnv
-from stages.tasks.mujoco_env import MujocoTaskEnv
 from stages.tasks.observation import sensor_noise
 from tests.refusals import refused
 from tests.unit.demo_assets import cabinet

@@ -11,8 +11,8 @@ from reference import errors, pages, rooms
 ROOT = Path(__file__).resolve().parents[2]
 # Folders and files of stages/ with errors that have no code of their own yet.
 WITHOUT_CODES = {
-    "articulated", "assets", "config", "contracts", "encoder", "extraction", "guard.py", "inputs", "patchnet",
-    "plugins.py", "procedural", "scenes", "tables", "tasks",
+    "articulated", "assets", "config", "contracts", "encoder", "guard.py", "patchnet",
+    "plugins.py", "procedural", 
 }  # fmt: skip
 
 
@@ -37,8 +37,6 @@ def test_every_error_has_a_code() -> None:
 
 def test_nothing_imports_upward() -> None:
     graph = rooms.imports(ROOT)
-    assert set(rooms.UPWARD) <= set(graph.edges), "take out of the list what is mended"
-    graph.remove_edges_from(rooms.UPWARD)
     circles = [
         [(*edge, graph.edges[edge]["files"]) for edge in pairwise([*circle, circle[0]])]
         for circle in nx.simple_cycles(graph)

@@ -16,8 +16,20 @@ from numpy.typing import NDArray
 from stages.articulated.asset_folder import stretch_asset
 from stages.contracts import Asset, InputError, read_json
 from stages.contracts.task_options import TaskConfig
+from stages.evaluation.mujoco_camera import DepthCamera
+from stages.evaluation.mujoco_world import (
+    ARM_JOINTS,
+    CAMERA,
+    FINGER_JOINTS,
+    MODEL,
+    ROBOT,
+    TIMESTEP,
+    ModelFiles,
+    build,
+)
 from stages.geometry.frames import inverse
 from stages.planning.clearance import Surroundings
+from stages.plugins import load
 from stages.simulation.controller import apply_delta, scale_action
 from stages.simulation.kinematics import Array
 from stages.simulation.loading import load_asset, physics_scene
@@ -29,18 +41,8 @@ from stages.tasks.api import Float, Size, TaskEnv
 from stages.tasks.base_placement import placed, success_opening
 from stages.tasks.cameras import shoulder
 from stages.tasks.initial_state import nominal_root, sample_initial_state, sampled_scale
-from stages.tasks.mujoco_camera import DepthCamera
-from stages.tasks.mujoco_world import (
-    ARM_JOINTS,
-    CAMERA,
-    FINGER_JOINTS,
-    MODEL,
-    ROBOT,
-    TIMESTEP,
-    ModelFiles,
-    build,
-)
 from stages.tasks.observation import CameraRig, Observation, Sensing
+from stages.tasks.task import Task
 
 SHOWN = np.array([1], np.int16)  # entity id of what the cloud shows; everything else has 0
 IK_STEPS, IK_DAMPING = 20, 0.03  # of damped least squares; metres and radians
@@ -64,10 +66,11 @@ class MujocoTaskEnv(TaskEnv):
         sensing: Sensing | None = None,
     ) -> None:
         """Args as of `TaskEnv`; doors and drawers alone, and nothing stands about them."""
-        super().__init__(task, assets, joint, size, options, render, cache, vary_scale, sensing=sensing)
-        if len(self.task.skills) > 1:
-            what, fix = f"'mujoco' does not have the task {self.task.gym_id}.", "mujoco has doors and drawers"
+        known: Task = load("tasks", task)
+        if len(known.skills) > 1:
+            what, fix = f"'mujoco' does not have the task {known.gym_id}.", "mujoco has doors and drawers"
             raise InputError("evaluation.simulator", what, fix, code="E-MUJOCO-TASK")
+        super().__init__(task, assets, joint, size, options, render, cache, vary_scale, sensing=sensing)
         self.rig = CameraRig([shoulder(options)], options, sensing)
         self._files = ModelFiles()
         self._camera: DepthCamera | None = None
@@ -197,10 +200,7 @@ class MujocoTaskEnv(TaskEnv):
     def _measured_target(self) -> Target:
         world = physics_scene()  # as long as its bodies
         body = load_asset(world, self.folder, sapien.Pose(), True, "")
-        names = [joint.name for joint in body.active_joints]
-        if self.joint not in names:
-            raise InputError(self.folder, f"has no joint {self.joint!r}.", f"its joints: {names or 'none'}")
-        return read_target(body, names.index(self.joint))
+        return read_target(body, [joint.name for joint in body.active_joints].index(self.joint))
 
     def _positions(self) -> dict[str, float]:
         moving = [joint.name for joint in self._model_asset.joints]
