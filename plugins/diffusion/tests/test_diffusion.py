@@ -9,7 +9,8 @@ import pytest
 import torch
 
 from plugins.diffusion.policies.diffusion import Policy, signal_levels
-from stages.contracts.training_run import HandleConfig, NetworkConfig, TrainingRun
+from stages.config.training import LITE_HANDLE
+from stages.contracts.training_run import NetworkConfig, TrainingRun
 from stages.plugins import find
 from stages.policies import Choice, TrainablePolicy
 from stages.policies.checkpoint import load_policy
@@ -22,7 +23,7 @@ from tests.toy_reach import ToyReach, write_store
 NAME = "plugins.diffusion.policies.diffusion"
 SMALL = {
     "policy": NAME,
-    "network": {"points": 48, "pointnet_width": 32, "flag_embedding": 8},
+    "network": {"points": 48, "pointnet_width": 32},
     "own": {"diffusion": {"width": 64, "layers": 2}},
     "rnn_horizon": 6,
 }
@@ -61,7 +62,8 @@ def error_of(policy: TrainablePolicy, store: Path) -> float:
 
 
 def test_a_resumed_run_equals_a_whole_one(tmp_path: Path, store: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    options = {"steps": 4, "save_every": 2, "log_every": 2}
+    options = {"steps": 4, "log_every": 2}
+    monkeypatch.setattr(TrainingState, "due", lambda state, every: True)
     whole, broken = trained(tmp_path / "whole", store, **options), tmp_path / "broken"
     save = TrainingState.save
 
@@ -72,7 +74,7 @@ def test_a_resumed_run_equals_a_whole_one(tmp_path: Path, store: Path, monkeypat
     monkeypatch.setattr(TrainingState, "save", power_cut)
     with pytest.raises(KeyboardInterrupt):
         trained(broken, store, **options)
-    monkeypatch.undo()
+    monkeypatch.setattr(TrainingState, "save", save)
     trained(broken, store, **options)
     one, two = (load_policy(folder, "last") for folder in (whole, broken))
     assert int(one.get_buffer("updates")) == 4
@@ -126,7 +128,7 @@ def test_noise_ends_as_the_actions_where_the_network_knows_them(store: Path) -> 
 
 
 def test_it_sees_marked_handles(store: Path) -> None:
-    policy = policy_of(store, handle=HandleConfig(flag=True, middle=True))
+    policy = policy_of(store, handle=LITE_HANDLE.handle)
     cloud = torch.rand(3, 6, 48, 4).round()
     loss, error = policy.loss(cloud, torch.rand(3, 6, 9), torch.rand(3, 6, 7), torch.ones(3, 6))
     loss.backward()
