@@ -44,6 +44,22 @@ class Sight:
         """Standard deviation, metres, by which noise moves the points along the ray."""
         return self.error(float(np.linalg.norm(self.points.mean(axis=0) - self.camera)))
 
+    def ends(self, yaw: float, trim: float, deviations: float) -> Array:
+        """Lowest and highest level coordinates (2, 2) of the points along axes turned by `yaw`.
+
+        Noise lays points beyond the faces: so many standard deviations of it are taken off at either end.
+
+        Args:
+            trim: share of the points left out at an end.
+        """
+        limits = np.quantile(self.points[:, :2] @ yaw_matrix(yaw)[:2, :2], [trim, 1 - trim], axis=0)
+        inset = np.minimum(deviations * self.noise_along(yaw), MOST * (limits[1] - limits[0]))
+        return np.stack([limits[0] + inset, limits[1] - inset])
+
+    def noise_along(self, yaw: float) -> Array:
+        """Standard deviation (2,), metres, of noise along the level axes turned by `yaw`."""
+        return np.abs(self.ray[:2] @ yaw_matrix(yaw)[:2, :2]) * self.noise
+
     def measured(
         self, box: UprightBox, yaw: float, trim: float, has_faces: bool = True, beyond: float = 0.0
     ) -> UprightBox:
@@ -57,14 +73,10 @@ class Sight:
         """
         turn = yaw_matrix(yaw)[:2, :2]
         center, size = box.center.copy(), box.size.copy()
-        level = self.points[:, :2] @ turn
-        limits = np.quantile(level, [trim, 1 - trim], axis=0)
+        level, limits = self.points[:, :2] @ turn, self.ends(yaw, trim, OUTSIDE)
         for axis, along in enumerate(self.ray[:2] @ turn):
-            noise = abs(along) * self.noise
-            inset = min(OUTSIDE * noise, MOST * float(np.ptp(limits[:, axis])))
-            limits[:, axis] += [inset, -inset]
             near = 1 if along < 0 else 0
-            face = near_face(level[:, axis], 2 * near - 1, noise, trim) if has_faces else None
+            face = near_face(level[:, axis], 2 * near - 1, self.noise_along(yaw)[axis], trim) if has_faces else None
             if face is not None:
                 limits[near, axis] = face + (beyond if axis == 0 and near == 1 else 0.0)
         limits.sort(axis=0)

@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, create_model
 from stages.config.matching import MatchingConfig
 from stages.contracts.cousins import Candidate, Orientation
 from stages.matching.judges import AbstainedError, Question
-from stages.matching.shown import alone, boxed
+from stages.matching.prompt_pictures import alone, boxed
 from stages.vlm.ask import Asker, NoAnswerError
 from stages.vlm.prompt import Prompt
 

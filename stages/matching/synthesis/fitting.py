@@ -6,12 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.geometry.boxes import UprightBox
-from stages.geometry.estimate import BIN, REACH, Sight
+from stages.geometry.estimate import BIN, Sight
 from stages.geometry.frames import SYMMETRY_PERIOD, yaw_matrix
 from stages.matching.synthesis.observation import Observation
 from stages.matching.synthesis.solid import Solid
 
 TRIM = 0.005  # share of the points left out at each end
+OUTERMOST = 2.0  # deviations of noise by which these lie beyond a face
 SEEN, UNSEEN = 0.1, 0.3  # of an extent: deviation of any face, and how much more of the hidden one
 ROUNDS = 4
 SIDE_ERROR = 0.005  # of the object's longer side in the picture: how well outlines meet
@@ -42,15 +43,14 @@ def measure(sight: Sight, box: UprightBox, yaw: float, wall: tuple[Array, float]
         box: the minimum box of its points, down to what it stands on.
         wall: normal (3,) and offset of the wall that the object reaches to, further than its points may tell.
     """
-    seen = sight.measured(box, yaw, TRIM)
-    extent = np.maximum(seen.size, BIN)
-    center = seen.center @ yaw_matrix(yaw)
-    ends = np.array([center - extent / 2, center + extent / 2])
-    along = np.append(sight.ray[:2] @ yaw_matrix(yaw)[:2, :2], 0.0)
-    share = SEEN + UNSEEN * np.clip([-along, along], 0, 1)
-    errors = share * extent + REACH * sight.noise * np.abs(along)
+    turn = yaw_matrix(yaw)[:2, :2]
+    level = sight.ends(yaw, TRIM, OUTERMOST)
+    ends = np.column_stack([level, [box.bottom, box.top]])
+    extent = np.maximum(ends[1] - ends[0], BIN)
+    along, noise = np.append(sight.ray[:2] @ turn, 0.0), np.append(sight.noise_along(yaw), 0.0)
+    errors = (SEEN + UNSEEN * np.clip([-along, along], 0, 1)) * extent + OUTERMOST * noise
     if wall is not None:
-        normal = wall[0][:2] @ yaw_matrix(yaw)[:2, :2]
+        normal = wall[0][:2] @ turn
         axis = int(np.argmax(np.abs(normal)))
         end = 0 if normal[axis] > 0 else 1
         there = wall[1] * np.sign(normal[axis])
