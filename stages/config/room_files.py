@@ -29,7 +29,7 @@ def room_files(own: Iterable[str] = (), packages: Sequence[str] = ()) -> dict[st
     files |= {name: data_file("rooms", module) for name, module in available("rooms", packages).items()}
     for path in map(Path, own):
         if not path.is_file():
-            raise InputError("scenes.rooms", f"there is no file {path}.", code="E-ROOM-MISSING")
+            raise InputError("scenes.rooms", f"there is no file {path}.", "correct the path", code="E-ROOM-MISSING")
         if path.stem in files:
             raise InputError(
                 "scenes.rooms",

@@ -8,14 +8,14 @@ from scipy.spatial import KDTree
 from stages.config.extraction import ExtractionConfig
 from stages.geometry.boxes import UprightBox
 from stages.geometry.clouds import dbscan, statistical_inliers
+from stages.geometry.estimate import BIN, PROMINENT
 from stages.geometry.minimum_box import minimum_box
 
 MAX_POINTS = 8000
 NEIGHBOURS = 16
 SPACING = 1.5  # DBSCAN's radius is at least so many times the distance to the `dbscan_min_points`-th neighbour,
 BEHIND = 1.5  # metres behind the farthest point of the largest cluster, from which on another is background
-LEVEL_BIN, LEVEL_BLUR = 0.005, 0.003  # metres; share of the distance: noise of heights, seen from little above
-DENSE = 2.0  # times the mean density of heights, from which on one is a level
+LEVEL_BLUR = 0.003  # share of the distance: noise of heights, seen from little above
 ABOVE = 0.1  # share of the points that may lie above the level on which things stand
 HIGHER = 0.1  # share of the distance, up to `NEAR`, by which they may be above it: a part of the thing is higher
 SLENDER, NEAR = 2.0, 2.0  # times as tall as wide; metres, as farther away noise makes things taller
@@ -75,22 +75,22 @@ def level_height(
     """
     heights = points[:, 2]
     low, high = np.quantile(heights, [options.trim, 1 - options.trim])
-    bins = int((high - low) / LEVEL_BIN)
+    bins = int((high - low) / BIN)
     is_slender = distance < NEAR and high - low > SLENDER * max(box.size[:2])
     if bins < 3 or is_slender:
         return None
     counts, edges = np.histogram(heights, bins, (low, high))
-    blur = max(2.0, LEVEL_BLUR * distance / LEVEL_BIN)
+    blur = max(2.0, LEVEL_BLUR * distance / BIN)
     density = gaussian_filter1d(counts.astype(float), blur, mode="constant")
     peaks = np.flatnonzero((density >= np.roll(density, 1)) & (density >= np.roll(density, -1)))
-    dense = peaks[density[peaks] > DENSE * len(heights) / bins]
+    dense = peaks[density[peaks] > PROMINENT * len(heights) / bins]
     if not len(dense):
         return None
     level = float(edges[dense[-1]] + edges[dense[-1] + 1]) / 2
-    above = whole[whole[:, 2] > level + 2 * blur * LEVEL_BIN]
+    above = whole[whole[:, 2] > level + 2 * blur * BIN]
     top = float(np.quantile(whole[:, 2], 1 - options.trim))
     is_whole = top - high <= options.tolerance(noise)  # else trusted points lack a thin top
-    few = max(len(above) / len(whole), float((heights > level + 2 * blur * LEVEL_BIN).mean())) <= ABOVE
+    few = max(len(above) / len(whole), float((heights > level + 2 * blur * BIN).mean())) <= ABOVE
     return level if is_whole and few and top - level <= HIGHER * min(distance, NEAR) else None
 
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from stages.config.extraction import ExtractionConfig
 from stages.contracts.objects import Mounting, Wall
 from stages.extraction.clouds import with_bottom
-from stages.extraction.foot import completed, height_shown, reaches_down
+from stages.extraction.foot import height_shown, reaches_down
 from stages.extraction.masks import OUTLINE
 from stages.extraction.visibility import DepthView, cell_centres
 from stages.extraction.walls import filled_to, walls_touched
@@ -104,8 +104,6 @@ def placement(
         options = options.model_copy(update={"max_hidden_depth": 0.0})
     distance = view.distance(box.center)
     tolerance = options.tolerance(view.error.at(distance))
-    if unnamed is not None and not known:
-        box, own = completed(box, view, own, unnamed, tolerance)
     beneath, support = carrier_beneath(box, carriers, tolerance, SUNK * distance)
     said = stated is not None and box.top - beneath < STRETCHED * (box.top - box.bottom)
     if unnamed is not None and not known and not said and box.bottom - beneath > tolerance:

@@ -43,16 +43,6 @@ class DepthView:
         down = np.where(rays[:, 2] < 0, rays[:, 2], np.nan)
         return origin + rays * ((height - origin[2]) / down)[:, None]
 
-    def height_at(
-        self, columns: NDArray[np.integer], rows: NDArray[np.integer], points: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
-        """Heights (..., N), floor frame, of pixels (N,), (..., N) if they show what is as far away as points (N, 3)."""
-        pixels = np.stack([np.broadcast_to(columns, rows.shape), rows, np.ones_like(rows)], axis=-1).astype(np.float64)
-        rays = pixels @ np.linalg.inv(self.intrinsics).T @ self.floor_from_camera[:3, :3].T
-        eye = self.floor_from_camera[:3, 3]
-        away = np.linalg.norm((points - eye)[:, :2], axis=1)
-        return np.asarray(eye[2] + rays[..., 2] * away / np.maximum(np.linalg.norm(rays[..., :2], axis=-1), 1e-9))
-
     def points(self, columns: NDArray[np.integer], rows: NDArray[np.integer]) -> NDArray[np.float64]:
         """What pixels (N,), (N,) show, as points (N, 3) of the floor frame; NaN where depth is unknown."""
         rays = np.stack([columns, rows, np.ones_like(rows)], axis=1) @ np.linalg.inv(self.intrinsics).T

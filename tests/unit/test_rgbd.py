@@ -432,7 +432,7 @@ def test_recordings(tmp_path: Path, room: tuple, layout: Callable[..., Path]) ->
     close = np.abs(depth - room[1])[(depth > 0) & (room[1] < 8)]
     assert np.quantile(close, 0.9) < 0.05 and len(close) > 0.5 * depth.size
     fx = read_json(Camera, out / "camera.json").intrinsics[0][0]
-    assert fx == pytest.approx(525 * WIDTH / 640 if layout is tum else INTRINSICS[0, 0])
+    assert fx == pytest.approx(525 if layout is tum else INTRINSICS[0, 0])
     with refused("E-RECORDING-FRAME"):
         from_rgbd.run(out=out, recording=recording, number=5)
 

@@ -70,7 +70,7 @@ def read_intrinsics(path: Path, width: int, height: int) -> Matrix:
     if size is not None and size != (width, height):
         if is_stretched(size, (width, height)):
             what = f"is of {size[0]:g}x{size[1]:g} pixels, the picture has {width}x{height}: other proportions."
-            raise InputError(path, what, code="E-CAMERA-SIZE")
+            raise InputError(path, what, "intrinsics of this very camera and its proportions", code="E-CAMERA-SIZE")
         found = resized(found, width / size[0], height / size[1])
     return checked(path, found, width, height)
 

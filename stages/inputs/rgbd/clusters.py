@@ -19,7 +19,6 @@ TILT = 75.0  # degrees: largest angle between image-up and the normal of what th
 NEAR = 2.0  # metres: what is nearer stands on a table, farther away it is a room
 LARGE = 0.3  # share of the largest level plane's area that a table or floor has: a lid has less
 OFF = 0.006  # share of the distance by which points of a plane may be off
-DENSE = 8  # points within DBSCAN's radius that make a cluster
 LEAST = 0.001  # share of the points that a thing has
 OBJECT, WALL = "object", "wall"
 Masks = list[NDArray[np.bool_]]
@@ -89,11 +88,11 @@ def _clusters(
     points: NDArray[np.float64], inner: NDArray[np.float64], radius: float, least: float, rng: np.random.Generator
 ) -> NDArray[np.int32]:
     """Cluster (N,) of each of points (N, 3), -1: none; `inner` points (M, 3) make them, `least`: share of them."""
-    inner = sampled(inner, rng)
-    if len(inner) <= DENSE:
+    inner, neighbours = sampled(inner, rng), ExtractionConfig().dbscan_min_points
+    if len(inner) <= neighbours:
         return np.full(len(points), -1, dtype=np.int32)
-    spacing = float(np.quantile(KDTree(inner).query(inner, k=DENSE)[0][:, -1], 0.9))
-    names = dbscan(inner, max(radius, spacing), DENSE)
+    spacing = float(np.quantile(KDTree(inner).query(inner, k=neighbours)[0][:, -1], 0.9))
+    names = dbscan(inner, max(radius, spacing), neighbours)
     large, counts = np.unique(names[names >= 0], return_counts=True)
     kept = np.isin(names, large[counts >= least * len(inner)])
     if not kept.any():

@@ -37,7 +37,10 @@ def read_raw(path: Path) -> NDArray[Any]:
     array = array[..., 0] if array.ndim == 3 and array.shape[2] == 1 else array
     if array.ndim != 2 or 0 in array.shape or array.dtype.kind not in "fiu":
         raise InputError(
-            path, f"has shape {array.shape} and type {array.dtype}: it is no depth image.", code="E-DEPTH-FORMAT"
+            path,
+            f"has shape {array.shape} and type {array.dtype}: it is no depth image.",
+            "store one array (height, width) of numbers, called depth",
+            code="E-DEPTH-FORMAT",
         )
     return array
 
@@ -69,7 +72,12 @@ def _from_numpy(path: Path) -> NDArray[Any]:
     arrays = read_npz(path)
     if "depth" in arrays or len(arrays) == 1:
         return arrays.get("depth", next(iter(arrays.values())))
-    raise InputError(path, f"holds {', '.join(arrays)}, and none of them is called depth.", code="E-DEPTH-FORMAT")
+    raise InputError(
+        path,
+        f"holds {', '.join(arrays)}, and none of them is called depth.",
+        "store one array (height, width) of numbers, called depth",
+        code="E-DEPTH-FORMAT",
+    )
 
 
 def in_metres(path: Path, raw: NDArray[Any], unit: str = "auto") -> tuple[NDArray[np.float32], str]:
@@ -85,7 +93,9 @@ def in_metres(path: Path, raw: NDArray[Any], unit: str = "auto") -> tuple[NDArra
     """
     known = raw[np.isfinite(raw) & (raw > 0)]
     if not known.size:
-        raise InputError(path, "no pixel has a depth above 0.", code="E-DEPTH-EMPTY")
+        raise InputError(
+            path, "no pixel has a depth above 0.", "check how the camera saves depth", code="E-DEPTH-EMPTY"
+        )
     median = float(np.median(known))
     per_metre = _guessed(path, median, raw.dtype.kind in "iu") if unit == "auto" else _given(unit)
     if not NEAREST <= median / per_metre <= FARTHEST:

@@ -12,7 +12,7 @@ import numpy as np
 from stages.contracts import InputError
 from stages.contracts.arrays import readable
 from stages.contracts.images import read_rgb
-from stages.inputs.rgbd.cameras import Matrix, matrix, read_intrinsics, resized
+from stages.inputs.rgbd.cameras import Matrix, matrix, read_intrinsics
 from stages.inputs.rgbd.depth_files import FILES, in_metres, read_raw
 from stages.inputs.rgbd.frame import Frame
 from stages.inputs.rgbd.lens import find_distortion
@@ -20,8 +20,9 @@ from stages.inputs.rgbd.lens import find_distortion
 PICTURES = (".png", ".jpg", ".jpeg", ".ppm")
 COLOUR = ("color", "rgb", "image", "colour")  # what folders of pictures are called
 ABOUT = ("camera.json", "config.json", "metadata.json", "metadata")  # files of intrinsics without that in their name
-TUM_UNIT, TUM_APART = "5000", 0.02  # of one metre; seconds between colour and depth of a frame (its associate.py)
-TUM_SIZE, TUM_CAMERA = (640, 480), (525.0, 525.0, 319.5, 239.5)  # as its tools have it for all three cameras
+TUM_UNIT = "5000"  # of one metre
+TUM_APART = 0.02  # seconds between colour and depth of a frame, as in its associate.py
+TUM_CAMERA = (525.0, 525.0, 319.5, 239.5)  # fx, fy, cx, cy, as its tools have them for all three cameras
 
 Intrinsics = Callable[[int, int], Matrix]  # of a picture of this width and height
 
@@ -66,9 +67,8 @@ def _of_lists(path: Path, number: int, intrinsics: Intrinsics | None) -> Frame:
     rgb = read_rgb(colour)
     depth, line = in_metres(file, read_raw(file), TUM_UNIT)
     height, width = rgb.shape[:2]
-    own = resized(matrix(*TUM_CAMERA), width / TUM_SIZE[0], height / TUM_SIZE[1])
     notes = [f"TUM, {colour.name}", line, *([] if intrinsics else ["intrinsics of TUM's tools"])]
-    return Frame(rgb, depth, intrinsics(width, height) if intrinsics else own, None, notes)
+    return Frame(rgb, depth, intrinsics(width, height) if intrinsics else matrix(*TUM_CAMERA), None, notes)
 
 
 def _stamps(path: Path) -> list[tuple[float, Path]]:

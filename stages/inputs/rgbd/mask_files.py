@@ -42,7 +42,12 @@ def read_labelled(path: Path, labels: Path | None, width: int, height: int, pict
     elif isinstance(data, dict) and "shapes" in data:
         masks = _from_labelme(path, data, width, height)
     else:
-        raise InputError(path, "is neither COCO (annotations, categories) nor labelme (shapes).", code="E-MASKS-FORMAT")
+        raise InputError(
+            path,
+            "is neither COCO (annotations, categories) nor labelme (shapes).",
+            "COCO or labelme JSON, or a label image as PNG",
+            code="E-MASKS-FORMAT",
+        )
     return stacked(path, masks)
 
 
@@ -54,7 +59,7 @@ def stacked(path: Path, masks: Masks) -> Labelled:
     """
     masks = [(label, mask) for label, mask in masks if mask.any()]
     if not masks:
-        raise InputError(path, "shows no object in this picture.", code="E-MASKS-EMPTY")
+        raise InputError(path, "shows no object in this picture.", "masks of this very picture", code="E-MASKS-EMPTY")
     values = np.zeros(masks[0][1].shape, dtype=np.uint16)
     for number in sorted(range(len(masks)), key=lambda k: -int(masks[k][1].sum())):
         values[masks[number][1]] = number + 1
@@ -77,7 +82,12 @@ def _from_coco(path: Path, data: dict[str, Any], width: int, height: int, pictur
         mine = [image for image in images if Path(str(image.get("file_name", ""))).name == picture]
         if not mine and len(images) > 1:
             known = ", ".join(str(image.get("file_name")) for image in images[:5])
-            raise InputError(path, f"has no picture called {picture}, but {known}, ...", code="E-MASKS-PICTURE")
+            raise InputError(
+                path,
+                f"has no picture called {picture}, but {known}, ...",
+                "rename the picture, or give a file of it alone",
+                code="E-MASKS-PICTURE",
+            )
         image = (mine or images or [{}])[0]
         size = int(image.get("width", width)), int(image.get("height", height))
         _check_size(path, size, width, height)
@@ -148,7 +158,12 @@ def _from_image(path: Path, labels: Path | None, width: int, height: int) -> Lab
     _check_size(path, (shown.shape[1], shown.shape[0]), width, height)
     found = [int(value) for value in np.unique(shown) if value]
     if len(found) > MOST:
-        raise InputError(path, f"has {len(found):,} different values: a photograph, not masks.", code="E-MASKS-FORMAT")
+        raise InputError(
+            path,
+            f"has {len(found):,} different values: a photograph, not masks.",
+            "COCO or labelme JSON, or a label image as PNG",
+            code="E-MASKS-FORMAT",
+        )
     if labels is None:
         raise InputError(path, f"has {len(found)} values without names.", NAMES, code="E-MASKS-NAMES")
     names = _read_names(labels)
@@ -186,5 +201,8 @@ def _read_names(path: Path) -> dict[int, str]:
 def _check_size(path: Path, found: tuple[int, int], width: int, height: int) -> None:
     if found != (width, height):
         raise InputError(
-            path, f"is of {found[0]}x{found[1]} pixels, but the picture has {width}x{height}.", code="E-MASKS-SIZE"
+            path,
+            f"is of {found[0]}x{found[1]} pixels, but the picture has {width}x{height}.",
+            "masks of this very picture",
+            code="E-MASKS-SIZE",
         )

@@ -72,7 +72,9 @@ def annotated(masks: Labelled) -> tuple[NDArray[np.uint16], Annotations]:
         if label not in FLOOR | WALL | NOTHING
     ]
     if not objects:
-        raise InputError("masks", "show no object, only floor and walls.", code="E-MASKS-EMPTY")
+        raise InputError(
+            "masks", "show no object, only floor and walls.", "name at least one object", code="E-MASKS-EMPTY"
+        )
     walls = [value for value, label in kinds.items() if label in WALL]
     return values, Annotations(objects=objects, floor=floors[0] if floors else None, walls=walls)
 
