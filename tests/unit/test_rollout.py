@@ -264,13 +264,13 @@ def test_the_twin_is_tested_once_for_a_policy_that_was_trained_on_it(
     folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     tested: list[str] = []
-    original = arena.PolicyArena.play
+    original = arena.PolicyArena.episodes
 
     def note(self: arena.PolicyArena, network: object, starts: list[Start], record: bool) -> object:
         tested.append(starts[0][0].role)
         return original(self, network, starts, record)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(arena.PolicyArena, "play", note)
+    monkeypatch.setattr(arena.PolicyArena, "episodes", note)
     rows = evaluate(folder, tmp_path / "rollouts.csv", test_assets=["twin", "cousin_2", "trained"])
     assert tested == ["twin", "cousin_2"] and len(rows) == 15
     outcome = [[(row["initial_state"], row["steps"]) for row in rows if row["test_asset"] == role]
