@@ -11,14 +11,13 @@ from stages.contracts.policies import Rollout
 from stages.tables.cells import CELL, gains, rates
 from stages.tables.markup import Table
 from stages.tables.order import title
-from stages.tables.rows import read_rows, records
+from stages.tables.rows import ONE_TEST, read_rows, records
 from stages.tables.text import cell, count, percent, points, span
 from stages.tables.writing import write
 
 USUAL = "usual"  # of the column `condition`: as section `evaluation` says
 ENDS = {"difference": "difference", "low": "difference_low", "high": "difference_high"}
 COLUMNS = [*CELL, "condition", "assets", "runs", "episodes", "successes", "mean", "low", "high", *ENDS.values()]
-ONE_TEST = ["task", "training_set", "run", "seed", "checkpoint", "test_asset"]
 
 
 def run(

@@ -12,10 +12,8 @@ from stages.tables import asset_panels, assets, claims, policy_tables, table3
 from stages.tables.drawing import save, style
 from stages.tables.markup import Table
 from stages.tables.policy_figures import figure4, figure9
-from stages.tables.rows import published_policies, published_runs, read_rows
+from stages.tables.rows import ONE_TEST, published_policies, published_runs, read_rows
 from stages.tables.writing import write, write_csv
-
-ONE_TEST = ["task", "training_set", "run", "seed", "checkpoint", "test_asset"]
 
 
 class PolicyResults(NamedTuple):

@@ -15,12 +15,11 @@ from stages.tables.assets import of_splits
 from stages.tables.drawing import save, style
 from stages.tables.markup import Table, markdown
 from stages.tables.order import SKILL, SPLITS, title
-from stages.tables.policies import ONE_TEST, asset_tables, collect, role_tables, write_figures
+from stages.tables.policies import asset_tables, collect, role_tables, write_figures
 from stages.tables.roles import lists_table, roles_table
-from stages.tables.rows import published_policies, published_scenes, read_rows
+from stages.tables.rows import ONE_SCENE, ONE_TEST, published_policies, published_scenes, read_rows
 from stages.tables.scene_figure import figure6
 from stages.tables.scene_tables import robustness_table, scenes_table
-from stages.tables.scenes import ONE_SCENE
 from stages.tables.study import cost, facts, read_config
 from stages.tables.writing import write_csv
 

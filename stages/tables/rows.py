@@ -12,6 +12,9 @@ from stages.contracts import files
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_text
 
+# Columns that name one file of rows.
+ONE_SCENE = ["scene", "variant", "rank", "protocol", "draw"]
+ONE_TEST = ["task", "training_set", "run", "seed", "checkpoint", "test_asset"]
 PUBLISHED_2 = [
     "scene", "n_objects", "scale_m", "variant", "category_correct", "model_correct", "l2_cm_mean", "l2_cm_std",
     "orientation_paper_rad_mean", "orientation_paper_rad_std", "iou_mean", "iou_std", "oriented_iou_mean",

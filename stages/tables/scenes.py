@@ -8,12 +8,10 @@ from stages.contracts.files import read_options
 from stages.contracts.policies import SceneScore
 from stages.tables import robustness, table2
 from stages.tables.drawing import save, style
-from stages.tables.rows import published_scenes, read_rows
+from stages.tables.rows import ONE_SCENE, published_scenes, read_rows
 from stages.tables.scene_figure import figure6
 from stages.tables.scene_tables import robustness_table, scenes_table
 from stages.tables.writing import write
-
-ONE_SCENE = ["scene", "variant", "rank", "protocol", "draw"]
 
 
 def named(items: tuple[str, ...], flag: str = "--comparisons") -> dict[tuple[str, str], Path]:

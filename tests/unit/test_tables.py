@@ -12,7 +12,7 @@ from stages.contracts.policies import Rollout, SceneScore
 from stages.tables import policies, policy_tables, robustness, scene_tables, scenes, table2, table3
 from stages.tables.markup import Table, html, latex, markdown
 from stages.tables.order import natural, set_key
-from stages.tables.rows import published_policies, published_scenes, read_rows
+from stages.tables.rows import ONE_SCENE, published_policies, published_scenes, read_rows
 from stages.tables.statistics import std, t_interval, wilson
 from stages.tables.text import cell as text_cell
 from stages.tables.text import percent, points, span
@@ -262,14 +262,14 @@ def test_bad_rows_are_named_by_file_line_and_field(tmp_path: Path, text: str, na
     path = tmp_path / "scores.csv"
     path.write_text(text.replace("HEADER", ",".join(SceneScore.model_fields)).replace("REST", REST))
     with pytest.raises(InputError) as error:
-        read_rows(SceneScore, [path], scenes.ONE_SCENE)
+        read_rows(SceneScore, [path], ONE_SCENE)
     assert named in str(error.value) and "\n" not in str(error.value)
 
 
 def test_rows_given_twice_are_refused(tmp_path: Path) -> None:
     path = write_rows(tmp_path / "scores.csv", [score()])
     with refused("E-ROWS-TWICE"):
-        read_rows(SceneScore, [path, path], scenes.ONE_SCENE)
+        read_rows(SceneScore, [path, path], ONE_SCENE)
     with pytest.raises(InputError):
         read_rows(Rollout, [tmp_path / "none.csv"], [])
 
@@ -294,13 +294,11 @@ def test_markup_escapes() -> None:
     assert percent(0.916, 0.04) == "92 ± 4 %" and percent(0.5) == "50 %" and percent(float("nan")) == ""
 
 
-def test_rows_and_columns_without_a_value_of_ours_are_left_out() -> None:
-    rows = [
-        ["twin", "9 %", "not run", ""],
-        ["all", "not run", text_cell("", "", "7 %"), "not run\npaper 1 %"],
-    ]
+def test_rows_and_columns_that_were_not_run_are_left_out() -> None:
+    skill = ["scripted skill: 100 %", "", "", ""]  # its value is in its name
+    rows = [["twin", "9 %", "not run", ""], ["all", "not run", "paper 7 %", "not run\npaper 1 %"], skill]
     table = Table("t", "", ["asset", "a", "b", "c"], rows)
-    assert (table.ran().columns, table.ran().rows) == (["asset", "a"], [["twin", "9 %"]])
+    assert (table.ran().columns, table.ran().rows) == (["asset", "a"], [["twin", "9 %"], skill[:2]])
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ from stages.contracts.errors import InputError
 from stages.contracts.ledgers import read_attempts
 from stages.contracts.snapshot_pictures import Snapshots
 from stages.tables import policies, report, scenes
-from stages.tables.page.benchmarks import by_stage, duration, read_jobs, times_table
+from stages.tables.page.benchmarks import by_stage, duration, longest_table, read_jobs, times_table
 from stages.tables.page.charts import line_chart
 from stages.tables.page.files import RunFiles
 from stages.tables.page.films import read_films
@@ -274,6 +274,9 @@ def test_benchmarks_by_stage(made: Path) -> None:
     assert rows.loc["total", ["jobs", "memory"]].tolist() == [3, 800]
     assert rows.loc["tables", "cpu_seconds"] == 0  # too short to be measured
     assert times_table(by_stage(jobs, [])).rows[-1][:3] == ["total", "3", "1 min 14 s"]
+    assert [row[:2] for row in longest_table(jobs).rows] == [
+        ["assets/library", "1 min 02 s"], ["matching/b/room_1", "12 s"], ["tables/tables", "0 s"],
+    ]  # fmt: skip
     assert [duration(s) for s in (0.4, 59.7, 74, 7500)] == ["0 s", "1 min 00 s", "1 min 14 s", "2 h 05 min"]
 
 

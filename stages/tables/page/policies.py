@@ -110,7 +110,10 @@ def _pictures(assets: TaskAssets | None, used: set[str], album: Album, snapshots
     """The assets of the roles that are not random or are used."""
     roles = by_role(assets).items() if assets else ()
     kept = [(role, asset.asset) for role, asset in roles if role in used or not role.startswith("random_")]
-    made = [album.thumbnail(snapshots.picture(asset), f"{role_title(role)}: {asset}") for role, asset in kept]
+    made = [
+        album.thumbnail(snapshots.picture(asset), f"{role_title(role)}: {asset.replace('_', ' ')}")
+        for role, asset in kept
+    ]
     return [picture for picture in made if picture]
 
 
