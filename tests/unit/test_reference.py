@@ -12,7 +12,7 @@ ROOT = Path(__file__).resolve().parents[2]
 # Folders and files of stages/ with errors that have no code of their own yet.
 WITHOUT_CODES = {
     "articulated", "assets", "config", "contracts", "encoder", "guard.py", "patchnet",
-    "plugins.py", "procedural", 
+    "plugins.py", "procedural",
 }  # fmt: skip
 
 

@@ -42,6 +42,16 @@ def test_all_eight_rooms_can_be_asked_for(folder: Path) -> None:
     assert planned(dry_run(folder, "scenes8").stdout)["room"] == 8
 
 
+def test_the_demonstration_makes_the_page_that_it_names(folder: Path) -> None:
+    recipe = re.search(r"^demo:.*\n\t\S+snakemake (.*)\n\t@echo \"Open (\S+)\"", (ROOT / "Makefile").read_text(), re.M)
+    assert recipe
+    words, page = recipe[1].replace("$(CORES)", "2").split(), recipe[2]
+    done = dry_run(folder, *words)
+    assert page.removeprefix(words[words.index("--directory") + 1] + "/") in done.stdout, done.stdout
+    jobs = planned(done.stdout)
+    assert {"match", "generate", "draw_scenes", "scene_page"} <= set(jobs) and not {"train", "demonstrate"} & set(jobs)
+
+
 def test_the_encoder_is_trained_when_asked_for_alone(folder: Path) -> None:
     jobs = planned(dry_run(folder, "encoder").stdout)
     assert jobs["encoder_pairs"] == 1 and jobs["encoder"] == 1 and "library" not in jobs
