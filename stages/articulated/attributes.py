@@ -6,11 +6,10 @@ import numpy as np
 import trimesh
 
 from stages.articulated.forward_kinematics import visual_bounds
-from stages.articulated.handle import GRID, PROTRUSION, WIDEST, Handle, exact_width, find_handle, front_hits
+from stages.articulated.handle import BEHIND, GRID, PROTRUSION, WIDEST, Handle, exact_width, find_handle, front_hits
 from stages.articulated.model import JointModel, Matrix, RobotModel, Visual
 from stages.contracts.library import FrontPanel, HandleKind, HingeSide
 
-NEXT = 0.001  # metres before a handle: what is nearer belongs to it
 ROOM = 0.5  # metres before a handle that a hand and its forearm need
 AT_EDGE = 0.06  # metres from a side of the panel within which a profile counts as its edge
 MOST_OF_IT = 0.7  # share of the panel's extent that such a profile runs along at least
@@ -63,7 +62,7 @@ def _held(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> tu
     others = seen_of(robot, robot.links.keys() - set(moving), frames)
     ahead = np.array([1.0, 0.0, 0.0])
     if others is not None:
-        met, _, _ = others.ray.intersects_location([handle.position + NEXT * ahead], [ahead], multiple_hits=False)
+        met, _, _ = others.ray.intersects_location([handle.position + BEHIND * ahead], [ahead], multiple_hits=False)
         if len(met) and (room := float(met[0, 0] - handle.position[0])) < ROOM:
             return f"{100 * room:.2g} cm before its handle stands something else"
     return handle, mesh

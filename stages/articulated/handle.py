@@ -12,7 +12,7 @@ GRID = 0.004  # metres between rays
 MOST = 1000  # rays along a side; a panel that would take more is larger than any
 NEAREST = 0.005  # rays that end this close behind the nearest hit make up the mean handle location (official code)
 FRONT = 0.015  # the foremost slice that tells the handle's direction and extents
-BEHIND = 0.001  # a ray ends this far behind a raised frame where it does not meet it
+BEHIND = 0.001  # metres: what is nearer to a surface along a ray belongs to it
 PROTRUSION = 0.012  # a handle sticks out at least this far from its panel
 WIDEST = 0.07  # across a handle that a gripper of 8 cm closes on
 

@@ -15,6 +15,7 @@ from PIL import Image
 from trimesh import Trimesh
 
 from stages.articulated.beside import Beside, fault_of
+from stages.articulated.urdf_tree import LARGEST
 from stages.contracts.errors import InputError
 
 SUFFIXES = {".obj", ".glb", ".gltf", ".stl", ".ply", ".dae", ".off"}
@@ -25,7 +26,6 @@ PICTURES_OF = (
     "image", "baseColorTexture", "metallicRoughnessTexture", "normalTexture", "occlusionTexture", "emissiveTexture",
 )  # fmt: skip
 FLAT = 1e-4  # metres: a piece thinner than this gets that thickness
-FARTHEST = 1e6  # coordinates beyond it are a slip, in whatever unit
 
 
 def load_meshes(path: Path, folder: Path) -> tuple[list[Trimesh], list[str]]:
@@ -52,8 +52,8 @@ def load_meshes(path: Path, folder: Path) -> tuple[list[Trimesh], list[str]]:
         reason = (str(error).splitlines() or [error.__class__.__name__])[0][:200]
         raise InputError(path, f"cannot be read as a mesh: {reason}.") from None
     vertices = [np.asarray(mesh.vertices) for mesh in meshes]
-    if not all(np.isfinite(points).all() and np.abs(points).max() < FARTHEST for points in vertices):
-        raise InputError(path, f"has coordinates that are no numbers or beyond {FARTHEST:g}.")
+    if not all(np.isfinite(points).all() and np.abs(points).max() < LARGEST for points in vertices):
+        raise InputError(path, f"has coordinates that are no numbers or beyond {LARGEST:g}.")
     meshes = [mesh for mesh in meshes if mesh.area > 0]
     if not meshes:
         raise InputError(path, "holds no triangles that have an area.")

@@ -12,14 +12,12 @@ from stages.articulated.model import JointModel, Matrix, RobotModel
 from stages.geometry.frames import rigid, yaw_matrix
 
 ALONG = 0.9  # cosine: a slide goes along a direction, a panel's hinge across it
-SHORTEST, LEAST_TURN = 0.05, np.deg2rad(20)  # metres and radians that a drawer or a door moves at least
-MOST_TURN = np.deg2rad(270)  # a door meets what it hangs on; what turns farther is a wheel, or a robot's arm
+SHORTEST = 0.05  # metres that a drawer moves at least, and extents of the smallest front
+LEAST_TURN = np.deg2rad(20)  # by which a door turns at least
 ASKEW = np.deg2rad(10)  # by which a front may face another way than along an axis
 STAYS = 0.3  # of a slide's way: what leaves its parent's box by less is a sliding door, no drawer; of that box's extent
 # along it: what is as far behind its front when it is closed
-NARROWEST, LOWEST = 0.06, 0.02  # metres: extents of the smallest front; a drawer may be as low as this
 SWINGS = 0.02  # metres: a panel whose middle is nearer to its hinge (seen from the front) swings neither way
-LIMB = 0.5  # of what a joint moves: where further joints move more than this share of its size on, it is no front
 THIN = 0.6  # of a door's other horizontal extent: thicker things are no panels
 
 
@@ -98,19 +96,14 @@ def _front(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix], whol
         across = 1 - way
         if joint.upper - joint.lower < LEAST_TURN:
             return f"turns by less than {np.rad2deg(LEAST_TURN):.0f} degrees"
-        if joint.upper - joint.lower > MOST_TURN:
-            return f"turns by more than {np.rad2deg(MOST_TURN):.0f} degrees"
         if abs(axis[way]) > 0.3 or extents[way] > THIN * extents[across]:
             return "turns no panel about its side"  # a stove's knob turns about the direction that it faces
         centre = (low + high) / 2
         swing = float(np.cross(axis, centre - frame[:3, 3])[way])
         outward[way] = np.sign(swing) if abs(swing) > SWINGS else 1.0 if centre[way] >= whole[:, way].mean() else -1.0
     width, height = extents[1 - way], extents[2]
-    if width < NARROWEST or height < (LOWEST if joint.type == "prismatic" else NARROWEST):
+    if min(width, height) < SHORTEST:
         return "moves no front of some size"
-    beyond = _box(robot, _beyond(robot.joints, links), frames)
-    if beyond is not None and np.linalg.norm(np.ptp(beyond, axis=0)) > LIMB * np.linalg.norm(extents):
-        return "carries what moves by itself, as limbs do"
     if (angle := _askew(robot, links, frames, outward)) > ASKEW:
         return f"stands {np.rad2deg(angle):.0f} degrees askew"
     return Front(outward, float(width * height))
@@ -152,7 +145,7 @@ def _askew(robot: RobotModel, links: Iterable[str], frames: dict[str, Matrix], o
 def doors_and_drawers(robot: RobotModel) -> tuple[RobotModel, list[str]]:
     """The model (z up, front towards +x) with what is neither door nor drawer fixed where it is; lines say so, and why.
 
-    A drawer slides forwards by 5 cm at least, out of what it is in, a door swings forwards by 20 to 270 degrees, on
+    A drawer slides forwards by 5 cm at least, out of what it is in, a door swings forwards by 20 degrees at least, on
     a hinge that lies across the front; either moves a front of some size. Helper links, a chair's seat, sliding doors,
     wheels, knobs and buttons are neither.
     """

@@ -21,7 +21,6 @@ from stages.geometry.solids import box_around as box_around
 from stages.geometry.solids import box_inertia as box_inertia
 
 HEAVIEST = 1e5  # kg, of one link
-LOST = 0.25  # of the links that would be seen: where more have no shape that can be used, the model is refused
 
 
 def read_urdf(path: Path, folder: Path) -> RobotModel:
@@ -92,7 +91,7 @@ class UrdfReader:
         return [visual for element in elements for visual in self._usable(element, where, looks)]
 
     def check_whole(self, shown: set[str]) -> None:
-        """Refuse the model if links have no shape left that carry others, or are more than few.
+        """Refuse the model if links have no shape left that carry others, or are more than those that have.
 
         Args:
             shown: links of which something is seen.
@@ -102,7 +101,7 @@ class UrdfReader:
         """
         lost = {name: error for name, error in self._broken.items() if name not in shown}
         carries = any(joint.parent in lost for joint in self.joints)
-        if carries or len(lost) > LOST * (len(shown) + len(lost)):
+        if carries or len(lost) > len(shown):
             raise next(iter(lost.values()))
 
     def _usable(self, element: ET.Element, where: str, looks: bool) -> list[Visual]:

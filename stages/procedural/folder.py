@@ -7,17 +7,17 @@ from pydantic import ValidationError
 from scipy.spatial import QhullError
 
 from stages.articulated.asset_folder import Description, write_asset
+from stages.articulated.mesh_reader import FLAT
 from stages.contracts.errors import InputError
 from stages.contracts.files import first_error
 from stages.contracts.library import Asset, Recipe
+from stages.contracts.types import LARGEST
 from stages.procedural.model import Model, Size, bounds, fitted, parts_of
 from stages.procedural.recipe import Generator
 from stages.procedural.robot import robot_of
 
 LICENCE = "CC0-1.0"
-LARGEST = 100.0  # metres, of any extent
 ROOM = (0.0, 0.05, 0.1, 0.2, 0.4)  # metres: extents in which ever more boards fit
-THIN = 1e-4  # metres: no solid is thinner
 SETTLING_PASSES = 3  # generators miss the asked size by little (leaning legs...): aim again before scaling
 
 
@@ -91,7 +91,7 @@ def _made(generator: Generator, wanted: Size) -> Model:
 
 def _is_sound(model: Model) -> bool:
     """Whether every solid is one and everything that moves has somewhere to go."""
-    solids = all(np.ptp(mesh.vertices, axis=0).min() > THIN for part in parts_of(model) for mesh in part.pieces)
+    solids = all(np.ptp(mesh.vertices, axis=0).min() > FLAT for part in parts_of(model) for mesh in part.pieces)
     return solids and all(moving.upper > 0 for moving in model.moving)
 
 

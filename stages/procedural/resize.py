@@ -7,8 +7,8 @@ from pathlib import Path
 
 from stages.articulated.asset_folder import read_asset, stretch_asset
 from stages.contracts.errors import InputError
+from stages.contracts.types import LARGEST
 from stages.procedural import build
-from stages.procedural.folder import LARGEST
 
 SAME = 5e-4  # metres: a size this near to the native one is left alone
 

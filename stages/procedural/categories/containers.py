@@ -12,7 +12,7 @@ from stages.procedural.model import Model, Size, part
 from stages.procedural.recipe import Coating, Generator, Rng, Sampled, between, fixed, in_turn, of, rounded
 from stages.procedural.shapes import box, cushion, lathe, rod
 
-LIGHT = 300.0  # kg / m^3: a shell with little in it
+LIGHT = 300.0  # kg / m^3: a shell with little or machinery in it
 DARK = (0.04, 0.04, 0.05)
 
 

@@ -7,13 +7,12 @@ import numpy as np
 
 from stages.procedural.category import category
 from stages.procedural.colours import METALS, PAINTS, WOODS
-from stages.procedural.finishes import Surface, shade
+from stages.procedural.finishes import DARK, Surface, shade
 from stages.procedural.model import CERAMIC, METAL, PLASTIC, Model, Part, Size, part
 from stages.procedural.recipe import Coating, Generator, Rng, Sampled, between, fixed, in_turn, of, rounded, uniform
 from stages.procedural.shapes import box, cushion, hull, lathe, rod, rotated, translated
 
 SILVER = (0.62, 0.68, 0.72)
-DARK = (0.05, 0.05, 0.06)
 WAX = 900.0
 
 
