@@ -67,4 +67,4 @@ def missing(who: Path, what: str, name: str, here: Path, folder: Path) -> InputE
                 break
         except (OSError, RuntimeError, ValueError):
             break
-    return InputError(who, f"{what} '{name[:200]}' in {folder.name}/.", fix)
+    return InputError(who, f"{what} '{name[:200]}' in {folder.name}/.", fix, code="E-FILE-MISSING")

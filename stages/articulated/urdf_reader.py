@@ -36,7 +36,7 @@ def read_urdf(path: Path, folder: Path) -> RobotModel:
     links = {name: reader.link(name) for name in reader.tree.links}
     reader.check_whole({name for name, link in links.items() if link.visuals})
     if not any(link.visuals for link in links.values()):
-        raise InputError(path, "shows nothing: no link has geometry.")
+        raise InputError(path, "shows nothing: no link has geometry.", code="E-MODEL-UNSEEN")
     name = reader.tree.robot.get("name", Path(path).stem)
     return RobotModel(name, links, reader.joints, remarks=tuple(dict.fromkeys(reader.remarks)))
 
@@ -121,7 +121,7 @@ class UrdfReader:
         geometry = element.find("geometry")
         kind = next(iter(geometry), None) if geometry is not None else None
         if kind is None:
-            raise InputError(self.path, f"{where}: has no <geometry>.")
+            raise InputError(self.path, f"{where}: has no <geometry>.", code="E-URDF-GEOMETRY")
         pose = self.tree.origin(element, where)
         meshes = self._geometry(kind, where, looks)
         if (pose != np.eye(4)).any():
@@ -133,7 +133,9 @@ class UrdfReader:
         if kind.tag == "mesh":
             scale = self.tree.numbers(kind, "scale", "1 1 1", 3, where)
             if (scale == 0).any():
-                raise InputError(self.path, f'{where}: scale="{kind.get("scale")}" flattens the mesh.')
+                raise InputError(
+                    self.path, f'{where}: scale="{kind.get("scale")}" flattens the mesh.', code="E-URDF-NUMBER"
+                )
             meshes, lost = load_meshes(self._mesh_file(kind.get("filename", ""), where), self.folder)
             self.remarks += lost if looks else []
             if (scale == 1).all():
@@ -149,7 +151,7 @@ class UrdfReader:
             mesh = make(height=length, radius=radius)
             mesh.apply_translation([0, 0, -mesh.bounds.mean(axis=0)[2]])
             return [mesh]
-        raise InputError(self.path, f"{where}: <{kind.tag}> is not a known geometry.")
+        raise InputError(self.path, f"{where}: <{kind.tag}> is not a known geometry.", code="E-URDF-GEOMETRY")
 
     def _colour(self, element: ET.Element, where: str) -> RGBA | None:
         material = element.find("material")
@@ -195,7 +197,12 @@ class UrdfReader:
         if element is not None and element.find("mass") is not None:
             given = float(self.tree.numbers(element.find("mass"), "value", "0", 1, f"{where}, <mass>", low=0.0)[0])
             if given > HEAVIEST:
-                raise InputError(self.path, f"{where}, <mass>: {given:g} kg is too heavy.", f"at most {HEAVIEST:g}")
+                raise InputError(
+                    self.path,
+                    f"{where}, <mass>: {given:g} kg is too heavy.",
+                    f"at most {HEAVIEST:g}",
+                    code="E-MODEL-MASS",
+                )
             mass, weighed = given or mass, given > 0
             center = self.tree.origin(element, where)[:3, 3] if element.find("origin") is not None else center
         found = element.find("inertia") if element is not None else None

@@ -48,7 +48,10 @@ def generate(recipe: Recipe, size: Size | None = None) -> Model:
 
     if recipe.generator not in GENERATORS:
         raise InputError(
-            "recipe", f"unknown generator '{recipe.generator}'.", f"one of {', '.join(sorted(GENERATORS))}"
+            "recipe",
+            f"unknown generator '{recipe.generator}'.",
+            f"one of {', '.join(sorted(GENERATORS))}",
+            code="E-RECIPE-PARAMETER",
         )
     wanted = _size(recipe, size)
     parameters = {key: value for key, value in recipe.parameters.items() if key != "size"}
@@ -56,10 +59,10 @@ def generate(recipe: Recipe, size: Size | None = None) -> Model:
     try:
         return _made(GENERATORS[recipe.generator].model_validate(parameters), wanted)
     except ValidationError as error:
-        raise InputError(where, f"parameter {first_error(error)}.") from None
+        raise InputError(where, f"parameter {first_error(error)}.", code="E-RECIPE-PARAMETER") from None
     except (ValueError, IndexError, ArithmeticError, QhullError) as error:
         reason = (str(error).splitlines() or [type(error).__name__])[0][:200]
-        raise InputError(where, f"its parameters make no model: {reason}.") from None
+        raise InputError(where, f"its parameters make no model: {reason}.", code="E-RECIPE-PARAMETER") from None
 
 
 def _size(recipe: Recipe, size: Size | None) -> Size:
@@ -68,9 +71,11 @@ def _size(recipe: Recipe, size: Size | None) -> Size:
     try:
         x, y, z = np.asarray(asked, dtype=float).tolist()
     except (TypeError, ValueError):
-        raise InputError("recipe", f"size {asked!r} is not three numbers.") from None
+        raise InputError("recipe", f"size {asked!r} is not three numbers.", code="E-RECIPE-PARAMETER") from None
     if not all(0 < extent <= LARGEST for extent in (x, y, z)):
-        raise InputError("recipe", f"size {(x, y, z)} is not positive, or larger than {LARGEST:g} m.")
+        raise InputError(
+            "recipe", f"size {(x, y, z)} is not positive, or larger than {LARGEST:g} m.", code="E-RECIPE-PARAMETER"
+        )
     return (x, y, z)
 
 

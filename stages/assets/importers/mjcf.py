@@ -30,14 +30,14 @@ def read_mjcf(path: Path, folder: Path) -> RobotModel:
     """
     spec, model = compiled(path, folder)
     if model.nbody > MOST_LINKS:
-        raise InputError(path, f"has {model.nbody} bodies.", f"at most {MOST_LINKS}")
+        raise InputError(path, f"has {model.nbody} bodies.", f"at most {MOST_LINKS}", code="E-MODEL-PARTS")
     if (free := int((model.jnt_type == mjtJoint.mjJNT_FREE).sum())) > 1:
         raise InputError(
             path, f"holds {free} free bodies: a scene, not a model.", "one file per model", code="E-MJCF-SCENE"
         )
     links, joints = _Reader(spec, model).tree()
     if not any(link.visuals for link in links.values()):
-        raise InputError(path, "shows nothing: no body has geometry.")
+        raise InputError(path, "shows nothing: no body has geometry.", code="E-MODEL-UNSEEN")
     return RobotModel(path.stem, links, joints)
 
 
