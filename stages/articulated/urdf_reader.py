@@ -91,7 +91,7 @@ class UrdfReader:
         return [visual for element in elements for visual in self._usable(element, where, looks)]
 
     def check_whole(self, shown: set[str]) -> None:
-        """Refuse the model if links have no shape left that carry others, or are more than those that have.
+        """Refuse the model if links have no shape left that carry others, or are as many as those that have.
 
         Args:
             shown: links of which something is seen.
@@ -101,7 +101,7 @@ class UrdfReader:
         """
         lost = {name: error for name, error in self._broken.items() if name not in shown}
         carries = any(joint.parent in lost for joint in self.joints)
-        if carries or len(lost) > len(shown):
+        if lost and (carries or len(lost) >= len(shown)):
             raise next(iter(lost.values()))
 
     def _usable(self, element: ET.Element, where: str, looks: bool) -> list[Visual]:
@@ -203,7 +203,7 @@ class UrdfReader:
                     f"at most {HEAVIEST:g}",
                     code="E-MODEL-MASS",
                 )
-            mass, weighed = given or mass, given > 0
+            mass, weighed = (given, True) if given > MINIMUM_MASS else (mass, False)  # else it is left out, or absurd
             center = self.tree.origin(element, where)[:3, 3] if element.find("origin") is not None else center
         found = element.find("inertia") if element is not None else None
         if found is not None and element is not None:

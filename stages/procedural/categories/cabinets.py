@@ -42,7 +42,6 @@ def _recipe(rng: Rng, layout: Layout, tops: Palette = WOODS, **changes: Any) -> 
     founders=24,
     count=56,
     names="cabinet, cupboard, storage furniture",
-    like="credenza",
     kin="storage",
     varied=True,
     fronts=(
@@ -218,7 +217,6 @@ def sample_wardrobe(rng: Rng, index: int) -> Sampled:
     founders=8,
     count=32,
     names="chest drawers, drawer chest, dresser, commode",
-    like="bureau",
     kin="storage",
     varied=True,
     fronts=(
