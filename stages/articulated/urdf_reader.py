@@ -15,10 +15,7 @@ from stages.articulated.mesh_reader import convex_pieces, has_texture, load_mesh
 from stages.articulated.model import RGBA, JointModel, Link, Matrix, RobotModel, Visual, moved
 from stages.articulated.urdf_tree import UrdfTree
 from stages.contracts.errors import InputError
-from stages.geometry.solids import MINIMUM_INERTIA as MINIMUM_INERTIA
-from stages.geometry.solids import board_mass as board_mass
-from stages.geometry.solids import box_around as box_around
-from stages.geometry.solids import box_inertia as box_inertia
+from stages.geometry.solids import MINIMUM_MASS, board_mass, box_around, box_inertia
 
 HEAVIEST = 1e5  # kg, of one link
 

@@ -22,7 +22,7 @@ from stages.articulated.roles import with_roles
 from stages.articulated.sense import doors_and_drawers, front_direction, squared
 from stages.articulated.solid_handle import with_solid_handles
 from stages.articulated.stretching import stretched
-from stages.articulated.urdf_reader import HEAVIEST, board_mass
+from stages.articulated.urdf_reader import HEAVIEST
 from stages.assets.apart import apart
 from stages.assets.discover import Found, discover, numbered_names
 from stages.assets.guess import Guess
@@ -37,6 +37,7 @@ from stages.contracts.files import read_json
 from stages.contracts.library import Asset, Placement, Symmetry
 from stages.contracts.types import LARGEST
 from stages.geometry.frames import rigid, yaw_matrix
+from stages.geometry.solids import board_mass
 from stages.plugins import load, short
 
 IMPORTERS = tuple(OwnOptions().importers)

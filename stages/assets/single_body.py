@@ -8,8 +8,8 @@ from scipy.spatial import QhullError
 
 from stages.articulated.mesh_reader import convex_pieces, load_meshes
 from stages.articulated.model import Link, RobotModel, Visual
-from stages.articulated.urdf_reader import MINIMUM_INERTIA, board_mass
 from stages.contracts.errors import InputError
+from stages.geometry.solids import MINIMUM_INERTIA, board_mass
 
 
 def read_mesh(path: Path, folder: Path) -> RobotModel:

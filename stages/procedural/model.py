@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from trimesh import Trimesh
 
-from stages.articulated.urdf_reader import DENSITY as WOOD
 from stages.contracts.library import HandleKind
+from stages.geometry.solids import DENSITY as WOOD
 from stages.procedural.finishes import RGB, Finish, Surface, finish_of
 from stages.procedural.shapes import bounds_of
 

@@ -5,8 +5,8 @@ from trimesh import Trimesh
 
 from stages.articulated.mesh_writer import is_box
 from stages.articulated.model import JointModel, Link, Matrix, RobotModel, Visual
-from stages.articulated.urdf_reader import MINIMUM_INERTIA
 from stages.geometry.frames import rigid
+from stages.geometry.solids import MINIMUM_INERTIA
 from stages.procedural.model import Model, Moving, Part
 from stages.procedural.textures import texture_of
 

@@ -209,7 +209,7 @@ def test_a_joint_that_is_slow_does_not_stick(tmp_path: Path, monkeypatch: pytest
     place.mkdir(parents=True)
     (place / "a.urdf").write_text(rubbing(0.01))
     (asset,) = import_folder(tmp_path / "mine", tmp_path / "models")
-    monkeypatch.setattr("stages.simulation.loading.REVOLUTE_DAMPING", 600.0)  # 20 N: 3 cm/s, six seconds
+    monkeypatch.setattr("stages.simulation.loading.DAMPING", 600.0)  # 20 N: 3 cm/s, six seconds
     assert stuck_joints(tmp_path / "models" / asset.id) == []
 
 

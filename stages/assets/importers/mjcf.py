@@ -14,12 +14,13 @@ from trimesh import Trimesh
 
 from stages.articulated.mesh_reader import convex_pieces
 from stages.articulated.model import RGBA, JointModel, Link, Matrix, RobotModel, Visual, moved
-from stages.articulated.urdf_reader import board_mass, box_around, box_inertia, closed_at_lower
+from stages.articulated.urdf_reader import closed_at_lower
 from stages.articulated.urdf_tree import FIXED_RANGE, MOST_LINKS
 from stages.assets.importers import Importer
 from stages.assets.mjcf_file import compiled
 from stages.contracts.errors import InputError
 from stages.geometry.frames import rigid
+from stages.geometry.solids import board_mass, box_around, box_inertia
 
 
 def read_mjcf(path: Path, folder: Path) -> RobotModel:
