@@ -4,12 +4,13 @@ from pathlib import Path
 
 import numpy as np
 import trimesh
-from scipy.spatial import QhullError
 
 from stages.articulated.mesh_reader import convex_pieces, load_meshes
 from stages.articulated.model import Link, RobotModel, Visual
 from stages.contracts.errors import InputError
 from stages.geometry.solids import MINIMUM_INERTIA, board_mass
+
+FLAT = 1e-5  # of its largest extent: what is thinner, whichever way it lies, has no inside
 
 
 def read_mesh(path: Path, folder: Path) -> RobotModel:
@@ -19,10 +20,11 @@ def read_mesh(path: Path, folder: Path) -> RobotModel:
         InputError: it cannot be read, or is flat.
     """
     meshes, lost = load_meshes(path, folder)
-    try:
-        hull = trimesh.convex.convex_hull(np.concatenate([mesh.vertices for mesh in meshes]))
-    except QhullError:
-        raise InputError(path, "is flat.", "a mesh with some thickness", code="E-MODEL-FLAT") from None
+    points = np.concatenate([mesh.vertices for mesh in meshes])
+    across = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2][2]
+    if np.ptp(points @ across) < FLAT * np.ptp(points, axis=0).max():
+        raise InputError(path, "is flat.", "a mesh with some thickness", code="E-MODEL-FLAT")
+    hull = trimesh.convex.convex_hull(points)
     pieces = [piece for mesh in meshes for piece in convex_pieces(mesh)]
     visuals = [Visual(mesh) for mesh in meshes]
     mass = board_mass(pieces, visuals)

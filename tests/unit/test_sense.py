@@ -134,7 +134,7 @@ def test_only_doors_and_drawers_move(tmp_path: Path) -> None:
     assert [joint.name for joint in robot.joints if joint.type != "fixed"] == ["hinge", "slide"]
     assert doubts == [
         "fixed, as no door or drawer: 'press' (slides by less than 5 cm)",
-        "fixed, as no door or drawer: 'sideways' (opens to another side than the front)",
+        "fixed, as no door or drawer: 'sideways' (moves no front of some size)",
         "fixed, as no door or drawer: 'turn' (turns no panel about its side)",
         "fixed, as no door or drawer: 'helper' (moves nothing that is seen)",
     ]

@@ -66,25 +66,13 @@ class PlantPot(Generator):
                         lathe([(0, low), (share * radius, low + 0.02 * (z - top)), (0, high)]), green, LEAF, smooth=True
                     )
                 )
-            parts.append(
-                part(
-                    rod((0, 0, top), (0, 0, top + 0.15 * (z - top)), 0.08 * radius),
-                    BARK,
-                    WOOD,
-                    smooth=True,
-                )
-            )
+            parts.append(part(rod((0, 0, top), (0, 0, top + 0.15 * (z - top)), 0.08 * radius), BARK, WOOD, smooth=True))
         else:
             trunk = 0.45 if style == "tree" else 0.0
             low = top + trunk * (z - top) - (0.0 if trunk else 0.03 * z)
             if trunk:
                 parts.append(
-                    part(
-                        rod((0, 0, top), (0, 0, low + 0.1 * (z - low)), 0.07 * radius),
-                        BARK,
-                        WOOD,
-                        smooth=True,
-                    )
+                    part(rod((0, 0, top), (0, 0, low + 0.1 * (z - low)), 0.07 * radius), BARK, WOOD, smooth=True)
                 )
             angles = np.linspace(-np.pi / 2, np.pi / 2, 9)
             profile = [(radius * float(np.cos(t)), (low + z) / 2 + (z - low) / 2 * float(np.sin(t))) for t in angles]

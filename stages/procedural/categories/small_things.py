@@ -57,13 +57,7 @@ class Clock(Generator):
         )
         parts.append(
             _hand(
-                x + 2 * thin,
-                thin,
-                2 * np.pi * self.minute,
-                -0.1 * inner,
-                0.78 * inner,
-                0.022 * inner,
-                self.hand_colour,
+                x + 2 * thin, thin, 2 * np.pi * self.minute, -0.1 * inner, 0.78 * inner, 0.022 * inner, self.hand_colour
             )
         )
         raised = [
