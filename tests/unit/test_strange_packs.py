@@ -185,21 +185,6 @@ def test_what_a_collection_holds_is_called_as_it_is(tmp_path: Path) -> None:
     assert {name: category_in(name) for name in told} == told
 
 
-def test_pieces_of_a_model_are_no_models(tmp_path: Path) -> None:
-    def meshes(*names: str) -> str:
-        files = "".join(f'<mesh file="{name}.stl"/>' for name in names)
-        return f"<asset>{files}</asset><worldbody/>"
-
-    mjcf(tmp_path / "cabinet.xml", meshes("cabinet/base/base", "cabinet/door/door"))
-    mjcf(tmp_path / "cabinet/door/door.xml", meshes("door"))
-    mjcf(tmp_path / "cabinet/lamp/lamp.xml", meshes("lamp"))
-    mjcf(tmp_path / "pot/pot.xml", meshes("pot", "lid"))
-    mjcf(tmp_path / "pot/pot_lid.xml", meshes("lid"))
-    mjcf(tmp_path / "other/door.xml", meshes("door"))
-    found = {one.path.relative_to(tmp_path).as_posix() for one in discover(tmp_path, [".xml"])}
-    assert found == {"cabinet.xml", "cabinet/lamp/lamp.xml", "pot/pot.xml", "other/door.xml"}
-
-
 def test_kinds_of_files_that_are_in_metres_stay_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     urdf(tmp_path / "theirs/arena.urdf", f'<link name="a">{box("6 5 3")}</link>')
     run(tmp_path / "theirs", out=tmp_path / "mine")
