@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 GRID = 0.004  # metres between rays
-MOST = 1000  # rays along a side; a panel that would take more is larger than any
 NEAREST = 0.005  # rays that end this close behind the nearest hit make up the mean handle location (official code)
 FRONT = 0.015  # the foremost slice that tells the handle's direction and extents
 BEHIND = 0.001  # metres: what is nearer to a surface along a ray belongs to it
@@ -40,8 +39,7 @@ class Handle:
 def front_hits(mesh: trimesh.Trimesh) -> Array:
     """First hits (N, 3) of rays that fly along -x onto the mesh, on a grid over its y-z extents."""
     low, high = mesh.bounds
-    step = max(GRID, float((high - low).max()) / MOST)
-    y, z = (np.arange(low[i] + step / 2, high[i], step) for i in (1, 2))
+    y, z = (np.arange(low[i] + GRID / 2, high[i], GRID) for i in (1, 2))
     origins = np.stack(np.meshgrid([high[0] + 0.1], y, z, indexing="ij"), axis=-1).reshape(-1, 3)
     directions = np.tile([-1.0, 0.0, 0.0], (len(origins), 1))
     hits, _, _ = mesh.ray.intersects_location(origins, directions, multiple_hits=False)

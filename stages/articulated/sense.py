@@ -17,7 +17,6 @@ LEAST_TURN = np.deg2rad(20)  # by which a door turns at least
 ASKEW = np.deg2rad(10)  # by which a front may face another way than along an axis
 STAYS = 0.3  # of a slide's way: what leaves its parent's box by less is a sliding door, no drawer; of that box's extent
 # along it: what is as far behind its front when it is closed
-SWINGS = 0.02  # metres: a panel whose middle is nearer to its hinge (seen from the front) swings neither way
 THIN = 0.6  # of a door's other horizontal extent: thicker things are no panels
 
 
@@ -100,7 +99,7 @@ def _front(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix], whol
             return "turns no panel about its side"  # a stove's knob turns about the direction that it faces
         centre = (low + high) / 2
         swing = float(np.cross(axis, centre - frame[:3, 3])[way])
-        outward[way] = np.sign(swing) if abs(swing) > SWINGS else 1.0 if centre[way] >= whole[:, way].mean() else -1.0
+        outward[way] = np.sign(swing)
     width, height = extents[1 - way], extents[2]
     if min(width, height) < SHORTEST:
         return "moves no front of some size"

@@ -17,8 +17,6 @@ from stages.articulated.urdf_tree import UrdfTree
 from stages.contracts.errors import InputError
 from stages.geometry.solids import MINIMUM_MASS, board_mass, box_around, box_inertia
 
-HEAVIEST = 1e5  # kg, of one link
-
 
 def read_urdf(path: Path, folder: Path) -> RobotModel:
     """Read a URDF; meshes are looked for beside it and in the folders above, up to `folder`.
@@ -193,13 +191,6 @@ class UrdfReader:
         center = (low + high) / 2
         if element is not None and element.find("mass") is not None:
             given = float(self.tree.numbers(element.find("mass"), "value", "0", 1, f"{where}, <mass>", low=0.0)[0])
-            if given > HEAVIEST:
-                raise InputError(
-                    self.path,
-                    f"{where}, <mass>: {given:g} kg is too heavy.",
-                    f"at most {HEAVIEST:g}",
-                    code="E-MODEL-MASS",
-                )
             mass, weighed = (given, True) if given > MINIMUM_MASS else (mass, False)  # else it is left out, or absurd
             center = self.tree.origin(element, where)[:3, 3] if element.find("origin") is not None else center
         found = element.find("inertia") if element is not None else None

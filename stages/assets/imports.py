@@ -22,7 +22,6 @@ from stages.articulated.roles import with_roles
 from stages.articulated.sense import doors_and_drawers, front_direction, squared
 from stages.articulated.solid_handle import with_solid_handles
 from stages.articulated.stretching import stretched
-from stages.articulated.urdf_reader import HEAVIEST
 from stages.assets.apart import apart
 from stages.assets.discover import Found, discover, numbered_names
 from stages.assets.guess import Guess
@@ -35,7 +34,7 @@ from stages.config.assets import OwnOptions
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json
 from stages.contracts.library import Asset, Placement, Symmetry
-from stages.contracts.types import LARGEST
+from stages.contracts.types import LARGEST, Mass
 from stages.geometry.frames import rigid, yaw_matrix
 from stages.geometry.solids import board_mass
 from stages.plugins import load, short
@@ -52,7 +51,7 @@ class Notes(Guess):
     )
     up: Axis | None = Field(None, description="direction up in the file; default +z, for GLB +y (glTF's rule)")
     scale: float = Field(1.0, ge=1e-6, le=1e6, description="metres per unit of the file")
-    mass: float | None = Field(None, gt=0, le=HEAVIEST, description="kg; default from the file, or that of boards")
+    mass: Mass | None = Field(None, description="kg; default from the file, or that of boards")
     symmetry: Symmetry = "none"
     placement: Placement = "floor"
     licence: str = "unknown"
@@ -211,10 +210,10 @@ def import_file(file: ModelFile, models: Path) -> tuple[Asset, list[str]]:
 
 
 def check_believable(robot: RobotModel, path: Path) -> None:
-    """Refuse what is flat, larger than a house, or heavier than can be.
+    """Refuse what is flat or larger than a house.
 
     Raises:
-        InputError: names the extent or the link.
+        InputError: names the extent.
     """
     low, high = closed_box(robot)
     extents = high - low
@@ -229,11 +228,6 @@ def check_believable(robot: RobotModel, path: Path) -> None:
         raise InputError(
             path, f"lies {np.abs([low, high]).max():.4g} m from its origin.", "move it there", code="E-MODEL-SIZE"
         )
-    for link in robot.links.values():
-        if link.mass > HEAVIEST:
-            raise InputError(
-                path, f"link '{link.name}': weighs {link.mass:.4g} kg.", f"at most {HEAVIEST:g} kg", code="E-MODEL-MASS"
-            )
 
 
 def snake_case(text: str) -> str:

@@ -19,7 +19,7 @@ Placement = Literal["floor", "object", "wall"]
 
 METAL, STEEL, CERAMIC, GLASS = 2700.0, 7800.0, 2200.0, 2400.0  # kg / m^3
 EXACT = 1e-9  # a model that fits as well as this is left as it is
-FOAM, PLASTIC, PAPER = 60.0, 1000.0, 700.0
+FOAM, PLASTIC, PAPER, FILLED = 60.0, 1000.0, 700.0, 900.0  # FILLED: a vessel and what is in it, wax
 
 
 @dataclass(frozen=True)

@@ -6,11 +6,11 @@ import numpy as np
 
 from stages.procedural.category import category
 from stages.procedural.colours import CARDBOARD, GLAZES, GREENS
-from stages.procedural.model import WOOD, Model, Size, part
+from stages.procedural.model import FILLED, WOOD, Model, Size, part
 from stages.procedural.recipe import Coating, Generator, Rng, Sampled, between, in_turn, of, rounded, whole
 from stages.procedural.shapes import hull, lathe, rod
 
-LEAF, POT = 20.0, 900.0  # kg / m^3: foliage is mostly air, a pot is mostly earth
+LEAF = 20.0  # kg / m^3: foliage is mostly air
 BARK, EARTH = (0.25, 0.15, 0.08), (0.10, 0.06, 0.03)
 
 
@@ -31,12 +31,12 @@ class PlantPot(Generator):
         top = self.pot * z
         foot = rim * self.taper
         outline = [(0, 0), (foot, 0), (0.96 * rim, 0.85 * top), (rim, 0.85 * top), (rim, top), (0, top)]
-        parts = [part(lathe(outline), self.pot_colour, POT, smooth=True)]
+        parts = [part(lathe(outline), self.pot_colour, FILLED, smooth=True)]
         parts.append(
             part(
                 lathe([(0, top), (0.9 * rim, top), (0.85 * rim, top + 0.005), (0, top + 0.005)]),
                 EARTH,
-                POT,
+                FILLED,
                 smooth=True,
             )
         )
