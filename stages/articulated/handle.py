@@ -1,4 +1,4 @@
-"""Where the handle of a door or drawer is, found with rays (paper A.4)."""
+"""Find the handle of a door or drawer by ray casting (paper A.4)."""
 
 from dataclasses import dataclass
 
@@ -67,7 +67,7 @@ def find_handle(mesh: trimesh.Trimesh) -> Handle | None:
 
 
 def _standing_out(hits: Array, panel: float) -> Handle | None:
-    """What stands out most of a panel at a depth, by the first hits (N, 3) on it."""
+    """The most protruding feature of a panel at x = `panel`, from ray hits (N, 3)."""
     if not len(hits):
         return None
     nearest = hits[:, 0].max()
@@ -84,8 +84,7 @@ def _standing_out(hits: Array, panel: float) -> Handle | None:
 
 
 def exact_width(mesh: trimesh.Trimesh, handle: Handle) -> float:
-    """Metres across a handle that was found with rays, whose grid adds up to 4 mm: of the surface that is cut off where
-    they took its direction."""
+    """Width of a handle in metres, from its mesh: the grid of rays that found it adds up to 4 mm."""
     depth = handle.position[0] - min(FRONT, handle.protrusion / 2)
     part = trimesh.intersections.slice_mesh_plane(mesh, [1.0, 0.0, 0.0], [depth, 0.0, 0.0])
     along = handle.axis[1:]
@@ -96,7 +95,7 @@ def exact_width(mesh: trimesh.Trimesh, handle: Handle) -> float:
 
 
 def _panel_depth(x: Array) -> float:
-    """The depth that most rays end at: the panel covers more area than its frame or its handle."""
+    """The x at which most rays end: the panel covers more area than its frame or its handle."""
     counts, edges = np.histogram(x, bins=max(1, int(np.ceil(np.ptp(x) / NEAREST))))
     best = int(counts.argmax())
     return float(np.median(x[(x >= edges[best]) & (x <= edges[best + 1])]))

@@ -1,4 +1,4 @@
-"""What one model of a user's folder is taken for; its files and notes, written where the user can correct them."""
+"""Import one model of a user's folder: its URDF and notes (asset.json), written where the user can correct them."""
 
 import shutil
 import xml.etree.ElementTree as ET
@@ -101,7 +101,7 @@ def examined(
     shared: Shared,
     category: str | None = None,
 ) -> Examined:
-    """Say what a model that was read into `place` is taken for; its asset is made below `work`, in another process.
+    """Complete the notes of a model that was read into `place` and build its asset below `work`, in another process.
 
     Notes that were written by hand count and stay as they are; of the others what is not told is guessed.
 

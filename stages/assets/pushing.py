@@ -1,4 +1,4 @@
-"""Doors and drawers of imported models, pushed once: which parts touch when closed, which joints stick."""
+"""Physics checks of imported doors and drawers: links that touch when closed, joints that stick."""
 
 from pathlib import Path
 

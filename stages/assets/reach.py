@@ -1,4 +1,4 @@
-"""Whether the robot's arm can follow the doors and drawers of an imported model, without moving anything."""
+"""Kinematic check of imported doors and drawers: whether the arm can follow them open."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Palettes of finishes, and how models draw from them."""
+"""Palettes of finishes, and how models sample from them."""
 
 import numpy as np
 
@@ -29,7 +29,6 @@ def pick(rng: np.random.Generator, *palettes: Palette, spread: float = 0.08) -> 
     choices = [finish for palette in palettes for finish in palette]
     finish = choices[rng.integers(len(choices))]
     factor = rng.uniform(1 - spread, 1 + spread)
-    pattern = (
-        int(1e6 * factor) % MATERIALS[finish.material].patterns
-    )  # no draw of its own: what is drawn next stays what it was
+    # Derived from the factor, so that the random numbers after it stay the same.
+    pattern = int(1e6 * factor) % MATERIALS[finish.material].patterns
     return str(finish.tinted([factor * channel for channel in finish.colour])._replace(pattern=pattern))

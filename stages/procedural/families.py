@@ -1,7 +1,8 @@
 """Families of near relatives: variations of a category's first models, the founders (docs/assets.md).
 
 Of cabinets every other generation is near (the same fronts and kind of handle in other proportions, finishes, panels),
-the others are farther: other fronts, handles and hinges. Relatives of all else are drawn anew in their founder's style.
+the others are farther: other fronts, handles and hinges. Relatives of
+all else are sampled anew in their founder's style.
 """
 
 import math
