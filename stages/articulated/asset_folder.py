@@ -68,7 +68,9 @@ def read_model(folder: Path) -> RobotModel:
     urdf = urdf_of(folder, asset)
     robot = read_urdf(urdf, folder)
     if robot.remarks:  # of what we wrote nothing is missing
-        raise InputError(urdf, robot.remarks[0], "make the library again: python -m stages.assets library")
+        raise InputError(
+            urdf, robot.remarks[0], "make the library again: python -m stages.assets library", code="E-ASSET-STALE"
+        )
     robot = with_roles_of(robot, asset.joints)
     return replace(robot, touching=read_srdf(urdf.with_suffix(".srdf")))
 
@@ -99,7 +101,9 @@ def urdf_of(folder: Path, asset: Asset) -> Path:
     """The URDF of an asset, which lies in its folder."""
     path = Path(folder) / asset.urdf
     if not path.resolve().is_relative_to(Path(folder).resolve()):
-        raise InputError(Path(folder) / "asset.json", f"urdf: '{asset.urdf}' lies outside the asset's folder.")
+        raise InputError(
+            Path(folder) / "asset.json", f"urdf: '{asset.urdf}' lies outside the asset's folder.", code="E-FILE-OUTSIDE"
+        )
     return path
 
 

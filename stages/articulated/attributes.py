@@ -1,4 +1,4 @@
-"""What a gripper and a policy meet at a door or drawer: kind of handle, hinge side, place and extents of the front."""
+"""Attributes of a door or drawer, measured: kind of handle, hinge side, position and extents of the front."""
 
 from collections.abc import Iterable, Sequence
 
@@ -6,11 +6,10 @@ import numpy as np
 import trimesh
 
 from stages.articulated.forward_kinematics import visual_bounds
-from stages.articulated.handle import GRID, PROTRUSION, WIDEST, Handle, exact_width, find_handle, front_hits
+from stages.articulated.handle import BEHIND, GRID, PROTRUSION, WIDEST, Handle, exact_width, find_handle, front_hits
 from stages.articulated.model import JointModel, Matrix, RobotModel, Visual
 from stages.contracts.library import FrontPanel, HandleKind, HingeSide
 
-NEXT = 0.001  # metres before a handle: what is nearer belongs to it
 ROOM = 0.5  # metres before a handle that a hand and its forearm need
 AT_EDGE = 0.06  # metres from a side of the panel within which a profile counts as its edge
 MOST_OF_IT = 0.7  # share of the panel's extent that such a profile runs along at least
@@ -40,19 +39,19 @@ def front_panel(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix],
 
 
 def measured_handle(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> HandleKind | None:
-    """The kind of handle on what a joint moves, told from its shape alone; None: there is none, see `ungraspable`."""
+    """Kind of the handle on the links that a joint moves, from their shape; None: no handle, see `ungraspable`."""
     held = _held(robot, joint, frames)
     return None if isinstance(held, str) else _kind(*held)
 
 
 def ungraspable(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> str | None:
-    """Why a gripper cannot close on anything of what a joint moves; None: it can."""
+    """The reason why a gripper cannot grasp the links that a joint moves; None: it can."""
     held = _held(robot, joint, frames)
     return held if isinstance(held, str) else None
 
 
 def _held(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> tuple[Handle, trimesh.Trimesh] | str:
-    """The handle of what a joint moves, with the shape of that; or why a gripper cannot close on it."""
+    """The handle on the links that a joint moves, with their mesh; or the reason why a gripper cannot grasp it."""
     moving = moved_by(joint, robot.joints)
     mesh = seen_of(robot, moving, frames)
     handle = None if mesh is None else find_handle(mesh)
@@ -63,14 +62,14 @@ def _held(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> tu
     others = seen_of(robot, robot.links.keys() - set(moving), frames)
     ahead = np.array([1.0, 0.0, 0.0])
     if others is not None:
-        met, _, _ = others.ray.intersects_location([handle.position + NEXT * ahead], [ahead], multiple_hits=False)
+        met, _, _ = others.ray.intersects_location([handle.position + BEHIND * ahead], [ahead], multiple_hits=False)
         if len(met) and (room := float(met[0, 0] - handle.position[0])) < ROOM:
             return f"{100 * room:.2g} cm before its handle stands something else"
     return handle, mesh
 
 
 def seen_of(robot: RobotModel, links: Iterable[str], frames: dict[str, Matrix]) -> trimesh.Trimesh | None:
-    """The shape of what is seen of some links, in the root frame; None: nothing is."""
+    """Visual meshes of some links as one mesh in the root frame; None: they have none."""
     meshes = [_plain(visual, frames[link]) for link in links for visual in robot.links[link].visuals]
     return trimesh.util.concatenate(meshes) if meshes else None  # type: ignore[return-value]
 
@@ -85,12 +84,12 @@ def moved_by(joint: JointModel, joints: Sequence[JointModel]) -> list[str]:
 
 
 def _plain(visual: Visual, frame: Matrix) -> trimesh.Trimesh:
-    """The shape alone, in the asset frame."""
+    """The mesh without its material, in the asset frame."""
     return trimesh.Trimesh(trimesh.transform_points(visual.mesh.vertices, frame), visual.mesh.faces, process=False)
 
 
 def _hinge_side(joint: JointModel, frame: Matrix, middle: Matrix) -> HingeSide:
-    """The side of the panel (its middle given, asset frame) that the axis runs along; the front faces +x."""
+    """The side of a panel on which the axis of its joint lies; `middle` is the panel's, the front faces +x."""
     if joint.type == "prismatic":
         return "slide"
     across, up = (frame[:3, 3] - middle)[1:]

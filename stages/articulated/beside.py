@@ -1,4 +1,4 @@
-"""Files that a mesh file names, for trimesh: pictures and materials, inside the user's folder."""
+"""A resolver for trimesh: the pictures and materials that a mesh file names, confined to the user's folder."""
 
 import warnings
 from io import BytesIO
@@ -62,7 +62,7 @@ class Beside(Resolver):  # type: ignore[misc]
 
 
 def fault_of(data: bytes) -> str | None:
-    """Why a picture cannot be shown; None: it can. Too large is what Pillow warns of."""
+    """The reason why a picture cannot be read; None: it can. Pillow says which are too large."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", Image.DecompressionBombWarning)

@@ -1,4 +1,4 @@
-"""Where the handle of a door or drawer is, found with rays (paper A.4)."""
+"""Find the handle of a door or drawer by ray casting (paper A.4)."""
 
 from dataclasses import dataclass
 
@@ -9,10 +9,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 GRID = 0.004  # metres between rays
-MOST = 1000  # rays along a side; a panel that would take more is larger than any
 NEAREST = 0.005  # rays that end this close behind the nearest hit make up the mean handle location (official code)
 FRONT = 0.015  # the foremost slice that tells the handle's direction and extents
-BEHIND = 0.001  # a ray ends this far behind a raised frame where it does not meet it
+BEHIND = 0.001  # metres: what is nearer to a surface along a ray belongs to it
 PROTRUSION = 0.012  # a handle sticks out at least this far from its panel
 WIDEST = 0.07  # across a handle that a gripper of 8 cm closes on
 
@@ -40,8 +39,7 @@ class Handle:
 def front_hits(mesh: trimesh.Trimesh) -> Array:
     """First hits (N, 3) of rays that fly along -x onto the mesh, on a grid over its y-z extents."""
     low, high = mesh.bounds
-    step = max(GRID, float((high - low).max()) / MOST)
-    y, z = (np.arange(low[i] + step / 2, high[i], step) for i in (1, 2))
+    y, z = (np.arange(low[i] + GRID / 2, high[i], GRID) for i in (1, 2))
     origins = np.stack(np.meshgrid([high[0] + 0.1], y, z, indexing="ij"), axis=-1).reshape(-1, 3)
     directions = np.tile([-1.0, 0.0, 0.0], (len(origins), 1))
     hits, _, _ = mesh.ray.intersects_location(origins, directions, multiple_hits=False)
@@ -69,7 +67,7 @@ def find_handle(mesh: trimesh.Trimesh) -> Handle | None:
 
 
 def _standing_out(hits: Array, panel: float) -> Handle | None:
-    """What stands out most of a panel at a depth, by the first hits (N, 3) on it."""
+    """The most protruding feature of a panel at x = `panel`, from ray hits (N, 3)."""
     if not len(hits):
         return None
     nearest = hits[:, 0].max()
@@ -86,8 +84,7 @@ def _standing_out(hits: Array, panel: float) -> Handle | None:
 
 
 def exact_width(mesh: trimesh.Trimesh, handle: Handle) -> float:
-    """Metres across a handle that was found with rays, whose grid adds up to 4 mm: of the surface that is cut off where
-    they took its direction."""
+    """Width of a handle in metres, from its mesh: the grid of rays that found it adds up to 4 mm."""
     depth = handle.position[0] - min(FRONT, handle.protrusion / 2)
     part = trimesh.intersections.slice_mesh_plane(mesh, [1.0, 0.0, 0.0], [depth, 0.0, 0.0])
     along = handle.axis[1:]
@@ -98,7 +95,7 @@ def exact_width(mesh: trimesh.Trimesh, handle: Handle) -> float:
 
 
 def _panel_depth(x: Array) -> float:
-    """The depth that most rays end at: the panel covers more area than its frame or its handle."""
+    """The x at which most rays end: the panel covers more area than its frame or its handle."""
     counts, edges = np.histogram(x, bins=max(1, int(np.ceil(np.ptp(x) / NEAREST))))
     best = int(counts.argmax())
     return float(np.median(x[(x >= edges[best]) & (x <= edges[best + 1])]))

@@ -1,4 +1,4 @@
-"""Files that a model's file names, inside the user's folder."""
+"""Resolve the file names inside a model's file, confined to the user's folder."""
 
 import os.path
 from collections.abc import Callable
@@ -42,7 +42,7 @@ def find_inside(name: str, here: Path, folder: Path) -> Path | None:
 
 
 def _spelt_alike(base: Path, *parts: str) -> Path:
-    """The path below a folder, with every name spelt as one that is there, if that differs by capital letters alone."""
+    """The path below a folder, with small and capital letters as they are on disk."""
     for part in parts:
         path = base / part
         if not path.exists() and base.is_dir():
@@ -67,4 +67,4 @@ def missing(who: Path, what: str, name: str, here: Path, folder: Path) -> InputE
                 break
         except (OSError, RuntimeError, ValueError):
             break
-    return InputError(who, f"{what} '{name[:200]}' in {folder.name}/.", fix)
+    return InputError(who, f"{what} '{name[:200]}' in {folder.name}/.", fix, code="E-FILE-MISSING")

@@ -15,6 +15,7 @@ from PIL import Image
 from trimesh import Trimesh
 
 from stages.articulated.beside import Beside, fault_of
+from stages.articulated.urdf_tree import LARGEST
 from stages.contracts.errors import InputError
 
 SUFFIXES = {".obj", ".glb", ".gltf", ".stl", ".ply", ".dae", ".off"}
@@ -25,7 +26,6 @@ PICTURES_OF = (
     "image", "baseColorTexture", "metallicRoughnessTexture", "normalTexture", "occlusionTexture", "emissiveTexture",
 )  # fmt: skip
 FLAT = 1e-4  # metres: a piece thinner than this gets that thickness
-FARTHEST = 1e6  # coordinates beyond it are a slip, in whatever unit
 
 
 def load_meshes(path: Path, folder: Path) -> tuple[list[Trimesh], list[str]]:
@@ -39,7 +39,12 @@ def load_meshes(path: Path, folder: Path) -> tuple[list[Trimesh], list[str]]:
         InputError: the file is of no known kind, cannot be read, or holds no triangle that has an area.
     """
     if path.suffix.lower() not in SUFFIXES:
-        raise InputError(path, f"'{path.suffix}' is not a mesh file that is read here.", ", ".join(sorted(SUFFIXES)))
+        raise InputError(
+            path,
+            f"'{path.suffix}' is not a mesh file that is read here.",
+            ", ".join(sorted(SUFFIXES)),
+            code="E-MESH-KIND",
+        )
     header, binary = _gltf(path)
     _check_uncompressed(path, header)
     files, lost = Beside(path, folder), _lost_inside(path, header, binary)
@@ -50,13 +55,13 @@ def load_meshes(path: Path, folder: Path) -> tuple[list[Trimesh], list[str]]:
         meshes = [mesh for mesh in scene.dump() if isinstance(mesh, Trimesh) and len(mesh.faces)]
     except Exception as error:  # mesh readers raise whatever they stumble over
         reason = (str(error).splitlines() or [error.__class__.__name__])[0][:200]
-        raise InputError(path, f"cannot be read as a mesh: {reason}.") from None
+        raise InputError(path, f"cannot be read as a mesh: {reason}.", code="E-MESH-BROKEN") from None
     vertices = [np.asarray(mesh.vertices) for mesh in meshes]
-    if not all(np.isfinite(points).all() and np.abs(points).max() < FARTHEST for points in vertices):
-        raise InputError(path, f"has coordinates that are no numbers or beyond {FARTHEST:g}.")
+    if not all(np.isfinite(points).all() and np.abs(points).max() < LARGEST for points in vertices):
+        raise InputError(path, f"has coordinates that are no numbers or beyond {LARGEST:g}.", code="E-MESH-BROKEN")
     meshes = [mesh for mesh in meshes if mesh.area > 0]
     if not meshes:
-        raise InputError(path, "holds no triangles that have an area.")
+        raise InputError(path, "holds no triangles that have an area.", code="E-MESH-BROKEN")
     if path.suffix.lower() == ".obj" and NO_NUMBER.search(path.read_bytes()):
         lost.append(f"{path.name}: corners that are no numbers are left out")
     return meshes, list(dict.fromkeys([*files.lost, *lost]))
@@ -118,9 +123,14 @@ def _check_uncompressed(path: Path, header: dict[str, Any]) -> None:
     """
     needed = header.get("extensionsRequired", [])
     if DRACO in needed and importlib.util.find_spec("DracoPy") is None:
-        raise InputError(path, f"is compressed ({DRACO}).", "pip install DracoPy, or export it uncompressed")
+        raise InputError(
+            path,
+            f"is compressed ({DRACO}).",
+            "pip install DracoPy, or export it uncompressed",
+            code="E-MESH-COMPRESSED",
+        )
     if MESHOPT in needed:
-        raise InputError(path, f"is compressed ({MESHOPT}).", "export it uncompressed")
+        raise InputError(path, f"is compressed ({MESHOPT}).", "export it uncompressed", code="E-MESH-COMPRESSED")
 
 
 def texture_of(mesh: Trimesh) -> Image.Image | None:

@@ -1,4 +1,4 @@
-"""What the joints are for: doors, drawers, and where their handles are; counting them."""
+"""Roles of joints: doors and drawers, with their handles."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -12,7 +12,7 @@ HANDLE_NAMES = ("handle", "knob", "nob", "pull", "grip")
 
 
 def with_roles(robot: RobotModel) -> RobotModel:
-    """A model that nobody has described: hinges are doors, slides are drawers.
+    """The model with roles by type of joint: hinges are doors, slides are drawers.
 
     A fixed child whose name says so is the handle; else it is looked for on the moving link itself.
     """

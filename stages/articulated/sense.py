@@ -1,4 +1,4 @@
-"""What an articulation that nobody described is: which way its front faces, which joints are doors or drawers."""
+"""Find the front of an articulation without annotations, and which of its joints are doors or drawers."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -12,27 +12,26 @@ from stages.articulated.model import JointModel, Matrix, RobotModel
 from stages.geometry.frames import rigid, yaw_matrix
 
 ALONG = 0.9  # cosine: a slide goes along a direction, a panel's hinge across it
-SHORTEST, LEAST_TURN = 0.05, np.deg2rad(20)  # metres and radians that a drawer or a door moves at least
-MOST_TURN = np.deg2rad(270)  # a door meets what it hangs on; what turns farther is a wheel, or a robot's arm
+SHORTEST = 0.05  # metres that a drawer moves at least, and extents of the smallest front
+LEAST_TURN = np.deg2rad(20)  # by which a door turns at least
 ASKEW = np.deg2rad(10)  # by which a front may face another way than along an axis
 STAYS = 0.3  # of a slide's way: what leaves its parent's box by less is a sliding door, no drawer; of that box's extent
 # along it: what is as far behind its front when it is closed
-NARROWEST, LOWEST = 0.06, 0.02  # metres: extents of the smallest front; a drawer may be as low as this
-SWINGS = 0.02  # metres: a panel whose middle is nearer to its hinge (seen from the front) swings neither way
-LIMB = 0.5  # of what a joint moves: where further joints move more than this share of its size on, it is no front
-THIN = 0.6  # of a door's other horizontal extent: thicker things are no panels
+THIN = 0.6  # thickness of a door, at most, as a share of its width
 
 
 class Front(NamedTuple):
-    """A part that a joint moves, as it is closed: where it opens to (an axis of the root frame), area of its face."""
+    """A door or drawer, closed: the direction that it opens to (an axis of the root frame) and the area of its face."""
 
     outward: Matrix
     area: float
 
 
 def squared(robot: RobotModel) -> tuple[RobotModel, float]:
-    """The model (z up) turned about z by at most 45 degrees, so that the faces of what has joints look along axes; and
-    by how many radians. Nothing that faces many ways, or is hardly askew, is turned."""
+    """The model (z up) turned about z by at most 45 degrees, so that most of its faces look along axes; and the angle.
+
+    Models without joints, without a common direction of their faces, or askew by less than `ASKEW` stay as they are.
+    """
     looks = seen_of(robot, robot.links, link_frames(robot)) if any(j.type != "fixed" for j in robot.joints) else None
     if looks is None:
         return robot, 0.0
@@ -62,7 +61,7 @@ def front_direction(robot: RobotModel) -> tuple[Matrix, int] | None:
 
 
 def _fronts(robot: RobotModel) -> dict[str, Front | str]:
-    """By moving joint, the part that could be a door or drawer whichever way the model faces, or why it is none."""
+    """For each moving joint its door or drawer, whichever way the model faces, or the reason why it is none."""
     frames, whole = link_frames(robot), np.asarray(closed_box(robot))
     return {joint.name: _front(robot, joint, frames, whole) for joint in robot.joints if joint.type != "fixed"}
 
@@ -98,26 +97,21 @@ def _front(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix], whol
         across = 1 - way
         if joint.upper - joint.lower < LEAST_TURN:
             return f"turns by less than {np.rad2deg(LEAST_TURN):.0f} degrees"
-        if joint.upper - joint.lower > MOST_TURN:
-            return f"turns by more than {np.rad2deg(MOST_TURN):.0f} degrees"
         if abs(axis[way]) > 0.3 or extents[way] > THIN * extents[across]:
             return "turns no panel about its side"  # a stove's knob turns about the direction that it faces
         centre = (low + high) / 2
         swing = float(np.cross(axis, centre - frame[:3, 3])[way])
-        outward[way] = np.sign(swing) if abs(swing) > SWINGS else 1.0 if centre[way] >= whole[:, way].mean() else -1.0
+        outward[way] = np.sign(swing)
     width, height = extents[1 - way], extents[2]
-    if width < NARROWEST or height < (LOWEST if joint.type == "prismatic" else NARROWEST):
+    if min(width, height) < SHORTEST:
         return "moves no front of some size"
-    beyond = _box(robot, _beyond(robot.joints, links), frames)
-    if beyond is not None and np.linalg.norm(np.ptp(beyond, axis=0)) > LIMB * np.linalg.norm(extents):
-        return "carries what moves by itself, as limbs do"
     if (angle := _askew(robot, links, frames, outward)) > ASKEW:
         return f"stands {np.rad2deg(angle):.0f} degrees askew"
     return Front(outward, float(width * height))
 
 
 def _beyond(joints: Iterable[JointModel], links: Iterable[str]) -> list[str]:
-    """The links that further joints move, one after the other, on some links."""
+    """All links below some links in the kinematic tree."""
     all_joints, moved = list(joints), set(links)
     below: list[str] = []
     for joint in all_joints:  # parents before children
@@ -128,14 +122,14 @@ def _beyond(joints: Iterable[JointModel], links: Iterable[str]) -> list[str]:
 
 
 def _box(robot: RobotModel, links: Iterable[str], frames: dict[str, Matrix]) -> Matrix | None:
-    """(2, 3) box around what is seen of some links, closed; None: nothing is."""
+    """Box (2, 3) around the visual meshes of some links, closed; None: they have none."""
     boxes = [visual_bounds(robot.links[link].visuals, frames[link]) for link in links]
     corners = [box for box in boxes if box is not None]
     return np.array([np.min(corners, axis=(0, 1)), np.max(corners, axis=(0, 1))]) if corners else None
 
 
 def _askew(robot: RobotModel, links: Iterable[str], frames: dict[str, Matrix], outward: Matrix) -> float:
-    """Radians between a direction and where the front of some links faces: the middle of its normals, by area."""
+    """Angle in radians between a direction and the median normal, by area, of the front of some links."""
     looks = seen_of(robot, links, frames)
     if looks is None:
         return 0.0
@@ -150,9 +144,9 @@ def _askew(robot: RobotModel, links: Iterable[str], frames: dict[str, Matrix], o
 
 
 def doors_and_drawers(robot: RobotModel) -> tuple[RobotModel, list[str]]:
-    """The model (z up, front towards +x) with what is neither door nor drawer fixed where it is; lines say so, and why.
+    """The model (z up, front towards +x) with all joints but doors and drawers fixed; and the reasons, in lines.
 
-    A drawer slides forwards by 5 cm at least, out of what it is in, a door swings forwards by 20 to 270 degrees, on
+    A drawer slides forwards by 5 cm at least, out of what it is in, a door swings forwards by 20 degrees at least, on
     a hinge that lies across the front; either moves a front of some size. Helper links, a chair's seat, sliding doors,
     wheels, knobs and buttons are neither.
     """

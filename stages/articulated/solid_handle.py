@@ -1,4 +1,4 @@
-"""Handles that are seen but whose gap a convex hull has closed: what collides is cut anew, from what is seen."""
+"""Collision shapes of handles: where a convex hull closes the gap behind a handle, decompose its visual mesh."""
 
 from dataclasses import replace
 
@@ -44,14 +44,14 @@ def with_solid_handles(robot: RobotModel) -> tuple[RobotModel, list[str]]:
 
 
 def cut(meshes: list[Trimesh]) -> list[Trimesh]:
-    """Convex pieces of a shape, its hollows left open."""
+    """Convex decomposition of some meshes (V-HACD)."""
     whole = trimesh.util.concatenate([Trimesh(mesh.vertices, mesh.faces, process=True) for mesh in meshes])
     pieces = trimesh.decomposition.convex_decomposition(whole, **CUT)
     return [Trimesh(**piece).convex_hull for piece in pieces if np.ptp(piece["vertices"], axis=0).min() > FLAT]
 
 
 def _alike(seen: Handle | None, solid: Handle | None) -> bool:
-    """Whether a gripper finds what is seen."""
+    """Whether the handle of the collision shape is where the visual one is."""
     if seen is None:
         return True
     if solid is None:

@@ -15,13 +15,7 @@ from stages.articulated.mesh_reader import convex_pieces, has_texture, load_mesh
 from stages.articulated.model import RGBA, JointModel, Link, Matrix, RobotModel, Visual, moved
 from stages.articulated.urdf_tree import UrdfTree
 from stages.contracts.errors import InputError
-from stages.geometry.solids import MINIMUM_INERTIA as MINIMUM_INERTIA
-from stages.geometry.solids import board_mass as board_mass
-from stages.geometry.solids import box_around as box_around
-from stages.geometry.solids import box_inertia as box_inertia
-
-HEAVIEST = 1e5  # kg, of one link
-LOST = 0.25  # of the links that would be seen: where more have no shape that can be used, the model is refused
+from stages.geometry.solids import MINIMUM_MASS, board_mass, box_around, box_inertia
 
 
 def read_urdf(path: Path, folder: Path) -> RobotModel:
@@ -37,7 +31,7 @@ def read_urdf(path: Path, folder: Path) -> RobotModel:
     links = {name: reader.link(name) for name in reader.tree.links}
     reader.check_whole({name for name, link in links.items() if link.visuals})
     if not any(link.visuals for link in links.values()):
-        raise InputError(path, "shows nothing: no link has geometry.")
+        raise InputError(path, "shows nothing: no link has geometry.", code="E-MODEL-UNSEEN")
     name = reader.tree.robot.get("name", Path(path).stem)
     return RobotModel(name, links, reader.joints, remarks=tuple(dict.fromkeys(reader.remarks)))
 
@@ -92,7 +86,7 @@ class UrdfReader:
         return [visual for element in elements for visual in self._usable(element, where, looks)]
 
     def check_whole(self, shown: set[str]) -> None:
-        """Refuse the model if links have no shape left that carry others, or are more than few.
+        """Refuse the model if links have no shape left that carry others, or are as many as those that have.
 
         Args:
             shown: links of which something is seen.
@@ -102,7 +96,7 @@ class UrdfReader:
         """
         lost = {name: error for name, error in self._broken.items() if name not in shown}
         carries = any(joint.parent in lost for joint in self.joints)
-        if carries or len(lost) > LOST * (len(shown) + len(lost)):
+        if lost and (carries or len(lost) >= len(shown)):
             raise next(iter(lost.values()))
 
     def _usable(self, element: ET.Element, where: str, looks: bool) -> list[Visual]:
@@ -122,7 +116,7 @@ class UrdfReader:
         geometry = element.find("geometry")
         kind = next(iter(geometry), None) if geometry is not None else None
         if kind is None:
-            raise InputError(self.path, f"{where}: has no <geometry>.")
+            raise InputError(self.path, f"{where}: has no <geometry>.", code="E-URDF-GEOMETRY")
         pose = self.tree.origin(element, where)
         meshes = self._geometry(kind, where, looks)
         if (pose != np.eye(4)).any():
@@ -134,7 +128,9 @@ class UrdfReader:
         if kind.tag == "mesh":
             scale = self.tree.numbers(kind, "scale", "1 1 1", 3, where)
             if (scale == 0).any():
-                raise InputError(self.path, f'{where}: scale="{kind.get("scale")}" flattens the mesh.')
+                raise InputError(
+                    self.path, f'{where}: scale="{kind.get("scale")}" flattens the mesh.', code="E-URDF-NUMBER"
+                )
             meshes, lost = load_meshes(self._mesh_file(kind.get("filename", ""), where), self.folder)
             self.remarks += lost if looks else []
             if (scale == 1).all():
@@ -150,7 +146,7 @@ class UrdfReader:
             mesh = make(height=length, radius=radius)
             mesh.apply_translation([0, 0, -mesh.bounds.mean(axis=0)[2]])
             return [mesh]
-        raise InputError(self.path, f"{where}: <{kind.tag}> is not a known geometry.")
+        raise InputError(self.path, f"{where}: <{kind.tag}> is not a known geometry.", code="E-URDF-GEOMETRY")
 
     def _colour(self, element: ET.Element, where: str) -> RGBA | None:
         material = element.find("material")
@@ -195,9 +191,7 @@ class UrdfReader:
         center = (low + high) / 2
         if element is not None and element.find("mass") is not None:
             given = float(self.tree.numbers(element.find("mass"), "value", "0", 1, f"{where}, <mass>", low=0.0)[0])
-            if given > HEAVIEST:
-                raise InputError(self.path, f"{where}, <mass>: {given:g} kg is too heavy.", f"at most {HEAVIEST:g}")
-            mass, weighed = given or mass, given > 0
+            mass, weighed = (given, True) if given > MINIMUM_MASS else (mass, False)  # else it is left out, or absurd
             center = self.tree.origin(element, where)[:3, 3] if element.find("origin") is not None else center
         found = element.find("inertia") if element is not None else None
         if found is not None and element is not None:

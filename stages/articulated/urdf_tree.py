@@ -52,9 +52,9 @@ class UrdfTree:
         self.robot = self._parse()
         self.links = self._named("link")
         if not self.links:
-            raise InputError(path, "has no <link>.")
+            raise InputError(path, "has no <link>.", code="E-URDF-ELEMENT")
         if len(self.links) > MOST_LINKS:
-            raise InputError(path, f"has {len(self.links)} links.", f"at most {MOST_LINKS}")
+            raise InputError(path, f"has {len(self.links)} links.", f"at most {MOST_LINKS}", code="E-MODEL-PARTS")
         if any(end.get("link") == WORLD for end in self.robot.findall("joint/parent")):  # some need not declare it
             self.links.setdefault(WORLD, ET.Element("link", name=WORLD))
         joints = [self._joint(element, name) for name, element in self._named("joint").items()]
@@ -64,15 +64,19 @@ class UrdfTree:
         try:
             text = _plain(self.path.read_text(encoding="utf-8-sig"))
         except (OSError, UnicodeDecodeError) as error:
-            raise InputError(self.path, f"cannot be read ({error.__class__.__name__}).") from None
+            raise InputError(self.path, f"cannot be read ({error.__class__.__name__}).", code="E-XML-BROKEN") from None
         if "<!DOCTYPE" in text:  # entities: files of this machine, or more text than its memory holds
-            raise InputError(self.path, "declares a DOCTYPE, which a URDF does not need.", "remove it")
+            raise InputError(
+                self.path, "declares a DOCTYPE, which a URDF does not need.", "remove it", code="E-XML-DOCTYPE"
+            )
         try:
             robot = ET.fromstring(text)
         except (ET.ParseError, ValueError) as error:
-            raise InputError(self.path, f"is not XML: {error}.") from None
+            raise InputError(self.path, f"is not XML: {error}.", code="E-XML-BROKEN") from None
         if robot.tag != "robot":
-            raise InputError(self.path, f"has <{robot.tag[:40]}> at the top.", "a URDF starts with <robot>")
+            raise InputError(
+                self.path, f"has <{robot.tag[:40]}> at the top.", "a URDF starts with <robot>", code="E-URDF-ELEMENT"
+            )
         return robot
 
     def _named(self, tag: str) -> dict[str, ET.Element]:
@@ -80,9 +84,14 @@ class UrdfTree:
         names = [element.get("name", "") for element in elements]
         for name, count in Counter(names).items():
             if not name.strip():
-                raise InputError(self.path, f"a <{tag}> has no name.")
+                raise InputError(self.path, f"a <{tag}> has no name.", code="E-URDF-ELEMENT")
             if count > 1:
-                raise InputError(self.path, f"has {count} {tag}s called '{name}'.", "a name of its own for each")
+                raise InputError(
+                    self.path,
+                    f"has {count} {tag}s called '{name}'.",
+                    "a name of its own for each",
+                    code="E-URDF-ELEMENT",
+                )
         return dict(zip(names, elements, strict=True))
 
     @cached_property
@@ -104,16 +113,22 @@ class UrdfTree:
             self.remarks.append(f'{where}: {key}="{text[:60]}" is more than {count} numbers: the first count')
             values = values[:count]
         if len(values) != count or not np.isfinite(values).all():
-            raise InputError(self.path, f'{where}: {key}="{text[:60]}" is not {count} number(s).')
+            raise InputError(self.path, f'{where}: {key}="{text[:60]}" is not {count} number(s).', code="E-URDF-NUMBER")
         if (values < low).any() or (values > LARGEST).any():
-            raise InputError(self.path, f'{where}: {key}="{text[:60]}" is not within {low:g} and {LARGEST:g}.')
+            raise InputError(
+                self.path, f'{where}: {key}="{text[:60]}" is not within {low:g} and {LARGEST:g}.', code="E-URDF-NUMBER"
+            )
         return values
 
     def positive(self, element: ET.Element | None, key: str, count: int, where: str) -> Matrix:
         """`numbers` above zero, which must be given."""
         values = self.numbers(element, key, "", count, where)
         if (values <= 0).any():
-            raise InputError(self.path, f'{where}: {key}="{" ".join(f"{v:g}" for v in values)}" must be positive.')
+            raise InputError(
+                self.path,
+                f'{where}: {key}="{" ".join(f"{v:g}" for v in values)}" must be positive.',
+                code="E-URDF-NUMBER",
+            )
         return values
 
     def origin(self, element: ET.Element, where: str) -> Matrix:
@@ -127,7 +142,7 @@ class UrdfTree:
         where, kind = f"joint '{name}'", element.get("type", "")
         parent, child = (self._end(element, tag, where) for tag in ("parent", "child"))
         if parent == child:
-            raise InputError(self.path, f"{where}: link '{child}' is its own parent.")
+            raise InputError(self.path, f"{where}: link '{child}' is its own parent.", code="E-URDF-TREE")
         fixed = JointModel(name, "fixed", parent, child, self.origin(element, where))
         if kind in ("fixed", "continuous", "floating", "planar") or element.find("mimic") is not None:
             return fixed
@@ -139,13 +154,13 @@ class UrdfTree:
 
     def _moving(self, fixed: JointModel, kind: str, element: ET.Element, where: str) -> JointModel:
         if kind not in ("revolute", "prismatic"):
-            raise InputError(self.path, f"{where}: type '{kind}' is not supported.")
+            raise InputError(self.path, f"{where}: type '{kind}' is not supported.", code="E-URDF-JOINT")
         axis = self.numbers(element.find("axis"), "xyz", "1 0 0", 3, where)
         if np.linalg.norm(axis) < 1e-6:
-            raise InputError(self.path, f"{where}: its axis is zero.")
+            raise InputError(self.path, f"{where}: its axis is zero.", code="E-URDF-JOINT")
         limit = element.find("limit")
         if limit is None:
-            raise InputError(self.path, f"{where}: a {kind} joint without <limit>.")
+            raise InputError(self.path, f"{where}: a {kind} joint without <limit>.", code="E-URDF-JOINT")
         lower, upper = (float(self.numbers(limit, key, "0", 1, where)[0]) for key in ("lower", "upper"))
         if lower > upper:
             self.remarks.append(f"{where}: limits upside down ({lower:g}, {upper:g}), taken the other way round")
@@ -153,11 +168,15 @@ class UrdfTree:
         widest = max(abs(lower), abs(upper))
         if kind == "revolute" and widest > WIDEST_ANGLE:
             if widest > 360:
-                raise InputError(self.path, f"{where}: limits {lower:g} and {upper:g} are more than two full turns.")
+                raise InputError(
+                    self.path,
+                    f"{where}: limits {lower:g} and {upper:g} are more than two full turns.",
+                    code="E-URDF-JOINT",
+                )
             self.remarks.append(f"{where}: limits {lower:g} and {upper:g}, taken for degrees")
             lower, upper = np.deg2rad([lower, upper]).tolist()
         if upper - lower < FIXED_RANGE:
-            raise InputError(self.path, f"{where}: has no range ({lower:g} to {upper:g}).")
+            raise InputError(self.path, f"{where}: has no range ({lower:g} to {upper:g}).", code="E-URDF-JOINT")
         axis = axis / np.linalg.norm(axis)
         revolute = kind == "revolute"
         return replace(fixed, type="revolute" if revolute else "prismatic", axis=axis, lower=lower, upper=upper)
@@ -167,7 +186,7 @@ class UrdfTree:
         found = element.find(tag)
         link = "" if found is None else found.get("link", "")
         if link not in self.links:
-            raise InputError(self.path, f"{where}: <{tag}> names no link of this file ('{link}').")
+            raise InputError(self.path, f"{where}: <{tag}> names no link of this file ('{link}').", code="E-URDF-TREE")
         return link
 
     def _ordered(self, joints: list[JointModel]) -> tuple[str, list[JointModel]]:
@@ -176,11 +195,11 @@ class UrdfTree:
         for name, count in moved_by.items():
             if count > 1:
                 what = f"link '{name}' is the child of {count} joints: the links do not form one tree."
-                raise InputError(self.path, what, "one parent joint for each link but the root")
+                raise InputError(self.path, what, "one parent joint for each link but the root", code="E-URDF-TREE")
         roots = [name for name in self.links if name not in moved_by]
         if len(roots) != 1:
             what = f"the links do not form one tree: {len(roots)} have no parent ({', '.join(roots[:3]) or 'a cycle'})."
-            raise InputError(self.path, what, "one root, and one parent joint for each other link")
+            raise InputError(self.path, what, "one root, and one parent joint for each other link", code="E-URDF-TREE")
         placed, ordered, waiting = {roots[0]}, [], joints
         while waiting:
             ready, later = [], []
@@ -192,7 +211,9 @@ class UrdfTree:
                     later.append(joint)
             if not ready:
                 what = f"joint '{waiting[0].name}' is part of a cycle: the links do not form one tree."
-                raise InputError(self.path, what, "one root, and one parent joint for each other link")
+                raise InputError(
+                    self.path, what, "one root, and one parent joint for each other link", code="E-URDF-TREE"
+                )
             ordered += ready
             waiting = later
         return roots[0], ordered

@@ -16,7 +16,7 @@ from trimesh import Trimesh
 from stages.articulated.mesh_writer import Surface, is_box, numbers, shaded, write_glb, write_obj, write_texture
 from stages.articulated.model import JointModel, Link, Matrix, RobotModel
 
-REVOLUTE_DAMPING, PRISMATIC_DAMPING, FRICTION = 2.0, 2.0, 0.1  # N m s, N s / m, and SAPIEN's friction coefficient
+DAMPING, FRICTION = 2.0, 0.1  # N m s or N s / m, and SAPIEN's friction coefficient
 PLAIN_NAME = re.compile(r"(?!link_)(?!.*hull)[a-z][a-z0-9_]{0,40}")
 
 
@@ -100,11 +100,10 @@ def _add_joint(root: ET.Element, joint: JointModel) -> None:
     ET.SubElement(element, "origin", xyz=numbers(joint.origin[:3, 3]), rpy=_precise(_roll_pitch_yaw(joint.origin)))
     if joint.type == "fixed":
         return
-    damping = REVOLUTE_DAMPING if joint.type == "revolute" else PRISMATIC_DAMPING
     ET.SubElement(element, "axis", xyz=_precise(joint.axis))
     limits = {"lower": numbers([joint.lower]), "upper": numbers([joint.upper])}
     ET.SubElement(element, "limit", limits | {"effort": "100", "velocity": "10"})
-    ET.SubElement(element, "dynamics", damping=numbers([damping]), friction=numbers([FRICTION]))
+    ET.SubElement(element, "dynamics", damping=numbers([DAMPING]), friction=numbers([FRICTION]))
 
 
 def _roll_pitch_yaw(transform: Matrix) -> Matrix:

@@ -20,7 +20,6 @@ COMMON = {  # words that say nothing of what a model is
     "model", "obj", "object", "other", "output", "result", "robot", "scene", "textured", "urdf", "visual", "xml",
 }  # fmt: skip
 WHOLE = {".urdf", ".xml"}  # models that name the meshes that they are made of
-MESHES = {"dae", "msh", "obj", "ply", "stl"}
 NAMES = re.compile(rb"""file(?:name)?\s*=\s*["']([^"']+)["']""")
 
 
@@ -36,12 +35,12 @@ class Found(NamedTuple):
 def discover(folder: Path, kinds: Sequence[str]) -> list[Found]:
     """The models below a folder, sorted.
 
-    <category>/<model>.<kind>; <category>/<model>/...: its files of the first kind that it has; <model>.<kind>, whose
-    name may tell the category; <number>/mobility.urdf, with the category in meta.json, or <category>/<number>/
-    mobility.urdf. What lies in a folder whose name says nothing (`assets`, `urdf`) counts as lying beside it. What lies
-    in a folder of its own is called as that folder is, unless several models do. Meshes that a URDF or MJCF file names,
-    and MJCF that others include, are parts of those models; so is what lies in a folder called as a URDF or MJCF file
-    in it or beside it, and has none but meshes of that.
+    Layouts: <category>/<model>.<kind>; <category>/<model>/..., of which the files of the first kind there count;
+    <model>.<kind>, whose name may be a category; <number>/mobility.urdf (PartNet-Mobility), with or without a category
+    above. A folder whose name says nothing (`assets`, `urdf`) is skipped over. A model alone in its folder takes the
+    folder's name.
+
+    Not models: MJCF that others include; meshes that a URDF or MJCF file names, and others beside these.
 
     Args:
         folder: of the user.
@@ -53,7 +52,7 @@ def discover(folder: Path, kinds: Sequence[str]) -> list[Found]:
     for path, why in skipped.items():
         print(f"left out: {ascii(str(path.relative_to(folder)))[1:-1]}: {why}", file=sys.stderr)
     found = [one for one in _below(folder, folder, kinds) if not skipped.keys() & {one.path, *one.path.parents}]
-    models = without_pieces([one for one in found if not is_part(one.path)])
+    models = [one for one in found if not is_part(one.path)]
     if any(one.path.suffix.lower() not in WHOLE for one in models):
         named = named_meshes(folder)
         around = {path.parent for path in named} - {folder}
@@ -138,12 +137,12 @@ def _sorted_in(child: Path, folder: Path, kinds: Sequence[str]) -> list[Found]:
 
 
 def is_common(name: str) -> bool:
-    """Whether a name says nothing of what a model is."""
+    """Whether a name consists of words that any model could have (`assets`, `mesh_obj`)."""
     return bool(words(name)) and all(word in COMMON or word.removesuffix("s") in COMMON for word in words(name))
 
 
 def bare(name: str) -> str:
-    """A name as a category of its own: without numbers before it and without words that say nothing after it."""
+    """A name without leading numbers and trailing common words: `011_banana_mesh` is banana."""
     kept = re.sub(r"^[\W\d_]+", "", name)
     while (shorter := re.sub(r"[\W\d_]+[A-Za-z]+$", "", kept)) != kept and is_common(kept[len(shorter) :]):
         kept = shorter
@@ -151,31 +150,12 @@ def bare(name: str) -> str:
 
 
 def named_meshes(folder: Path) -> set[Path]:
-    """The files below a folder that bear a name that a URDF or MJCF file in it uses, wherever that file lies."""
+    """The files below a folder whose name (without folders) is used by a URDF or MJCF file in it."""
     files = [path for path in folder.rglob("*") if is_utf8(str(path)) and path.is_file()]
     texts = (path.read_bytes() for path in files if path.suffix.lower() in WHOLE)
     used = (name.decode(errors="replace").replace("\\", "/") for text in texts for name in NAMES.findall(text))
     names = {name.rpartition("/")[2].lower() for name in used}
     return {path for path in files if path.suffix.lower() not in WHOLE and path.name.lower() in names}
-
-
-def without_pieces(models: Sequence[Found]) -> list[Found]:
-    """The models without those that are pieces of others: `desk/leg.xml` of `desk.xml`, some of whose meshes it has."""
-    meshes = {one.path: meshes_of(one.path) for one in models if one.path.suffix.lower() in WHOLE}
-    homes = {path.parent if path.parent.name == path.stem else path.with_suffix(""): path for path in meshes}
-
-    def is_piece(path: Path) -> bool:
-        own = meshes.get(path, set())
-        return bool(own) and any(own < meshes[homes[home]] for home in path.parents if home in homes)
-
-    return [one for one in models if not is_piece(one.path)]
-
-
-def meshes_of(path: Path) -> set[str]:
-    """Names of the meshes, without folders, that a URDF or MJCF file uses."""
-    used = (name.decode(errors="replace").replace("\\", "/") for name in NAMES.findall(path.read_bytes()))
-    names = {name.rpartition("/")[2].lower() for name in used}
-    return {name for name in names if name.rpartition(".")[2] in MESHES}
 
 
 def numbered_model(folder: Path) -> Path | None:
@@ -215,7 +195,7 @@ def _first_kind(folder: Path, kinds: Sequence[str]) -> list[tuple[Path, int]]:
 
 
 def _name(path: Path, folder: Path, models: int) -> str:
-    """As the model's folder is called if it is the only one, else as its file is or the nearest folder that tells."""
+    """The folder's name if the model is alone in it, else that of the file or of the nearest folder that tells."""
     above = [place.name for place in path.parents if place.is_relative_to(folder)]
     names = [folder.name, path.stem, *above] if models == 1 else [path.stem, *above]
     return next((name for name in [*names, folder.parent.name] if not is_common(name)), folder.name)

@@ -1,4 +1,4 @@
-"""What the models of a folder tell of their files: direction up, unit and front; and what most of them say."""
+"""Up axis, unit and front of the files of a folder: evidence from each model, and what most of them agree on."""
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
@@ -54,7 +54,7 @@ class Evidence(Contract):
 
 
 def evidence(robot: RobotModel) -> Evidence:
-    """What a model tells, in its file's frame."""
+    """The evidence of a model, in its file's frame."""
     box, frames = closed_box(robot), link_frames(robot)
     slides, hinges = (_of_joints(robot, frames, kind) for kind in ("prismatic", "revolute"))
     grounded = [up for up in UPS if abs(box[0, "xyz".index(up[1])]) < ORIGIN * np.ptp(box, axis=0)["xyz".index(up[1])]]

@@ -1,4 +1,4 @@
-"""What one model of a user's folder is taken for; its files and notes, written where the user can correct them."""
+"""Import one model of a user's folder: its URDF and notes (asset.json), written where the user can correct them."""
 
 import shutil
 import xml.etree.ElementTree as ET
@@ -19,13 +19,7 @@ from stages.assets.discover import NUMBERED, Found
 from stages.assets.evidence import UNITS, UPS, Evidence, Shared, evidence
 from stages.assets.importers import Importer
 from stages.assets.importers.urdf import IMPORTER as URDF
-from stages.assets.imports import (
-    ModelFile,
-    Notes,
-    import_file,
-    in_one_line,
-    with_notes,
-)
+from stages.assets.imports import ModelFile, Notes, import_file, in_one_line, with_notes
 from stages.contracts.errors import InputError
 from stages.contracts.files import Contract, read_json, write_json
 from stages.contracts.library import Asset, Joint
@@ -107,7 +101,7 @@ def examined(
     shared: Shared,
     category: str | None = None,
 ) -> Examined:
-    """Say what a model that was read into `place` is taken for; its asset is made below `work`, in another process.
+    """Complete the notes of a model that was read into `place` and build its asset below `work`, in another process.
 
     Notes that were written by hand count and stay as they are; of the others what is not told is guessed.
 

@@ -1,4 +1,4 @@
-"""What `import` guesses and people correct: what was changed by hand counts, the rest is guessed anew."""
+"""Files that `import` proposes and people correct: changes by hand are kept, the rest is proposed anew."""
 
 import hashlib
 from typing import Self

@@ -85,7 +85,7 @@ def run(folder: Path, /, *, out: Path) -> None:
     taken = sum(model.asset is not None for model in models.values())
     print(f"{taken} of {len(models)} models can be used: assets: {{folders: [{out}]}}. Look at {out / PAGE}")
     if not taken:
-        raise InputError(folder, "none of its models can be used.", "see above")
+        raise InputError(folder, "none of its models can be used.", "see above", code="E-MODELS-UNUSABLE")
 
 
 def models_of(given: Path, out: Path, kinds: Sequence[str]) -> list[Found]:
@@ -96,15 +96,21 @@ def models_of(given: Path, out: Path, kinds: Sequence[str]) -> list[Found]:
     """
     if given.is_file():
         if not is_model(given, kinds):
-            raise InputError(given, "is no model.", f"one of {', '.join(kinds)}, or a folder of them")
+            raise InputError(
+                given, "is no model.", f"one of {', '.join(kinds)}, or a folder of them", code="E-MODELS-NONE"
+            )
         if is_part(given):
-            raise InputError(given, "is a part that MJCF models include.", "give the file that includes it")
+            raise InputError(
+                given, "is a part that MJCF models include.", "give the file that includes it", code="E-MJCF-PART"
+            )
         return [single(given)]
     if not given.is_dir():
-        raise InputError(given, "is not there.", "a folder of models, or a model's file")
+        raise InputError(given, "is not there.", "a folder of models, or a model's file", code="E-MODELS-NONE")
     inside, outside = sorted([given.resolve(), out.resolve()], key=lambda path: -len(path.parts))
     if inside.is_relative_to(outside):
-        raise InputError("--out", f"{out} and {given} lie in one another.", "give a folder beside it")
+        raise InputError(
+            "--out", f"{out} and {given} lie in one another.", "give a folder beside it", code="E-OUT-INSIDE"
+        )
     if found := discover(given, kinds):
         if left_out := unread(given):
             print(f"{given}: {left_out}", file=sys.stderr)
@@ -112,9 +118,11 @@ def models_of(given: Path, out: Path, kinds: Sequence[str]) -> list[Found]:
     parts = [path for path in given.rglob("*") if is_model(path, kinds)]
     if parts:
         what = f"holds no model, only parts of models ({parts[0].name} and such)."
-        raise InputError(given, what, "give the folder or the file of the model that they are part of")
+        raise InputError(
+            given, what, "give the folder or the file of the model that they are part of", code="E-MODELS-NONE"
+        )
     fix = "see docs/your-models.md for the layout"
-    raise InputError(given, f"holds no models ({', '.join(kinds)}).", unread(given) or fix)
+    raise InputError(given, f"holds no models ({', '.join(kinds)}).", unread(given) or fix, code="E-MODELS-NONE")
 
 
 def unread(folder: Path) -> str:

@@ -17,8 +17,6 @@ from stages.assets.pack import Pack
 from stages.contracts.files import write_text
 from stages.procedural.catalogue import CATEGORIES
 
-QUALITY = 82
-
 
 def write_page(path: Path, source: Path, models: Sequence[Examined], pack: Pack, told: Mapping[str, str]) -> None:
     """Write the page; the models in the order of their folders, those that are not used last.
@@ -55,5 +53,5 @@ def _inline(picture: Image.Image | None) -> str:
     if picture is None:
         return ""
     buffer = io.BytesIO()
-    picture.save(buffer, "WEBP", quality=QUALITY)
+    picture.save(buffer, "WEBP")
     return "data:image/webp;base64," + base64.b64encode(buffer.getvalue()).decode()

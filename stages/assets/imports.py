@@ -22,7 +22,6 @@ from stages.articulated.roles import with_roles
 from stages.articulated.sense import doors_and_drawers, front_direction, squared
 from stages.articulated.solid_handle import with_solid_handles
 from stages.articulated.stretching import stretched
-from stages.articulated.urdf_reader import HEAVIEST, board_mass
 from stages.assets.apart import apart
 from stages.assets.discover import Found, discover, numbered_names
 from stages.assets.guess import Guess
@@ -35,8 +34,9 @@ from stages.config.assets import OwnOptions
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json
 from stages.contracts.library import Asset, Placement, Symmetry
-from stages.contracts.types import LARGEST
+from stages.contracts.types import LARGEST, Mass
 from stages.geometry.frames import rigid, yaw_matrix
+from stages.geometry.solids import board_mass
 from stages.plugins import load, short
 
 IMPORTERS = tuple(OwnOptions().importers)
@@ -51,7 +51,7 @@ class Notes(Guess):
     )
     up: Axis | None = Field(None, description="direction up in the file; default +z, for GLB +y (glTF's rule)")
     scale: float = Field(1.0, ge=1e-6, le=1e6, description="metres per unit of the file")
-    mass: float | None = Field(None, gt=0, le=HEAVIEST, description="kg; default from the file, or that of boards")
+    mass: Mass | None = Field(None, description="kg; default from the file, or that of boards")
     symmetry: Symmetry = "none"
     placement: Placement = "floor"
     licence: str = "unknown"
@@ -83,10 +83,15 @@ def named_models(folders: Sequence[Path], kinds: dict[str, Importer], taken: Ite
     found: list[Found] = []
     for folder in dict.fromkeys(folders):
         if not folder.is_dir():
-            raise InputError("assets.folders", f"{folder} is not a folder.")
+            raise InputError("assets.folders", f"{folder} is not a folder.", code="E-MODELS-NONE")
         models = discover(folder, list(kinds))
         if not models:
-            raise InputError(folder, f"holds no model ({', '.join(kinds)}).", "see docs/your-models.md for the layout")
+            raise InputError(
+                folder,
+                f"holds no model ({', '.join(kinds)}).",
+                "see docs/your-models.md for the layout",
+                code="E-MODELS-NONE",
+            )
         found += models
     return dict(zip(numbered_names([_name(one, kinds) for one in found], taken), found, strict=True))
 
@@ -134,7 +139,9 @@ def in_one_line(path: Path) -> Iterator[None]:
         raise
     except Exception as error:
         reason = (str(error).splitlines() or [""])[0][:200]
-        raise InputError(path, f"cannot be imported ({type(error).__name__}: {reason}).") from error
+        raise InputError(
+            path, f"cannot be imported ({type(error).__name__}: {reason}).", code="E-MODEL-IMPORT"
+        ) from error
 
 
 def by_suffix(importers: Sequence[str]) -> dict[str, Importer]:
@@ -155,7 +162,7 @@ def with_notes(found: Found, importer: Importer) -> ModelFile:
         InputError: the notes are broken, or the file is a link out of the user's folder.
     """
     if not found.path.resolve().is_relative_to(found.folder.resolve()):
-        raise InputError(found.path, f"is a link out of {found.folder.name}/.", "copy it inside")
+        raise InputError(found.path, f"is a link out of {found.folder.name}/.", "copy it inside", code="E-FILE-OUTSIDE")
     beside = found.path.parent / "asset.json"
     notes = read_json(Notes, beside) if beside.exists() else Notes()
     category = snake_case(notes.category or found.category)
@@ -192,7 +199,7 @@ def import_file(file: ModelFile, models: Path) -> tuple[Asset, list[str]]:
         if touching := touching_when_closed(models / file.id):
             asset = write_asset(replace(robot, touching=touching), models / file.id, about)
     except ValidationError as error:
-        raise InputError(path, f"makes no asset: {error.errors()[0]['msg']}.") from None
+        raise InputError(path, f"makes no asset: {error.errors()[0]['msg']}.", code="E-MODEL-IMPORT") from None
     bare = {joint.name for joint in asset.joints if joint.handle is None}
     held = [
         f"{joint.role} '{joint.name}' cannot be grasped: {ungraspable(robot, joint, link_frames(robot))}"
@@ -203,23 +210,24 @@ def import_file(file: ModelFile, models: Path) -> tuple[Asset, list[str]]:
 
 
 def check_believable(robot: RobotModel, path: Path) -> None:
-    """Refuse what is flat, larger than a house, or heavier than can be.
+    """Refuse what is flat or larger than a house.
 
     Raises:
-        InputError: names the extent or the link.
+        InputError: names the extent.
     """
     low, high = closed_box(robot)
     extents = high - low
     size = " x ".join(f"{extent:.4g}" for extent in extents)
     if extents.min() < FLAT:
-        raise InputError(path, f"is flat: its extents are {size} m.", "0.1 mm at least")
+        raise InputError(path, f"is flat: its extents are {size} m.", "0.1 mm at least", code="E-MODEL-FLAT")
     if extents.max() > LARGEST:
-        raise InputError(path, f"is {size} m large.", f"at most {LARGEST:g} m; see scale in asset.json")
+        raise InputError(
+            path, f"is {size} m large.", f"at most {LARGEST:g} m; see scale in asset.json", code="E-MODEL-SIZE"
+        )
     if np.abs(np.array([low, high])).max() > 5 * LARGEST:
-        raise InputError(path, f"lies {np.abs([low, high]).max():.4g} m from its origin.", "move it there")
-    for link in robot.links.values():
-        if link.mass > HEAVIEST:
-            raise InputError(path, f"link '{link.name}': weighs {link.mass:.4g} kg.", f"at most {HEAVIEST:g} kg")
+        raise InputError(
+            path, f"lies {np.abs([low, high]).max():.4g} m from its origin.", "move it there", code="E-MODEL-SIZE"
+        )
 
 
 def snake_case(text: str) -> str:
@@ -235,7 +243,7 @@ def upright(robot: RobotModel, file: ModelFile) -> tuple[RobotModel, list[str]]:
     x, z = axis_vector(front), axis_vector(up)
     if abs(x @ z) > 0.5:
         what = f"front {front} and up {up} lie along one line."
-        raise InputError(file.notes_path, what, "give two different axes")
+        raise InputError(file.notes_path, what, "give two different axes", code="E-MODEL-AXES")
     robot = standing(robot, up, front)
     if notes.scale != 1.0:
         robot = in_metres(robot, notes.scale)

@@ -18,7 +18,9 @@ def run(*, own: tuple[Path, ...], out: Path, library: tuple[Path, ...] = ()) -> 
     """
     parts = {path: read_json(LibraryPart, path) for path in (*library, *own)}
     if elsewhere := [path for path in parts if path.parent.resolve() != out.parent.resolve()]:
-        raise InputError(elsewhere[0], f"does not lie beside {out}, and so does not its folder.")
+        raise InputError(
+            elsewhere[0], f"does not lie beside {out}, and so does not its folder.", code="E-LIBRARY-ELSEWHERE"
+        )
     left_out = [line for part in parts.values() for line in part.left_out]
     theirs = sorted(chain(*(parts[path].assets for path in own)), key=lambda entry: entry.id)
     mine, copies = without_copies(theirs)
@@ -26,13 +28,15 @@ def run(*, own: tuple[Path, ...], out: Path, library: tuple[Path, ...] = ()) -> 
     for line in left_out:
         print(f"left out: {line}")
     if left_out and not mine:
-        raise InputError("assets.folders", f"none of the models can be used. {left_out[0]}")
+        raise InputError("assets.folders", f"none of the models can be used. {left_out[0]}", code="E-MODELS-UNUSABLE")
     entries = sorted([*chain(*(parts[path].assets for path in library)), *mine], key=lambda entry: entry.id)
     if not entries:
-        raise InputError("assets", "the library would be empty.", "set assets.counts or assets.folders")
+        raise InputError(
+            "assets", "the library would be empty.", "set assets.counts or assets.folders", code="E-LIBRARY-EMPTY"
+        )
     names = [entry.id for entry in entries]
     if double := next((name for name in names if names.count(name) > 1), None):
-        raise InputError("assets.folders", f"two models are called '{double}'.", "rename one")
+        raise InputError("assets.folders", f"two models are called '{double}'.", "rename one", code="E-MODEL-NAME")
     write_json(out, Library(assets=entries, left_out=left_out))
 
 

@@ -26,12 +26,19 @@ def run(*, out: Path, shard: int = 0, shards: int = 1, options: str = "{}", seed
     config = read_options(LibraryOptions, options)
     unknown = sorted(set(config.counts) - set(CATEGORIES))
     if unknown:
-        raise InputError("assets.counts", f"no category '{unknown[0]}'.", f"one of {', '.join(CATEGORIES)}")
+        raise InputError(
+            "assets.counts",
+            f"no category '{unknown[0]}'.",
+            f"one of {', '.join(CATEGORIES)}",
+            code="E-CATEGORY-UNKNOWN",
+        )
     wanted = [(category, k) for category, count in sorted(config.counts.items()) for k in range(count)]
     if not wanted:
-        raise InputError("assets", "the library would be empty.", "set assets.counts or assets.folders")
+        raise InputError(
+            "assets", "the library would be empty.", "set assets.counts or assets.folders", code="E-LIBRARY-EMPTY"
+        )
     if not 0 <= shard < shards:
-        raise InputError("--shard", f"{shard} is not below --shards {shards}.")
+        raise InputError("--shard", f"{shard} is not below --shards {shards}.", code="E-SHARD-NUMBER")
     with TemporaryDirectory(prefix="acdc-library-") as folder:
         for category, k in progress(wanted[shard::shards], "models", len(wanted[shard::shards])):
             make(category, k, seed, Path(folder))

@@ -24,7 +24,9 @@ def run(*, folder: Path, models: tuple[str, ...], out: Path, options: str = "{}"
     names = {Path(file): name for name, _, file in (model.partition("=") for model in models)}
     wanted = {names[one.path]: one for one in discover(folder, list(kinds)) if one.path in names}
     if gone := set(names.values()) - set(wanted):
-        raise InputError(folder, f"holds no model of '{min(gone)}'.", "each of --models is <id>=<file>")
+        raise InputError(
+            folder, f"holds no model of '{min(gone)}'.", "each of --models is <id>=<file>", code="E-MODELS-NONE"
+        )
     with TemporaryDirectory(prefix="acdc-own-") as made:
         _, left_out = import_models(wanted, kinds, Path(made))
         write_part(out, Path(made), left_out)

@@ -37,9 +37,13 @@ def read_pack(path: Path) -> Pack:
         return Pack.model_validate(yaml.safe_load(path.read_text(encoding="utf-8")) or {})
     except ValidationError as error:
         first = error.errors()[0]
-        raise InputError(path, f"{'.'.join(map(str, first['loc']))}: {first['msg']}.", "or delete it") from None
+        raise InputError(
+            path, f"{'.'.join(map(str, first['loc']))}: {first['msg']}.", "or delete it", code="E-PACK-BROKEN"
+        ) from None
     except (UnicodeDecodeError, yaml.YAMLError) as error:
-        raise InputError(path, f"is no YAML: {' '.join(str(error).split())[:150]}.", "or delete it") from None
+        raise InputError(
+            path, f"is no YAML: {' '.join(str(error).split())[:150]}.", "or delete it", code="E-PACK-BROKEN"
+        ) from None
 
 
 def completed(pack: Pack, proposed: Mapping[str, Shared], categories: Iterable[str]) -> Pack:

@@ -17,7 +17,6 @@ from stages.simulation.studio import FIELD_OF_VIEW, HEIGHT, WIDTH, frame_all
 OPEN = 0.6  # of its range
 FROM = np.array([0.8, 0.5, 0.45])  # before it, from its left
 ARROW = (200, 40, 30)
-FINER = 2  # times as many pixels are drawn
 
 
 class Portraits:
@@ -25,11 +24,9 @@ class Portraits:
 
     def __init__(self) -> None:
         self.scene = make_scene(light=(-0.65, -0.35, -1.0))
-        focal = FINER * WIDTH / 2 / np.tan(FIELD_OF_VIEW / 2)
-        self.intrinsics = np.array(
-            [[focal, 0, (FINER * WIDTH - 1) / 2], [0, focal, (FINER * HEIGHT - 1) / 2], [0, 0, 1]]
-        )
-        self.camera = RenderCamera(self.scene, self.intrinsics, FINER * WIDTH, FINER * HEIGHT)
+        focal = WIDTH / 2 / np.tan(FIELD_OF_VIEW / 2)
+        self.intrinsics = np.array([[focal, 0, (WIDTH - 1) / 2], [0, focal, (HEIGHT - 1) / 2], [0, 0, 1]])
+        self.camera = RenderCamera(self.scene, self.intrinsics, WIDTH, HEIGHT)
 
     def take(self, folder: Path) -> Image.Image:
         """The picture of an asset folder."""
@@ -49,7 +46,7 @@ class Portraits:
         picture = Image.fromarray(self.camera.render(view).rgb)
         remove(self.scene, body)
         self._arrow(picture, view, foot, reach)
-        return picture.resize((WIDTH, HEIGHT), Image.Resampling.LANCZOS)
+        return picture
 
     def _arrow(self, picture: Image.Image, view: NDArray[np.float64], foot: NDArray[np.float64], reach: float) -> None:
         """Draw an arrow on the ground, towards the front."""

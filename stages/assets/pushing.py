@@ -1,4 +1,4 @@
-"""Doors and drawers of imported models, pushed once: which parts touch when closed, which joints stick."""
+"""Physics checks of imported doors and drawers: links that touch when closed, joints that stick."""
 
 from pathlib import Path
 
@@ -13,9 +13,7 @@ from stages.simulation.loading import load_asset, physics_scene
 TOUCH = 0.002  # metres: parts that are as near when closed would rub
 MOST_PAIRS = 31  # that SAPIEN tells apart
 FORCE = 20.0  # N at a drawer, or at a door's free edge: less than a gripper pulls with
-SMALLEST = 0.3  # metres between a door's hinge and that edge, at least
-SECONDS, STILL, TIMESTEP = 20.0, 1.0, 0.01  # for how long at most; without moving by `LEAST`: it sticks
-LEAST = 0.001  # of its range
+SECONDS = 20.0  # for how long at most
 OPEN = 0.9  # of its range, for a joint that does not stick
 
 
@@ -40,7 +38,7 @@ def touching_when_closed(folder: Path) -> tuple[tuple[str, str], ...]:
 
 def stuck_joints(folder: Path) -> list[str]:
     """A line for every door or drawer that a steady push does not open."""
-    body = _loaded(folder, timestep=TIMESTEP) if read_asset(folder).joints else None
+    body = _loaded(folder) if read_asset(folder).joints else None
     if body is None:
         return []
     scene, articulation = body
@@ -55,14 +53,12 @@ def stuck_joints(folder: Path) -> list[str]:
         push = np.zeros_like(closed)
         push[number] = FORCE * _lever(known[joint.name])
         low, high = joint.limits[0].tolist()
-        farthest, moved_at = low, 0
-        for step in range(round(SECONDS / TIMESTEP)):
+        farthest = low
+        for _ in range(round(SECONDS / scene.timestep)):
             articulation.set_qf(push + articulation.compute_passive_force(True, True))
             scene.step()
-            position = float(articulation.get_qpos()[number])
-            if position > farthest + LEAST * (high - low):
-                farthest, moved_at = position, step
-            if farthest > low + OPEN * (high - low) or step - moved_at > STILL / TIMESTEP:
+            farthest = max(farthest, float(articulation.get_qpos()[number]))
+            if farthest > low + OPEN * (high - low):
                 break
         share = (farthest - low) / (high - low)
         if share <= OPEN:
@@ -72,14 +68,14 @@ def stuck_joints(folder: Path) -> list[str]:
 
 def _lever(joint: Joint) -> float:
     """Metres between the axis and where it is pushed; 1 for what slides."""
-    if joint.type == "prismatic":
+    if joint.type == "prismatic" or joint.panel is None:
         return 1.0
-    width, height = joint.panel.size if joint.panel else (SMALLEST, SMALLEST)
-    return max(SMALLEST, height if joint.panel and joint.panel.hinge in ("bottom", "top") else width)
+    width, height = joint.panel.size
+    return height if joint.panel.hinge in ("bottom", "top") else width
 
 
-def _loaded(folder: Path, timestep: float) -> tuple[sapien.Scene, PhysxArticulation] | None:
+def _loaded(folder: Path, **options: float) -> tuple[sapien.Scene, PhysxArticulation] | None:
     """The asset alone in a scene, fixed and closed; None if nothing of it moves."""
-    scene = physics_scene(timestep)
+    scene = physics_scene(**options)
     body = load_asset(scene, folder, sapien.Pose(), fixed=True, name="imported")
     return (scene, body) if read_asset(folder).joints and isinstance(body, PhysxArticulation) else None

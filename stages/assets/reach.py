@@ -1,4 +1,4 @@
-"""Whether the robot's arm can follow the doors and drawers of an imported model, without moving anything."""
+"""Kinematic check of imported doors and drawers: whether the arm can follow them open."""
 
 from pathlib import Path
 
@@ -17,7 +17,10 @@ from stages.simulation.target import read_target
 from stages.tasks.base_placement import MOTION, can_follow, reachable_base, success_opening
 from stages.tasks.initial_state import InitialState, base_pose
 
-MIDDLE = InitialState(0, np.zeros(3), 0.0, np.zeros(2), 0.0, np.zeros(7))
+
+def undisturbed() -> InitialState:
+    """The state in the middle of all that varies."""
+    return InitialState(0, np.zeros(3), 0.0, np.zeros(2), 0.0, np.zeros(7))
 
 
 def out_of_reach(folder: Path) -> list[str]:
@@ -34,7 +37,10 @@ def out_of_reach(folder: Path) -> list[str]:
         if name not in handled:
             continue
         target = read_target(body, index)
-        base, around = base_pose(target.reference, target.side, MIDDLE, options, target.flap), Surroundings(target)
+        base, around = (
+            base_pose(target.reference, target.side, undisturbed(), options, target.flap),
+            Surroundings(target),
+        )
         opening = success_opening(target, options)
         if target.side:
             reached = reachable_base(base, np.eye(4), REST, around, opening) is not None

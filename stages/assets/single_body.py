@@ -7,8 +7,8 @@ import trimesh
 
 from stages.articulated.mesh_reader import convex_pieces, load_meshes
 from stages.articulated.model import Link, RobotModel, Visual
-from stages.articulated.urdf_reader import MINIMUM_INERTIA, board_mass
 from stages.contracts.errors import InputError
+from stages.geometry.solids import MINIMUM_INERTIA, board_mass
 
 FLAT = 1e-5  # of its largest extent: what is thinner, whichever way it lies, has no inside
 
@@ -23,9 +23,9 @@ def read_mesh(path: Path, folder: Path) -> RobotModel:
     points = np.concatenate([mesh.vertices for mesh in meshes])
     across = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2][2]
     if np.ptp(points @ across) < FLAT * np.ptp(points, axis=0).max():
-        raise InputError(path, "is flat.", "a mesh with some thickness")
+        raise InputError(path, "is flat.", "a mesh with some thickness", code="E-MODEL-FLAT")
+    hull = trimesh.convex.convex_hull(points)
     pieces = [piece for mesh in meshes for piece in convex_pieces(mesh)]
-    hull = trimesh.convex.convex_hull(np.concatenate([piece.vertices for piece in pieces]))
     visuals = [Visual(mesh) for mesh in meshes]
     mass = board_mass(pieces, visuals)
     inertia = hull.moment_inertia * (mass / hull.volume) + MINIMUM_INERTIA * np.eye(3)

@@ -106,7 +106,12 @@ class Look:
         self.turntable = self.turntable or Turntable(options)
         _, depth = self.turntable.photograph(folder, [options.representative_yaw])
         if not depth.any():
-            raise InputError(where, "cannot be seen: it is transparent, or too thin.", "make it opaque and thicker")
+            raise InputError(
+                where,
+                "cannot be seen: it is transparent, or too thin.",
+                "make it opaque and thicker",
+                code="E-MODEL-UNSEEN",
+            )
 
 
 def check_box(asset: Asset, seen: NDArray[np.float64]) -> None:
@@ -114,7 +119,7 @@ def check_box(asset: Asset, seen: NDArray[np.float64]) -> None:
     if np.abs(seen - asset.size).max() > BOX_TOLERANCE * largest_extent(asset):
         said, found = (" x ".join(f"{extent:.3g}" for extent in extents) for extents in (asset.size, seen))
         what = f"box_min, box_max: a box of {said} m, but its meshes are {found} m."
-        raise InputError(f"asset.json of {asset.id}", what, "make it again")
+        raise InputError(f"asset.json of {asset.id}", what, "make it again", code="E-ASSET-STALE")
 
 
 def largest_extent(asset: Asset) -> float:

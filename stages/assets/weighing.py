@@ -6,7 +6,7 @@ import numpy as np
 
 from stages.articulated.attributes import moved_by
 from stages.articulated.model import Link, RobotModel
-from stages.articulated.urdf_reader import board_mass, box_inertia
+from stages.geometry.solids import board_mass, box_inertia
 
 HEAVY = 5.0  # times what boards weigh: a door is no solid block, and the water in its hull is ten times as heavy
 SLACK = 0.01  # by which a principal moment of inertia may exceed the sum of the others

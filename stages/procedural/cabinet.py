@@ -7,7 +7,7 @@ import numpy as np
 
 from stages.procedural.cabinet_recipe import CabinetRecipe
 from stages.procedural.front_cells import CellKind, FrontCell, cells
-from stages.procedural.handles import KINDS
+from stages.procedural.handles import STYLES
 from stages.procedural.model import Model, Moving, Part, Size, part
 from stages.procedural.panels import Front, control_panel, pulled_panel
 from stages.procedural.shapes import box, rod
@@ -78,7 +78,7 @@ def _front(cell: FrontCell, x: float, thick: float) -> Front:
 
 def _moving(cell: FrontCell, p: CabinetRecipe, x: float, thick: float, x_back: float, number: int) -> Moving:
     front = _front(cell, x, thick)
-    handle = KINDS[p.handle]
+    handle = STYLES[p.handle].kind
     if cell.kind == "drawer":
         parts = pulled_panel(front, p, "drawer", 0.0) + _tray(front, x_back, p)
         travel = p.reach * (x - thick - x_back)

@@ -1,7 +1,8 @@
 """Families of near relatives: variations of a category's first models, the founders (docs/assets.md).
 
 Of cabinets every other generation is near (the same fronts and kind of handle in other proportions, finishes, panels),
-the others are farther: other fronts, handles and hinges. Relatives of all else are drawn anew in their founder's style.
+the others are farther: other fronts, handles and hinges. Relatives of
+all else are sampled anew in their founder's style.
 """
 
 import math
@@ -12,7 +13,7 @@ from stages.procedural.cabinet_recipe import PanelStyle
 from stages.procedural.category import Category, Fronts
 from stages.procedural.colours import APPLIANCE, METALS, PAINTS, WOODS, pick
 from stages.procedural.finishes import shade
-from stages.procedural.handles import HANDLE_SHARES, HANDLES, PROTRUSION
+from stages.procedural.handles import HANDLE_SHARES, HANDLES, STYLES
 from stages.procedural.recipe import Rng, Sampled, rounded, uniform
 
 IN_TURN = 24  # models of a category that vary its founders in turn, at least
@@ -46,7 +47,7 @@ def relative(category: Category, founder: Sampled, generation: int, rng: Rng, an
     changes["drawer_weight"] = _between(recipe.drawer_weight * rng.uniform(0.8, 1.3), 0.15, 0.6)
     if far:
         handle = str(rng.choice(HANDLES, p=HANDLE_SHARES))
-        changes |= {"handle": handle, "protrusion": PROTRUSION[handle], "hinge": int(rng.choice([-1, 1]))}  # type: ignore[index]
+        changes |= {"handle": handle, "protrusion": STYLES[handle].protrusion, "hinge": int(rng.choice([-1, 1]))}  # type: ignore[index]
         changes["handle_at"] = uniform(rng, -0.9, 0.9)
         if category.fronts and recipe.column_weights is None:
             fronts = list(category.fronts) if any_fronts else _resized(recipe)

@@ -5,12 +5,56 @@ from typing import NamedTuple
 
 RGB = tuple[float, float, float]  # linear
 Surface = str | Sequence[float]  # as a recipe writes it: 'wood 0.55 0.36 0.2 1', or the rgb of plain paint
-PLAIN = {"paint": 1, "metal": 1, "enamel": 1}  # material -> number of its patterns; these show their colour alone
-PATTERNED = {
-    "wood": 4, "steel": 1, "fabric": 4, "glaze": 4, "stone": 3, "tiles": 3, "card": 2, "leaf": 2, "linen": 1,
-    "wicker": 2,
+
+
+class Material(NamedTuple):
+    """What things are made of.
+
+    colours: that it is sold in. repeat: metres that the picture of its texture covers, along and across; None: it shows
+    its colour alone. patterns: number of its grains, weaves... (`textures.py`).
+    """
+
+    colours: tuple[RGB, ...]
+    repeat: tuple[float, float] | None = None
+    patterns: int = 1
+
+
+MATERIALS = {
+    "wood": Material(
+        ((0.55, 0.36, 0.20), (0.40, 0.22, 0.11), (0.70, 0.52, 0.33), (0.26, 0.13, 0.07), (0.62, 0.45, 0.28),
+         (0.48, 0.27, 0.13)), (1.0, 0.36), 4,
+    ),
+    "paint": Material(
+        ((0.84, 0.83, 0.80), (0.74, 0.72, 0.66), (0.32, 0.42, 0.50), (0.30, 0.40, 0.32), (0.16, 0.20, 0.26),
+         (0.55, 0.60, 0.58), (0.78, 0.70, 0.55), (0.45, 0.18, 0.15)),
+    ),
+    "metal": Material(
+        ((0.60, 0.61, 0.63), (0.36, 0.37, 0.39), (0.12, 0.12, 0.13), (0.62, 0.48, 0.22), (0.42, 0.28, 0.16)),
+    ),
+    "steel": Material(((0.80, 0.81, 0.82), (0.52, 0.53, 0.55)), (0.6, 0.3)),
+    "enamel": Material(((0.10, 0.10, 0.11), (0.62, 0.20, 0.16))),
+    "fabric": Material(
+        ((0.36, 0.36, 0.38), (0.22, 0.30, 0.40), (0.58, 0.52, 0.44), (0.40, 0.16, 0.14), (0.24, 0.34, 0.22),
+         (0.62, 0.50, 0.24)), (0.36, 0.36), 4,
+    ),
+    "glaze": Material(
+        ((0.86, 0.85, 0.82), (0.14, 0.26, 0.46), (0.62, 0.20, 0.12), (0.24, 0.42, 0.36), (0.82, 0.62, 0.20),
+         (0.10, 0.10, 0.12), (0.48, 0.60, 0.66)), (0.24, 0.24), 4,
+    ),
+    "stone": Material(
+        ((0.80, 0.79, 0.76), (0.22, 0.22, 0.24), (0.55, 0.50, 0.44), (0.30, 0.36, 0.33)), (0.7, 0.7), 3
+    ),
+    "tiles": Material(
+        ((0.82, 0.82, 0.80), (0.20, 0.34, 0.46), (0.55, 0.28, 0.18), (0.26, 0.40, 0.34)), (0.4, 0.4), 3
+    ),
+    "card": Material(((0.58, 0.42, 0.26), (0.66, 0.52, 0.34), (0.50, 0.36, 0.22)), (0.3, 0.3), 2),
+    "leaf": Material(((0.12, 0.32, 0.10), (0.20, 0.42, 0.14), (0.26, 0.40, 0.20)), (0.2, 0.2), 2),
+    "linen": Material(((0.86, 0.80, 0.66), (0.80, 0.80, 0.78), (0.25, 0.28, 0.32), (0.62, 0.30, 0.20)), (0.2, 0.2)),
+    "wicker": Material(
+        ((0.55, 0.38, 0.20), (0.68, 0.54, 0.34), (0.30, 0.18, 0.09), (0.60, 0.58, 0.54)), (0.16, 0.16), 2
+    ),
 }  # fmt: skip
-MATERIALS = PLAIN | PATTERNED
+DARK = (0.05, 0.05, 0.06)  # paint of screens, openings and hands of clocks
 
 
 class Finish(NamedTuple):
@@ -42,7 +86,7 @@ def finish_of(surface: Surface) -> Finish:
     else:
         material, channels, pattern = "paint", [str(channel) for channel in surface], "0"
     r, g, b = (float(channel) for channel in channels)
-    if not 0 <= int(pattern) < MATERIALS.get(material, 0):
+    if material not in MATERIALS or not 0 <= int(pattern) < MATERIALS[material].patterns:
         raise ValueError(f"'{surface}': no such material ({', '.join(sorted(MATERIALS))}) or pattern")
     if not all(0 <= channel <= 1 for channel in (r, g, b)):
         raise ValueError(f"'{surface}': colours go from 0 to 1")
@@ -58,7 +102,7 @@ def shade(surface: Surface, factor: float) -> str:
 def made_of(material: str, surface: Surface) -> str:
     """The same colour on another material."""
     finish = finish_of(surface)
-    return str(Finish(material, finish.colour, finish.pattern % MATERIALS[material]))
+    return str(Finish(material, finish.colour, finish.pattern % MATERIALS[material].patterns))
 
 
 def brightness(surface: Surface) -> float:

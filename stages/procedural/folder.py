@@ -7,17 +7,17 @@ from pydantic import ValidationError
 from scipy.spatial import QhullError
 
 from stages.articulated.asset_folder import Description, write_asset
+from stages.articulated.mesh_reader import FLAT
 from stages.contracts.errors import InputError
 from stages.contracts.files import first_error
 from stages.contracts.library import Asset, Recipe
+from stages.contracts.types import LARGEST
 from stages.procedural.model import Model, Size, bounds, fitted, parts_of
 from stages.procedural.recipe import Generator
 from stages.procedural.robot import robot_of
 
 LICENCE = "CC0-1.0"
-LARGEST = 100.0  # metres, of any extent
 ROOM = (0.0, 0.05, 0.1, 0.2, 0.4)  # metres: extents in which ever more boards fit
-THIN = 1e-4  # metres: no solid is thinner
 SETTLING_PASSES = 3  # generators miss the asked size by little (leaning legs...): aim again before scaling
 
 
@@ -48,7 +48,10 @@ def generate(recipe: Recipe, size: Size | None = None) -> Model:
 
     if recipe.generator not in GENERATORS:
         raise InputError(
-            "recipe", f"unknown generator '{recipe.generator}'.", f"one of {', '.join(sorted(GENERATORS))}"
+            "recipe",
+            f"unknown generator '{recipe.generator}'.",
+            f"one of {', '.join(sorted(GENERATORS))}",
+            code="E-RECIPE-PARAMETER",
         )
     wanted = _size(recipe, size)
     parameters = {key: value for key, value in recipe.parameters.items() if key != "size"}
@@ -56,10 +59,10 @@ def generate(recipe: Recipe, size: Size | None = None) -> Model:
     try:
         return _made(GENERATORS[recipe.generator].model_validate(parameters), wanted)
     except ValidationError as error:
-        raise InputError(where, f"parameter {first_error(error)}.") from None
+        raise InputError(where, f"parameter {first_error(error)}.", code="E-RECIPE-PARAMETER") from None
     except (ValueError, IndexError, ArithmeticError, QhullError) as error:
         reason = (str(error).splitlines() or [type(error).__name__])[0][:200]
-        raise InputError(where, f"its parameters make no model: {reason}.") from None
+        raise InputError(where, f"its parameters make no model: {reason}.", code="E-RECIPE-PARAMETER") from None
 
 
 def _size(recipe: Recipe, size: Size | None) -> Size:
@@ -68,9 +71,11 @@ def _size(recipe: Recipe, size: Size | None) -> Size:
     try:
         x, y, z = np.asarray(asked, dtype=float).tolist()
     except (TypeError, ValueError):
-        raise InputError("recipe", f"size {asked!r} is not three numbers.") from None
+        raise InputError("recipe", f"size {asked!r} is not three numbers.", code="E-RECIPE-PARAMETER") from None
     if not all(0 < extent <= LARGEST for extent in (x, y, z)):
-        raise InputError("recipe", f"size {(x, y, z)} is not positive, or larger than {LARGEST:g} m.")
+        raise InputError(
+            "recipe", f"size {(x, y, z)} is not positive, or larger than {LARGEST:g} m.", code="E-RECIPE-PARAMETER"
+        )
     return (x, y, z)
 
 
@@ -91,7 +96,7 @@ def _made(generator: Generator, wanted: Size) -> Model:
 
 def _is_sound(model: Model) -> bool:
     """Whether every solid is one and everything that moves has somewhere to go."""
-    solids = all(np.ptp(mesh.vertices, axis=0).min() > THIN for part in parts_of(model) for mesh in part.pieces)
+    solids = all(np.ptp(mesh.vertices, axis=0).min() > FLAT for part in parts_of(model) for mesh in part.pieces)
     return solids and all(moving.upper > 0 for moving in model.moving)
 
 

@@ -1,6 +1,6 @@
 """Handles that a parallel gripper can hold: 8-16 mm thick, standing out far enough for a finger on either side."""
 
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -10,15 +10,26 @@ from stages.procedural.model import METAL, Part, part
 from stages.procedural.shapes import hull, lathe, rod, rotated, slab, translated
 
 Style = Literal["bar", "square_bar", "knob", "arch", "edge", "none"]
-PROTRUSION: dict[Style, float] = {
-    "bar": 0.038, "square_bar": 0.036, "knob": 0.034, "arch": 0.040, "edge": 0.032, "none": 0.0
-}  # fmt: skip
-KINDS: dict[Style, HandleKind | None] = {
-    "bar": "bar", "square_bar": "bar", "knob": "knob", "arch": "arch", "edge": "edge", "none": None
-}  # fmt: skip
 
-HANDLES = ["bar", "square_bar", "knob", "arch", "edge"]
-HANDLE_SHARES = [0.3, 0.2, 0.2, 0.2, 0.1]  # of sampled cabinets
+
+class Pull(NamedTuple):
+    """A style of handle: how far it sticks out (metres), its kind, and the share of sampled cabinets that have it."""
+
+    protrusion: float
+    kind: HandleKind | None
+    share: float = 0.0
+
+
+STYLES: dict[Style, Pull] = {
+    "bar": Pull(0.038, "bar", 0.3),
+    "square_bar": Pull(0.036, "bar", 0.2),
+    "knob": Pull(0.034, "knob", 0.2),
+    "arch": Pull(0.040, "arch", 0.2),
+    "edge": Pull(0.032, "edge", 0.1),
+    "none": Pull(0.0, None),
+}
+HANDLES = [style for style, pull in STYLES.items() if pull.share]
+HANDLE_SHARES = [STYLES[style].share for style in HANDLES]
 
 
 def handle_parts(

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from trimesh import Trimesh
 
 from stages.contracts.library import HandleKind
+from stages.geometry.solids import DENSITY as WOOD
 from stages.procedural.finishes import RGB, Finish, Surface, finish_of
 from stages.procedural.shapes import bounds_of
 
@@ -16,9 +17,9 @@ Size = tuple[float, float, float]
 Symmetry = Literal["none", "half_turn", "third_turn", "quarter_turn", "full"]
 Placement = Literal["floor", "object", "wall"]
 
-WOOD, METAL, STEEL, CERAMIC, GLASS = 500.0, 2700.0, 7800.0, 2200.0, 2400.0  # kg / m^3
+METAL, STEEL, CERAMIC, GLASS = 2700.0, 7800.0, 2200.0, 2400.0  # kg / m^3
 EXACT = 1e-9  # a model that fits as well as this is left as it is
-FOAM, PLASTIC, PAPER = 60.0, 1000.0, 700.0
+FOAM, PLASTIC, PAPER, FILLED = 60.0, 1000.0, 700.0, 900.0  # FILLED: a vessel and what is in it, wax
 
 
 @dataclass(frozen=True)

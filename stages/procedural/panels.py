@@ -3,12 +3,11 @@
 from typing import Literal, NamedTuple
 
 from stages.procedural.cabinet_recipe import CabinetRecipe
-from stages.procedural.finishes import Surface
+from stages.procedural.finishes import DARK, Surface
 from stages.procedural.handles import handle_parts
 from stages.procedural.model import GLASS, METAL, PLASTIC, WOOD, Part, part
 from stages.procedural.shapes import box, rod
 
-DARK = (0.05, 0.05, 0.06)
 RELIEF = 0.006  # height of a frame above its field
 EDGE_INSET = 0.036  # of a profile from the free edge: a finger fits between it and what is beside the panel
 EDGE_LENGTH = 0.94  # share of the panel's side that a profile runs along

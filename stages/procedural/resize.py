@@ -7,8 +7,8 @@ from pathlib import Path
 
 from stages.articulated.asset_folder import read_asset, stretch_asset
 from stages.contracts.errors import InputError
+from stages.contracts.types import LARGEST
 from stages.procedural import build
-from stages.procedural.folder import LARGEST
 
 SAME = 5e-4  # metres: a size this near to the native one is left alone
 
@@ -25,7 +25,7 @@ def resized(asset_folder: Path, size: Sequence[float], out: Path) -> Path:
     x, y, z = (float(value) for value in size)
     if not all(0 < extent <= LARGEST for extent in (x, y, z)):
         fix = f"all extents must be positive, {LARGEST:g} m at most"
-        raise InputError(asset_folder, f"cannot be resized to {x:g} x {y:g} x {z:g} m.", fix)
+        raise InputError(asset_folder, f"cannot be resized to {x:g} x {y:g} x {z:g} m.", fix, code="E-MODEL-SIZE")
     if max(abs(a - b) for a, b in zip((x, y, z), asset.size, strict=True)) < SAME:
         return Path(asset_folder)
     key = json.dumps([asset.id, asset.checksum, [round(value, 5) for value in (x, y, z)]])

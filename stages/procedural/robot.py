@@ -6,11 +6,11 @@ from trimesh import Trimesh
 from stages.articulated.mesh_writer import is_box
 from stages.articulated.model import JointModel, Link, Matrix, RobotModel, Visual
 from stages.geometry.frames import rigid
+from stages.geometry.solids import MINIMUM_INERTIA
 from stages.procedural.model import Model, Moving, Part
 from stages.procedural.textures import texture_of
 
 BASE = "base"
-MINIMUM_INERTIA = 1e-7
 SLIM = 0.03  # metres: a part that is no wider in two directions shows its colour alone
 TURN = 0.618034
 

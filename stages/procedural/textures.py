@@ -12,25 +12,22 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from stages.articulated.model import Texture
-from stages.procedural.finishes import PATTERNED, Finish
+from stages.procedural.finishes import MATERIALS, Finish
 
 Array = NDArray[np.float64]
 Rng = np.random.Generator
 
 SIDE = 128  # texels
 QUALITY = 88  # of the JPEG
-REPEAT: dict[str, tuple[float, float]] = {  # metres that a picture covers, along and across
-    "wood": (1.0, 0.36), "steel": (0.6, 0.3), "fabric": (0.36, 0.36), "glaze": (0.24, 0.24), "stone": (0.7, 0.7),
-    "tiles": (0.4, 0.4), "card": (0.3, 0.3), "leaf": (0.2, 0.2), "linen": (0.2, 0.2), "wicker": (0.16, 0.16),
-}  # fmt: skip
 DARKEST, LIGHTEST = 0.3, 1.7  # of a pattern, whose mean is 1: it scales the colour
 
 
 @lru_cache(maxsize=1024)
 def texture_of(finish: Finish) -> Texture | None:
     """The picture that a finish is drawn with; None: its colour alone."""
-    shades = pattern_of(finish.material, finish.pattern) if finish.material in PATTERNED else None
-    if shades is None:
+    repeat = MATERIALS[finish.material].repeat
+    shades = pattern_of(finish.material, finish.pattern) if repeat else None
+    if repeat is None or shades is None:
         return None
     linear = np.clip(shades[..., None] * np.array(finish.colour), 0.0, 1.0)
     encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
@@ -38,7 +35,7 @@ def texture_of(finish: Finish) -> Texture | None:
     Image.fromarray((255 * encoded).round().astype(np.uint8)).save(file, "JPEG", quality=QUALITY)
     red, green, blue = (round(255 * channel) for channel in finish.colour)
     name = f"{finish.material}_{finish.pattern}_{red:02x}{green:02x}{blue:02x}"
-    return Texture(name, file.getvalue(), REPEAT[finish.material])
+    return Texture(name, file.getvalue(), repeat)
 
 
 @cache

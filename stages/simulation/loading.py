@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from sapien.physx import PhysxArticulation, PhysxMaterial
 
 from stages.articulated.asset_folder import read_asset, stretch_asset
-from stages.articulated.urdf_writer import FRICTION, REVOLUTE_DAMPING
+from stages.articulated.urdf_writer import DAMPING, FRICTION
 from stages.contracts.errors import InputError
 from stages.contracts.library import Asset
 from stages.geometry.frames import yaw_matrix, yaw_quaternion
@@ -164,7 +164,7 @@ def soften(articulation: PhysxArticulation) -> None:
     """Give every joint the friction and damping of our URDFs, which SAPIEN's loader ignores."""
     for joint in articulation.get_active_joints():
         joint.set_friction(FRICTION)
-        joint.set_drive_properties(stiffness=0.0, damping=REVOLUTE_DAMPING)
+        joint.set_drive_properties(stiffness=0.0, damping=DAMPING)
 
 
 def add_ground(scene: sapien.Scene, height: float = 0.0) -> sapien.Entity:

@@ -24,7 +24,7 @@ from stages.articulated.urdf_writer import write_urdf
 from stages.config.code import closure, source
 from stages.contracts.errors import InputError
 from stages.geometry.frames import rigid
-from stages.procedural.handles import KINDS, PROTRUSION, Style
+from stages.procedural.handles import STYLES, Style
 from tests.unit.articulated_models import CABINET, textured_box, write_cabinet
 from tests.unit.demo_assets import cabinet
 
@@ -121,11 +121,11 @@ def test_fronts_are_measured_with_what_is_fixed_to_them(tmp_path: Path) -> None:
 @pytest.mark.parametrize("cell", ["door", "drawer"])
 def test_handles_are_told_from_their_shape(style: Style, cell: str, tmp_path: Path) -> None:
     """What the generator says of its handles is what a measurement says of the same shapes without a description."""
-    told = cabinet(tmp_path / "cab", layout=[[cell]], handle=style, protrusion=PROTRUSION[style])
+    told = cabinet(tmp_path / "cab", layout=[[cell]], handle=style, protrusion=STYLES[style].protrusion)
     robot = read_urdf(tmp_path / "cab" / "model.urdf", tmp_path / "cab")
     (measured,) = contract_joints(with_roles(robot))
     assert (measured.handle, measured.panel) == (told.joints[0].handle, told.joints[0].panel)
-    assert told.joints[0].handle == KINDS[style]
+    assert told.joints[0].handle == STYLES[style].kind
 
 
 @pytest.mark.parametrize(("hinge", "side"), [(1, "right"), (-1, "left")])

@@ -119,7 +119,6 @@ DOUBTED_LINKS = [  # of which the model can do without
     (BODY_MASS, '<mass value="-3"/>', "link 'body', <mass>: value"),
     (BODY_MASS, '<mass value="inf"/>', "link 'body', <mass>: value"),
     (BODY_MASS, '<mass value="1e30"/>', "link 'body', <mass>: value"),
-    (BODY_MASS, '<mass value="200000"/>', "link 'body', <mass>: 200000 kg is too heavy"),
     (BODY_MASS, '<mass value="a lot"/>', "link 'body', <mass>: value"),
     (INERTIA, 'ixx="nan"', "link 'body', <inertia>: ixx"),
     (INERTIA, 'ixx="1e30"', "link 'body', <inertia>: ixx"),
@@ -263,7 +262,7 @@ NOTES = [
     ('{"scale": 1e999}', "scale"),
     ('{"scale": "inf"}', "scale"),
     ('{"scale": NaN}', "asset.json"),
-    ('{"scale": 500}', "is .* m large. Fix: at most 20 m"),
+    ('{"scale": 500}', "is .* m large. Fix: at most 30 m"),
     ('{"scale": 1e-5}', "is flat"),
     ('{"mass": -1}', "mass"),
     ('{"mass": "Infinity"}', "mass"),
@@ -280,7 +279,6 @@ UNBELIEVABLE = [
     (BODY_BOX, '<box size="400 0.6 0.8"/>', "is 400 x .* m large"),
     (BODY_BOX, '<box size="1000000 1000000 1000000"/>', "m large"),
     ('<origin xyz="0 0 0.4"/>', '<origin xyz="0 0 900000"/>', "m large"),
-    (BODY_MASS, '<mass value="1e-300"/>', "link 'body': weighs 1e-300 kg"),
 ]
 
 
@@ -320,7 +318,7 @@ def test_a_broken_rigid_mesh_is_one_clear_line(tmp_path: Path) -> None:
         ("a.glb", lambda path: path.write_bytes(b"glTF"), "a.glb: cannot be read as a mesh"),
         ("a.obj", lambda path: path.write_text("v 1 2 3"), "a.obj: "),
         ("a.obj", flat.export, "is flat"),
-        ("a.obj", trimesh.creation.box([30, 1, 1]).export, "30 x 1 x 1 m large"),
+        ("a.obj", trimesh.creation.box([40, 1, 1]).export, "40 x 1 x 1 m large"),
     ]:
         write(place / name)
         refused(tmp_path / "mine", complaint)

@@ -24,6 +24,7 @@ assert (asset.category, asset.symmetry, asset.placement) == ("plinth", "quarter_
 assert 0.7 <= asset.size[2] <= 1.1
 assert naming.category_in("oldPedestal_2") == "plinth"  # a model of yours
 assert lexical_distance("plinth", ["table", "plinth"]).argmin() == 1
+assert lexical_distance("pedestal", ["table", "plinth"]).argmin() == 1
 """
 
 

@@ -134,7 +134,7 @@ def test_only_doors_and_drawers_move(tmp_path: Path) -> None:
     assert [joint.name for joint in robot.joints if joint.type != "fixed"] == ["hinge", "slide"]
     assert doubts == [
         "fixed, as no door or drawer: 'press' (slides by less than 5 cm)",
-        "fixed, as no door or drawer: 'sideways' (opens to another side than the front)",
+        "fixed, as no door or drawer: 'sideways' (moves no front of some size)",
         "fixed, as no door or drawer: 'turn' (turns no panel about its side)",
         "fixed, as no door or drawer: 'helper' (moves nothing that is seen)",
     ]
@@ -209,7 +209,7 @@ def test_a_joint_that_is_slow_does_not_stick(tmp_path: Path, monkeypatch: pytest
     place.mkdir(parents=True)
     (place / "a.urdf").write_text(rubbing(0.01))
     (asset,) = import_folder(tmp_path / "mine", tmp_path / "models")
-    monkeypatch.setattr("stages.simulation.loading.REVOLUTE_DAMPING", 600.0)  # 20 N: 3 cm/s, six seconds
+    monkeypatch.setattr("stages.simulation.loading.DAMPING", 600.0)  # 20 N: 3 cm/s, six seconds
     assert stuck_joints(tmp_path / "models" / asset.id) == []
 
 

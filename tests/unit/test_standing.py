@@ -6,7 +6,7 @@ import numpy as np
 
 from stages.assets.imports import import_model
 from stages.assets.library import make
-from stages.assets.reach import MIDDLE, out_of_reach
+from stages.assets.reach import out_of_reach, undisturbed
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
@@ -79,7 +79,7 @@ def test_a_door_that_is_followed_from_nowhere_is_told(tmp_path: Path) -> None:
     env = world(folder, "hinge")
     env.reset(0)
     target = env.env.target
-    base = base_pose(target.reference, target.side, MIDDLE, OPTIONS)
+    base = base_pose(target.reference, target.side, undisturbed(), OPTIONS)
     assert reachable_base(base, np.eye(4), REST, Surroundings(target), 0.5) is None
     stands = env.env.agent.robot.pose.sp.to_transformation_matrix()
     assert np.abs(stands - usual(env, 0)).max() < 1e-5, "then it stands where it always does"

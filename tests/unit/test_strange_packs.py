@@ -22,7 +22,6 @@ from stages.assets.import_ import run
 from stages.assets.importers.mjcf import read_mjcf
 from stages.assets.portrait import Portraits
 from stages.assets.weighing import weighed_sanely
-from stages.contracts.errors import InputError
 from stages.procedural.naming import category_in
 from tests.refusals import refused
 from tests.unit.test_sense import box, joint
@@ -50,12 +49,12 @@ def test_a_file_beside_the_folder_tells_which_folder_to_give(tmp_path: Path) -> 
     (tmp_path / "pack/meshes").mkdir(parents=True)
     trimesh.creation.box().export(tmp_path / "pack/meshes/a.obj")
     model = urdf(tmp_path / "pack/objects/a.urdf", mesh_link("../meshes/a.obj"))
-    with pytest.raises(InputError, match=rf"no mesh .* in objects/. Fix: give {tmp_path}/pack in its place"):
+    with refused("E-FILE-MISSING"):
         read_urdf(model, model.parent)
     include = mjcf(tmp_path / "pack/objects/a.xml", '<asset><mesh file="../meshes/a.obj"/></asset><worldbody/>')
     with refused("E-FILE-OUTSIDE"):
         read_mjcf(include, include.parent)
-    with pytest.raises(InputError, match="Fix: copy it there"):
+    with refused("E-FILE-MISSING"):
         read_urdf(urdf(model, mesh_link("../meshes/gone.obj")), model.parent)
 
 
@@ -72,7 +71,7 @@ def test_names_with_other_capital_letters(tmp_path: Path) -> None:
     assert read_urdf(model, tmp_path).links["a"].visuals
     (tmp_path / "arm/Meshes/base_link.stl").rename(tmp_path.parent / "other.stl")
     (tmp_path / "arm/Meshes/base_link.stl").symlink_to(tmp_path.parent / "other.stl")
-    with pytest.raises(InputError, match="there is no mesh"):
+    with refused("E-FILE-MISSING"):
         read_urdf(model, tmp_path)
 
 
@@ -105,15 +104,10 @@ def moving(
     return doors_and_drawers(read_urdf(urdf(tmp_path / "a.urdf", text), tmp_path))[1]
 
 
-def test_limbs_levers_and_loose_things_are_no_doors(tmp_path: Path) -> None:
+def test_levers_and_loose_things_are_no_doors(tmp_path: Path) -> None:
     panel, hinge = box("0.02 0.5 0.5", "0 0.25 0"), "0 0 -1"
     assert moving(tmp_path, panel, "revolute", hinge, 1.5) == []
-    assert "more than 270 degrees" in moving(tmp_path, panel, "revolute", hinge, 5.0)[0]
     assert "front of some size" in moving(tmp_path, box("0.02 0.5 0.04", "0 0.25 0"), "revolute", hinge, 1.5)[0]
-    shin = f'<link name="shin">{panel}</link>' + joint("k", "revolute", "shin", hinge, 1.5, "0 0.5 0", "part")
-    assert "as limbs do" in moving(tmp_path, panel, "revolute", hinge, 1.5, shin)[0]
-    latch = shin.replace(panel, box("0.04 0.1 0.02", "0.03 -0.1 0"))
-    assert not any("'j'" in line for line in moving(tmp_path, panel, "revolute", hinge, 1.5, latch)), "a door's latch"
     assert "moves all that is seen" in moving(tmp_path, box("0.3 0.3 0.3"), "prismatic", "1 0 0", 0.4, body=False)[0]
 
 
@@ -191,21 +185,6 @@ def test_what_a_collection_holds_is_called_as_it_is(tmp_path: Path) -> None:
     assert {name: category_in(name) for name in told} == told
 
 
-def test_pieces_of_a_model_are_no_models(tmp_path: Path) -> None:
-    def meshes(*names: str) -> str:
-        files = "".join(f'<mesh file="{name}.stl"/>' for name in names)
-        return f"<asset>{files}</asset><worldbody/>"
-
-    mjcf(tmp_path / "cabinet.xml", meshes("cabinet/base/base", "cabinet/door/door"))
-    mjcf(tmp_path / "cabinet/door/door.xml", meshes("door"))
-    mjcf(tmp_path / "cabinet/lamp/lamp.xml", meshes("lamp"))
-    mjcf(tmp_path / "pot/pot.xml", meshes("pot", "lid"))
-    mjcf(tmp_path / "pot/pot_lid.xml", meshes("lid"))
-    mjcf(tmp_path / "other/door.xml", meshes("door"))
-    found = {one.path.relative_to(tmp_path).as_posix() for one in discover(tmp_path, [".xml"])}
-    assert found == {"cabinet.xml", "cabinet/lamp/lamp.xml", "pot/pot.xml", "other/door.xml"}
-
-
 def test_kinds_of_files_that_are_in_metres_stay_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     urdf(tmp_path / "theirs/arena.urdf", f'<link name="a">{box("6 5 3")}</link>')
     run(tmp_path / "theirs", out=tmp_path / "mine")
@@ -239,7 +218,7 @@ def test_compressed_gltf_is_not_read_as_zeros(
     text = json.dumps({"asset": {"version": "2.0"}, "extensionsRequired": [extension]}).encode()
     header = b"glTF" + struct.pack("<IIII", 2, 20 + len(text), len(text), 0x4E4F534A)
     (tmp_path / f"a.{kind}").write_bytes(header + text if kind == "glb" else text)
-    with pytest.raises(InputError, match=rf"is compressed \({extension}\)\. Fix: .*export it uncompressed"):
+    with refused("E-MESH-COMPRESSED"):
         load_meshes(tmp_path / f"a.{kind}", tmp_path)
 
 
@@ -280,9 +259,7 @@ def test_kinds_that_are_not_read_are_told(tmp_path: Path, capsys: pytest.Capture
     (tmp_path / "theirs/chair").mkdir(parents=True)
     (tmp_path / "theirs/chair/a.usd").write_text("")
     (tmp_path / "theirs/chair/a.kinbody.xml").write_text("<KinBody/>")
-    with pytest.raises(
-        InputError, match=r"Fix: files of kinds that are not read \(1 .kinbody.xml, 1 .usd\): export them as URDF"
-    ):
+    with refused("E-MODELS-NONE"):
         run(tmp_path / "theirs", out=tmp_path / "mine")
     trimesh.creation.box((0.5, 0.5, 0.9)).export(tmp_path / "theirs/chair/b.stl")
     run(tmp_path / "theirs", out=tmp_path / "mine")

@@ -10,12 +10,14 @@ from stages.articulated.urdf_reader import read_urdf
 from stages.contracts.library import Recipe
 from stages.procedural import build, generate
 from stages.procedural.catalogue import sample
-from stages.procedural.finishes import PATTERNED, Finish, finish_of, made_of, shade
+from stages.procedural.finishes import MATERIALS, Finish, finish_of, made_of, shade
 from stages.procedural.resize import resized
 from stages.procedural.robot import robot_of
-from stages.procedural.textures import REPEAT, SIDE, pattern_of, texture_of
+from stages.procedural.textures import SIDE, pattern_of, texture_of
 
-PATTERNS = [(material, pattern) for material, count in PATTERNED.items() for pattern in range(count)]
+PATTERNS = [
+    (material, pattern) for material, kind in MATERIALS.items() if kind.repeat for pattern in range(kind.patterns)
+]
 
 
 @pytest.mark.parametrize(("material", "pattern"), PATTERNS)
@@ -64,8 +66,8 @@ def test_the_grain_runs_along_at_its_real_scale_at_any_size(tmp_path: Path) -> N
         assert top.visual.material.image.size == (SIDE, SIDE)
         upper = top.faces[top.face_normals[:, 2] > 0.9].ravel()
         along, across = np.ptp(top.visual.uv[upper], axis=0)
-        assert along == pytest.approx(length / REPEAT["wood"][0], abs=1e-3)
-        assert across == pytest.approx(0.8 / REPEAT["wood"][1], abs=1e-3)
+        assert along == pytest.approx(length / MATERIALS["wood"].repeat[0], abs=1e-3)
+        assert across == pytest.approx(0.8 / MATERIALS["wood"].repeat[1], abs=1e-3)
 
 
 def test_slim_parts_show_their_colour_and_neighbours_other_pieces_of_the_picture() -> None:

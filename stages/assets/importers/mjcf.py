@@ -14,12 +14,13 @@ from trimesh import Trimesh
 
 from stages.articulated.mesh_reader import convex_pieces
 from stages.articulated.model import RGBA, JointModel, Link, Matrix, RobotModel, Visual, moved
-from stages.articulated.urdf_reader import board_mass, box_around, box_inertia, closed_at_lower
+from stages.articulated.urdf_reader import closed_at_lower
 from stages.articulated.urdf_tree import FIXED_RANGE, MOST_LINKS
 from stages.assets.importers import Importer
 from stages.assets.mjcf_file import compiled
 from stages.contracts.errors import InputError
 from stages.geometry.frames import rigid
+from stages.geometry.solids import board_mass, box_around, box_inertia
 
 
 def read_mjcf(path: Path, folder: Path) -> RobotModel:
@@ -30,14 +31,14 @@ def read_mjcf(path: Path, folder: Path) -> RobotModel:
     """
     spec, model = compiled(path, folder)
     if model.nbody > MOST_LINKS:
-        raise InputError(path, f"has {model.nbody} bodies.", f"at most {MOST_LINKS}")
+        raise InputError(path, f"has {model.nbody} bodies.", f"at most {MOST_LINKS}", code="E-MODEL-PARTS")
     if (free := int((model.jnt_type == mjtJoint.mjJNT_FREE).sum())) > 1:
         raise InputError(
             path, f"holds {free} free bodies: a scene, not a model.", "one file per model", code="E-MJCF-SCENE"
         )
     links, joints = _Reader(spec, model).tree()
     if not any(link.visuals for link in links.values()):
-        raise InputError(path, "shows nothing: no body has geometry.")
+        raise InputError(path, "shows nothing: no body has geometry.", code="E-MODEL-UNSEEN")
     return RobotModel(path.stem, links, joints)
 
 

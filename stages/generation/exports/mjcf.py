@@ -13,7 +13,7 @@ from PIL import Image
 from stages.articulated import mesh_writer
 from stages.articulated.asset_folder import atomic_folder
 from stages.articulated.model import JointModel, Link, Matrix
-from stages.articulated.urdf_writer import FRICTION, PRISMATIC_DAMPING, REVOLUTE_DAMPING
+from stages.articulated.urdf_writer import DAMPING, FRICTION
 from stages.contracts.look import GAMMA
 from stages.contracts.system import sync
 from stages.generation.exports import CAMERA, OPENGL, Body, Room
@@ -131,7 +131,7 @@ class _Writer:
             range=_text([joint.lower, joint.upper]),
             limited="true",
             ref=_text([joint.lower]),
-            damping=_text([REVOLUTE_DAMPING if hinge else PRISMATIC_DAMPING]),
+            damping=_text([DAMPING]),
             frictionloss=_text([FRICTION]),
         )
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from stages.articulated.asset_folder import atomic_folder
 from stages.articulated.model import JointModel, Link, Matrix
-from stages.articulated.urdf_writer import PRISMATIC_DAMPING, REVOLUTE_DAMPING
+from stages.articulated.urdf_writer import DAMPING
 from stages.contracts import InputError
 from stages.contracts.system import sync
 from stages.generation.exports import CAMERA, OPENGL, Body, Room
@@ -134,7 +134,7 @@ class _Writer:
         made.CreateLowerLimitAttr(float(joint.lower * unit))
         made.CreateUpperLimitAttr(float(joint.upper * unit))
         drive = UsdPhysics.DriveAPI.Apply(made.GetPrim(), "angular" if hinge else "linear")
-        drive.CreateDampingAttr(REVOLUTE_DAMPING / unit if hinge else PRISMATIC_DAMPING)
+        drive.CreateDampingAttr(DAMPING / unit if hinge else DAMPING)
         drive.CreateStiffnessAttr(0.0)
 
     def _mesh(self, path: str, vertices: Any, faces: Any) -> Any:

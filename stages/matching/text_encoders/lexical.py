@@ -7,57 +7,45 @@ from numpy.typing import NDArray
 from sklearn.feature_extraction.text import TfidfVectorizer
 
 from stages.config.matching import MatchingConfig
+from stages.procedural.catalogue import CATEGORIES
 
-# Words for the same thing: each also counts as the first of its line. Single words, singular.
+# Words for the same thing that are no category of the library, or head several: each counts as the first of its line.
+# Single words, singular. Those of one category are in its record (stages/procedural/categories).
 SYNONYMS = """
 cabinet cupboard sideboard credenza
-wardrobe closet armoire
 dresser commode bureau
-refrigerator fridge freezer icebox
-television tv telly monitor screen
-sofa couch settee loveseat
-shelf bookshelf bookcase rack shelving
-wallshelf wallrack shelfboard
-stool footstool ottoman
 lamp light lantern
-picture painting poster artwork canvas frame photo
 plant houseplant flower flowerpot planter
-mug cup beaker
-bottle flask
-box carton crate package
 rug carpet mat
 stove cooker
-book novel
-nightstand bedsidetable bedsidecabinet nighttable
-tvstand tvcabinet tvunit tvconsole mediaconsole mediaunit
-trashcan bin trashbin trash garbage rubbish wastebasket dustbin garbagecan
-armchair easychair recliner
-kettle teapot teakettle
-pan skillet frypan saucepan
-jar canister can tin tincan
-candlestick candle candleholder candlestand
-laptop computer
 jug pitcher carafe
 """
-# Kinds of things: a label without a category of its own name finds its kin, not the first of the alphabet.
-KINDS = """
-cabinet wardrobe dresser chest nightstand tvstand drawer locker shelf wallshelf
-refrigerator oven stove microwave dishwasher washer dryer toaster
-chair stool armchair bench sofa seat
-table desk counter workbench
-bowl mug plate dish pot pan kettle vase bottle jar glass jug
-television picture mirror clock laptop board
-lamp candlestick chandelier
-book box basket trashcan bag
-plant pot vase tree
-bed sofa crib mattress
-"""
+# Other words of the kinds of things: a label of no category finds its kin, not the first of the alphabet.
+KINDS = {
+    "storage": "cabinet dresser chest drawer locker",
+    "appliance": "stove washer dryer",
+    "seat": "seat",
+    "table": "counter workbench",
+    "dish": "dish pot glass jug",
+    "flat": "board",
+    "lamp": "lamp chandelier",
+    "box": "bag",
+    "plant": "plant pot tree",
+    "bed": "crib mattress",
+}
 CANONICAL = {
     word: first for first, *others in map(str.split, SYNONYMS.strip().splitlines()) for word in (first, *others)
 }
-GROUPS = [set(line.split()) for line in KINDS.strip().splitlines()]
+GROUPS = {kind: set(text.split()) for kind, text in KINDS.items()}
+for record in CATEGORIES.values():
+    if "_" not in record.name or record.like:  # else its last word heads it: "table" of coffee_table
+        head = CANONICAL.setdefault(record.name.replace("_", ""), record.name.replace("_", ""))
+        for word in record.words:
+            CANONICAL.setdefault(word, head)
+        for kind in record.kin.split(", "):
+            GROUPS.setdefault(kind, set()).add(head)
 LEAST = 0.03  # similarity below this is a few letters by chance
-KNOWN = set(CANONICAL).union(*GROUPS)
+KNOWN = set(CANONICAL).union(*GROUPS.values())
 SHARES = {"word": 0.6, "kind": 0.25, "letters": 0.15}  # of the similarity; letters: plurals, compounds, spelling
 
 
@@ -80,7 +68,7 @@ def _texts(tokens: list[str]) -> dict[str, str]:
     """What is compared, by aspect. The last word says what a thing is ("coffee table"): it counts twice."""
     canonical = [CANONICAL.get(word, word) for word in tokens + tokens[-1:]]
     own = [word for word in tokens if word not in canonical]
-    kinds = [f"kind{number}" for word in canonical for number, group in enumerate(GROUPS) if word in group]
+    kinds = [kind for word in canonical for kind, group in GROUPS.items() if word in group]
     return {"word": " ".join(canonical + own), "kind": " ".join(kinds), "letters": " ".join(tokens)}
 
 

@@ -6,7 +6,7 @@ from stages.procedural.cabinet import Cabinet
 from stages.procedural.category import category
 from stages.procedural.colours import APPLIANCE, METALS, PAINTS, STONES, TILES, WOODS, Palette, pick
 from stages.procedural.finishes import brightness, shade
-from stages.procedural.handles import HANDLE_SHARES, HANDLES, PROTRUSION
+from stages.procedural.handles import HANDLE_SHARES, HANDLES, STYLES
 from stages.procedural.model import Size
 from stages.procedural.recipe import Rng, Sampled, rounded, uniform
 
@@ -34,7 +34,7 @@ def _recipe(rng: Rng, layout: Layout, tops: Palette = WOODS, **changes: Any) -> 
         top_colour=lambda: pick(rng, tops),
         protrusion=0.0,
     ).changed(**changes)
-    return recipe.changed(protrusion=PROTRUSION[recipe.handle])
+    return recipe.changed(protrusion=STYLES[recipe.handle].protrusion)
 
 
 @category(
@@ -42,7 +42,6 @@ def _recipe(rng: Rng, layout: Layout, tops: Palette = WOODS, **changes: Any) -> 
     founders=24,
     count=56,
     names="cabinet, cupboard, storage furniture",
-    like="credenza",
     kin="storage",
     varied=True,
     fronts=(
@@ -218,7 +217,6 @@ def sample_wardrobe(rng: Rng, index: int) -> Sampled:
     founders=8,
     count=32,
     names="chest drawers, drawer chest, dresser, commode",
-    like="bureau",
     kin="storage",
     varied=True,
     fronts=(

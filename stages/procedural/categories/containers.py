@@ -8,11 +8,11 @@ import numpy as np
 from stages.procedural.categories.vessels import hollow
 from stages.procedural.category import category
 from stages.procedural.colours import APPLIANCE, FABRICS, METALS, PAINTS, WICKER
-from stages.procedural.model import Model, Size, part
+from stages.procedural.model import FILLED, Model, Size, part
 from stages.procedural.recipe import Coating, Generator, Rng, Sampled, between, fixed, in_turn, of, rounded
 from stages.procedural.shapes import box, cushion, lathe, rod
 
-LIGHT = 300.0  # kg / m^3: a shell with little in it
+LIGHT = 300.0  # kg / m^3: a shell with little or machinery in it
 DARK = (0.04, 0.04, 0.05)
 
 
@@ -36,7 +36,7 @@ class TrashCan(Generator):
         radius = min(x, y)
         foot = self.taper * radius
         parts = hollow(
-            [(foot, 0.0), (0.5 * (foot + radius), 0.5 * body), (radius, body)], 0.004, self.colour, self.colour, 900.0
+            [(foot, 0.0), (0.5 * (foot + radius), 0.5 * body), (radius, body)], 0.004, self.colour, self.colour, FILLED
         )
         if self.style == "open":
             return Model(parts, symmetry="full")

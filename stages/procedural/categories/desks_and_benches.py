@@ -12,7 +12,7 @@ from stages.procedural.categories.tables_and_beds import Legs, supports
 from stages.procedural.category import category
 from stages.procedural.colours import FABRICS, METALS, PAINTS, WOODS, pick
 from stages.procedural.finishes import shade
-from stages.procedural.handles import HANDLE_SHARES, HANDLES, PROTRUSION, Style
+from stages.procedural.handles import HANDLE_SHARES, HANDLES, STYLES, Style
 from stages.procedural.model import FOAM, METAL, Model, Moving, Part, Size, moved, part
 from stages.procedural.recipe import (
     Coating,
@@ -141,7 +141,7 @@ def _pedestal(desk: Desk) -> Cabinet:
         field_colour=shade(desk.front_colour, 0.85),
         top_colour=desk.front_colour,
         base_colour=desk.body_colour,
-        protrusion=PROTRUSION[desk.handle],
+        protrusion=STYLES[desk.handle].protrusion,
     )
 
 

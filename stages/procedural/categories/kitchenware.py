@@ -4,15 +4,13 @@ from typing import Literal
 
 import numpy as np
 
+from stages.procedural.categories.containers import DARK, LIGHT
 from stages.procedural.categories.vessels import ear, hollow
 from stages.procedural.category import category
 from stages.procedural.colours import APPLIANCE, GLAZES, METALS, PAINTS, WOODS
-from stages.procedural.model import METAL, PLASTIC, Model, Part, Size, moved, part
+from stages.procedural.model import FILLED, METAL, PLASTIC, Model, Part, Size, moved, part
 from stages.procedural.recipe import Coating, Generator, Rng, Sampled, between, in_turn, of, rounded, uniform
 from stages.procedural.shapes import box, cushion, lathe, rod
-
-LIGHT = 300.0  # kg / m^3: a shell with machinery in it
-DARK = (0.04, 0.04, 0.05)
 
 
 class Kettle(Generator):
@@ -195,7 +193,7 @@ class Jar(Generator):
             (neck, top),
             (0, top),
         ]
-        parts = [part(lathe(outline), self.colour, 900.0, smooth=True)]
+        parts = [part(lathe(outline), self.colour, FILLED, smooth=True)]
         cap = z if not self.knob else top + 0.6 * (z - top)
         parts.append(
             part(

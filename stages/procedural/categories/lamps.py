@@ -108,7 +108,7 @@ def sample_floor_lamp(rng: Rng, index: int) -> Sampled:
     return Sampled((wide, wide, tall), _sampled(rng, index, share, ["disc", "tripod"], "floor"))
 
 
-@category("table_lamp", founders=4, count=10, names="lamp", like="light, lantern", kin="lamp")
+@category("table_lamp", founders=4, count=10, names="lamp", kin="lamp")
 def sample_table_lamp(rng: Rng, index: int) -> Sampled:
     """Turned ceramic foot or disc."""
     wide, tall = uniform(rng, 0.22, 0.34), uniform(rng, 0.36, 0.58)

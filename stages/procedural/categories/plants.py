@@ -6,11 +6,11 @@ import numpy as np
 
 from stages.procedural.category import category
 from stages.procedural.colours import CARDBOARD, GLAZES, GREENS
-from stages.procedural.model import WOOD, Model, Size, part
+from stages.procedural.model import FILLED, WOOD, Model, Size, part
 from stages.procedural.recipe import Coating, Generator, Rng, Sampled, between, in_turn, of, rounded, whole
 from stages.procedural.shapes import hull, lathe, rod
 
-LEAF, POT = 20.0, 900.0  # kg / m^3: foliage is mostly air, a pot is mostly earth
+LEAF = 20.0  # kg / m^3: foliage is mostly air
 BARK, EARTH = (0.25, 0.15, 0.08), (0.10, 0.06, 0.03)
 
 
@@ -31,12 +31,12 @@ class PlantPot(Generator):
         top = self.pot * z
         foot = rim * self.taper
         outline = [(0, 0), (foot, 0), (0.96 * rim, 0.85 * top), (rim, 0.85 * top), (rim, top), (0, top)]
-        parts = [part(lathe(outline), self.pot_colour, POT, smooth=True)]
+        parts = [part(lathe(outline), self.pot_colour, FILLED, smooth=True)]
         parts.append(
             part(
                 lathe([(0, top), (0.9 * rim, top), (0.85 * rim, top + 0.005), (0, top + 0.005)]),
                 EARTH,
-                POT,
+                FILLED,
                 smooth=True,
             )
         )
@@ -66,25 +66,13 @@ class PlantPot(Generator):
                         lathe([(0, low), (share * radius, low + 0.02 * (z - top)), (0, high)]), green, LEAF, smooth=True
                     )
                 )
-            parts.append(
-                part(
-                    rod((0, 0, top), (0, 0, top + 0.15 * (z - top)), 0.08 * radius),
-                    BARK,
-                    WOOD,
-                    smooth=True,
-                )
-            )
+            parts.append(part(rod((0, 0, top), (0, 0, top + 0.15 * (z - top)), 0.08 * radius), BARK, WOOD, smooth=True))
         else:
             trunk = 0.45 if style == "tree" else 0.0
             low = top + trunk * (z - top) - (0.0 if trunk else 0.03 * z)
             if trunk:
                 parts.append(
-                    part(
-                        rod((0, 0, top), (0, 0, low + 0.1 * (z - low)), 0.07 * radius),
-                        BARK,
-                        WOOD,
-                        smooth=True,
-                    )
+                    part(rod((0, 0, top), (0, 0, low + 0.1 * (z - low)), 0.07 * radius), BARK, WOOD, smooth=True)
                 )
             angles = np.linspace(-np.pi / 2, np.pi / 2, 9)
             profile = [(radius * float(np.cos(t)), (low + z) / 2 + (z - low) / 2 * float(np.sin(t))) for t in angles]
@@ -93,7 +81,7 @@ class PlantPot(Generator):
         return Model(parts, symmetry="full")
 
 
-@category("plant_pot", founders=4, count=10, names="flower pot, plant", like="houseplant, flower, planter", kin="plant")
+@category("plant_pot", founders=4, count=10, names="flower pot, plant", kin="plant")
 def sample_plant_pot(rng: Rng, index: int) -> Sampled:
     """From a desk plant to a small tree."""
     wide = rng.uniform(0.25, 0.5)

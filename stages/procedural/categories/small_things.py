@@ -7,14 +7,12 @@ import numpy as np
 
 from stages.procedural.category import category
 from stages.procedural.colours import METALS, PAINTS, WOODS
-from stages.procedural.finishes import Surface, shade
-from stages.procedural.model import CERAMIC, METAL, PLASTIC, Model, Part, Size, part
+from stages.procedural.finishes import DARK, Surface, shade
+from stages.procedural.model import CERAMIC, FILLED, METAL, PLASTIC, Model, Part, Size, part
 from stages.procedural.recipe import Coating, Generator, Rng, Sampled, between, fixed, in_turn, of, rounded, uniform
 from stages.procedural.shapes import box, cushion, hull, lathe, rod, rotated, translated
 
 SILVER = (0.62, 0.68, 0.72)
-DARK = (0.05, 0.05, 0.06)
-WAX = 900.0
 
 
 class Clock(Generator):
@@ -58,13 +56,7 @@ class Clock(Generator):
         )
         parts.append(
             _hand(
-                x + 2 * thin,
-                thin,
-                2 * np.pi * self.minute,
-                -0.1 * inner,
-                0.78 * inner,
-                0.022 * inner,
-                self.hand_colour,
+                x + 2 * thin, thin, 2 * np.pi * self.minute, -0.1 * inner, 0.78 * inner, 0.022 * inner, self.hand_colour
             )
         )
         raised = [
@@ -194,7 +186,9 @@ class Candlestick(Generator):
             for a, b in itertools.pairwise(outline)
         ]
         wide = 0.8 * outline[-1][0]
-        parts.append(part(rod((0, 0, top), (0, 0, 0.97 * z), wide, 0.94 * wide), self.candle_colour, WAX, smooth=True))
+        parts.append(
+            part(rod((0, 0, top), (0, 0, 0.97 * z), wide, 0.94 * wide), self.candle_colour, FILLED, smooth=True)
+        )
         parts.append(part(rod((0, 0, 0.97 * z), (0, 0, z), 0.0015), DARK, PLASTIC, solid=False))
         return Model(parts, symmetry="full", placement="object")
 

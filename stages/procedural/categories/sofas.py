@@ -27,12 +27,7 @@ class Sofa(Generator):
 
     def build(self, size: Size) -> Model:
         x, y, z = size[0] / 2, size[1] / 2, size[2]
-        arm, back, legs, edge = (
-            self.arm,
-            min(self.back, 0.4 * size[0]),
-            min(self.legs, 0.3 * z),
-            self.edge,
-        )
+        arm, back, legs, edge = (self.arm, min(self.back, 0.4 * size[0]), min(self.legs, 0.3 * z), self.edge)
         seat, arm_top = max(self.seat * z, legs + 0.15 * z), self.arm_height * z
         cloth = self.colour
         parts = [

@@ -7,7 +7,7 @@ from scipy.interpolate import PchipInterpolator
 from stages.procedural.category import category
 from stages.procedural.colours import GLAZES, pick
 from stages.procedural.finishes import finish_of, shade
-from stages.procedural.model import Model, Part, Size
+from stages.procedural.model import FILLED, Model, Part, Size
 from stages.procedural.recipe import Coating, Generator, Rng, Sampled, rounded, uniform
 from stages.procedural.shapes import hull, lathe
 
@@ -56,7 +56,7 @@ def sample_bottle(rng: Rng, index: int) -> Sampled:
         band=[0.86, 0.999] if index % 2 else [0.25, 0.55],
         colour=pick(rng, GLAZES),
         band_colour=pick(rng, GLAZES),
-        density=900.0,
+        density=FILLED,
     )
     return Sampled(rounded(diameter, diameter, diameter * rng.uniform(2.6, 4.0), digits=4), recipe)
 
