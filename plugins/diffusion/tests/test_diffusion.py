@@ -9,7 +9,7 @@ import pytest
 import torch
 
 from plugins.diffusion.policies.diffusion import Policy, signal_levels
-from stages.contracts.training_run import HandleConfig, NetworkConfig, TrainingRun
+from stages.contracts.training_run import NetworkConfig, TrainingRun
 from stages.plugins import find
 from stages.policies import Choice, TrainablePolicy
 from stages.policies.checkpoint import load_policy
@@ -61,7 +61,8 @@ def error_of(policy: TrainablePolicy, store: Path) -> float:
 
 
 def test_a_resumed_run_equals_a_whole_one(tmp_path: Path, store: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    options = {"steps": 4, "save_every": 2, "log_every": 2}
+    options = {"steps": 4, "log_every": 2}
+    monkeypatch.setattr(TrainingRun, "save_every", 2)
     whole, broken = trained(tmp_path / "whole", store, **options), tmp_path / "broken"
     save = TrainingState.save
 
@@ -126,7 +127,7 @@ def test_noise_ends_as_the_actions_where_the_network_knows_them(store: Path) -> 
 
 
 def test_it_sees_marked_handles(store: Path) -> None:
-    policy = policy_of(store, handle=HandleConfig(flag=True, middle=True))
+    policy = policy_of(store, handle=True)
     cloud = torch.rand(3, 6, 48, 4).round()
     loss, error = policy.loss(cloud, torch.rand(3, 6, 9), torch.rand(3, 6, 7), torch.ones(3, 6))
     loss.backward()
