@@ -71,7 +71,7 @@ lint: $(STAMP) ## ruff, snakefmt, snakemake --lint
 	$(BIN)/snakemake --lint
 
 types: $(STAMP) ## mypy
-	$(BIN)/mypy stages
+	$(BIN)/mypy
 
 config: $(STAMP) ## write config.yaml, config/schema.json and docs/config.md from the typed models
 	$(BIN)/python -m stages.config

@@ -39,7 +39,7 @@ def answers(policy: BcRnnGmm, clouds: Tensor, proprio: Tensor, full_step: float)
     sideways = torch.stack([-planes[0, 1], planes[0, 0], torch.tensor(0.0)])
 
     def answer(shown: Tensor) -> float:
-        if not policy.run.handle.flag:
+        if not policy.run.handle:
             shown = torch.cat([shown[..., :3], shown[..., 3:].clamp_min(0)], dim=-1)
         with torch.no_grad():
             mixture = policy(shown[None], proprio[None])

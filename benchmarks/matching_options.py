@@ -41,7 +41,7 @@ NEAR_YAW = np.radians(15)
 SHOWN = 4  # ranks of which the workflow makes scenes
 Options = dict[str, Any]
 OFF: Options = {
-    "symmetric": 0, "colour": 0, "coverage": 0.5, "label_weight": 0, "size_weight": 0, "place_weight": 0,
+    "symmetric": 0, "colour": 0, "label_weight": 0, "size_weight": 0, "place_weight": 0,
     "count_weight": 0, "count_threshold": None, "least_candidates": 1, "nearest_views": 1,
 }  # fmt: skip
 DEFAULT = MatchingConfig()
@@ -74,7 +74,7 @@ def variants() -> dict[str, Options]:
 
 def more() -> Options:
     """Options that the default leaves out, tried on top of it."""
-    tried = {"colour": 1.0, "size_weight": 0.3, "place_weight": 0.3, "coverage": 0.25, "count_weight": 0.02}
+    tried = {"colour": 1.0, "size_weight": 0.3, "place_weight": 0.3, "count_weight": 0.02}
     return {name: value for name, value in tried.items() if getattr(DEFAULT, name) == OFF[name]}
 
 
@@ -125,12 +125,12 @@ class Thing:
 
 
 class Rooms:
-    """All rooms in a folder of results, encoded with one coverage."""
+    """All rooms in a folder of results."""
 
-    def __init__(self, results: Path, coverage: float, folder: Path) -> None:
+    def __init__(self, results: Path, folder: Path) -> None:
         self.results, self.folder = results, folder
         self.library = read_json(Library, results / "assets/library/library.json")
-        self.options = MatchingConfig(coverage=coverage)
+        self.options = MatchingConfig()
         self._things: dict[float, list[Thing]] = {}
 
     @cached_property
@@ -176,14 +176,14 @@ def main() -> None:
     names = [f"{folder}: {what}" for folder in folders for what in ("category", "model", "yaw 15°", "ranks 2-4")]
     print(f"| options | {' | '.join(names)} | fewest candidates |\n|{'---|' * (len(names) + 2)}")
     with TemporaryDirectory() as temporary:
-        rooms: dict[tuple[Path, float], Rooms] = {}
+        rooms: dict[Path, Rooms] = {}
         for name, changed in variants().items():
             options = MatchingConfig.model_validate(changed)
             cells, fewest = [], []
             for number, folder in enumerate(folders):
-                place = Path(temporary) / f"{number}_{options.coverage}"
+                place = Path(temporary) / str(number)
                 place.mkdir(exist_ok=True)
-                each = rooms.setdefault((folder, options.coverage), Rooms(folder, options.coverage, place))
+                each = rooms.setdefault(folder, Rooms(folder, place))
                 rows = [thing.match(each.library, options) for thing in each.things(options.colour)]
                 cells += [
                     sum(row.category for row in rows),

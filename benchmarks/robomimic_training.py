@@ -15,21 +15,24 @@ import statistics
 import time
 from collections import OrderedDict
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import torch
+import yaml
 from robomimic.algo import algo_factory
 from robomimic.config import config_factory
 from robomimic.models.obs_core import EncoderCore
 from robomimic.utils import obs_utils
 from torch import Tensor, nn
 
-from stages.config.training import PAPER
 from stages.contracts.episode_store import ACTION, PROPRIO
 from stages.contracts.training_run import TrainingRun
 from stages.policies.bc_rnn_gmm.network import BcRnnGmm
 
+RUNS = yaml.safe_load(Path("config/paper/policies.yaml").read_text(encoding="utf-8"))["training"]["runs"]
+PAPER = TrainingRun.model_validate(RUNS["paper"])
 KEYS = ("point_cloud", "proprio")
 # our parameter -> robomimic's, both below their roots
 NAMES = {

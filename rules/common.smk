@@ -55,7 +55,7 @@ try:
     if workflow.exec_mode == ExecMode.DEFAULT and not workflow.output_settings.dryrun and makes_files(sys.argv):
         LOCKED = hold_folder()
 except InputError as error:
-    raise WorkflowError(str(error)) from None
+    raise WorkflowError(f"{error} [{error.code}]") from None
 
 # Snakemake keeps copies of what `workflow.source_path` names, in a folder of its own.
 PUBLISHED = str(Path([workflow.source_path(f"../report/published/table{n}.csv") for n in (2, 3)][0]).resolve().parent)

@@ -76,11 +76,10 @@ rule draw_scenes:
     params:
         command=command("generation", "draw"),
         code=code("generation", "draw"),
-        width=CONFIG.generation.preview_width,
         out=subpath(output.comparison, parent=True),
     shell:
         "{params.command} --scenes {input.scenes:q} --objects {input.objects:q} --image {input.image:q} "
-        "--library {input.library:q} --width {params.width} --out {params.out:q} 2>&1 | tee {log:q}"
+        "--library {input.library:q} --out {params.out:q} 2>&1 | tee {log:q}"
 
 
 rule generation:

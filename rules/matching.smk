@@ -28,7 +28,6 @@ rule features:
             lambda wildcards: 1000 + 4 * models_in(wildcards.shard),
             lambda wildcards: 10 + views_in(wildcards.shard) / 200,
         ),
-        batch=CONFIG.matching.dinov2.batch,
     params:
         command=command("matching", "features"),
         code=lambda wildcards: code("matching", "features", *modules(STORES[wildcards.store], "encoder")),
@@ -36,7 +35,7 @@ rule features:
         options=options("matching", "features"),
     shell:
         "({params.command} --snapshots {input.images:q} --options {params.options:q} "
-        "--batch {resources.batch} --out {output.features:q} && "
+        "--out {output.features:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
 
 

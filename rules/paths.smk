@@ -100,7 +100,7 @@ def of_picture(pattern):
 
 def weight_files():
     """The weights of the networks that a picture needs, as far as they lie here."""
-    paths = [Path(network.path) / "model.safetensors" for network in CONFIG.photo.networks().values()]
+    paths = [Path(folder, "model.safetensors") for folder in CONFIG.photo.networks().values()]
     return [str(path) for path in paths if path.is_file()]
 
 

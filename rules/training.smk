@@ -24,7 +24,7 @@ rule train:
         "benchmarks/training/{task}_{training_set}_{run}_{seed}.tsv"
     container:
         CONFIG.containers.learning
-    threads: EXPERIMENT.training_threads
+    threads: 1
     resources:
         **needs(4000, lambda wildcards: training_minutes(wildcards.run), gpu=True),
     params:

@@ -119,7 +119,7 @@ def check_photo() -> Check:
         from stages.config.photo import PhotoConfig
     except ImportError:
         return Check("photo", False, "packages are missing", needed=False)
-    files = {name: Path(network.path) / "model.safetensors" for name, network in PhotoConfig().networks().items()}
+    files = {name: Path(folder, "model.safetensors") for name, folder in PhotoConfig().networks().items()}
     there = [f"{name} {file.stat().st_size / 1e9:.1f} GB" for name, file in files.items() if file.is_file()]
     lacking = [name for name, file in files.items() if not file.is_file()]
     said = [f"weights: {', '.join(there)}, one in memory at a time"] if there else []

@@ -54,7 +54,10 @@ def hold_folder(results: Path = Path("results")) -> IO[str]:
     except BlockingIOError:
         owner = f"process {before.pid} on {before.host}" if before else "process unknown"
         raise InputError(
-            Path.cwd(), f"another workflow is running here ({owner}).", "wait until it ends, or stop it"
+            Path.cwd(),
+            f"another workflow is running here ({owner}).",
+            "wait until it ends, or stop it",
+            code="E-FOLDER-BUSY",
         ) from None
     except OSError as error:
         locked = False

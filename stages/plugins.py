@@ -8,12 +8,11 @@ import importlib
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from stages.contracts.errors import InputError
+from stages.contracts.errors import InputError, nearest
 
 
 @dataclass(frozen=True)
@@ -49,7 +48,10 @@ def folder(package: str) -> Path:
     spec = find_spec(head)
     if spec is None or not spec.submodule_search_locations:
         raise InputError(
-            "plugins", f"there is no package '{head}'.", "put it into this folder, install it, or set PYTHONPATH"
+            "plugins",
+            f"there is no package '{head}'.",
+            "put it into this folder, install it, or set PYTHONPATH",
+            code="E-PLUGIN-PACKAGE",
         )
     return Path(spec.submodule_search_locations[0]).joinpath(*parts)
 
@@ -67,7 +69,12 @@ def available(kind: str, packages: Sequence[str] = ()) -> dict[str, str]:
             if name.startswith("_") or not _is_one(file, KINDS[kind].symbol):
                 continue
             if name in found:
-                raise InputError("plugins", f"{kind} '{name}' is in {found[name]} and in {home}.", "rename yours")
+                raise InputError(
+                    "plugins",
+                    f"{kind} '{name}' is in {found[name]} and in {home}.",
+                    "rename yours",
+                    code="E-PLUGIN-TWICE",
+                )
             found[name] = f"{home}.{name}"
     return found
 
@@ -82,9 +89,7 @@ def find(kind: str, name: str, packages: Sequence[str] = (), key: str = "") -> s
     if name in known.values():
         return name
     if name not in known:
-        near = get_close_matches(name, known, n=1, cutoff=0.5)
-        hint = f"did you mean '{near[0]}'?" if near else f"there are: {', '.join(known)}"
-        raise InputError(key or kind, f"there is no '{name}'.", hint)
+        raise InputError(key or kind, f"there is no '{name}'.", nearest(name, known), code="E-PLUGIN-UNKNOWN")
     return name if known[name] == f"{KINDS[kind].home}.{name}" else known[name]
 
 
@@ -112,9 +117,11 @@ def load(kind: str, name: str) -> Any:
     except ModuleNotFoundError as error:
         if not f"{module}.".startswith(f"{error.name}."):
             raise  # it is there, and misses something itself
-        raise InputError(kind, f"there is no module {module}.", "put its package on PYTHONPATH") from None
+        raise InputError(
+            kind, f"there is no module {module}.", "put its package on PYTHONPATH", code="E-PLUGIN-PACKAGE"
+        ) from None
     if implementation is None:
-        raise InputError(kind, f"{module} defines no {symbol}.", "see docs/extending.md")
+        raise InputError(kind, f"{module} defines no {symbol}.", "see docs/extending.md", code="E-PLUGIN-SYMBOL")
     return implementation
 
 

@@ -54,7 +54,7 @@ def write_store(path: Path, episodes: int, first_seed: int = 0, steps: int = 14)
         data = file.create_group("data")
         data.attrs["task"] = "door"
         data.attrs["asset"] = "toy"
-        data.attrs["task_options"] = json.dumps(TaskConfig(points=96, finger_points=24).model_dump(mode="json"))
+        data.attrs["task_options"] = json.dumps(TaskConfig(points=96).model_dump(mode="json"))
         for i in range(episodes):
             toy = ToyReach(first_seed + i)
             rows: list[tuple[Float, Float, Float]] = []

@@ -1,5 +1,7 @@
 """Config section `assets`: the library and its snapshots (paper A.1)."""
 
+from typing import ClassVar
+
 from pydantic import Field
 
 from stages.config.categories import CATEGORIES
@@ -32,16 +34,14 @@ class SnapshotOptions(Section):
 
     n_snap: int = Field(24, ge=1, le=360, description="Yaw views per asset, N_snap; the paper: 100.")
     image_size: int = Field(192, ge=32, le=2048, description="Side of a snapshot in pixels.")
-    representative_yaw: float = Field(
-        -0.5236, description="Turn of the asset in its representative snapshot, radians: front and one side are seen."
-    )
-    camera_distance: float = Field(
-        2.3, gt=0.8, description="Horizontal distance of the snapshot camera, in units of the asset's largest extent."
-    )
-    camera_height: float = Field(
-        0.65, description="Height of the snapshot camera above the asset's centre, in units of its largest extent."
-    )
-    field_of_view: float = Field(0.68, gt=0.05, lt=2.5, description="Field of view of the snapshot camera, radians.")
+    # Turn of the asset in its representative snapshot, radians: front and one side are seen.
+    representative_yaw: ClassVar[float] = -0.5236
+    # Horizontal distance of the snapshot camera, in units of the asset's largest extent.
+    camera_distance: ClassVar[float] = 2.3
+    # Height of the snapshot camera above the asset's centre, in units of its largest extent.
+    camera_height: ClassVar[float] = 0.65
+    # Field of view of the snapshot camera, radians.
+    field_of_view: ClassVar[float] = 0.68
 
 
 class AssetsConfig(SnapshotOptions, OwnOptions, LibraryOptions):

@@ -12,13 +12,11 @@ from stages.config.assets import COUNTS
 from stages.config.inputs import NAME
 from stages.config.mistakes import Mistake
 from stages.config.pinned_assets import pinned_assets
-from stages.contracts.errors import InputError
+from stages.contracts.errors import InputError, nearest
 from stages.contracts.task_options import SIMULATION_FREQUENCY, TaskConfig
 
 if TYPE_CHECKING:
     from stages.config.model import Config
-
-NAMED = 20  # names that a line lists
 
 
 def contradictions(config: "Config") -> list[Mistake]:
@@ -37,15 +35,17 @@ def _photo(config: "Config") -> Iterator[Mistake]:
         return
     key = "image" if config.image else "experiment.inputs"
     if config.image and not Path(config.image).is_file():
-        yield Mistake(key, f"no file {config.image}", "name a picture")
+        yield Mistake(key, f"no file {config.image}", "name a picture", "E-CONFIG-FILE")
     lacking = [
-        f"photo.{name}.path ({network.path})"
-        for name, network in config.photo.networks().items()
-        if not network.download and not (Path(network.path) / "model.safetensors").is_file()
+        f"photo.{name} ({folder})"
+        for name, folder in config.photo.networks().items()
+        if not Path(folder, "model.safetensors").is_file()
     ]
     if lacking and "estimate" not in config.stages.get("inputs", {}):
         mend = "python -m stages.inputs fetch, or without weights draw it: python -m stages.inputs annotate"
-        yield Mistake(key, f"there are no weights in {', '.join(lacking)}", f"{mend} {shlex.quote(pictures[0])}")
+        yield Mistake(
+            key, f"there are no weights in {', '.join(lacking)}", f"{mend} {shlex.quote(pictures[0])}", "E-CONFIG-FILE"
+        )
 
 
 def _names(config: "Config") -> Iterator[Mistake]:
@@ -61,7 +61,7 @@ def _names(config: "Config") -> Iterator[Mistake]:
     for key, names in named.items():
         for name in names:
             if not NAME.fullmatch(name):
-                yield Mistake(key, f"'{name}' is no name", "letters, digits, - and single _ inside")
+                yield Mistake(key, f"'{name}' is no name", "letters, digits, - and single _ inside", "E-CONFIG-NAME")
     for key in ("rooms", "training_sets", "held_out", "runs", "seeds"):
         yield from _twice(f"experiment.{key}", getattr(experiment, key))
     for key, chosen in (
@@ -71,7 +71,9 @@ def _names(config: "Config") -> Iterator[Mistake]:
         for variant in chosen:
             if variant not in experiment.variants:
                 mend = f"one of {', '.join(experiment.variants)}"
-                yield Mistake(f"experiment.{key}", f"'{variant}' is not one of experiment.variants", mend)
+                yield Mistake(
+                    f"experiment.{key}", f"'{variant}' is not one of experiment.variants", mend, "E-CONFIG-UNKNOWN"
+                )
     for variant, changes in experiment.placements.items():
         if "ranks" in changes:
             yield Mistake(f"experiment.placements.{variant}.ranks", "is one for all variants", "set generation.ranks")
@@ -86,7 +88,7 @@ def _names(config: "Config") -> Iterator[Mistake]:
 def _twice(key: str, values: Iterable[object]) -> Iterator[Mistake]:
     for value, count in Counter(values).items():
         if count > 1:
-            yield Mistake(key, f"'{value}' is named {count} times", "name it once")
+            yield Mistake(key, f"'{value}' is named {count} times", "name it once", "E-CONFIG-TWICE")
 
 
 def _scenes(config: "Config") -> Iterator[Mistake]:
@@ -96,14 +98,12 @@ def _scenes(config: "Config") -> Iterator[Mistake]:
     try:
         files = config.room_files()
     except InputError as error:
-        yield Mistake("experiment.room_files", error.what.rstrip("."), error.fix)
+        yield Mistake.of(error, "experiment.room_files")
         return
     for name in experiment.rooms:
         if name not in files and name not in experiment.inputs:
-            known = [*files, *experiment.inputs]
-            several = ", ".join(known[:NAMED]) + (", ..." if len(known) > NAMED else "")
-            mend = f"one of {several}, or a picture of yours in experiment.inputs"
-            yield Mistake("experiment.rooms", f"unknown scene '{name}'", mend)
+            mend = f"{nearest(name, [*files, *experiment.inputs])}, or a picture of yours in experiment.inputs"
+            yield Mistake("experiment.rooms", f"unknown scene '{name}'", mend, "E-CONFIG-UNKNOWN")
     run = set(experiment.rooms)
     for name, given in experiment.inputs.items():
         key = f"experiment.inputs.{name}"
@@ -120,7 +120,7 @@ def _scenes(config: "Config") -> Iterator[Mistake]:
         try:
             models = places.models_for(used)
         except InputError as error:
-            yield Mistake("experiment.rooms", str(error))
+            yield Mistake("experiment.rooms", str(error), code=error.code)
             continue
         for category, needed in models.items():
             if config.assets.counts.get(category, 0) < needed:
@@ -133,12 +133,16 @@ def _library(config: "Config") -> Iterator[Mistake]:
     """Categories that exist, folders that exist, a library that is not empty."""
     for category in config.assets.counts:
         if category not in COUNTS:
-            yield Mistake("assets.counts", f"no category '{category}'", f"one of {', '.join(COUNTS)}")
+            yield Mistake(
+                "assets.counts", f"no category '{category}'", f"one of {', '.join(COUNTS)}", "E-CONFIG-UNKNOWN"
+            )
     for folder in config.assets.folders:
         if not Path(folder).is_dir():
-            yield Mistake("assets.folders", f"no folder {folder}", "correct it or leave it out")
+            yield Mistake("assets.folders", f"no folder {folder}", "correct it or leave it out", "E-CONFIG-FILE")
         elif not any(path.is_file() for path in Path(folder).glob("*/*")) and not any(Path(folder).glob("*/*/*")):
-            yield Mistake("assets.folders", f"{folder} has no models", "see docs/your-models.md for the layout")
+            yield Mistake(
+                "assets.folders", f"{folder} has no models", "see docs/your-models.md for the layout", "E-CONFIG-FILE"
+            )
     if not any(config.assets.counts.values()) and not config.assets.folders:
         yield Mistake("assets", "the library would be empty", "set assets.counts or assets.folders")
 
@@ -155,15 +159,13 @@ def _matching(config: "Config") -> Iterator[Mistake]:
         if config.generation.ranks > matching.k_cousins:
             what = f"{config.generation.ranks} scenes from {where}.k_cousins = {matching.k_cousins} cousins"
             yield Mistake("generation.ranks", what, "lower it or raise k_cousins")
-        for name in (matching.encoder, matching.text_encoder):
-            weights = getattr(matching, name, None)
-            if weights is None or not hasattr(weights, "download") or weights.download:
-                continue
-            for file in ("config.json", "model.safetensors"):
-                if not weights.path or not (Path(weights.path) / file).is_file():
-                    what = f"no {file} in '{weights.path}'"
-                    yield Mistake(f"{where}.{name}.path", what, "the folder of the weights, or download: true")
-                    break
+        for key, folder in matching.weights().items():
+            files = [Path(folder, name) for name in ("config.json", "model.safetensors")]
+            lacking = [file.name for file in files if not folder or not file.is_file()]
+            if lacking:
+                yield Mistake(
+                    f"{where}.{key}", f"no {lacking[0]} in '{folder}'", "the folder of the weights", "E-CONFIG-FILE"
+                )
 
 
 def _environment(config: "Config") -> Iterator[Mistake]:
@@ -176,9 +178,6 @@ def _environment(config: "Config") -> Iterator[Mistake]:
 
 
 def _of_environment(config: "Config", key: str, task: TaskConfig) -> Iterator[Mistake]:
-    if task.finger_points >= task.points:
-        what = f"{task.finger_points} of {key}.points = {task.points} leaves none for the scene"
-        yield Mistake(f"{key}.finger_points", what, "lower it or raise task.points")
     for axis, low, high in zip("xyz", task.workspace_min, task.workspace_max, strict=True):
         if low >= high:
             what = f"{axis} = {low:g} is not below workspace_max's {high:g}"
@@ -198,4 +197,6 @@ def _stages(config: "Config") -> Iterator[Mistake]:
         for verb, own in commands.items():
             for name in own.code:
                 if not Path(name).exists():
-                    yield Mistake(f"stages.{stage}.{verb}.code", f"no file or folder {name}", "correct the path")
+                    yield Mistake(
+                        f"stages.{stage}.{verb}.code", f"no file or folder {name}", "correct the path", "E-CONFIG-FILE"
+                    )

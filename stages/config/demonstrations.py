@@ -1,12 +1,10 @@
 """Config section `demonstrations`: the Open skill and the collection of its successes (paper A.4, A.5)."""
 
-from typing import Annotated
+from typing import ClassVar
 
 from pydantic import Field
 
 from stages.contracts.section import Range, Section
-
-Share = Annotated[float, Field(gt=0, le=1)]
 
 
 class MotionOptions(Section):
@@ -15,9 +13,12 @@ class MotionOptions(Section):
     goal_margin: float = Field(
         0.2, ge=0, le=0.5, description="open this fraction of the range further than success needs, then let go"
     )
-    pregrasp: float = Field(0.1, gt=0, description="where Approach ends and Converge begins, metres (official: 0.13)")
-    approach_lookahead: float = Field(0.06, gt=0, description="how far ahead on its path the hand aims, metres")
-    articulate_lookahead: float = Field(0.04, gt=0, description="the same while it holds the handle, metres")
+    # Where Approach ends and Converge begins, metres (official: 0.13)
+    pregrasp: ClassVar[float] = 0.1
+    # How far ahead on its path the hand aims, metres
+    approach_lookahead: ClassVar[float] = 0.06
+    # The same while it holds the handle, metres
+    articulate_lookahead: ClassVar[float] = 0.04
 
 
 class RandomiseOptions(Section):
@@ -49,13 +50,11 @@ class DemonstrationsConfig(MotionOptions):
         description="share of attempts in which the hand is pushed off its path, or closes before it is at the handle, "
         "and has to come again; recorded is what the skill asks for meanwhile, not what is executed",
     )
-    approach_speed: tuple[Share, Share] = Field(
-        (1.0, 1.0), description="between these shares of a full step the approach advances, drawn per attempt"
-    )
     randomise: RandomiseOptions = Field(
         RandomiseOptions(),
         description="Ranges of the training set twin_randomised, log-uniform but for the extents; after OpenAI et al., "
         "Learning Dexterous In-Hand Manipulation, Table 1.",
     )
     max_attempts_factor: float = Field(3.0, ge=1, description="attempts allowed per wanted episode")
-    film_episodes: int = Field(1, ge=1, description="successes that are filmed")
+    # Successes that are filmed
+    film_episodes: ClassVar[int] = 1

@@ -1,6 +1,6 @@
 """Config section `evaluation`: rollouts of policies and scores of scenes (paper B.1, B.3)."""
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 from pydantic import Field
 
@@ -41,7 +41,8 @@ class ActingOptions(SceneOptions):
         description="mode of the mixture to act by: drawn by its weight (official), by the square of its weight, or "
         "the heaviest; docs/policies.md has figures",
     )
-    envs: int = Field(4, ge=1, description="environments that share a forward pass of the policy")
+    # Environments that share a forward pass of the policy
+    envs: ClassVar[int] = 4
 
 
 class TrialOptions(ActingOptions):
@@ -83,7 +84,8 @@ class SkillOptions(SceneOptions):
 class RolloutOptions(ActingOptions, SkillOptions):
     """Rollouts that are counted."""
 
-    film_frames: int = Field(16, ge=2, description="pictures of a filmed episode")
+    # Pictures of a filmed episode
+    film_frames: ClassVar[int] = 16
 
 
 class EvaluationConfig(TrialOptions, RolloutOptions):

@@ -159,9 +159,6 @@ class ExperimentConfig(Section):
         description="In how many ranks' generated scenes every task is demonstrated once, with a film (the paper's "
         "Figure 7); 0: in none.",
     )
-    training_threads: int = Field(
-        1, ge=1, description="CPU threads per training job; 1 lets two policies train at once."
-    )
 
     def named(self) -> list[str]:
         """`rooms`, with names from `inputs` in the place of patterns, each once."""

@@ -1,6 +1,6 @@
 """Config section `generation`: from cousins to a physically plausible scene (paper A.3, A.7)."""
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 from pydantic import Field
 
@@ -18,15 +18,12 @@ class GenerationConfig(Section):
         description="View of what touches a wall. rear: the best of the matched views that turns its rear to the wall, "
         "as A.3 lays it. first: the best matched view, as in the paper.",
     )
-    refinement: Literal["box", "off"] = Field(
-        "box",
-        description="box: turn each asset to the axes of its cloud's minimum box (A.7). off: keep the matched view.",
-    )
     snap_articulated: float | None = Field(
         20.0,
         ge=0,
         le=45,
-        description="Largest such turn of an articulated asset, degrees; null: no limit, as in the paper.",
+        description="Largest turn of an articulated asset to the axes of its cloud's minimum box (A.7), degrees. 0: "
+        "none; null: no limit, as in the paper.",
     )
     snap_other: float | None = Field(
         15.0, ge=0, le=45, description="Largest such turn of any other asset, degrees; null: no limit, as in the paper."
@@ -47,21 +44,20 @@ class GenerationConfig(Section):
         "that cannot be right (the far side is hidden) is taken from the asset's own proportions, and round assets "
         "stay round. off: extents are quantiles of the cloud, as in the paper.",
     )
-    aspect_range: Range = Field(
-        (0.5, 2.0), description="Believable scale of the depth, relative to the median scale of the three axes."
-    )
+    # Believable scale of the depth, relative to the median scale of the three axes.
+    aspect_range: ClassVar[Range] = (0.5, 2.0)
     max_stretch: float | None = Field(
         2.0,
         ge=1,
         description="Cousins whose size is farther from the library's than by this factor, or whose scales along the "
         "axes are farther apart, are passed over for others that the label means. null: none (paper).",
     )
-    min_extent: float = Field(0.01, gt=0, description="Smallest extent of a placed asset, metres.")
+    # Smallest extent of a placed asset, metres.
+    min_extent: ClassVar[float] = 0.01
 
     # Support (A.3)
-    support_overlap: float = Field(
-        0.7, gt=0, le=1, description="Overlap, as share of the smaller footprint, that makes one thing lie on another."
-    )
+    # Overlap, as share of the smaller footprint, that makes one thing lie on another.
+    support_overlap: ClassVar[float] = 0.7
     stack_tolerance: float | None = Field(
         0.15,
         ge=0,
@@ -71,25 +67,17 @@ class GenerationConfig(Section):
     )
 
     # Collisions (A.3)
-    resolve_collisions: bool = Field(True, description="Push overlapping stacks apart in the x-y plane.")
-    touch: float = Field(
-        0.001,
-        ge=0,
-        description="Overlap of collision shapes that is not a collision, metres. Physics pushes apart what overlaps: "
-        "5 mm threw light things over.",
-    )
-    push_limit: float = Field(0.5, gt=0, description="Longest single push, metres.")
-    push_rounds: int = Field(
-        30, ge=0, description="Pushes after which collisions that are left are reported as they are."
-    )
+    # Overlap of collision shapes that is not a collision, metres. Physics pushes apart what overlaps: 5 mm threw
+    # light things over.
+    touch: ClassVar[float] = 0.001
+    # Longest single push, metres.
+    push_limit: ClassVar[float] = 0.5
+    # Pushes after which collisions that are left are reported as they are.
+    push_rounds: ClassVar[int] = 30
 
     # Physics check
     settle_seconds: float = Field(1.0, ge=0, le=60, description="Simulated time of the settling test; 0: no test.")
-    fallen_distance: float = Field(0.05, gt=0, description="An object that moves farther in it has fallen, metres ...")
-    fallen_tilt: float = Field(10.0, gt=0, description="... and so has one that tilts more than so many degrees.")
-
-
-class GenerationSection(GenerationConfig):
-    """The section of config.yaml: how cousins are placed, and how the scenes are drawn."""
-
-    preview_width: int = Field(640, ge=64, description="Width of the preview pictures, pixels.")
+    # An object that moves farther in it has fallen, metres ...
+    fallen_distance: ClassVar[float] = 0.05
+    # ... and so has one that tilts more than so many degrees.
+    fallen_tilt: ClassVar[float] = 10.0

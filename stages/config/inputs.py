@@ -3,7 +3,6 @@
 import csv
 import re
 from collections.abc import Iterator
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +10,7 @@ from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
 from stages.config.cameras import FIELD_OF_VIEW, FIELDS_OF_VIEW
 from stages.config.mistakes import Mistake
+from stages.contracts.errors import nearest
 from stages.contracts.section import Section
 
 NAME = re.compile(r"[A-Za-z0-9-]+(_[A-Za-z0-9-]+)*")  # becomes part of paths
@@ -71,16 +71,17 @@ class Input(Section):
 
     def mistakes(self, key: str) -> Iterator[Mistake]:
         """What is wrong with it; `key`: where it stands in the config, if not in a table."""
-        for name, what, mend in self._contradictions():
+        for name, *said in self._contradictions():
             where = f"{self._row}, column {name}" if self._row else key if name == "folder" else f"{key}.{name}"
-            yield Mistake(where, what, mend)
+            yield Mistake(where, *said)
 
-    def _contradictions(self) -> Iterator[tuple[str, str, str]]:
+    def _contradictions(self) -> Iterator[tuple[str, ...]]:
+        """Key, what is wrong with it, how to mend it, and the code if it is not the usual one."""
         if self.folder:
             for name in sorted(self.model_fields_set - {"folder"}):
                 yield name, "is said beside a folder", "leave one of them out: a folder holds everything"
             for what in missing(Path(self.folder)):
-                yield "folder", what, HOLDS
+                yield "folder", what, HOLDS, "E-CONFIG-FILE"
             return
         if not self.image and not self.recording:
             yield "image", "nothing says where the picture is", "image, folder or recording"
@@ -89,7 +90,7 @@ class Input(Section):
         for name, path in self.files().items():
             if not Path(path).exists():
                 known = f", or one of {', '.join(FIELDS_OF_VIEW)}" if name == "camera" else ""
-                yield name, f"no file {path}", f"correct the path{known}"
+                yield name, f"no file {path}", f"correct the path{known}", "E-CONFIG-FILE"
         told = [bool(self.camera), bool(self.intrinsics), self.fov is not None]
         if sum(told) > 1:
             yield "camera", "is told in two ways", "camera, or fx, fy, cx and cy, or fov"
@@ -127,7 +128,9 @@ def with_inputs(config: dict[str, Any]) -> tuple[dict[str, Any], list[Mistake]]:
             if isinstance(found, Mistake):
                 mistakes.append(found)
             elif name in inputs:
-                mistakes.append(Mistake(where, f"there are two scenes '{name}'", "give one another name"))
+                mistakes.append(
+                    Mistake(where, f"there are two scenes '{name}'", "give one another name", "E-CONFIG-TWICE")
+                )
             else:
                 inputs[name] = found
     return config | {"experiment": {**experiment, "inputs": inputs}}, mistakes  # type: ignore[dict-item]
@@ -141,7 +144,7 @@ def _of_folder(folder: Path) -> Found:
     inside = [folder] if not missing(folder) else sorted(path for path in folder.iterdir() if path.is_dir())
     scenes = [path for path in inside if any((path / name).is_file() for name in INPUT_FILES)]
     if not scenes:
-        yield "", "", Mistake("experiment.inputs", f"{folder} has no input folder in it", HOLDS)
+        yield "", "", Mistake("experiment.inputs", f"{folder} has no input folder in it", HOLDS, "E-CONFIG-FILE")
     for path in scenes:
         yield str(path), scene_of(path.resolve()), Input(folder=path.as_posix())
 
@@ -153,7 +156,11 @@ def _of_table(table: Path) -> Found:
     except (OSError, ValueError) as error:
         what = "no such file or folder" if isinstance(error, FileNotFoundError) else f"{table} cannot be read ({error})"
         mend = "a table (CSV), or a folder of input folders"
-        yield "", "", Mistake("experiment.inputs", what if str(table) in what else f"{table}: {what}", mend)
+        yield (
+            "",
+            "",
+            Mistake("experiment.inputs", what if str(table) in what else f"{table}: {what}", mend, "E-CONFIG-FILE"),
+        )
         return
     first = lines[0] if lines else ""
     rows = csv.reader(lines, delimiter=max(",;\t", key=first.count))
@@ -161,12 +168,19 @@ def _of_table(table: Path) -> Found:
     known = ["scene", *Input.model_fields]
     for name in columns:
         if name not in known or columns.count(name) > 1:
-            near = get_close_matches(name, known, n=1, cutoff=0.5)
-            mend = f"did you mean '{near[0]}'?" if near and name not in known else f"once each of {', '.join(known)}"
-            yield "", "", Mistake(f"{table}, row 1", f"column '{name}' is not known, or there twice", mend)
+            mend = nearest(name, known) if name not in known else "name it once"
+            yield (
+                "",
+                "",
+                Mistake(f"{table}, row 1", f"column '{name}' is not known, or there twice", mend, "E-CONFIG-UNKNOWN"),
+            )
             return
     if "scene" not in columns:
-        yield "", "", Mistake(f"{table}, row 1", "has no column 'scene'", "the name of each row's scene")
+        yield (
+            "",
+            "",
+            Mistake(f"{table}, row 1", "has no column 'scene'", "the name of each row's scene", "E-CONFIG-UNKNOWN"),
+        )
         return
     for cells in rows:
         where = f"{table}, row {rows.line_num}"
@@ -175,10 +189,14 @@ def _of_table(table: Path) -> Found:
             continue
         scene = said.pop("scene", "")
         if len(cells) > len(columns):
-            yield where, scene, Mistake(where, f"has {len(cells)} cells for {len(columns)} columns", "quote commas")
+            yield (
+                where,
+                scene,
+                Mistake(where, f"has {len(cells)} cells for {len(columns)} columns", "quote commas", "E-CONFIG-VALUE"),
+            )
         elif not NAME.fullmatch(scene):
             mend = "letters, digits, - and single _ inside"
-            yield where, scene, Mistake(f"{where}, column scene", f"'{scene}' is no name", mend)
+            yield where, scene, Mistake(f"{where}, column scene", f"'{scene}' is no name", mend, "E-CONFIG-NAME")
         else:
             yield where, scene, _of_row(said, where, table.parent)
 
@@ -189,7 +207,9 @@ def _of_row(said: dict[str, str], where: str, folder: Path) -> Input | Mistake:
     except ValidationError as error:
         detail = error.errors()[0]
         what = f"{detail['msg'].removeprefix('Value error, ')} (got '{detail['input']}')"
-        return Mistake(f"{where}, column {detail['loc'][0]}", what, "docs/your-data.md says what a column holds")
+        return Mistake(
+            f"{where}, column {detail['loc'][0]}", what, "docs/your-data.md says what a column holds", "E-CONFIG-VALUE"
+        )
     found = plain.model_copy(update={key: (folder / path).as_posix() for key, path in plain.files().items()})
     found._row = where
     return found

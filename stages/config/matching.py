@@ -2,7 +2,7 @@
 
 import json
 from hashlib import sha256
-from typing import Any
+from typing import Any, ClassVar
 
 from pydantic import Field, model_validator
 
@@ -34,39 +34,12 @@ class HogConfig(Section):
         return {"normals", "position", "position_alone"}
 
 
-class PatchNetConfig(Section):
-    """Our own network beside the columns of `hog` (docs/matching.md); its vectors have weight 1."""
-
-    hog: float = Field(1.0, ge=0, description="Weight of the gradients against the network's vectors.")
-    normals: float = Field(1.8, ge=0, description="Weight of the normals. 0: never used.")
-    position: float = Field(1.5, ge=0, description="Weight of a patch's place in the crop, with normals.")
-    position_alone: float = Field(2.0, ge=0, description="Weight of a patch's place in the crop, without normals.")
-
-    def unread(self) -> set[str]:
-        """Weights, which a feature store does not depend on."""
-        return set(type(self).model_fields)
-
-
-class PretrainedConfig(Section):
-    """Weights of a pretrained network, loaded through `transformers`."""
-
-    path: str = Field("", description="Folder with config.json and model.safetensors, or a model id if download is on.")
-    download: bool = Field(False, description="Let transformers fetch a model id from its hub.")
-    revision: str = Field("main", description="Commit, branch or tag of a model id; pin a commit to repeat a run.")
-    sha256: str = Field("", description="Expected sha256 of model.safetensors; empty: not checked.")
-
-
-class Dinov2Config(PretrainedConfig):
+class Dinov2Config(Section):
     """The paper's encoder (ViT-S/14 in the official code)."""
 
+    path: str = Field("", description="Folder with config.json and model.safetensors.")
     height: int = Field(224, ge=28, description="The crop is resized to height x width (official code: 588 ...")
     width: int = Field(224, ge=28, description="... x 784), multiples of the patch size.")
-    position: float = Field(0.0, ge=0, description="Weight of a patch's place in the crop (paper: not used).")
-    batch: int = Field(8, ge=1, description="Pictures per forward pass.")
-
-    def unread(self) -> set[str]:
-        """What a feature store does not depend on: the weight of places, and how many pictures are taken at once."""
-        return {"position", "batch"}
 
 
 class EncoderOptions(Section):
@@ -75,11 +48,7 @@ class EncoderOptions(Section):
     encoder: str = Field(
         "hog",
         json_schema_extra={"kind": "encoders"},
-        description="Patch features. hog: needs no weights. patchnet: ours, shipped. dinov2: the paper's; give "
-        "dinov2.path.",
-    )
-    coverage: float = Field(
-        0.5, gt=0, le=1, description="Least share of a patch that the mask covers for it to be compared."
+        description="Patch features. hog: needs no weights. dinov2: the paper's; give dinov2.path.",
     )
     dimensions: int | None = Field(
         None,
@@ -88,13 +57,12 @@ class EncoderOptions(Section):
         "disk. 0: as they are. null: 72 in a library of more than 2,000 models, else 0.",
     )
     hog: HogConfig = Field(HogConfig(), description="The encoder `hog`.")
-    patchnet: PatchNetConfig = Field(PatchNetConfig(), description="The encoder `patchnet`.")
     dinov2: Dinov2Config = Field(Dinov2Config(), description="The encoder `dinov2`.")
     own: dict[str, dict[str, Any]] = OWN
 
     def unread(self) -> set[str]:
         """The options of encoders that are not used."""
-        return {"hog", "patchnet", "dinov2"} - {self.encoder}
+        return {"hog", "dinov2"} - {self.encoder}
 
     def stored(self) -> dict[str, Any]:
         """The options that the rows of a feature store depend on: weights are laid on them later."""
@@ -104,7 +72,7 @@ class EncoderOptions(Section):
             own: dict[str, Any] = {"own": {name: self.own[name]} if name in self.own else {}}
         else:
             own = {self.encoder: given.model_dump(mode="json", exclude=given.unread())}
-        return {"encoder": self.encoder, "coverage": self.coverage, "dimensions": self.dimensions or 0} | own
+        return {"encoder": self.encoder, "dimensions": self.dimensions or 0} | own
 
     def store(self) -> str:
         """Name of the feature store: two variants share one if it holds the same for both."""
@@ -127,14 +95,14 @@ class GeometryConfig(Section):
     """Analysis by synthesis: what counts when a candidate, rendered in the object's place, is compared with it."""
 
     nearest: int = Field(30, ge=1, description="So many models, the nearest by distance, are rendered and compared.")
-    resolution: int = Field(96, ge=32, description="Cells along the longer side of the compared pictures.")
+    # Cells along the longer side of the compared pictures.
+    resolution: ClassVar[int] = 96
     outline: float = Field(1.0, ge=0, description="Weight of the overlap of the outlines, 0 to 1.")
     depth: float = Field(0.5, ge=0, description="Weight of the agreement of depth, 0 to 1.")
     lines: float = Field(0.5, ge=0, description="Weight of the agreement of lines: doors, drawers, handles; 0 to 1.")
     colour: float = Field(0.0, ge=0, description="Weight of the agreement of colours, 0 to 1.")
-    proportions: float = Field(
-        0.3, ge=0, description="Taken off for stretching axes unlike: per unit of the logarithms' range."
-    )
+    # Taken off for stretching axes unlike: per unit of the logarithms' range.
+    proportions: ClassVar[float] = 0.3
 
     @property
     def perfect(self) -> float:
@@ -142,19 +110,13 @@ class GeometryConfig(Section):
         return self.outline + self.depth + self.lines + self.colour
 
 
-class RerenderConfig(Section):
-    """Views that are rendered again, rescaled and from the object's own direction (paper B.1)."""
-
-    resolution: int = Field(192, ge=32, description="Pixels along the longer side of these views.")
-
-
-class MatchingConfig(ComparisonOptions):
+class MatchingSection(ComparisonOptions):
     """From objects to ranked models of the library, each with its orientation."""
 
     text_encoder: str = Field(
         "lexical",
         json_schema_extra={"kind": "text_encoders"},
-        description="How labels are compared with categories. clip: the official code's; give clip.path.",
+        description="How labels are compared with categories. clip: the official code's; give its folder, clip.",
     )
     k_cat: int = Field(3, ge=1, description="Nearest categories to search.")
     shortlist: int | None = Field(
@@ -213,7 +175,6 @@ class MatchingConfig(ComparisonOptions):
     count_weight: float = Field(
         0.3, ge=0, description="What every door and drawer adds that an articulated model has more or less (paper: 0)."
     )
-    articulated_only: bool = Field(True, description="Seek articulated objects among articulated assets only (A.7).")
     count_threshold: int | None = Field(
         2,
         ge=0,
@@ -226,20 +187,29 @@ class MatchingConfig(ComparisonOptions):
         description="So many candidates an object has if the library has them: else count_threshold is widened, and "
         "the next nearest categories come in (paper: 1).",
     )
-    clip: PretrainedConfig = Field(PretrainedConfig(), description="The text encoder `clip`.")
+    clip: str = Field("", description="Folder with the weights of the text encoder `clip`.")
     geometry: GeometryConfig = Field(
         GeometryConfig(), description="The judge `geometry`: candidates rendered in place."
     )
-    rerender: RerenderConfig = Field(RerenderConfig(), description="The judge `rerender`: views rendered again (B.1).")
-    vlm: VlmConfig = Field(VlmConfig(), description="The judge `vlm`: a language model (docs/vlm.md).")
+
+    def weights(self) -> dict[str, str]:
+        """Folders of the pretrained networks that are used, by their keys."""
+        folders = {"dinov2.path": (self.encoder, self.dinov2.path), "clip": (self.text_encoder, self.clip)}
+        return {key: folder for key, (used, folder) in folders.items() if used == key.partition(".")[0]}
 
     @property
     def compares_pictures(self) -> bool:
         """Whether any picture of the library is looked at: if not, matching needs neither features nor snapshots."""
         return not {self.model_selection, self.orientation_selection} <= BLIND
 
+
+class MatchingConfig(MatchingSection):
+    """The section and the language model of the judge `vlm`: what `matching match` reads."""
+
+    vlm: VlmConfig = VlmConfig()
+
     def unread(self) -> set[str]:
         """The options of encoders and judges that are not used; a judge of the user's may ask a language model, too."""
         judges = {self.model_selection, self.orientation_selection}
-        silent = {"geometry", "rerender"} - judges | ({"vlm"} if judges <= WORDLESS else set())
+        silent = {"geometry"} - judges | ({"vlm"} if judges <= WORDLESS else set())
         return super().unread() | {"clip"} - {self.text_encoder} | silent

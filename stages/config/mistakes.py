@@ -2,27 +2,53 @@
 
 from collections.abc import Iterator
 from copy import deepcopy
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar, get_args, get_origin
 
 import yaml
 from pydantic import BaseModel, ValidationError
 
-from stages.contracts.errors import InputError
+from stages.contracts.errors import InputError, nearest
 
 M = TypeVar("M", bound=BaseModel)
 
+# Keys of 0.1 that configs may still have, and what to do instead. Keys that became fixed values are told by themselves.
+GONE = {
+    "approach_speed": "leave it out: the hand approaches at full speed",
+    "articulated_only": "leave it out: articulated objects get articulated cousins",
+    "batch": "leave it out: pictures are encoded one by one",
+    "coverage": "leave it out: a patch counts if the mask covers half of it",
+    "download": "name a folder with config.json and model.safetensors",
+    "encoder": "python -m plugins.patchnet trains the encoder, --help has its options",
+    "finger_points": "leave it out: an eighth of `points`",
+    "mirror": "leave it out",
+    "patchnet": "own: {patchnet: {...}}, with plugins: [plugins.patchnet]",
+    "preview_width": "leave it out: 640 pixels",
+    "rerender": "leave it out",
+    "refinement": "snap_articulated: 0 and snap_other: 0, where it was off; else leave it out",
+    "resolve_collisions": "leave it out: overlapping stacks are pushed apart",
+    "revision": "leave it out: weights.lock.json pins what `fetch` downloads",
+    "sha256": "leave it out: weights.lock.json pins what `fetch` downloads",
+    "training_threads": "snakemake --set-threads train=2",
+    "vlm": "the section `vlm`, on the top level, for matching and photo",
+}
+
 
 class Mistake(NamedTuple):
-    """Key of the config, what is wrong with it, how to mend it (may be empty)."""
+    """Key of the config, what is wrong with it, how to mend it (may be empty), and the code of its kind."""
 
     key: str
     what: str
     mend: str = ""
+    code: str = "E-CONFIG-CLASH"  # two keys, or a key and a file, that do not fit together
 
     def __str__(self) -> str:
         return f"{self.key}: {self.what}." + (f" Fix: {self.mend}" if self.mend else "")
+
+    @classmethod
+    def of(cls, error: InputError, key: str = "") -> "Mistake":
+        """What an error says, of a key if it names none itself."""
+        return cls(key or error.where, error.what.rstrip("."), error.fix, error.code)
 
 
 def check_keys(file: Path) -> None:
@@ -44,7 +70,12 @@ def check_keys(file: Path) -> None:
         for key, value in node.value:
             name, line = str(key.value), key.start_mark.line + 1
             if name in lines and name != "<<":
-                raise InputError(f"{file}:{line}", f"'{name}' stands in line {lines[name]}, too.", "keep one")
+                raise InputError(
+                    f"{file}:{line}",
+                    f"'{name}' stands in line {lines[name]}, too.",
+                    "keep one",
+                    code="E-CONFIG-KEY-TWICE",
+                )
             lines[name] = line
             nodes += [value] * (value not in nodes)
 
@@ -102,7 +133,8 @@ def truths(given: Any, annotation: Any, key: str = "") -> list[Mistake]:
         return [each for item in given for each in truths(item, annotation, key)][:1]
     kinds = list(_kinds(annotation)) if isinstance(given, bool) else [bool]
     wrong = (int in kinds or float in kinds) and bool not in kinds
-    return [Mistake(key, f"is {given} (YAML's yes and no, too), not a number")] if wrong else []
+    what = f"is {given} (YAML's yes and no, too), not a number"
+    return [Mistake(key, what, code="E-CONFIG-VALUE")] if wrong else []
 
 
 def _kinds(annotation: Any) -> Iterator[Any]:
@@ -123,13 +155,22 @@ def _mistakes_of(root: type[BaseModel], error: ValidationError, prefix: str) -> 
         key = prefix + ".".join(str(part) for part in path)
         text = detail["msg"].removeprefix("Value error, ")
         if detail["type"] == "extra_forbidden":
-            keys = _keys_at(root, path[:-1])
-            near = get_close_matches(str(path[-1]), keys, n=1, cutoff=0.5)
-            yield Mistake(key, "unknown key", f"did you mean '{near[0]}'?" if near else f"known: {', '.join(keys)}")
+            yield _unknown(key, str(path[-1]), _model_at(root, path[:-1]))
         elif detail["type"] == "value_error":
-            yield Mistake(key, text)
+            yield Mistake(key, text, code="E-CONFIG-VALUE")
         else:
-            yield Mistake(key, f"{text} (got {detail['input']!r})", "docs/config.md says what is allowed")
+            mend = "docs/config.md says what is allowed"
+            yield Mistake(key, f"{text} (got {detail['input']!r})", mend, "E-CONFIG-VALUE")
+
+
+def _unknown(key: str, name: str, model: type[BaseModel]) -> Mistake:
+    """A key that a section does not have: of an older config, or a typo."""
+    code = "E-CONFIG-KEY"
+    if name in model.__class_vars__:
+        return Mistake(key, f"is no option: it is {getattr(model, name)}", "leave it out", code)
+    if name in GONE:
+        return Mistake(key, "is no option", GONE[name], code)
+    return Mistake(key, "unknown key", nearest(name, model.model_fields), code)
 
 
 def _models(annotation: Any) -> list[type[BaseModel]]:
@@ -139,17 +180,13 @@ def _models(annotation: Any) -> list[type[BaseModel]]:
     return [model for argument in get_args(annotation) for model in _models(argument)]
 
 
-def _keys_at(model: type[BaseModel], path: tuple[int | str, ...]) -> list[str]:
-    """Field names that are allowed where `path` leads to."""
+def _model_at(model: type[BaseModel], path: tuple[int | str, ...]) -> type[BaseModel]:
+    """The section that `path` leads to."""
     for part in path:
         field = model.model_fields.get(str(part))
-        if field is None:
-            continue  # a free key of a dict: stay on the dict's value model
-        models = _models(field.annotation)
-        if not models:
-            return []
-        model = models[0]
-    return list(model.model_fields)
+        if field is not None:  # else a free key of a dict: stay on the dict's value model
+            model = _models(field.annotation)[0]
+    return model
 
 
 def _drop(given: Any, path: tuple[int | str, ...]) -> None:

@@ -1,5 +1,6 @@
 """The whole of config.yaml: one typed section per stage."""
 
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, Literal
 
@@ -9,21 +10,21 @@ from stages.config.assets import AssetsConfig
 from stages.config.containers import ContainersConfig
 from stages.config.contradictions import contradictions
 from stages.config.demonstrations import DemonstrationsConfig
-from stages.config.encoder import EncoderConfig
 from stages.config.evaluation import EvaluationConfig
-from stages.config.experiment import ExperimentConfig
+from stages.config.experiment import ExperimentConfig, TaskTarget
 from stages.config.extraction import ExtractionConfig
-from stages.config.generation import GenerationSection
+from stages.config.generation import GenerationConfig
 from stages.config.inputs import Input, scene_of, with_inputs
-from stages.config.matching import MatchingConfig
+from stages.config.matching import MatchingConfig, MatchingSection
 from stages.config.mistakes import Mistake, mistakes_of, truths, validated, without_removed, without_sharers
 from stages.config.names import resolved
-from stages.config.photo import PhotoConfig
+from stages.config.photo import PhotoSection
 from stages.config.replaced import Replaced
 from stages.config.room_files import room_files
 from stages.config.scenes import ScenesConfig
 from stages.config.tables import TablesConfig
 from stages.config.training import TrainingConfig
+from stages.config.vlm import VlmConfig
 from stages.contracts.errors import InputError
 from stages.contracts.section import Section, Seed
 from stages.contracts.task_options import TaskConfig
@@ -48,11 +49,14 @@ class Config(Section):
     experiment: ExperimentConfig = Field(ExperimentConfig(), description="Which cells of the paper's tables are run.")
     assets: AssetsConfig = Field(AssetsConfig(), description="The asset library and its snapshots (A.1).")
     scenes: ScenesConfig = Field(ScenesConfig(), description="The sim-to-sim rooms (B.1, Table 2).")
-    photo: PhotoConfig = Field(PhotoConfig(), description="From one RGB picture to an input folder (A.2, A.7).")
+    photo: PhotoSection = Field(PhotoSection(), description="From one RGB picture to an input folder (A.2, A.7).")
     extraction: ExtractionConfig = Field(ExtractionConfig(), description="From image to objects in space (A.2, A.7).")
-    matching: MatchingConfig = Field(MatchingConfig(), description="Digital cousins of every object (A.6, A.7, B.1).")
-    encoder: EncoderConfig = Field(EncoderConfig(), description="Training the encoder `patchnet` (docs/matching.md).")
-    generation: GenerationSection = Field(GenerationSection(), description="Placing the cousins (A.3, A.7).")
+    matching: MatchingSection = Field(MatchingSection(), description="Digital cousins of every object (A.6, A.7, B.1).")
+    vlm: VlmConfig = Field(
+        VlmConfig(),
+        description="The language model that sees, for the judge `vlm` and for `photo.captions: vlm` (docs/vlm.md).",
+    )
+    generation: GenerationConfig = Field(GenerationConfig(), description="Placing the cousins (A.3, A.7).")
     task: TaskConfig = Field(
         TaskConfig(), description="The tasks' environment, the same in demos and evaluation (B.3)."
     )
@@ -70,14 +74,15 @@ class Config(Section):
     containers: ContainersConfig = Field(ContainersConfig(), description="Images of the rules, for `--sdm apptainer`.")
 
     def matching_of(self, variant: str) -> MatchingConfig:
-        """The matching options of one variant: those of `matching` with what the variant changes, key by key."""
-        changed = merged(self.matching.model_dump(), self.experiment.variants[variant])
+        """The matching options of one variant: `matching` and `vlm` with what the variant changes, key by key."""
+        sections = self.matching.model_dump() | {"vlm": self.vlm.model_dump()}
+        changed = merged(sections, self.experiment.variants[variant])
         return resolved(MatchingConfig.model_validate(changed), self.plugins, f"experiment.variants.{variant}")
 
-    def generation_of(self, variant: str) -> GenerationSection:
+    def generation_of(self, variant: str) -> GenerationConfig:
         """The placing of one variant: that of `generation` with what differs, key by key."""
         changes = self.experiment.placements.get(variant, {})
-        return GenerationSection.model_validate(merged(self.generation.model_dump(), changes))
+        return GenerationConfig.model_validate(merged(self.generation.model_dump(), changes))
 
     def task_of(self, name: str) -> TaskConfig:
         """The task options of one row of the policy experiment: those of `task` with what it changes, key by key."""
@@ -114,32 +119,7 @@ def load(config: dict[str, Any]) -> Config:
     wrong = [mistake.key for mistake in mistakes] + (["experiment.rooms"] if unread else [])
     valid = valid.model_copy(update={"plugins": _packages(valid.plugins, mistakes)})
     valid = resolved(valid, valid.plugins, "", mistakes)
-    for variant in valid.experiment.variants:
-        mistakes += truths(valid.experiment.variants[variant], MatchingConfig, f"experiment.variants.{variant}")
-        try:
-            valid.matching_of(variant)
-        except ValidationError as error:
-            mistakes += mistakes_of(MatchingConfig, error, f"experiment.variants.{variant}.")
-        except InputError as error:
-            if not any(mistake.key.startswith("matching.") for mistake in mistakes):
-                mistakes.append(Mistake(error.where, error.what.rstrip("."), error.fix))
-        else:
-            continue
-        valid.experiment.variants[variant] = {}
-    for variant in list(valid.experiment.placements):
-        mistakes += truths(valid.experiment.placements[variant], GenerationSection, f"experiment.placements.{variant}")
-        try:
-            valid.generation_of(variant)
-        except ValidationError as error:
-            mistakes += mistakes_of(GenerationSection, error, f"experiment.placements.{variant}.")
-            valid.experiment.placements[variant] = {}
-    for name, target in valid.experiment.tasks.items():
-        mistakes += truths(target.options, TaskConfig, f"experiment.tasks.{name}.options")
-        try:
-            valid.task_of(name)
-        except ValidationError as error:
-            mistakes += mistakes_of(TaskConfig, error, f"experiment.tasks.{name}.options.")
-            valid.experiment.tasks[name] = target.model_copy(update={"options": {}})
+    mistakes += _overlays(valid)
     rooms = valid.experiment.model_copy(update={"rooms": valid.experiment.named()})
     of_run = of_picture(valid) if valid.image and not mistakes else rooms
     valid = valid.model_copy(update={"experiment": of_run})
@@ -147,8 +127,33 @@ def load(config: dict[str, Any]) -> Config:
     if mistakes:
         lines = [str(mistake) for mistake in mistakes]
         heading = f"{len(lines)} mistakes:\n  " if len(lines) > 1 else ""
-        raise InputError("config", heading + "\n  ".join(lines))
+        code = mistakes[0].code if len(mistakes) == 1 else "E-CONFIG"
+        raise InputError("config", heading + "\n  ".join(lines), code=code)
     return valid
+
+
+def _overlays(config: Config) -> Iterator[Mistake]:
+    """What is wrong with the keys that variants, placements and tasks change; such changes are taken back."""
+    kinds: tuple[tuple[str, type[Section], Callable[[str], Section]], ...] = (
+        ("variants", MatchingConfig, config.matching_of),
+        ("placements", GenerationConfig, config.generation_of),
+        ("tasks", TaskConfig, config.task_of),
+    )
+    for section, model, read in kinds:
+        entries = getattr(config.experiment, section)
+        for name, entry in list(entries.items()):
+            key, changes = f"experiment.{section}.{name}", entry
+            if isinstance(entry, TaskTarget):
+                key, changes = f"{key}.options", entry.options
+            yield from truths(changes, model, key)
+            try:
+                read(name)
+                continue
+            except ValidationError as error:
+                yield from mistakes_of(model, error, f"{key}.")
+            except InputError as error:
+                yield Mistake.of(error)
+            entries[name] = entry.model_copy(update={"options": {}}) if isinstance(entry, TaskTarget) else {}
 
 
 def of_picture(config: Config) -> ExperimentConfig:
@@ -167,7 +172,7 @@ def _packages(names: list[str], mistakes: list[Mistake]) -> list[str]:
             folder(name)
             there.append(name)
         except InputError as error:
-            mistakes.append(Mistake("plugins", error.what.rstrip("."), error.fix))
+            mistakes.append(Mistake.of(error))
     return there
 
 

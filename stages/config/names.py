@@ -51,7 +51,7 @@ def resolved(section: S, packages: Sequence[str], path: str, mistakes: list[Mist
         except InputError as error:
             if mistakes is None:
                 raise
-            mistakes.append(Mistake(error.where, error.what.rstrip("."), error.fix))
+            mistakes.append(Mistake.of(error))
             changes[field] = type(section).model_fields[field].default
     return section.model_copy(update=changes)
 
@@ -62,4 +62,9 @@ def _check_own(section: type[Section], names: Iterable[str], packages: Sequence[
     known = {name for kind in kinds for name in available(kind, packages)}
     for name in names:
         if name not in known:
-            raise InputError(f"{key}.{name}", f"there is no '{name}'.", f"there are: {', '.join(sorted(known))}")
+            raise InputError(
+                f"{key}.{name}",
+                f"there is no '{name}'.",
+                f"there are: {', '.join(sorted(known))}",
+                code="E-PLUGIN-UNKNOWN",
+            )

@@ -13,7 +13,7 @@ MANY = 8  # files in one folder: containers see it whole then
 def outside(config: Config) -> list[str]:
     """Absolute paths, outside the working directory, of what the config names: scenes, models, weights, code."""
     commands = [own for verbs in config.stages.values() for own in verbs.values()]
-    matching = [config.matching, *map(config.matching_of, config.experiment.variants)]
+    matching = map(config.matching_of, config.experiment.variants)
     named = [
         *_of_inputs(config),
         *config.experiment.room_files,
@@ -29,12 +29,11 @@ def outside(config: Config) -> list[str]:
 
 def online(config: Config) -> list[str] | None:
     """Environment variables that hold keys of the language models that are asked; None: nothing asks the network."""
-    matching = [config.matching, *map(config.matching_of, config.experiment.variants)]
+    matching = map(config.matching_of, config.experiment.variants)
     asked = [options.vlm for options in matching if "vlm" not in options.unread()]
-    asked += [config.photo.vlm] if config.experiment.pictures and "vlm" not in config.photo.unread() else []
+    asked += [config.vlm] if config.experiment.pictures and config.photo.captions == "vlm" else []
     keys = {model.key_env for model in asked if model.mode == "record"}
-    hubs = [options.clip.download or options.dinov2.download for options in matching]
-    return sorted(keys - {""}) if keys or any(hubs) else None
+    return sorted(keys - {""}) if keys else None
 
 
 def _of_inputs(config: Config) -> list[str]:
@@ -45,10 +44,10 @@ def _of_inputs(config: Config) -> list[str]:
     named = dict.fromkeys(folder if folders[folder := str(Path(path).parent)] > MANY else path for path in files)
     if not config.experiment.pictures:
         return [*named]
-    ledger = [] if "vlm" in config.photo.unread() else [config.photo.vlm.ledger]
-    return [*named, *(network.path for network in config.photo.networks().values()), *ledger]
+    ledger = [config.vlm.ledger] if config.photo.captions == "vlm" else []
+    return [*named, *config.photo.networks().values(), *ledger]
 
 
 def _weights(options: MatchingConfig) -> list[str]:
-    used = [options.dinov2.path, options.clip.path, "" if "vlm" in options.unread() else options.vlm.ledger]
-    return [path for path in used if path]
+    ledger = [] if "vlm" in options.unread() else [options.vlm.ledger]
+    return [*filter(None, options.weights().values()), *ledger]

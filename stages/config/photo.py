@@ -1,57 +1,24 @@
 """Config section `photo`: one RGB picture -> an input folder, by pretrained networks (paper 2.1, A.2, A.7)."""
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 from pydantic import Field
 
 from stages.config.cameras import FIELD_OF_VIEW
-from stages.config.matching import PretrainedConfig
 from stages.config.vlm import VlmConfig
 from stages.contracts.section import Section
 
 
-class WeightsConfig(PretrainedConfig):
-    """Weights of one network, and where `fetch` gets them."""
+class PhotoSection(Section):
+    """From a picture to boxes, masks and depth. Weights are folders with config.json and model.safetensors."""
 
-    source: str = Field("", description="Model id on the hub from which `fetch` fills the folder `path`.")
-
-
-class FetchOptions(Section):
-    """Which networks are used, and where their weights are."""
-
+    detector: str = Field("weights/grounding_dino", description="Weights of Grounding DINO: a box for every label.")
+    segmenter: str = Field("weights/sam2", description="Weights of SAM 2: a mask for every box.")
     depth: Literal["depth_anything", "depth_pro"] = Field(
         "depth_anything", description="Metric depth. depth_pro: slower, sharper, and it tells the field of view."
     )
-    detector: WeightsConfig = Field(
-        WeightsConfig(path="weights/grounding_dino", source="IDEA-Research/grounding-dino-base"),
-        description="Grounding DINO: a box for every label.",
-    )
-    segmenter: WeightsConfig = Field(
-        WeightsConfig(path="weights/sam2", source="facebook/sam2.1-hiera-large"),
-        description="SAM 2: a mask for every box.",
-    )
-    depth_anything: WeightsConfig = Field(
-        WeightsConfig(
-            path="weights/depth_anything_v2", source="depth-anything/Depth-Anything-V2-Metric-Indoor-Large-hf"
-        ),
-        description="Depth-Anything V2, metric.",
-    )
-    depth_pro: WeightsConfig = Field(
-        WeightsConfig(path="weights/depth_pro", source="apple/DepthPro-hf"), description="Depth Pro."
-    )
-
-    def unread(self) -> set[str]:
-        """The depth network that is not used."""
-        return {"depth_anything", "depth_pro"} - {self.depth}
-
-    def networks(self) -> dict[str, WeightsConfig]:
-        """The networks that are used, by their keys, in the order of their use."""
-        return {name: getattr(self, name) for name in ("detector", "segmenter", self.depth)}
-
-
-class PhotoConfig(FetchOptions):
-    """From a picture to boxes, masks and depth."""
-
+    depth_anything: str = Field("weights/depth_anything_v2", description="Weights of Depth-Anything V2, metric.")
+    depth_pro: str = Field("weights/depth_pro", description="Weights of Depth Pro.")
     captions: Literal["labels", "vlm"] = Field(
         "labels",
         description="What is looked for. labels: `labels`, all of them. vlm: what a language model that sees lists, "
@@ -64,10 +31,10 @@ class PhotoConfig(FetchOptions):
         "vlm`, geometry where it has no usable answer.",
     )
     box_threshold: float = Field(0.3, gt=0, lt=1, description="Least score of a box (official code: 0.3).")
-    overlap: float = Field(
-        0.7, gt=0, le=1, description="Of two masks that overlap by more (over their union), the better box's is kept."
-    )
-    min_share: float = Field(0.0005, ge=0, lt=1, description="Least share of the picture that an object covers.")
+    # Of two masks that overlap by more (over their union), the better box's is kept.
+    overlap: ClassVar[float] = 0.7
+    # Least share of the picture that an object covers.
+    min_share: ClassVar[float] = 0.0005
     field_of_view: float | None = Field(
         None,
         ge=FIELD_OF_VIEW[0],
@@ -80,8 +47,18 @@ class PhotoConfig(FetchOptions):
         description="Calibration of the camera (JSON, YAML as OpenCV, ROS, Kalibr write them): the picture is made "
         "straight first, and its focal length is known.",
     )
-    vlm: VlmConfig = Field(VlmConfig(), description="The language model of `captions: vlm`.")
+
+    def networks(self) -> dict[str, str]:
+        """Folders of the networks that are used, by their keys, in the order of their use."""
+        return {name: getattr(self, name) for name in ("detector", "segmenter", self.depth)}
+
+
+class PhotoConfig(PhotoSection):
+    """The section and the language model of `captions: vlm`: what `inputs estimate` reads."""
+
+    vlm: VlmConfig = VlmConfig()
 
     def unread(self) -> set[str]:
-        """The same, and what the way to captions does not need."""
-        return super().unread() | ({"labels"} if self.captions == "vlm" else {"vlm", "mounting"})
+        """The depth network that is not used, and what the way to captions does not need."""
+        silent = {"labels"} if self.captions == "vlm" else {"vlm", "mounting"}
+        return {"depth_anything", "depth_pro"} - {self.depth} | silent

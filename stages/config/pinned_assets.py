@@ -21,12 +21,13 @@ def pinned_assets(config: "Config") -> Iterator[Mistake]:
         if file is None:
             continue
         if not Path(file).is_file():
-            yield Mistake(f"{key}.assets", f"no file {file}", "correct the path, or null: chosen anew")
+            yield Mistake(f"{key}.assets", f"no file {file}", "correct the path, or null: chosen anew", "E-CONFIG-FILE")
             continue
         try:
             plan = read_json(TaskAssets, Path(file))
         except InputError as error:
-            yield Mistake(f"{key}.assets", str(error).rstrip("."), "choose the assets anew: docs/policies.md")
+            mend = "choose the assets anew: docs/policies.md"
+            yield Mistake(f"{key}.assets", str(error).rstrip("."), mend, error.code)
             continue
         if (plan.scene, plan.object) != (target.scene, target.object):
             what = f"{target.object} of {target.scene}, but {file} is about {plan.object} of {plan.scene}"

@@ -4,14 +4,13 @@ from typing import Any
 
 from stages.config.assets import LibraryOptions, OwnOptions, SnapshotOptions
 from stages.config.demonstrations import DemonstrationsConfig
-from stages.config.encoder import EncoderTrainingOptions, PairOptions
 from stages.config.evaluation import RolloutOptions, SkillOptions, TrialOptions
 from stages.config.extraction import ExtractionConfig
 from stages.config.generation import GenerationConfig
 from stages.config.matching import ComparisonOptions, EncoderOptions, MatchingConfig
 from stages.config.model import Config
 from stages.config.names import kind_of
-from stages.config.photo import FetchOptions, PhotoConfig
+from stages.config.photo import PhotoConfig, PhotoSection
 from stages.config.scenes import ScenesConfig
 from stages.config.tables import TablesConfig
 from stages.contracts.section import Section
@@ -23,14 +22,12 @@ READS: dict[tuple[str, str], type[Section]] = {
     ("assets", "own"): OwnOptions,
     ("assets", "snapshots"): SnapshotOptions,
     ("scenes", "render"): ScenesConfig,
-    ("inputs", "fetch"): FetchOptions,
+    ("inputs", "fetch"): PhotoSection,
     ("inputs", "estimate"): PhotoConfig,
     ("extraction", "extract"): ExtractionConfig,
     ("matching", "features"): EncoderOptions,
     ("matching", "match"): MatchingConfig,
     ("matching", "distances"): ComparisonOptions,
-    ("encoder", "render"): PairOptions,
-    ("encoder", "train"): EncoderTrainingOptions,
     ("generation", "generate"): GenerationConfig,
     ("demonstrations", "collect"): DemonstrationsConfig,
     ("demonstrations", "scene"): DemonstrationsConfig,
@@ -61,6 +58,8 @@ def section_of(config: Config, stage: str, wildcards: dict[str, str]) -> Section
     if stage == "evaluation" and "condition" in wildcards:
         differs = config.evaluation.conditions[wildcards["condition"]]
         return config.evaluation.model_copy(update={name: getattr(differs, name) for name in differs.model_fields_set})
+    if stage == "inputs":
+        return PhotoConfig.model_construct(**dict(config.photo), vlm=config.vlm)
     section: Section = getattr(config, section_name(stage))
     if isinstance(section, ExtractionConfig) and not config.experiment.meeting(wildcards["scene"]).protocol.scale_error:
         return section.model_copy(update={"noise": section.noise.model_copy(update={"scale": 0.0})})
@@ -79,7 +78,6 @@ def options_of(config: Config, stage: str, verb: str, wildcards: dict[str, str])
         kept["own"] = {name: options for name, options in kept["own"].items() if name in used}
     if wildcards.get("role") != "twin_randomised":
         kept.pop("randomise", None)  # of that role's demonstrations alone
-    kept.get("dinov2", {}).pop("batch", None)  # how many pictures are taken at once changes no result
     return kept
 
 

@@ -1,15 +1,15 @@
 """Config section `stages`: verbs of stages that are replaced by the user's own commands."""
 
-from difflib import get_close_matches
 from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field
 
+from stages.contracts.errors import nearest
 from stages.contracts.section import Section
 
 VERBS = {
     "assets": ("library", "own", "join", "snapshots", "draw"),
-    "inputs": ("estimate",),
+    "inputs": ("estimate", "fetch"),
     "scenes": ("render",),
     "extraction": ("extract", "draw"),
     "matching": ("features", "match", "distances", "draw"),
@@ -39,16 +39,11 @@ def _known_verbs(value: Any) -> Any:
     """Refuse stages and verbs that do not exist, with the nearest one that does."""
     for stage, commands in value.items() if isinstance(value, dict) else ():
         if stage not in VERBS:
-            raise ValueError(f"no stage is called '{stage}'; {_nearest(stage, tuple(VERBS))}")
+            raise ValueError(f"no stage is called '{stage}'; {nearest(stage, VERBS)}")
         for verb in commands if isinstance(commands, dict) else ():
             if verb not in VERBS[stage]:
-                raise ValueError(f"no verb of {stage} is called '{verb}'; {_nearest(verb, VERBS[stage])}")
+                raise ValueError(f"no verb of {stage} is called '{verb}'; {nearest(verb, VERBS[stage])}")
     return value
-
-
-def _nearest(name: object, names: tuple[str, ...]) -> str:
-    near = get_close_matches(str(name), names, n=1, cutoff=0.5)
-    return f"did you mean '{near[0]}'" if near else f"known: {', '.join(names)}"
 
 
 Replaced = Annotated[dict[str, dict[str, VerbCommand]], BeforeValidator(_known_verbs)]

@@ -26,7 +26,7 @@ def tasks(config: "Config") -> Iterator[Mistake]:
     if experiment.tasks and experiment.policy_variant not in experiment.variants:
         mend = f"one of {', '.join(experiment.variants)}"
         what = f"'{experiment.policy_variant}' is not one of experiment.variants"
-        yield Mistake("experiment.policy_variant", what, mend)
+        yield Mistake("experiment.policy_variant", what, mend, "E-CONFIG-UNKNOWN")
     for name, target in experiment.tasks.items():
         if target.assets_of:
             continue
@@ -34,10 +34,10 @@ def tasks(config: "Config") -> Iterator[Mistake]:
         try:
             find("tasks", task, config.plugins)
         except InputError as error:
-            yield Mistake(f"{key}.task" if target.task else key, error.what.rstrip("."), error.fix)
+            yield Mistake.of(error, f"{key}.task" if target.task else key)
         if target.scene not in experiment.rooms:
             mend = "add it there, or remove the task: `" + name + ": null`"
-            yield Mistake(f"{key}.scene", f"'{target.scene}' is not one of experiment.rooms", mend)
+            yield Mistake(f"{key}.scene", f"'{target.scene}' is not one of experiment.rooms", mend, "E-CONFIG-UNKNOWN")
         objects = places.objects(target.scene, experiment.inputs, files)
         if not objects:
             continue  # not known before the scene is read
@@ -48,7 +48,7 @@ def tasks(config: "Config") -> Iterator[Mistake]:
             what = f"'{target.object}' of {target.scene} has no {task}"
         else:
             continue
-        yield Mistake(f"{key}.object", what, f"one of {', '.join(able)}")
+        yield Mistake(f"{key}.object", what, f"one of {', '.join(able)}", "E-CONFIG-UNKNOWN")
 
 
 def shared_rows(config: "Config") -> Iterator[Mistake]:
@@ -60,7 +60,9 @@ def shared_rows(config: "Config") -> Iterator[Mistake]:
         others = [other for other, its in rows.items() if its.assets_of is None]
         if row.assets_of not in others:
             what = f"'{row.assets_of}' is no row with assets of its own"
-            yield Mistake(f"experiment.tasks.{name}.assets_of", what, f"one of {', '.join(others) or 'none'}")
+            yield Mistake(
+                f"experiment.tasks.{name}.assets_of", what, f"one of {', '.join(others) or 'none'}", "E-CONFIG-UNKNOWN"
+            )
             continue
         for key in ("task", "scene", "object", "options", "assets", "episodes"):
             if getattr(row, key) not in (getattr(UNSAID, key), getattr(rows[row.assets_of], key)):
@@ -74,7 +76,7 @@ def training_sets(config: "Config") -> Iterator[Mistake]:
     for rank in experiment.held_out:
         if rank > experiment.cousins:
             what = f"there is no cousin {rank} of experiment.cousins = {experiment.cousins}"
-            yield Mistake("experiment.held_out", what, "leave it out or raise experiment.cousins")
+            yield Mistake("experiment.held_out", what, "leave it out or raise experiment.cousins", "E-CONFIG-UNKNOWN")
     left = experiment.training_ranks
     asked = {"experiment.training_sets": experiment.training_sets}
     asked |= {
@@ -105,7 +107,12 @@ def test_assets(config: "Config") -> Iterator[Mistake]:
     for role in config.evaluation.test_assets:
         if role not in roles:
             what = f"there is no '{role}' among experiment.cousins = {experiment.cousins}"
-            yield Mistake("evaluation.test_assets", what, f"twin, cousin_1 ... {roles[-3]}, dissimilar, trained")
+            yield Mistake(
+                "evaluation.test_assets",
+                what,
+                f"twin, cousin_1 ... {roles[-3]}, dissimilar, trained",
+                "E-CONFIG-UNKNOWN",
+            )
     if config.evaluation.checkpoint == "rollouts":
         for run in dict.fromkeys(run for plan in _plans(config) for run in plan.runs):
             if run in config.training.runs and not config.training.runs[run].keep:
@@ -127,7 +134,9 @@ def policies(config: "Config") -> Iterator[Mistake]:
     for key, runs in asked.items():
         for run in runs:
             if run not in known:
-                yield Mistake(key, f"'{run}' is not one of training.runs", f"one of {', '.join(known)}")
+                yield Mistake(
+                    key, f"'{run}' is not one of training.runs", f"one of {', '.join(known)}", "E-CONFIG-UNKNOWN"
+                )
     for run in dict.fromkeys(run for runs in asked.values() for run in runs if run in known):
         options = known[run]
         points = {
@@ -142,5 +151,7 @@ def policies(config: "Config") -> Iterator[Mistake]:
             yield Mistake(f"training.runs.{run}.network.points", what, "lower it or raise task.points")
         if options.keep > options.steps:
             yield Mistake(
-                f"training.runs.{run}.keep", f"{options.keep} checkpoints of {options.steps} steps", "lower it"
+                f"training.runs.{run}.keep",
+                f"{options.keep} checkpoints of {options.steps} steps",
+                "lower itE-CONFIG-CLASH",
             )

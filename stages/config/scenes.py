@@ -1,5 +1,7 @@
 """Config section `scenes`: the sim-to-sim rooms (paper B.1, Table 2)."""
 
+from typing import ClassVar
+
 from pydantic import Field
 
 from stages.contracts.section import Section
@@ -11,10 +13,7 @@ class ScenesConfig(Section):
     width: int = Field(800, ge=64, description="Width of the photograph in pixels.")
     height: int = Field(600, ge=48, description="Height of the photograph in pixels.")
     supersampling: int = Field(2, ge=1, le=4, description="Colours are rendered so many times larger and averaged.")
-    shadows: bool = Field(True, description="Whether the key light casts shadows.")
-    margin: float = Field(
-        0.06,
-        ge=0,
-        lt=0.4,
-        description="Share of the picture left free at each border; extraction uses 90 %.",
-    )
+    # Whether the key light casts shadows.
+    shadows: ClassVar[bool] = True
+    # Share of the picture left free at each border; extraction uses 90 %.
+    margin: ClassVar[float] = 0.06

@@ -1,6 +1,6 @@
 """Config section `tables`: tables, figures and the report page."""
 
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
@@ -19,12 +19,16 @@ class TablesConfig(Section):
         {"a": "a", "b": "b", "c": "c", "d": "d"},
         description="Variants of Table 2 and the published variant (a-d) shown beside each.",
     )
-    confidence: float = Field(0.95, gt=0, lt=1, description="Level of every interval.")
+    # Level of every interval.
+    confidence: ClassVar[float] = 0.95
     bootstrap_samples: int = Field(
         10_000,
         ge=100,
         description="Resamples (of assets, initial states and runs) behind the intervals of policies.",
     )
-    seed: Seed = Field(0, description="Seed of the resamples.")
-    picture_width: int = Field(1100, ge=200, description="Largest width of a picture in the report page, pixels.")
-    picture_quality: int = Field(80, ge=10, le=100, description="WebP quality of the pictures in the report page.")
+    # Seed of the resamples.
+    seed: ClassVar[Seed] = 0
+    # Largest width of a picture in the report page, pixels.
+    picture_width: ClassVar[int] = 1100
+    # WebP quality of the pictures in the report page.
+    picture_quality: ClassVar[int] = 80

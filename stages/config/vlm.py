@@ -1,4 +1,4 @@
-"""A language model that sees: the options of every stage that asks one."""
+"""Config section `vlm`: the language model that sees, for every stage that asks one."""
 
 from typing import Any, Literal
 from urllib.parse import urlsplit
@@ -30,7 +30,6 @@ class VlmConfig(Section):
         description="Sent with every request, as they are; null: not sent. "
         "Some models want max_completion_tokens in the place of max_tokens.",
     )
-    detail: Literal["auto", "low", "high"] = Field("auto", description="How closely the model looks at a picture.")
     image_size: int = Field(512, ge=32, description="Longest side of the pictures sent; larger ones are reduced.")
     ledger: str = Field(
         "ledger", min_length=1, description="Folder of all calls, a file each; shared by jobs, kept between runs."
@@ -45,10 +44,6 @@ class VlmConfig(Section):
         description="Cousins that it chooses, and turns, one call for each; those after them follow by distance "
         "(Table 2 uses the first; official: all).",
     )
-    reasks: int = Field(2, ge=0, description="How often it is asked again after an answer that cannot be used.")
-    attempts: int = Field(5, ge=1, description="How often a request is sent if the server is busy or does not answer.")
-    wait: NotNegative = Field(2.0, description="Seconds before the second attempt; doubles each time.")
-    longest_wait: NotNegative = Field(60.0, description="Longest pause, also if the server asks for more (seconds).")
     timeout: float = Field(120.0, gt=0, description="Seconds until a request is given up.")
     price_input: NotNegative = Field(2.5, description="Price of a million tokens sent ...")
     price_output: NotNegative = Field(10.0, description="... and received, in any currency.")
@@ -59,7 +54,7 @@ class VlmConfig(Section):
 
     def asked(self) -> "VlmConfig":
         """What decides on the answers; where and how they are got is left at its default."""
-        said = {"model", "options", "detail", "image_size", "choices", "reasks"}
+        said = {"model", "options", "image_size", "choices"}
         return VlmConfig(**self.model_dump(include=said))
 
     @field_validator("url")

@@ -11,7 +11,6 @@ from pathlib import Path, PurePosixPath
 from stages.contracts.errors import InputError
 from stages.contracts.files import atomic
 
-OPEN = 64  # archives at a time
 UNREADABLE = (OSError, zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError)  # what zipfile raises
 
 
@@ -37,7 +36,7 @@ def unpack(path: Path, fix: str, below: str = "") -> Path:
     folder = Path(tempfile.mkdtemp(dir=_scratch().name))
     for name in names:
         if ".." in PurePosixPath(name).parts or PurePosixPath(name).is_absolute():
-            raise InputError(path, f"holds '{name}', which leads out of it.", fix)
+            raise InputError(path, f"holds '{name}', which leads out of it.", fix, code="E-ARCHIVE-UNSAFE")
         file = folder / name
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_bytes(content[name])
@@ -50,9 +49,11 @@ def reading(path: Path, fix: str) -> Iterator[zipfile.ZipFile]:
     try:
         yield _opened(path, path.stat().st_mtime_ns)
     except FileNotFoundError:
-        raise InputError(path, "no such file.", fix) from None
+        raise InputError(path, "no such file.", fix, code="E-FILE-MISSING") from None
     except UNREADABLE as error:
-        raise InputError(path, f"is no zip archive that can be read ({error}).", fix) from None
+        raise InputError(
+            path, f"is no zip archive that can be read ({error}).", fix, code="E-FILE-UNREADABLE"
+        ) from None
 
 
 @cache
@@ -60,6 +61,6 @@ def _scratch() -> tempfile.TemporaryDirectory[str]:
     return tempfile.TemporaryDirectory(prefix="acdc-unpacked-")
 
 
-@lru_cache(maxsize=OPEN)
+@lru_cache
 def _opened(path: Path, changed: int) -> zipfile.ZipFile:
     return zipfile.ZipFile(path)

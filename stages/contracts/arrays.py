@@ -25,9 +25,11 @@ def readable(path: Path, what: str, fix: str = "") -> Iterator[None]:
     except InputError:
         raise
     except FileNotFoundError:
-        raise InputError(path, "no such file.", fix) from None
+        raise InputError(path, "no such file.", fix, code="E-FILE-MISSING") from None
     except Exception as error:
-        raise InputError(path, f"is no readable {what} ({error.__class__.__name__}).", fix) from None
+        raise InputError(
+            path, f"is no readable {what} ({error.__class__.__name__}).", fix, code="E-FILE-UNREADABLE"
+        ) from None
 
 
 def read_npz(path: Path, fix: str = "") -> dict[str, NDArray[Any]]:
@@ -39,7 +41,7 @@ def read_npz(path: Path, fix: str = "") -> dict[str, NDArray[Any]]:
     with readable(path, "npz file", fix), np.load(path, allow_pickle=False) as arrays:
         size = sum(entry.file_size for entry in arrays.zip.infolist())
         if size > MAX_BYTES:
-            raise InputError(path, f"unpacks to {size / 1e9:.1f} GB.", fix)
+            raise InputError(path, f"unpacks to {size / 1e9:.1f} GB.", fix, code="E-FILE-LARGE")
         return {name: arrays[name] for name in arrays.files}
 
 
@@ -49,7 +51,7 @@ def dataset(path: Path, group: "h5py.Group", name: str, fix: str = "") -> "h5py.
 
     found = group.get(name)
     if not isinstance(found, h5py.Dataset):
-        raise InputError(path, f"has no array '{group.name.strip('/')}/{name}'.", fix)
+        raise InputError(path, f"has no array '{group.name.strip('/')}/{name}'.", fix, code="E-ARRAY-MISSING")
     return found
 
 
@@ -61,13 +63,13 @@ def check_array(
     `kinds` are numpy's: f float, u and i whole numbers, b bool.
     """
     if array.dtype.kind not in kinds:
-        raise InputError(where, f"{name}: has type {array.dtype}.", fix)
+        raise InputError(where, f"{name}: has type {array.dtype}.", fix, code="E-ARRAY-TYPE")
     fits = len(array.shape) == len(shape) and all(
         isinstance(wanted, str) or length == wanted for length, wanted in zip(array.shape, shape, strict=True)
     )
     if not fits:
         wanted = ", ".join(map(str, shape))
-        raise InputError(where, f"{name}: has shape {tuple(array.shape)}, not ({wanted}).", fix)
+        raise InputError(where, f"{name}: has shape {tuple(array.shape)}, not ({wanted}).", fix, code="E-ARRAY-SHAPE")
 
 
 def check_within(where: object, name: str, array: Any, low: float, high: float, fix: str = "") -> None:
@@ -76,7 +78,9 @@ def check_within(where: object, name: str, array: Any, low: float, high: float, 
     for start in range(0, len(array), rows):
         part = np.asarray(array[start : start + rows])
         if not np.isfinite(part).all():
-            raise InputError(where, f"{name}: holds NaN or infinity.", fix)
+            raise InputError(where, f"{name}: holds NaN or infinity.", fix, code="E-ARRAY-VALUES")
         if part.size and (part.min() < low or part.max() > high):
             worst = float(part.min() if part.min() < low else part.max())
-            raise InputError(where, f"{name}: holds {worst:g}, which is not within {low:g} and {high:g}.", fix)
+            raise InputError(
+                where, f"{name}: holds {worst:g}, which is not within {low:g} and {high:g}.", fix, code="E-ARRAY-VALUES"
+            )

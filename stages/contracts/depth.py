@@ -9,9 +9,10 @@ from numpy.typing import NDArray
 from stages.contracts.arrays import read_npz
 from stages.contracts.errors import InputError
 from stages.contracts.images import FOLDER
+from stages.contracts.types import LARGEST
 from stages.geometry.inverse_depth import is_inverse
 
-NEAREST, FARTHEST = 0.1, 30.0  # metres: the median depth of a picture of a room is between them
+NEAREST = 0.1  # metres: the median depth of a picture of a room is between this and `LARGEST`
 SKY = 100.0  # metres: farther away is no room
 WRITE = "np.savez(path, depth=...) with an array (height, width) in metres"
 
@@ -26,20 +27,27 @@ def read_depth(path: Path) -> tuple[NDArray[np.float32], bool]:
         InputError: no such array, no depth at all, or neither metres nor millimetres.
     """
     if not path.is_file() and path.with_suffix(".png").is_file():
-        raise InputError(path, "no such file, but there is a depth.png.", f"store its array: {WRITE}")
+        raise InputError(
+            path, "no such file, but there is a depth.png.", f"store its array: {WRITE}", code="E-DEPTH-FORMAT"
+        )
     arrays = read_npz(path, FOLDER)
     if "depth" not in arrays:
-        raise InputError(path, "has no array named 'depth'.", WRITE)
+        raise InputError(path, "has no array named 'depth'.", WRITE, code="E-DEPTH-FORMAT")
     depth, exact = arrays["depth"], arrays.get("exact", np.array(False))
     if depth.dtype.kind not in "fiu":
-        raise InputError(path, f"depth: has type {depth.dtype}.", WRITE)
+        raise InputError(path, f"depth: has type {depth.dtype}.", WRITE, code="E-DEPTH-FORMAT")
     if depth.ndim != 2 or 0 in depth.shape:
-        raise InputError(path, f"depth: has shape {depth.shape}.", WRITE)
+        raise InputError(path, f"depth: has shape {depth.shape}.", WRITE, code="E-DEPTH-FORMAT")
     if exact.shape != () or exact.dtype.kind not in "biu":
-        raise InputError(path, f"exact: has type {exact.dtype} and shape {exact.shape}.", "one bool, or leave it out")
+        raise InputError(
+            path,
+            f"exact: has type {exact.dtype} and shape {exact.shape}.",
+            "one bool, or leave it out",
+            code="E-DEPTH-FORMAT",
+        )
     known = np.where(np.isfinite(depth) & (depth > 0), depth, 0)
     if not known.any():
-        raise InputError(path, "depth: no value is known (finite and above 0).", WRITE)
+        raise InputError(path, "depth: no value is known (finite and above 0).", WRITE, code="E-DEPTH-EMPTY")
     factor = _metres_per_unit(path, known)
     if factor != 1:
         print(f"{path}: depth is in millimetres (median {np.median(known[known > 0]):g}), converted to metres")
@@ -56,18 +64,24 @@ def check_depth(path: Path, values: NDArray[np.floating]) -> None:
     """
     if is_inverse(values):
         what = "looks like inverse depth: it grows towards the lower border, and floors and walls are flat in it."
-        raise InputError(path, what, "store depth in metres: 1 / values for disparity, by the scale of its network")
+        raise InputError(
+            path,
+            what,
+            "store depth in metres: 1 / values for disparity, by the scale of its network",
+            code="E-DEPTH-UNIT",
+        )
 
 
 def _metres_per_unit(path: Path, depth: NDArray[Any]) -> float:
     median = float(np.median(depth[depth > 0]))
     whole = depth.dtype.kind in "iu"
-    if not whole and NEAREST <= median <= FARTHEST:
+    if not whole and NEAREST <= median <= LARGEST:
         return 1.0
-    if (100 if whole else 1000) <= median <= 1000 * FARTHEST:
+    if (100 if whole else 1000) <= median <= 1000 * LARGEST:
         return 0.001
     raise InputError(
         path,
         f"depth: has the median {median:.3g}, which is neither metres nor millimetres of a room.",
         "write metres as float32, or millimetres as uint16",
+        code="E-DEPTH-UNIT",
     )

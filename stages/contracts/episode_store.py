@@ -14,12 +14,12 @@ from stages.contracts.errors import InputError
 from stages.contracts.files import first_error
 from stages.contracts.ledgers import read_attempts
 from stages.contracts.task_options import TaskConfig
+from stages.contracts.types import FARTHEST
 
 AGAIN = "collect the demonstrations again"
 ACTION, PROPRIO = 7, 9
 QUATERNION, UNIT = slice(3, 7), 0.01  # columns of proprioception, and how far their norm may be off 1
 LIMIT = 1.001  # actions are within [-1, 1], but for rounding
-REACH = 100.0  # metres: of clouds and proprioception
 Float = NDArray[np.float32]
 
 
@@ -47,16 +47,21 @@ def read_episodes(path: Path, count: int | None = None) -> EpisodeStore:
     with readable(path, "episode store", AGAIN), h5py.File(path, "r") as file:
         data = file.get("data")
         if not isinstance(data, h5py.Group):
-            raise InputError(path, "has no group 'data'.", AGAIN)
+            raise InputError(path, "has no group 'data'.", AGAIN, code="E-EPISODES-BROKEN")
         about = {name: _attribute(path, "data", data, name) for name in ("task", "asset", "task_options")}
         try:
             options = TaskConfig.model_validate_json(about["task_options"])
         except ValidationError as error:
-            raise InputError(path, f"task_options: {first_error(error)}.", AGAIN) from None
+            raise InputError(path, f"task_options: {first_error(error)}.", AGAIN, code="E-EPISODES-BROKEN") from None
         if count is not None and len(data) < count:
-            raise InputError(path, f"has {len(data)} episodes, {count} are asked for.", "collect more demonstrations")
+            raise InputError(
+                path,
+                f"has {len(data)} episodes, {count} are asked for.",
+                "collect more demonstrations",
+                code="E-EPISODES-FEW",
+            )
         if not len(data):
-            raise InputError(path, "has no episodes.", AGAIN)
+            raise InputError(path, "has no episodes.", AGAIN, code="E-EPISODES-FEW")
         names = [f"demo_{i}" for i in range(count or len(data))]
         episodes = [_episode(path, data, name, options.points) for name in names]
         assets = [_attribute(path, name, data[name], "asset") for name in names]
@@ -66,22 +71,22 @@ def read_episodes(path: Path, count: int | None = None) -> EpisodeStore:
 def _attribute(path: Path, where: str, group: h5py.Group, name: str) -> str:
     value = group.attrs.get(name)
     if not isinstance(value, str) or not value:
-        raise InputError(path, f"{where}: has no text attribute '{name}'.", AGAIN)
+        raise InputError(path, f"{where}: has no text attribute '{name}'.", AGAIN, code="E-EPISODES-BROKEN")
     return value
 
 
 def _episode(path: Path, data: h5py.Group, name: str, points: int) -> tuple[NDArray[np.float16], Float, Float]:
     demo = data.get(name)
     if not isinstance(demo, h5py.Group):
-        raise InputError(path, f"has no episode '{name}'.", AGAIN)
+        raise InputError(path, f"has no episode '{name}'.", AGAIN, code="E-EPISODES-BROKEN")
     actions = dataset(path, demo, "actions", AGAIN)
     steps = actions.shape[0] if actions.shape else 0
     if not steps:
-        raise InputError(path, f"{name}/actions: is empty.", AGAIN)
+        raise InputError(path, f"{name}/actions: is empty.", AGAIN, code="E-EPISODES-BROKEN")
     arrays: list[Any] = []
     for key, shape, bound in (
-        ("obs/point_cloud", (steps, points, 4), REACH),
-        ("obs/proprio", (steps, PROPRIO), REACH),
+        ("obs/point_cloud", (steps, points, 4), FARTHEST),
+        ("obs/proprio", (steps, PROPRIO), FARTHEST),
         ("actions", (steps, ACTION), LIMIT),
     ):
         found = dataset(path, demo, key, AGAIN)
@@ -90,7 +95,12 @@ def _episode(path: Path, data: h5py.Group, name: str, points: int) -> tuple[NDAr
         check_within(path, f"{name}/{key}", arrays[-1], -bound, bound, AGAIN)
     clouds, proprio, actions = arrays
     if (np.abs(np.linalg.norm(proprio[:, QUATERNION], axis=1) - 1) > UNIT).any():
-        raise InputError(path, f"{name}/obs/proprio: holds quaternions (columns 3 to 6) that are no turns.", AGAIN)
+        raise InputError(
+            path,
+            f"{name}/obs/proprio: holds quaternions (columns 3 to 6) that are no turns.",
+            AGAIN,
+            code="E-EPISODES-BROKEN",
+        )
     return clouds.astype(np.float16), proprio.astype(np.float32), actions.astype(np.float32)
 
 
@@ -101,4 +111,9 @@ def check_episodes(path: Path) -> None:
     if ledger.is_file():
         kept = sum(attempt.episode is not None for attempt in read_attempts(ledger))
         if kept != len(store.episodes):
-            raise InputError(path, f"has {len(store.episodes)} episodes, {ledger.name} counts {kept}.", AGAIN)
+            raise InputError(
+                path,
+                f"has {len(store.episodes)} episodes, {ledger.name} counts {kept}.",
+                AGAIN,
+                code="E-EPISODES-BROKEN",
+            )

@@ -25,7 +25,9 @@ def read_object_masks(path: Path, objects: Objects) -> NDArray[np.uint16]:
     check_size(file, masks, objects.width, objects.height, path.name)
     strangers = sorted(set(np.unique(masks).tolist()) - {0} - {item.mask for item in objects.objects})
     if strangers:
-        raise InputError(file, f"holds the value {strangers[0]}, which no object of {path.name} has.", AGAIN)
+        raise InputError(
+            file, f"holds the value {strangers[0]}, which no object of {path.name} has.", AGAIN, code="E-MASK-VALUE"
+        )
     return masks
 
 
@@ -36,7 +38,7 @@ def read_metres(path: Path, objects: Objects) -> NDArray[np.float32] | None:
         return None
     arrays = read_npz(file, AGAIN)
     if "depth" not in arrays:
-        raise InputError(file, "has no array named 'depth'.", AGAIN)
+        raise InputError(file, "has no array named 'depth'.", AGAIN, code="E-ARRAY-MISSING")
     depth: NDArray[Any] = arrays["depth"]
     check_array(file, "depth", depth, ("H", "W"))
     check_size(file, depth, objects.width, objects.height, path.name)
@@ -51,20 +53,27 @@ def read_clouds(path: Path, objects: Objects) -> dict[str, NDArray[np.float32]]:
     wanted = [item for item in objects.objects if item.status == "ok"]
     strangers = sorted(set(clouds) - {item.id for item in objects.objects})
     if strangers:
-        raise InputError(file, f"holds a cloud of '{strangers[0]}', which is no object of {path.name}.", AGAIN)
+        raise InputError(
+            file, f"holds a cloud of '{strangers[0]}', which is no object of {path.name}.", AGAIN, code="E-CLOUD-BROKEN"
+        )
     for item in wanted:
         if item.id not in clouds:
-            raise InputError(file, f"has no cloud of '{item.id}'.", AGAIN)
+            raise InputError(file, f"has no cloud of '{item.id}'.", AGAIN, code="E-CLOUD-BROKEN")
         cloud = clouds[item.id]
         check_array(file, item.id, cloud, ("N", 3))
         if len(cloud) < 3:
-            raise InputError(file, f"{item.id}: has {len(cloud)} points.", "an object with fewer than 3 has failed")
+            raise InputError(
+                file,
+                f"{item.id}: has {len(cloud)} points.",
+                "an object with fewer than 3 has failed",
+                code="E-CLOUD-BROKEN",
+            )
         if item.points and item.points != len(cloud):
             what = f"{item.id}: has {len(cloud)} points, {path.name} says {item.points}."
-            raise InputError(file, what, AGAIN)
+            raise InputError(file, what, AGAIN, code="E-CLOUD-BROKEN")
         check_within(file, item.id, cloud, -FARTHEST, FARTHEST)
         if item.box is not None and not item.whole and np.median(outside(item.box, cloud)) > BESIDE:
-            raise InputError(file, f"{item.id}: is not where its box of {path.name} is.", AGAIN)
+            raise InputError(file, f"{item.id}: is not where its box of {path.name} is.", AGAIN, code="E-CLOUD-BROKEN")
     return {item.id: clouds[item.id].astype(np.float32) for item in wanted}
 
 

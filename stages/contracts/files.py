@@ -108,19 +108,21 @@ def check_version(path: Path, text: str, fix: str) -> None:
         found = json.dumps(content["version"])[:40] if "version" in content else "missing"
         what = f"is version {found}" if found != "missing" else "names no version"
         fix = fix or "make it again with this workflow"
-        raise InputError(path, f"{what}; this workflow reads version {VERSION} (field 'version').", fix)
+        raise InputError(
+            path, f"{what}; this workflow reads version {VERSION} (field 'version').", fix, code="E-CONTRACT-VERSION"
+        )
 
 
 def read_text(path: Path, fix: str = "") -> str:
     """The text of `path`, or an `InputError` that names it."""
     try:
         if Path(path).stat().st_size > MAX_TEXT:
-            raise InputError(path, f"is larger than {MAX_TEXT // 10**6} MB.", fix)
+            raise InputError(path, f"is larger than {MAX_TEXT // 10**6} MB.", fix, code="E-FILE-LARGE")
         return Path(path).read_text(encoding="utf-8-sig")
     except FileNotFoundError:
-        raise InputError(path, "no such file.", fix) from None
+        raise InputError(path, "no such file.", fix, code="E-FILE-MISSING") from None
     except (OSError, UnicodeDecodeError) as error:
-        raise InputError(path, f"cannot be read ({error.__class__.__name__}).", fix) from None
+        raise InputError(path, f"cannot be read ({error.__class__.__name__}).", fix, code="E-FILE-UNREADABLE") from None
 
 
 def read_json(model: type[M], path: Path, fix: str = "") -> M:
@@ -139,7 +141,7 @@ def parse_json(model: type[M], text: str, path: Path, fix: str = "") -> M:
     try:
         return model.model_validate_json(text, strict=True)
     except ValidationError as error:
-        raise InputError(path, refusal(model, error), fix) from None
+        raise InputError(path, refusal(model, error), fix, code="E-CONTRACT-BROKEN") from None
 
 
 def read_lines(model: type[M], path: Path, fix: str = "") -> list[M]:
@@ -153,9 +155,9 @@ def read_lines(model: type[M], path: Path, fix: str = "") -> list[M]:
         try:
             rows.append(model.model_validate_json(line, strict=True))
         except ValidationError as error:
-            raise InputError(f"{path}:{number}", refusal(model, error), fix) from None
+            raise InputError(f"{path}:{number}", refusal(model, error), fix, code="E-CONTRACT-BROKEN") from None
     if not rows:
-        raise InputError(path, "is empty.", fix)
+        raise InputError(path, "is empty.", fix, code="E-FILE-EMPTY")
     return rows
 
 
@@ -175,22 +177,26 @@ def read_rows(model: type[M], path: Path, fix: str = "") -> list[M]:
         wrong = [f"lacks the column '{name}'" for name in wrong]
         wrong += [f"has the unknown column '{name}'" for name in columns if name not in model.model_fields]
         if wrong or len(set(columns)) < len(columns):
-            raise InputError(path, f"{(wrong or ['has a column twice'])[0]}.", fix)
+            raise InputError(path, f"{(wrong or ['has a column twice'])[0]}.", fix, code="E-TABLE-COLUMNS")
         for values in reader:
             if None in values or None in values.values():
-                raise InputError(f"{path}:{reader.line_num}", "has more or fewer cells than the header.", fix)
+                raise InputError(
+                    f"{path}:{reader.line_num}", "has more or fewer cells than the header.", fix, code="E-TABLE-COLUMNS"
+                )
             cells = {name: None if name in optional and value == "" else value for name, value in values.items()}
             rows.append(model.model_validate(cells))
             key = tuple(getattr(rows[-1], name) for name in getattr(model, "once", ()))
             if key and seen.setdefault(key, reader.line_num) != reader.line_num:
                 same = ", ".join(f"{name} {value}" for name, value in zip(model.once, key, strict=True))  # type: ignore[attr-defined]
-                raise InputError(f"{path}:{reader.line_num}", f"is line {seen[key]} again ({same}).", fix)
+                raise InputError(
+                    f"{path}:{reader.line_num}", f"is line {seen[key]} again ({same}).", fix, code="E-TABLE-ROW-TWICE"
+                )
     except csv.Error as error:
-        raise InputError(f"{path}:{reader.line_num}", f"is not CSV ({error}).", fix) from None
+        raise InputError(f"{path}:{reader.line_num}", f"is not CSV ({error}).", fix, code="E-FILE-UNREADABLE") from None
     except ValidationError as error:
-        raise InputError(f"{path}:{reader.line_num}", refusal(model, error), fix) from None
+        raise InputError(f"{path}:{reader.line_num}", refusal(model, error), fix, code="E-CONTRACT-BROKEN") from None
     if not rows:
-        raise InputError(path, "has no rows.", fix)
+        raise InputError(path, "has no rows.", fix, code="E-FILE-EMPTY")
     return rows
 
 
@@ -203,4 +209,6 @@ def read_options(model: type[M], text: str) -> M:
     try:
         return model.model_validate_json(text)
     except ValidationError as error:
-        raise InputError(source, first_error(error) + ".", "see config/README.md for the keys") from None
+        raise InputError(
+            source, first_error(error) + ".", "see config/README.md for the keys", code="E-OPTIONS-INVALID"
+        ) from None

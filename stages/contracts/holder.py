@@ -80,4 +80,4 @@ def stop_if_taken_over(path: Path) -> None:
         InputError: it has.
     """
     if taken_over():
-        raise InputError(path, "is not written: another workflow has taken over this folder.")
+        raise InputError(path, "is not written: another workflow has taken over this folder.", code="E-FOLDER-TAKEN")

@@ -11,7 +11,7 @@ from PIL import Image, ImageOps
 from stages.contracts.errors import InputError
 
 FORMATS = ("PNG", "JPEG", "WEBP", "TIFF", "BMP", "GIF")  # by content: a JPEG may be called rgb.png
-LEAST, MOST, MAX_PIXELS = 16, 20_000, 60_000_000  # pixels of a side, and in all
+LEAST, MAX_PIXELS = 16, 60_000_000  # pixels of a side, and in all
 SAVE = "save it again as PNG"
 FOLDER = "see docs/scenes.md for what an input folder holds"
 DEEP = ("I;16", "I;16B", "I;16L", "I;16N", "I")  # modes of one channel with more than 8 bits
@@ -20,26 +20,38 @@ DEEP = ("I;16", "I;16B", "I;16L", "I;16N", "I")  # modes of one channel with mor
 def _upright(path: Path) -> Image.Image:
     """The picture, decoded and turned as its EXIF data say."""
     if not path.is_file():
-        raise InputError(path, "no such file.", FOLDER)
+        raise InputError(path, "no such file.", FOLDER, code="E-FILE-MISSING")
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # a large picture is refused below, with words
             with Image.open(path, formats=FORMATS) as image:
                 width, height = image.size
-                if max(width, height) > MOST or width * height > MAX_PIXELS:
-                    raise InputError(path, f"is {width}x{height} pixels: too large.", f"at most {MAX_PIXELS:,} pixels")
+                if width * height > MAX_PIXELS:
+                    raise InputError(
+                        path,
+                        f"is {width}x{height} pixels: too large.",
+                        f"at most {MAX_PIXELS:,} pixels",
+                        code="E-IMAGE-SIZE",
+                    )
                 if min(width, height) < LEAST:
-                    raise InputError(path, f"is {width}x{height} pixels: too small.", f"at least {LEAST} each way")
+                    raise InputError(
+                        path,
+                        f"is {width}x{height} pixels: too small.",
+                        f"at least {LEAST} each way",
+                        code="E-IMAGE-SIZE",
+                    )
                 image.load()
                 turned = ImageOps.exif_transpose(image)
                 turned.format = image.format
                 return turned
     except Image.DecompressionBombError:
-        raise InputError(path, "has too many pixels.", f"at most {MAX_PIXELS:,} pixels") from None
+        raise InputError(path, "has too many pixels.", f"at most {MAX_PIXELS:,} pixels", code="E-IMAGE-SIZE") from None
     except InputError:
         raise
     except Exception as error:  # each decoder raises its own kinds for broken data
-        raise InputError(path, f"is not a readable image ({error.__class__.__name__}).", SAVE) from None
+        raise InputError(
+            path, f"is not a readable image ({error.__class__.__name__}).", SAVE, code="E-IMAGE-UNREADABLE"
+        ) from None
 
 
 def read_rgb(path: Path) -> NDArray[np.uint8]:
@@ -52,10 +64,10 @@ def read_rgb(path: Path) -> NDArray[np.uint8]:
     if image.mode in DEEP:
         grey = np.asarray(image).astype(np.int64)
         if grey.min() < 0 or grey.max() > 65535:
-            raise InputError(path, "has 32-bit pixels.", "save it with 8 bits per channel")
+            raise InputError(path, "has 32-bit pixels.", "save it with 8 bits per channel", code="E-IMAGE-BITS")
         return np.repeat(np.rint(grey / 257).astype(np.uint8)[..., None], 3, axis=2)
     if image.mode == "F":
-        raise InputError(path, "has float pixels.", "save it with 8 bits per channel")
+        raise InputError(path, "has float pixels.", "save it with 8 bits per channel", code="E-IMAGE-BITS")
     if image.mode in ("LA", "PA", "RGBA", "La", "RGBa") or "transparency" in image.info:
         rgba = np.asarray(image.convert("RGBA"))
         alpha = rgba[..., 3:] / 255.0
@@ -72,13 +84,13 @@ def read_masks(path: Path) -> NDArray[np.uint16]:
     image = _upright(path)
     mend = "write one channel of 16 bits with a value per object, as PNG"
     if image.format in ("JPEG", "MPO"):
-        raise InputError(path, "is a JPEG, which changes mask values.", mend)
+        raise InputError(path, "is a JPEG, which changes mask values.", mend, code="E-MASK-FORMAT")
     if image.mode not in (*DEEP, "L", "P", "1"):
         kind = "float pixels" if image.mode == "F" else f"{len(image.getbands())} channels ({image.mode})"
-        raise InputError(path, f"has {kind}.", mend)
+        raise InputError(path, f"has {kind}.", mend, code="E-MASK-FORMAT")
     values: NDArray[Any] = np.asarray(image)
     if values.dtype.kind != "b" and (values.min() < 0 or values.max() > 65535):
-        raise InputError(path, f"holds the value {values.max()}.", mend)
+        raise InputError(path, f"holds the value {values.max()}.", mend, code="E-MASK-FORMAT")
     return values.astype(np.uint16)
 
 
@@ -88,4 +100,9 @@ def check_size(path: Path, array: NDArray[Any], width: int, height: int, source:
     if found != (width, height):
         turned = " It is turned by a quarter: all files are of the upright picture." if found == (height, width) else ""
         what = f"is {found[0]}x{found[1]} pixels, but {source} says {width}x{height}.{turned}"
-        raise InputError(path, what, "all files of an input folder have one size, that of the upright picture")
+        raise InputError(
+            path,
+            what,
+            "all files of an input folder have one size, that of the upright picture",
+            code="E-SIZE-MISMATCH",
+        )

@@ -8,8 +8,7 @@ from pathlib import Path
 from pydantic import BaseModel
 
 from stages.contracts.corrections import Corrections
-from stages.contracts.cousins import Cousins
-from stages.contracts.distances import Distances
+from stages.contracts.cousins import Cousins, Distances
 from stages.contracts.files import read_json, read_rows
 from stages.contracts.films import read_films
 from stages.contracts.generated import GeneratedScene
@@ -47,7 +46,7 @@ KINDS: dict[str, FileKind] = {
     "library_part": FileKind(_with_companions("library_folder:check_models"), ("{stem}.zip",)),
     "asset": FileKind(_with_companions("library_folder:check_asset")),
     "snapshots": FileKind(_with_companions("snapshot_file:check_snapshots"), ("{stem}.json", "{stem}.h5")),
-    "features": FileKind(_with_companions("feature_rows:check_features"), ("{stem}.json", "{stem}.npy", "{stem}.npz")),
+    "features": FileKind(_with_companions("features:check_features"), ("{stem}.json", "{stem}.npy", "{stem}.npz")),
     "camera": FileKind(_with_companions("scene_input:check_camera"), ("rgb.png", "depth.npz")),
     "annotations": FileKind(_with_companions("scene_input:read_annotations"), ("masks.png",)),
     "corrections": FileKind(_json(Corrections)),

@@ -21,11 +21,13 @@ def read_attempts(path: Path) -> list[Attempt]:
     kept = 0
     for number, attempt in enumerate(attempts):
         if attempt.attempt != number:
-            raise InputError(f"{path}:{number + 1}", f"attempt: is {attempt.attempt}, not {number}.", COLLECT)
+            raise InputError(
+                f"{path}:{number + 1}", f"attempt: is {attempt.attempt}, not {number}.", COLLECT, code="E-LEDGER-ORDER"
+            )
         if attempt.episode is not None:
             if attempt.episode != kept or not attempt.success:
                 what = f"episode: is {attempt.episode}, but {kept} successes were kept before."
-                raise InputError(f"{path}:{number + 1}", what, COLLECT)
+                raise InputError(f"{path}:{number + 1}", what, COLLECT, code="E-LEDGER-ORDER")
             kept += 1
     return attempts
 
@@ -39,5 +41,7 @@ def read_metrics(path: Path) -> list[dict[str, float | None]]:
     lines = [line.root for line in read_lines(MetricsLine, path, TRAIN)]
     for number, (one, next) in enumerate(pairwise(lines), 2):
         if next["step"] <= one["step"]:  # type: ignore[operator]
-            raise InputError(f"{path}:{number}", f"step: {next['step']} comes after {one['step']}.", TRAIN)
+            raise InputError(
+                f"{path}:{number}", f"step: {next['step']} comes after {one['step']}.", TRAIN, code="E-LEDGER-ORDER"
+            )
     return lines

@@ -66,13 +66,18 @@ def _asset(path: Path, checksum: str, asset: str) -> Asset:
     where, name = path / asset / "asset.json", f"{asset}/asset.json"
     with reading(path, AGAIN) as archive:
         if name not in archive.NameToInfo:
-            raise InputError(path, f"holds no {name}.", AGAIN)
+            raise InputError(path, f"holds no {name}.", AGAIN, code="E-ASSET-MISSING")
         if archive.getinfo(name).file_size > MAX_TEXT:
-            raise InputError(where, f"is larger than {MAX_TEXT // 10**6} MB.", AGAIN)
+            raise InputError(where, f"is larger than {MAX_TEXT // 10**6} MB.", AGAIN, code="E-FILE-LARGE")
         content = archive.read(name)
     found = parse_json(Asset, content.decode("utf-8-sig", errors="replace"), where, AGAIN)
     if found.checksum != checksum:
-        raise InputError(where, f"checksum: is {found.checksum!r}, the index says {checksum!r} of '{asset}'.", AGAIN)
+        raise InputError(
+            where,
+            f"checksum: is {found.checksum!r}, the index says {checksum!r} of '{asset}'.",
+            AGAIN,
+            code="E-ASSET-CHANGED",
+        )
     return found
 
 
@@ -87,7 +92,7 @@ def check_asset(path: Path) -> Asset:
     """asset.json of an asset folder, and that the URDF which it names is there."""
     asset = read_json(Asset, path, AGAIN)
     if not (path.parent / asset.urdf).is_file():
-        raise InputError(path, f"urdf: there is no {asset.urdf} beside it.", AGAIN)
+        raise InputError(path, f"urdf: there is no {asset.urdf} beside it.", AGAIN, code="E-ASSET-MISSING")
     return asset
 
 
@@ -100,7 +105,9 @@ def check_models(path: Path) -> None:
             found, said = getattr(asset, name), getattr(entry, name)
             if found != said:
                 what = f"{name}: is {found!r}, {path.name} says {said!r} of '{entry.id}'."
-                raise InputError(archive / entry.id / "asset.json", what, AGAIN)
+                raise InputError(archive / entry.id / "asset.json", what, AGAIN, code="E-ASSET-CHANGED")
         with reading(archive, AGAIN) as opened:
             if f"{entry.id}/{asset.urdf}" not in opened.NameToInfo:
-                raise InputError(archive / entry.id, f"urdf: there is no {asset.urdf} beside it.", AGAIN)
+                raise InputError(
+                    archive / entry.id, f"urdf: there is no {asset.urdf} beside it.", AGAIN, code="E-ASSET-MISSING"
+                )

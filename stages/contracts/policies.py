@@ -113,7 +113,11 @@ class TaskAssets(Document):
         for asset in self.assets:
             if asset.role == role:
                 return asset
-        raise InputError(where, f"has no role '{role}' (it has {', '.join(asset.role for asset in self.assets)}).")
+        raise InputError(
+            where,
+            f"has no role '{role}' (it has {', '.join(asset.role for asset in self.assets)}).",
+            code="E-ROLE-MISSING",
+        )
 
     def assets_of(self, role: str, where: Path) -> list[TaskAsset]:
         """The assets whose demonstrations make up the store of a role: one, or for `all` many.
@@ -127,12 +131,17 @@ class TaskAssets(Document):
             number = int(role.removeprefix("random_"))
             if number > len(self.random_assets):
                 what = f"has {len(self.random_assets)} assets drawn by chance, not {number}."
-                raise InputError(where, what, "use a smaller training set random_n")
+                raise InputError(where, what, "use a smaller training set random_n", code="E-ROLE-MISSING")
             return [self.random_assets[number - 1]]
         if role != "all":
             return [self.asset_of(role, where)]
         if not self.all_assets:
-            raise InputError(where, "has no assets for the training set `all`.", "run `experiment select` again")
+            raise InputError(
+                where,
+                "has no assets for the training set `all`.",
+                "run `experiment select` again",
+                code="E-ROLE-MISSING",
+            )
         return self.all_assets
 
     def split(self, name: Literal["validation", "test"], count: int) -> list[TaskAsset]:

@@ -46,17 +46,24 @@ def check_weights(path: Path, config: TrainedPolicy) -> Shapes:
                 continue  # bfloat16 and smaller: numpy has no such numbers
             array = file.get_tensor(name)
             if not np.isfinite(array).all():
-                raise InputError(path, f"{name}: holds NaN or infinity.", AGAIN)
+                raise InputError(path, f"{name}: holds NaN or infinity.", AGAIN, code="E-POLICY-WEIGHTS")
             if name in NORMALISER and name.endswith("_std") and array.min() <= 0:
-                raise InputError(path, f"{name}: is not positive.", AGAIN)
+                raise InputError(path, f"{name}: is not positive.", AGAIN, code="E-POLICY-WEIGHTS")
     if config.run.policy != PAPERS:
         return shapes  # which numbers another policy keeps is for it to know
     for name, shape in NORMALISER.items():
         if shapes.get(name) != shape:
-            raise InputError(path, f"{name}: has shape {shapes.get(name)}, not {shape}.", AGAIN)
+            raise InputError(
+                path, f"{name}: has shape {shapes.get(name)}, not {shape}.", AGAIN, code="E-POLICY-WEIGHTS"
+            )
     count = sum(math.prod(shape) for name, shape in shapes.items() if name not in NORMALISER)
     if count != config.parameters:
-        raise InputError(path, f"holds {count} numbers, config.json says parameters: {config.parameters}.", AGAIN)
+        raise InputError(
+            path,
+            f"holds {count} numbers, config.json says parameters: {config.parameters}.",
+            AGAIN,
+            code="E-POLICY-WEIGHTS",
+        )
     return shapes
 
 
@@ -67,4 +74,6 @@ def check_policy(path: Path) -> None:
     shapes = check_weights(folder / "policy.safetensors", config)
     for name in ("last.safetensors", *config.checkpoints):
         if check_weights(weights_of(folder, name), config) != shapes:
-            raise InputError(folder / name, "has other weights than policy.safetensors.", AGAIN)
+            raise InputError(
+                folder / name, "has other weights than policy.safetensors.", AGAIN, code="E-POLICY-WEIGHTS"
+            )

@@ -42,7 +42,12 @@ def read_scene_input(folder: Path) -> SceneInput:
         item.box is not None or item.front is not None for item in annotations.objects
     ):
         what = "has box or front of an object, in the floor frame, but camera.json has no floor_from_camera."
-        raise InputError(folder / "annotations.json", what, "write floor_from_camera, or leave out box and front")
+        raise InputError(
+            folder / "annotations.json",
+            what,
+            "write floor_from_camera, or leave out box and front",
+            code="E-FLOOR-FRAME",
+        )
     check_size(folder / "masks.png", masks, camera.width, camera.height, "camera.json")
     nameless = sorted(set(np.unique(masks).tolist()) - {0, *annotations.values})
     if nameless:
@@ -67,7 +72,9 @@ def read_annotations(path: Path) -> tuple[Annotations, NDArray[np.uint16]]:
     if not found & {item.mask for item in annotations.objects}:
         values = ", ".join(map(str, sorted(found)[:8]))
         what = f"shows no object of annotations.json: its values are {values}."
-        raise InputError(path.with_name("masks.png"), what, "objects.mask is the value of the object's pixels")
+        raise InputError(
+            path.with_name("masks.png"), what, "objects.mask is the value of the object's pixels", code="E-MASK-VALUE"
+        )
     return annotations, masks
 
 

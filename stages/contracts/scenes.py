@@ -1,13 +1,15 @@
 """Contracts of the `scenes` stage: what a camera sees (`input/`) and, apart from it, the truth."""
 
+from pathlib import Path
 from typing import Literal
 
 from pydantic import Field, model_validator
 
-from stages.contracts.files import Contract, Document
+from stages.contracts.errors import InputError
+from stages.contracts.files import Contract, Document, read_json
 from stages.contracts.fronts import Panel, check_counts
 from stages.contracts.library import Symmetry
-from stages.contracts.objects import Box
+from stages.contracts.objects import Box, Objects
 from stages.contracts.types import (
     Angle,
     CameraMatrix,
@@ -139,3 +141,27 @@ class Truth(Document):
         check_unique("objects: mask values", [item.mask for item in self.objects])
         check_supports({str(item.mask): item.support for item in self.objects})
         return self
+
+
+def true_model(truth: Path | None, objects: Path | None, object: str) -> str | None:
+    """Id of the true model of a named object; None without a truth, or if the truth does not know the object.
+
+    Args:
+        truth: truth.json of the room.
+        objects: objects.json of extraction, of the same room.
+        object: id of the object in objects.json.
+
+    Raises:
+        InputError: one file was given without the other, or they are of different rooms.
+    """
+    if truth is None and objects is None:
+        return None
+    if truth is None or objects is None:
+        raise InputError(
+            "--truth, --objects", "one is given without the other.", "give both or neither", code="E-FLAG-ALONE"
+        )
+    true, seen = read_json(Truth, truth), read_json(Objects, objects)
+    if true.scene != seen.scene:
+        raise InputError(truth, f"is of {true.scene}, but {objects} of {seen.scene}.", code="E-SCENE-MISMATCH")
+    mask = next((item.mask for item in seen.objects if item.id == object), None)
+    return next((item.asset for item in true.objects if item.mask == mask), None)

@@ -35,4 +35,6 @@ def check_snapshots(path: Path) -> None:
     with file, readable(path.with_suffix(".h5"), "snapshot file", AGAIN):
         for number, asset in enumerate(sidecar.assets):
             if not np.any(file["depth"][number, -1]):
-                raise InputError(path.with_suffix(".h5"), f"depth: '{asset}' is not in its picture.", AGAIN)
+                raise InputError(
+                    path.with_suffix(".h5"), f"depth: '{asset}' is not in its picture.", AGAIN, code="E-CONTRACT-BROKEN"
+                )

@@ -1,6 +1,6 @@
 """Options of a task's environment, as section `task` of the config and every episodes.h5 hold them."""
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 from pydantic import Field
 
@@ -29,9 +29,8 @@ class TaskConfig(Section):
     controller: Literal["pd_ee_dls", "pd_ee_target_delta_pose"] = Field(
         "pd_ee_dls", description="damped least squares, or ManiSkill's stock controller"
     )
-    delta_from: Literal["measured", "target"] = Field(
-        "measured", description="what a delta is added to: the measured pose, or the last target (pd_ee_dls only)"
-    )
+    # What a delta is added to: the measured pose, or the last target (pd_ee_dls only)
+    delta_from: ClassVar[Literal["measured", "target"]] = "measured"
     control_frequency: int = Field(10, gt=0, description="actions per second; divides 100 (official code: 12)")
     position_step: float = Field(0.05, gt=0, description="metres per step at action 1 (official code: 0.05)")
     rotation_step: float = Field(0.2, gt=0, description="radians per step at action norm 1 (official code: 0.2)")
@@ -40,8 +39,9 @@ class TaskConfig(Section):
     cloud: Literal["target_link", "object"] = Field(
         "target_link", description="the cloud shows the door or drawer that is meant, or the whole object"
     )
-    points: int = Field(512, ge=64, description="points of the cloud (official code: 2048)")
-    finger_points: int = Field(64, ge=2, description="how many of them lie on the gripper fingers")
+    points: int = Field(
+        512, ge=64, description="points of the cloud, an eighth of them on the gripper fingers (official code: 2048)"
+    )
     camera_size: int = Field(128, ge=32, description="width and height of the depth image, pixels")
     camera_fov: float = Field(1.0, gt=0.1, lt=2.5, description="field of view, radians")
     camera_eye: tuple[float, float, float] = Field((0.05, -0.65, 1.05), description="in the robot base frame, metres")
@@ -54,12 +54,14 @@ class TaskConfig(Section):
 
     # Randomisation of the initial state (paper A.5: robot pose, object pose, object scale)
     base_distance: float = Field(0.65, gt=0, description="robot base in front of the handle, metres (official: 0.5)")
-    base_side: float = Field(0.1, description="robot base away from the hinge of a door, metres")
-    handle_height: float = Field(0.4, description="handle of a door above the robot base, metres")
-    drawer_height: float = Field(0.5, description="handle of a drawer above the robot base, metres")
-    flap_base: tuple[float, float, float] = Field(
-        (0.6, 0.42, 0.45), description="robot base before, beside and below the handle of a flap, metres"
-    )
+    # Robot base away from the hinge of a door, metres
+    base_side: ClassVar[float] = 0.1
+    # Handle of a door above the robot base, metres
+    handle_height: ClassVar[float] = 0.4
+    # Handle of a drawer above the robot base, metres
+    drawer_height: ClassVar[float] = 0.5
+    # Robot base before, beside and below the handle of a flap, metres
+    flap_base: ClassVar[tuple[float, float, float]] = (0.6, 0.42, 0.45)
     base_xy: float = Field(0.03, ge=0, description="uniform +/- metres (official: 0.03)")
     base_z: float = Field(0.07, ge=0, description="uniform +/- metres (official: 0.07)")
     base_yaw: float = Field(0.31, ge=0, description="uniform +/- radians (official: pi/10)")
@@ -68,3 +70,8 @@ class TaskConfig(Section):
     scale_range: Range = Field((0.75, 1.25), description="per axis, of the nominal size (official: 0.75 to 1.25)")
     scale_variants: int = Field(64, ge=1, description="different scales per asset")
     qpos_noise: float = Field(0.02, ge=0, description="standard deviation of the initial arm joints, radians")
+
+    @property
+    def finger_points(self) -> int:
+        """How many of the cloud's points lie on the gripper fingers."""
+        return self.points // 8

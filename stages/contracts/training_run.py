@@ -1,44 +1,10 @@
 """Hyper-parameter sets ("runs") of a policy, as `training` of the config and a trained policy hold them (paper B.3)."""
 
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
-from stages.contracts.section import OWN, Range, Rank, Section
-
-
-class HandleConfig(Section):
-    """What makes a policy look at the handle (not in the paper; docs/policies.md has what each part brings)."""
-
-    flag: bool = Field(False, description="points that stand proud of the front carry a flag of their own")
-    keep: bool = Field(False, description="of the flagged points none is left out when a cloud is thinned to `points`")
-    middle: bool = Field(False, description="the middle of the flagged points, from the hand, is an input of its own")
-    front_probability: float = Field(
-        0.0,
-        ge=0,
-        le=1,
-        description="share of training sequences in which the front, as long as it stands still, is shifted and "
-        "stretched under its handle; needs `flag`",
-    )
-    scale: Range = Field(
-        (1.0, 1.0), description="stretch of the handle itself in these sequences, about its middle, per axis"
-    )
-    hide: float = Field(
-        0.0,
-        ge=0,
-        le=1,
-        description="share of training sequences in which the handle is not seen from near, as a knob is",
-    )
-    grip: float = Field(0.0, ge=0, description="metres that each finger may stop farther out in training, as at a knob")
-    front_shift: float = Field(0.1, ge=0, description="uniform +/- metres along the front, sideways and up")
-    front_scale: Range = Field((0.6, 1.6), description="stretch of the front about the handle, per axis")
-
-    @model_validator(mode="after")
-    def _flagged(self) -> "HandleConfig":
-        asked = [name for name in ("keep", "middle", "front_probability", "hide", "grip") if getattr(self, name)]
-        if asked and not self.flag:
-            raise ValueError(f"{', '.join(asked)}: nothing is flagged; set flag: true")
-        return self
+from stages.contracts.section import OWN, Rank, Section
 
 
 class NetworkConfig(Section):
@@ -58,7 +24,8 @@ class NetworkConfig(Section):
     )
     pointnet_width: int = Field(64, ge=8, description="paper: 512")
     pointnet_layers: int = Field(2, ge=2, description="linear layers before the max-pool; paper: 2, official code: 3")
-    flag_embedding: int = Field(128, ge=1, description="learned embedding of the finger flag; paper: 128")
+    # Learned embedding of the finger flag; paper: 128
+    flag_embedding: ClassVar[int] = 128
     rnn_hidden: int = Field(128, ge=8, description="LSTM state; paper: 512")
     mlp: list[Rank] = Field([128], description="hidden layers behind the LSTM; official code: [512, 512]")
     gmm_modes: int = Field(5, ge=1, description="official code: 5")
@@ -83,29 +50,30 @@ class TrainingRun(Section):
         description="cosine: to zero at the last step; linear: to a tenth over 10000 steps, then flat (official)",
     )
     weight_decay: float = Field(1e-4, ge=0, description="of AdamW; official code: 0")
-    gradient_clip: float = Field(1.0, gt=0, description="largest norm of the gradient; official code: none")
+    # Largest norm of the gradient; official code: none
+    gradient_clip: ClassVar[float] = 1.0
     precision: Literal["fp32", "bf16"] = Field(
         "fp32", description="of the PointNet; bf16 needs AMX or a GPU to be faster"
     )
 
     # Augmentation (paper B.3: random downsampling, translation, jitter)
     translation: float = Field(0.04, ge=0, description="uniform +/- metres per axis (official: 0.04)")
-    translation_probability: float = Field(0.4, ge=0, le=1, description="official: 0.4")
+    # Official: 0.4
+    translation_probability: ClassVar[float] = 0.4
     translation_mode: Literal["sequence", "cloud_only"] = Field(
         "sequence",
         description="sequence: one shift per sequence, of cloud and end-effector position together; cloud_only: one "
         "per step, proprioception stays (official code; it breaks the relation of hand and handle)",
     )
     jitter: float = Field(0.01, ge=0, description="standard deviation per point and axis, metres (official: 0.01)")
-    jitter_clip: float = Field(0.015, ge=0, description="largest jitter, metres (official: 0.015)")
-    jitter_probability: float = Field(0.1, ge=0, le=1, description="per sequence (official: 0.1, switched off)")
-    handle: HandleConfig = Field(HandleConfig(), description="What makes the policy look at the handle.")
-    mirror: float = Field(
-        0.0,
-        ge=0,
-        le=1,
-        description="probability that a sequence is reflected, y to -y in the robot base frame: cloud, hand and action "
-        "(not in the paper)",
+    # Largest jitter, metres (official: 0.015)
+    jitter_clip: ClassVar[float] = 0.015
+    # Per sequence (official: 0.1, switched off)
+    jitter_probability: ClassVar[float] = 0.1
+    handle: bool = Field(
+        False,
+        description="the policy goes by the handle: what stands proud of the front is flagged, its middle is an input, "
+        "and in training fronts move under their handles (not in the paper; docs/policies.md)",
     )
 
     # Data, checkpoints, logs
@@ -115,13 +83,15 @@ class TrainingRun(Section):
         "policies that learn to let go do so by where the hand is: wide doors too early (docs/policies.md). Not for "
         "tasks that succeed by letting go, such as put_away_bowl",
     )
-    validation_fraction: float = Field(0.1, ge=0, lt=1, description="episodes kept for validation (official: 0.1)")
+    # Episodes kept for validation (official: 0.1)
+    validation_fraction: ClassVar[float] = 0.1
     select: Literal["validation", "last"] = Field(
         "validation", description="which checkpoint becomes policy.safetensors: lowest validation loss, or the last"
     )
     keep: int = Field(0, ge=0, description="evenly spaced checkpoints kept for `evaluation: {checkpoint: rollouts}`")
     log_every: int = Field(100, ge=1, description="steps between lines of metrics.jsonl and validations")
-    save_every: int = Field(1000, ge=1, description="steps between states that an interrupted run resumes from")
+    # Steps between states that an interrupted run resumes from
+    save_every: ClassVar[int] = 1000
     wandb: Literal["disabled", "offline", "online"] = Field(
         "disabled", description="Weights & Biases run beside metrics.jsonl, below logs/training/wandb"
     )
@@ -129,6 +99,6 @@ class TrainingRun(Section):
 
     @model_validator(mode="after")
     def _sees(self) -> "TrainingRun":
-        if self.handle.flag and not self.network.cloud:
-            raise ValueError("handle.flag: marks points of a cloud, but network.cloud is false")
+        if self.handle and not self.network.cloud:
+            raise ValueError("handle: marks points of a cloud, but network.cloud is false")
         return self

@@ -4,11 +4,10 @@ import sys
 from pathlib import Path
 
 from stages.contracts import Cousins, GeneratedScene, InputError, TaskAssets, read_json, write_json
-from stages.contracts.cousins import ObjectCousins
-from stages.contracts.distances import Distances
+from stages.contracts.cousins import Distances, ObjectCousins
 from stages.contracts.library import Vector
 from stages.contracts.library_folder import AssetFolders
-from stages.contracts.true_models import true_model
+from stages.contracts.scenes import true_model
 from stages.experiment.cousins import name_roles
 from stages.experiment.splits import with_lists
 from stages.experiment.usable import usable_assets

@@ -55,7 +55,7 @@ def resolve(items: list[Placed], walls: list[Wall], options: GenerationConfig) -
     What touches a wall or hangs on it slides along it; what hangs does only if nothing else can give way.
     """
     scene = _Scene({item.id: item for item in items}, walls, options)
-    for _ in range(options.push_rounds if options.resolve_collisions else 0):
+    for _ in range(options.push_rounds):
         pushed = _one_push(scene)
         if pushed is None:
             break

@@ -40,7 +40,7 @@ def yaw_of(
     yaw = rear_at_wall(yaws, [wall.normal for wall in touched]) if options.wall_view == "rear" else yaws[0]
     if touched:
         return turned_to(yaw, wall_axes(touched[0].normal))
-    if options.refinement == "off" or rectangularity(cloud, box.yaw) < options.rectangularity:
+    if rectangularity(cloud, box.yaw) < options.rectangularity:
         return yaw
     limit = options.snap_articulated if articulated else options.snap_other
     return turned_to(yaw, box.yaw, None if limit is None else float(np.deg2rad(limit)))

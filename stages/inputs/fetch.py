@@ -5,30 +5,38 @@ from pathlib import Path
 
 from pydantic import Field, TypeAdapter, ValidationError
 
-from stages.config.photo import FetchOptions, WeightsConfig
+from stages.config.photo import PhotoSection
 from stages.contracts import InputError, read_options, write_text
 from stages.contracts.files import Contract, first_error
 from stages.pretrained import check_folder, weights_sha256
 
 LOCK = Path("weights.lock.json")
+SOURCES = {  # model ids on the hub
+    "detector": "IDEA-Research/grounding-dino-base",
+    "segmenter": "facebook/sam2.1-hiera-large",
+    "depth_anything": "depth-anything/Depth-Anything-V2-Metric-Indoor-Large-hf",
+    "depth_pro": "apple/DepthPro-hf",
+}
 RECORD = "fetched.json"  # beside the weights, when all of their files are there
 WANTED = ["*.json", "*.txt", "model.safetensors"]
 Record = dict[str, str]
 
 
-def run(*, options: str = "", out: Path | None = None, lock: Path = LOCK) -> None:
+def run(*, options: str = "", sources: str = "{}", out: Path | None = None, lock: Path = LOCK) -> None:
     """Download what is not there; what was interrupted goes on where it stopped.
 
     Args:
-        options: JSON of the config section `photo`, as far as it names networks.
+        options: JSON of the config section `photo`: which networks are used, and their folders.
+        sources: JSON of other models on the hub, e.g. {"detector": "IDEA-Research/grounding-dino-tiny"}.
         out: JSON with source, commit and sha256 of all of them.
-        lock: JSON with commit and sha256 of every source and revision that was ever fetched; with it another machine
-            gets the same bytes, or an error.
+        lock: JSON with commit and sha256 of every source that was ever fetched; with it another machine gets the same
+            bytes, or an error.
     """
     records, locked = {}, _read_lock(lock)
-    for name, network in read_options(FetchOptions, options).networks().items():
-        key, asked = f"photo.{name}", f"{network.source}@{network.revision}"
-        records[name] = found = fetched(network, key, locked.get(asked))
+    known = SOURCES | json.loads(sources)
+    for name, folder in read_options(PhotoSection, options).networks().items():
+        key, asked = f"photo.{name}", known[name]
+        records[name] = found = fetched(folder, asked, key, locked.get(asked))
         print(f"{key}: {json.dumps(found)}", flush=True)
         if "commit" in found and asked not in locked:
             locked[asked] = Locked(commit=found["commit"], sha256=found["sha256"])
@@ -39,7 +47,7 @@ def run(*, options: str = "", out: Path | None = None, lock: Path = LOCK) -> Non
 
 
 class Locked(Contract):
-    """What was fetched of a source at a revision."""
+    """What was fetched of a source."""
 
     commit: str = Field(pattern="^[0-9a-f]{7,64}$")
     sha256: str = Field(pattern="^[0-9a-f]{64}$")
@@ -56,40 +64,33 @@ def _read_lock(path: Path) -> dict[str, Locked]:
         ) from None
 
 
-def fetched(network: WeightsConfig, key: str, locked: Locked | None = None) -> Record:
+def fetched(path: str, source: str, key: str, locked: Locked | None = None) -> Record:
     """What lies in a network's folder, after it was downloaded if need be.
 
     A folder with weights that we did not put there is the user's own and stays as it is.
 
     Args:
-        network: where they are, and where they come from.
-        key: its key in the config.
-        locked: what was fetched of this source and revision before, here or elsewhere.
+        path: the folder.
+        source: where the weights come from: a model id of the hub.
+        key: of the folder in the config.
+        locked: what was fetched of this source before, here or elsewhere.
 
     Raises:
-        InputError: nothing to download from, the download failed, or the weights are not those of `sha256` or the lock.
+        InputError: the download failed, or the weights are not those of the lock.
     """
-    folder = Path(network.path)
-    asked = {"source": network.source, "revision": network.revision}
+    folder = Path(path)
     record = folder / RECORD
     known = json.loads(record.read_text(encoding="utf-8")) if record.is_file() else {}
     own = (folder / "model.safetensors").is_file() and not known and not (folder / ".cache").exists()
-    if own or (known and asked.items() <= known.items()):
-        check_folder(network, key)
+    if own or known.get("source") == source:
+        check_folder(path, key)
         if known:
             _check_lock(folder, known["sha256"], locked)
-        return known or {"path": network.path, "sha256": weights_sha256(network)}
-    if not network.source:
-        raise InputError(
-            f"{key}.source",
-            "is empty, and its path holds no weights.",
-            "a model id of the hub",
-            code="E-WEIGHTS-MISSING",
-        )
+        return known or {"path": path, "sha256": weights_sha256(path)}
     record.unlink(missing_ok=True)
-    commit = _download(network, key, locked.commit if locked else network.revision)
-    check_folder(network, key)
-    found = {**asked, "commit": commit, "path": network.path, "sha256": weights_sha256(network)}
+    commit = _download(folder, source, key, locked.commit if locked else "main")
+    check_folder(path, key)
+    found = {"source": source, "commit": commit, "path": path, "sha256": weights_sha256(path)}
     _check_lock(folder, found["sha256"], locked)
     write_text(record, json.dumps(found, indent=2) + "\n")
     return found
@@ -104,18 +105,18 @@ def _check_lock(folder: Path, sha256: str, locked: Locked | None) -> None:
         raise InputError(folder / "model.safetensors", what, fix, code="E-WEIGHTS-CHECKSUM")
 
 
-def _download(network: WeightsConfig, key: str, revision: str) -> str:
-    """The commit that was downloaded into the network's folder."""
+def _download(folder: Path, source: str, key: str, revision: str) -> str:
+    """The commit that was downloaded into a folder."""
     from huggingface_hub import HfApi, snapshot_download
     from huggingface_hub.errors import HfHubHTTPError, HFValidationError
 
     try:
-        commit = str(HfApi().model_info(network.source, revision=revision).sha)
-        print(f"{key}: {network.source} at {commit} -> {network.path}", flush=True)
-        snapshot_download(network.source, revision=commit, local_dir=network.path, allow_patterns=WANTED)
+        commit = str(HfApi().model_info(source, revision=revision).sha)
+        print(f"{key}: {source} at {commit} -> {folder}", flush=True)
+        snapshot_download(source, revision=commit, local_dir=folder, allow_patterns=WANTED)
     except (HfHubHTTPError, HFValidationError, OSError, ValueError) as error:
         reason = (str(error).strip() or error.__class__.__name__).splitlines()[0]
-        what = f"'{network.source}' at '{revision}' cannot be fetched ({reason})."
-        fix = f"run it again, what came stays; or put the folder into {network.path} by hand"
-        raise InputError(f"{key}.source", what, fix, code="E-WEIGHTS-DOWNLOAD") from None
+        what = f"'{source}' at '{revision}' cannot be fetched ({reason})."
+        fix = f"run it again, what came stays; or put the folder into {folder} by hand"
+        raise InputError(key, what, fix, code="E-WEIGHTS-DOWNLOAD") from None
     return commit

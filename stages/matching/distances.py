@@ -6,8 +6,8 @@ import numpy as np
 
 from stages.config.matching import ComparisonOptions
 from stages.contracts import Cousins, read_json, read_options, write_json
-from stages.contracts.distances import Distances
-from stages.contracts.true_models import true_model
+from stages.contracts.cousins import Distances
+from stages.contracts.scenes import true_model
 from stages.matching.encoders import column_weights, make_encoder, settings_digest
 from stages.matching.match import read_library
 from stages.matching.ranking import Query, rank, weighted

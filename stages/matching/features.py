@@ -17,18 +17,15 @@ from stages.matching.store import write_store
 SAMPLE_ASSETS, SAMPLE_VIEWS = 60, 4  # that a codec is learned on
 
 
-def run(*, snapshots: Path, out: Path, options: str = "{}", batch: int = 0) -> None:
+def run(*, snapshots: Path, out: Path, options: str = "{}") -> None:
     """Write the feature store of one shard.
 
     Args:
         snapshots: shard_I.h5 of the assets stage, with shard_I.json beside it.
         out: .npy file to write; its index (.json) and what goes with it (.npz) come beside it.
         options: JSON of the encoder's keys of the config section `matching`.
-        batch: pictures per forward pass of dinov2; 0: as the options say.
     """
     settings = read_options(EncoderOptions, options)
-    if batch:
-        settings = settings.model_copy(update={"dinov2": settings.dinov2.model_copy(update={"batch": batch})})
     encoder = make_encoder(settings)
     rows: list[NDArray[np.float16] | NDArray[np.int8]] = []
     wholes, starts = [], [0]

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.contracts import InputError, atomic, write_json
-from stages.contracts.feature_rows import AGAIN, open_companion, open_features
-from stages.contracts.features import FeatureIndex
+from stages.contracts.features import AGAIN, FeatureIndex, open_companion, open_features
 from stages.matching.codec import Codec
 
 

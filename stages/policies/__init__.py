@@ -32,7 +32,7 @@ class ActorProtocol(Protocol):
 class TrainablePolicy(nn.Module, ABC):
     """What an implementation's `Policy` is: made from a hyper-parameter set, with its normaliser as buffers.
 
-    Clouds (..., P, 4) are x, y, z and a flag: 1 finger, 0 scene and, with `run.handle.flag`, -1 what stands proud of
+    Clouds (..., P, 4) are x, y, z and a flag: 1 finger, 0 scene and, with `run.handle`, -1 what stands proud of
     the front, marked before a policy sees the clouds, in training and in closed loop. Proprioception (..., 9) is
     end-effector position, quaternion wxyz and fingers, actions (..., 7) are in [-1, 1]; metres, robot base frame.
     """
@@ -77,4 +77,4 @@ class MarkingActor:
 def closed_loop(policy: TrainablePolicy, slots: int, choose: Choice) -> ActorProtocol:
     """The policy acting on as many environments; its clouds are what they were in training."""
     actor = policy.actor(slots, choose)
-    return MarkingActor(actor) if policy.run.handle.flag else actor
+    return MarkingActor(actor) if policy.run.handle else actor

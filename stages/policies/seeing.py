@@ -28,10 +28,10 @@ class SeeingPolicy(TrainablePolicy):
     def __init__(self, run: TrainingRun) -> None:
         super().__init__(run)
         self.network = network = run.network
-        self.flags = 3 if run.handle.flag else 2
+        self.flags = 3 if run.handle else 2
         width, bf16 = network.pointnet_width, run.precision == "bf16"
         self.pointnet = PointNet(width, network.pointnet_layers, network.flag_embedding, bf16, self.flags)
-        self.features = width * network.cloud + PROPRIO + 4 * run.handle.middle
+        self.features = width * network.cloud + PROPRIO + 4 * run.handle
         for name, value in (
             ("proprio_mean", torch.zeros(PROPRIO)),
             ("proprio_std", torch.ones(PROPRIO)),
@@ -55,18 +55,18 @@ class SeeingPolicy(TrainablePolicy):
     def encode(self, clouds: Tensor, proprio: Tensor) -> Tensor:
         """What is seen, (..., width) or nothing, and felt, of clouds (..., P, 4) and proprioception (..., 9): (..., F).
 
-        With `handle.middle` the hand and the middle of the handle (`policies.proud.middles`) stand last.
+        With `handle` the hand and the middle of the handle (`policies.proud.middles`) stand last.
         """
         own = (proprio - self.proprio_mean) / self.proprio_std
         if not self.network.cloud:
             return own
         features = self.pointnet(self.normalised(clouds, proprio).flatten(0, -3)).unflatten(0, clouds.shape[:-2])
-        seen = [proprio[..., :3], middles(clouds)] if self.run.handle.middle else []
+        seen = [proprio[..., :3], middles(clouds)] if self.run.handle else []
         return torch.cat([features, own, *seen], dim=-1)
 
     def with_handle(self, encoded: Tensor) -> Tensor:
         """Encoded sequences (B, T, F): hand and middle replaced by the way from one to the other, if they are there."""
-        if not self.run.handle.middle:
+        if not self.run.handle:
             return encoded
         encoded, hand, seen = encoded.split([encoded.shape[-1] - 7, 3, 4], dim=-1)
         return torch.cat([encoded, to_handle(seen, hand)], dim=-1)
@@ -89,7 +89,7 @@ class SeeingPolicy(TrainablePolicy):
         if len(cloud) <= self.network.points:
             return cloud
         order = random.permutation(len(cloud))
-        if self.run.handle.keep:
+        if self.run.handle:
             order = order[np.argsort(cloud[order, 3] != -1, kind="stable")]
         return cloud[order[: self.network.points]]
 

@@ -57,7 +57,7 @@ class OpenTaskEnv(BaseEnv):
     SUPPORTED_ROBOTS = ["acdc_panda"]
     SUPPORTED_REWARD_MODES = ("sparse", "none")
     task: ClassVar[Task]
-    simulation_frequency: ClassVar[int] = SIMULATION_FREQUENCY
+    simulation_frequency: ClassVar[int] = SIMULATION_FREQUENCY  # a task may have a multiple of it
     robot_shift: ClassVar[tuple[float, float, float]] = (0.0, 0.0, 0.0)  # metres: out from the front, y, up
     agent: AcdcPanda
 

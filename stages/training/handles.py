@@ -7,13 +7,12 @@ docs/policies.md has what each brings. Clouds carry the flags of `policies.proud
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import torch
 from torch import Tensor
 
-from stages.contracts.training_run import HandleConfig
 from stages.policies.proud import mark_proud
 
 if TYPE_CHECKING:
@@ -44,22 +43,42 @@ def still(planes: Tensor) -> Tensor:
     return twice.cumsum(0) == 0
 
 
-def vary_handles(batch: "Batch", options: HandleConfig, random: torch.Generator) -> "Batch":
-    """The sequences as `options` vary them; without `flag` as they are."""
-    if not options.flag:
-        return batch
+@dataclass(frozen=True)
+class Variation:
+    """How sequences are varied; chosen on validation assets (docs/training.md).
+
+    Attributes:
+        front_probability: share of sequences whose front is shifted and stretched under its handle.
+        front_shift: uniform +/- metres along the front, sideways and up.
+        front_scale: stretch of the front about the handle, per axis.
+        scale: stretch of the handle about its middle, per axis, in these sequences.
+        grip: metres that each finger may stop farther out, as at a knob.
+        hide: share of sequences in which the handle is not seen from near, as a knob is.
+    """
+
+    front_probability: float = 0.8
+    front_shift: float = 0.1
+    front_scale: tuple[float, float] = (0.6, 1.6)
+    scale: tuple[float, float] = (0.2, 1.5)
+    grip: float = 0.012
+    hide: float = 0.5
+
+
+def vary_handles(batch: "Batch", random: torch.Generator) -> "Batch":
+    """The sequences with fronts that moved, wider grips and hidden handles."""
+    options = Variation()
     batch = move_fronts(batch, options, random)
-    batch = widen_grips(batch, options.grip, random) if options.grip else batch
-    return hide_handles(batch, options.hide, random) if options.hide else batch
+    batch = widen_grips(batch, options.grip, random)
+    return hide_handles(batch, options.hide, random)
 
 
-def move_fronts(batch: "Batch", options: HandleConfig, random: torch.Generator) -> "Batch":
+def move_fronts(batch: "Batch", options: Variation, random: torch.Generator) -> "Batch":
     """Some sequences with their fronts shifted along and stretched in their planes, the handle still on them.
 
     The handle may be stretched about its middle, where it is held. Only sequences in which the front stands still and a
     handle is seen.
     """
-    if batch.fronts is None or not options.front_probability:
+    if batch.fronts is None:
         return batch
     count, device = len(batch.clouds), batch.clouds.device
     chance = torch.rand((count, 7), generator=random)

@@ -13,7 +13,7 @@ from stages.cli import progress
 from stages.contracts.training_run import TrainingRun
 from stages.policies import TrainablePolicy
 from stages.policies.checkpoint import save_weights
-from stages.training.augment import augment, mirror_some
+from stages.training.augment import augment
 from stages.training.dataset import Batch, DemonstrationSet, gather, split_episodes, windows
 from stages.training.handles import vary_handles
 from stages.training.logbook import Line
@@ -59,9 +59,8 @@ def optimise(policy: TrainablePolicy, state: TrainingState, setting: Setting, lo
             group["lr"] = learning_rate(step, run)
         random = generator(setting.seed, step)
         chosen = torch.randint(len(frames), (run.batch_size,), generator=random).numpy()
-        batch = gather(data, frames[chosen], real[chosen], run.network.points, random, run.handle.keep)
-        batch = vary_handles(batch, run.handle, random)
-        batch = mirror_some(batch, run.mirror, random)
+        batch = gather(data, frames[chosen], real[chosen], run.network.points, random, run.handle)
+        batch = vary_handles(batch, random) if run.handle else batch
         clouds, proprio = augment(batch.clouds, batch.proprio, run, random)
         loss, _ = policy.loss(clouds, proprio, batch.actions, batch.weights)
         state.optimiser.zero_grad()
@@ -95,7 +94,7 @@ def validation_batches(setting: Setting, episodes: list[int]) -> Iterator[Batch]
     frames, real = windows(setting.data, episodes, run.rnn_horizon, stride=run.rnn_horizon)
     random = generator(setting.seed, 2**31)
     for part in np.array_split(np.arange(len(frames)), -(-len(frames) // run.batch_size)):
-        yield gather(setting.data, frames[part], real[part], run.network.points, random, run.handle.keep)
+        yield gather(setting.data, frames[part], real[part], run.network.points, random, run.handle)
 
 
 @torch.no_grad()

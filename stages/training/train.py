@@ -62,7 +62,7 @@ def run(
     if data.clouds.shape[1] < hyper.network.points:
         what = f"is {hyper.network.points}, but the clouds have {data.clouds.shape[1]} points."
         raise InputError("training.network.points", what, code="E-EPISODES-POINTS")
-    if hyper.handle.flag:
+    if hyper.handle:
         data = data.marked()
     setting = Setting(hyper, data.on(device), seed, work=out.parent / f"{out.name}.work")
     training, validation = split_episodes(data, hyper.validation_fraction, seed)

@@ -12,10 +12,11 @@ from stages.contracts.errors import InputError
 from stages.vlm.answers import LONGEST, UnusableError, parsed, response_format, text_of, usage_of
 from stages.vlm.endpoint import SHOWN, Endpoint, OversizedError, RefusedError, UnreachedError
 from stages.vlm.ledger import AGAIN, Entry, Exchange, Ledger
-from stages.vlm.prompt import TOKENS, Prompt, digest
+from stages.vlm.prompt import DETAIL, TOKENS, Prompt, digest
 
 A = TypeVar("A", bound=BaseModel)
 FORMATS = ("json_schema", "json_object", "words")  # the next where a server refuses one
+REASKS = 2  # after answers that cannot be used
 SILENCES = 3  # questions in a row without a reply: then the server is taken to be down
 RAISE = "raise it; what was answered stays in the ledger"
 FILTERED = ("content_filter", "content_policy")
@@ -51,7 +52,7 @@ class Asker:
             InputError: nobody can be asked (key, address, budget), or the ledger lacks the call and is only replayed.
         """
         options = self.options
-        settings = {"options": options.options, "detail": options.detail, "size": options.image_size}
+        settings = {"options": options.options, "detail": DETAIL, "size": options.image_size}
         question = prompt.digest()
         key = digest({"model": options.model, "settings": settings, "question": question})
         if options.mode == "replay":
@@ -89,8 +90,8 @@ class Asker:
 
     def _converse(self, entry: Entry, prompt: Prompt, answer: type[A]) -> None:
         """Ask, and ask again after a bad answer; the ledger has every exchange before the next one begins."""
-        messages = prompt.messages(self.options.image_size, self.options.detail)
-        for left in range(self.options.reasks, -1, -1):
+        messages = prompt.messages(self.options.image_size)
+        for left in range(REASKS, -1, -1):
             try:
                 exchange, value = self._exchange(messages, answer, prompt.tokens())
             except UnreachedError as error:

@@ -18,6 +18,8 @@ from stages.contracts.errors import InputError
 from stages.vlm.deadline import LARGEST, response_to
 
 BUSY = {HTTPStatus.REQUEST_TIMEOUT, HTTPStatus.CONFLICT, HTTPStatus.TOO_EARLY, HTTPStatus.TOO_MANY_REQUESTS}
+PAUSES = (2, 4, 8, 16)  # seconds before each further attempt, if the server does not say
+LONGEST_PAUSE = 60  # seconds, if it does
 SHOWN = 300  # characters of a message or of a bad answer that are repeated
 
 
@@ -68,9 +70,9 @@ class Endpoint:
             InputError: key, model or address are wrong, or the account is empty: no other request would do better.
         """
         why, wanted = "", None
-        for attempt in range(self.options.attempts):
-            if attempt:
-                self._sleep(self._pause(attempt, wanted))
+        for pause in (0, *PAUSES):
+            if pause:
+                self._sleep(pause if wanted is None else min(wanted, LONGEST_PAUSE))
             allow()
             wanted = None
             try:
@@ -122,11 +124,6 @@ class Endpoint:
         else:
             return
         raise InputError(where, what, fix, code=code) from None
-
-    def _pause(self, attempt: int, wanted: float | None) -> float:
-        """Seconds before an attempt: what the server asks for, or twice the last pause."""
-        pause = self.options.wait * 2 ** (attempt - 1) if wanted is None else wanted
-        return min(pause, self.options.longest_wait)
 
     def _message(self, error: HTTPError) -> str:
         """What the server says of an error, in one line."""

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 Picture = NDArray[np.uint8]  # (H, W, 3), red first
 TOKENS = 1000  # of a picture or an answer, where nobody counts
+DETAIL = "auto"  # how closely the model looks at a picture: it decides
 
 
 class Prompt(NamedTuple):
@@ -33,14 +34,14 @@ class Prompt(NamedTuple):
         texts = [self.system, *(part for part in self.parts if isinstance(part, str))]
         return sum(map(len, texts)) // 3 + TOKENS * (len(self.parts) + 1 - len(texts))
 
-    def messages(self, image_size: int, detail: str) -> list[dict[str, Any]]:
+    def messages(self, image_size: int) -> list[dict[str, Any]]:
         """As the protocol has it; pictures as data URLs."""
         content: list[dict[str, Any]] = []
         for part in self.parts:
             if isinstance(part, str):
                 content.append({"type": "text", "text": part})
             else:
-                url = {"url": data_url(part, image_size), "detail": detail}
+                url = {"url": data_url(part, image_size), "detail": DETAIL}
                 content.append({"type": "image_url", "image_url": url})
         return [{"role": "system", "content": self.system}, {"role": "user", "content": content}]
 

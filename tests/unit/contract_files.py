@@ -199,7 +199,7 @@ def _policies(root: Path) -> None:
         },
     ]
     (folder / "attempts.jsonl").write_text("".join(json.dumps(line) + "\n" for line in lines))
-    options = TaskConfig(points=64, finger_points=8)
+    options = TaskConfig(points=64)
     with h5py.File(folder / "episodes.h5", "w") as file:
         data = file.create_group("data")
         data.attrs.update(task="door", asset="cabinet_0", task_options=options.model_dump_json())

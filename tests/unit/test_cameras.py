@@ -21,7 +21,7 @@ from stages.tasks.cameras import WRIST, Camera, other_shoulder, shoulder
 from stages.tasks.door.environment import OpenDoorEnv
 from tests.unit.demo_assets import cabinet
 
-OPTIONS = TaskConfig(points=256, finger_points=16, camera_size=64)
+OPTIONS = TaskConfig(points=256, camera_size=64)
 
 
 @pytest.fixture(scope="module")

@@ -1,6 +1,7 @@
 """Contradictions of the config are found before anything runs: all at once, each with its key and how to mend it."""
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ from stages.config.inputs import INPUT_FILES
 from stages.config.mistakes import check_keys
 from stages.config.model import load, merged
 from stages.contracts import InputError
+from tests.refusals import refused
 
 ROOT = Path(__file__).resolve().parents[2]
 DEFAULT = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
@@ -42,10 +44,10 @@ CASES = [
         "training.runs.lite.network.points: 600 of task.points = 512",
     ),
     ("training: {runs: {lite: {network: {mlp: [-5]}}}}", "training.runs.lite.network.mlp.0: Input should be greater"),
-    ("training: {runs: {lite: {handle: {hide: 0.5}}}}", "training.runs.lite.handle: hide: nothing is flagged"),
+    ("training: {runs: {lite: {handle: {hide: 0.5}}}}", "training.runs.lite.handle: Input should be a valid boolean"),
     (
-        "training: {runs: {paper: {handle: {flag: true}, network: {cloud: false}}}}",
-        "training.runs.paper: handle.flag: marks points of a cloud",
+        "training: {runs: {mine: {handle: true, network: {cloud: false}}}}",
+        "training.runs.mine: handle: marks points of a cloud",
     ),
     ("training: {runs: {lite: {keep: 9, steps: 5}}}", "training.runs.lite.keep: 9 checkpoints of 5 steps"),
     ("training: {runs: {'a/b': {}}}", "training.runs: 'a/b' is no name"),
@@ -54,10 +56,18 @@ CASES = [
     ("task: {scale_range: [1.1, 0.9]}", "task.scale_range: 1.1 is above 0.9"),
     ("task: {camera_jitter: [-1, 0]}", "task.camera_jitter.0: Input should be greater than or equal to 0"),
     ("task: {workspace_min: [2, -0.5, 0]}", "task.workspace_min: x = 2 is not below workspace_max's 1"),
-    ("task: {finger_points: 512}", "task.finger_points: 512 of task.points = 512"),
-    ("generation: {aspect_range: [2, 1]}", "generation.aspect_range: 2 is above 1"),
+    ("task: {finger_points: 512}", "task.finger_points: is no option. Fix: leave it out: an eighth of `points`"),
+    (
+        "generation: {aspect_range: [2, 1]}",
+        "generation.aspect_range: is no option: it is (0.5, 2.0). Fix: leave it out",
+    ),
+    ("matching: {vlm: {model: x}}", "matching.vlm: is no option. Fix: the section `vlm`, on the top level"),
+    ("experiment: {variants: {b: {coverage: 0.4}}}", "experiment.variants.b.coverage: is no option. Fix: leave it out"),
+    ("encoder: {steps: 3}", "encoder: is no option. Fix: python -m plugins.patchnet"),
+    ("photo: {detector: {path: a}}", "photo.detector: Input should be a valid string"),
+    ("demonstrations: {noise: -1}", "demonstrations.noise: Input should be greater"),
     ("generation: {ranks: 11}", "generation.ranks: 11 scenes from matching.k_cousins = 10"),
-    ("demonstrations: {film_episodes: 0}", "demonstrations.film_episodes: Input should be greater"),
+    ("demonstrations: {film_episodes: 0}", "demonstrations.film_episodes: is no option: it is 1. Fix: leave it out"),
     ("{demonstrations: {goal_margin: 0.5}, task: {success_fraction: 0.9}}", "demonstrations.goal_margin: 0.5 past"),
     ("assets: {counts: {mug: -1}}", "assets.counts.mug: Input should be greater than or equal to 0"),
     ("assets: {counts: {mugs: 1}}", "assets.counts: no category 'mugs'"),
@@ -69,7 +79,8 @@ CASES = [
     ("experiment: {rooms: [room_3, room_3]}", "experiment.rooms: 'room_3' is named 2 times"),
     ("experiment: {placements: {c: {}}}", "experiment.placements: 'c' is not one of experiment.variants"),
     ("experiment: {placements: {b: {ranks: 2}}}", "experiment.placements.b.ranks: is one for all variants"),
-    ("experiment: {placements: {b: {touch: -1}}}", "experiment.placements.b.touch: Input should be greater than or"),
+    ("experiment: {placements: {b: {trim: -1}}}", "experiment.placements.b.trim: Input should be greater than or"),
+    ("experiment: {placements: {b: {touch: 1}}}", "experiment.placements.b.touch: is no option: it is 0.001"),
     ("experiment: {protocols: {a: {variants: [c]}}}", "experiment.protocols.a.variants: 'c' is not one of"),
     ("experiment: {protocols: {a.b: {}}}", "experiment.protocols: 'a.b' is no name"),
     ("experiment: {protocols: {a: {seeds: [1, 1]}}}", "experiment.protocols.a.seeds: '1' is named 2 times"),
@@ -140,10 +151,6 @@ CASES = [
         "training.runs.lite.network.points: 192 of experiment.tasks.door.options.points = 128",
     ),
     (
-        "experiment: {tasks: {door: {options: {finger_points: 512}}}}",
-        "experiment.tasks.door.options.finger_points: 512 of experiment.tasks.door.options.points = 512",
-    ),
-    (
         "{experiment: {cousins: 6, training_sets: [cousins_8]}}",
         "experiment.training_sets: cousins_8 needs 8 cousins, experiment.cousins = 6 leaves 4",
     ),
@@ -196,8 +203,9 @@ def test_a_mistake_is_one_line_with_its_key(text: str, line: str) -> None:
 )
 def test_a_key_given_twice_is_refused(tmp_path: Path, text: str, words: str) -> None:
     (tmp_path / "mine.yaml").write_text(text)
-    with pytest.raises(InputError, match=words):
+    with refused("E-CONFIG-KEY-TWICE") as caught:
         check_keys(tmp_path / "mine.yaml")
+    assert re.search(words, str(caught.value))
 
 
 def test_keys_given_once_are_no_fault(tmp_path: Path) -> None:
@@ -205,6 +213,27 @@ def test_keys_given_once_are_no_fault(tmp_path: Path) -> None:
         check_keys(file)
     (tmp_path / "mine.yaml").write_text("a: &one {x: 1}\nb: {<<: *one, y: 1}\nc: [&all [*all]]\n? [1, 2]\n: 3\n")
     check_keys(tmp_path / "mine.yaml")
+
+
+@pytest.mark.parametrize(
+    ("text", "code"),
+    [
+        ("maching: {}", "E-CONFIG-KEY"),
+        ("seed: -1", "E-CONFIG-VALUE"),
+        ("seed: yes", "E-CONFIG-VALUE"),
+        ("experiment: {rooms: [room_3, room_9]}", "E-CONFIG-UNKNOWN"),
+        ("experiment: {rooms: [room_3, room_3]}", "E-CONFIG-TWICE"),
+        ("training: {runs: {'a/b': {}}}", "E-CONFIG-NAME"),
+        ("assets: {folders: [nowhere]}", "E-CONFIG-FILE"),
+        ("task: {control_frequency: 12}", "E-CONFIG-CLASH"),
+        ("matching: {encoder: hogg}", "E-PLUGIN-UNKNOWN"),
+        ("plugins: [nowhere]", "E-PLUGIN-PACKAGE"),
+        ("{seed: -1, maching: {}}", "E-CONFIG"),
+    ],
+)
+def test_a_mistake_has_the_code_of_its_kind(text: str, code: str) -> None:
+    with refused(code):
+        load(merged(DEFAULT, yaml.safe_load(text)))
 
 
 def test_all_mistakes_are_told_at_once() -> None:
@@ -225,7 +254,11 @@ def test_all_mistakes_are_told_at_once() -> None:
         ("experiment: {tasks: {door: null}}", "experiment.tasks", set()),
         ("experiment: {tasks: null}", "experiment.tasks", set()),
         ("experiment: {variants: {b: null, c: {}}, policy_variant: c}", "experiment.variants", {"c"}),
-        ("training: {runs: {paper: null}}", "training.runs", {"lite", "lite_handle"}),
+        (
+            "{training: {runs: {lite_handle: null}}, experiment: {tasks: {door_handle: null}}}",
+            "training.runs",
+            {"lite"},
+        ),
         ("tables: {variants: {a: null, b: null}}", "tables.variants", {"c", "d"}),
         ("assets: {counts: {book: null}}", "assets.counts", set(COUNTS) - {"book"}),
         ("stages: {matching: null}", "stages", set()),

@@ -9,6 +9,7 @@ import pytest
 import yaml
 from pydantic import BaseModel
 
+from stages.config.matching import MatchingConfig
 from stages.config.model import Config, load, merged
 from stages.config.reads import READS, options_of, section_name, stores
 
@@ -19,29 +20,22 @@ LISTED = {  # keys that do not simply run the one verb of their section again
     "assets.importers": {"own"},
     "assets.shards": set(),  # the number of jobs is a parameter of its own
     "matching.encoder": {"features", "match", "distances"},
-    "matching.coverage": {"features", "match", "distances"},
     "matching.dimensions": {"features", "match", "distances"},
     "matching.search": {"match", "distances"},
     "matching.exclude_worst": {"match", "distances"},
     "matching.hog.image_size": {"features", "match", "distances"},
     "matching.hog.grid": {"features", "match", "distances"},
     "matching.hog": {"match", "distances"},  # weights: nothing is encoded anew
-    "matching.patchnet": set(),  # not used
     "matching.dinov2": set(),
     "matching.clip": set(),
-    "matching.rerender": set(),
-    "matching.vlm": set(),
-    "encoder.shards": set(),  # a parameter of its rule
+    "vlm": set(),
     "matching.own": set(),
-    "generation.preview_width": set(),  # a parameter of `draw`
     "photo.depth_pro": set(),  # not used
-    "photo.vlm": set(),
     "photo.mounting": set(),
     "extraction.own": set(),
     "evaluation.own": set(),
     "training.runs.lite.own": set(),
     "evaluation.selection_rollouts": {"trial"},
-    "evaluation.film_frames": {"rollout"},
     "demonstrations.randomise": set(),  # of one role's demonstrations alone
     "tables": {"scenes", "policies", "figures", "report", "picture"},
 }
@@ -85,13 +79,17 @@ def digests(config: Config) -> dict[str, str]:
 
 
 SECTIONS = dict.fromkeys(section_name(stage) for stage, _ in READS if stage != "training")
-KEYS = [key for section in SECTIONS for key in leaves(getattr(CONFIG, section), section)]
+KEYS = [key for section in [*SECTIONS, "vlm"] for key in leaves(getattr(CONFIG, section), section)]
 
 
 @pytest.mark.parametrize("key", [*KEYS, *leaves(CONFIG.training.runs["lite"], "training.runs.lite")])
 def test_a_key_runs_again_what_reads_it(key: str, monkeypatch: pytest.MonkeyPatch) -> None:
     other = changed(CONFIG, key.split("."))
-    monkeypatch.setattr(Config, "matching_of", lambda self, variant: self.matching)  # any value will do
+
+    def matching_of(self: Config, variant: str) -> MatchingConfig:
+        return MatchingConfig.model_construct(**dict(self.matching), vlm=self.vlm)  # any value will do
+
+    monkeypatch.setattr(Config, "matching_of", matching_of)
     monkeypatch.setattr(Config, "generation_of", lambda self, variant: self.generation)
     before, after = digests(CONFIG), digests(other)
     listed = [LISTED[prefix] for prefix in (key, key.rpartition(".")[0], key.partition(".")[0]) if prefix in LISTED]
@@ -144,15 +142,20 @@ def test_variants_with_different_encoder_settings_have_stores_side_by_side() -> 
     assert b == weights != fine
     assert {name: options.hog.grid for name, options in stores(config).items()} == {b: 16, fine: 24}
     told = options_of(config, "matching", "features", {"store": fine})
-    kept = {"coverage": config.matching.coverage, "dimensions": 0}
+    kept = {"dimensions": 0}
     assert told == {"encoder": "hog", "hog": {"image_size": 192, "grid": 24}} | kept
 
 
-def test_dinov2_takes_as_many_pictures_at_once_as_one_likes() -> None:
-    matching = CONFIG.matching.model_copy(update={"encoder": "dinov2"})
-    more = matching.model_copy(update={"dinov2": matching.dinov2.model_copy(update={"batch": 64})})
-    other = matching.model_copy(update={"dinov2": matching.dinov2.model_copy(update={"height": 448})})
-    assert matching.store() == more.store() != other.store()
+@pytest.mark.parametrize(("captions", "read"), [("labels", False), ("vlm", True)])
+def test_the_language_model_is_read_where_it_is_asked(captions: str, read: bool) -> None:
+    config = Config.model_validate({"photo": {"captions": captions}, "vlm": {"model": "toy"}})
+    assert ("toy" in repr(options_of(config, "inputs", "estimate", {}))) == read
+    assert "toy" not in repr(options_of(config, "matching", "match", {"variant": "b"}))
+    judged = Config.model_validate({"matching": {"model_selection": "vlm"}, "vlm": {"model": "toy"}})
+    assert "toy" in repr(options_of(judged, "matching", "match", {"variant": "b"}))
+    other = {"variants": {"b": {"vlm": {"model": "other"}}}}
+    judged = Config.model_validate({"matching": {"model_selection": "vlm"}, "experiment": other})
+    assert options_of(judged, "matching", "match", {"variant": "b"})["vlm"]["model"] == "other"
 
 
 def test_row_b_of_the_study_is_the_papers() -> None:

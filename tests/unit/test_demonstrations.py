@@ -24,7 +24,7 @@ from stages.tasks.randomised import sample_factors
 from tests.refusals import refused
 from tests.unit.demo_assets import an_asset, cabinet
 
-TASK = {"scale_variants": 1, "points": 128, "finger_points": 16, "camera_size": 64}
+TASK = {"points": 128, "camera_size": 64}
 
 
 def experiment(folder: Path, **changes: object) -> dict[str, Path]:
@@ -50,7 +50,7 @@ def test_collect_writes_successes_that_replay(tmp_path: Path) -> None:
             role="twin",
             episodes=2,
             out=tmp_path / name / "episodes.h5",
-            options='{"noise": 0.004, "film_episodes": 1}',
+            options='{"noise": 0.004}',
             task_options=json.dumps(TASK),
             seed=3,
         )

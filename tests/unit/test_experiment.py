@@ -11,7 +11,7 @@ from stages.articulated.affordance import target_joint
 from stages.config.matching import MatchingConfig
 from stages.contracts import Asset, GeneratedScene, InputError, Objects, TaskAssets, Truth, read_json, write_json
 from stages.contracts.archives import pack
-from stages.contracts.distances import Distances
+from stages.contracts.cousins import Distances
 from stages.contracts.generated import PlacedObject
 from stages.contracts.library import FrontPanel, Joint
 from stages.contracts.policies import TaskAsset

@@ -23,7 +23,7 @@ from tests.unit.test_demonstrations import experiment
 
 ROOT = Path(__file__).parents[2]
 READERS = ROOT / ".venv-readers" / "bin" / "python"
-OPTIONS = TaskConfig(points=64, finger_points=8)
+OPTIONS = TaskConfig(points=64)
 LENGTHS = {"cab": (6, 4), "fridge": (5,)}
 
 needs_readers = pytest.mark.skipif(not READERS.exists(), reason="no .venv-readers: bash envs/readers.sh makes it")
@@ -164,7 +164,7 @@ def done_again(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Demonstrations on two assets, with noise, recovery and a drawn scale, exported for ManiSkill; made blind."""
     folder = tmp_path_factory.mktemp("maniskill")
     inputs = experiment(folder)
-    world = TaskConfig(points=64, finger_points=8)
+    world = TaskConfig(points=64)
     episodes = []
     for name, size in (("cab", (0.42, 0.45, 0.7)), ("narrow", (0.35, 0.4, 0.65))):
         task = TaskEnv("door", folder / "models" / name, "door_0_joint", size, world, render=False)

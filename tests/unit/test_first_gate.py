@@ -15,7 +15,7 @@ from tests.unit.demo_assets import an_asset
 from tests.unit.test_demonstrations import experiment
 
 # The robot stands anywhere within 6 cm and 12 degrees: learned from 16 demonstrations in some hundred updates.
-WORLD = TaskConfig(points=160, finger_points=32, camera_size=96, base_z=0.03, base_yaw=0.1, scale_range=(0.95, 1.05))
+WORLD = TaskConfig(points=160, camera_size=96, base_z=0.03, base_yaw=0.1, scale_range=(0.95, 1.05))
 
 
 def opened(policy: TrainablePolicy, task: TaskEnv, states: int) -> int:

@@ -290,7 +290,7 @@ def test_what_is_too_large_or_behind_a_wall_is_doubted() -> None:
 
 
 def test_what_has_toppled_has_fallen_however_near_it_lies(scene: dict[str, Path], tmp_path: Path) -> None:
-    options = GenerationConfig(fallen_distance=9.0)  # only the tilt can tell
+    options = GenerationConfig().model_copy(update={"fallen_distance": 9.0})  # only the tilt can tell
     built = build(read_inputs(scene["cousins"], scene["objects"], scene["library"]), 1, options, tmp_path)
     edge = built.items[0].center[0] - built.items[0].size[0] / 2 - 0.01  # its centre 1 cm beyond
     items = [item.shifted([edge - item.center[0], 0, 0]) if item.id == "mug_1" else item for item in built.items]

@@ -11,9 +11,10 @@ from pathlib import Path
 
 import pytest
 
-from stages.contracts import InputError, atomic
+from stages.contracts import atomic
 from stages.contracts.holder import LOCK, WORKFLOW, Holder, start_time
 from stages.guard import descendants, hold_folder, makes_files
+from tests.refusals import refused
 
 HOLD = "import sys, stages.guard as g; lock = g.hold_folder(); print('held', flush=True); sys.stdin.read()"
 # keeps Python's lock for long in native code, as the renderer does
@@ -54,8 +55,9 @@ def test_a_folder_is_held_by_one_workflow_and_let_go_by_kill(tmp_path: Path, mon
     for path in half:
         path.parent.mkdir(parents=True)
         path.touch()
-    with pytest.raises(InputError, match=f"another workflow is running here \\(process {other.pid} on "):
+    with refused("E-FOLDER-BUSY") as caught:
         hold_folder()
+    assert f"process {other.pid} on " in str(caught.value)
     assert all(path.exists() for path in [stale, *half]), "what a running workflow has is not touched"
     other.kill()
     other.wait()
@@ -94,7 +96,7 @@ def test_what_a_job_has_begun_is_not_written_once_another_workflow_has_its_folde
         first.write_text("1")
         second.write_text("2")
     assert Path("a.txt").read_text() == "1"
-    with pytest.raises(InputError, match=r"a\.txt: is not written: another workflow has taken over this folder"):  # noqa: SIM117
+    with refused("E-FOLDER-TAKEN"):  # noqa: SIM117
         with atomic(Path("a.txt")) as path:
             path.write_text("3")
             LOCK.write_text(Holder.this_process().text)

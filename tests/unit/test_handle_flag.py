@@ -1,5 +1,7 @@
 """What stands proud of a front is told from the cloud, and fronts are moved under their handles."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import torch
@@ -7,13 +9,21 @@ from torch import Tensor
 
 from stages.contracts.task_options import TaskConfig
 from stages.contracts.trained import TrainingStore
-from stages.contracts.training_run import HandleConfig, NetworkConfig, TrainingRun
+from stages.contracts.training_run import NetworkConfig, TrainingRun
 from stages.policies import closed_loop, make_policy
 from stages.policies.proud import mark_proud, middles, to_handle
 from stages.training.dataset import Batch, DemonstrationSet, gather, steps_until_release
-from stages.training.handles import hide_handles, mark_episodes, move_fronts, still, vary_handles, widen_grips
+from stages.training.handles import (
+    Variation,
+    hide_handles,
+    mark_episodes,
+    move_fronts,
+    still,
+    vary_handles,
+    widen_grips,
+)
 
-FLAGGED = HandleConfig(flag=True, keep=True, front_probability=1.0)
+FRONTS = Variation(front_probability=1.0, scale=(1.0, 1.0))
 
 
 def cabinet(angle: float = 0.0, distance: float = 0.7, out: float = 0.04, knob: bool = False) -> Tensor:
@@ -74,7 +84,7 @@ def sequences(count: int = 6, steps: int = 3) -> Batch:
 
 def test_fronts_move_in_their_planes_and_handles_stay_on_them() -> None:
     batch = sequences()
-    moved = move_fronts(batch, FLAGGED, torch.Generator().manual_seed(0))
+    moved = move_fronts(batch, FRONTS, torch.Generator().manual_seed(0))
     assert moved.proprio is batch.proprio and moved.actions is batch.actions
     front, rest = batch.clouds[..., 3] == 0, batch.clouds[..., 3] != 0
     assert torch.equal(moved.clouds[rest], batch.clouds[rest])
@@ -91,7 +101,7 @@ def test_fronts_move_in_their_planes_and_handles_stay_on_them() -> None:
 
 def test_handles_are_stretched_about_their_middle() -> None:
     batch = sequences()
-    options = FLAGGED.model_copy(update={"scale": (0.2, 0.3), "front_shift": 0.0, "front_scale": (1.0, 1.0)})
+    options = replace(FRONTS, scale=(0.2, 0.3), front_shift=0.0, front_scale=(1.0, 1.0))
     moved = move_fronts(batch, options, torch.Generator().manual_seed(0)).clouds
     before, after = batch.clouds[:, 0, 340:352], moved[:, 0, 340:352]
     ratio = (after[..., 2].amax(1) - after[..., 2].amin(1)) / (before[..., 2].amax(1) - before[..., 2].amin(1))
@@ -140,24 +150,22 @@ def test_a_front_that_moves_and_one_without_a_handle_are_left_alone() -> None:
     assert batch.fronts is not None
     batch.fronts[0, 2] = 0  # in its last frame this front has begun to move
     batch.clouds[1, ..., 3] = batch.clouds[1, ..., 3].clamp_min(0)
-    moved = move_fronts(batch, FLAGGED, torch.Generator().manual_seed(0))
+    moved = move_fronts(batch, FRONTS, torch.Generator().manual_seed(0))
     same = [torch.equal(a, b) for a, b in zip(batch.clouds, moved.clouds, strict=True)]
     assert same == [True, True, False, False, False, False]
 
 
 def test_the_share_of_moved_fronts_is_what_is_asked() -> None:
     batch = sequences(count=400, steps=1)
-    options = HandleConfig(flag=True, front_probability=0.3)
+    options = Variation(front_probability=0.3)
     moved = move_fronts(batch, options, torch.Generator().manual_seed(1)).clouds
     assert (moved != batch.clouds).flatten(1).any(1).float().mean().item() == pytest.approx(0.3, abs=0.06)
 
 
-def test_without_the_option_no_random_number_is_drawn() -> None:
-    random = torch.Generator().manual_seed(0)
+def test_all_of_it_depends_on_the_seed_alone() -> None:
     batch = sequences()
-    assert vary_handles(batch, HandleConfig(), random) is batch
-    assert vary_handles(batch, HandleConfig(flag=True), random) is batch
-    assert torch.equal(random.get_state(), torch.Generator().manual_seed(0).get_state())
+    one, again, other = (vary_handles(batch, torch.Generator().manual_seed(seed)) for seed in (0, 0, 1))
+    assert torch.equal(one.clouds, again.clouds) and not torch.equal(one.clouds, other.clouds)
 
 
 def test_marked_points_are_never_thinned_away() -> None:
@@ -179,12 +187,13 @@ def test_an_actor_sees_marked_clouds_and_a_policy_of_the_paper_does_not() -> Non
     cloud, proprio = cabinet()[0].numpy(), np.zeros(9, np.float32)
     moved = cloud.copy()
     moved[340:352, 0] += 0.039  # the bar laid on the front: nothing stands proud
-    for handle, flags in ((HandleConfig(), 2), (HandleConfig(flag=True), 3)):
+    for handle, flags in ((False, 2), (True, 3)):
         torch.manual_seed(0)
         policy = make_policy(TrainingRun(network=small, handle=handle)).eval()
         assert policy.pointnet.flag.num_embeddings == flags
         seen: list[Tensor] = []
-        policy.encode = lambda clouds, proprio, seen=seen: (seen.append(clouds), torch.zeros((1, 17)))[1]  # type: ignore[method-assign]
+        empty = torch.zeros((1, 17 + 7 * handle))
+        policy.encode = lambda clouds, proprio, seen=seen, empty=empty: (seen.append(clouds), empty)[1]  # type: ignore[method-assign]
         actor = closed_loop(policy, 1, "most_likely")
         actor.reset(0, 0)
         actor.act([0], [cloud], [proprio])

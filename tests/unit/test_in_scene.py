@@ -22,7 +22,7 @@ from stages.tasks.api import TaskEnv
 from tests.refusals import refused
 from tests.unit.demo_assets import cabinet
 
-TASK = {"scale_variants": 1, "points": 128, "finger_points": 16, "camera_size": 64, "cloud": "target_link"}
+TASK = {"points": 128, "camera_size": 64, "cloud": "target_link"}
 YAW = 2.9  # of the cabinet: it faces the camera
 PLACE = (2.0, -0.3, 0.9)  # its box's centre: it hangs 0.55 m above the floor
 
@@ -93,7 +93,7 @@ def test_the_robot_stands_before_the_object_and_not_in_the_floor(library: Path, 
     made = scene(1).model_copy(update={"objects": [low, block("chest_1", (1.9, 0.6, 0.35), (0.4, 0.45, 0.7))]})
     write_json(tmp_path / "scene_1.json", made)
     room = read_room(tmp_path / "scene_1.json", "cabinet_1", library, tmp_path)
-    options = TASK | {"object_xy": 0.0, "object_yaw": 0.0, "handle_height": 0.9}
+    options = TASK | {"object_xy": 0.0, "object_yaw": 0.0}
     task = demo_task(room, options)
     base = task.env.agent.robot.pose.sp.to_transformation_matrix()
     assert base[2, 3] == pytest.approx(0.0, abs=1e-6), (

@@ -12,6 +12,7 @@ import yaml
 from stages.config.model import load, merged
 from stages.contracts import InputError
 from stages.contracts.cousins import ObjectCousins
+from stages.vlm import endpoint
 from tests.refusals import refused
 from tests.unit.chat_server import Handler, chooses, pictures, says, serving
 from tests.unit.matching_data import SIZE, World
@@ -28,13 +29,14 @@ def world(tmp_path_factory: pytest.TempPathFactory) -> World:
 @pytest.fixture(autouse=True)
 def _no_proxy(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("no_proxy", "127.0.0.1")
+    monkeypatch.setattr(endpoint, "PAUSES", (0.001,) * 4)
 
 
 def judged(
     world: World, folder: Path, url: str, vlm: dict[str, Any] | None = None, seen: bool = True, **options: Any
 ) -> list[ObjectCousins]:
     """The objects that there are several models for: a cabinet with three, a shelf, a bowl with two."""
-    given = {"url": url, "model": "toy", "key_env": "", "ledger": str(folder / "ledger"), "wait": 0} | (vlm or {})
+    given = {"url": url, "model": "toy", "key_env": "", "ledger": str(folder / "ledger")} | (vlm or {})
     snapshots = world.snapshots if seen else []
     return several(world.match(folder / "cousins.json", snapshots=snapshots, vlm=given, **options).objects)
 

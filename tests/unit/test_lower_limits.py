@@ -15,7 +15,7 @@ from stages.tasks.api import TaskEnv
 from tests.unit.demo_assets import cabinet
 
 SHIFT = {"door": 0.4, "drawer": -0.25}  # what is added to both limits: radians, metres
-FULL = TaskConfig(points=64, finger_points=8, success_fraction=0.9)
+FULL = TaskConfig(points=64, success_fraction=0.9)
 
 
 def shifted(folder: Path, role: str) -> Path:

@@ -151,7 +151,7 @@ def test_weights_have_the_permissions_of_other_files(tmp_path: Path) -> None:
 
 # the state of an interrupted training
 
-SMALL = NetworkConfig(points=16, pointnet_width=8, rnn_hidden=8, mlp=[8], flag_embedding=1, gmm_modes=1)
+SMALL = NetworkConfig(points=16, pointnet_width=8, rnn_hidden=8, mlp=[8], gmm_modes=1)
 
 
 def training() -> tuple[TrainablePolicy, TrainingState]:

@@ -106,11 +106,6 @@ def test_articulated_objects_are_sought_among_articulated_assets() -> None:
     two_doors = {"articulated": True, "doors": 2}
     assert names(found({})) == ["cabinet_0", "cabinet_1", "cabinet_2"]
     assert names(found(two_doors, count_threshold=None)) == ["cabinet_0", "cabinet_1"]
-    assert names(found(two_doors, count_threshold=None, articulated_only=False)) == [
-        "cabinet_0",
-        "cabinet_1",
-        "cabinet_2",
-    ]
     assert names(found(two_doors)) == ["cabinet_0"]  # |2 - 1| + |0 - 3| = 4 > 2
     assert names(found(two_doors, count_threshold=3)) == ["cabinet_0"]
     assert names(found(two_doors, count_threshold=4)) == ["cabinet_0", "cabinet_1"]

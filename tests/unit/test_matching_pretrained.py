@@ -1,6 +1,5 @@
 """Matching by pretrained networks, here tiny random ones: patch encoder dinov2, text encoder clip."""
 
-import hashlib
 import json
 from dataclasses import replace
 from pathlib import Path
@@ -8,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stages.config.matching import MatchingConfig, PretrainedConfig
+from stages.config.matching import MatchingConfig
 from stages.matching.encoders import make_encoder
 from stages.matching.ranking import make_query
 from stages.matching.text_encoders import make_text_encoder, nearest_categories
@@ -35,16 +34,13 @@ def dinov2(**keys: object) -> MatchingConfig:
 
 
 def test_dinov2_encodes_patches_of_saved_weights(tiny_dinov2: Path) -> None:
-    encoder = make_encoder(dinov2(path=str(tiny_dinov2), batch=2))
+    encoder = make_encoder(dinov2(path=str(tiny_dinov2)))
     views = [view_of_box(0.1), view_of_box(0.9), view_of_box(2.0)]
     patches = encoder.encode(views)
     assert all(item.features.shape == (len(item.positions), 16) for item in patches)
     assert 0 < len(patches[0].features) <= 4 * 6
-    again = make_encoder(dinov2(path=str(tiny_dinov2), batch=3)).encode(views)
-    for one, other in zip(patches, again, strict=True):
-        np.testing.assert_allclose(one.features, other.features, atol=1e-5)
     query = make_query(views[0], encoder)
-    assert query is not None and query.patches.shape[1] == 16  # position has weight 0: left out
+    assert query is not None and query.patches.shape[1] == 16  # places have weight 0: left out
     empty = encoder.encode([replace(views[0], mask=np.zeros_like(views[0].mask))])[0]
     assert empty.features.shape == (0, 16)
 
@@ -52,10 +48,7 @@ def test_dinov2_encodes_patches_of_saved_weights(tiny_dinov2: Path) -> None:
 def test_dinov2_checks_its_weights(tiny_dinov2: Path, tmp_path: Path) -> None:
     from safetensors.torch import load_file, save_file
 
-    digest = hashlib.sha256((tiny_dinov2 / "model.safetensors").read_bytes()).hexdigest()
-    make_encoder(dinov2(path=str(tiny_dinov2), sha256=digest))
     for keys, code in (
-        ({"path": str(tiny_dinov2), "sha256": "0" * 64}, "E-WEIGHTS-CHECKSUM"),
         ({"path": ""}, "E-WEIGHTS-MISSING"),
         ({"path": str(tmp_path / "nowhere")}, "E-WEIGHTS-MISSING"),
         ({"path": str(tiny_dinov2), "height": 60}, "E-PATCH-SIZE"),
@@ -92,7 +85,7 @@ def tiny_clip(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_clip_compares_label_and_categories(tiny_clip: Path) -> None:
-    options = MatchingConfig(text_encoder="clip", clip=PretrainedConfig(path=str(tiny_clip)))
+    options = MatchingConfig(text_encoder="clip", clip=str(tiny_clip))
     text = make_text_encoder(options)
     result = nearest_categories("coffee table", CATEGORIES, 3, text)
     assert result[0] == ("coffee_table", 0.0) and 0 < result[1][1] <= 2
@@ -106,4 +99,4 @@ def test_clip_without_weights_or_tokenizer_says_what_to_do(tiny_clip: Path, tmp_
     for name in ("config.json", "model.safetensors"):
         (tmp_path / name).write_bytes((tiny_clip / name).read_bytes())
     with refused("E-TOKENIZER-MISSING"):
-        make_text_encoder(MatchingConfig(text_encoder="clip", clip=PretrainedConfig(path=str(tmp_path))))
+        make_text_encoder(MatchingConfig(text_encoder="clip", clip=str(tmp_path)))

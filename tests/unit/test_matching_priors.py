@@ -12,7 +12,7 @@ from stages.contracts.library import LibraryEntry
 from stages.contracts.objects import Box, Mounting, SceneObject
 from stages.matching.candidates import Candidates
 from stages.matching.colours import patch_colours
-from stages.matching.crop import cut, foreground
+from stages.matching.crop import foreground
 from stages.matching.encoders import make_encoder
 from stages.matching.priors import addends, misplaced, size_gap
 from stages.matching.ranking import make_query
@@ -134,6 +134,3 @@ def test_thin_parts_count_if_asked() -> None:
     mask[:12] = 1  # a table's top ...
     mask[:, 4:8] = 1  # ... and a leg of a third of a patch
     assert foreground(mask, 8, 8).sum() == 8 and foreground(mask, 8, 8, 0.3).sum() == 8 + 7
-    view = cut(view_of_box(0.4))
-    counts = [len(make_encoder(MatchingConfig(coverage=least)).encode([view])[0].positions) for least in (0.1, 0.9)]
-    assert counts[0] > counts[1]

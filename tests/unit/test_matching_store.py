@@ -8,7 +8,7 @@ import pytest
 from stages.config.matching import MatchingConfig
 from stages.contracts import Library, read_json
 from stages.contracts.cousins import CategoryMatch
-from stages.contracts.feature_rows import check_features
+from stages.contracts.features import check_features
 from stages.contracts.objects import SceneObject
 from stages.matching.candidates import Candidates
 from stages.matching.codec import learn

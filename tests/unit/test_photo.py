@@ -41,6 +41,13 @@ def tiny(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     return save_all(tmp_path_factory.mktemp("weights"))
 
 
+@pytest.fixture
+def _all_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Masks of random networks overlap, and some are tiny."""
+    monkeypatch.setattr(PhotoConfig, "overlap", 1.0)
+    monkeypatch.setattr(PhotoConfig, "min_share", 0.0)
+
+
 @pytest.fixture(scope="module")
 def room(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write_room(tmp_path_factory.mktemp("rooms") / "room", BOXES, ["cabinet", "box"])
@@ -80,12 +87,13 @@ def test_depth_is_in_metres_and_depth_pro_tells_the_focal_length(tiny: dict[str,
             assert focal is None
     depth_anything(tmp_path / "relative", "relative")
     with refused("E-WEIGHTS-KIND"):
-        depth_of(RGB, options(tiny, depth_anything={"path": str(tmp_path / "relative")}))
+        depth_of(RGB, options(tiny, depth_anything=str(tmp_path / "relative")))
 
 
+@pytest.mark.usefixtures("_all_kept")
 def test_a_picture_becomes_an_input_folder_by_saved_weights(tiny: dict[str, Any], tmp_path: Path) -> None:
     cv2.imwrite(str(tmp_path / "kitchen.png"), RGB)
-    given = json.dumps(tiny | {"labels": ["cabinet", "mug"], "overlap": 1.0})
+    given = json.dumps(tiny | {"labels": ["cabinet", "mug"]})
     files = []
     for name in ("one", "two"):
         estimate.run(image=tmp_path / "kitchen.png", out=tmp_path / name, options=given)
@@ -97,9 +105,9 @@ def test_a_picture_becomes_an_input_folder_by_saved_weights(tiny: dict[str, Any]
 
 def test_weights_that_are_not_there_are_one_line(tiny: dict[str, Any], tmp_path: Path) -> None:
     with refused("E-WEIGHTS-MISSING"):
-        detect(RGB, ["mug"], options(tiny, detector={"path": str(tmp_path / "nowhere")}))
-    with refused("E-WEIGHTS-CHECKSUM"):
-        segment(RGB, [], options(tiny, segmenter=tiny["segmenter"] | {"sha256": "0" * 64}))
+        detect(RGB, ["mug"], options(tiny, detector=str(tmp_path / "nowhere")))
+    with refused("E-WEIGHTS-BROKEN"):
+        segment(RGB, [], options(tiny, segmenter=tiny["detector"]))
 
 
 @pytest.fixture
@@ -135,7 +143,7 @@ def test_what_the_networks_see_is_what_extraction_finds(room: Path, known: list[
 
 
 def asked(server: ChatServer, tmp_path: Path, mounting: str = "geometry", **keys: Any) -> str:
-    vlm = {"url": server.url, "model": "toy", "ledger": str(tmp_path / "ledger"), "wait": 0, "reasks": 0} | keys
+    vlm = {"url": server.url, "model": "toy", "ledger": str(tmp_path / "ledger")} | keys
     return json.dumps({"captions": "vlm", "mounting": mounting, "vlm": vlm})
 
 
@@ -274,9 +282,10 @@ def test_pictures_that_cannot_be_read_so_are_one_line(tiny: dict[str, Any], tmp_
     assert name in str(raised.value) and "\n" not in str(raised.value) and not (tmp_path / "out").exists()
 
 
+@pytest.mark.usefixtures("_all_kept")
 def test_a_tiny_picture_is_read(tiny: dict[str, Any], tmp_path: Path) -> None:
     coarse = np.random.default_rng(2).integers(0, 255, (9, 12, 3), dtype=np.uint8)
     cv2.imwrite(str(tmp_path / "a.jpg"), cv2.resize(coarse, (48, 36), interpolation=cv2.INTER_NEAREST))
-    given = json.dumps(tiny | {"labels": ["cabinet"], "overlap": 1.0, "min_share": 0.0, "box_threshold": 0.01})
+    given = json.dumps(tiny | {"labels": ["cabinet"], "box_threshold": 0.01})
     estimate.run(image=tmp_path / "a.jpg", out=tmp_path / "out", options=given)
     assert read_scene_input(tmp_path / "out").rgb.shape == (36, 48, 3)

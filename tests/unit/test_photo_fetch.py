@@ -13,9 +13,8 @@ from typing import Any
 
 import pytest
 
-from stages.config.photo import FetchOptions, WeightsConfig
-from stages.inputs.fetch import fetched
-from tests.refusals import refused
+from stages.config.photo import PhotoConfig
+from stages.inputs.fetch import SOURCES, fetched
 
 COMMIT = "c0ffee" * 6 + "cafe"
 FILES = {"config.json": b"{}", "model.safetensors": b"weights " * 1000, "vocab.txt": b"mug", "model.bin": b"no"}
@@ -63,10 +62,11 @@ def hub() -> Iterator[str]:
         server.shutdown()
 
 
-def fetch(folder: Path, hub: str, **keys: Any) -> subprocess.CompletedProcess[str]:
+def fetch(folder: Path, hub: str) -> subprocess.CompletedProcess[str]:
     """The verb in a process of its own: the hub's address is read when its library is imported."""
-    network = {"path": str(folder / "net"), "source": "toy/net"} | keys
-    options = json.dumps(dict.fromkeys(("detector", "segmenter", "depth_anything"), network))
+    names = ("detector", "segmenter", "depth_anything")
+    options = json.dumps(dict.fromkeys(names, str(folder / "net")))
+    sources = json.dumps(dict.fromkeys(names, "toy/net"))
     command = [
         sys.executable,
         "-m",
@@ -74,6 +74,8 @@ def fetch(folder: Path, hub: str, **keys: Any) -> subprocess.CompletedProcess[st
         "fetch",
         "--options",
         options,
+        "--sources",
+        sources,
         "--out",
         str(folder / "all.json"),
     ]
@@ -90,7 +92,7 @@ def test_weights_come_once_and_say_what_they_are(hub: str, tmp_path: Path) -> No
     Hub.broken = True
     done = fetch(tmp_path, hub)
     assert done.returncode == 1 and not (tmp_path / "all.json").exists()
-    assert "photo.detector.source" in done.stderr and "what came stays" in done.stderr
+    assert "E-WEIGHTS-DOWNLOAD" in done.stderr and "what came stays" in done.stderr
     assert "Traceback" not in done.stderr
     Hub.broken, Hub.requests = False, []
     done = fetch(tmp_path, hub)
@@ -98,27 +100,24 @@ def test_weights_come_once_and_say_what_they_are(hub: str, tmp_path: Path) -> No
     assert not [path for path in Hub.requests if path.endswith("/model.bin")]
     record = json.loads((tmp_path / "all.json").read_text())["detector"]
     (locked,) = json.loads((tmp_path / "weights.lock.json").read_text()).items()
-    assert locked == ("toy/net@main", {"commit": COMMIT, "sha256": record["sha256"]})
+    assert locked == ("toy/net", {"commit": COMMIT, "sha256": record["sha256"]})
     assert done.stdout.count("from now on; keep the file") == 1  # three networks of one source
     assert record["commit"] == COMMIT and record["sha256"] == hashlib.sha256(FILES["model.safetensors"]).hexdigest()
     assert (tmp_path / "net/vocab.txt").read_bytes() == b"mug"
-    network = WeightsConfig(path=str(tmp_path / "net"), source="toy/net")
-    assert fetched(network, "photo.detector")["commit"] == COMMIT  # nobody is asked again
-    with refused("E-WEIGHTS-CHECKSUM"):
-        fetched(network.model_copy(update={"sha256": "0" * 64}), "photo.detector")
+    assert fetched(str(tmp_path / "net"), "toy/net", "photo.detector")["commit"] == COMMIT  # nobody is asked again
 
 
 def test_the_next_machine_gets_the_same_bytes_or_an_error(hub: str, tmp_path: Path) -> None:
     lock = tmp_path / "weights.lock.json"
     sha256 = hashlib.sha256(FILES["model.safetensors"]).hexdigest()
-    lock.write_text(json.dumps({"toy/net@main": {"commit": COMMIT, "sha256": sha256}}))
+    lock.write_text(json.dumps({"toy/net": {"commit": COMMIT, "sha256": sha256}}))
     assert fetch(tmp_path, hub).returncode == 0
     assert any(path.startswith(f"/api/models/toy/net/revision/{COMMIT}") for path in Hub.requests)
     assert not any("revision/main" in path for path in Hub.requests)
-    lock.write_text(json.dumps({"toy/net@main": {"commit": COMMIT, "sha256": "0" * 64}}))
+    lock.write_text(json.dumps({"toy/net": {"commit": COMMIT, "sha256": "0" * 64}}))
     done = fetch(tmp_path, hub)  # what lies here is looked at, too
     assert done.returncode == 1 and f"has sha256 {sha256}, locked is 0000" in done.stderr
-    lock.write_text('{"toy/net@main": {"commit": "main"}}')
+    lock.write_text('{"toy/net": {"commit": "main"}}')
     done = fetch(tmp_path, hub)
     assert done.returncode == 1 and "weights.lock.json: is broken at" in done.stderr and "Traceback" not in done.stderr
 
@@ -126,13 +125,11 @@ def test_the_next_machine_gets_the_same_bytes_or_an_error(hub: str, tmp_path: Pa
 def test_weights_of_ones_own_stay(tmp_path: Path) -> None:
     for name in ("config.json", "model.safetensors"):
         (tmp_path / name).write_bytes(FILES[name])
-    found = fetched(WeightsConfig(path=str(tmp_path), source="toy/other"), "photo.detector")
+    found = fetched(str(tmp_path), "toy/other", "photo.detector")
     assert found["sha256"] == hashlib.sha256(FILES["model.safetensors"]).hexdigest() and "commit" not in found
-    with refused("E-WEIGHTS-MISSING"):
-        fetched(WeightsConfig(path=str(tmp_path / "nowhere")), "photo.detector")
 
 
 def test_only_the_networks_that_are_used_are_fetched() -> None:
-    assert list(FetchOptions().networks()) == ["detector", "segmenter", "depth_anything"]
-    assert list(FetchOptions(depth="depth_pro").networks()) == ["detector", "segmenter", "depth_pro"]
-    assert all(network.source and network.path for network in FetchOptions().networks().values())
+    assert list(PhotoConfig().networks()) == ["detector", "segmenter", "depth_anything"]
+    assert list(PhotoConfig(depth="depth_pro").networks()) == ["detector", "segmenter", "depth_pro"]
+    assert {*PhotoConfig().networks(), "depth_pro"} == set(SOURCES)

@@ -12,7 +12,7 @@ import torch
 from stages.contracts import write_json
 from stages.contracts.task_options import TaskConfig
 from stages.contracts.trained import TrainedPolicy, TrainingStore
-from stages.contracts.training_run import HandleConfig, NetworkConfig, TrainingRun
+from stages.contracts.training_run import NetworkConfig, TrainingRun
 from stages.policies import closed_loop
 from stages.policies.bc_rnn_gmm import Policy
 from stages.policies.bc_rnn_gmm.loader import PortablePolicy
@@ -40,9 +40,7 @@ RUNS = (
         rnn_horizon=3,
     ),
     TrainingRun(network=NetworkConfig(points=40, mlp=[]), rnn_horizon=3),
-    TrainingRun(
-        network=NetworkConfig(points=40), rnn_horizon=3, handle=HandleConfig(flag=True, keep=True, middle=True)
-    ),
+    TrainingRun(network=NetworkConfig(points=40), rnn_horizon=3, handle=True),
 )
 
 

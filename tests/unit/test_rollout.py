@@ -156,7 +156,7 @@ def evaluate(
     assets_of: str = "",
     **options: object,
 ) -> list[dict[str, str]]:
-    settings = {"test_assets": ["twin", "cousin_2"], "rollouts": 5, "envs": 2, "assets": 0} | options
+    settings = {"test_assets": ["twin", "cousin_2"], "rollouts": 5, "assets": 0} | options
     rollout.run(
         policy=folder / "policy",
         assets=folder / "task.json",
@@ -281,7 +281,7 @@ def test_the_twin_is_tested_once_for_a_policy_that_was_trained_on_it(
 def trial(folder: Path, out: Path, **options: object) -> list[dict[str, str]]:
     files = {"policy": folder / "policy", "assets": folder / "task.json", "library": folder / "library.json"}
     names = {"task_name": "my_door", "training_set": "twin", "run_name": "lite"}
-    settings = {"checkpoint": "rollouts", "selection_rollouts": 3, "envs": 2} | options
+    settings = {"checkpoint": "rollouts", "selection_rollouts": 3} | options
     try_out.run(**files, **names, options=json.dumps(settings), out=out)  # type: ignore[arg-type]
     KINDS["rollouts"].check(out)
     return list(csv.DictReader(out.read_text().splitlines()))

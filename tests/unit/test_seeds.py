@@ -10,11 +10,10 @@ import pandas as pd
 import pytest
 import torch
 
-from stages.config.demonstrations import DemonstrationsConfig, RandomiseOptions
+from stages.config.demonstrations import RandomiseOptions
 from stages.config.experiment import ExperimentConfig
 from stages.config.tables import TablesConfig
 from stages.contracts.task_options import TaskConfig
-from stages.demonstrations.attempt import approach_speed
 from stages.demonstrations.collect import attempt_seeds
 from stages.evaluation.states import initial_states
 from stages.policies.bc_rnn_gmm.actor import Actor
@@ -40,7 +39,9 @@ def random_actions(seed: int) -> list[float]:
 def resamples(seed: int) -> list[Any]:
     places = pd.MultiIndex.from_tuples([("f", "a", 0), ("g", "b", 0), ("h", "c", 0)], names=PLACE)
     side = pd.DataFrame([[0.0, 1.0, 1.0]], columns=places)
-    return [array[:20].tolist() for (array,) in resampled([[side]], TablesConfig(seed=seed))]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(TablesConfig, "seed", seed)
+        return [array[:20].tolist() for (array,) in resampled([[side]], TablesConfig())]
 
 
 DRAWS: dict[str, Callable[[int], Any]] = {
@@ -50,7 +51,6 @@ DRAWS: dict[str, Callable[[int], Any]] = {
     "states of the split": lambda seed: initial_states("test", seed, 4, place=3),
     "initial state": lambda seed: str(sample_initial_state(seed, TaskConfig())),
     "camera": lambda seed: jitter(seed, 0, TaskConfig(camera_jitter=(0.1, 0.1))).tolist(),
-    "speed": lambda seed: approach_speed(seed, DemonstrationsConfig(approach_speed=(0.4, 0.6))),
     "factors": lambda seed: sample_factors(seed, RandomiseOptions()),
     "actions": random_actions,
     "batches": lambda seed: torch.rand(3, generator=generator(seed, 5)).tolist(),

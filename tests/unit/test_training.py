@@ -17,7 +17,7 @@ from stages.contracts.training_run import TrainingRun
 from stages.policies import make_policy
 from stages.policies.checkpoint import load_policy
 from stages.training import loop
-from stages.training.augment import augment, mirror_some
+from stages.training.augment import augment
 from stages.training.dataset import gather, read_demonstrations, split_episodes, windows
 from stages.training.state import TrainingState, copy_weights
 from stages.training.train import frames_of
@@ -26,18 +26,27 @@ from tests.refusals import refused
 from tests.toy_reach import ToyReach, write_store
 
 SMALL = {
-    "network": {"points": 64, "pointnet_width": 32, "rnn_hidden": 32, "mlp": [32], "flag_embedding": 8},
+    "network": {"points": 64, "pointnet_width": 32, "rnn_hidden": 32, "mlp": [32]},
     "batch_size": 8,
     "steps": 6,
     "log_every": 2,
-    "save_every": 2,
     "wandb": "disabled",
 }
+
+
+@pytest.fixture(autouse=True)
+def _save_often(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(TrainingRun, "save_every", 2)
 
 
 @pytest.fixture(scope="module")
 def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write_store(tmp_path_factory.mktemp("store") / "episodes.h5", episodes=60)
+
+
+def varied(**values: object) -> TrainingRun:
+    """A run with other values, fixed ones too."""
+    return TrainingRun().model_copy(update=values)
 
 
 def options(**changes: object) -> str:
@@ -167,7 +176,7 @@ def sequences() -> tuple[torch.Tensor, torch.Tensor]:
 
 
 def test_translation_keeps_hand_and_handle_together() -> None:
-    hyper = TrainingRun(translation_probability=0.5, jitter_probability=0)
+    hyper = varied(translation_probability=0.5, jitter_probability=0)
     clouds, proprio = augment(*sequences(), hyper, torch.Generator().manual_seed(0))
     assert torch.equal(clouds[:, :, 0, :3], proprio[..., :3])  # same shift for both
     assert (proprio == proprio[:, :1]).all()  # constant over the sequence
@@ -179,14 +188,14 @@ def test_translation_keeps_hand_and_handle_together() -> None:
 
 
 def test_official_translation_moves_the_cloud_alone() -> None:
-    hyper = TrainingRun(translation_mode="cloud_only", translation_probability=1, jitter_probability=0)
+    hyper = varied(translation_mode="cloud_only", translation_probability=1, jitter_probability=0)
     clouds, proprio = augment(*sequences(), hyper, torch.Generator().manual_seed(0))
     assert (proprio == 0).all()
     assert not torch.equal(clouds[:, 0], clouds[:, 1])
 
 
 def test_jitter_is_clipped() -> None:
-    hyper = TrainingRun(translation_probability=0, jitter_probability=1)
+    hyper = varied(translation_probability=0, jitter_probability=1)
     clouds, proprio = augment(*sequences(), hyper, torch.Generator().manual_seed(0))
     assert clouds[..., :3].abs().max() == pytest.approx(0.015)
     assert 0.005 < clouds[..., :3].std() < 0.01
@@ -242,9 +251,11 @@ def test_the_validation_loss_is_the_mean_over_steps_not_over_batches(store: Path
     assert found["validation_error"] == pytest.approx(2 * found["validation_loss"], abs=1e-4)
 
 
-def test_a_policy_is_fitted_to_its_training_episodes(store: Path, tmp_path: Path) -> None:
-    small = json.loads(options()) | {"validation_fraction": 0.5, "steps": 1}
-    train(episodes=(store,), per_store=8, out=tmp_path / "policy", options=json.dumps(small), seed=1)
+def test_a_policy_is_fitted_to_its_training_episodes(
+    store: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(TrainingRun, "validation_fraction", 0.5)
+    train(episodes=(store,), per_store=8, out=tmp_path / "policy", options=options(steps=1), seed=1)
     data = read_demonstrations([store], 8)
     training, validation = split_episodes(data, 0.5, 1)
     mean = load_file(tmp_path / "policy/policy.safetensors")["proprio_mean"]
@@ -257,7 +268,8 @@ def test_gradients_are_clipped(store: Path, tmp_path: Path) -> None:
     data = read_demonstrations([store], 4)
 
     def largest_change(clip: float) -> float:
-        run = TrainingRun.model_validate(json.loads(options(steps=1, weight_decay=0.0, gradient_clip=clip)))
+        run = TrainingRun.model_validate_json(options(steps=1, weight_decay=0.0))
+        run = run.model_copy(update={"gradient_clip": clip})
         torch.manual_seed(0)
         policy = make_policy(run)
         before = copy_weights(policy.state_dict())
@@ -284,7 +296,7 @@ def test_batches_are_put_together_where_the_frames_are(store: Path) -> None:
     data = read_demonstrations([store], 2).on("meta")
     frames, real = windows(data, [0, 1], 5, 5)
     random = torch.Generator().manual_seed(0)
-    batch = mirror_some(gather(data, frames, real, 20, random), 0.5, random)
-    clouds, proprio = augment(batch.clouds, batch.proprio, TrainingRun(jitter_probability=1), random)
+    batch = gather(data, frames, real, 20, random)
+    clouds, proprio = augment(batch.clouds, batch.proprio, varied(jitter_probability=1), random)
     assert clouds.device.type == proprio.device.type == batch.actions.device.type == batch.weights.device.type == "meta"
     assert clouds.shape == (len(frames), 5, 20, 4)

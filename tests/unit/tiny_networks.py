@@ -84,10 +84,10 @@ def depth_pro(folder: Path) -> None:
     model.save_pretrained(folder)
 
 
-def save_all(folder: Path) -> dict[str, dict[str, str]]:
+def save_all(folder: Path) -> dict[str, str]:
     """All of them, and the options that name them."""
     torch.manual_seed(0)
     makers = {"detector": detector, "segmenter": segmenter, "depth_anything": depth_anything, "depth_pro": depth_pro}
     for name, make in makers.items():
         make(folder / name)
-    return {name: {"path": str(folder / name)} for name in makers}
+    return {name: str(folder / name) for name in makers}

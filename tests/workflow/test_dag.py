@@ -52,11 +52,6 @@ def test_the_demonstration_makes_the_page_that_it_names(folder: Path) -> None:
     assert {"match", "generate", "draw_scenes", "scene_page"} <= set(jobs) and not {"train", "demonstrate"} & set(jobs)
 
 
-def test_the_encoder_is_trained_when_asked_for_alone(folder: Path) -> None:
-    jobs = planned(dry_run(folder, "encoder").stdout)
-    assert jobs["encoder_pairs"] == 1 and jobs["encoder"] == 1 and "library" not in jobs
-
-
 def test_rooms_that_are_not_ours_are_a_target(tmp_path: Path) -> None:
     folder = make(tmp_path / "clone")
     (folder / "benchmarks").symlink_to(ROOT / "benchmarks")
@@ -316,9 +311,8 @@ def test_the_network_is_for_language_models_that_are_asked() -> None:
         return online(Config.model_validate(yaml.safe_load(text)))
 
     assert of("{}") is None
-    assert of("matching: {model_selection: vlm, vlm: {key_env: MY_KEY}}") == ["MY_KEY"]
+    assert of("{matching: {model_selection: vlm}, vlm: {key_env: MY_KEY}}") == ["MY_KEY"]
     assert of("experiment: {variants: {b: {model_selection: vlm, vlm: {mode: replay}}}}") is None
-    assert of("matching: {clip: {path: openai/clip, download: true}}") == []
 
 
 def test_images_are_named_once_by_what_they_are_built_from() -> None:

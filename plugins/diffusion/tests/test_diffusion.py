@@ -9,7 +9,6 @@ import pytest
 import torch
 
 from plugins.diffusion.policies.diffusion import Policy, signal_levels
-from stages.config.training import LITE_HANDLE
 from stages.contracts.training_run import NetworkConfig, TrainingRun
 from stages.plugins import find
 from stages.policies import Choice, TrainablePolicy
@@ -134,7 +133,7 @@ def test_noise_ends_as_the_actions_where_the_network_knows_them(store: Path) -> 
 
 
 def test_it_sees_marked_handles(store: Path) -> None:
-    policy = policy_of(store, handle=LITE_HANDLE.handle)
+    policy = policy_of(store, handle=True)
     cloud = torch.rand(3, 6, 48, 4).round()
     loss, error = policy.loss(cloud, torch.rand(3, 6, 9), torch.rand(3, 6, 7), torch.ones(3, 6))
     loss.backward()

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts.depth import FARTHEST
+from stages.contracts.types import LARGEST
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.frames import yaw_matrix
 from stages.geometry.masks import polygon
@@ -96,7 +96,7 @@ def paint(project: Project, solved: Solved, stride: int = 1) -> Painted:
         masks[part][nearer] = values[item.id]
     outlines = [(item, polygon(item.outline, (view.height, view.width))[::stride, ::stride]) for item in outlined]
     _paint_outlined(outlines, solved, rays, depth, masks, values)
-    unseen = depth > FARTHEST
+    unseen = depth > LARGEST
     return Painted(np.where(unseen, 0, depth).astype(np.float32), np.where(unseen, 0, masks).astype(np.uint16), values)
 
 

@@ -6,7 +6,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts.depth import FARTHEST, NEAREST
+from stages.contracts.depth import NEAREST
+from stages.contracts.types import LARGEST
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.frames import yaw_matrix
 from stages.inputs.by_hand.metrology import (
@@ -221,7 +222,7 @@ def solve(project: Project) -> Solved:
     notes = {}
     try:
         above = _height(project, view)
-        if not NEAREST <= above <= FARTHEST:
+        if not NEAREST <= above <= LARGEST:
             raise MetrologyError(f"the camera would be {above:.3g} m above the floor")
     except MetrologyError as error:
         notes["scale"] = f"{error}; the camera is taken to be 1.5 m above the floor"
@@ -229,7 +230,7 @@ def solve(project: Project) -> Solved:
     room = _Room(project, replace(view, above=above), typed=True)
     for item in project.objects:
         box = room.boxes.get(item.id)
-        if box is not None and max(box.size) > FARTHEST:
+        if box is not None and max(box.size) > LARGEST:
             room.notes[item.id] = f"would be {max(box.size):.0f} m large"
             del room.boxes[item.id]
         elif box is not None:

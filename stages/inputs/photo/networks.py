@@ -22,7 +22,7 @@ from transformers import (
 )
 
 from stages.config.cameras import FIELD_OF_VIEW
-from stages.config.photo import PhotoConfig, WeightsConfig
+from stages.config.photo import PhotoConfig
 from stages.contracts import InputError
 from stages.contracts.depth import NEAREST, SKY
 from stages.pretrained import load_pretrained
@@ -99,14 +99,12 @@ def _detect(rgb: Picture, labels: Sequence[str], options: PhotoConfig, device: s
     return sorted(found, key=lambda detection: -detection.score)
 
 
-def _tokenizer(options: WeightsConfig, key: str) -> Any:
+def _tokenizer(folder: str, key: str) -> Any:
     try:
-        return AutoTokenizer.from_pretrained(
-            options.path, local_files_only=not options.download, revision=options.revision
-        )
+        return AutoTokenizer.from_pretrained(folder, local_files_only=True)
     except (OSError, ValueError, TypeError, KeyError):
-        what, fix = f"the tokenizer in '{options.path}' does not load.", "put tokenizer.json beside model.safetensors"
-        raise InputError(f"{key}.path", what, fix, code="E-TOKENIZER-MISSING") from None
+        what, fix = f"the tokenizer in '{folder}' does not load.", "put tokenizer.json beside model.safetensors"
+        raise InputError(key, what, fix, code="E-TOKENIZER-MISSING") from None
 
 
 def _texts(
@@ -161,9 +159,8 @@ def depth_of(rgb: Picture, options: PhotoConfig, device: str = "cpu") -> tuple[N
     with _freed(device):
         depth, focal = (_depth_pro if options.depth == "depth_pro" else _depth_anything)(rgb, options, device)
         if not np.isfinite(depth).all():
-            raise InputError(
-                f"photo.{options.depth}.path", "gives depth that is not finite.", "other weights", code="E-WEIGHTS-KIND"
-            )
+            what = "gives depth that is not finite."
+            raise InputError(f"photo.{options.depth}", what, "other weights", code="E-WEIGHTS-KIND")
         return np.clip(depth, NEAREST, SKY).astype(np.float32), focal
 
 
@@ -171,8 +168,8 @@ def _depth_anything(rgb: Picture, options: PhotoConfig, device: str) -> tuple[ND
     key, (height, width) = "photo.depth_anything", rgb.shape[:2]
     model = load_pretrained(DepthAnythingForDepthEstimation, options.depth_anything, key).to(device)
     if model.config.depth_estimation_type != "metric":
-        what = f"'{options.depth_anything.path}' gives relative depth, not metres."
-        raise InputError(f"{key}.path", what, "metric weights are asked for", code="E-WEIGHTS-KIND")
+        what = f"'{options.depth_anything}' gives relative depth, not metres."
+        raise InputError(key, what, "metric weights are asked for", code="E-WEIGHTS-KIND")
     patch, scale = model.config.patch_size, DEPTH_SIDE / min(width, height)
     across, down = (max(patch, round(side * scale / patch) * patch) for side in (width, height))
     depth = model(_pixels(rgb, across, down, IMAGENET).to(device)).predicted_depth[0].float().cpu().numpy()
@@ -186,12 +183,8 @@ def _depth_pro(rgb: Picture, options: PhotoConfig, device: str) -> tuple[NDArray
     result = model(_pixels(rgb, side, side, HALF).to(device))
     inverse = result.predicted_depth[0].float().cpu().numpy()
     if result.field_of_view is None:  # without it the depth has no scale
-        raise InputError(
-            "photo.depth_pro.path",
-            "tells no field of view.",
-            "weights with a field of view are needed",
-            code="E-WEIGHTS-KIND",
-        )
+        fix = "weights with a field of view are needed"
+        raise InputError("photo.depth_pro", "tells no field of view.", fix, code="E-WEIGHTS-KIND")
     degrees = float(result.field_of_view.flatten()[0])
     if not FIELD_OF_VIEW[0] < degrees < FIELD_OF_VIEW[1]:
         what = f"sees a field of view of {degrees:.0f} degrees."

@@ -30,7 +30,8 @@ def ground_of(points: NDArray[np.float64], rng: np.random.Generator) -> Plane | 
     Areas are weighted by tilt: seen from above, a wall's normal points up in the picture, too.
     """
     distance = float(np.median(points[:, 2])) if len(points) else 0.0
-    planes = level_planes(points, ExtractionConfig(max_tilt=TILT, plane_threshold=OFF * max(distance, OFF)), rng)
+    options = ExtractionConfig(max_tilt=TILT).model_copy(update={"plane_threshold": OFF * max(distance, OFF)})
+    planes = level_planes(points, options, rng)
     areas = [float(plane.inliers.sum() * (plane.normal @ UP_IN_IMAGE) ** 2) for plane in planes]
     large = [plane for plane, area in zip(planes, areas, strict=True) if area >= LARGE * max(areas)]
     return (max if distance < NEAR else min)(large, key=lambda plane: plane.offset, default=None)
@@ -70,7 +71,7 @@ def _standing(
     off = OFF * float(np.median(depth[seen]))
     above = seen & (points[..., 2] > off)
     on_ground = seen & (np.abs(points[..., 2]) < off)
-    options = ExtractionConfig(plane_threshold=off)
+    options = ExtractionConfig().model_copy(update={"plane_threshold": off})
     walls = find_walls(points[seen], above[seen], -ground.offset, options, rng)
     heights = [points @ normal - offset for normal, offset, _ in walls]
     inside = np.logical_and.reduce([above, *(height > 2 * off for height in heights)])

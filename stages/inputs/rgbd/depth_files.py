@@ -9,7 +9,8 @@ from PIL import Image
 
 from stages.contracts import InputError
 from stages.contracts.arrays import read_npz, readable
-from stages.contracts.depth import FARTHEST, NEAREST, SKY, check_depth
+from stages.contracts.depth import NEAREST, SKY, check_depth
+from stages.contracts.types import LARGEST
 
 MEASURED = 6.0  # metres: the median depth of frames of cameras is less; more in millimetres is another unit, mostly
 IMAGES = (".png", ".tif", ".tiff", ".pgm")
@@ -98,7 +99,7 @@ def in_metres(path: Path, raw: NDArray[Any], unit: str = "auto") -> tuple[NDArra
         )
     median = float(np.median(known))
     per_metre = _guessed(path, median, raw.dtype.kind in "iu") if unit == "auto" else _given(unit)
-    if not NEAREST <= median / per_metre <= FARTHEST:
+    if not NEAREST <= median / per_metre <= LARGEST:
         what = f"has the median {median:g}, which would be {median / per_metre:.3g} m: no room."
         raise InputError(
             path, what, "another --unit: m, mm, or the number that stands for one metre", code="E-DEPTH-UNIT"
@@ -113,11 +114,11 @@ def in_metres(path: Path, raw: NDArray[Any], unit: str = "auto") -> tuple[NDArra
 
 
 def _guessed(path: Path, median: float, whole: bool) -> float:
-    if not whole and NEAREST <= median <= FARTHEST:
+    if not whole and NEAREST <= median <= LARGEST:
         return UNITS["m"]
     if 1000 * NEAREST <= median <= 1000 * MEASURED:
         return UNITS["mm"]
-    if 1000 * MEASURED < median <= 1000 * FARTHEST:
+    if 1000 * MEASURED < median <= 1000 * LARGEST:
         what = f"has the median {median:g}: {median / 1000:.3g} m in millimetres, {median / 5000:.3g} m in 1/5000 m."
         raise InputError(
             path,

@@ -24,10 +24,7 @@ class Patches(NamedTuple):
 
 
 class PatchEncoder(Protocol):
-    """Made from the options of `matching`. Patches are compared by the L2 distance of their weighted rows.
-
-    `options.coverage` is what `foreground` of `stages/matching/crop.py` is to be told.
-    """
+    """Made from the options of `matching`. Patches are compared by the L2 distance of their weighted rows."""
 
     def settings(self) -> dict[str, Any]:
         """What the stored rows depend on, as plain data: another answer makes another feature store."""
@@ -81,5 +78,5 @@ def whole_weights(weights: NDArray[np.float32]) -> NDArray[np.float32]:
 
 def settings_digest(options: EncoderOptions, encoder: PatchEncoder) -> str:
     """16 hex digits that name the encoder with all that its stored rows depend on."""
-    text = json.dumps([options.encoder, encoder.settings(), options.coverage, COLUMNS], sort_keys=True)
+    text = json.dumps([options.encoder, encoder.settings(), COLUMNS], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:16]

@@ -21,39 +21,38 @@ class Encoder:
     """DINOv2 on the masked crop, resized without regard to its aspect ratio as in the official code."""
 
     def __init__(self, options: EncoderOptions) -> None:
-        self.options, self.coverage = options.dinov2, options.coverage
-        self.model = load_pretrained(Dinov2Model, self.options, "matching.dinov2")
+        self.options = options.dinov2
+        self.model = load_pretrained(Dinov2Model, self.options.path, "matching.dinov2.path")
         patch = self.model.config.patch_size
         height, width = self.options.height, self.options.width
         if height % patch or width % patch:
-            raise InputError(
-                "matching.dinov2", f"{height} x {width}: no multiple of {patch}.", "e.g. 224", code="E-PATCH-SIZE"
-            )
+            what = f"{height} x {width}: no multiple of {patch}."
+            raise InputError("matching.dinov2", what, "e.g. 224", code="E-PATCH-SIZE")
         self.rows, self.columns = height // patch, width // patch
 
     def settings(self) -> dict[str, Any]:
         """What a feature store depends on."""
-        return {"weights": weights_sha256(self.options), "height": self.options.height, "width": self.options.width}
+        return {
+            "weights": weights_sha256(self.options.path),
+            "height": self.options.height,
+            "width": self.options.width,
+        }
 
     def weights(self, depth: bool) -> NDArray[np.float32]:
-        """1 on the features, `position` on the patch position; depth is not used."""
-        return np.append(np.ones(self.model.config.hidden_size), [self.options.position] * 2).astype(np.float32)
+        """1 on the features, 0 on the patch position; depth is not used."""
+        return np.append(np.ones(self.model.config.hidden_size), [0, 0]).astype(np.float32)
 
     def encode(self, views: list[View]) -> list[Patches]:
-        """Foreground patches of each view; the network sees `batch` pictures at a time."""
-        patches: list[Patches] = []
-        for start in range(0, len(views), self.options.batch):
-            patches += self._encode(views[start : start + self.options.batch])
-        return patches
+        """Foreground patches of each view."""
+        return [self._encode(view) for view in views]
 
-    def _encode(self, views: list[View]) -> list[Patches]:
+    def _encode(self, view: View) -> Patches:
         grid = (self.rows, self.columns)
-        size = (self.options.width, self.options.height)
-        nothing = np.zeros((*size[::-1], 3), np.uint8), np.zeros(size[::-1], np.float32)
-        crops = [masked_square(cut(view), *size) if view.mask.any() else nothing for view in views]
-        pixels = np.stack([(picture / np.float32(255) - MEAN) / STD for picture, _ in crops]).astype(np.float32)
+        if not view.mask.any():
+            return Patches(np.empty((0, self.model.config.hidden_size), np.float32), np.empty((0, 2), np.float32))
+        picture, coverage = masked_square(cut(view), self.options.width, self.options.height)
+        pixels = ((picture / np.float32(255) - MEAN) / STD).astype(np.float32)
         with torch.inference_mode():
-            tokens = self.model(torch.from_numpy(pixels).permute(0, 3, 1, 2)).last_hidden_state[:, 1:]
-        features = tokens.reshape(len(views), *grid, -1).numpy()
-        kept = [foreground(coverage, *grid, self.coverage) for _, coverage in crops]
-        return [Patches(item[keep], patch_positions(*grid)[keep]) for item, keep in zip(features, kept, strict=True)]
+            tokens = self.model(torch.from_numpy(pixels).permute(2, 0, 1)[None]).last_hidden_state[0, 1:]
+        kept = foreground(coverage, *grid)
+        return Patches(tokens.reshape(*grid, -1).numpy()[kept], patch_positions(*grid)[kept])

@@ -27,7 +27,7 @@ class Encoder:
     """Dense HOG + normals + position (the weights were tuned on renderings, see docs/matching.md)."""
 
     def __init__(self, options: EncoderOptions) -> None:
-        self.options, self.coverage = options.hog, options.coverage
+        self.options = options.hog
 
     def settings(self) -> dict[str, Any]:
         """What a feature store depends on."""
@@ -50,7 +50,7 @@ class Encoder:
             return Patches(np.empty((0, GRADIENT_COLUMNS + NORMAL_COLUMNS), np.float32), np.empty((0, 2), np.float32))
         view = cut(view)
         picture, coverage = masked_square(view, size, size)
-        kept = foreground(coverage, grid, grid, self.coverage)
+        kept = foreground(coverage, grid, grid)
         gradients = descriptors(cell_histograms(picture, grid))[kept]
         normals = neighbourhood(patch_normals(view, grid))[kept]
         return Patches(np.concatenate([gradients, normals], axis=1), patch_positions(grid, grid)[kept])

@@ -11,14 +11,16 @@ from stages.matching.ranking import DIGITS, compare, make_query
 from stages.matching.synthesis.rendering import render
 from stages.matching.synthesis.workbench import Workbench
 
+RESOLUTION = 192  # pixels along the longer side of these views, as of a crop for `hog`
+
 
 class Judge:
-    """`rerender` of the options; models are left in their order by distance, as in the paper."""
+    """Models are left in their order by distance, as in the paper."""
 
     def __init__(self, options: MatchingConfig) -> None:
         self.options = options
         self.encoder = make_encoder(options)
-        self.workbench = Workbench("rerender", options.rerender.resolution)
+        self.workbench = Workbench("rerender", RESOLUTION)
 
     def models(self, question: Question, by_votes: list[Candidate], by_distance: list[Candidate]) -> list[Candidate]:
         """By distance."""

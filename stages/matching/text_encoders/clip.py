@@ -17,21 +17,16 @@ class TextEncoder:
     """Distances between texts; each text is encoded once."""
 
     def __init__(self, settings: MatchingConfig) -> None:
-        options = settings.clip
-        self.model = load_pretrained(CLIPTextModelWithProjection, options, "matching.clip")
+        folder = settings.clip
+        self.model = load_pretrained(CLIPTextModelWithProjection, folder, "matching.clip")
         fix = "put vocab.json and merges.txt beside model.safetensors"
-        folder = Path(options.path)
-        if folder.is_dir() and not any((folder / name).is_file() for name in ("vocab.json", "tokenizer.json")):
-            raise InputError(
-                "matching.clip.path", f"'{options.path}' has no tokenizer.", fix, code="E-TOKENIZER-MISSING"
-            )
+        if not any(Path(folder, name).is_file() for name in ("vocab.json", "tokenizer.json")):
+            raise InputError("matching.clip", f"'{folder}' has no tokenizer.", fix, code="E-TOKENIZER-MISSING")
         try:
-            self.tokenizer = CLIPTokenizer.from_pretrained(
-                options.path, local_files_only=not options.download, revision=options.revision
-            )
+            self.tokenizer = CLIPTokenizer.from_pretrained(folder, local_files_only=True)
         except (OSError, ValueError, TypeError):
-            what = f"the tokenizer in '{options.path}' does not load."
-            raise InputError("matching.clip.path", what, fix, code="E-TOKENIZER-BROKEN") from None
+            what = f"the tokenizer in '{folder}' does not load."
+            raise InputError("matching.clip", what, fix, code="E-TOKENIZER-BROKEN") from None
         self.known: dict[str, NDArray[np.float64]] = {}
 
     def distance(self, label: str, categories: Sequence[str]) -> NDArray[np.float64]:

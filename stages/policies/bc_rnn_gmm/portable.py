@@ -38,8 +38,8 @@ def portable(policy: BcRnnGmm, choose: Choice) -> tuple[dict[str, Tensor], dict[
     return {name: tensor.detach().clone() for name, tensor in weights.items()}, {
         "points": network.points,
         "flags": policy.flags,
-        "keep_flagged": policy.run.handle.keep,
-        "middle": policy.run.handle.middle,
+        "keep_flagged": policy.run.handle,
+        "middle": policy.run.handle,
         "gripper_frame": float(network.cloud_frame == "gripper"),
         "point_layers": network.pointnet_layers,
         "features": policy.lstm.input_size,

@@ -1,29 +1,30 @@
-"""Verb `render`: photograph models that are in no library, twice each, with the correspondences of patches."""
+"""Photograph models that are in no library, twice each, with the correspondences of patches."""
 
+import json
 import tempfile
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from plugins.patchnet.network import GRID, SIZE
+from plugins.patchnet.training.assemblies import assembly
+from plugins.patchnet.training.options import PairOptions
+from plugins.patchnet.training.pairs import blemished, crop, hidden, matches
+from plugins.patchnet.training.studio import ChanceStudio, camera_from_object
 from stages.articulated.asset_folder import Description, write_asset
 from stages.assets.snapshots import Turntable
 from stages.cli import progress
 from stages.config.assets import SnapshotOptions
-from stages.config.encoder import PairOptions
 from stages.contracts.errors import InputError
-from stages.contracts.files import atomic, read_options
+from stages.contracts.files import atomic
 from stages.contracts.library import Asset
-from stages.encoder.assemblies import assembly
-from stages.encoder.pairs import blemished, crop, hidden, matches
-from stages.encoder.studio import ChanceStudio, camera_from_object
 from stages.geometry.frames import SYMMETRY_PERIOD
 from stages.matching.crop import View
 from stages.matching.snapshots import up_of_camera
-from stages.patchnet.network import GRID, SIZE
 from stages.procedural.catalogue import CATEGORIES, sample
 from stages.procedural.folder import LICENCE, build
 from stages.procedural.refinishing import refinished
@@ -45,23 +46,25 @@ class Pair:
     yaw: float
 
 
-def run(*, shard: int, shards: int, out: Path, options: str = "{}", seed: int = 0) -> None:
-    """Photograph every `shards`-th model, beginning with number `shard`.
+def render(out: Path, config: PairOptions, seed: int) -> None:
+    """Write the HDF5 file `out`, if it is not there from the same options and seed.
 
-    Args:
-        shard: which part, 0 to shards - 1.
-        shards: number of parts.
-        out: the HDF5 file.
-        options: JSON of the pictures' keys of the config section `encoder`.
-        seed: of models and pictures.
+    Raises:
+        InputError: a category that is held out does not exist.
     """
-    config = read_options(PairOptions, options)
     unknown = sorted(set(config.held_out) - set(CATEGORIES))
     if unknown:
-        raise InputError("encoder.held_out", f"no category '{unknown[0]}'.", f"one of {', '.join(CATEGORIES)}")
-    wanted = models(config)[shard::shards]
+        fix = f"one of {', '.join(CATEGORIES)}"
+        raise InputError("--pairs.held-out", f"no category '{unknown[0]}'.", fix, code="E-CATEGORY-UNKNOWN")
+    about = json.dumps([asdict(config), seed])
+    if out.is_file():
+        with h5py.File(out) as file:
+            if file.attrs.get("about") == about:
+                return
+    wanted = models(config)
     photographer, count = Photographer(), len(wanted) * config.views
     with atomic(out) as temporary, h5py.File(temporary, "w") as file:
+        file.attrs["about"] = about
         crops = file.create_dataset("crops", (count, 2, SIZE, SIZE, 4), "u1")  # picture, snapshot
         matched = file.create_dataset("matches", (count, GRID * GRID), "i2")
         yaws = file.create_dataset("yaws", (count,), "f4")
@@ -76,7 +79,7 @@ def run(*, shard: int, shards: int, out: Path, options: str = "{}", seed: int = 
 
 
 def models(config: PairOptions) -> list[tuple[str, int]]:
-    """Category and number of all models, mixed, so that all shards have some of all."""
+    """Category and number of all models."""
     wanted = [(category, k) for k in range(config.models) for category in CATEGORIES if category not in config.held_out]
     return wanted + [(ASSEMBLY, k) for k in range(config.assemblies)]
 

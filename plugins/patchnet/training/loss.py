@@ -4,7 +4,7 @@ import torch
 from torch import Tensor
 from torch.nn import functional
 
-from stages.patchnet.network import GRID
+from plugins.patchnet.network import GRID
 
 SAME_TURN = 0.1  # radians by which two snapshots may differ that look the same
 

@@ -1,4 +1,4 @@
-"""Encoder: pairs of pictures with their correspondences, the losses, training that can be repeated and resumed."""
+"""Pairs of pictures with their correspondences, the losses, training that can be repeated and resumed."""
 
 import json
 from pathlib import Path
@@ -8,19 +8,19 @@ import numpy as np
 import pytest
 import torch
 
-from stages.config.encoder import EncoderTrainingOptions
-from stages.contracts import InputError
-from stages.encoder import train as encoder_train
-from stages.encoder.batches import Pairs, draw, mirror
-from stages.encoder.loss import losses, same_looks
-from stages.encoder.pairs import NONE, foreground_of, hidden, matches
+from plugins.patchnet.network import GRID, SIZE, PatchNet, seen_categories
+from plugins.patchnet.training import train as module
+from plugins.patchnet.training.batches import Pairs, draw, mirror
+from plugins.patchnet.training.loss import losses, same_looks
+from plugins.patchnet.training.options import TrainingOptions
+from plugins.patchnet.training.pairs import NONE, foreground_of, hidden, matches
 from stages.geometry.cameras import back_project, look_at
 from stages.geometry.frames import inverse, rigid, yaw_matrix
-from stages.patchnet.network import GRID, SIZE, PatchNet, seen_categories
+from tests.refusals import refused
 from tests.unit.matching_data import view_of_box
 
 PATCHES = GRID * GRID
-train = encoder_train.run
+train = module.train
 
 
 def box_from_camera(yaw: float) -> np.ndarray:
@@ -80,7 +80,7 @@ def test_snapshots_look_the_same_as_the_symmetry_says() -> None:
 @pytest.fixture(scope="module")
 def pairs(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Four models of coloured noise, three views each, whose two pictures are equal."""
-    path = tmp_path_factory.mktemp("pairs") / "pairs_0.h5"
+    path = tmp_path_factory.mktemp("pairs") / "pairs.h5"
     rng = np.random.default_rng(0)
     noise = rng.integers(0, 255, (12, 1, GRID, GRID, 4), dtype=np.uint8).repeat(2, axis=1)
     crops = noise.repeat(SIZE // GRID, axis=2).repeat(SIZE // GRID, axis=3)
@@ -92,33 +92,33 @@ def pairs(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-def options(steps: int) -> str:
-    return json.dumps({"steps": steps, "batch_models": 2, "batch_views": 2, "warm_up": 2, "save_every": 4})
+def options(steps: int) -> TrainingOptions:
+    return TrainingOptions(steps=steps, batch_models=2, batch_views=2, warm_up=2, save_every=4)
 
 
 def test_training_learns_and_goes_on_where_it_was(pairs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(encoder_train, "LOG_EVERY", 1)
-    train(pairs=[pairs], out=tmp_path / "whole", options=options(14), seed=3)
-    train(pairs=[pairs], out=tmp_path / "parts", options=options(6), seed=3)  # its last state is that of step 4
-    train(pairs=[pairs], out=tmp_path / "parts", options=options(14), seed=3)
+    monkeypatch.setattr(module, "LOG_EVERY", 1)
+    train(pairs, tmp_path / "whole", options(14), 3)
+    train(pairs, tmp_path / "parts", options(6), 3)  # its last state is that of step 4
+    train(pairs, tmp_path / "parts", options(14), 3)
     whole, parts = ((tmp_path / name / "patchnet.safetensors").read_bytes() for name in ("whole", "parts"))
     assert whole == parts and len(whole) < 8e6
     assert seen_categories(tmp_path / "whole/patchnet.safetensors") == ["noise"]
     match = [json.loads(line)["match"] for line in (tmp_path / "whole/metrics.jsonl").read_text().splitlines()]
     assert len(match) == 14 and min(match[-4:]) < 0.9 * match[0]
-    train(pairs=[pairs], out=tmp_path / "parts", options=options(2), seed=4)  # another run does not go on from it
+    train(pairs, tmp_path / "parts", options(2), 4)  # another run does not go on from it
     assert (tmp_path / "parts/patchnet.safetensors").read_bytes() != whole
 
 
 def test_the_largest_seed_trains(pairs: Path, tmp_path: Path) -> None:
-    train(pairs=[pairs], out=tmp_path, options=options(1), seed=2**53 - 1)
+    train(pairs, tmp_path, options(1), 2**53 - 1)
     assert (tmp_path / "patchnet.safetensors").is_file()
 
 
 def test_a_batch_depends_on_seed_and_step_alone(pairs: Path) -> None:
-    chosen = EncoderTrainingOptions(batch_models=3, batch_views=2)
-    one, again, next_one = (draw(Pairs([pairs]), step, 0, chosen) for step in (5, 5, 6))
-    other_seed = draw(Pairs([pairs]), 5, 2**53 - 1, chosen)
+    chosen = TrainingOptions(batch_models=3, batch_views=2)
+    one, again, next_one = (draw(Pairs(pairs), step, 0, chosen) for step in (5, 5, 6))
+    other_seed = draw(Pairs(pairs), 5, 2**53 - 1, chosen)
     assert not torch.equal(one.crops, other_seed.crops)
     assert torch.equal(one.crops, again.crops) and not torch.equal(one.crops, next_one.crops)
     assert one.crops.shape == (2, 6, 4, SIZE, SIZE) and one.crops.abs().max() <= 1.001
@@ -132,8 +132,8 @@ def test_patches_are_unit_vectors() -> None:
 
 
 def test_missing_pairs_are_named(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"pairs_7\.h5"):
-        train(pairs=[tmp_path / "pairs_7.h5"], out=tmp_path / "out")
+    with refused("E-FILE-MISSING"):
+        train(tmp_path / "pairs.h5", tmp_path / "out", TrainingOptions(), 0)
 
 
 def test_back_projection_is_what_the_matches_rest_on() -> None:

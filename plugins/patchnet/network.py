@@ -95,17 +95,18 @@ def load(path: Path = WEIGHTS) -> PatchNet:
 
     from stages.contracts.errors import InputError
 
-    fix = "snakemake encoder makes one: results/encoder/patchnet.safetensors"
+    fix = "python -m plugins.patchnet makes one: results/patchnet/patchnet.safetensors"
     try:
         weights = {name: value.float() for name, value in load_file(path).items()}
     except (OSError, SafetensorError) as error:
-        raise InputError(path, f"cannot be read: {error}.", fix) from None
+        raise InputError(path, f"cannot be read: {error}.", fix, code="E-WEIGHTS-UNREADABLE") from None
     network = PatchNet()
     try:
         missing, unexpected = network.load_state_dict(weights, strict=False)
     except RuntimeError:
-        raise InputError(path, "holds weights of other sizes.", fix) from None
+        raise InputError(path, "holds weights of other sizes.", fix, code="E-WEIGHTS-OTHER") from None
     lacking = [name for name in missing if not name.endswith("num_batches_tracked")]
     if lacking or unexpected:
-        raise InputError(path, f"holds other weights, e.g. {[*lacking, *unexpected][0]}.", fix)
+        what = f"holds other weights, e.g. {[*lacking, *unexpected][0]}."
+        raise InputError(path, what, fix, code="E-WEIGHTS-OTHER")
     return network.eval().to(memory_format=torch.channels_last)  # type: ignore[call-overload,no-any-return]

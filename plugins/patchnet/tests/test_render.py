@@ -1,24 +1,28 @@
-"""Encoder: what is photographed for training."""
+"""What is photographed for training."""
 
-import json
 from pathlib import Path
 
 import h5py
 import numpy as np
-import pytest
 
-from stages.contracts import InputError
-from stages.encoder.assemblies import assembly
-from stages.encoder.render import run as render
+from plugins.patchnet.training.assemblies import assembly
+from plugins.patchnet.training.options import PairOptions
+from plugins.patchnet.training.render import render
 from stages.procedural.catalogue import CATEGORIES
+from tests.refusals import refused
 
 
 def test_pairs_are_repeated_byte_for_byte_and_leave_categories_out(tmp_path: Path) -> None:
     held_out = [category for category in CATEGORIES if category not in ("stool", "bottle")]
-    options = json.dumps({"held_out": held_out, "models": 1, "assemblies": 1, "views": 3})
+    options = PairOptions(tuple(held_out), models=1, assemblies=1, views=3)
     for name in ("one", "again"):
-        render(shard=0, shards=1, out=tmp_path / f"{name}.h5", options=options, seed=5)
+        render(tmp_path / f"{name}.h5", options, 5)
     assert (tmp_path / "one.h5").read_bytes() == (tmp_path / "again.h5").read_bytes()
+    written = (tmp_path / "one.h5").stat().st_mtime_ns
+    render(tmp_path / "one.h5", options, 5)
+    assert (tmp_path / "one.h5").stat().st_mtime_ns == written  # it is there
+    render(tmp_path / "again.h5", options, 6)
+    assert (tmp_path / "again.h5").read_bytes() != (tmp_path / "one.h5").read_bytes()
     with h5py.File(tmp_path / "one.h5") as file:
         assert sorted(name.decode() for name in file["models"]) == ["assembly_0", "bottle_0", "stool_0"]
         shares = (file["crops"][..., 3] >= 128).mean(axis=(2, 3))
@@ -29,8 +33,8 @@ def test_pairs_are_repeated_byte_for_byte_and_leave_categories_out(tmp_path: Pat
 
 
 def test_an_unknown_category_cannot_be_held_out(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="no category 'unicorn'"):
-        render(shard=0, shards=1, out=tmp_path / "x.h5", options='{"held_out": ["unicorn"]}')
+    with refused("E-CATEGORY-UNKNOWN"):
+        render(tmp_path / "x.h5", PairOptions(("unicorn",)), 0)
 
 
 def test_assemblies_are_solids_of_any_shape() -> None:

@@ -1,7 +1,6 @@
-"""Patch encoder `patchnet`: our own small network, trained on renders alone, beside the columns of `hog`.
+"""Patch encoder `patchnet`: a small network, trained on renders alone, beside the columns of `hog`.
 
-Its weights lie in stages/patchnet with their model card. What the network says of a patch, its gradients, normals and
-position are stored unweighted side by side: weights are laid on when patches are compared.
+Network vectors, gradients, normals and positions are stored unweighted, side by side.
 """
 
 import hashlib
@@ -10,20 +9,44 @@ from typing import Any
 import numpy as np
 import torch
 from numpy.typing import NDArray
+from pydantic import ValidationError
 
+from plugins.patchnet.network import COLUMNS, GRID, SIZE, WEIGHTS, load, network_input
 from stages.config.matching import EncoderOptions, HogConfig
+from stages.contracts import InputError
+from stages.contracts.files import first_error
+from stages.contracts.section import NotNegative, Section
 from stages.matching.crop import View, cut, foreground, masked_square
 from stages.matching.encoders import Patches, hog
 from stages.matching.normals import NORMAL_COLUMNS
-from stages.patchnet.network import COLUMNS, GRID, SIZE, WEIGHTS, load, network_input
+
+
+class Weights(Section):
+    """`matching: {own: {patchnet: ...}}`. What counts how much, when the network's vectors have weight 1.
+
+    Attributes:
+        hog: of the gradients.
+        normals: of the surface normals; 0: never used.
+        position: of a patch's place in the crop, with normals.
+        position_alone: the same, without normals.
+    """
+
+    hog: NotNegative = 1.0
+    normals: NotNegative = 1.8
+    position: NotNegative = 1.5
+    position_alone: NotNegative = 2.0
 
 
 class Encoder:
     """The network's unit vectors, then gradients and normals as `hog` has them, on the same patches."""
 
     def __init__(self, options: EncoderOptions) -> None:
-        self.options, self.coverage = options.patchnet, options.coverage
-        self.hog = hog.Encoder(EncoderOptions(coverage=options.coverage, hog=HogConfig(image_size=SIZE, grid=GRID)))
+        try:
+            self.options = Weights.model_validate(options.own.get("patchnet", {}))
+        except ValidationError as error:
+            fix = f"the keys are {', '.join(Weights.model_fields)}: numbers of 0 or more"
+            raise InputError("matching.own.patchnet", f"{first_error(error)}.", fix, code="E-PATCHNET-OPTION") from None
+        self.hog = hog.Encoder(EncoderOptions(hog=HogConfig(image_size=SIZE, grid=GRID)))
         self.network = load()
 
     def settings(self) -> dict[str, Any]:
@@ -56,7 +79,4 @@ class Encoder:
         with torch.inference_mode():
             maps = self.network(network_input(np.stack([picture for picture, _ in crops]), np.stack(bytes_)))
         grids = maps.permute(0, 2, 3, 1).contiguous().numpy()
-        return [
-            grid[foreground(coverage, GRID, GRID, self.coverage)]
-            for grid, (_, coverage) in zip(grids, crops, strict=True)
-        ]
+        return [grid[foreground(coverage, GRID, GRID)] for grid, (_, coverage) in zip(grids, crops, strict=True)]

@@ -1,6 +1,6 @@
 """All patch encoders on one task: find the category, the model and the turn of models in pictures they never saw.
 
-    python -m benchmarks.encoders [--models 4] [--queries 2] [--encoders hog patchnet] [--dinov2 weights/dinov2_small]
+    python -m plugins.patchnet.benchmark [--models 4] [--queries 2] [--encoders hog patchnet] [--dinov2 FOLDER]
 
 Makes a small library of its own (other models than any library and any training), photographs it as `snapshots` does,
 and asks for every model twice: in other light, colours and proportions, from other heights and distances, partly
@@ -22,18 +22,20 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from plugins.patchnet.encoders.patchnet import Weights
+from plugins.patchnet.network import seen_categories
+from plugins.patchnet.training.pairs import blemished, hidden
+from plugins.patchnet.training.render import MODELS, PAINTED, make
+from plugins.patchnet.training.studio import ChanceStudio
 from stages.assets.snapshots import Turntable
 from stages.config.assets import SnapshotOptions
-from stages.config.matching import Dinov2Config, EncoderOptions, HogConfig, PatchNetConfig
-from stages.encoder.pairs import blemished, hidden
-from stages.encoder.render import MODELS, PAINTED, make
-from stages.encoder.studio import ChanceStudio
+from stages.config.matching import Dinov2Config, EncoderOptions, HogConfig
+from stages.contracts.section import Section
 from stages.geometry.frames import angle_difference
 from stages.matching.crop import View
 from stages.matching.encoders import PatchEncoder, Patches, make_encoder
 from stages.matching.snapshots import up_of_camera
 from stages.matching.voting import embedding_distance
-from stages.patchnet.network import seen_categories
 from stages.procedural.catalogue import CATEGORIES
 
 YAWS = 24
@@ -163,14 +165,16 @@ def row(found: list[Answer]) -> str:
 
 def variants(name: str, dinov2: str) -> dict[str, EncoderOptions]:
     """Rows of an encoder and its options, which differ in weights alone."""
-    alone = PatchNetConfig(hog=0, normals=0, position=0, position_alone=0)
-    lighter = PatchNetConfig(hog=0.5, normals=1, position=1, position_alone=0.6)
-    patchnet = {"patchnet: the network alone": alone, "patchnet: lighter hog": lighter, "patchnet": PatchNetConfig()}
-    known = {
+    alone = Weights(hog=0, normals=0, position=0, position_alone=0)
+    lighter = Weights(hog=0.5, normals=1, position=1, position_alone=0.6)
+    known: dict[str, dict[str, Section]] = {
         "hog": {"hog: gradients alone": HogConfig(normals=0, position_alone=0), "hog": HogConfig()},
-        "patchnet": patchnet,
         "dinov2": {"dinov2": Dinov2Config(path=dinov2)} if dinov2 else {},
     }
+    if name == "patchnet":
+        module = "plugins.patchnet.encoders.patchnet"
+        rows = {"patchnet: the network alone": alone, "patchnet: lighter hog": lighter, "patchnet": Weights()}
+        return {title: EncoderOptions(encoder=module, own={name: each.model_dump()}) for title, each in rows.items()}
     return {
         title: EncoderOptions.model_validate({"encoder": name, name: options}) for title, options in known[name].items()
     }

@@ -6,10 +6,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from plugins.patchnet.network import GRID, SIZE
 from stages.geometry.frames import apply
 from stages.geometry.masks import pixel_bounds
 from stages.matching.crop import View, cut, foreground, masked_square
-from stages.patchnet.network import GRID, SIZE
 
 Array = NDArray[np.float64]
 Rng = np.random.Generator

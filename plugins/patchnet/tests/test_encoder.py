@@ -1,20 +1,24 @@
-"""Matching: the patch encoder patchnet, and its file of weights."""
+"""The encoder, and its file of weights."""
 
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+import torch
+import yaml
+from safetensors.torch import save_file
 
+from plugins.patchnet import network
+from plugins.patchnet.encoders.patchnet import Encoder
 from stages.config.matching import MatchingConfig
-from stages.contracts import InputError
+from stages.config.model import load, merged
 from stages.matching.encoders import make_encoder, settings_digest
-from stages.matching.encoders.patchnet import Encoder
 from stages.matching.ranking import make_query
-from stages.patchnet import network
+from tests.refusals import refused
 from tests.unit.matching_data import view_of_box
 
-OPTIONS = MatchingConfig(encoder="patchnet")
+OPTIONS = MatchingConfig(encoder="plugins.patchnet.encoders.patchnet")
 
 
 @pytest.fixture(scope="module")
@@ -51,9 +55,8 @@ def test_the_same_box_turned_a_little_is_nearer_than_turned_a_lot(encoder: Encod
 
 
 def test_weights_are_laid_on_when_patches_are_compared(encoder: Encoder) -> None:
-    changed = OPTIONS.model_copy(update={"patchnet": OPTIONS.patchnet.model_copy(update={"hog": 0.0})})
+    changed = OPTIONS.model_copy(update={"own": {"patchnet": {"hog": 0.0}}})
     assert settings_digest(changed, make_encoder(changed)) == settings_digest(OPTIONS, encoder)
-    assert changed.store() == OPTIONS.store() != MatchingConfig().store()
     view = view_of_box(0.4)
     lengths = [
         query.patches.shape[1]
@@ -69,7 +72,22 @@ def test_weights_that_are_not_those_of_the_network_are_refused(tmp_path: Path) -
     assert len(whole) < 8e6
     for name, content in (("none", b""), ("half", whole[: len(whole) // 2]), ("text", b"no weights at all")):
         (tmp_path / name).write_bytes(content)
-        with pytest.raises(InputError, match=name):
+        with refused("E-WEIGHTS-UNREADABLE"):
             network.load(tmp_path / name)
-    with pytest.raises(InputError, match="missing"):
+    with refused("E-WEIGHTS-UNREADABLE"):
         network.load(tmp_path / "missing")
+    save_file({"head.bias": torch.zeros(3)}, tmp_path / "other")
+    with refused("E-WEIGHTS-OTHER"):
+        network.load(tmp_path / "other")
+
+
+@pytest.mark.parametrize("own", [{"hogg": 1.0}, {"hog": -1.0}])
+def test_weights_of_the_parts_that_cannot_be_are_refused(own: dict[str, float]) -> None:
+    with refused("E-PATCHNET-OPTION"):
+        make_encoder(OPTIONS.model_copy(update={"own": {"patchnet": own}}))
+
+
+def test_the_shipped_swap_finds_it_by_its_name() -> None:
+    swap = yaml.safe_load(Path("config/swaps/patchnet.yaml").read_text())
+    config = load(merged(yaml.safe_load(Path("config.yaml").read_text()), swap))
+    assert config.matching_of("b").encoder == OPTIONS.encoder

@@ -1,8 +1,8 @@
-"""Verb `train`: train the network of the patch encoder on rendered pairs. One thread: the same weights every time."""
+"""Train the network on rendered pairs. One thread: the same weights every time."""
 
 import json
 import time
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 
 import torch
@@ -10,12 +10,12 @@ from safetensors.torch import save
 from torch import Tensor, nn
 from torch.optim.swa_utils import AveragedModel, get_ema_multi_avg_fn
 
+from plugins.patchnet.network import PatchNet
+from plugins.patchnet.training.batches import Batch, Pairs, draw
+from plugins.patchnet.training.loss import losses, same_looks
+from plugins.patchnet.training.options import TrainingOptions
 from stages.cli import progress
-from stages.config.encoder import EncoderTrainingOptions
-from stages.contracts.files import atomic, read_options
-from stages.encoder.batches import Batch, Pairs, draw
-from stages.encoder.loss import losses, same_looks
-from stages.patchnet.network import PatchNet
+from stages.contracts.files import atomic
 
 STATE = "state.pt"
 QUERIES = 1024  # patches of a batch that are compared
@@ -36,20 +36,19 @@ class Run:
     lines: list[Line] = field(default_factory=list)
 
 
-def run(*, pairs: list[Path], out: Path, options: str = "{}", seed: int = 0) -> None:
+def train(pairs: Path, out: Path, config: TrainingOptions, seed: int) -> None:
     """Write patchnet.safetensors (fp16) and metrics.jsonl; an interrupted run goes on from state.pt.
 
     Args:
-        pairs: shards of `render`.
+        pairs: what `render` wrote.
         out: folder.
-        options: JSON of the training keys of the config section `encoder`.
+        config: the optimisation.
         seed: of the initial weights and the batches.
     """
     torch.set_num_threads(1)  # with two, oneDNN's backward pass in bf16 spins for ten times as long
-    config = read_options(EncoderTrainingOptions, options)
     data = Pairs(pairs)
     out.mkdir(parents=True, exist_ok=True)
-    about = config.model_dump(mode="json", exclude={"steps", "save_every"})
+    about = asdict(replace(config, steps=0, save_every=0))  # a run may be made longer
     training = started(json.dumps([about, seed, data.models, data.views]), config, seed)
     resume(training, out / STATE)
     for step in progress(range(training.step, config.steps), "steps", config.steps - training.step):
@@ -63,7 +62,7 @@ def run(*, pairs: list[Path], out: Path, options: str = "{}", seed: int = 0) -> 
         temporary.write_text("".join(json.dumps(line) + "\n" for line in training.lines), encoding="utf-8")
 
 
-def started(about: str, config: EncoderTrainingOptions, seed: int) -> Run:
+def started(about: str, config: TrainingOptions, seed: int) -> Run:
     """A run before its first step."""
     torch.manual_seed(seed)
     network = PatchNet().to(memory_format=torch.channels_last)  # type: ignore[call-overload]
@@ -72,7 +71,7 @@ def started(about: str, config: EncoderTrainingOptions, seed: int) -> Run:
     return Run(about, network, average, torch.optim.AdamW(network.parameters(), lr=rate, weight_decay=decay))
 
 
-def update(training: Run, batch: Batch, config: EncoderTrainingOptions, pick: torch.Generator) -> None:
+def update(training: Run, batch: Batch, config: TrainingOptions, pick: torch.Generator) -> None:
     """One step of the optimiser."""
     start = time.process_time()
     for group in training.optimiser.param_groups:
@@ -107,7 +106,7 @@ def compare(features: Tensor, batch: Batch, pick: torch.Generator, heat: float) 
     return losses(pictures.flatten(0, 1)[chosen], snapshots, owners, targets, batch.visible[1], alike, heat)
 
 
-def learning_rate(step: int, config: EncoderTrainingOptions) -> float:
+def learning_rate(step: int, config: TrainingOptions) -> float:
     """Of update `step` (from 0): rises over `warm_up` steps, then falls with their root, however long it goes on."""
     ratio = (step + 1) / config.warm_up
     return config.learning_rate * (ratio if ratio < 1 else min(1.0, (config.flat / ratio) ** 0.5))

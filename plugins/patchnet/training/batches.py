@@ -1,6 +1,5 @@
 """Batches of the rendered pairs: several models, several views of each, in other colours at every look."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,9 +10,9 @@ from numpy.typing import NDArray
 from torch import Tensor
 from torch.nn import functional
 
-from stages.config.encoder import EncoderTrainingOptions
+from plugins.patchnet.network import GRID, SIZE, normalised
+from plugins.patchnet.training.options import TrainingOptions
 from stages.contracts.errors import InputError
-from stages.patchnet.network import GRID, SIZE, normalised
 
 LIGHTNESS = 127.5  # the grey outside the mask
 
@@ -32,30 +31,24 @@ class Batch:
 
 
 class Pairs:
-    """The shards that `render` wrote, opened for reading."""
+    """What `render` wrote, opened for reading."""
 
-    def __init__(self, paths: Sequence[Path]) -> None:
-        self._files = []
-        for path in paths:
-            if not path.is_file():
-                raise InputError(path, "no such file.", "python -m stages.encoder render")
-            self._files.append(h5py.File(path, "r"))
-        self._counts = [len(file["models"]) for file in self._files]
-        self.models = sum(self._counts)
-        names = {name.decode() for file in self._files for name in file["models"]}
-        self.categories = sorted({name.rpartition("_")[0] for name in names})
-        self.views = len(self._files[0]["crops"]) // self._counts[0]
+    def __init__(self, path: Path) -> None:
+        if not path.is_file():
+            raise InputError(path, "no such file.", "python -m plugins.patchnet makes it", code="E-FILE-MISSING")
+        self._file = h5py.File(path, "r")
+        self.models = len(self._file["models"])
+        self.categories = sorted({name.decode().rpartition("_")[0] for name in self._file["models"]})
+        self.views = len(self._file["crops"]) // self.models
 
     def gather(self, model: int, views: NDArray[np.intp]) -> dict[str, NDArray[np.generic]]:
         """Some views of one model; `views` ascending."""
-        shard = int(np.searchsorted(np.cumsum(self._counts), model, side="right"))
-        file, number = self._files[shard], model - sum(self._counts[:shard])
-        at = number * self.views + views
-        period = np.full(len(views), file["periods"][number])
+        file, at = self._file, model * self.views + views
+        period = np.full(len(views), file["periods"][model])
         return {"crops": file["crops"][at], "matches": file["matches"][at], "yaws": file["yaws"][at], "periods": period}
 
 
-def draw(pairs: Pairs, step: int, seed: int, options: EncoderTrainingOptions) -> Batch:
+def draw(pairs: Pairs, step: int, seed: int, options: TrainingOptions) -> Batch:
     """The batch of an update: it depends on seed and step alone, so that a run can be resumed."""
     rng = np.random.default_rng(np.random.SeedSequence((seed, step)))
     models = rng.choice(pairs.models, min(options.batch_models, pairs.models), replace=False)

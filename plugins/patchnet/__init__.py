@@ -1,0 +1,1 @@
+"""The patch encoder `patchnet`: a small network trained on renders alone, its weights and its training."""

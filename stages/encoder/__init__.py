@@ -1,1 +1,0 @@
-"""Training the patch encoder `patchnet` on pairs of pictures of procedural models (docs/matching.md)."""

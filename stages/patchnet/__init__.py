@@ -1,1 +1,0 @@
-"""The network of the patch encoder `patchnet`, its weights and its model card. Torch; no simulator."""
