@@ -167,3 +167,15 @@ def test_lines_of_prose_are_short() -> None:
 def test_pictures_are_small() -> None:
     large = [path.name for path in (ROOT / "docs/images").iterdir() if path.stat().st_size > 150_000]
     assert not large
+
+
+def test_pages_that_code_and_configs_name_are_there() -> None:
+    folders = ("stages", "plugins", "rules", "config", "benchmarks", "containers", "profiles", "envs", "reference")
+    files = [
+        path
+        for folder in folders
+        for path in (ROOT / folder).rglob("*")
+        if path.suffix in (".py", ".smk", ".yaml", ".md", ".sh")
+    ]
+    named = {page for path in [*files, ROOT / "Makefile"] for page in re.findall(r"docs/[\w/-]+\.md", path.read_text())}
+    assert not [page for page in sorted(named) if not (ROOT / page).is_file()]
