@@ -44,7 +44,7 @@ rule conditions:
     params:
         command=command("tables", "conditions"),
         code=code("tables", "conditions"),
-        options=options("tables", "policies"),
+        options=options("tables", "conditions"),
         names=list(CONFIG.evaluation.conditions),
         out=subpath(output.csv, parent=True),
     shell:

@@ -41,7 +41,8 @@ def apart(path: Path, work: Callable[[], str]) -> str:
         raise InputError(path, what, SIMPLER, code="E-MODEL-CRASH")
     error, text = json.loads(said)
     if error is not None:
-        raise InputError(*error)
+        where, what, fix, kind = error
+        raise InputError(where, what, fix, code=kind)
     return str(text)
 
 

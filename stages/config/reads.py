@@ -37,6 +37,7 @@ READS: dict[tuple[str, str], type[Section]] = {
     ("evaluation", "skill"): SkillOptions,
     ("tables", "scenes"): TablesConfig,
     ("tables", "policies"): TablesConfig,
+    ("tables", "conditions"): TablesConfig,
     ("tables", "report"): TablesConfig,
     ("tables", "picture"): TablesConfig,
 }

@@ -37,7 +37,8 @@ LISTED = {  # keys that do not simply run the one verb of their section again
     "training.runs.lite.own": set(),
     "evaluation.selection_rollouts": {"trial"},
     "demonstrations.randomise": set(),  # of one role's demonstrations alone
-    "tables": {"scenes", "policies", "figures", "report", "picture"},
+    "evaluation.conditions": set(),  # read with a condition alone
+    "tables": {"scenes", "policies", "conditions", "report", "picture"},
 }
 ONE = {"assets": {"snapshots"}, "matching": {"match"}}  # the verb of the other keys of a section
 CONFIG = Config()
