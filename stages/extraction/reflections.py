@@ -6,9 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.contracts.objects import DepthError, Wall
+from stages.geometry.estimate import REACH
 
 AT_WALL = 0.2  # share of a thing's points before a wall's plane, from which on it is in this room
-BEHIND, DEVIATIONS = 0.3, 3.0  # metres, and of depth's error, behind the plane: more than a niche is deep
+BEHIND = 0.3  # metres behind the plane, besides the error of depth: more than a niche is deep
 
 
 def without_reflections(
@@ -29,7 +30,7 @@ def without_reflections(
         known = mask & np.isfinite(points[..., 2])
         if not known.any():
             continue
-        limit = BEHIND + DEVIATIONS * error.at(depth[known].astype(np.float64))
+        limit = BEHIND + REACH * error.at(depth[known].astype(np.float64))
         for wall in walls:
             behind = points[known] @ np.array(wall.normal) - wall.offset < -limit
             if AT_WALL <= (~behind).mean() < 1:

@@ -16,6 +16,7 @@ from stages.contracts.files import Contract
 from stages.contracts.objects import object_ids
 from stages.contracts.scene_input import read_scene_input
 from stages.contracts.types import Id
+from stages.extraction.masks import without_specks
 from stages.extraction.regions import (
     FLOOR,
     ROOM,
@@ -31,8 +32,6 @@ from stages.inputs.by_hand.fronts import extents, jpeg, straight_on
 from stages.inputs.by_hand.made import Made, made_of
 from stages.inputs.by_hand.session import Answer
 from stages.inputs.by_hand.write import tinted
-
-SMALLEST = 12  # pixels of an outline that is shown beside a thing's largest
 
 
 class Thing(Correction):
@@ -237,7 +236,7 @@ class Correcting:
 
 def outlines(mask: NDArray[np.bool_]) -> list[list[list[int]]]:
     """Outlines of a mask as lists of pixels, a pixel off at most, the largest first."""
-    curves, _ = cv2.findContours(mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
+    parts = without_specks(mask).astype(np.uint8)
+    curves, _ = cv2.findContours(parts, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
     largest = sorted(curves, key=cv2.contourArea, reverse=True)
-    kept = [curve for k, curve in enumerate(largest) if k == 0 or cv2.contourArea(curve) >= SMALLEST]
-    return [cv2.approxPolyDP(curve, 1.0, True)[:, 0].tolist() for curve in kept]
+    return [cv2.approxPolyDP(curve, 1.0, True)[:, 0].tolist() for curve in largest]

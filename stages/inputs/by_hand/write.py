@@ -12,7 +12,7 @@ from stages.contracts import Annotations, Camera, InputError, atomic, write_json
 from stages.contracts.objects import Box, object_ids
 from stages.contracts.scenes import Annotation
 from stages.extraction.overview import colour_of
-from stages.extraction.room import floor_frame
+from stages.extraction.room import STRAY, floor_frame
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import apply, inverse, rounded, wrap_angle, yaw_of_matrix
 from stages.geometry.planes import Plane
@@ -23,7 +23,6 @@ from stages.inputs.by_hand.solve import Solved, solve
 from stages.inputs.rgbd.frame import is_stretched
 
 SPARSE = 4  # every so many pixels tell the scale of given depth: it is asked for with every movement
-LEAST_DEPTH = 30  # pixels on which given depth and floor must agree to find the scale
 SIDES = ("right", "rear", "left", "front")  # of a drawn box, counter-clockwise from its x axis
 
 
@@ -73,7 +72,7 @@ def with_scale_of(depth: NDArray[np.float32], project: Project) -> Project:
     flat = unit.model_copy(update={"objects": [item.model_copy(update=_UNTYPED) for item in unit.objects]})
     painted, depth = paint(flat, solve(flat), SPARSE), depth[::SPARSE, ::SPARSE]
     floor = (painted.masks == painted.values["floor"]) & (depth > 0) & (painted.depth > 0)
-    if floor.sum() < LEAST_DEPTH:
+    if floor.mean() < STRAY:
         what = "shows too little of the floor to tell the scale."
         raise InputError(
             "--depth", what, "give the height of the camera or one known length on the page", code="E-SCALE-UNKNOWN"
