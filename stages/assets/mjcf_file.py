@@ -9,6 +9,7 @@ import mujoco
 
 from stages.articulated.urdf_tree import AROUND
 from stages.contracts.errors import InputError
+from stages.geometry.solids import MINIMUM_INERTIA, MINIMUM_MASS
 
 DIRECTORIES = ("assetdir", "meshdir", "texturedir")  # of a compiler element
 
@@ -25,6 +26,8 @@ def compiled(path: Path, folder: Path) -> tuple[Any, Any]:
     mujoco.set_mju_user_warning(lambda text: None)  # else it writes MUJOCO_LOG.TXT where the user is
     try:
         spec = mujoco.MjSpec.from_file(str(path))
+        # Bodies that nothing weighs, as of visual geoms alone, get their masses from their shapes later.
+        spec.compiler.boundmass, spec.compiler.boundinertia = MINIMUM_MASS, MINIMUM_INERTIA
         return spec, spec.compile()
     except Exception as error:  # of MuJoCo's own kinds, by version
         reason = " ".join(str(error).split())[:300]

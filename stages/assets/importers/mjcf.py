@@ -20,7 +20,7 @@ from stages.assets.importers import Importer
 from stages.assets.mjcf_file import compiled
 from stages.contracts.errors import InputError
 from stages.geometry.frames import rigid
-from stages.geometry.solids import board_mass, box_around, box_inertia
+from stages.geometry.solids import MINIMUM_MASS, board_mass, box_around, box_inertia
 
 
 def read_mjcf(path: Path, folder: Path) -> RobotModel:
@@ -118,7 +118,7 @@ class _Reader:
         solid = solid or [visual.mesh for visual in visuals]
         pieces = [piece for mesh in solid for piece in convex_pieces(mesh)]
         mass = min(float(model.body_mass[body]), self.told.get(body, 0.0))
-        if mass > 0:
+        if mass > MINIMUM_MASS:  # what nothing weighs has that of `compiled`
             turn = _pose(model.body_ipos[body], model.body_iquat[body])[:3, :3]
             inertia = turn @ np.diag(model.body_inertia[body]) @ turn.T * (mass / model.body_mass[body])
             return Link(name, visuals, pieces, mass, model.body_ipos[body] - anchor, inertia, weighed=True)
