@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from stages.planning.clearance import MARGIN
 from stages.planning.path import Pursuit, straight
 from stages.planning.rollout import TOLERANCE, deviation
 from stages.simulation.kinematics import Array, pose_error
@@ -79,8 +80,8 @@ class Motion:
 
     @property
     def holds(self) -> bool:
-        """Whether the fingers may have something between them: they are neither open nor closed on nothing."""
-        return not self.open and not self.empty
+        """Whether the fingers may have something between them: they are neither fully open nor closed on nothing."""
+        return not self.empty and self.fingers <= GRIPPER_OPEN - MARGIN
 
     @property
     def open(self) -> bool:

@@ -298,6 +298,14 @@ def test_a_heavy_flap_is_opened_from_beside_it(tmp_path: Path) -> None:
     flap.close()
 
 
+@pytest.mark.parametrize(("fingers", "held"), [(0.0005, False), (0.006, True), (0.034, True), (0.04, False)])
+def test_what_is_between_the_fingers_may_be_thin_or_wide(
+    door: TaskEnv, monkeypatch: pytest.MonkeyPatch, fingers: float, held: bool
+) -> None:
+    monkeypatch.setattr(door, "joints", lambda: np.append(np.zeros(7), [fingers, fingers]))
+    assert Motion(door, act_of(door)).holds is held
+
+
 def test_a_knob_beside_another_is_held_from_above_and_below() -> None:
     handle = Handle(np.array([0.3, 0.02, 0.5]), np.array([0.0, 1.0, 0.0]), 0.03, 0.03, 0.03)
     sideways, over = (grasp_pose(handle, Grasp(0.0, 0.0, 1.0, over=over), np.eye(4)) for over in (False, True))
