@@ -281,3 +281,16 @@ def test_films_stand_still_where_the_system_asks_for_it(opened: tuple[Any, list[
     still = first.locator("source").get_attribute("srcset")
     assert first.locator("img").evaluate("(e) => e.currentSrc") == still
     assert page.locator("#motion").get_attribute("aria-pressed") == "true"
+
+
+def test_a_page_without_its_script_says_so_and_the_scene_can_be_saved(
+    browser: Any, address: str, tmp_path: Path
+) -> None:
+    alone = Path(shutil.copy(address.removeprefix("file://"), tmp_path))
+    page = browser.new_page()
+    page.goto(alone.as_uri())
+    page.locator("button.turn").first.click()
+    page.wait_for_selector("#turntable p:not([hidden])")
+    assert "three.min.js" in page.locator("#turntable p").text_content()
+    assert page.locator("#turntable a").get_attribute("href").startswith("blob:")
+    page.close()
