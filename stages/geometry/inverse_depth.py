@@ -24,7 +24,7 @@ def is_inverse(depth: NDArray[np.floating]) -> bool:
     if not is_lower.any() or np.median(values[is_lower]) < np.median(values[~is_lower]):
         return False
     pixels = np.column_stack([columns, rows, np.ones(SAMPLED)]).astype(np.float64)
-    return _planar(values, pixels, rng) > _planar(1 / values, pixels, rng)
+    return _planar(values, pixels, rng) > (1 + ON_PLANE) * _planar(1 / values, pixels, rng)
 
 
 def _planar(values: NDArray[np.float64], pixels: NDArray[np.float64], rng: np.random.Generator) -> int:
