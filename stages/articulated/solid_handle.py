@@ -8,11 +8,10 @@ from trimesh import Trimesh
 
 from stages.articulated.attributes import moved_by, seen_of
 from stages.articulated.forward_kinematics import link_frames
-from stages.articulated.handle import Handle, find_handle
+from stages.articulated.handle import GRID, Handle, find_handle
 from stages.articulated.mesh_reader import FLAT
 from stages.articulated.model import RobotModel, moved
 
-OFF = 0.01  # metres that place, width and protrusion of what is seen and what collides may differ by
 # VHACD's: 32 pieces show the handle of a drawer with its box and keep a gripper's clearance; one thread, so that the
 # same mesh gives the same pieces.
 CUT = {"maxConvexHulls": 32, "resolution": 100_000, "maxNumVerticesPerCH": 32, "asyncACD": False}
@@ -57,4 +56,4 @@ def _alike(seen: Handle | None, solid: Handle | None) -> bool:
     if solid is None:
         return False
     off = [*(seen.position - solid.position), seen.width - solid.width, seen.protrusion - solid.protrusion]
-    return bool(np.abs(off).max() < OFF)
+    return bool(np.abs(off).max() < 3 * GRID)  # as far as rays tell

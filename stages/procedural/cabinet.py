@@ -1,6 +1,5 @@
 """Carcasses with doors, flaps and drawers: cabinets, drawer units, wardrobes, fridges, ovens, microwaves."""
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -23,9 +22,9 @@ class Cabinet(CabinetRecipe):
     def build(self, size: Size) -> Model:
         return _cabinet(self, size)
 
-    @classmethod
-    def fronts(cls, parameters: Mapping[str, Any]) -> tuple[int, int]:
-        kinds = [kind for line in parameters["layout"] for kind in line]
+    @property
+    def fronts(self) -> tuple[int, int]:
+        kinds = [kind for line in self.layout for kind in line]
         return kinds.count("door") + kinds.count("flap"), kinds.count("drawer")
 
 

@@ -26,26 +26,26 @@ GENERATORS: dict[str, type[Generator]] = {
 
 def sample(category: str, index: int, seed: int) -> Recipe:
     """The recipe of the `index`-th model of a category; it does not depend on how many others there are."""
+    sampled, founder = _sampled(category, index, seed)
+    generator = next(name for name, kind in GENERATORS.items() if kind is type(sampled.recipe))
+    parameters = {"size": list(sampled.size), **sampled.recipe.parameters()}
+    variation_of = None if founder is None else model_name(category, founder)
+    return Recipe(generator=generator, parameters=parameters, variation_of=variation_of)
+
+
+def _sampled(category: str, index: int, seed: int) -> tuple[Sampled, int | None]:
+    """A model of a category, and the number of its founder; None: it is one."""
     record, rng = CATEGORIES[category], _generator(category, index, seed)
     if index < record.founders:
-        return _recipe(record.sample(rng, index))
+        return record.sample(rng, index), None
     in_turn, founder = families.in_turn(record, index), index % record.founders
     if not in_turn:
         founder = families.fewest([_fronts(category, k, seed) for k in range(index)], record.founders)
-    if record.varied:
-        first = record.sample(_generator(category, founder, seed), founder)
-        generation = index // record.founders if in_turn else index
-        sampled = families.relative(record, first, generation, rng, any_fronts=in_turn)
-    else:
-        sampled = record.sample(rng, founder)  # in the founder's style: styles go by number
-    return _recipe(sampled, model_name(category, founder))
-
-
-def _recipe(sampled: Sampled, variation_of: str | None = None) -> Recipe:
-    """As an asset records it."""
-    generator = next(name for name, kind in GENERATORS.items() if kind is type(sampled.recipe))
-    parameters = {"size": list(sampled.size), **sampled.recipe.parameters()}
-    return Recipe(generator=generator, parameters=parameters, variation_of=variation_of)
+    if not record.varied:
+        return record.sample(rng, founder), founder  # in the founder's style: styles go by number
+    first = record.sample(_generator(category, founder, seed), founder)
+    generation = index // record.founders if in_turn else index
+    return families.relative(record, first, generation, rng, any_fronts=in_turn), founder
 
 
 @cache
@@ -59,8 +59,7 @@ def opens(category: str) -> tuple[bool, bool]:
 @cache
 def _fronts(category: str, index: int, seed: int) -> tuple[int, int]:
     """Doors (and flaps) and drawers of a model."""
-    recipe = sample(category, index, seed)
-    return GENERATORS[recipe.generator].fronts(recipe.parameters)
+    return _sampled(category, index, seed)[0].recipe.fronts
 
 
 def model_name(category: str, index: int) -> str:

@@ -1,7 +1,7 @@
 """Typed recipes: the parameters of a generator, each with the range that new models sample it from."""
 
 from abc import abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated, Any, Self
 
@@ -35,9 +35,9 @@ class Generator(BaseModel):
     def build(self, size: Size) -> Model:
         """The model, about as large as asked: z up, front towards +x."""
 
-    @classmethod
-    def fronts(cls, parameters: Mapping[str, Any]) -> tuple[int, int]:
-        """Doors (and flaps) and drawers of a model with these parameters."""
+    @property
+    def fronts(self) -> tuple[int, int]:
+        """Doors (and flaps) and drawers of the model."""
         return 0, 0
 
     @classmethod

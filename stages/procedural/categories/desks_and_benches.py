@@ -1,7 +1,6 @@
 """Desks with drawers, benches, shelves on the wall."""
 
-from collections.abc import Mapping
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from pydantic import Field
@@ -53,10 +52,9 @@ class Desk(Generator):
     leg_colour: Coating
     handle_colour: Coating = of(METALS)
 
-    @classmethod
-    def fronts(cls, parameters: Mapping[str, Any]) -> tuple[int, int]:
-        pedestals = {"none": 0, "both": 2}.get(parameters["pedestals"], 1)
-        return 0, pedestals * parameters["drawers"]
+    @property
+    def fronts(self) -> tuple[int, int]:
+        return 0, {"none": 0, "both": 2}.get(self.pedestals, 1) * self.drawers
 
     def build(self, size: Size) -> Model:
         x, y, high = size[0] / 2, size[1] / 2, size[2]
