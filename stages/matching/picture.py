@@ -15,20 +15,19 @@ from stages.matching.snapshots import Snapshots
 from stages.matching.synthesis.in_place import InPlace
 
 TILE, LINE = 128, 15  # pixels across each picture, and of a line of its caption
-SHOWN = 8  # cousins per row
 Picture = NDArray[np.uint8]
 
 
 def write_picture(
     path: Path, result: Cousins, scene: Scene, snapshots: Sequence[Path], library: Path | None = None
 ) -> None:
-    """Write one row per object: its crop, then its first cousins with asset, distance and yaw.
+    """Write one row per object: its crop, then its cousins with asset, distance and yaw.
 
     With `library` (library.json, its archives beside it): below each cousin what it looks like in the object's place.
     """
     in_place = InPlace(scene, library) if library is not None else None
     rows = max(1, len(result.objects))
-    columns = 1 + min(SHOWN, max((len(entry.cousins) for entry in result.objects), default=0))
+    columns = 1 + max((len(entry.cousins) for entry in result.objects), default=0)
     margin = LINE // 2
     below = TILE + 2 * LINE + margin  # a caption has two lines, that of what is in place three
     step_x, step_y = TILE + margin, below + (TILE + 3 * LINE + margin if in_place else 0)
@@ -48,7 +47,7 @@ def write_picture(
             draw.text((margin, y + TILE + 2), f"{entry.id}\n{_counts(item.doors, item.drawers)}", "black", font)
             if entry.status == "failed":
                 draw.text((margin + step_x, y + TILE // 2), f"failed: {entry.reason}", "black", font)
-            for column, cousin in enumerate(entry.cousins[:SHOWN], 1):
+            for column, cousin in enumerate(entry.cousins, 1):
                 x = margin + column * step_x
                 tile = shards.picture(cousin.asset, cousin.orientation.yaw)
                 page.paste(Image.fromarray(_fit(tile)), (x, y))

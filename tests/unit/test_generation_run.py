@@ -274,7 +274,7 @@ def test_the_story_of_a_place_is_told(made: Path) -> None:
     cabinet, mug = read_json(GeneratedScene, made / "scene_1.json").objects[:2]
     assert cabinet.cousin == 1 and cabinet.doubts == []
     assert cabinet.steps[1] == "rear to wall_1: 0.589 x 0.889 x 0.800 m, moved 3.3 cm"
-    assert mug.steps == ["measured along the model's axes: turned +180.0°, 0.076 x 0.097 x 0.100 m"]
+    assert mug.steps == ["measured along the model's axes: turned +180.0°, 0.077 x 0.097 x 0.100 m"]
 
 
 def test_what_is_too_large_or_behind_a_wall_is_doubted() -> None:

@@ -23,7 +23,6 @@ except ImportError:
     ) from None
 
 ROOT, LOOKS = "/World", "/World/Looks"
-APERTURE = 20.955  # millimetres, USD's usual film
 
 
 def write(room: Room, out: Path) -> None:
@@ -72,9 +71,10 @@ class _Writer:
         UsdLux.DomeLight.Define(self.stage, f"{ROOT}/fill_light").CreateIntensityAttr(400.0)
         made, k = room.scene, np.array(room.scene.intrinsics)
         camera = UsdGeom.Camera.Define(self.stage, f"{ROOT}/{CAMERA}")
-        pixel = APERTURE / made.width
+        aperture = camera.GetHorizontalApertureAttr().Get()  # millimetres, USD's usual film
+        pixel = aperture / made.width
         camera.CreateFocalLengthAttr(float(k[0, 0] * pixel))
-        camera.CreateHorizontalApertureAttr(APERTURE)
+        camera.CreateHorizontalApertureAttr(aperture)
         camera.CreateVerticalApertureAttr(float(made.height * pixel * k[0, 0] / k[1, 1]))
         camera.CreateHorizontalApertureOffsetAttr(float(((made.width - 1) / 2 - k[0, 2]) * pixel))
         camera.CreateVerticalApertureOffsetAttr(float((k[1, 2] - (made.height - 1) / 2) * pixel * k[0, 0] / k[1, 1]))
