@@ -13,7 +13,7 @@ from safetensors.torch import load_file
 
 from stages.contracts.errors import InputError
 from stages.contracts.policy_folder import read_config, weights_of
-from stages.contracts.training_run import TrainingRun
+from stages.contracts.training_run import NetworkConfig, TrainingRun
 from stages.policies import make_policy
 from stages.policies.checkpoint import load_policy
 from stages.training import loop
@@ -53,8 +53,9 @@ def options(**changes: object) -> str:
     return json.dumps(SMALL | changes)
 
 
-def test_learns_to_reach_what_the_cloud_shows(store: Path, tmp_path: Path) -> None:
+def test_learns_to_reach_what_the_cloud_shows(store: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Closed loop on unseen goals: the hand ends within 3 cm; before training it does not."""
+    monkeypatch.setattr(NetworkConfig, "flag_embedding", 8)  # with 128 so small a network learns in thousands of steps
     train(episodes=(store,), per_store=60, options=options(steps=800, log_every=200), out=tmp_path / "policy")
     policy = load_policy(tmp_path / "policy", "last")
     reached = []
