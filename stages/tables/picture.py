@@ -43,9 +43,9 @@ def run(
     page = environment().get_template("page/scene.html.jinja")
     text = page.render(
         room=room,
-        found=single.found(declared, room.name, camera, album),
+        found=single.input_facts(declared, room.name, camera, album),
         doubts=[single.doubts(room, one) for one in room.reconstructions] or [single.doubts(room, None)],
-        downloads=single.downloads(declared, room.name, out),
+        links=single.links(declared, room.name, out),
         first=room.reconstructions[0] if room.reconstructions else None,
         script=script("page.js", "viewer.js"),
         viewer=link_to(viewer, out),

@@ -27,7 +27,7 @@ SCENE_STAGES = ["assets", "scenes", "extraction", "matching", "generation", "eva
 POLICY_STAGES = ["demonstrations", "training", "evaluation"]
 
 
-class Found(NamedTuple):
+class StudyResults(NamedTuple):
     """What a study found: facts about it, tables for people, CSV files by name, figures with their captions."""
 
     title: str
@@ -98,7 +98,7 @@ def _about_rollouts(config: Config, episodes: pd.DataFrame) -> list[tuple[str, s
     return about
 
 
-def _policies(config: Config, results: Path, published: Path, out: Path) -> Found:
+def _policies(config: Config, results: Path, published: Path, out: Path) -> StudyResults:
     options, paper = config.tables, published_policies(published)
     episodes = read_rows(Rollout, list(rollout_files(config, results)), ONE_TEST)
     asked = asked_cells(config)
@@ -113,7 +113,7 @@ def _policies(config: Config, results: Path, published: Path, out: Path) -> Foun
     write_figures(out, episodes, found.cells, paper, options)
     done = found.runs[found.runs["status"] == "run"].drop_duplicates(table3.CELL)
     print(f"{len(done)} of {len(asked)} cells of the study, {len(episodes)} episodes")
-    return Found(
+    return StudyResults(
         title="Table 3: success over unseen assets, and by role",
         facts=_about_rollouts(config, episodes),
         tables=[*tables, *_chosen(config, results)],
@@ -153,7 +153,7 @@ def _library(results: Path) -> str:
     return f"{len(assets)} models in {len({entry.category for entry in assets})} categories"
 
 
-def _scenes(config: Config, results: Path, published: Path, out: Path, variants: tuple[str, ...]) -> Found:
+def _scenes(config: Config, results: Path, published: Path, out: Path, variants: tuple[str, ...]) -> StudyResults:
     experiment, files = config.experiment, score_files(config, results)
     rows = read_rows(SceneScore, files, ONE_SCENE)
     scenes = table2.build(rows, published_scenes(published), config.tables)
@@ -166,7 +166,7 @@ def _scenes(config: Config, results: Path, published: Path, out: Path, variants:
         with style():
             save(figure6(pictures, list(config.tables.scenes), config.tables.picture_width), out, "figure6", ("jpg",))
     print(f"{len(files)} scenes, {companion['n_draws'].notna().sum()} of {len(companion)} rows of the companion")
-    return Found(
+    return StudyResults(
         title="Table 2",
         facts=[
             ("Seeds", f"{config.seed} of library, rooms and depth noise; {', '.join(seeds)}"),

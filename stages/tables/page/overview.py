@@ -12,7 +12,7 @@ from stages.contracts.files import read_json
 from stages.contracts.generated import GeneratedScene
 from stages.contracts.objects import Objects
 from stages.tables.order import natural
-from stages.tables.page.found import Found
+from stages.tables.page.findings import Findings
 from stages.tables.text import NOT_RUN
 
 NUMBER = re.compile(r"\d+(\.\d+)?")
@@ -85,7 +85,7 @@ def row(scene: str, layout: Layout) -> SceneRow:
         if "generation" in done
         else []
     )
-    found = Found(
+    found = Findings(
         read_json(Objects, done["extraction"]) if "extraction" in done else None,
         read_json(Cousins, done["matching"]) if "matching" in done else None,
         [read_json(GeneratedScene, path) for path in scenes],

@@ -18,7 +18,7 @@ from stages.contracts.objects import Objects
 from stages.contracts.snapshot_pictures import Snapshots
 from stages.tables.order import natural, title
 from stages.tables.page.files import RunFiles
-from stages.tables.page.found import Found
+from stages.tables.page.findings import Findings
 from stages.tables.page.objects import Evidence, Match, match
 from stages.tables.page.pictures import Album, Picture
 from stages.tables.table2 import judge
@@ -87,7 +87,7 @@ def _scene(scene: GeneratedScene, picture: Picture | None) -> RebuiltScene:
     return RebuiltScene(scene.rank, picture, len(placed), moved, physics, check.stable if check else None)
 
 
-def _evidence(files: RunFiles, room: str, found: Found, image: Path | None) -> Evidence:
+def _evidence(files: RunFiles, room: str, found: Findings, image: Path | None) -> Evidence:
     """What the run has of a room beside its objects."""
     path, objects = files.one(f"extraction/{room}/objects.json"), found.objects
     assert path is not None and objects is not None
@@ -126,11 +126,11 @@ def origins(files: RunFiles, name: str) -> dict[str, Made]:
     return {"/".join(path.parts[-3:]): made for path, made in found.items() if made is not None}
 
 
-def _found(files: RunFiles, name: str, variant: str) -> Found:
+def _findings(files: RunFiles, name: str, variant: str) -> Findings:
     objects = files.one(f"extraction/{name}/objects.json")
     cousins = files.one(f"matching/{variant}/{name}/cousins.json")
     scenes = files.all(f"generation/{variant}/{name}/scene_*.json")
-    return Found(
+    return Findings(
         read_json(Objects, objects) if objects else None,
         read_json(Cousins, cousins) if cousins else None,
         [read_json(GeneratedScene, path) for path in scenes],
@@ -138,7 +138,7 @@ def _found(files: RunFiles, name: str, variant: str) -> Found:
 
 
 def _reconstruction(
-    files: RunFiles, name: str, variant: str, found: Found, album: Album, snapshots: Snapshots
+    files: RunFiles, name: str, variant: str, found: Findings, album: Album, snapshots: Snapshots
 ) -> Reconstruction:
     cousins, folder, image = found.cousins, f"generation/{variant}/{name}", files.images.get(name)
     matches = []
@@ -165,7 +165,7 @@ def _room(files: RunFiles, name: str, album: Album, snapshots: Snapshots) -> Roo
     label = title(name)
     patterns = (f"matching/*/{name}/cousins.json", f"generation/*/{name}/scene_*.json")
     variants = sorted({variant for pattern in patterns for variant in files.names(pattern, 1)}, key=natural)
-    found = {variant: _found(files, name, variant) for variant in variants or [""]}
+    found = {variant: _findings(files, name, variant) for variant in variants or [""]}
     failures: dict[str, tuple[str, str]] = {}
     for variant, each in found.items():
         for one, (stage, reason) in each.failures().items():

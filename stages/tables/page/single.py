@@ -20,17 +20,7 @@ from stages.tables.page.rooms import Reconstruction, RoomPart
 
 
 @dataclass(frozen=True)
-class Download:
-    """A file to save; `link` leads to it from the page."""
-
-    name: str
-    what: str
-    size: str
-    link: str
-
-
-@dataclass(frozen=True)
-class Found:
+class InputFacts:
     """Facts on camera and room, the depth as a picture with its caption."""
 
     facts: list[tuple[str, str]]
@@ -38,12 +28,12 @@ class Found:
     range: str
 
 
-def found(files: RunFiles, name: str, camera: Path, album: Album) -> Found:
+def input_facts(files: RunFiles, name: str, camera: Path, album: Album) -> InputFacts:
     """What is known of the camera and the room."""
     path = files.one(f"extraction/{name}/objects.json")
     note = read_json(Camera, camera).note
     if path is None:
-        return Found([], None, "")
+        return InputFacts([], None, "")
     objects = read_json(Objects, path)
     facts = camera_facts(objects)
     if note:
@@ -52,10 +42,10 @@ def found(files: RunFiles, name: str, camera: Path, album: Album) -> Found:
     facts.append(("walls", f"{len(objects.walls)}{at}"))
     depth = read_metres(path, objects)
     if depth is None or not (depth > 0).any():
-        return Found(facts, None, "")
+        return InputFacts(facts, None, "")
     near, far = (float(np.quantile(depth[depth > 0], share)) for share in (0.01, 0.99))
     picture = album.put(Image.fromarray(coloured(depth, near, far)), "Distance of what the picture shows")
-    return Found(facts, picture, f"Distance: dark {near:.1f} m, bright {far:.1f} m, black unknown")
+    return InputFacts(facts, picture, f"Distance: dark {near:.1f} m, bright {far:.1f} m, black unknown")
 
 
 def camera_facts(objects: Objects) -> list[tuple[str, str]]:
@@ -81,18 +71,12 @@ def coloured(depth: NDArray[np.float32], near: float, far: float) -> NDArray[np.
     return np.where(depth[..., None] > 0, colours, 0).astype(np.uint8)
 
 
-def downloads(files: RunFiles, name: str, page: Path) -> list[Download]:
-    """The scenes as GLB, and what the stages found as JSON."""
-    named = {"objects.json": "what was found", "cousins.json": "cousins of every object"}
+def links(files: RunFiles, name: str, page: Path) -> dict[str, str]:
+    """The scenes (GLB), and what the stages found (JSON): name -> link from the page."""
     patterns = [f"generation/*/{name}/scene_*.glb", f"extraction/{name}/objects.json"]
     patterns += [f"matching/*/{name}/cousins.json", f"generation/*/{name}/scene_*.json"]
-    found = []
-    for path in (path for pattern in patterns for path in files.all(pattern)):
-        places = "" if path.suffix == ".glb" else ", places and sizes"
-        what = named.get(path.name) or f"scene of rank {path.stem.removeprefix('scene_')}{places}"
-        size = f"{max(1, round(path.stat().st_size / 1000))} kB"
-        found.append(Download(f"{name}_{path.name}", what, size, quote(os.path.relpath(path, page.parent))))
-    return found
+    paths = [path for pattern in patterns for path in files.all(pattern)]
+    return {"/".join(path.parts[-4:]): quote(os.path.relpath(path, page.parent)) for path in paths}
 
 
 def doubts(room: RoomPart, made: Reconstruction | None) -> list[tuple[str, str, str]]:

@@ -10,7 +10,7 @@ from stages.contracts.objects import Objects, SceneObject
 
 
 @dataclass(frozen=True)
-class Found:
+class Findings:
     """The files of the stages, as far as they are there; scenes by rank."""
 
     objects: Objects | None = None
