@@ -1,6 +1,7 @@
 """Training: it learns, resumes exactly, repeats itself, refuses bad stores."""
 
 import json
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -35,8 +36,12 @@ SMALL = {
 
 
 @pytest.fixture(autouse=True)
-def _save_often(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(TrainingRun, "save_every", 2)
+def _small() -> Iterator[None]:
+    """States are saved at every line, and the network is small in all its parts."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(TrainingRun, "save_every", 2)
+        patch.setattr(NetworkConfig, "flag_embedding", 8)
+        yield
 
 
 @pytest.fixture(scope="module")
