@@ -5,10 +5,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_opening, correlate1d, distance_transform_edt, find_objects, minimum_filter
 
+from stages.extraction.room import STRAY
+
 STEP = 0.02  # share of the distance, from pixel to pixel: less on a floor seen at 5 degrees by a usual camera
-LEAST, PART = 0.4, 0.02  # of a thing that remains, else it is all edges and left alone; of it, for its smallest part
-SMEAR, THIN = 7, 12  # pixels across, in which a smear has something nearer; pixels of the smallest thin part
-BESIDE = 11  # pixels across, that are looked at around a part
+LEAST = 0.4  # share of a thing that remains, else it is all edges and left alone
+THIN = 12  # pixels of the smallest thin part
+SMEAR, BESIDE = 7, 11  # pixels across: around a smeared pixel something nearer is seen; what is looked at around a part
 
 
 def without_steps(depth: NDArray[np.float32], step: float) -> NDArray[np.bool_]:
@@ -37,7 +39,7 @@ def without_edges(depth: NDArray[np.float32], masks: NDArray[np.uint16]) -> NDAr
         mask = whole & known[near]
         inner = binary_opening(mask & level[near], np.ones((3, 3)))
         parts, sizes = _parts(inner, 4)
-        large = 1 + np.flatnonzero(sizes >= PART * inner.sum())
+        large = 1 + np.flatnonzero(sizes >= STRAY * inner.sum())
         if np.isin(parts, large).sum() <= LEAST * mask.sum():
             continue
         body = 1 + int(np.argmax(sizes))
