@@ -7,7 +7,7 @@ ROOT = Path(__file__).resolve().parents[2]
 ORDER = (
     *("geometry", "contracts", "articulated", "procedural", "plugins", "config", "slurm", "guard", "cli", "pretrained"),
     *("vlm", "simulation", "planning", "tasks", "skills", "assets", "policies", "scenes", "extraction", "inputs"),
-    *("patchnet", "matching", "encoder", "generation", "demonstrations", "training", "experiment", "evaluation"),
+    *("matching", "generation", "demonstrations", "training", "experiment", "evaluation"),
     *("tables", "doctor"),
 )
 
