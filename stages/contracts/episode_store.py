@@ -14,7 +14,7 @@ from stages.contracts.errors import InputError
 from stages.contracts.files import first_error
 from stages.contracts.ledgers import read_attempts
 from stages.contracts.task_options import TaskConfig
-from stages.contracts.types import FARTHEST
+from stages.contracts.types import LARGEST
 
 AGAIN = "collect the demonstrations again"
 ACTION, PROPRIO = 7, 9
@@ -85,8 +85,8 @@ def _episode(path: Path, data: h5py.Group, name: str, points: int) -> tuple[NDAr
         raise InputError(path, f"{name}/actions: is empty.", AGAIN, code="E-EPISODES-BROKEN")
     arrays: list[Any] = []
     for key, shape, bound in (
-        ("obs/point_cloud", (steps, points, 4), FARTHEST),
-        ("obs/proprio", (steps, PROPRIO), FARTHEST),
+        ("obs/point_cloud", (steps, points, 4), LARGEST),
+        ("obs/proprio", (steps, PROPRIO), LARGEST),
         ("actions", (steps, ACTION), LIMIT),
     ):
         found = dataset(path, demo, key, AGAIN)
