@@ -130,7 +130,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A policy that can reach, and the files of an experiment with two assets and four unseen ones."""
     folder = tmp_path_factory.mktemp("rollout")
     store = write_store(folder / "episodes.h5", 30)
-    network = {"points": 64, "pointnet_width": 16, "rnn_hidden": 16, "mlp": [16], "flag_embedding": 8}
+    network = {"points": 64, "pointnet_width": 16, "rnn_hidden": 16, "mlp": [16]}
     options = {"network": network, "steps": 20, "log_every": 10, "keep": 2, "wandb": "disabled"}
     train(episodes=(store,), per_store=30, options=json.dumps(options), out=folder / "policy", seed=4)
     about = {"category": "cabinet", "licence": "", "provenance": "", "checksum": ""}
