@@ -36,11 +36,10 @@ SMALL = {
 
 
 @pytest.fixture(autouse=True)
-def _small() -> Iterator[None]:
-    """States are saved at every line, and the network is small in all its parts."""
+def _save_often() -> Iterator[None]:
+    """States are saved at every line."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(TrainingRun, "save_every", 2)
-        patch.setattr(NetworkConfig, "flag_embedding", 8)
         yield
 
 
