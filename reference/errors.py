@@ -30,7 +30,7 @@ class Fault(NamedTuple):
     fix: str
 
 
-def faults(root: Path, folders: tuple[str, ...] = ("stages",)) -> list[Fault]:
+def faults(root: Path, folders: tuple[str, ...] = ("stages", "plugins")) -> list[Fault]:
     """Every call that makes an error in the Python files below some folders of the repository, by code and file."""
     files = [file for folder in folders for file in sorted((root / folder).rglob("*.py"))]
     found = [fault for file in files for fault in _faults_of(file, file.relative_to(root).as_posix())]

@@ -52,16 +52,16 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def names(folder: Path) -> set[str]:
-    """Files below a folder that belong to a package."""
-    files = {path.relative_to(folder.parent).as_posix() for path in folder.rglob("*") if path.is_file()}
-    return {name for name in files if "__pycache__" not in name}
+def names(folder: str) -> set[str]:
+    """Files below a folder of packages, but tests."""
+    files = {path.relative_to(ROOT) for path in (ROOT / folder).rglob("*") if path.is_file()}
+    return {file.as_posix() for file in files if not {"__pycache__", "tests"} & set(file.parts)}
 
 
-def test_the_wheel_has_every_file_of_the_package(built: Path) -> None:
+def test_the_wheel_has_every_file_of_stages_and_plugins(built: Path) -> None:
     (wheel,) = built.glob("*.whl")
     inside = {name for name in zipfile.ZipFile(wheel).namelist() if ".dist-info/" not in name}
-    assert inside == names(ROOT / "stages")
+    assert inside == names("stages") | names("plugins")
 
 
 def test_one_version(built: Path) -> None:
