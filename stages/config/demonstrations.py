@@ -1,10 +1,12 @@
 """Config section `demonstrations`: the Open skill and the collection of its successes (paper A.4, A.5)."""
 
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 from pydantic import Field
 
 from stages.contracts.section import Range, Section
+
+Share = Annotated[float, Field(gt=0, le=1)]
 
 
 class MotionOptions(Section):
@@ -49,6 +51,11 @@ class DemonstrationsConfig(MotionOptions):
         le=1,
         description="share of attempts in which the hand is pushed off its path, or closes before it is at the handle, "
         "and has to come again; recorded is what the skill asks for meanwhile, not what is executed",
+    )
+    approach_speed: tuple[Share, Share] = Field(
+        (1.0, 1.0),
+        description="between these shares of a full step the approach advances, drawn per attempt: [0.5, 1] keeps "
+        "policies from counting steps",
     )
     randomise: RandomiseOptions = Field(
         RandomiseOptions(),

@@ -14,7 +14,6 @@ M = TypeVar("M", bound=BaseModel)
 
 # Keys of 0.1 that configs may still have, and what to do instead. Keys that became fixed values are told by themselves.
 GONE = {
-    "approach_speed": "leave it out: the hand approaches at full speed",
     "articulated_only": "leave it out: articulated objects get articulated cousins",
     "batch": "leave it out: pictures are encoded one by one",
     "coverage": "leave it out: a patch counts if the mask covers half of it",

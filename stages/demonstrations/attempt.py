@@ -27,9 +27,12 @@ class Recorder:
         filming = len(self.filmed) < self.film
         rng = np.random.default_rng((seed, 1))
         disturbance = sample_disturbance(np.random.default_rng((seed, 2)), self.options.recovery)
+        speed = approach_speed(seed, self.options)
         episode.recovery = disturbance.kind if disturbance else None
 
         def act(action: Float, noisy: bool, ahead: float = FAR) -> None:
+            if ahead < FAR:
+                action = np.append(action[:6] * np.float32(speed), action[6:])
             executed = action.copy()
             if noisy and self.options.noise > 0:
                 executed[:3] += rng.normal(0, self.options.noise, 3) / task.options.position_step
@@ -48,3 +51,8 @@ class Recorder:
                 FilmedAttempt(seed, task.asset, outcome.success, task.opened, task.recording(moments), clouds)
             )
         return episode, outcome
+
+
+def approach_speed(seed: int, options: DemonstrationsConfig) -> float:
+    """The share of the full speed at which the hand approaches in the attempt `seed`."""
+    return float(np.random.default_rng((seed, 3)).uniform(*options.approach_speed))
