@@ -45,7 +45,7 @@ def still(planes: Tensor) -> Tensor:
 
 @dataclass(frozen=True)
 class Variation:
-    """How sequences are varied; chosen on validation assets (docs/training.md).
+    """How sequences are varied; chosen on validation assets (docs/results/policies.md).
 
     Attributes:
         front_probability: share of sequences whose front is shifted and stretched under its handle.

@@ -19,7 +19,13 @@ from stages.geometry.boxes import UprightBox
 from tests.unit.synthetic_room import FLOOR, HEIGHT, INTRINSICS, OBJECT, WALL, WIDTH, trace, write_room
 
 BOX = UprightBox([2.5, 0.0, 0.3], [0.5, 0.6, 0.6], 0.0)
-NOISE = DepthNoiseConfig(range_constant=0.004, range_quadratic=0.002, scale=0, periphery=0)
+NOISE = DepthNoiseConfig(range_constant=0.004, range_quadratic=0.002, scale=0)
+
+
+@pytest.fixture(autouse=True)
+def _even(monkeypatch: pytest.MonkeyPatch) -> None:
+    """No further error at the picture's border."""
+    monkeypatch.setattr(DepthNoiseConfig, "periphery", 0.0)
 
 
 def extracted(image: AnnotatedImage) -> Objects:

@@ -4,6 +4,7 @@ import hashlib
 import json
 import shutil
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -181,7 +182,7 @@ def test_what_hides_the_space_beneath_does_not_make_a_cabinet_hang(tmp_path: Pat
     """A cabinet at the wall whose lower part a bench hides: nobody has seen that the space beneath is empty."""
     bench, cabinet = UprightBox([2.6, 0, 0.3], [0.4, 1.8, 0.6], 0.0), UprightBox([3.7, 0, 0.7], [0.6, 0.7, 1.4], 0.0)
     behind = _extract(write_room(tmp_path / "in", [bench, cabinet], ["bench", "cabinet"]), tmp_path / "out").objects[1]
-    hung = cabinet._replace(center=[3.7, 0, 1.1], size=[0.6, 0.7, 0.6])
+    hung = replace(cabinet, center=[3.7, 0, 1.1], size=[0.6, 0.7, 0.6])
     alone = _extract(write_room(tmp_path / "in2", [hung], ["cabinet"]), tmp_path / "out2").objects[0]
     assert behind.mounting is not None and alone.mounting is not None
     assert (behind.mounting.type, alone.mounting.type) == (3, 1)

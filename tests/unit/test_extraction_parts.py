@@ -1,5 +1,7 @@
 """Single steps of extraction: noise model, erosion, border, room planes."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -196,7 +198,7 @@ def test_a_can_beside_a_bowl_does_not_stand_on_it() -> None:
     can = UprightBox([0.11, 0.0, 0.05], [0.065, 0.065, 0.1], 0.0)
     both = {"table": table, "bowl": bowl}
     assert carrier_beneath(can, both, 0.06) == (table.top, "table")
-    inside = can._replace(center=[0.02, 0.0, 0.07])
+    inside = replace(can, center=[0.02, 0.0, 0.07])
     assert carrier_beneath(inside, both, 0.06) == (bowl.top, "bowl")
 
 

@@ -3,7 +3,10 @@
 import json
 from pathlib import Path
 
+import pytest
+
 from stages.contracts.task_options import TaskConfig
+from stages.contracts.training_run import TrainingRun
 from stages.demonstrations.collect import run as collect
 from stages.evaluation.episodes import roll_out
 from stages.evaluation.states import FIRST_STATE
@@ -26,11 +29,13 @@ def opened(policy: TrainablePolicy, task: TaskEnv, states: int) -> int:
     return sum(episode.success for episode in episodes)
 
 
-def test_a_policy_opens_the_asset_that_it_was_trained_on(tmp_path: Path) -> None:
+def test_a_policy_opens_the_asset_that_it_was_trained_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(TrainingRun, "validation_fraction", 0.0)
+    monkeypatch.setattr(TaskConfig, "finger_points", 32)
     inputs = experiment(tmp_path)
     store, out = tmp_path / "twin" / "episodes.h5", tmp_path / "policy"
     collect(**inputs, role="twin", episodes=16, out=store, task_options=WORLD.model_dump_json())
-    options = {"network": {"points": 96}, "steps": 800, "log_every": 400, "validation_fraction": 0}
+    options = {"network": {"points": 96}, "steps": 800, "log_every": 400}
     train(episodes=(store,), per_store=16, options=json.dumps(options), out=out)
     policy = load_policy(out, "last")
     task = TaskEnv("door", tmp_path / "models" / "cab", "door_0_joint", None, WORLD, vary_scale=False)

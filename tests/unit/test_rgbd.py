@@ -377,7 +377,7 @@ def test_mask_files(tmp_path: Path, room: tuple, kind: str) -> None:
     ("content", "code"),
     [
         ({"shapes": []}, "MASKS-EMPTY"),
-        ({"shapes": [{"label": "a"}]}, "INPUT"),
+        ({"shapes": [{"label": "a"}]}, "FILE-UNREADABLE"),
         ({"annotations": [], "categories": [], "images": [{"id": 1, "width": 5, "height": 5}]}, "MASKS-SIZE"),
         ([1, 2], "MASKS-FORMAT"),
     ],

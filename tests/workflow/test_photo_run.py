@@ -12,7 +12,7 @@ from tests.workflow.workspace import MICRO, ROOT, copy, dry_run, planned, snakem
 def test_a_picture_goes_all_the_way_to_its_page(run: Path, tmp_path: Path) -> None:
     folder = copy(run, tmp_path / "run")
     shutil.copy(ROOT / "tests/data/photographed_room/rgb.jpg", folder / "my kitchen.jpg")
-    options = save_all(folder / "weights") | {"labels": ["cabinet", "mug", "coffee table"], "overlap": 1.0}
+    options = save_all(folder / "weights") | {"labels": ["cabinet", "mug", "coffee table"]}
     (folder / "mine.yaml").write_text(json.dumps({"photo": options}))
     photo = ("photo", "--configfile", MICRO[1], "mine.yaml", "--config", "image=my kitchen.jpg")
     done = snakemake(folder, *photo)

@@ -4,8 +4,8 @@ from typing import Any
 
 from stages.procedural.cabinet import Cabinet
 from stages.procedural.category import category
-from stages.procedural.colours import APPLIANCE, METALS, PAINTS, STONES, TILES, WOODS, Palette, pick
-from stages.procedural.finishes import brightness, shade
+from stages.procedural.colours import PAINTS, STONES, TILES, WOODS, Palette, pick
+from stages.procedural.finishes import shade
 from stages.procedural.handles import HANDLE_SHARES, HANDLES, STYLES
 from stages.procedural.model import Size
 from stages.procedural.recipe import Rng, Sampled, rounded, uniform
@@ -14,11 +14,12 @@ Layout = list[list[str]]  # of kinds of cells; the recipe checks them
 D, P, O = ["door"], ["drawer"], ["open"]  # noqa: E741
 
 
-def _size(rng: Rng, x: tuple[float, float], y: tuple[float, float], z: tuple[float, float]) -> Size:
+def box_of(rng: Rng, x: tuple[float, float], y: tuple[float, float], z: tuple[float, float]) -> Size:
+    """Extents sampled within ranges, metres."""
     return rounded(rng.uniform(*x), rng.uniform(*y), rng.uniform(*z))
 
 
-def _recipe(rng: Rng, layout: Layout, tops: Palette = WOODS, **changes: Any) -> Cabinet:
+def cabinet_of(rng: Rng, layout: Layout, tops: Palette = WOODS, **changes: Any) -> Cabinet:
     """A recipe for the layout; `changes` overrule what was sampled."""
     front = pick(rng, PAINTS, WOODS)
     body = shade(front, 0.82) if rng.random() < 0.6 else pick(rng, PAINTS, WOODS)
@@ -77,8 +78,8 @@ def sample_bottom_cabinet(rng: Rng, index: int) -> Sampled:
             if not any("door" in column for column in layout):
                 layout[0] = [*stack, "door"]
     width = rng.uniform(0.38, 0.52) * max(len(line) if major == "rows" else len(layout) for line in layout)
-    size = _size(rng, (0.42, 0.66), (width, width + 0.08), (0.62, 1.0))
-    return Sampled(size, _recipe(rng, layout, WOODS + STONES + TILES, major=major))
+    size = box_of(rng, (0.42, 0.66), (width, width + 0.08), (0.62, 1.0))
+    return Sampled(size, cabinet_of(rng, layout, WOODS + STONES + TILES, major=major))
 
 
 @category("nightstand", founders=5, names="bedside cabinet, bedside table", like="nighttable", kin="storage")
@@ -87,9 +88,9 @@ def sample_nightstand(rng: Rng, index: int) -> Sampled:
     layout = [["drawer", "open"], ["drawer", "drawer"], ["drawer", "door"], ["drawer"] * 3, ["open", "drawer"]][
         index % 5
     ]
-    size = _size(rng, (0.34, 0.44), (0.38, 0.54), (0.42, 0.64))
+    size = box_of(rng, (0.34, 0.44), (0.38, 0.54), (0.42, 0.64))
     base = str(rng.choice(["legs", "legs", "feet", "plinth"]))
-    p = _recipe(rng, [layout], base=base, base_height=uniform(rng, 0.08, 0.2), drawer_weight=0.6, shelves=0)
+    p = cabinet_of(rng, [layout], base=base, base_height=uniform(rng, 0.08, 0.2), drawer_weight=0.6, shelves=0)
     return Sampled(size, p)
 
 
@@ -106,9 +107,9 @@ def sample_tv_stand(rng: Rng, index: int) -> Sampled:
         [["open"], ["drawer"]], [["door"], ["open", "open"], ["door"]], [["drawer"], ["open"], ["drawer"]],
         [["open", "drawer"], ["open", "drawer"]], [["open"], ["open"], ["open"]],
     ]  # fmt: skip
-    size = _size(rng, (0.36, 0.46), (1.1, 1.9), (0.34, 0.52))
+    size = box_of(rng, (0.36, 0.46), (1.1, 1.9), (0.34, 0.52))
     base = str(rng.choice(["legs", "feet", "plinth", "none"]))
-    p = _recipe(
+    p = cabinet_of(
         rng,
         layouts[index % 5],
         base=base,
@@ -144,7 +145,7 @@ def sample_wall_cabinet(rng: Rng, index: int) -> Sampled:
     if rng.random() < 0.3:
         layout = [["door", "open"] for _ in range(columns)]
     width = rng.uniform(0.32, 0.45) * columns
-    size = _size(rng, (0.30, 0.42), (width, width + 0.06), (0.5, 0.85))
+    size = box_of(rng, (0.30, 0.42), (width, width + 0.06), (0.5, 0.85))
     changes: dict[str, Any] = {
         "base": "none",
         "top": 0.0,
@@ -152,7 +153,7 @@ def sample_wall_cabinet(rng: Rng, index: int) -> Sampled:
         "handle_at": -0.8,
         "window": bool(rng.random() < 0.3),
     }
-    return Sampled(size, _recipe(rng, layout, **changes))
+    return Sampled(size, cabinet_of(rng, layout, **changes))
 
 
 @category(
@@ -177,9 +178,9 @@ def sample_sideboard(rng: Rng, index: int) -> Sampled:
     drawers = int(rng.integers(2, 4))
     middle = [["drawer"] * drawers, ["open"], ["drawer", "open"], ["door"]][index % 4]
     layout = [["door"], middle, ["door"]] if index % 2 == 0 else [["door"], middle, middle[:], ["door"]]
-    size = _size(rng, (0.38, 0.50), (1.1, 1.8), (0.55, 0.85))
+    size = box_of(rng, (0.38, 0.50), (1.1, 1.8), (0.55, 0.85))
     base = str(rng.choice(["legs", "feet", "plinth"]))
-    return Sampled(size, _recipe(rng, layout, base=base, base_height=uniform(rng, 0.1, 0.22)))
+    return Sampled(size, cabinet_of(rng, layout, base=base, base_height=uniform(rng, 0.1, 0.22)))
 
 
 @category(
@@ -207,8 +208,8 @@ def sample_wardrobe(rng: Rng, index: int) -> Sampled:
         layout = [["door", "drawer"] for _ in range(columns)]
     elif index % 3 == 2:
         layout, changes["major"] = [["door"] * columns, ["drawer"]], "rows"
-    size = _size(rng, (0.5, 0.65), (0.45 * columns, 0.56 * columns), (1.75, 2.1))
-    return Sampled(size, _recipe(rng, layout, **changes))
+    size = box_of(rng, (0.5, 0.65), (0.45 * columns, 0.56 * columns), (1.75, 2.1))
+    return Sampled(size, cabinet_of(rng, layout, **changes))
 
 
 @category(
@@ -239,84 +240,5 @@ def sample_chest_of_drawers(rng: Rng, index: int) -> Sampled:
         layout, major = [["drawer"] * rows for _ in range(1 + index % 2)], "columns"
     width = 0.45 + 0.3 * (index % 3) + rng.uniform(0, 0.25)
     height = 0.2 + 0.17 * len(layout if major == "rows" else layout[0]) + rng.uniform(0, 0.12)
-    size = _size(rng, (0.40, 0.55), (width, width + 0.05), (height, height + 0.05))
-    return Sampled(size, _recipe(rng, layout, major=major))
-
-
-def _appliance(rng: Rng, layout: Layout, **changes: Any) -> Cabinet:
-    """A recipe in metal or glass, with a handle that is seen before the front."""
-    front = pick(rng, APPLIANCE)
-    handle = METALS[2] if brightness(front) > 0.4 else METALS[0]
-    plain: dict[str, Any] = {
-        "panel": "flat",
-        "handle": str(rng.choice(["bar", "square_bar"])),
-        "inset_front": False,
-        "top": 0.0,
-        "front_colour": front,
-        "body_colour": shade(front, 0.85),
-        "field_colour": front,
-        "inside_colour": [0.75, 0.76, 0.78],
-        "base_colour": [0.08, 0.08, 0.09],
-        "handle_colour": pick(rng, [handle]),
-    }
-    return _recipe(rng, layout, **(plain | changes))
-
-
-@category(
-    "fridge",
-    founders=4,
-    count=12,
-    names="refrigerator",
-    like="freezer, icebox",
-    kin="appliance",
-    varied=True,
-    appliance=True,
-)
-def sample_fridge(rng: Rng, index: int) -> Sampled:
-    """One tall door, a freezer above or below, or two doors side by side."""
-    layout = [[["door"]], [["door", "door"]], [["door"], ["door"]], [["door", "drawer"]]][index % 4]
-    at = -0.5 if index % 4 == 1 else 0.2
-    wide = 0.85 if len(layout) == 2 else 0.6
-    size = _size(rng, (0.62, 0.74), (wide, wide + 0.12), (1.5, 1.9))
-    p = _appliance(
-        rng, layout, front_thickness=0.05, base="plinth", base_height=0.05, handle_at=at, handle_length=0.3, shelves=3,
-        drawer_weight=0.5, board=0.04, density=130.0,
-    )  # fmt: skip
-    if index % 4 == 1:  # the freezer's door is the smaller one
-        p = p.changed(layout=[["door"], ["door"]], major="rows", handle_at=0.0, handle_length=0.35)
-    return Sampled(size, p)
-
-
-@category("microwave", founders=4, count=12, kin="appliance", varied=True, appliance=True)
-def sample_microwave(rng: Rng, index: int) -> Sampled:
-    """A glazed door beside a control panel; stands on something."""
-    size = _size(rng, (0.34, 0.44), (0.44, 0.58), (0.26, 0.34))
-    p = _appliance(
-        rng, [["door"], ["panel"]], column_weights=[uniform(rng, 2.4, 4.0, digits=2), 1.0], window=True, hinge=-1,
-        handle_at=0.0, handle_length=0.55, handle_inset=0.022, shelves=0, base="feet" if index % 2 else "none",
-        base_height=0.015, board=0.015, placement="object",
-    )  # fmt: skip
-    return Sampled(size, p)
-
-
-@category("oven", founders=3, count=12, kin="appliance", varied=True, appliance=True)
-def sample_oven(rng: Rng, index: int) -> Sampled:
-    """A glazed flap below a control panel; the large ones have a drawer beneath."""
-    layout = [["panel"], ["flap"], ["drawer"]] if index % 2 else [["panel"], ["flap"]]
-    size = _size(rng, (0.55, 0.65), (0.55, 0.68), (0.85, 0.95) if index % 2 else (0.55, 0.65))
-    p = _appliance(
-        rng, layout, major="rows", window=True, handle_length=0.75, base="plinth", base_height=0.03, shelves=0,
-        panel_weight=uniform(rng, 0.16, 0.28), drawer_weight=0.4,
-    )  # fmt: skip
-    return Sampled(size, p)
-
-
-@category("dishwasher", founders=2, count=10, kin="appliance", varied=True, appliance=True)
-def sample_dishwasher(rng: Rng, index: int) -> Sampled:
-    """A plain flap below a narrow control panel."""
-    size = _size(rng, (0.58, 0.64), (0.44, 0.62), (0.80, 0.88))
-    p = _appliance(
-        rng, [["panel"], ["flap"]], major="rows", handle_length=0.6, base="plinth", base_height=0.09, shelves=0,
-        panel_weight=0.14, panel="flat" if index % 2 else "raised",
-    )  # fmt: skip
-    return Sampled(size, p)
+    size = box_of(rng, (0.40, 0.55), (width, width + 0.05), (height, height + 0.05))
+    return Sampled(size, cabinet_of(rng, layout, major=major))
