@@ -1,6 +1,7 @@
 """The results of the policies: charts of success with intervals, and the verdict on the paper's main claim."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import pandas as pd
 from markupsafe import Markup
@@ -22,15 +23,17 @@ class Result:
     verdicts: list[str]
 
 
+def _said(row: dict[str, Any]) -> str:
+    few = too_few_runs(row)
+    return f"cannot be said from {few}" if few else str(row["verdict"])
+
+
 def verdicts(claims: pd.DataFrame | None, tasks: pd.Series) -> list[str]:
     """Whether cousins help on unseen assets, a sentence per row of the experiment."""
     if claims is None:
         return []
     rows = records(claims[(claims["claim"] == "unseen") & claims["task"].isin(tasks)])
-    return [
-        f"{title(row['task'])}. {claim_sentence(row)}: {too_few_runs(row) or row['verdict']} ({evidence(row)})."
-        for row in rows
-    ]
+    return [f"{title(row['task'])}. {claim_sentence(row)}: {_said(row)} ({evidence(row)})." for row in rows]
 
 
 def over_assets(table: pd.DataFrame | None, claims: pd.DataFrame | None) -> list[Result]:
