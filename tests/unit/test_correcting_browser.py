@@ -86,6 +86,17 @@ def _told(page: Any, session: Correcting) -> dict[int, dict[str, Any]]:
     return {item.pop("mask"): item for item in said}
 
 
+def _front(page: Any) -> str:
+    """Where the front of the chosen thing is drawn, once no answer of the server moves it any more."""
+    shown = "document.querySelector('#view .solid.front').getAttribute('points')"
+    page.wait_for_function(
+        f"() => {{ const at = {shown}, now = performance.now();"
+        " if (window.front !== at) { window.front = at; window.since = now; }"
+        " return now - window.since > 700; }"
+    )
+    return str(page.locator("#view .solid.front").get_attribute("points"))
+
+
 def test_from_a_doubt_to_another_model_in_two_clicks(opened: Any, session: Correcting) -> None:
     page = opened
     assert page.locator("#objects button").all_text_contents() == ["cabinet 1", "cabinet 2", "floor", "wall"]
@@ -215,7 +226,7 @@ def test_size_support_front_and_place_are_said(opened: Any, session: Correcting)
     page.get_by_role("button", name="↺ 90°").click()
     page.get_by_role("button", name="←", exact=True).click()
     page.get_by_role("button", name="↓", exact=True).click(modifiers=["Shift"])
-    drawn = page.locator("#view .solid.front").get_attribute("points")
+    drawn = _front(page)
     page.get_by_role("button", name="→", exact=True).click()
     page.wait_for_function(f"() => document.querySelector('#view .solid.front').getAttribute('points') !== '{drawn}'")
     page.get_by_role("button", name="←", exact=True).click()  # it is shown where it will stand
