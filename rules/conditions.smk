@@ -6,8 +6,15 @@
 
 use rule rollout as rollout_under with:
     output:
-        film="results/evaluation/conditions/{condition}/{task}/{training_set}/{run}/seed_{seed}/film.png",
-        films="results/evaluation/conditions/{condition}/{task}/{training_set}/{run}/seed_{seed}/films.zip",
+        **filmed(
+            "evaluation",
+            "rollout",
+            "results/evaluation/conditions/{condition}/{task}/{training_set}/{run}/seed_{seed}",
+            condition="{condition}",
+            task="{task}",
+            **{"training set": "{training_set}"},
+            seed="{seed}",
+        ),
         rollouts="results/evaluation/conditions/{condition}/{task}/{training_set}/{run}/seed_{seed}/rollouts.csv",
     log:
         "logs/evaluation/{condition}_{task}_{training_set}_{run}_{seed}.log",

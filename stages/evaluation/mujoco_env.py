@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from stages.articulated.asset_folder import stretch_asset
 from stages.contracts import Asset, InputError, read_json
-from stages.contracts.task_options import TaskConfig
 from stages.evaluation.mujoco_camera import DepthCamera
 from stages.evaluation.mujoco_world import (
     ARM_JOINTS,
@@ -29,49 +28,33 @@ from stages.evaluation.mujoco_world import (
 )
 from stages.geometry.frames import inverse
 from stages.planning.clearance import Surroundings
-from stages.plugins import load
 from stages.simulation.controller import apply_delta, scale_action
-from stages.simulation.kinematics import Array
+from stages.simulation.kinematics import DAMPING, LIMIT_MARGIN, MAX_JOINT_STEP, Array
 from stages.simulation.loading import load_asset, physics_scene
 from stages.simulation.observation import CAMERA_FROM_IMAGE
 from stages.simulation.robot import GRIPPER_CLOSED, GRIPPER_OPEN, REST, TCP
 from stages.simulation.studio import Moment, Recording
 from stages.simulation.target import Target, read_target
-from stages.tasks.api import Float, Size, TaskEnv
-from stages.tasks.base_placement import placed, success_opening
+from stages.tasks.api import Float, TaskEnv
+from stages.tasks.base_placement import AJAR, placed, success_opening
 from stages.tasks.cameras import shoulder
 from stages.tasks.initial_state import nominal_root, sample_initial_state, sampled_scale
-from stages.tasks.observation import CameraRig, Observation, Sensing
-from stages.tasks.task import Task
+from stages.tasks.observation import CameraRig, Observation
 
 SHOWN = np.array([1], np.int16)  # entity id of what the cloud shows; everything else has 0
-IK_STEPS, IK_DAMPING = 20, 0.03  # of damped least squares; metres and radians
-LARGEST_STEP = 0.25  # radians of a joint in one of them
-LIMIT = 0.02  # radians kept to every joint limit
+IK_STEPS, IK_ENOUGH = 20, 1e-4  # most steps of the inverse kinematics; radians of the last one
 
 
 class MujocoTaskEnv(TaskEnv):
     """A task on one asset, in MuJoCo. Its observations, actions, starts and success are those of `TaskEnv`."""
 
-    def __init__(
-        self,
-        task: str,
-        assets: Path,
-        joint: str,
-        size: Size | None,
-        options: TaskConfig,
-        render: bool = True,
-        cache: Path | None = None,
-        vary_scale: bool = True,
-        sensing: Sensing | None = None,
-    ) -> None:
-        """Args as of `TaskEnv`; doors and drawers alone, and nothing stands about them."""
-        known: Task = load("tasks", task)
-        if len(known.skills) > 1:
-            what, fix = f"'mujoco' does not have the task {known.gym_id}.", "mujoco has doors and drawers"
+    def __init__(self, *args: Any, **given: Any) -> None:
+        """Args as of `TaskEnv` but for `room` and `randomise`; doors and drawers alone."""
+        super().__init__(*args, **given)
+        if len(self.task.skills) > 1:
+            what, fix = f"'mujoco' does not have the task {self.task.gym_id}.", "mujoco has doors and drawers"
             raise InputError("evaluation.simulator", what, fix, code="E-MUJOCO-TASK")
-        super().__init__(task, assets, joint, size, options, render, cache, vary_scale, sensing=sensing)
-        self.rig = CameraRig([shoulder(options)], options, sensing)
+        self.rig = CameraRig([shoulder(self.options)], self.options, self.sensing)
         self._files = ModelFiles()
         self._camera: DepthCamera | None = None
 
@@ -127,7 +110,7 @@ class MujocoTaskEnv(TaskEnv):
         fractions = self._fractions()
         self.opened = fractions[self.joint]
         self.success = self.opened >= self.success_opening
-        self.official_success |= max(fractions.values()) >= 0.1
+        self.official_success |= max(fractions.values()) >= AJAR
 
     def observe(self) -> Observation:
         """The observation of the present state."""
@@ -216,7 +199,7 @@ class MujocoTaskEnv(TaskEnv):
         world, data = self.base @ goal, self._scratch
         data.qpos[:] = self.data.qpos
         joints = start.copy()
-        low, high = np.asarray(self.model.jnt_range[self._arm_ids()]).T
+        low, high = np.array([self.model.joint(ROBOT + name).range for name in ARM_JOINTS]).T
         site = self.model.site(ROBOT + TCP).id
         place, turn = np.zeros((3, self.model.nv)), np.zeros((3, self.model.nv))
         error = np.zeros(6)
@@ -233,15 +216,12 @@ class MujocoTaskEnv(TaskEnv):
             mujoco.mju_quat2Vel(error[3:], away, 1.0)
             error[:3] = world[:3, 3] - data.site_xpos[site]
             jacobian = np.vstack([place, turn])[:, self._arm_dofs]
-            step = jacobian.T @ np.linalg.solve(jacobian @ jacobian.T + IK_DAMPING**2 * np.eye(6), error)
-            joints = joints + step * min(1.0, LARGEST_STEP / max(np.abs(step).max(), 1e-9))
-            joints = np.clip(joints, low + LIMIT, high - LIMIT)
-            if np.abs(step).max() < 1e-4:
+            step = jacobian.T @ np.linalg.solve(jacobian @ jacobian.T + DAMPING**2 * np.eye(6), error)
+            joints = joints + step * min(1.0, MAX_JOINT_STEP / max(np.abs(step).max(), 1e-9))
+            joints = np.clip(joints, low + LIMIT_MARGIN, high - LIMIT_MARGIN)
+            if np.abs(step).max() < IK_ENOUGH:
                 break
         return joints
-
-    def _arm_ids(self) -> list[int]:
-        return [self.model.joint(ROBOT + name).id for name in ARM_JOINTS]
 
     def _picture(self) -> NDArray[np.int16]:
         """(H, W, 4) position in the camera's frame in millimetres, and 1 where the cloud shows something."""
@@ -263,5 +243,7 @@ class MujocoTaskEnv(TaskEnv):
             links = [i for i in range(model.nbody) if model.body(i).name.startswith(MODEL)]
         else:
             links = [int(model.joint(f"{MODEL}{self.joint}").bodyid[0])]
-        links += [i for i in range(model.nbody) if int(model.body(i).parentid[0]) in links and i not in links]
+        for i in range(model.nbody):  # parents come before their children
+            if int(model.body(i).parentid[0]) in links and i not in links:
+                links.append(i)
         return [i for i in range(model.ngeom) if int(model.geom(i).bodyid[0]) in links]

@@ -5,7 +5,6 @@ Contacts, friction and drives are as MuJoCo has them; the models come from the M
 
 import tempfile
 import xml.etree.ElementTree as ET
-from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +18,7 @@ from stages.contracts.library import Asset
 from stages.generation.exports import Body
 from stages.generation.exports.mjcf import write_model
 from stages.geometry.frames import quaternion_from_matrix
-from stages.simulation.robot import PANDA, TCP
+from stages.simulation.robot import TCP, low_poly_urdf
 
 Array = NDArray[np.float64]
 
@@ -37,26 +36,9 @@ CAMERA, ROBOT, MODEL = "shoulder", "robot/", "model/object/"  # names: of the ca
 ROBOT_BIT, MODEL_BIT = 1, 2  # of contact: each touches the other alone, as links of one body have limits instead
 
 
-@cache
-def robot_text() -> str:
-    """The Panda's URDF with its collision meshes alone, as MuJoCo reads it."""
-    tree = ET.parse(PANDA)
-    root = tree.getroot()
-    for link in root.iter("link"):
-        for visual in link.findall("visual"):
-            link.remove(visual)
-    for mesh in root.iter("mesh"):
-        mesh.set("filename", str(PANDA.parent / str(mesh.get("filename")).removeprefix(f"{PANDA.parent}/")))
-    options = ET.SubElement(root, "mujoco")
-    ET.SubElement(
-        options, "compiler", strippath="false", fusestatic="false", discardvisual="false", balanceinertia="true"
-    )
-    return ET.tostring(root, encoding="unicode")
-
-
 def robot_spec() -> Any:
     """The robot with position drives; its base is the frame of the world."""
-    spec = mujoco.MjSpec.from_string(robot_text())
+    spec = mujoco.MjSpec.from_string(_with_options(low_poly_urdf()))
     for body in spec.bodies:
         body.gravcomp = 1.0
     for geom in spec.geoms:
@@ -78,6 +60,14 @@ def robot_spec() -> Any:
         alike.solref = STIFF
     spec.body(TCP).add_site(name=TCP)
     return spec
+
+
+def _with_options(urdf: Path) -> str:
+    """A URDF as MuJoCo is to read it: every link stays a body, and what collides is what is seen."""
+    root = ET.parse(urdf).getroot()
+    options = {"strippath": "false", "fusestatic": "false", "discardvisual": "true", "balanceinertia": "true"}
+    ET.SubElement(ET.SubElement(root, "mujoco"), "compiler", options)
+    return ET.tostring(root, encoding="unicode")
 
 
 class ModelFiles:

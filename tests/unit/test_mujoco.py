@@ -93,9 +93,10 @@ def test_nothing_opens_untouched(door: TaskEnv) -> None:
     assert abs(door.opened) < 0.01 and not door.success
 
 
-def test_a_task_of_several_skills_is_refused(folder: Path) -> None:
+def test_a_task_of_several_skills_is_refused(tmp_path: Path) -> None:
+    cabinet(tmp_path / "cabinet_0", layout=[["drawer"]])
     with refused("E-MUJOCO-TASK"):
-        MujocoTaskEnv("put_away_bowl", folder, "door_0_joint", None, TaskConfig())
+        MujocoTaskEnv("put_away_bowl", tmp_path / "cabinet_0", "drawer_0_joint", None, TaskConfig())
 
 
 def test_noise_grows_with_the_square_of_distance() -> None:
