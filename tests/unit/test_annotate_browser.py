@@ -143,6 +143,7 @@ def test_what_a_click_stands_on_is_said_before_it_and_a_changed_support_keeps_th
     up = np.array([0, 0, table.size[2] / 2])
     over(table.position + up)
     page.wait_for_function("() => document.getElementById('hint').textContent.startsWith('It stands on dining table.')")
+    page.wait_for_selector("#view .under", state="attached")  # once the server has placed the table's box
     assert page.locator("#view .under").count() == 1
     over(table.position - up - [0.9, 0, 0])
     page.wait_for_function("() => document.getElementById('hint').textContent.startsWith('It stands on the floor.')")
