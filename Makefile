@@ -13,7 +13,7 @@ STUDY := -$(BIN)/snakemake --cores $(CORES) --keep-going --configfile config.yam
 UNSEEN := $(BIN)/snakemake --cores $(CORES) --keep-going --configfile config.yaml config/study/table3.yaml config/study/over_assets.yaml --
 cells = $(foreach task,$(1),$(foreach set,$(2),results/evaluation/policies/$(task)/$(set)/rollouts.csv))
 
-.PHONY: help setup site demo all study unseen table2 photo test slurm test-cluster lint types config reference lock containers clean
+.PHONY: help setup site demo all study unseen registered table2 photo test slurm test-cluster lint types config reference lock containers clean
 help: ## list the verbs
 	@grep -hE '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 14
 
@@ -42,6 +42,9 @@ study: setup ## Table 3 on two cores, overnight; the cells that tell most come f
 unseen: setup ## success over unseen assets as docs/results has it, in an hour or two on two cores
 	$(UNSEEN) table3
 	$(BIN)/python -m stages.tables results --configs config.yaml config/study/table3.yaml config/study/over_assets.yaml --out docs/results
+
+registered: setup ## the registered study of docs/results/design.md: two nights of two cores; it goes on where it stopped
+	PATH=$(CURDIR)/$(BIN):$$PATH CORES=$(CORES) bash config/study/registered.sh
 
 table2: setup ## Table 2 and Figure 6 with every row, on the eight rooms and their robustness variants
 	$(BIN)/snakemake --cores $(CORES) --keep-going --configfile config.yaml config/study/table2.yaml -- table2

@@ -56,6 +56,7 @@ class MujocoTaskEnv(TaskEnv):
             raise InputError("evaluation.simulator", what, fix, code="E-MUJOCO-TASK")
         self.rig = CameraRig([shoulder(self.options)], self.options, self.sensing)
         self._files = ModelFiles()
+        self._known: tuple[Path, str] | None = None  # folder and joint of `target`
         self._camera: DepthCamera | None = None
 
     @property
@@ -67,10 +68,7 @@ class MujocoTaskEnv(TaskEnv):
         """`reset` without looking."""
         setup = sample_initial_state(seed, self.options)
         scale = sampled_scale(seed, self.options, self.options.scale_range if self.vary_scale else None)
-        self.folder = self._at_scale(self._nominal_folder(), scale)
-        self._model_asset = read_json(Asset, self.folder / "asset.json")
-        self.target = self._measured_target()
-        self.__dict__.pop("_surroundings", None)
+        self._look_up(self._at_scale(self._nominal_folder(), scale))
         at = nominal_root(self._model_asset, np.ones(3))
         self.base, self.root = placed(setup, self.target, at, self.options, self.around())
         self.rig.place({}, 0, seed)
@@ -179,6 +177,14 @@ class MujocoTaskEnv(TaskEnv):
             size = np.array(asset.size) * scale
             stretch_asset(folder, asset, (float(size[0]), float(size[1]), float(size[2])), out)
         return out
+
+    def _look_up(self, folder: Path) -> None:
+        """Read the model and measure the target joint, if they are not those of the episode before."""
+        if self._known != (folder, self.joint):
+            self.folder, self._model_asset = folder, read_json(Asset, folder / "asset.json")
+            self.target = self._measured_target()
+            self.__dict__.pop("_surroundings", None)
+            self._known = folder, self.joint
 
     def _measured_target(self) -> Target:
         world = physics_scene()  # as long as its bodies

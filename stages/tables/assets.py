@@ -13,14 +13,13 @@ from stages.config.tables import TablesConfig
 from stages.contracts.library import HandleKind
 from stages.tables.cells import CELL, RATE, gains, in_order, rates
 from stages.tables.order import SKILL, SPLITS
-from stages.tables.table3 import BASELINE
+from stages.tables.table3 import BASELINE, RANDOMISED
 
 OWN = "own"  # of the column `kind`: the row that the others of its group share the assets of
 ENDS = ["difference", "low", "high"]
-FROM_TWIN, FROM_OWN = (
-    {old: f"{name}_{old}" for old in ENDS} for name in ("twin", "network")
-)  # minus the same row's twin; minus the group's own row, trained on the same
-COLUMNS = [*CELL, *RATE, *FROM_TWIN.values(), *FROM_OWN.values()]
+BASELINES = {"twin": BASELINE, "randomised": RANDOMISED}  # training sets that the same row's others are compared with
+FROM = {name: {old: f"{name}_{old}" for old in ENDS} for name in (*BASELINES, "network")}
+COLUMNS = [*CELL, *RATE, *(column for columns in FROM.values() for column in columns.values())]
 LENGTHS = [0, 0.05, 0.1, 0.2, np.inf]  # of handles, metres
 BINS = ["< 5 cm", "5-10 cm", "10-20 cm", "> 20 cm"]
 KINDS = sorted(get_args(HandleKind))
@@ -40,18 +39,21 @@ def judged_over(rollouts: pd.DataFrame) -> str:
 def build(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
     """A row per task, set of assets and training set, with `COLUMNS`.
 
-    `twin_difference`: minus the policies of the same row trained on the twin; `network_difference`: minus those of the
-    row whose assets it shares, trained on the same set.
+    `twin_difference`: minus the policies of the same row trained on the twin; `randomised_difference`: minus those
+    trained on the twin, randomised; `network_difference`: minus those of the row whose assets it shares, trained on
+    the same set.
     """
     found = of_splits(rollouts)
     policies = found[found["training_set"] != SKILL]
     kinds = policies.assign(kind=policies["task"].where(policies["task"] != policies["assets_of"], OWN))
-    to_twin = gains(policies, ["task", "test_asset"], "training_set", BASELINE, options)
     to_own = gains(kinds, ["assets_of", "test_asset", "training_set"], "kind", OWN, options)
     table = rates(found, CELL, options)
-    table = table.merge(to_twin[[*CELL, *ENDS]].rename(columns=FROM_TWIN), "left", CELL, suffixes=("", "_"))
-    own = to_own.rename(columns={"kind": "task"} | FROM_OWN)
-    return table.merge(own[[*CELL, *FROM_OWN.values()]], "left", CELL)[COLUMNS]
+    found_gains = {"network": to_own.rename(columns={"kind": "task"})}
+    for name, baseline in BASELINES.items():
+        found_gains[name] = gains(policies, ["task", "test_asset"], "training_set", baseline, options)
+    for name, gained in found_gains.items():
+        table = table.merge(gained[[*CELL, *ENDS]].rename(columns=FROM[name]), "left", CELL, suffixes=("", "_"))
+    return table[COLUMNS]
 
 
 def by_handle(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:

@@ -8,9 +8,10 @@ from stages.config.tables import TablesConfig
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_options
 from stages.contracts.policies import Rollout
+from stages.tables.assets import BASELINES
 from stages.tables.cells import CELL, gains, rates
 from stages.tables.markup import Table
-from stages.tables.order import title
+from stages.tables.order import SKILL, title
 from stages.tables.rows import ONE_TEST, read_rows, records
 from stages.tables.text import cell, count, percent, points, span
 from stages.tables.writing import write
@@ -69,6 +70,35 @@ def build(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
     return merged.assign(order=usual).sort_values(
         [*CELL, "order", "condition"], key=lambda column: _place(column, merged), ignore_index=True
     )[COLUMNS]
+
+
+def against_baselines(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
+    """Success of every training set minus that of each baseline, under each condition: what is left of the gain."""
+    within = ["task", "test_asset", "condition"]
+    policies = rollouts[rollouts["training_set"] != SKILL]
+    parts = [
+        gains(policies, within, "training_set", baseline, options).assign(baseline=baseline)
+        for baseline in BASELINES.values()
+    ]
+    return pd.concat(parts, ignore_index=True)
+
+
+def baselines_table(table: pd.DataFrame) -> Table:
+    """The rows of `against_baselines` as text."""
+    rows = []
+    for row in records(table):
+        runs = f"{row['assets']} assets, {row['runs']} against {count(row['baseline_runs'], 'run')}"
+        gain = cell(points(row["difference"]), f"[{span(row['low'], row['high'])}] {runs}")
+        names = (row[name] for name in ("task", "test_asset", "training_set", "baseline", "condition"))
+        rows.append([*map(title, names), gain])
+    return Table(
+        "gains_under_conditions",
+        "What a training set gains over a baseline, under each condition",
+        ["task", "tested on", "trained on", "minus", "condition", "difference"],
+        rows,
+        headers=5,
+        notes=["Both sides on the same assets from the same initial states."],
+    )
 
 
 def _place(column: pd.Series, merged: pd.DataFrame) -> pd.Series:

@@ -3,8 +3,13 @@
 import re
 
 TASKS = {"door": "Door opening", "drawer": "Drawer opening", "bowl": "Putting away bowl"}
-TASKS |= {"door_object": "Door, whole object"}  # of config/study
-KINDS = {"": "paper's network", "_handle": "handle flagged", "_blind": "no cloud"}  # of policies, by the row's ending
+TASKS |= {"door_object": "Door, whole object", "drawer_object": "Drawer, whole object"}  # of config/study
+KINDS = {
+    "": "paper's network",
+    "_handle": "handle flagged",
+    "_diffusion": "diffusion head",
+    "_blind": "no cloud",
+}  # of policies, by the row's ending
 SPLITS = ("test", "validation")  # test assets that are sets of unseen assets
 SKILL = "skill"  # training set of the scripted skill's rows
 NAMES = {"all": "all assets", "trained": "training assets", "twin_randomised": "twin, randomised"}

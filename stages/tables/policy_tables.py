@@ -12,7 +12,7 @@ from stages.tables.markup import Table
 from stages.tables.order import CLOUDS, SKILL, kind, set_key, task_key, title
 from stages.tables.rows import records
 from stages.tables.scene_tables import level
-from stages.tables.table3 import BASELINE
+from stages.tables.table3 import BASELINE, RANDOMISED
 from stages.tables.text import NOT_RUN, NOTHING, cell, count, number, percent, points, span
 
 PRIVILEGED = (
@@ -25,7 +25,13 @@ SENTENCES = {
     "unseen": "On unseen assets, {ours} do better than {theirs}",
     "flat": "From the twin to unseen assets, {ours} lose less than {theirs}",
     "steady": "{ours} differ less from run to run than {theirs}",
+    "randomised": "On unseen assets, {ours} do better than {theirs}",
     "all": "On unseen assets, {ours} do better than {theirs}",
+}
+MINUS = {
+    "twin": "minus the twin's",
+    "randomised": "minus the randomised twin's",
+    "network": "minus the paper's network",
 }
 Line = dict[str, dict[str, Any]]  # training set -> row of a frame
 
@@ -50,7 +56,7 @@ def _rate(row: dict[str, Any]) -> str:
 
 
 def _gain(versus: str) -> Callable[[dict[str, Any]], str]:
-    """The text of a difference, empty if there is none; `versus`: twin, network."""
+    """The text of a difference, empty if there is none; `versus`: one of `MINUS`."""
 
     def text(row: dict[str, Any]) -> str:
         difference = row[f"{versus}_difference"]
@@ -60,7 +66,7 @@ def _gain(versus: str) -> Callable[[dict[str, Any]], str]:
 
 
 def _group(table: pd.DataFrame, sets: list[str]) -> list[list[str]]:
-    """The rows of one group and set of assets: rates, minus the twin, minus the paper's network, the skill."""
+    """The rows of one group and set of assets: rates, minus those of `MINUS`, the skill."""
     first = records(table)[0]
     about = f"{first['assets']} assets of {first['families']} families, {first['places']} initial states"
     group = cell(f"{title(first['assets_of'])}, {title(first['test_asset'])}", about)
@@ -69,7 +75,7 @@ def _group(table: pd.DataFrame, sets: list[str]) -> list[list[str]]:
         for (task,), line in _lines(table[table["training_set"] != SKILL], ["task"])
     ]
     rows = [_side_by_side([group, name], line, sets, _rate) for name, line in policies]
-    for what, versus in (("minus the twin's", "twin"), ("minus the paper's network", "network")):
+    for versus, what in MINUS.items():
         gains = [_side_by_side([group, f"{name}, {what}"], line, sets, _gain(versus)) for name, line in policies]
         rows += [row for row in gains if any(row[2:])]
     for row in records(table[table["training_set"] == SKILL]):
@@ -98,10 +104,11 @@ def assets_table(table: pd.DataFrame, options: TablesConfig) -> Table:
             f"and runs, crossed ({options.bootstrap_samples} resamples, seed {options.seed}), never narrower than a "
             "score interval with assets as units (Wilson's for rates; Newcombe's, 1998, method 10, for paired "
             "differences). With one run an interval is about these policies only, not about training again.",
-            "Minus the twin's: what training on more than the twin adds to the same kind of policy. Minus the paper's "
-            "network: what the kind of policy adds on the same demonstrations. An interval that contains zero shows no "
-            "difference. The scripted skill, which made the demonstrations and knows the true handle, starts from the "
-            "same states.",
+            "Minus the twin's: what training on more than the twin adds to the same kind of policy. Minus the "
+            "randomised twin's: what other assets add to varying the size, friction and mass of one. Minus the paper's "
+            "network: what the kind of policy adds on the same demonstrations. An interval that contains zero does not "
+            "tell the two apart. The scripted skill, which made the demonstrations and knows the true handle, starts "
+            "from the same states.",
             PRIVILEGED,
         ],
     )
@@ -171,7 +178,7 @@ def policies_table(table: pd.DataFrame, published: pd.DataFrame, options: Tables
 
 def claim_sentence(row: dict[str, Any]) -> str:
     """A claim in words."""
-    baseline = "the twin" if row["baseline"] == BASELINE else title(row["baseline"])
+    baseline = {BASELINE: "the twin", RANDOMISED: "the twin, randomised"}.get(row["baseline"], title(row["baseline"]))
     sides = {"ours": f"policies trained on {title(row['training_set'])}", "theirs": f"those trained on {baseline}"}
     text = SENTENCES[row["claim"]].format(**sides)
     return text[0].upper() + text[1:]
@@ -221,7 +228,7 @@ def claims_table(table: pd.DataFrame, options: TablesConfig) -> Table:
         rows.append([title(row["task"]), claim_sentence(row), verdict, difference, _judged_over(row), runs])
     return Table(
         name="table3_claims",
-        caption="The paper's claims about policies, and whether these rollouts support them.",
+        caption="Claims about policies (the paper's, and cousins against a randomised twin), and what rollouts say.",
         columns=["Task", "Claim", "Verdict", "Difference", "Judged over", "Runs"],
         rows=rows,
         headers=2,

@@ -1,6 +1,7 @@
 """Verb `results`: what a study found, as Markdown, CSV and figures to commit; also while it is still running."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Literal, NamedTuple
 
@@ -10,12 +11,14 @@ from stages.config.model import Config
 from stages.contracts.files import read_json, write_text
 from stages.contracts.library import Library
 from stages.contracts.policies import ChosenRuns, Rollout, SceneScore, TaskAssets
-from stages.tables import robustness, table2, table3
+from stages.tables import assets, conditions, robustness, table2, table3
 from stages.tables.assets import of_splits
 from stages.tables.drawing import save, style
 from stages.tables.markup import Table, markdown
 from stages.tables.order import SKILL, SPLITS, title
 from stages.tables.policies import asset_tables, collect, role_tables, write_figures
+from stages.tables.policy_tables import assets_table
+from stages.tables.pooling import pooled, pools
 from stages.tables.roles import lists_table, roles_table
 from stages.tables.rows import ONE_SCENE, ONE_TEST, published_policies, published_scenes, read_rows
 from stages.tables.scene_figure import figure6
@@ -37,12 +40,13 @@ class StudyResults(NamedTuple):
     figures: dict[str, str]
 
 
-def rollout_files(config: Config, results: Path) -> Iterator[Path]:
+def rollout_files(config: Config, results: Path, condition: str = "") -> Iterator[Path]:
     """The rollouts of the study's policies, and of the skill on the same assets, as far as they are there."""
+    folder = results / "evaluation" / (f"conditions/{condition}" if condition else "policies")
     for task in config.experiment.tasks:
         plan = config.experiment.plan(task)
-        policies = results / f"evaluation/policies/{task}"
-        paths = [results / f"evaluation/skill/{task}/rollouts.csv"]
+        policies = folder / task
+        paths = [policies / "skill/rollouts.csv" if condition else results / f"evaluation/skill/{task}/rollouts.csv"]
         paths += [
             policies / f"{name}/{run}/seed_{seed}/rollouts.csv"
             for name in plan.training_sets
@@ -53,14 +57,15 @@ def rollout_files(config: Config, results: Path) -> Iterator[Path]:
 
 
 def asked_cells(config: Config) -> pd.DataFrame:
-    """The cells that the study is to fill, with the columns `table3.CELL`."""
+    """The cells that the study is to fill, with the columns `table3.CELL`; rows pooled."""
+    names = pools(config)
     cells = [
-        (task, asset, name)
+        (names[task], asset, name)
         for task in config.experiment.tasks
         for asset in config.evaluation.test_assets
         for name in config.experiment.plan(task).training_sets
     ]
-    return pd.DataFrame(cells, columns=table3.CELL)
+    return pd.DataFrame(cells, columns=table3.CELL).drop_duplicates()
 
 
 def _chosen(config: Config, results: Path) -> list[Table]:
@@ -75,6 +80,21 @@ def _chosen(config: Config, results: Path) -> list[Table]:
                 rows.append([title(task), title(name), ", ".join(chosen.runs), scores])
     columns = ["Task", "Training set", "Chosen", "Trials on the twin (best checkpoint of the first seed)"]
     return [Table("chosen", "Hyper-parameter sets chosen by trials.", columns, rows, headers=2)] if rows else []
+
+
+def _elsewhere(config: Config, results: Path, usual: pd.DataFrame) -> list[Table]:
+    """Success under each of `evaluation.conditions`, and there minus the baselines; nothing where none was met."""
+    found = {name: list(rollout_files(config, results, name)) for name in config.evaluation.conditions}
+    met = [read_rows(Rollout, paths, ONE_TEST).assign(condition=name) for name, paths in found.items() if paths]
+    if not met:
+        return []
+    rows = pd.concat([usual.assign(condition=conditions.USUAL), *met], ignore_index=True)
+    episodes = pd.concat([pooled(part, config) for _, part in rows.groupby("condition")], ignore_index=True)
+    options = config.tables
+    return [
+        conditions.conditions_table(conditions.build(of_splits(episodes), options)),
+        conditions.baselines_table(conditions.against_baselines(of_splits(episodes), options)),
+    ]
 
 
 def _about_rollouts(config: Config, episodes: pd.DataFrame) -> list[tuple[str, str]]:
@@ -100,10 +120,14 @@ def _about_rollouts(config: Config, episodes: pd.DataFrame) -> list[tuple[str, s
 
 def _policies(config: Config, results: Path, published: Path, out: Path) -> StudyResults:
     options, paper = config.tables, published_policies(published)
-    episodes = read_rows(Rollout, list(rollout_files(config, results)), ONE_TEST)
-    asked = asked_cells(config)
+    rows = read_rows(Rollout, list(rollout_files(config, results)), ONE_TEST)
+    episodes, asked = pooled(rows, config), asked_cells(config)
     found = collect(episodes, pd.concat([asked, paper[table3.CELL]]).drop_duplicates(), published, options)
     tables = [*asset_tables(found, options), *role_tables(found, paper, options)]
+    if set(rows["task"]) - set(episodes["task"]):
+        alone = assets_table(assets.build(rows[rows["task"] != rows["task"].map(pools(config))], options), options)
+        tables.append(replace(alone, name="assets_by_room", caption=f"{alone.caption[:-1]}, room by room."))
+    tables += _elsewhere(config, results, rows)
     for task in config.experiment.tasks:
         path = results / f"experiment/{config.experiment.policy_variant}/{task}/assets.json"
         if path.is_file():

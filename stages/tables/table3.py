@@ -16,7 +16,7 @@ COLUMNS = [
 ALL_COLUMNS = [*COLUMNS, "checkpoint", "asset", "status"]
 DIFFERENCE_COLUMNS = ["task", "test_asset", "training_set", *GAIN]
 CELL_COLUMNS = [*CELL, *RATE]
-BASELINE, UNSEEN, TRAINED = "twin", "unseen", "trained"
+BASELINE, RANDOMISED, UNSEEN, TRAINED = "twin", "twin_randomised", "unseen", "trained"
 
 
 def _order(row: Any) -> tuple[Any, ...]:

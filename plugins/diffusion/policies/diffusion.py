@@ -7,10 +7,11 @@ noisy ones.
 
 from collections.abc import Sequence
 from itertools import pairwise
+from typing import Self
 
 import numpy as np
 import torch
-from pydantic import Field, ValidationError
+from pydantic import Field, ValidationError, model_validator
 from torch import Tensor, nn
 
 from stages.contracts.episode_store import ACTION
@@ -32,6 +33,12 @@ class Options(Section):
     executed: int = Field(4, ge=1, description="actions done between two looks")
     width: int = Field(256, ge=8, description="of the layers that denoise")
     layers: int = Field(3, ge=1, description="how many they are")
+
+    @model_validator(mode="after")
+    def _steps_differ(self) -> Self:
+        if self.steps > self.levels:
+            raise ValueError(f"steps is {self.steps}, more than levels, {self.levels}")
+        return self
 
 
 def signal_levels(levels: int) -> Tensor:
@@ -72,7 +79,7 @@ class Policy(SeeingPolicy):
         return self.leave(x).unflatten(1, (-1, ACTION))  # type: ignore[no-any-return]
 
     def loss(self, clouds: Tensor, proprio: Tensor, actions: Tensor, weights: Tensor) -> tuple[Tensor, Tensor]:
-        """Mean squared error of the denoised actions, and the RMS error of those sampled.
+        """Mean squared error of the denoised actions, and the RMS error: of those sampled, in training of the denoised.
 
         The noise of an update follows from how many came before, so that a resumed run equals a whole one.
         """
@@ -84,8 +91,8 @@ class Policy(SeeingPolicy):
         noise = torch.randn(actions.shape, generator=random).to(actions.device)
         signal = self.signal[level][:, None, None]
         denoised = self.clean(signal.sqrt() * actions + (1 - signal).sqrt() * noise, level, seen)
-        with torch.no_grad():
-            error = (self.sample(noise, seen) - actions).square().mean(-1)
+        found = denoised.detach() if training else self.sample(noise, seen)
+        error = (found - actions).square().mean(-1)
         total = weights.sum()
         loss = ((denoised - actions).square().mean(-1) * weights).sum() / total
         return loss, ((error * weights).sum() / total).sqrt()

@@ -143,3 +143,5 @@ def test_it_sees_marked_handles(store: Path) -> None:
 def test_what_it_does_not_know_is_refused() -> None:
     with refused("E-DIFFUSION-OPTION"):
         Policy(TrainingRun(network=NetworkConfig(), own={"diffusion": {"stpes": 3}}))
+    with refused("E-DIFFUSION-OPTION"):  # two steps at one level would divide by zero
+        Policy(TrainingRun(network=NetworkConfig(), own={"diffusion": {"steps": 10, "levels": 5}}))
