@@ -13,13 +13,15 @@ from stages.contracts.library import Library
 from stages.contracts.policies import ChosenRuns, Rollout, SceneScore, TaskAssets
 from stages.tables import assets, conditions, robustness, table2, table3
 from stages.tables.assets import of_splits
+from stages.tables.associations import Shown, associations_table, traits
+from stages.tables.associations import build as associate
 from stages.tables.drawing import save, style
 from stages.tables.markup import Table, markdown
 from stages.tables.order import SKILL, SPLITS, title
 from stages.tables.policies import asset_tables, collect, role_tables, write_figures
 from stages.tables.policy_tables import assets_table
 from stages.tables.pooling import pooled, pools
-from stages.tables.roles import lists_table, roles_table
+from stages.tables.roles import demonstrated_assets, lists_table, roles_table
 from stages.tables.rows import ONE_SCENE, ONE_TEST, published_policies, published_scenes, read_rows
 from stages.tables.scene_figure import figure6
 from stages.tables.scene_tables import robustness_table, scenes_table
@@ -82,6 +84,23 @@ def _chosen(config: Config, results: Path) -> list[Table]:
     return [Table("chosen", "Hyper-parameter sets chosen by trials.", columns, rows, headers=2)] if rows else []
 
 
+def _with_traits(config: Config, results: Path, rollouts: pd.DataFrame) -> pd.DataFrame:
+    """The rollouts on unseen assets of the rows whose assets.json is there, with what is known of each asset."""
+    experiment, parts = config.experiment, []
+    for task, part in of_splits(rollouts).groupby("task"):
+        path = results / f"experiment/{experiment.policy_variant}/{experiment.source(str(task))}/assets.json"
+        if path.is_file():
+            chosen, stretch = read_json(TaskAssets, path), config.task_of(str(task)).scale_range
+            wider = {"twin_randomised": config.demonstrations.randomise.extents}
+            sets = {
+                name: Shown(demonstrated_assets(chosen, experiment.roles(name)), wider.get(name, stretch))
+                for name in set(part["training_set"]) - {SKILL}
+            }
+            known = traits([*chosen.test_assets, *chosen.validation_assets], sets)
+            parts.append(part.merge(known, on=["training_set", "asset"]))
+    return pd.concat(parts, ignore_index=True) if parts else rollouts[:0]
+
+
 def _elsewhere(config: Config, results: Path, usual: pd.DataFrame) -> list[Table]:
     """Success under each of `evaluation.conditions`, and there minus the baselines; nothing where none was met."""
     found = {name: list(rollout_files(config, results, name)) for name in config.evaluation.conditions}
@@ -127,6 +146,9 @@ def _policies(config: Config, results: Path, published: Path, out: Path) -> Stud
     if set(rows["task"]) - set(episodes["task"]):
         alone = assets_table(assets.build(rows[rows["task"] != rows["task"].map(pools(config))], options), options)
         tables.append(replace(alone, name="assets_by_room", caption=f"{alone.caption[:-1]}, room by room."))
+    known = _with_traits(config, results, rows)
+    if len(known):
+        tables.append(associations_table(associate(pooled(known, config), options)))
     tables += _elsewhere(config, results, rows)
     for task in config.experiment.tasks:
         path = results / f"experiment/{config.experiment.policy_variant}/{task}/assets.json"

@@ -1,0 +1,60 @@
+"""Which unseen assets are opened: coverage by the training set, and rank correlations."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from stages.config.tables import TablesConfig
+from stages.contracts.policies import TaskAsset
+from stages.tables.associations import Shown, associations_table, build, traits
+from tests.unit.tables_results import ABOUT, UNSEEN, over_assets
+
+OPTIONS = TablesConfig(bootstrap_samples=300)
+
+
+def asset(name: str, panel: tuple[float, float], length: float, height: float) -> TaskAsset:
+    about = ABOUT | {"panel_size": panel, "handle_length": length, "handle_height": height}
+    same = {
+        "role": "test",
+        "category": "cabinet",
+        "family": name,
+        "joint": "door",
+        "size": (0.4, 0.5, 0.6),
+        "distance": 1,
+    }
+    return TaskAsset.model_validate(about | same | {"asset": name})
+
+
+def test_coverage_is_the_share_of_figures_within_what_was_shown() -> None:
+    twin, cousin = asset("a", (0.4, 0.4), 0.1, 0.5), asset("b", (0.8, 0.4), 0.2, 0.5)
+    small = asset("c", (0.31, 0.31), 0.08, 0.5)  # within 0.75 of the twin's
+    assert Shown([twin], (0.75, 1.25)).coverage(small) == 1
+    assert Shown([twin], (1.0, 1.0)).coverage(small) == 0.25  # only the height of its handle
+    assert Shown([twin, cousin], (1.0, 1.0)).coverage(asset("d", (0.6, 0.4), 0.15, 0.6)) == 0.75
+    found = traits([small], {"twin": Shown([twin], (0.75, 1.25)), "cousins_2": Shown([cousin], (0.75, 1.25))})
+    assert found.set_index("training_set")["coverage"].to_dict() == {"twin": 1, "cousins_2": 0.5}
+    assert set(found["handle_height"]) == {0.5}
+
+
+def test_success_follows_what_decides_it_and_nothing_else() -> None:
+    rows = pd.DataFrame([row.model_dump() for row in over_assets(UNSEEN)])  # long handles are easy
+    rng = np.random.default_rng(0)
+    chance = dict(zip(sorted(set(rows["asset"])), rng.random(rows["asset"].nunique()), strict=True))
+    rows = rows.assign(handle_height=rows["asset"].map(chance), coverage=1.0)
+    table = build(rows, OPTIONS).set_index(["task", "training_set", "trait"])
+    twin = table.loc[("door", "twin")]
+    assert twin.loc["handle_length", "low"] > 0.3 and twin.loc["handle_length", "correlation"] > 0.6
+    assert twin.loc["handle_height", "low"] < 0 < twin.loc["handle_height", "high"]
+    assert tuple(twin.loc["coverage", ["correlation", "low", "high"]]) == (0, 0, 0)  # it does not vary
+    assert set(table["assets"]) == {24} and set(table["families"]) == {12}
+    assert "skill" not in table.index.get_level_values("training_set")
+    each = rows[(rows["task"] == "door") & (rows["training_set"] == "twin")].groupby("asset")
+    expected = each["success"].mean().corr(each["handle_length"].first(), method="spearman")
+    assert twin.loc["handle_length", "correlation"] == pytest.approx(expected)
+
+
+def test_table_of_associations() -> None:
+    rows = pd.DataFrame([row.model_dump() for row in over_assets(UNSEEN)]).assign(handle_height=0.5, coverage=1.0)
+    shown = associations_table(build(rows, OPTIONS))
+    assert shown.columns[2:] == ["twin", "4 cousins"] and len(shown.rows) == 2 * 4
+    assert shown.rows[1][:2] == ["Door opening", "length of the handle"] and "24 assets" in shown.rows[1][2]
