@@ -29,4 +29,4 @@ run policies _object "$PRIMARY twin" lite "0 1 2"
 run policies _blind "cousins_8 twin" lite_blind "0 1 2"
 run policies _diffusion "$PRIMARY twin" diffusion "0 1 2"
 make table3
-python -m stages.tables results --configs config.yaml config/study/registered.yaml --out docs/results
+python -m stages.tables results --configs config.yaml config/study/registered.yaml --out docs/results/registered

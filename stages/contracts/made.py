@@ -9,7 +9,8 @@ from stages.contracts.types import Seed, Text
 class Made(Contract):
     """The same of all four give the same bytes. Digests are the first 12 hex digits of SHA-256.
 
-    Files that were made together with an input, or of it (masks beside objects.json, features of a library), go by it.
+    Files that were made together with an input go by it: masks beside objects.json, features of patches beside those
+    of whole views.
     """
 
     seed: Seed | None = Field(None, description="of the random numbers behind it, its own or its inputs'; null: none")

@@ -65,7 +65,8 @@ def run(
         ]
     encoder = settings.encoder if stored else "none"
     entries = agreed(entries, scene.objects.objects)
-    seen = [image] if settings.compares_pictures else []
+    looks = [path.with_suffix(".npz") for path in features]  # of every view as a whole: a store has a gigabyte
+    seen = [image, *looks] if settings.compares_pictures else []
     asked = settings.model_copy(update={"vlm": settings.vlm.asked()})
     seed = scene.objects.made.seed if scene.objects.made else None
     origin = made("stages.matching.match", asked, [objects, *seen, library, *without], seed)
