@@ -130,11 +130,6 @@ def options(stage, verb):
     return found
 
 
-def config_digest():
-    """Digest of the whole validated config, for the report."""
-    return sha256(CONFIG.model_dump_json().encode()).hexdigest()[:12]
-
-
 def command(stage, verb):
     """The command line of a verb: ours, or the user's own if it is replaced, which ends with the workflow as ours do."""
     own = CONFIG.stages.get(stage, {}).get(verb)

@@ -85,6 +85,7 @@ rule report_page:
     output:
         page=in_report("results/report/index.html", "report"),
         times="results/report/times.html",
+        config="results/report/config.yaml",
     log:
         "logs/tables/report.log",
     localrule: True
@@ -102,11 +103,11 @@ rule report_page:
         files=lambda wildcards, input: [file for file in input if file != input.viewer],
         benchmarks=BENCHMARKS,
         seed=CONFIG.seed,
-        digest=config_digest(),
+        config=lambda wildcards: CONFIG.model_dump_json(),
         more=len(MORE),
     shell:
         "{params.command} --files {params.files:q} --viewer {input.viewer:q} --images {params.images:q} "
-        "--benchmarks {params.benchmarks:q} --seed {params.seed} --config-digest {params.digest} --options {params.options:q} "
+        "--benchmarks {params.benchmarks:q} --seed {params.seed} --config {params.config:q} --options {params.options:q} "
         '--published "$ACDC_PAPER" --more {params.more} --out {output.page:q} 2>&1 | tee {log:q}'
 
 

@@ -1,11 +1,13 @@
 """Verb `report`: the whole run on one page that needs nothing but a browser, and its times on another."""
 
+import json
 import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
+import yaml
 from markupsafe import Markup
 
 from stages.config.tables import TablesConfig
@@ -22,7 +24,7 @@ from stages.tables.rows import published_policies, read_table
 from stages.tables.scenes import named
 from stages.tables.text import number
 
-TIMES_PAGE = "times.html"
+TIMES_PAGE, CONFIG_PAGE = "times.html", "config.yaml"
 STAGES = ["assets", "scenes", "extraction", "matching", "generation", "experiment"]
 STAGES += ["demonstrations", "training", "evaluation", "tables"]
 COLUMNS = {
@@ -122,12 +124,12 @@ def run(
     benchmarks_root: Path = Path("benchmarks"),
     published: Path = Path("report/published"),
     title: str = "Digital cousins from one picture",
-    config_digest: str = "",
+    config: str = "",
     seed: int | None = None,
     more: int = 0,
     options: str = "",
 ) -> None:
-    """Write the page; parts that were not run are marked.
+    """Write the page, and the config of the run beside it; parts that were not run are marked.
 
     The same run gives the same page, byte for byte: how long its jobs took stands in times.html beside it.
 
@@ -140,17 +142,19 @@ def run(
         benchmarks_root: the folder whose first level names the stage of a benchmark.
         published: folder with the paper's values.
         title: title of the page.
-        config_digest: digest of the config.
+        config: JSON of the whole config; the page links to it as config.yaml.
         seed: seed of the run.
         more: how many more scenes the run has, which are neither shown nor counted here.
         options: JSON of the config section `tables`.
     """
     settings = read_options(TablesConfig, options)
     declared = RunFiles(files, {room: path for (room, _), path in named(images, "--images").items()})
-    facts = {"title": title, "config_digest": config_digest, "seed": seed, "more": more}
+    facts = {"title": title, "config_page": CONFIG_PAGE if config else "", "seed": seed, "more": more}
     page = _page(declared, published, facts, settings, link_to(viewer, out))
     jobs = read_jobs(benchmarks, benchmarks_root)
     tables = [times_table(by_stage(jobs, STAGES)), longest_table(jobs)] if len(jobs) else []
     times = environment().get_template("page/times.html.jinja").render(page=out.name, more=more, tables=tables)
     write_text(out.with_name(TIMES_PAGE), times)
+    if config:
+        write_text(out.with_name(CONFIG_PAGE), yaml.safe_dump(json.loads(config), sort_keys=False, allow_unicode=True))
     write_text(out, page)

@@ -8,8 +8,10 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
+import yaml
 from PIL import Image
 
+from stages.config.model import Config
 from stages.contracts.archives import pack
 from stages.contracts.errors import InputError
 from stages.contracts.ledgers import read_attempts
@@ -226,6 +228,13 @@ def test_times_stand_on_a_page_of_their_own(made: Path, tmp_path: Path) -> None:
     assert 'href="times.html"' in text
     assert page(made, tmp_path / "again" / "index.html", benchmarks=()) == text
     assert "No benchmark files were found" in (tmp_path / "again" / "times.html").read_text()
+
+
+def test_the_config_of_the_run_lies_beside_the_page(made: Path, tmp_path: Path) -> None:
+    asked = Config().model_copy(update={"seed": 11})
+    text = page(made, tmp_path / "index.html", config=asked.model_dump_json())
+    assert Config.model_validate(yaml.safe_load((tmp_path / "config.yaml").read_text())) == asked
+    assert 'href="config.yaml"' in text and 'href="config.yaml"' not in page(made, tmp_path / "other" / "index.html")
 
 
 def test_a_film_outside_its_folder_is_refused(tmp_path: Path) -> None:
