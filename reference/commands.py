@@ -81,13 +81,15 @@ def arguments(docstring: str) -> dict[str, str]:
 
 
 def passed(root: Path) -> dict[str, set[str]]:
-    """The flags that the rules of the workflow pass, by `stage verb`."""
+    """The flags that the rules of the workflow pass, by `stage verb`, those of their `*_flags` functions among them."""
+    texts = [path.read_text(encoding="utf-8") for path in sorted((root / "rules").glob("*.smk"))]
+    parts = [part for text in texts for part in re.split(r"^(?=\w)", text, flags=re.MULTILINE)]
+    told = {found[1]: part for part in parts if (found := re.match(r"def (\w+_flags)\(", part))}
     called = {}
-    for path in sorted((root / "rules").glob("*.smk")):
-        for body in re.split(r"^(?:rule|checkpoint) ", path.read_text(encoding="utf-8"), flags=re.MULTILINE)[1:]:
-            if found := re.search(r'command=command\("(\w+)", "(\w+)"\)', body):
-                shell = body[body.index("    shell:") :]
-                called[f"{found[1]} {found[2]}"] = set(re.findall(r"--[a-z][a-z0-9-]*", shell))
+    for part in parts:
+        if found := re.search(r'command=command\("(\w+)", "([\w-]+)"\)', part):
+            said = [part[part.index("    shell:") :], *map(told.get, re.findall(r"=(\w+_flags),", part))]
+            called[f"{found[1]} {found[2]}"] = set(re.findall(r"--[a-z][a-z0-9-]*", "".join(said)))
     return called
 
 

@@ -3,6 +3,7 @@
 import ast
 import html
 import re
+from collections import defaultdict
 from collections.abc import Iterator
 from itertools import groupby
 from pathlib import Path
@@ -18,6 +19,9 @@ A command that cannot use what it was given ends with exit code 1 and one line:
 The words may change from release to release; the code stays. Below, `{name}` stands for a value.
 This page is written from the code by `make reference`.
 """
+
+
+DEFAULTS = {"InputError": "E-INPUT", "Mistake": "E-CONFIG-CLASH"}  # codes of what is made without one
 
 
 class Fault(NamedTuple):
@@ -48,18 +52,22 @@ def page(root: Path) -> str:
 
 
 def _faults_of(file: Path, name: str) -> Iterator[Fault]:
-    tree = ast.parse(file.read_text(encoding="utf-8"))
-    for call in ast.walk(tree):
+    nodes = list(ast.walk(ast.parse(file.read_text(encoding="utf-8"))))
+    named = defaultdict(list)  # codes by the variable that holds them
+    for each in nodes:
+        if isinstance(each, ast.Assign) and isinstance(each.targets[0], ast.Name):
+            named[each.targets[0].id] += _codes(each.value)
+    for call in nodes:
         if not isinstance(call, ast.Call):
             continue
         given = dict(zip(("where", "what", "fix", "code"), call.args, strict=False))
         given |= {word.arg: word.value for word in call.keywords if word.arg}
-        code = given.get("code")
-        codes = _codes(code) if code else []
-        if codes or ast.unparse(call.func) == "InputError":
+        code, default = given.get("code"), DEFAULTS.get(ast.unparse(call.func))
+        codes = named[code.id] if isinstance(code, ast.Name) else _codes(code) if code else []
+        if codes or default:
             where, what, fix = (_text(given.get(part)).replace("`", "'") for part in ("where", "what", "fix"))
             says = what if where.startswith("{") else f"{where}: {what}"  # a path that is only known when it runs
-            for each in codes or ["" if code else "E-INPUT"]:
+            for each in codes or ["" if code or not default else default]:
                 yield Fault(each, name, call.lineno, says, fix)
 
 

@@ -78,11 +78,19 @@ def frame_files(wildcards):
 def frame_flags(wildcards, input):
     """What `from-rgbd` is told of a frame."""
     frame = EXPERIMENT.inputs[wildcards.scene]
-    said = {"rgb" if key == "image" else "intrinsics" if key == "camera" else key: path for key, path in input.items()}
-    said |= {"unit": frame.unit} if frame.depth else {"number": frame.number}
-    said |= {"camera": frame.camera} if frame.camera and "intrinsics" not in said else {}
-    said |= {"fov": frame.fov} if frame.fov else {}
-    told = [word for key, value in said.items() for word in (f"--{key}", str(value))]
+    flags = {
+        "--rgb": input.get("image"),
+        "--depth": input.get("depth"),
+        "--recording": input.get("recording"),
+        "--masks": input.get("masks"),
+        "--labels": input.get("labels"),
+        "--intrinsics": input.get("camera"),
+        "--unit": frame.unit if frame.depth else None,
+        "--number": None if frame.depth else frame.number,
+        "--camera": None if input.get("camera") else frame.camera or None,
+        "--fov": frame.fov or None,
+    }
+    told = [word for flag, value in flags.items() if value is not None for word in (flag, str(value))]
     matrix = ["--matrix", *map(str, frame.intrinsics)] if frame.intrinsics else []
     return shlex.join([*told, *matrix, *(["--clusters"] if frame.clusters else [])])
 

@@ -54,11 +54,10 @@ def _work(path: Path, work: Callable[[], str], ours: int) -> None:
         try:
             said = json.dumps([None, work()])
         except InputError as error:
-            said = json.dumps([(error.where, error.what, error.fix, error.code), ""])
+            said = _told(error)
         except MemoryError:
-            said = json.dumps(
-                [(str(path), f"takes more than {MEGABYTES} MB of memory to read.", SIMPLER, "E-MODEL-MEMORY"), ""]
-            )
+            what = f"takes more than {MEGABYTES} MB of memory to read."
+            said = _told(InputError(path, what, SIMPLER, code="E-MODEL-MEMORY"))
         with os.fdopen(ours, "wb") as told:
             told.write(said.encode())
         code = 0
@@ -68,6 +67,10 @@ def _work(path: Path, work: Callable[[], str], ours: int) -> None:
         sys.stdout.flush()
         sys.stderr.flush()
         os._exit(code)
+
+
+def _told(error: InputError) -> str:
+    return json.dumps([(error.where, error.what, error.fix, error.code), ""])
 
 
 def _limit() -> None:

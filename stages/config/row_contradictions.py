@@ -150,8 +150,5 @@ def policies(config: "Config") -> Iterator[Mistake]:
             what = f"{options.network.points} of {points[min(points)]}.points = {min(points)}"
             yield Mistake(f"training.runs.{run}.network.points", what, "lower it or raise task.points")
         if options.keep > options.steps:
-            yield Mistake(
-                f"training.runs.{run}.keep",
-                f"{options.keep} checkpoints of {options.steps} steps",
-                "lower itE-CONFIG-CLASH",
-            )
+            what = f"{options.keep} checkpoints of {options.steps} steps"
+            yield Mistake(f"training.runs.{run}.keep", what, "lower it")

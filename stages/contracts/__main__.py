@@ -66,7 +66,7 @@ def main(arguments: list[str]) -> int:
             kept = []
             print(f"error: {line_of(refused)}", file=sys.stderr)
         where = f" Kept as {kept[0]}" + (f" and {len(kept) - 1} more *{REFUSED}" if kept[1:] else "") if kept else ""
-        print(f"error: {error}{where}", file=sys.stderr)
+        print(f"error: {error}{where} [{error.code}]", file=sys.stderr)
         return 1
     return 0
 

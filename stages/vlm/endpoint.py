@@ -111,19 +111,23 @@ class Endpoint:
         """Raise what waiting does not mend."""
         where, key = self.options.url, f"the key in {self.options.key_env}" if self.options.key_env else "a key"
         if status in (401, 403):
-            what, fix, code = f"refuses {key} (HTTP {status}).", "set another, see vlm.key_env", "E-VLM-KEY"
-        elif status in (404, 405):
-            what, fix, code = f"HTTP {status}: {message}", "correct vlm.url or vlm.model", "E-VLM-ADDRESS"
-        elif status == 402 or "insufficient_quota" in message:
-            what, fix, code = f"HTTP {status}: the account has nothing left.", "pay, or use another", "E-VLM-ACCOUNT"
-        elif 300 <= status < 400:
-            what, fix = f"answers with a redirect (HTTP {status}).", "give its target as vlm.url"
-            code = "E-VLM-ADDRESS"
-        elif status < 500 and status not in BUSY:
+            raise InputError(
+                where, f"refuses {key} (HTTP {status}).", "set another, see vlm.key_env", code="E-VLM-KEY"
+            ) from None
+        if status in (404, 405):
+            raise InputError(
+                where, f"HTTP {status}: {message}", "correct vlm.url or vlm.model", code="E-VLM-ADDRESS"
+            ) from None
+        if status == 402 or "insufficient_quota" in message:
+            raise InputError(
+                where, f"HTTP {status}: the account has nothing left.", "pay, or use another", code="E-VLM-ACCOUNT"
+            ) from None
+        if 300 <= status < 400:
+            raise InputError(
+                where, f"answers with a redirect (HTTP {status}).", "give its target as vlm.url", code="E-VLM-ADDRESS"
+            ) from None
+        if status < 500 and status not in BUSY:
             raise RefusedError(status, message) from None
-        else:
-            return
-        raise InputError(where, what, fix, code=code) from None
 
     def _message(self, error: HTTPError) -> str:
         """What the server says of an error, in one line."""

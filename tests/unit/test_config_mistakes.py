@@ -11,7 +11,7 @@ import yaml
 from stages.config import categories
 from stages.config.assets import COUNTS
 from stages.config.inputs import INPUT_FILES
-from stages.config.mistakes import check_keys
+from stages.config.mistakes import GONE, check_keys
 from stages.config.model import load, merged
 from stages.contracts import InputError
 from tests.refusals import refused
@@ -49,7 +49,10 @@ CASES = [
         "training: {runs: {mine: {handle: true, network: {cloud: false}}}}",
         "training.runs.mine: handle: marks points of a cloud",
     ),
-    ("training: {runs: {lite: {keep: 9, steps: 5}}}", "training.runs.lite.keep: 9 checkpoints of 5 steps"),
+    (
+        "training: {runs: {lite: {keep: 9, steps: 5}}}",
+        "training.runs.lite.keep: 9 checkpoints of 5 steps. Fix: lower it",
+    ),
     ("training: {runs: {'a/b': {}}}", "training.runs: 'a/b' is no name"),
     ("task: {control_frequency: 0}", "task.control_frequency: Input should be greater than 0"),
     ("task: {control_frequency: 12}", "task.control_frequency: 12 does not divide 100"),
@@ -63,10 +66,7 @@ CASES = [
     ),
     ("matching: {vlm: {model: x}}", "matching.vlm: is no option. Fix: the section `vlm`, on the top level"),
     ("experiment: {variants: {b: {coverage: 0.4}}}", "experiment.variants.b.coverage: is no option. Fix: leave it out"),
-    ("extraction: {implementation: simulator}", "extraction.implementation: is no option. Fix: source: folder"),
-    ("extraction: {seen_through: 0.35}", "extraction.seen_through: is no option. Fix: leave it out"),
-    ("evaluation: {film_every: 8}", "evaluation.film_every: is no option. Fix: leave it out"),
-    ("containers: {report: a.sif}", "containers.report: is no option. Fix: image: a name with {family}"),
+    *((f"tables: {{{key}: 1}}", f"tables.{key}: is no option. Fix: {mend}") for key, mend in GONE.items()),
     ("encoder: {steps: 3}", "encoder: is no option. Fix: python -m plugins.patchnet"),
     ("photo: {detector: {path: a}}", "photo.detector: Input should be a valid string"),
     ("demonstrations: {noise: -1}", "demonstrations.noise: Input should be greater"),
@@ -194,6 +194,12 @@ def test_a_mistake_is_one_line_with_its_key(text: str, line: str) -> None:
     found = lines(text)
     assert [each for each in found if each.startswith(line)], found
     assert len(found) == 1
+
+
+@pytest.mark.parametrize("file", sorted(ROOT.glob("config/swaps/*.yaml")), ids=lambda file: str(file.stem))
+def test_the_shipped_swaps_are_no_mistake(file: Path) -> None:
+    found = lines(file.read_text(encoding="utf-8"))
+    assert [line for line in found if not line.startswith("matching.dinov2.path: no config.json in 'weights/")] == []
 
 
 @pytest.mark.parametrize(

@@ -67,6 +67,13 @@ def test_options_accept_text_file_or_nothing(tmp_path: Path) -> None:
         read_options(Camera, "")
 
 
+def test_checker_says_the_code(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "camera.json").write_text("not json")
+    assert main(["--refuse", "camera", str(tmp_path / "camera.json")]) == 1
+    said = capsys.readouterr().err
+    assert said.startswith("error: ") and said.endswith(f"{tmp_path}/camera.json.refused [E-CONTRACT-BROKEN]\n")
+
+
 def test_checker_checks_lines_and_tables(tmp_path: Path) -> None:
     good = Attempt(attempt=0, asset="a", seed=1, success=True, cause="success", steps=5, opened=0.5).model_dump_json()
     path = tmp_path / "attempts.jsonl"

@@ -1,5 +1,6 @@
 """Pages and pictures that are read off the code are up to date; every error has a code; nothing imports upward."""
 
+import re
 from itertools import pairwise
 from pathlib import Path
 
@@ -28,6 +29,13 @@ def test_every_error_has_a_code() -> None:
     assert [fault for fault in errors.faults(ROOT) if fault.code == "E-INPUT"] == []
 
 
+def test_every_code_has_its_place_on_the_page(written: dict[str, str]) -> None:
+    files = [file for folder in ("stages", "plugins") for file in (ROOT / folder).rglob("*.py")]
+    codes = {code for file in files for code in re.findall(r'"(E-[A-Z-]+)"', file.read_text(encoding="utf-8"))}
+    headings = re.findall(r"^## (E-.*)$", written["docs/errors.md"], re.MULTILINE)
+    assert len(headings) > 100 and set(headings) == codes - {"E-INPUT"}
+
+
 def test_nothing_imports_upward() -> None:
     graph = rooms.imports(ROOT)
     circles = [
@@ -43,6 +51,9 @@ raise InputError("depth.npz", "is no " + what, fix, "E-DEPTH-A" if flat else "E-
 raise InputError(path, "is bad.")
 raise InputError(path, str(error), code=error.code)
 refuse(path, "is locked.", code="E-LINKS-MANY")
+code = "E-KEY"
+Mistake("task.points", "is no key", code=code)
+Mistake("task.points", "is too many")
 """
 
 
@@ -51,9 +62,11 @@ def test_errors_are_read_from_their_calls(tmp_path: Path) -> None:
     (tmp_path / "stages/one.py").write_text(CODE)
     assert [(fault.code, fault.says, fault.fix) for fault in errors.faults(tmp_path)] == [
         ("", "{...}", ""),
+        ("E-CONFIG-CLASH", "task.points: is too many", ""),
         ("E-DEPTH-A", "depth.npz: is no {what}", "{fix}"),
         ("E-DEPTH-B", "depth.npz: is no {what}", "{fix}"),
         ("E-INPUT", "is bad.", ""),
+        ("E-KEY", "task.points: is no key", ""),
         ("E-LINKS-MANY", "has {...} links in '{name}'.", "at most 9"),
         ("E-LINKS-MANY", "is locked.", ""),
     ]

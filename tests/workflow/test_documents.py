@@ -122,7 +122,7 @@ def check_flags(stage: str, words: list[str]) -> None:
 
 def flags(stage: str, verb: str) -> tuple[set[str], set[str]]:
     """All flags of a verb, and those without a default."""
-    tree = ast.parse((ROOT / "stages" / stage / f"{verb}.py").read_text(encoding="utf-8"))
+    tree = ast.parse((ROOT / "stages" / stage / reference.module_of(verb)).read_text(encoding="utf-8"))
     run = next(node for node in tree.body if isinstance(node, ast.FunctionDef) and node.name == "run").args
     names = ["--" + argument.arg.replace("_", "-") for argument in run.kwonlyargs]
     return set(names), {name for name, default in zip(names, run.kw_defaults, strict=True) if default is None}
