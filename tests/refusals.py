@@ -9,8 +9,10 @@ from stages.contracts import InputError
 
 
 @contextmanager
-def refused(code: str) -> Iterator[pytest.ExceptionInfo[InputError]]:
-    """The block raises an `InputError` of this code."""
+def refused(code: str, *words: str) -> Iterator[pytest.ExceptionInfo[InputError]]:
+    """The block raises an `InputError` of this code, which says these words."""
     with pytest.raises(InputError) as caught:
         yield caught
-    assert caught.value.code == code, str(caught.value)
+    said = str(caught.value)
+    assert caught.value.code == code, said
+    assert all(word in said for word in words), said

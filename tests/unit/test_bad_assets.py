@@ -63,7 +63,6 @@ def test_what_shows_nothing_is_left_out(
 
 @pytest.mark.parametrize("kind", FLOODS)
 def test_mjcf_that_floods_stops_no_other(tmp_path: Path, kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    pytest.importorskip("mujoco")
     monkeypatch.setattr(limits, "SECONDS", 4)
     monkeypatch.setattr(limits, "MEGABYTES", 400)
     good(tmp_path / "theirs")

@@ -72,7 +72,7 @@ def test_a_row_of_the_experiment_may_differ_from_the_others() -> None:
 
 
 def test_unknown_key_suggests_the_right_one() -> None:
-    with refused("E-CONFIG-KEY"):
+    with refused("E-CONFIG-KEY", "did you mean 'seed'"):
         load({"sed": 1})
 
 

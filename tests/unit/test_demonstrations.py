@@ -176,7 +176,7 @@ def test_an_asset_that_was_drawn_by_chance_has_a_store_of_its_own(tmp_path: Path
 def test_too_few_successes_are_one_line_and_no_file(tmp_path: Path) -> None:
     inputs = experiment(tmp_path, handle="none")
     out = tmp_path / "out" / "episodes.h5"
-    with refused("E-DEMONSTRATIONS-FEW"):
+    with refused("E-DEMONSTRATIONS-FEW", "only 0 of 2", "(no_handle 6)"):
         run(**inputs, role="twin", episodes=2, out=out, task_options=json.dumps(TASK))
     ledger = (out.parent / "attempts.failed.jsonl").read_text().splitlines()
     assert [Attempt.model_validate_json(line).cause for line in ledger] == ["no_handle"] * 6

@@ -304,11 +304,11 @@ def test_select_says_which_objects_would_do(
 
 def test_distances_of_another_object_are_refused(world: World, experiment: dict[str, Any], tmp_path: Path) -> None:
     files = experiment | {"distances": alike(world, experiment, "cabinet_2")}
-    with refused("E-DISTANCES-STALE"):
+    with refused("E-DISTANCES-STALE", "is of 'cabinet_2' in test by hog, not of 'cabinet_1' in test"):
         select(**files, object="cabinet_1", count=3, out=tmp_path / "task.json")
     table = read_json(Distances, alike(world, experiment, "cabinet_1"))
     write_json(tmp_path / "d.json", table.model_copy(update={"distances": {}}))
-    with refused("E-DISTANCES-STALE"):
+    with refused("E-DISTANCES-STALE", "has no distances from cabinet_00, the twin"):
         select(**experiment | {"distances": tmp_path / "d.json"}, object="cabinet_1", count=3, out=tmp_path / "t.json")
     assert not (tmp_path / "task.json").exists()
 

@@ -62,7 +62,8 @@ def test_options_that_are_none(section: Any, text: str) -> None:
         (TrainingRun, "schedule", "never"), (TrainingRun, "keep", -1),
         (EvaluationConfig, "rollouts", 0), (EvaluationConfig, "checkpoint", "worst"),
         (EvaluationConfig, "split", "train"), (EvaluationConfig, "test_assets", "twin"),
-        (EvaluationConfig, "film_every", -4),
+        (EvaluationConfig, "camera_error", [-1, 0]), (EvaluationConfig, "parking", [-1, 0]),
+        (EvaluationConfig, "simulator", "gazebo"),
         (TablesConfig, "bootstrap_samples", 1), (TablesConfig, "scenes", {"r": 9}),
     ],
 )  # fmt: skip

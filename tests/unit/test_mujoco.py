@@ -8,11 +8,14 @@ import pytest
 from scipy.spatial import KDTree
 
 from stages.config.demonstrations import DemonstrationsConfig
+from stages.contracts import Asset, read_json
 from stages.contracts.task_options import TaskConfig
 from stages.evaluation.mujoco_env import MujocoTaskEnv
+from stages.simulation.studio import Studio
 from stages.skills import FAR, Float
 from stages.skills.chain import SkillChain
 from stages.tasks.api import TaskEnv
+from stages.tasks.initial_state import sampled_scale
 from stages.tasks.observation import sensor_noise
 from tests.refusals import refused
 from tests.unit.demo_assets import cabinet
@@ -91,6 +94,22 @@ def test_nothing_opens_untouched(door: TaskEnv) -> None:
     for _ in range(5):
         door.act(STILL)
     assert abs(door.opened) < 0.01 and not door.success
+
+
+def test_it_turns_to_another_cabinet_at_a_scale_and_is_filmed(folder: Path, tmp_path: Path) -> None:
+    cabinet(tmp_path / "low", size=[0.4, 0.45, 0.5])
+    task = MujocoTaskEnv("door", folder, "door_0_joint", None, TaskConfig(cloud="object"))
+    task.reset(SEED)
+    task.turn_to(tmp_path / "low", "door_0_joint", None)
+    scale = sampled_scale(SEED, task.options, task.options.scale_range)
+    seen = task.reset(SEED)["point_cloud"]
+    task.act(STILL)
+    shown = task.recording([task.moment()])
+    assert np.ptp(seen[seen[:, 3] == 0, 0]) > 0.25  # metres: the side of the cabinet, too
+    assert read_json(Asset, shown.folder / "asset.json").size == pytest.approx(scale * [0.4, 0.45, 0.5], abs=1e-3)
+    (picture,) = Studio().film(shown, 1)
+    assert np.ptp(picture) > 200
+    task.close()
 
 
 def test_a_task_of_several_skills_is_refused(tmp_path: Path) -> None:

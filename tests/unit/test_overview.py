@@ -7,11 +7,11 @@ from typing import Any
 import pytest
 from PIL import Image
 
-from stages.contracts.errors import InputError
 from stages.contracts.files import read_json
 from stages.contracts.generated import GeneratedScene
 from stages.tables import overview
 from stages.tables.page.overview import Layout, common, row
+from tests.refusals import refused
 from tests.unit.tables_results import write_run
 from tests.unit.test_report_browser import WIDE, browser  # noqa: F401
 from tests.unit.test_tables_report import Checker
@@ -128,5 +128,5 @@ def test_broken_results_are_no_row(layout: Layout, tmp_path: Path) -> None:
     made = tmp_path / "results/extraction/room"
     made.mkdir(parents=True)
     (made / "objects.json").write_text("{}")
-    with pytest.raises(InputError):
+    with refused("E-CONTRACT-VERSION"):
         row("room", Layout(tmp_path / "results", layout.logs, "b"))

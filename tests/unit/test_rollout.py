@@ -3,7 +3,7 @@
 import csv
 import json
 from pathlib import Path
-from typing import get_args
+from typing import Any, get_args
 
 import numpy as np
 import pytest
@@ -23,9 +23,11 @@ from stages.evaluation import arena, choose, gather, rollout
 from stages.evaluation import trial as try_out
 from stages.evaluation.episodes import RolloutEpisode, roll_out
 from stages.evaluation.film import captioned, pick, take
+from stages.evaluation.mujoco_env import MujocoTaskEnv
 from stages.evaluation.states import Purpose, Start, initial_states, starts_of, taking_turns
 from stages.policies.checkpoint import save_weights
-from stages.tasks.api import Observation, StepResult
+from stages.tasks.api import Observation, StepResult, TaskEnv
+from stages.tasks.observation import Sensing
 from stages.training.train import run as train
 from tests.refusals import refused
 from tests.toy_reach import Float, ToyReach, write_store
@@ -174,10 +176,33 @@ def evaluate(
     return list(csv.DictReader(out.read_text().splitlines()))
 
 
+Made = list[tuple[tuple[Any, ...], dict[str, Any]]]  # arguments of the environments
+
+
 @pytest.fixture
-def toy_simulator(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(arena, "TaskEnv", lambda *args, **options: ToyTask())
+def toy_simulator(monkeypatch: pytest.MonkeyPatch) -> Made:
+    made: Made = []
+
+    def toy(*args: Any, **given: Any) -> ToyTask:
+        made.append((args, given))
+        return ToyTask()
+
+    monkeypatch.setattr(arena, "TaskEnv", toy)
     monkeypatch.setattr(arena, "Studio", ToyStudio)
+    return made
+
+
+def test_a_condition_reaches_the_environments(folder: Path, tmp_path: Path, toy_simulator: Made) -> None:
+    condition = {"depth_noise": True, "camera_error": (0.02, 3.0), "parking": (0.1, 5.0), "vary_scale": True}
+    evaluate(folder, tmp_path / "rollouts.csv", test_assets=["twin"], rollouts=1, **condition)
+    (task, asset, joint, size, options), given = toy_simulator[0]
+    assert (task, asset.name, joint, size) == ("door", "a", "j", (1.0, 1.0, 1.0))
+    assert (options.base_xy, options.base_yaw) == (0.1, np.deg2rad(5.0))
+    assert given["sensing"] == Sensing(True, (0.02, np.deg2rad(3.0))) and given["vary_scale"]
+
+
+def test_a_simulator_is_named_by_its_environments() -> None:
+    assert (arena.env_class("maniskill"), arena.env_class("mujoco")) == (TaskEnv, MujocoTaskEnv)
 
 
 @pytest.mark.usefixtures("toy_simulator")

@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import mujoco
 import numpy as np
 import pytest
 import trimesh
@@ -154,16 +155,14 @@ def test_yourdfpy_reads_the_urdf(room: Room, tmp_path: Path) -> None:
 
 
 @pytest.fixture(scope="module")
-def in_mujoco(room: Room, tmp_path_factory: pytest.TempPathFactory) -> Any:
-    """MuJoCo's module and its model of the scene."""
-    mujoco = pytest.importorskip("mujoco", reason="mujoco is missing: make setup")
+def model(room: Room, tmp_path_factory: pytest.TempPathFactory) -> mujoco.MjModel:
+    """The scene as MuJoCo compiles it."""
     out = tmp_path_factory.mktemp("mjcf") / "out"
     mjcf.write(room, out)
-    return mujoco, mujoco.MjModel.from_xml_path(str(out / "scene.xml"))
+    return mujoco.MjModel.from_xml_path(str(out / "scene.xml"))
 
 
-def test_mujoco_compiles_the_mjcf(room: Room, in_mujoco: Any) -> None:
-    mujoco, model = in_mujoco
+def test_mujoco_compiles_the_mjcf(room: Room, model: mujoco.MjModel) -> None:
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     for each in room.bodies:
@@ -180,7 +179,6 @@ def test_mujoco_compiles_the_mjcf(room: Room, in_mujoco: Any) -> None:
 
 
 def test_mujoco_reads_the_urdf_too(room: Room, tmp_path: Path) -> None:
-    mujoco = pytest.importorskip("mujoco", reason="mujoco is missing: make setup")
     urdf.write(room, tmp_path)
     alone = mujoco.MjModel.from_xml_path(str(tmp_path / "models/mug_1/model.urdf"))
     assert alone.ngeom > 0
@@ -188,8 +186,7 @@ def test_mujoco_reads_the_urdf_too(room: Room, tmp_path: Path) -> None:
     assert cabinet.njnt == len(body(room, "cabinet_1").moving)
 
 
-def test_mujoco_sees_through_the_input_camera(room: Room, in_mujoco: Any) -> None:
-    mujoco, model = in_mujoco
+def test_mujoco_sees_through_the_input_camera(room: Room, model: mujoco.MjModel) -> None:
     data, scene = mujoco.MjData(model), mujoco.MjvScene(model, 1000)
     mujoco.mj_forward(model, data)
     view = mujoco.MjvCamera()
@@ -205,8 +202,7 @@ def test_mujoco_sees_through_the_input_camera(room: Room, in_mujoco: Any) -> Non
     assert bottom == pytest.approx(-(HEIGHT - MIDDLE[1] - 0.5) / FOCAL, abs=1e-3)
 
 
-def test_nothing_flies_away_in_mujoco_and_doors_open(room: Room, in_mujoco: Any) -> None:
-    mujoco, model = in_mujoco
+def test_nothing_flies_away_in_mujoco_and_doors_open(room: Room, model: mujoco.MjModel) -> None:
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     start = data.xpos.copy()
@@ -223,7 +219,6 @@ def test_nothing_flies_away_in_mujoco_and_doors_open(room: Room, in_mujoco: Any)
 
 
 def test_a_cabinet_that_stands_by_itself_stays_where_it_is(room: Room, tmp_path: Path) -> None:
-    mujoco = pytest.importorskip("mujoco", reason="mujoco is missing: make setup")
     mjcf.write(loosened(room), tmp_path)
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "scene.xml"))
     assert model.joint("cabinet_1").type[0] == mujoco.mjtJoint.mjJNT_FREE

@@ -102,7 +102,7 @@ def test_same_seed_same_bytes(library: Path, photographed: Path, tmp_path: Path)
 
 
 def test_an_unknown_room_is_named(library: Path, tmp_path: Path) -> None:
-    with refused("E-ROOM-NAME"):
+    with refused("E-ROOM-NAME", "room_9"):
         run(library=(library,), scene="room_9", out=tmp_path)
     with pytest.raises(InputError, match=r"nowhere\.json"):
         run(library=(tmp_path / "nowhere.json",), scene="room_1", out=tmp_path)

@@ -43,7 +43,7 @@ def cabinet(turn: float = 0.0) -> str:
         "door": box("0.02 0.5 0.4", "0 0.25 0") + box("0.03 0.02 0.2", "0.03 0.4 0"),
         "drawer": box("0.02 0.5 0.2") + box("0.3 0.45 0.15", "-0.16 0 0") + box("0.03 0.2 0.02", "0.03 0 0"),
         "button": box("0.02 0.02 0.02"),
-        "tray": box("0.3 0.3 0.02"),
+        "tray": box("0.3 0.3 0.06"),
         "dial": box("0.03 0.08 0.08"),
     }
     links = "".join(f'<link name="{name}">{shape}</link>' for name, shape in parts.items())
@@ -134,7 +134,7 @@ def test_only_doors_and_drawers_move(tmp_path: Path) -> None:
     assert [joint.name for joint in robot.joints if joint.type != "fixed"] == ["hinge", "slide"]
     assert doubts == [
         "fixed, as no door or drawer: 'press' (slides by less than 5 cm)",
-        "fixed, as no door or drawer: 'sideways' (moves no front of some size)",
+        "fixed, as no door or drawer: 'sideways' (opens to another side than the front)",
         "fixed, as no door or drawer: 'turn' (turns no panel about its side)",
         "fixed, as no door or drawer: 'helper' (moves nothing that is seen)",
     ]

@@ -26,8 +26,6 @@ from stages.procedural.naming import category_in
 from tests.refusals import refused
 from tests.unit.test_sense import box, joint
 
-pytest.importorskip("mujoco")
-
 
 def urdf(path: Path, body: str, before: str = "", after: str = "") -> Path:
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -49,12 +47,12 @@ def test_a_file_beside_the_folder_tells_which_folder_to_give(tmp_path: Path) -> 
     (tmp_path / "pack/meshes").mkdir(parents=True)
     trimesh.creation.box().export(tmp_path / "pack/meshes/a.obj")
     model = urdf(tmp_path / "pack/objects/a.urdf", mesh_link("../meshes/a.obj"))
-    with refused("E-FILE-MISSING"):
+    with refused("E-FILE-MISSING", f"Fix: give {tmp_path}/pack in its place"):
         read_urdf(model, model.parent)
     include = mjcf(tmp_path / "pack/objects/a.xml", '<asset><mesh file="../meshes/a.obj"/></asset><worldbody/>')
-    with refused("E-FILE-OUTSIDE"):
+    with refused("E-FILE-OUTSIDE", "'../meshes/a.obj', outside of objects/. Fix: copy it there"):
         read_mjcf(include, include.parent)
-    with refused("E-FILE-MISSING"):
+    with refused("E-FILE-MISSING", "Fix: copy it there"):
         read_urdf(urdf(model, mesh_link("../meshes/gone.obj")), model.parent)
 
 

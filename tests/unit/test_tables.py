@@ -7,7 +7,6 @@ import pandas as pd
 import pytest
 
 from stages.config.tables import TablesConfig
-from stages.contracts.errors import InputError
 from stages.contracts.policies import Rollout, SceneScore
 from stages.tables import policies, policy_tables, robustness, scene_tables, scenes, table2, table3
 from stages.tables.markup import Table, html, latex, markdown
@@ -250,27 +249,27 @@ def test_verb_without_any_rows_says_not_run(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "named"),
+    ("text", "code", "named"),
     [
-        ("", "scores.csv"),
-        ("HEADER\nroom_1,b,one,3.68,o,ok,REST\n", "at rank"),
-        ("HEADER\nroom_1,b,1,3.68,o,lost,REST\n", "scores.csv:2: "),
-        ("HEADER\nroom_1,b,1,3.68,o,ok,REST,9,9\n", "scores.csv:2"),
+        ("", "E-TABLE-COLUMNS", "scores.csv"),
+        ("HEADER\nroom_1,b,one,3.68,o,ok,REST\n", "E-CONTRACT-BROKEN", "at rank"),
+        ("HEADER\nroom_1,b,1,3.68,o,lost,REST\n", "E-CONTRACT-BROKEN", "scores.csv:2: "),
+        ("HEADER\nroom_1,b,1,3.68,o,ok,REST,9,9\n", "E-TABLE-COLUMNS", "scores.csv:2"),
     ],
 )
-def test_bad_rows_are_named_by_file_line_and_field(tmp_path: Path, text: str, named: str) -> None:
+def test_bad_rows_are_named_by_file_line_and_field(tmp_path: Path, text: str, code: str, named: str) -> None:
     path = tmp_path / "scores.csv"
     path.write_text(text.replace("HEADER", ",".join(SceneScore.model_fields)).replace("REST", REST))
-    with pytest.raises(InputError) as error:
+    with refused(code, named) as error:
         read_rows(SceneScore, [path], ONE_SCENE)
-    assert named in str(error.value) and "\n" not in str(error.value)
+    assert "\n" not in str(error.value)
 
 
 def test_rows_given_twice_are_refused(tmp_path: Path) -> None:
     path = write_rows(tmp_path / "scores.csv", [score()])
     with refused("E-ROWS-TWICE"):
         read_rows(SceneScore, [path, path], ONE_SCENE)
-    with pytest.raises(InputError):
+    with refused("E-FILE-MISSING"):
         read_rows(Rollout, [tmp_path / "none.csv"], [])
 
 

@@ -13,7 +13,6 @@ from PIL import Image
 
 from stages.config.model import Config
 from stages.contracts.archives import pack
-from stages.contracts.errors import InputError
 from stages.contracts.ledgers import read_attempts
 from stages.contracts.snapshot_pictures import Snapshots
 from stages.tables import policies, report, scenes
@@ -243,30 +242,30 @@ def test_a_film_outside_its_folder_is_refused(tmp_path: Path) -> None:
     text = (folder / "films.json").read_text()
     (folder / "films.json").write_text(text.replace("twin_1.webp", "../twin_1.webp"))
     pack(folder, tmp_path / "films.zip")
-    with pytest.raises(InputError, match=r"films\.1\.file"):
+    with refused("E-CONTRACT-BROKEN", "films.1.file"):
         read_films(tmp_path / "films.zip", "Rollout", Album(100, 80))
 
 
 @pytest.mark.parametrize(
-    ("name", "text"),
+    ("name", "text", "code"),
     [
-        ("results/extraction/room_1/objects.json", "{"),
-        ("results/demonstrations/door/twin/attempts.jsonl", '{"attempt": 0}\n'),
-        ("results/training/door/twin/lite/seed_0/metrics.jsonl", '{"step": 1}\nnan,\n'),
-        ("results/generation/b/room_1/scene_1.png", "no picture"),
-        ("results/assets/snapshots/shard_0.h5", "no snapshots"),
-        ("results/demonstrations/door/twin/films.zip", "no film"),
-        ("benchmarks/assets/library.tsv", "a\tb\n1\t2\n"),
-        ("results/tables/table2.csv", "scene\n"),
+        ("results/extraction/room_1/objects.json", "{", "E-CONTRACT-BROKEN"),
+        ("results/demonstrations/door/twin/attempts.jsonl", '{"attempt": 0}\n', "E-CONTRACT-BROKEN"),
+        ("results/training/door/twin/lite/seed_0/metrics.jsonl", '{"step": 1}\nnan,\n', "E-CONTRACT-BROKEN"),
+        ("results/generation/b/room_1/scene_1.png", "no picture", "E-IMAGE-UNREADABLE"),
+        ("results/assets/snapshots/shard_0.h5", "no snapshots", "E-FILE-UNREADABLE"),
+        ("results/demonstrations/door/twin/films.zip", "no film", "E-FILE-UNREADABLE"),
+        ("benchmarks/assets/library.tsv", "a\tb\n1\t2\n", "E-BENCHMARK"),
+        ("results/tables/table2.csv", "scene\n", "E-TABLE-COLUMN"),
     ],
 )
-def test_broken_input_gives_one_line_and_no_page(tmp_path: Path, name: str, text: str) -> None:
+def test_broken_input_gives_one_line_and_no_page(tmp_path: Path, name: str, text: str, code: str) -> None:
     root = write_run(tmp_path)
     (root / name).parent.mkdir(parents=True, exist_ok=True)
     (root / name).write_text(text)
-    with pytest.raises(InputError) as error:
+    with refused(code, Path(name).name) as error:
         page(root, tmp_path / "out" / "index.html")
-    assert Path(name).name in str(error.value) and "\n" not in str(error.value) and not (tmp_path / "out").exists()
+    assert "\n" not in str(error.value) and not (tmp_path / "out").exists()
 
 
 def test_comparisons_must_name_a_room(tmp_path: Path) -> None:
@@ -320,5 +319,5 @@ def test_pictures_are_made_smaller(tmp_path: Path) -> None:
 
 def test_attempts_of_an_empty_ledger(tmp_path: Path) -> None:
     (tmp_path / "attempts.jsonl").write_text("")
-    with pytest.raises(InputError):
+    with refused("E-FILE-EMPTY"):
         read_attempts(tmp_path / "attempts.jsonl")

@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+import mujoco
 import numpy as np
 import pytest
 import trimesh
@@ -92,7 +93,6 @@ def test_urdf(room: Room, tmp_path: Path) -> None:
 
 
 def test_mjcf(room: Room, tmp_path: Path) -> None:
-    mujoco = pytest.importorskip("mujoco", reason="mujoco is missing: make setup")
     mjcf.write(room, tmp_path / "out")
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "out/scene.xml"))
     data = mujoco.MjData(model)

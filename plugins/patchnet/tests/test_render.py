@@ -1,5 +1,7 @@
 """What is photographed for training."""
 
+import subprocess
+import sys
 from pathlib import Path
 
 import h5py
@@ -40,3 +42,11 @@ def test_an_unknown_category_cannot_be_held_out(tmp_path: Path) -> None:
 def test_assemblies_are_solids_of_any_shape() -> None:
     sizes = [len(assembly(np.random.default_rng(seed)).base) for seed in range(20)]
     assert min(sizes) >= 3 and max(sizes) > 9
+
+
+def test_the_command_ends_with_one_line(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "plugins.patchnet", "--out", str(tmp_path), "--pairs.held-out", "unicorn"]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 1 and list(tmp_path.iterdir()) == []
+    assert done.stderr.startswith("error: ") and done.stderr.endswith("[E-CATEGORY-UNKNOWN]\n")
+    assert done.stderr.count("\n") == 1

@@ -132,7 +132,7 @@ def test_patches_are_unit_vectors() -> None:
 
 
 def test_missing_pairs_are_named(tmp_path: Path) -> None:
-    with refused("E-FILE-MISSING"):
+    with refused("E-FILE-MISSING", "pairs.h5"):
         train(tmp_path / "pairs.h5", tmp_path / "out", TrainingOptions(), 0)
 
 
