@@ -3,7 +3,7 @@
     snakemake --cores 2 scenes8
     python -m benchmarks.geometry --rooms results/scenes/* [--seeds 2]
 
-Prints the tables of docs/extraction.md. One thread; about ten minutes for the eight rooms.
+Prints the tables of docs/results/extraction.md. One thread; about ten minutes for the eight rooms.
 """
 
 import os

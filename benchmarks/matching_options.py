@@ -3,8 +3,9 @@
     snakemake --cores 2 matching --configfile config.yaml config/study/table2.yaml     (elsewhere with --config seed=1)
     python -m benchmarks.matching_options --results results ../other/results
 
-Prints the table of docs/matching.md: one line per set of options, columns for every folder of results. Patches are
-compared once per weight of colour, the rest is added up from that. Another coverage makes features anew. One thread.
+Prints the table of docs/results/matching.md: one line per set of options, columns for every folder of results. Patches
+are compared once per weight of colour, the rest is added up from that. Another coverage makes features anew. One
+thread.
 """
 
 import argparse

@@ -4,7 +4,8 @@
 
 Makes a small library of its own (other models than any library and any training), photographs it as `snapshots` does,
 and asks for every model twice: in other light, colours and proportions, from other heights and distances, partly
-hidden, with rendered depth that was made worse, and without depth. Prints the tables of docs/matching.md. One thread.
+hidden, with rendered depth that was made worse, and without depth. Prints the tables of docs/results/matching.md. One
+thread.
 """
 
 import os

@@ -39,7 +39,7 @@ class ActingOptions(SceneOptions):
     action: Literal["sample", "sharpened", "most_likely"] = Field(
         "sharpened",
         description="mode of the mixture to act by: drawn by its weight (official), by the square of its weight, or "
-        "the heaviest; docs/policies.md has figures",
+        "the heaviest; docs/results/policies.md has figures",
     )
     # Environments that share a forward pass of the policy
     envs: ClassVar[int] = 4

@@ -26,7 +26,7 @@ def pinned_assets(config: "Config") -> Iterator[Mistake]:
         try:
             plan = read_json(TaskAssets, Path(file))
         except InputError as error:
-            mend = "choose the assets anew: docs/policies.md"
+            mend = "choose the assets anew: docs/reproduce.md"
             yield Mistake(f"{key}.assets", str(error).rstrip("."), mend, error.code)
             continue
         if (plan.scene, plan.object) != (target.scene, target.object):

@@ -30,7 +30,9 @@ class NetworkConfig(Section):
     mlp: list[Rank] = Field([128], description="hidden layers behind the LSTM; official code: [512, 512]")
     gmm_modes: int = Field(5, ge=1, description="official code: 5")
     gmm_min_std: float = Field(
-        0.1, gt=0, description="added to every standard deviation (official: 1e-4); docs/policies.md says why so large"
+        0.1,
+        gt=0,
+        description="added to every standard deviation (official: 1e-4); docs/results/policies.md says why so large",
     )
 
 

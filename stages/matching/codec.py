@@ -1,7 +1,7 @@
 """Smaller feature rows: principal components of the features, learned on the snapshots, one byte for every number.
 
 A row is read back as mean + (codes * steps) @ components, so whatever compares rows need not know. What is lost is
-measured in docs/matching.md.
+measured in docs/results/matching.md.
 """
 
 from typing import NamedTuple

@@ -75,6 +75,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     shutil.copytree(folder / "my/kitchen", folder / "my/folders/hall")
     known = {"objects": [{"mask": 1, "label": "cabinet", "articulated": True, "doors": 1}]}
     (folder / "my/kitchen/annotations.json").write_text(json.dumps(known))
+    shutil.copytree(folder / "my/kitchen", folder / "kitchen")
     weights = [f"weights/dinov2_small/{name}" for name in ("config.json", "model.safetensors")]
     for name in ("my/assets/chair/one.urdf", "mine.sh", "lib/part.sh", "my_matching.py", *weights):
         (folder / name).parent.mkdir(parents=True, exist_ok=True)

@@ -24,7 +24,7 @@ CLIP = 0.2
 
 
 class Encoder:
-    """Dense HOG + normals + position (the weights were tuned on renderings, see docs/matching.md)."""
+    """Dense HOG + normals + position (the weights were tuned on renderings, see docs/results/matching.md)."""
 
     def __init__(self, options: EncoderOptions) -> None:
         self.options = options.hog
