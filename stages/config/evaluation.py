@@ -6,6 +6,8 @@ from pydantic import Field
 
 from stages.contracts.section import NotNegative, Section
 
+USUAL = "usual"  # how tables call what section `evaluation` says, beside its `conditions`
+
 
 class SceneOptions(Section):
     """How a test asset is met."""
@@ -96,3 +98,8 @@ class EvaluationConfig(TrialOptions, RolloutOptions):
         description="further ways in which test assets are met, by name, e.g. {mujoco: {simulator: mujoco}}: the "
         "target `conditions` rolls every policy out in each and compares success there with success here",
     )
+
+    def under(self, condition: str) -> "EvaluationConfig":
+        """The section with what one of the conditions changes."""
+        differs = self.conditions[condition]
+        return self.model_copy(update={name: getattr(differs, name) for name in differs.model_fields_set})
