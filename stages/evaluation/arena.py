@@ -3,6 +3,7 @@
 import tempfile
 from collections.abc import Sequence
 from functools import cached_property
+from importlib import import_module
 from pathlib import Path
 from types import TracebackType
 from typing import NamedTuple, Self
@@ -56,12 +57,11 @@ def sensing_of(settings: SceneOptions) -> Sensing:
 
 
 def env_class(simulator: str) -> type[TaskEnv]:
-    """The environments of a simulator; MuJoCo is imported when it is asked for."""
+    """The environments of a simulator; MuJoCo is imported when it is asked for, and counts as code only then."""
     if simulator == "maniskill":
         return TaskEnv
-    from stages.evaluation.mujoco_env import MujocoTaskEnv
-
-    return MujocoTaskEnv
+    found: type[TaskEnv] = import_module(f"stages.evaluation.{simulator}_env").MujocoTaskEnv
+    return found
 
 
 class Arena:

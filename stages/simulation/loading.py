@@ -15,14 +15,13 @@ from numpy.typing import NDArray
 from sapien.physx import PhysxArticulation, PhysxMaterial
 
 from stages.articulated.asset_folder import read_asset, stretch_asset
-from stages.articulated.urdf_writer import DAMPING, FRICTION
+from stages.articulated.urdf_writer import DAMPING, FRICTION, SURFACE_FRICTION
 from stages.contracts.errors import InputError
 from stages.contracts.library import Asset
 from stages.geometry.frames import yaw_matrix, yaw_quaternion
 from stages.simulation.rendering import has_renderer
 from stages.simulation.stretching import stretched
 
-SURFACE_FRICTION = 0.6
 _NUMBERS = count()  # of bodies
 
 
