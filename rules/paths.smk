@@ -79,7 +79,7 @@ def frame_flags(wildcards, input):
     """What `from-rgbd` is told of a frame."""
     frame = EXPERIMENT.inputs[wildcards.scene]
     said = {"rgb" if key == "image" else "intrinsics" if key == "camera" else key: path for key, path in input.items()}
-    said |= {"unit": frame.unit} if frame.depth else {"number": frame.number}
+    said |= {"unit": frame.unit} | ({} if frame.depth else {"number": frame.number})
     said |= {"camera": frame.camera} if frame.camera and "intrinsics" not in said else {}
     said |= {"fov": frame.fov} if frame.fov else {}
     told = [word for key, value in said.items() for word in (f"--{key}", str(value))]
