@@ -49,7 +49,11 @@ class MujocoTaskEnv(TaskEnv):
     """A task on one asset, in MuJoCo. Its observations, actions, starts and success are those of `TaskEnv`."""
 
     def __init__(self, *args: Any, **given: Any) -> None:
-        """Args as of `TaskEnv` but for `room` and `randomise`; doors and drawers alone."""
+        """Args as of `TaskEnv`; `room` and `randomise` have no effect.
+
+        Raises:
+            InputError: the task is neither door nor drawer.
+        """
         super().__init__(*args, **given)
         if len(self.task.skills) > 1:
             what, fix = f"'mujoco' does not have the task {self.task.gym_id}.", "mujoco has doors and drawers"
