@@ -96,6 +96,7 @@ wildcard_constraints:
     variant=r"[A-Za-z0-9_-]+",
     store=r"[A-Za-z0-9_]+-[0-9a-f]{8}",
     task="|".join(TASKS) or "-",
+    condition="|".join(CONFIG.evaluation.conditions) or "-",
     object=r"[^/]+",
     role=r"twin|twin_randomised|cousin_\d+|random_\d+|all",
     training_set=r"twin|twin_randomised|cousins_\d+|random_\d+|all",

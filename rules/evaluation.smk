@@ -71,7 +71,7 @@ rule skill:
         **needs(3000, 15 + tests() / 10),
     params:
         command=command("evaluation", "skill"),
-        code=task_code("evaluation", "skill"),
+        code=lambda wildcards: code("evaluation", "skill", *tested(wildcards)),
         check=check(rollouts="rollouts"),
         options=options("evaluation", "skill"),
         skill_options=CONFIG.demonstrations.model_dump_json(include=set(MotionOptions.model_fields)),

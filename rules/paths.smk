@@ -85,7 +85,7 @@ def frame_flags(wildcards, input):
         "--masks": input.get("masks"),
         "--labels": input.get("labels"),
         "--intrinsics": input.get("camera"),
-        "--unit": frame.unit if frame.depth else None,
+        "--unit": frame.unit,
         "--number": None if frame.depth else frame.number,
         "--camera": None if input.get("camera") else frame.camera or None,
         "--fov": frame.fov or None,

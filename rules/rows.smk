@@ -11,12 +11,20 @@ def task_code(stage, verb):
     return lambda wildcards: code(stage, verb, qualified("tasks", implementation(wildcards.task)))
 
 
+def tested(wildcards):
+    """The modules of a task and of the simulator that a job of evaluation meets it in."""
+    condition = wildcards.get("condition")
+    simulator = (CONFIG.evaluation.under(condition) if condition else CONFIG.evaluation).simulator
+    own = [] if simulator == "maniskill" else [f"stages.evaluation.{simulator}_env"]
+    return [qualified("tasks", implementation(wildcards.task)), *own]
+
+
 def policy_code(verb):
-    """The code of a verb of evaluation that rolls policies out: of the task and of the policy."""
+    """The code of a verb of evaluation that rolls policies out: of the task, the simulator and the policy."""
 
     def digest(wildcards):
-        task = qualified("tasks", implementation(wildcards.task))
-        return code("evaluation", verb, task, *modules(CONFIG.training.runs[wildcards.run], "policy"))
+        policy = modules(CONFIG.training.runs[wildcards.run], "policy")
+        return code("evaluation", verb, *tested(wildcards), *policy)
 
     return digest
 
@@ -29,10 +37,10 @@ def runs_of(task, training_set):
         return json.load(file)["runs"]
 
 
-def policies_of(task, training_set, pattern):
-    """The files of `pattern` for the policies of one training set, one per run and seed."""
+def policies_of(task, training_set, pattern, **more):
+    """The files of `pattern` for the policies of one training set, one per run and seed; `more`: other wildcards."""
     runs, seeds = runs_of(task, training_set), EXPERIMENT.plan(task).seeds
-    return files(pattern, task=task, training_set=training_set, run=runs, seed=seeds)
+    return files(pattern, task=task, training_set=training_set, run=runs, seed=seeds, **more)
 
 
 def cells(pattern):
@@ -71,9 +79,9 @@ def trained(pattern):
     return [file for task in SOURCES for file in files(pattern, task=task, role=EXPERIMENT.trained_roles(task))]
 
 
-def demonstrated(pattern):
+def demonstrated(pattern, tasks=SOURCES, **more):
     """The files of `pattern` for every task that policies are trained for, once for rows that share their assets."""
-    return files(pattern, task=[task for task in SOURCES if EXPERIMENT.sets_of(task)])
+    return files(pattern, task=[task for task in tasks if EXPERIMENT.sets_of(task)], **more)
 
 
 def of_target(wildcards, pattern):
@@ -100,15 +108,15 @@ def task_assets(task):
 
 
 def under_conditions(wildcards):
-    """The rollouts of all skills and policies under every condition of `evaluation.conditions`."""
-    conditions = list(CONFIG.evaluation.conditions)
-    if not conditions:
+    """The rollouts of all skills and policies under every condition whose simulator has their task."""
+    if not CONFIG.evaluation.conditions:
         raise WorkflowError("evaluation.conditions: is empty. Fix: name some, e.g. {mujoco: {simulator: mujoco}}")
-    tasks = [task for task in SOURCES if EXPERIMENT.sets_of(task)]
-    found = files(rules.skill_under.output.rollouts, condition=conditions, task=tasks)
-    for task in TASKS:
-        plan = EXPERIMENT.plan(task)
-        for name in plan.training_sets:
-            policy = {"task": task, "training_set": name, "run": runs_of(task, name), "seed": plan.seeds}
-            found += files(rules.rollout_under.output.rollouts, condition=conditions, **policy)
+    found = []
+    for condition in CONFIG.evaluation.conditions:
+        simulator = CONFIG.evaluation.under(condition).simulator
+        tasks = [task for task in TASKS if CONFIG.simulated(task, simulator)]
+        found += demonstrated(rules.skill_under.output.rollouts, tasks, condition=condition)
+        for task in tasks:
+            for name in EXPERIMENT.plan(task).training_sets:
+                found += policies_of(task, name, rules.rollout_under.output.rollouts, condition=condition)
     return found

@@ -21,7 +21,6 @@ CLEAR = 0.01  # metres between things
 LEVEL = 0.012  # metres by which the surface under a thing may go up and down
 SOFT = {"bed", "sofa", "corner_sofa"}  # ... and under a thing on these, 5 times that
 HEIGHT = 2.6
-NEAR_FRONT = 0.5  # share of half a carrier's depth within which things stand
 WALLS = ("north", "west", "east")
 
 

@@ -17,6 +17,7 @@ from stages.articulated.mesh_writer import Surface, is_box, numbers, shaded, wri
 from stages.articulated.model import JointModel, Link, Matrix, RobotModel
 
 DAMPING, FRICTION = 2.0, 0.1  # N m s or N s / m, and SAPIEN's friction coefficient
+SURFACE_FRICTION = 0.6  # coefficient of what collides, which URDF cannot say
 PLAIN_NAME = re.compile(r"(?!link_)(?!.*hull)[a-z][a-z0-9_]{0,40}")
 
 

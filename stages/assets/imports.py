@@ -169,12 +169,6 @@ def with_notes(found: Found, importer: Importer) -> ModelFile:
     return ModelFile(found.path, found.folder, notes, category, snake_case(f"{category}_{found.name}"), importer)
 
 
-def import_model(path: Path, folder: Path, models: Path) -> Asset:
-    """Write the asset folder of one model file of a user's folder."""
-    found = Found(path, folder, path.relative_to(folder).parts[0], path.stem)
-    return import_file(with_notes(found, by_suffix(IMPORTERS)[suffix(path)]), models)[0]
-
-
 def import_file(file: ModelFile, models: Path) -> tuple[Asset, list[str]]:
     """Write the asset folder of one model; what is doubtful about it, in lines."""
     path, notes = file.path, file.notes

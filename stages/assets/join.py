@@ -18,9 +18,8 @@ def run(*, own: tuple[Path, ...], out: Path, library: tuple[Path, ...] = ()) -> 
     """
     parts = {path: read_json(LibraryPart, path) for path in (*library, *own)}
     if elsewhere := [path for path in parts if path.parent.resolve() != out.parent.resolve()]:
-        raise InputError(
-            elsewhere[0], f"does not lie beside {out}, and so does not its folder.", code="E-LIBRARY-ELSEWHERE"
-        )
+        fix = "write all indices into one folder"
+        raise InputError(elsewhere[0], f"lies in another folder than {out}.", fix, code="E-LIBRARY-ELSEWHERE")
     left_out = [line for part in parts.values() for line in part.left_out]
     theirs = sorted(chain(*(parts[path].assets for path in own)), key=lambda entry: entry.id)
     mine, copies = without_copies(theirs)

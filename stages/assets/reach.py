@@ -37,10 +37,8 @@ def out_of_reach(folder: Path) -> list[str]:
         if name not in handled:
             continue
         target = read_target(body, index)
-        base, around = (
-            base_pose(target.reference, target.side, undisturbed(), options, target.flap),
-            Surroundings(target),
-        )
+        base = base_pose(target.reference, target.side, undisturbed(), options, target.flap)
+        around = Surroundings(target)
         opening = success_opening(target, options)
         if target.side:
             reached = reachable_base(base, np.eye(4), REST, around, opening) is not None
@@ -48,5 +46,5 @@ def out_of_reach(folder: Path) -> list[str]:
             goals = opened_to(target, opening, MOTION.goal_margin)
             reached = any(can_follow(inverse(base), REST, around, goal) for goal in goals)
         if not reached:
-            lines.append(f"{handled[name].role} '{name}' is not opened: the arm reaches along its way from no place")
+            lines.append(f"{handled[name].role} '{name}' is not opened: the arm can follow it from no place")
     return lines

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from stages.config import places
 from stages.config import row_contradictions as rows
 from stages.config.assets import COUNTS
+from stages.config.evaluation import USUAL
 from stages.config.inputs import NAME
 from stages.config.mistakes import Mistake
 from stages.config.pinned_assets import pinned_assets
@@ -23,7 +24,7 @@ def contradictions(config: "Config") -> list[Mistake]:
     """All of them, in the order of config.yaml."""
     checks = (
         _photo, _names, _scenes, rows.tasks, rows.shared_rows, pinned_assets, rows.training_sets, rows.test_assets,
-        _library, _matching, rows.policies, _environment, _stages,
+        rows.simulators, _library, _matching, rows.policies, _environment, _stages,
     )  # fmt: skip
     return [found for check in checks for found in check(config)]
 
@@ -57,11 +58,15 @@ def _names(config: "Config") -> Iterator[Mistake]:
         "experiment.protocols": experiment.protocols,
         "experiment.tasks": experiment.tasks,
         "training.runs": config.training.runs,
+        "evaluation.conditions": config.evaluation.conditions,
     }
     for key, names in named.items():
         for name in names:
             if not NAME.fullmatch(name):
                 yield Mistake(key, f"'{name}' is no name", "letters, digits, - and single _ inside", "E-CONFIG-NAME")
+    if USUAL in config.evaluation.conditions:
+        what = f"'{USUAL}' is what the table calls section evaluation itself"
+        yield Mistake("evaluation.conditions", what, "give the condition another name", "E-CONFIG-NAME")
     for key in ("rooms", "training_sets", "held_out", "runs", "seeds"):
         yield from _twice(f"experiment.{key}", getattr(experiment, key))
     for key, chosen in (

@@ -6,6 +6,8 @@ from pydantic import Field
 
 from stages.contracts.section import NotNegative, Section
 
+USUAL = "usual"  # how tables call what section `evaluation` says, beside its `conditions`
+
 
 class SceneOptions(Section):
     """How a test asset is met."""
@@ -19,16 +21,21 @@ class SceneOptions(Section):
         description="mujoco: another simulator than that of the demonstrations, with physics, contacts, controller and "
         "depth of its own, in the place of the paper's real robot; door and drawer",
     )
-    depth_noise: bool = Field(False, description="depth has the noise of a depth camera (Nguyen et al. 2012)")
-    camera_error: tuple[NotNegative, NotNegative] = Field(
-        (0.0, 0.0), description="metres and degrees by which the camera is elsewhere than policies are told"
-    )
     parking: tuple[NotNegative, NotNegative] | None = Field(
         None, description="the robot stands within so many metres and degrees of its place; null: as in `task`"
     )
 
 
-class ActingOptions(SceneOptions):
+class SensingOptions(SceneOptions):
+    """How a policy sees it; the scripted skill looks at nothing."""
+
+    depth_noise: bool = Field(False, description="depth has the noise of a depth camera (Nguyen et al. 2012)")
+    camera_error: tuple[NotNegative, NotNegative] = Field(
+        (0.0, 0.0), description="metres and degrees by which the camera is elsewhere than policies are told"
+    )
+
+
+class ActingOptions(SensingOptions):
     """How a policy acts."""
 
     checkpoint: Literal["best", "last", "rollouts"] = Field(
@@ -91,8 +98,13 @@ class RolloutOptions(ActingOptions, SkillOptions):
 class EvaluationConfig(TrialOptions, RolloutOptions):
     """How policies are rolled out."""
 
-    conditions: dict[str, SceneOptions] = Field(
+    conditions: dict[str, SensingOptions] = Field(
         {},
         description="further ways in which test assets are met, by name, e.g. {mujoco: {simulator: mujoco}}: the "
         "target `conditions` rolls every policy out in each and compares success there with success here",
     )
+
+    def under(self, condition: str) -> "EvaluationConfig":
+        """The section with what one of the conditions changes."""
+        differs = self.conditions[condition]
+        return self.model_copy(update={name: getattr(differs, name) for name in differs.model_fields_set})

@@ -61,7 +61,10 @@ class Protocol(Section):
         "library",
         description="other: the room's models are painted, lit and scaled otherwise than the library's snapshots.",
     )
-    unknown: bool = Field(False, description="The true models of the room are taken out of the library at matching.")
+    unknown: bool = Field(
+        False,
+        description="The true models of the room, and their whole families, are taken out of the library at matching.",
+    )
     scale_error: bool = Field(True, description="false: no global factor on the depth (extraction.noise.scale: 0).")
     variants: list[str] | None = Field(None, min_length=1, description="null: all of `variants`.")
 

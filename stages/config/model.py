@@ -29,6 +29,7 @@ from stages.contracts.errors import InputError
 from stages.contracts.section import Section, Seed
 from stages.contracts.task_options import TaskConfig
 from stages.plugins import find, folder
+from stages.plugins import load as load_plugin
 
 
 class Config(Section):
@@ -95,6 +96,11 @@ class Config(Section):
     def implementation(self, kind: str, name: str) -> str:
         """The name by which a stage loads an implementation."""
         return find(kind, name, self.plugins)
+
+    def simulated(self, task: str, simulator: str) -> bool:
+        """Whether a simulator has the task of a row of the policy experiment: MuJoCo has those of one skill."""
+        named = self.experiment.plan(task).task
+        return simulator != "mujoco" or len(load_plugin("tasks", self.implementation("tasks", named)).skills) == 1
 
 
 def merged(base: dict[str, Any], changes: dict[str, Any]) -> dict[str, Any]:

@@ -57,8 +57,7 @@ def section_of(config: Config, stage: str, wildcards: dict[str, str]) -> Section
     if stage == "training":
         return config.training.runs[wildcards["run"]]
     if stage == "evaluation" and "condition" in wildcards:
-        differs = config.evaluation.conditions[wildcards["condition"]]
-        return config.evaluation.model_copy(update={name: getattr(differs, name) for name in differs.model_fields_set})
+        return config.evaluation.under(wildcards["condition"])
     if stage == "inputs":
         return PhotoConfig.model_construct(**dict(config.photo), vlm=config.vlm)
     section: Section = getattr(config, section_name(stage))

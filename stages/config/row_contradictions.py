@@ -120,6 +120,19 @@ def test_assets(config: "Config") -> Iterator[Mistake]:
                 yield Mistake("evaluation.checkpoint", what, f"set training.runs.{run}.keep, or use best or last")
 
 
+def simulators(config: "Config") -> Iterator[Mistake]:
+    """Policies that are rolled out in a simulator that has their task."""
+    for name in config.experiment.tasks:
+        plan = config.experiment.plan(name)
+        try:
+            known = not plan.training_sets or config.simulated(name, config.evaluation.simulator)
+        except InputError:
+            continue  # said above
+        if not known:
+            what = f"{config.evaluation.simulator} does not have the task {plan.task} of experiment.tasks.{name}"
+            yield Mistake("evaluation.simulator", what, f"maniskill, or remove the task: `{name}: null`")
+
+
 def _plans(config: "Config") -> list[TaskPlan]:
     """What is asked of the tasks for which policies are trained."""
     plans = map(config.experiment.plan, config.experiment.tasks)

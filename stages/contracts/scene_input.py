@@ -2,13 +2,15 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from stages.contracts.depth import read_depth
 from stages.contracts.errors import InputError
-from stages.contracts.files import read_json
+from stages.contracts.files import atomic, read_json, write_json
 from stages.contracts.images import check_size, read_masks, read_rgb
 from stages.contracts.scenes import Annotations, Camera
 
@@ -54,6 +56,29 @@ def read_scene_input(folder: Path) -> SceneInput:
         values = ", ".join(map(str, nameless[:8])) + (", ..." if nameless[8:] else "")
         print(f"{folder / 'masks.png'}: annotations.json does not name the mask values {values}: they are not used")
     return SceneInput(rgb, depth, masks, camera, annotations, exact)
+
+
+def write_scene_input(
+    folder: Path,
+    rgb: NDArray[np.uint8],
+    depth: NDArray[np.float32],
+    camera: Camera,
+    masks: NDArray[np.uint16] | None = None,
+    annotations: Annotations | None = None,
+    exact: bool = False,
+) -> None:
+    """Write the five files, see `SceneInput`; without masks and annotations the first three alone."""
+    with atomic(folder / "rgb.png") as path:
+        cv2.imwrite(str(path), rgb[..., ::-1])
+    with atomic(folder / "depth.npz") as path:
+        arrays: dict[str, Any] = {"depth": depth} | ({"exact": np.array(True)} if exact else {})
+        np.savez_compressed(path, **arrays)
+    write_json(folder / "camera.json", camera)
+    if masks is not None:
+        with atomic(folder / "masks.png") as path:
+            cv2.imwrite(str(path), masks)
+    if annotations is not None:
+        write_json(folder / "annotations.json", annotations)
 
 
 def _pictures(folder: Path, camera: Camera) -> tuple[NDArray[np.uint8], NDArray[np.float32], bool]:

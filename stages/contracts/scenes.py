@@ -162,6 +162,6 @@ def true_model(truth: Path | None, objects: Path | None, object: str) -> str | N
         )
     true, seen = read_json(Truth, truth), read_json(Objects, objects)
     if true.scene != seen.scene:
-        raise InputError(truth, f"is of {true.scene}, but {objects} of {seen.scene}.", code="E-SCENE-MISMATCH")
+        raise InputError(truth, f"is of {true.scene}, but {objects} of {seen.scene}.", code="E-SCENE-MIXED")
     mask = next((item.mask for item in seen.objects if item.id == object), None)
     return next((item.asset for item in true.objects if item.mask == mask), None)

@@ -29,8 +29,6 @@ class TaskConfig(Section):
     controller: Literal["pd_ee_dls", "pd_ee_target_delta_pose"] = Field(
         "pd_ee_dls", description="damped least squares, or ManiSkill's stock controller"
     )
-    # What a delta is added to: the measured pose, or the last target (pd_ee_dls only)
-    delta_from: ClassVar[Literal["measured", "target"]] = "measured"
     control_frequency: int = Field(10, gt=0, description="actions per second; divides 100 (official code: 12)")
     position_step: float = Field(0.05, gt=0, description="metres per step at action 1 (official code: 0.05)")
     rotation_step: float = Field(0.2, gt=0, description="radians per step at action norm 1 (official code: 0.2)")

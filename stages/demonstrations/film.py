@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.contracts.films import Film
-from stages.simulation.films import FRAMES, SIZE, pick, strip, write_films, write_png
-from stages.simulation.studio import Image, Recording, Studio
+from stages.simulation.films import FRAMES, SIZE, strip, write_films, write_png
+from stages.simulation.studio import Image, Recording, Studio, evenly
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,8 @@ def plot_cloud(cloud: NDArray[np.floating]) -> Image:
 
 def strip_of(pictures: Sequence[Image], clouds: Sequence[NDArray[np.floating]]) -> Image:
     """One episode: pictures in a row, the clouds below them."""
-    return np.concatenate([strip(pictures), np.concatenate([plot_cloud(cloud) for cloud in pick(clouds)], axis=1)])
+    below = [plot_cloud(cloud) for cloud in evenly(clouds, FRAMES)]
+    return np.concatenate([strip(pictures), np.concatenate(below, axis=1)])
 
 
 def write_demonstration_films(folder: Path, taken: Sequence[FilmedAttempt], role: str, frequency: float) -> None:

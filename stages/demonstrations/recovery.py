@@ -15,8 +15,8 @@ from stages.skills.motion import CLOSE_STEPS, CLOSED, OPEN
 Kind = Literal["push", "miss"]
 
 PUSHED_WITHIN = (0.05, 0.35)  # metres before the grasp where a push begins; farther than the path is long: at its start
-MISSED_WITHIN = (0.04, 0.09)  # where a miss begins: fingertips end 1 cm ahead, so that they do not reach the handle
-PUSHES = (2, 4)  # steps of a push, in a random direction; a miss is pushed aside no longer, nor does it pull longer
+MISSED_WITHIN = (0.04, 0.09)  # where a miss begins: the fingertips, 1 cm ahead of that, have not reached the handle
+PUSHES = (2, 4)  # least and most steps of a push; a miss begins with at most the least aside, ends with the most back
 STRENGTH = (0.5, 0.9)  # of a push or pull, of a full step; it turns by no more than the less of a full step's turn
 
 

@@ -3,6 +3,7 @@
 import tempfile
 from collections.abc import Sequence
 from functools import cached_property
+from importlib import import_module
 from pathlib import Path
 from types import TracebackType
 from typing import NamedTuple, Self
@@ -10,7 +11,7 @@ from typing import NamedTuple, Self
 import numpy as np
 import torch
 
-from stages.config.evaluation import ActingOptions, SceneOptions
+from stages.config.evaluation import ActingOptions, SceneOptions, SensingOptions
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json
 from stages.contracts.library import Asset
@@ -49,29 +50,37 @@ def parked(options: TaskConfig, settings: SceneOptions) -> TaskConfig:
     return options.model_copy(update={"base_xy": metres, "base_yaw": float(np.deg2rad(degrees))})
 
 
-def sensing_of(settings: SceneOptions) -> Sensing:
+def sensing_of(settings: SensingOptions) -> Sensing:
     """How the test's cameras differ from perfect ones."""
     metres, degrees = settings.camera_error
     return Sensing(settings.depth_noise, (metres, float(np.deg2rad(degrees))))
 
 
 def env_class(simulator: str) -> type[TaskEnv]:
-    """The environments of a simulator; MuJoCo is imported when it is asked for."""
+    """The environments of a simulator; MuJoCo is imported when it is asked for, and counts as code only then."""
     if simulator == "maniskill":
         return TaskEnv
-    from stages.evaluation.mujoco_env import MujocoTaskEnv
-
-    return MujocoTaskEnv
+    found: type[TaskEnv] = import_module(f"stages.evaluation.{simulator}_env").MujocoTaskEnv
+    return found
 
 
 class Arena:
-    """Environments that turn from asset to asset: an exchange costs half of a new environment. To be used by `with`."""
+    """Environments that turn from asset to asset: an exchange costs half of a new environment. To be used by `with`.
+
+    Args:
+        sensing: how their cameras differ from perfect ones; None: nothing is looked at.
+    """
 
     def __init__(
-        self, assets: Path, library: Path, options: TaskConfig, settings: SceneOptions, render: bool = True
+        self,
+        assets: Path,
+        library: Path,
+        options: TaskConfig,
+        settings: SceneOptions,
+        sensing: Sensing | None = None,
     ) -> None:
         self.plan, self.library = read_json(TaskAssets, assets), library
-        self.options, self.settings, self.render = parked(options, settings), settings, render
+        self.options, self.settings, self.sensing = parked(options, settings), settings, sensing
         self.folders = AssetFolders(library)
         self._tasks: list[TaskEnv] = []
         self._sized = tempfile.TemporaryDirectory(prefix="acdc-sized-")
@@ -103,10 +112,10 @@ class Arena:
             asset.joint,
             asset.size,
             self.options,
-            render=self.render,
+            render=self.sensing is not None,
             cache=Path(self._sized.name),
             vary_scale=self.settings.vary_scale,
-            sensing=sensing_of(self.settings),
+            sensing=self.sensing,
         )
 
     def folder(self, asset: TaskAsset) -> Path:
@@ -152,7 +161,7 @@ class Arena:
 
 
 class PolicyArena(Arena):
-    """A policy's arena: the environment is that of its demonstrations.
+    """A policy's arena: the task has the options of its demonstrations; the settings say how assets are met.
 
     Raises:
         InputError: the policy was trained on another task.
@@ -162,7 +171,7 @@ class PolicyArena(Arena):
         self.policy, self.device = policy, device
         self.acting = settings
         self.trained = read_config(policy)
-        super().__init__(assets, library, self.trained.task_options, settings)
+        super().__init__(assets, library, self.trained.task_options, settings, sensing_of(settings))
         if self.plan.task != self.trained.task:
             what = f"was trained on the task '{self.trained.task}', {assets} is for '{self.plan.task}'."
             raise InputError(policy, what, code="E-POLICY-TASK")

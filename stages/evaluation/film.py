@@ -20,7 +20,7 @@ class Filmed:
     pictures: list[Image]
 
 
-def pick(episodes: Sequence[RolloutEpisode]) -> list[RolloutEpisode]:
+def one_of_each(episodes: Sequence[RolloutEpisode]) -> list[RolloutEpisode]:
     """The first recorded success and the first recorded failure, as far as there are any."""
     recorded = [episode for episode in episodes if episode.recording]
     return [
@@ -33,8 +33,8 @@ def pick(episodes: Sequence[RolloutEpisode]) -> list[RolloutEpisode]:
 def take(studio: Studio, episodes: Sequence[RolloutEpisode], role: str, frames: int) -> list[Filmed]:
     """Film the picked episodes; the more frequent outcome comes first."""
     filmed = []
-    successes = sum(episode.success for episode in episodes)
-    for episode in sorted(pick(episodes), key=lambda episode: episode.success != (2 * successes >= len(episodes))):
+    mostly = 2 * sum(episode.success for episode in episodes) >= len(episodes)
+    for episode in sorted(one_of_each(episodes), key=lambda episode: episode.success != mostly):
         assert episode.recording
         outcome = "success" if episode.success else "failure"
         film = Film(

@@ -13,17 +13,18 @@ class DepthCamera:
     """A square camera of a compiled model, rendered through EGL. To be closed.
 
     Raises:
-        InputError: there is no EGL.
+        InputError: there is no EGL, or no device that it can render on.
     """
 
     def __init__(self, model: Any, name: str, size: int) -> None:
         try:
             from mujoco.egl import GLContext  # not as MUJOCO_GL says, which is read when ManiSkill imports mujoco
-        except (ImportError, AttributeError, OSError) as error:
+
+            self._window = GLContext(size, size)
+        except (ImportError, AttributeError, OSError, RuntimeError) as error:
             what, fix = f"cannot render: {error}.", "install EGL, on Debian: apt install libegl1 libgl1-mesa-dri"
             raise InputError("mujoco", what, fix, code="E-MUJOCO-EGL") from None
         self.model, self._rect = model, mujoco.MjrRect(0, 0, size, size)
-        self._window = GLContext(size, size)
         self._window.make_current()
         self._context = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100.value)
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN.value, self._context)

@@ -49,7 +49,11 @@ class MujocoTaskEnv(TaskEnv):
     """A task on one asset, in MuJoCo. Its observations, actions, starts and success are those of `TaskEnv`."""
 
     def __init__(self, *args: Any, **given: Any) -> None:
-        """Args as of `TaskEnv` but for `room` and `randomise`; doors and drawers alone."""
+        """Args as of `TaskEnv`; `room` and `randomise` have no effect.
+
+        Raises:
+            InputError: the task is neither door nor drawer.
+        """
         super().__init__(*args, **given)
         if len(self.task.skills) > 1:
             what, fix = f"'mujoco' does not have the task {self.task.gym_id}.", "mujoco has doors and drawers"
@@ -70,7 +74,7 @@ class MujocoTaskEnv(TaskEnv):
         scale = sampled_scale(seed, self.options, self.options.scale_range if self.vary_scale else None)
         self._look_up(self._at_scale(self._nominal_folder(), scale))
         at = nominal_root(self._model_asset, np.ones(3))
-        self.base, self.root = placed(setup, self.target, at, self.options, self.around())
+        self.base, self.root = placed(setup, self.target, at, self.options, self.around)
         self.rig.place({}, 0, seed)
         camera = self.base @ self.rig.pose("shoulder", 0)
         camera[:3, :3] = camera[:3, :3] @ CAMERA_FROM_IMAGE
@@ -86,7 +90,6 @@ class MujocoTaskEnv(TaskEnv):
         self.data.qpos[self._arm], self.data.qpos[self._fingers] = REST + setup.joints, GRIPPER_OPEN
         self.data.ctrl[:7], self.data.ctrl[7:] = REST + setup.joints, GRIPPER_OPEN
         mujoco.mj_forward(self.model, self.data)
-        self._goal = self.joints()[:7]
         if self._camera is not None:
             self._camera.close()
             self._camera = None
@@ -97,10 +100,10 @@ class MujocoTaskEnv(TaskEnv):
         options = self.options
         given = np.asarray(action, dtype=float)[None]
         delta = scale_action(given[:, :6], options.position_step, options.rotation_step)
-        start = self._goal if options.delta_from == "target" else self.joints()[:7]
-        self._goal = self._reach(start, apply_delta(self.chain.pose(start[None]), delta)[0])
+        start = self.joints()[:7]
+        goal = self._reach(start, apply_delta(self.chain.pose(start[None]), delta)[0])
         closing = (np.clip(given[0, 6], -1, 1) + 1) / 2
-        self.data.ctrl[:7] = self._goal
+        self.data.ctrl[:7] = goal
         self.data.ctrl[7:] = GRIPPER_CLOSED + closing * (GRIPPER_OPEN - GRIPPER_CLOSED)
         for _ in range(round(1 / (options.control_frequency * TIMESTEP))):
             mujoco.mj_step(self.model, self.data)
@@ -126,8 +129,7 @@ class MujocoTaskEnv(TaskEnv):
 
     def reference(self) -> Array:
         """(4, 4) pose that the next action's delta is added to, in the base frame."""
-        start = self._goal if self.options.delta_from == "target" else self.joints()[:7]
-        return np.asarray(self.chain.pose(start[None])[0])
+        return np.asarray(self.chain.pose(self.joints()[None, :7])[0])
 
     def moment(self) -> Moment:
         """Where everything is, for a film."""

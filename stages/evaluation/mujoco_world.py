@@ -1,6 +1,6 @@
 """A Panda before one articulated model in MuJoCo: a second simulator, which shares no physics with ManiSkill.
 
-Contacts, friction and drives are as MuJoCo has them; the models come from the MJCF export, the robot from its URDF.
+Contacts, friction and drives are as MuJoCo has them; models are written as MJCF, the robot is read from its URDF.
 """
 
 import tempfile
@@ -13,10 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.articulated.asset_folder import read_model
-from stages.contracts.files import read_json
-from stages.contracts.library import Asset
-from stages.generation.exports import Body
-from stages.generation.exports.mjcf import write_model
+from stages.articulated.mjcf_writer import write_model
 from stages.geometry.frames import quaternion_from_matrix
 from stages.simulation.robot import TCP, low_poly_urdf
 
@@ -80,9 +77,8 @@ class ModelFiles:
     def of(self, folder: Path) -> Path:
         """The model file of an asset folder."""
         if folder not in self._written:
-            asset = read_json(Asset, folder / "asset.json")
             out = Path(self._folder.name) / str(len(self._written))
-            write_model(Body("object", asset.category, asset, folder, read_model(folder), np.eye(4), True), out)
+            write_model(read_model(folder), "object", out)
             self._written[folder] = out / "scene.xml"
         return self._written[folder]
 

@@ -35,7 +35,8 @@ def run(
     seed: int = 0,
     device: Literal["cpu", "cuda"] = "cpu",
 ) -> None:
-    """Roll a policy out on the test roles and on the unseen assets of a split, as it was demonstrated.
+    """Roll a policy out on the test roles and on the unseen assets of a split, with the task options that it was
+    trained with and each asset met as `options` say.
 
     Args:
         policy: folder that `training train` wrote.

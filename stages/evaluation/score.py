@@ -22,7 +22,7 @@ def check_same_scene(scenes: list[GeneratedScene], objects: Objects, truth: Trut
     names = {scene.scene for scene in scenes} | {objects.scene, truth.scene}
     if len(names) > 1:
         what = f"are of different scenes: {', '.join(sorted(names))}."
-        raise InputError("--scenes, --objects, --truth", what, code="E-SCENES-MIXED")
+        raise InputError("--scenes, --objects, --truth", what, code="E-SCENE-MIXED")
 
 
 def check_categories(path: Path, items: Sequence[PlacedObject | TrueObject], categories: Mapping[str, str]) -> None:
@@ -48,7 +48,7 @@ def judges(cousins: Path | None, scene: str) -> dict[str, dict[str, str]]:
         return {}
     found = read_json(Cousins, cousins)
     if found.scene != scene:
-        raise InputError(cousins, f"is of scene {found.scene}, not of {scene}.", code="E-SCENES-MIXED")
+        raise InputError(cousins, f"is of scene {found.scene}, not of {scene}.", code="E-SCENE-MIXED")
     return {
         item.id: {"model_judge": item.decided_by, "orientation_judge": item.orientation_decided_by}
         for item in found.objects

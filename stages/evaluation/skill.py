@@ -43,7 +43,7 @@ def run(
     """
     settings, world = read_options(SkillOptions, options), read_options(TaskConfig, task_options)
     rows: list[Rollout] = []
-    with Arena(assets, library, world, settings, render=False) as arena:
+    with Arena(assets, library, world, settings) as arena:
         skill = ScriptedSkill(arena, read_options(DemonstrationsConfig, skill_options))
         for role, starts in starts_of(arena.plan, assets, settings, (), seed).items():
             episodes = [skill.episode(start) for start in starts]

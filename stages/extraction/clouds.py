@@ -13,7 +13,7 @@ from stages.geometry.minimum_box import minimum_box
 
 MAX_POINTS = 8000
 NEIGHBOURS = 16
-SPACING = 1.5  # DBSCAN's radius is at least so many times the distance to the `dbscan_min_points`-th neighbour,
+SPACING = 1.5  # DBSCAN's radius is at least so many times the distance to the `dbscan_min_points`-th neighbour
 BEHIND = 1.5  # metres behind the farthest point of the largest cluster, from which on another is background
 LEVEL_BLUR = 0.003  # share of the distance: noise of heights, seen from little above
 ABOVE = 0.1  # share of the points that may lie above the level on which things stand

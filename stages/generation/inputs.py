@@ -53,7 +53,7 @@ class Inputs:
             InputError: the library lacks it.
         """
         if asset not in self.folders:
-            raise InputError("--library", f"asset '{asset}' is not in the library", code="E-ASSET-MISSING")
+            raise InputError("--library", f"asset '{asset}' is not in the library", code="E-LIBRARY-ASSET")
         return self.folders[asset]
 
 

@@ -16,7 +16,6 @@ from stages.generation.models import collision_pieces
 from stages.generation.placed import Placed
 from stages.generation.settling import load_items
 from stages.geometry.boxes import corners
-from stages.geometry.frames import rigid, yaw_matrix
 from stages.simulation.backdrop import BEYOND, add_backdrop
 from stages.simulation.rendering import RenderCamera, instance_id, make_scene
 
@@ -94,12 +93,11 @@ def _mended(
 
 def merged(items: list[Placed]) -> Trimesh:
     """All that collides in a scene, in its place, as one mesh."""
-    meshes = []
-    for item in items:
-        middle, turn = (np.array(item.asset.box_min) + np.array(item.asset.box_max)) / 2, yaw_matrix(item.box.yaw)
-        for piece in collision_pieces(item.folder):
-            mesh = Trimesh(piece.vertices, piece.faces, process=False)
-            meshes.append(mesh.apply_transform(rigid(turn, item.center - turn @ middle)))
+    meshes = [
+        Trimesh(piece.vertices, piece.faces, process=False).apply_transform(item.pose)
+        for item in items
+        for piece in collision_pieces(item.folder)
+    ]
     whole = trimesh.util.concatenate(meshes)
     assert isinstance(whole, Trimesh)
     return whole

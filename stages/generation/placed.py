@@ -10,13 +10,13 @@ from numpy.typing import ArrayLike, NDArray
 from stages.contracts import Asset
 from stages.contracts.objects import Mounting
 from stages.geometry.boxes import UprightBox
-from stages.geometry.frames import wrap_angle, yaw_matrix
+from stages.geometry.frames import rigid, wrap_angle, yaw_matrix
 
 FLOOR, WALL, UNNAMED = "floor", "wall", "unnamed"
 
 
 class Prism(NamedTuple):
-    """A convex outline (n, 2) in the x-y plane, from height `low` to `high`; `piece`: what it is around, (m, 3).
+    """A convex outline (n, 2) in the x-y plane, from height `low` to `high`; `vertices`: of what it is around, (m, 3).
 
     Exact for boxes and panels, a little generous for slanted legs.
     """
@@ -24,14 +24,7 @@ class Prism(NamedTuple):
     outline: NDArray[np.float64]
     low: float
     high: float
-    piece: NDArray[np.float64] | None = None
-
-    @property
-    def vertices(self) -> NDArray[np.float64]:
-        """Of the convex piece, (m, 3); of the prism itself if it is around none."""
-        if self.piece is not None:
-            return self.piece
-        return np.concatenate([np.column_stack([self.outline, np.full(len(self.outline), z)]) for z in self[1:3]])
+    vertices: NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -89,10 +82,20 @@ class Placed:
         return self.wall_mounted or self.support == UNNAMED
 
     @property
+    def middle(self) -> NDArray[np.float64]:
+        """Box centre (3,) in the asset frame."""
+        return (np.asarray(self.asset.box_min) + np.asarray(self.asset.box_max)) / 2
+
+    @property
+    def pose(self) -> NDArray[np.float64]:
+        """floor_from_asset (4, 4)."""
+        turn = yaw_matrix(self.box.yaw)
+        return rigid(turn, self.center - turn @ self.middle)
+
+    @property
     def collision_prisms(self) -> list[Prism]:
         """The prisms where it stands, in the floor frame."""
-        middle = (np.asarray(self.asset.box_min) + np.asarray(self.asset.box_max)) / 2
-        turn = yaw_matrix(self.box.yaw)
+        middle, turn = self.middle, yaw_matrix(self.box.yaw)
         rise = self.center[2] - middle[2]
         return [
             Prism(

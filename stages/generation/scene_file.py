@@ -90,7 +90,7 @@ def placed_items(made: GeneratedScene, folders: Mapping[str, Path], cache: Path,
             continue
         if item.asset not in folders:
             raise InputError(
-                path, f"{item.id} is '{item.asset}', which the library does not have.", code="E-ASSET-MISSING"
+                path, f"{item.id} is '{item.asset}', which the library does not have.", code="E-LIBRARY-ASSET"
             )
         folder, mounting = resized(folders[item.asset], item.size, cache), item.mounting or Mounting(type=2)
         box = UprightBox(item.position, item.size, item.yaw)

@@ -94,3 +94,13 @@ def oriented_iou(a: UprightBox, b: UprightBox) -> float:
     overlap = footprint(a).intersection(footprint(b)).area * height
     union = volume(a) + volume(b) - overlap
     return float(overlap / union) if union > 0 else 0.0
+
+
+def distances_along(origin: NDArray[np.float64], rays: NDArray[np.float64], box: UprightBox) -> NDArray[np.float64]:
+    """How many of its lengths (...) each ray (..., 3) from `origin` (3,) goes to a box; inf if it misses it (slabs)."""
+    turn = yaw_matrix(box.yaw)
+    start, along, half = (origin - box.center) @ turn, rays @ turn, box.size / 2
+    with np.errstate(divide="ignore", invalid="ignore"):
+        one, other = (-half - start) / along, (half - start) / along
+    enter, leave = np.fmin(one, other).max(axis=-1), np.fmax(one, other).min(axis=-1)
+    return np.where((enter < leave) & (enter > 0), enter, np.inf)

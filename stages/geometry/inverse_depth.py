@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 SAMPLED, HYPOTHESES, PLANES = 3000, 300, 3
-ON_PLANE = 0.02  # relative: what lies on a plane
+ON_PLANE = 0.02  # share of its value by which a point may be off a plane, and of points that must be on more planes
 
 
 def is_inverse(depth: NDArray[np.floating]) -> bool:

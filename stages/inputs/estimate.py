@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from stages.cli import progress
 from stages.config.own_scene import write_config
 from stages.config.photo import PhotoConfig
-from stages.contracts import Annotations, Camera, InputError, atomic, read_options, write_json
+from stages.contracts import Annotations, Camera, InputError, read_options
+from stages.contracts.scene_input import write_scene_input
 from stages.contracts.scenes import Annotation, Held
 from stages.inputs.by_hand.photo import Photo, read_photo
 from stages.inputs.by_hand.segments import propose, usual_focal
@@ -191,23 +192,14 @@ def write(folder: Path, frame: Frame, things: list[Thing], note: str = "") -> An
     walls = [value for value, thing in enumerate(things, 1) if thing.detection.label == WALL]
     said = [_said(item, things[item.mask - 1], walls, annotations.walls) for item in annotations.objects]
     annotations = annotations.model_copy(update={"objects": said})
-    with atomic(folder / "rgb.png") as path:
-        cv2.imwrite(str(path), frame.rgb[..., ::-1])
-    with atomic(folder / "depth.npz") as path:
-        np.savez_compressed(path, depth=frame.depth)
-    write_json(
-        folder / "camera.json",
-        Camera(
-            width=width,
-            height=height,
-            intrinsics=np.asarray(frame.intrinsics).tolist(),
-            floor_from_camera=None if pose is None else pose.tolist(),
-            note=note,
-        ),
+    camera = Camera(
+        width=width,
+        height=height,
+        intrinsics=np.asarray(frame.intrinsics).tolist(),
+        floor_from_camera=None if pose is None else pose.tolist(),
+        note=note,
     )
-    with atomic(folder / "masks.png") as path:
-        cv2.imwrite(str(path), masks)
-    write_json(folder / "annotations.json", annotations)
+    write_scene_input(folder, frame.rgb, frame.depth, camera, masks, annotations)
     write_config(folder)
     return annotations
 

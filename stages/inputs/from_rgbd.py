@@ -78,7 +78,7 @@ def run(
             raise InputError(
                 "--recording", "has its own pictures.", "leave out --rgb and --depth", code="E-OPTION-CONFLICT"
             )
-        frame = read_frame(recording, number, told if known else None)
+        frame = read_frame(recording, number, unit, told if known else None)
     elif rgb is None or depth is None:
         raise InputError("--rgb, --depth", "both are needed.", "or give --recording", code="E-OPTION-MISSING")
     elif not known:

@@ -31,8 +31,7 @@ def find_candidates(item: SceneObject, library: Library, text: TextEncoder, opti
     then the next nearest categories come in, and the note says so; assets without joints never come in that way.
     """
     by_counts = item.articulated and options.count_threshold is not None
-    jointed = by_counts or item.articulated
-    pool = [entry for entry in library.assets if not jointed or entry.doors + entry.drawers > 0]
+    pool = [entry for entry in library.assets if not item.articulated or entry.doors + entry.drawers > 0]
     near = nearest_categories(item.label, [entry.category for entry in pool], len(pool), text)
     ordered = [CategoryMatch(category=name, distance=distance) for name, distance in near]
     categories = ordered[: options.k_cat]

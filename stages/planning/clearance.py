@@ -53,7 +53,7 @@ class Surroundings:
     def gaps(self, centers: Array, radii: Array, values: Array) -> Array:
         """(K, S) free distance around spheres (K, S, 3), (S,) in the asset frame with the joint at `values` (K,).
 
-        Exact where it is small: what is farther off than the largest sphere is wide counts as that far.
+        Centres that are farther from everything than the largest radius and twice `MARGIN` count as just that far.
         """
         motions = self.target.motions(values)
         in_moving = (centers - motions[:, None, :3, 3]) @ motions[:, :3, :3]

@@ -13,6 +13,7 @@ from stages.simulation.robot import REST
 
 STEP = 0.03  # path length between rolled-out poses; radians between those on the way to rest
 TOLERANCE = np.array([0.008, 0.1])  # metres and radians off a pose at which the hand has reached it
+BATCH = 32  # candidates that are rolled out at once
 ON_THE_WAY = 4.0  # slack of the poses that are only passed
 
 
@@ -45,28 +46,27 @@ def first_feasible(
     Args:
         spare: radians that every joint is to keep to its limits all the way; if none does, that which keeps most.
     """
-    if not candidates:
-        return None
-    sketches = [[thin(stretch.path) for stretch in candidate] for candidate in candidates]
-    slack = [
-        np.concatenate([np.full(len(path), stretch.slack) for path, stretch in zip(sketch, candidate, strict=True)])
-        for sketch, candidate in zip(sketches, candidates, strict=True)
-    ]
-    rollouts, reached = roll_out(chain, joints, [np.concatenate(sketch) for sketch in sketches], slack)
     best, widest = None, -np.inf
-    for index, (candidate, sketch) in enumerate(zip(candidates, sketches, strict=True)):
-        margin = chain.margin(rollouts[index]).min()
-        if not reached[index] or margin <= widest:
-            continue
-        ends = np.cumsum([len(path) for path in sketch])[:-1]
-        parts = np.split(rollouts[index], ends)
-        if all(
-            _is_clear(chain, part, stretch, base_from_asset, surroundings)
-            for part, stretch in zip(parts, candidate, strict=True)
-        ):
-            best, widest = index, margin
-            if margin >= spare:
-                break
+    for start in range(0, len(candidates), BATCH):
+        batch = candidates[start : start + BATCH]
+        sketches = [[thin(stretch.path) for stretch in candidate] for candidate in batch]
+        slack = [
+            np.concatenate([np.full(len(path), stretch.slack) for path, stretch in zip(sketch, candidate, strict=True)])
+            for sketch, candidate in zip(sketches, batch, strict=True)
+        ]
+        rollouts, reached = roll_out(chain, joints, [np.concatenate(sketch) for sketch in sketches], slack)
+        for index, (candidate, sketch) in enumerate(zip(batch, sketches, strict=True)):
+            margin = chain.margin(rollouts[index]).min()
+            if not reached[index] or margin <= widest:
+                continue
+            parts = np.split(rollouts[index], np.cumsum([len(path) for path in sketch])[:-1])
+            if all(
+                _is_clear(chain, part, stretch, base_from_asset, surroundings)
+                for part, stretch in zip(parts, candidate, strict=True)
+            ):
+                best, widest = start + index, margin
+                if margin >= spare:
+                    return best
     return best
 
 

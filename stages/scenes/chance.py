@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from stages.config.room_recipe import Against, Beside, CameraStand, Colour, Floor, Hung, Item, On, Place, Room, WallName
 from stages.config.scenes import ScenesConfig
 from stages.contracts import Asset, InputError
-from stages.geometry.boxes import UprightBox, corners
-from stages.geometry.frames import yaw_matrix
+from stages.geometry.boxes import UprightBox, corners, distances_along
 from stages.scenes.casting import CastRoom, choose_models, founders
 from stages.scenes.framing import frame
 from stages.scenes.layout import arrange
@@ -119,18 +118,8 @@ def all_seen(
     u, v = np.meshgrid(np.arange(0, width, STEP), np.arange(0, height, STEP))
     pixels = np.stack([u.ravel(), v.ravel(), np.ones(u.size)], axis=1)
     directions = np.asarray(pixels @ np.linalg.inv(intrinsics).T @ world_from_camera[:3, :3].T, dtype=float)
-    distances = np.stack([_hit(world_from_camera[:3, 3], directions, box) for box in boxes])
+    distances = np.stack([distances_along(world_from_camera[:3, 3], directions, box) for box in boxes])
     hit = np.isfinite(distances)
     nearest = np.where(hit.any(axis=0), distances.argmin(axis=0), -1)
     front = np.array([(nearest == k).sum() for k in range(len(boxes))])
     return bool((front >= np.maximum(RAYS, SEEN * hit.sum(axis=1))).all())
-
-
-def _hit(origin: NDArray[np.float64], directions: NDArray[np.float64], box: UprightBox) -> NDArray[np.float64]:
-    """Distance along each ray to the box, inf if it misses (slabs)."""
-    turn = yaw_matrix(box.yaw)
-    start, along = (origin - box.center) @ turn, directions @ turn
-    with np.errstate(divide="ignore", invalid="ignore"):
-        sides = (np.array([[-0.5], [0.5]]) * box.size - start)[:, None] / along
-    enter, leave = sides.min(axis=0).max(axis=-1), sides.max(axis=0).min(axis=-1)
-    return np.where((enter < leave) & (enter > 0), enter, np.inf)

@@ -3,13 +3,13 @@
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-import cv2
 import numpy as np
 
 from stages.config.room_files import read_room, room_files, series
 from stages.config.scenes import ScenesConfig
-from stages.contracts import Annotations, Camera, InputError, Truth, atomic, read_options, write_json
+from stages.contracts import Annotations, Camera, InputError, Truth, read_options, write_json
 from stages.contracts.library_folder import AssetFolders
+from stages.contracts.scene_input import write_scene_input
 from stages.contracts.scenes import Annotation, TrueObject
 from stages.geometry.boxes import corners
 from stages.scenes.casting import CastRoom, cast
@@ -115,15 +115,9 @@ def run(
         intrinsics, world_from_camera = frame(points, cast_room.room.camera, config.width, config.height, config.margin)
         picture = photograph(cast_room, folders, intrinsics, world_from_camera, config, seed, look)
 
-    folder = out / "input"
-    with atomic(folder / "rgb.png") as path:
-        cv2.imwrite(str(path), picture.rgb[..., ::-1])
-    with atomic(folder / "masks.png") as path:
-        cv2.imwrite(str(path), picture.masks)
-    with atomic(folder / "depth.npz") as path:
-        np.savez_compressed(path, depth=picture.depth, exact=np.array(True))
-    write_json(folder / "annotations.json", annotations_of(cast_room))
-    write_json(folder / "camera.json", Camera(width=config.width, height=config.height, intrinsics=intrinsics.tolist()))
+    camera = Camera(width=config.width, height=config.height, intrinsics=intrinsics.tolist())
+    annotations = annotations_of(cast_room)
+    write_scene_input(out / "input", picture.rgb, picture.depth, camera, picture.masks, annotations, exact=True)
     truth = truth_of(cast_room, world_from_camera)
     write_json(out / "truth.json", truth)
     print(f"{scene}: {len(truth.objects)} objects, scale {truth.scale:.2f} m")

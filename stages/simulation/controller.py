@@ -34,9 +34,8 @@ def scale_action(action: Array, position: float, rotation: float) -> Array:
 class PDEEPoseDLS(PDEEPoseController):
     """Delta pose control through `kinematics.track`.
 
-    A delta is added to the measured pose, or with `use_target` to the last target. From the measured pose a
-    blocked hand pushes with the force of one step only and a wrong step is forgotten, which suits learned
-    policies; from the target a path is followed with fewer steps. Batched; the arithmetic is on the host.
+    A delta is added to the measured pose: a blocked hand pushes with the force of one step only and a wrong step is
+    forgotten, which suits learned policies. Batched; the arithmetic is on the host.
     """
 
     config: "PDEEPoseDLSConfig"
@@ -46,33 +45,20 @@ class PDEEPoseDLS(PDEEPoseController):
         super()._initialize_joints()
         self.chain = kinematics.read_chain(self.config.urdf_path, self.config.ee_link)
 
-    def reset(self) -> None:
-        """Forget the target: it is the measured configuration again."""
-        super().reset()
-        self._target_joints = self._measured()
-
     def set_action(self, action: torch.Tensor) -> None:
         """Drive the joints to the IK solution of the commanded pose; `action` (N, 6) in [-1, 1]."""
         delta = scale_action(
             action.detach().cpu().numpy().astype(np.float64), self.config.pos_upper, self.config.rot_upper
         )
-        start = self._target_joints if self.config.use_target else self._measured()
+        start = self._measured()
         target = apply_delta(self.chain.pose(start), delta)
-        self._target_joints = kinematics.track(self.chain, start, target)
-        self._target_qpos = torch.as_tensor(self._target_joints, dtype=torch.float32, device=self.device)
+        joints = kinematics.track(self.chain, start, target)
+        self._target_qpos = torch.as_tensor(joints, dtype=torch.float32, device=self.device)
         self.set_drive_targets(self._target_qpos)
 
     def reference_pose(self) -> Array:
         """(N, 4, 4) pose in the base frame that the next delta will be added to."""
-        return self.chain.pose(self._target_joints if self.config.use_target else self._measured())
-
-    def get_state(self) -> dict[str, torch.Tensor]:
-        """The joint targets, (N, 7)."""
-        return {"target_qpos": torch.as_tensor(self._target_joints, dtype=torch.float32, device=self.device)}
-
-    def set_state(self, state: dict[str, torch.Tensor]) -> None:
-        """Restore what `get_state` returned."""
-        self._target_joints = state["target_qpos"].cpu().numpy().astype(np.float64)
+        return self.chain.pose(self._measured())
 
     def _measured(self) -> Array:
         return self.qpos.cpu().numpy().astype(np.float64)

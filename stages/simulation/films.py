@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TypeVar
 
 import cv2
 import numpy as np
@@ -12,12 +11,11 @@ from PIL import Image as Pillow
 from stages.contracts.archives import pack
 from stages.contracts.files import atomic, write_json
 from stages.contracts.films import Film, Films
-from stages.simulation.studio import Image
+from stages.simulation.studio import Image, evenly
 
 HOLD = 1200  # milliseconds for which the last picture stays
 QUALITY = 75
 FRAMES, SIZE = 8, 192  # pictures on a strip, and their width in pixels
-T = TypeVar("T")
 
 
 def write_films(out: Path, films: Sequence[tuple[Film, Sequence[Image]]], control_frequency: float) -> None:
@@ -40,15 +38,10 @@ def write_films(out: Path, films: Sequence[tuple[Film, Sequence[Image]]], contro
         pack(Path(folder), out)
 
 
-def pick(frames: Sequence[T]) -> list[T]:
-    """`FRAMES` of them, evenly over an episode, the first and the last included."""
-    return [frames[i] for i in np.linspace(0, len(frames) - 1, FRAMES).round().astype(int)]
-
-
 def strip(pictures: Sequence[Image]) -> Image:
     """An episode in a row: (H, FRAMES * SIZE, 3)."""
     height = SIZE * pictures[0].shape[0] // pictures[0].shape[1]
-    row = [cv2.resize(picture, (SIZE, height), interpolation=cv2.INTER_AREA) for picture in pick(pictures)]
+    row = [cv2.resize(picture, (SIZE, height), interpolation=cv2.INTER_AREA) for picture in evenly(pictures, FRAMES)]
     return np.concatenate(row, axis=1).astype(np.uint8, copy=False)
 
 

@@ -12,17 +12,16 @@ from typing import Any
 import numpy as np
 import sapien
 from numpy.typing import NDArray
-from sapien.physx import PhysxArticulation, PhysxMaterial
+from sapien.physx import PhysxArticulation
 
 from stages.articulated.asset_folder import read_asset, stretch_asset
-from stages.articulated.urdf_writer import DAMPING, FRICTION
+from stages.articulated.urdf_writer import DAMPING, FRICTION, SURFACE_FRICTION
 from stages.contracts.errors import InputError
 from stages.contracts.library import Asset
 from stages.geometry.frames import yaw_matrix, yaw_quaternion
 from stages.simulation.rendering import has_renderer
 from stages.simulation.stretching import stretched
 
-SURFACE_FRICTION = 0.6
 _NUMBERS = count()  # of bodies
 
 
@@ -165,20 +164,6 @@ def soften(articulation: PhysxArticulation) -> None:
     for joint in articulation.get_active_joints():
         joint.set_friction(FRICTION)
         joint.set_drive_properties(stiffness=0.0, damping=DAMPING)
-
-
-def add_ground(scene: sapien.Scene, height: float = 0.0) -> sapien.Entity:
-    """A static floor without looks, 20 x 20 m, its surface at z = `height`."""
-    builder = scene.create_actor_builder()
-    material = PhysxMaterial(SURFACE_FRICTION, SURFACE_FRICTION, 0.0)
-    builder.add_box_collision(sapien.Pose([0, 0, height - 0.5]), [10, 10, 0.5], material=material)
-    return builder.build_static("ground")
-
-
-def position_of(body: PhysxArticulation | sapien.Entity) -> NDArray[np.float64]:
-    """Translation of the URDF root in the world."""
-    pose = body.get_root_pose() if isinstance(body, PhysxArticulation) else body.get_pose()
-    return np.asarray(pose.p, dtype=float)
 
 
 def move(body: PhysxArticulation | sapien.Entity, pose: sapien.Pose) -> None:

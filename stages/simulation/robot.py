@@ -32,11 +32,10 @@ MATERIAL = '<material name="arm"><color rgba="0.9 0.9 0.91 1"/></material>'
 
 @dataclass(frozen=True)
 class ActionScale:
-    """What action 1 means: metres and radians per control step, and what the step is added to."""
+    """What action 1 means: metres and radians per control step."""
 
     position: float = 0.05
     rotation: float = 0.2
-    from_target: bool = False
 
 
 @cache
@@ -109,6 +108,6 @@ class AcdcPanda(Panda):
             mimic={"panda_finger_joint2": {"joint": "panda_finger_joint1"}},
         )
         return {
-            "pd_ee_dls": {"arm": PDEEPoseDLSConfig(**arm, use_target=scale.from_target), "gripper": gripper},
+            "pd_ee_dls": {"arm": PDEEPoseDLSConfig(**arm), "gripper": gripper},
             "pd_ee_target_delta_pose": {"arm": PDEEPoseControllerConfig(**arm, use_target=True), "gripper": gripper},
         }

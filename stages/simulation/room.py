@@ -111,7 +111,7 @@ def read_room(path: Path, target: str, library: Path, cache: Path) -> Room:
 def _furniture(item: PlacedObject, folders: Mapping[str, Path], cache: Path, path: Path) -> Furniture:
     if item.asset not in folders:
         what = f"{item.id} is '{item.asset}', which the library does not have."
-        raise InputError(path, what, AGAIN, code="E-ASSET-MISSING")
+        raise InputError(path, what, AGAIN, code="E-LIBRARY-ASSET")
     folder = resized(folders[item.asset], item.size, cache)
     return Furniture(item.id, folder, read_asset(folder), UprightBox(item.position, item.size, item.yaw))
 

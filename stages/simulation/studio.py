@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 import sapien
@@ -24,6 +25,7 @@ from stages.simulation.room import Body, Room
 
 Array = NDArray[np.float64]
 Image = NDArray[np.uint8]
+T = TypeVar("T")
 
 WIDTH, HEIGHT = 360, 288
 FIELD_OF_VIEW = 0.7  # radians, across
@@ -77,8 +79,9 @@ class Studio:
         self.camera = RenderCamera(self.scene, intrinsics, WIDTH, HEIGHT)
 
     def film(self, recording: Recording, frames: int) -> list[Image]:
-        """`frames` pictures (HEIGHT, WIDTH, 3), evenly over the recording, from a camera that sees all of it."""
-        moments = pick(recording.moments, frames)
+        """`frames` pictures (HEIGHT, WIDTH, 3), evenly over the recording, from a camera that sees all of it; one per
+        moment if there are fewer."""
+        moments = evenly(recording.moments, min(frames, len(recording.moments)))
         asset = load_asset(self.scene, recording.folder, sapien.Pose(moments[0].asset), True, "asset", recording.scale)
         props = [
             load_asset(self.scene, prop.folder, sapien.Pose(pose), True, f"prop_{number}", prop.scale)
@@ -142,10 +145,9 @@ class Studio:
             body.set_qpos(np.array([joints[joint.name] for joint in body.active_joints], np.float32))
 
 
-def pick(moments: Sequence[Moment], count: int) -> list[Moment]:
-    """`count` moments evenly over an episode, the first and the last included; all if there are fewer."""
-    count = min(count, len(moments))
-    return [moments[i] for i in np.linspace(0, len(moments) - 1, count).round().astype(int)]
+def evenly(items: Sequence[T], count: int) -> list[T]:
+    """`count` items evenly over an episode, the first and the last included; where there are fewer, some twice."""
+    return [items[i] for i in np.linspace(0, len(items) - 1, count).round().astype(int)]
 
 
 def view_direction(side: float) -> Array:

@@ -1,9 +1,11 @@
 """Verb `conditions`: success under further conditions (another simulator, a depth camera's noise), paired with ours."""
 
+from itertools import pairwise
 from pathlib import Path
 
 import pandas as pd
 
+from stages.config.evaluation import USUAL
 from stages.config.tables import TablesConfig
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_options
@@ -16,7 +18,6 @@ from stages.tables.rows import ONE_TEST, read_rows, records
 from stages.tables.text import cell, count, percent, points, span
 from stages.tables.writing import write
 
-USUAL = "usual"  # of the column `condition`: as section `evaluation` says
 ENDS = {"difference": "difference", "low": "difference_low", "high": "difference_high"}
 COLUMNS = [*CELL, "condition", "assets", "runs", "episodes", "successes", "mean", "low", "high", *ENDS.values()]
 
@@ -34,7 +35,7 @@ def run(
     Args:
         out: folder to write into.
         rollouts: rollouts.csv files under the usual condition.
-        elsewhere: rollouts.csv files under others, each below a folder that is called as its condition.
+        elsewhere: rollouts.csv files under others, each below a folder `conditions` and one called as its condition.
         names: of the conditions.
         options: JSON of the config section `tables`.
     """
@@ -49,10 +50,10 @@ def run(
 
 
 def _condition(path: Path, names: tuple[str, ...]) -> str:
-    found = [part for part in path.parts if part in names]
+    found = [part for before, part in pairwise(path.parts) if before == "conditions" and part in names]
     if not found:
         raise InputError(path, f"lies below no folder of a condition ({', '.join(names)}).", code="E-CONDITIONS-NAMES")
-    return found[-1]
+    return found[0]
 
 
 def build(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:

@@ -1,6 +1,6 @@
 """Where the robot stands before a door: where it always does, or where its arm can follow the handle all the way."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
@@ -31,21 +31,21 @@ def placed(
     target: Target,
     nominal: Array,
     options: TaskConfig,
-    around: Surroundings | None,
+    around: Callable[[], Surroundings] | None,
     shift: tuple[float, float, float] = (0.0, 0.0, 0.0),
 ) -> tuple[Array, Array]:
     """(4, 4) poses of the robot's base and of the asset's root when an episode starts.
 
     Args:
         nominal: (3,) where the root is before the object is moved.
-        around: the asset; before a door the robot stands where its arm can follow the handle; None: it does not look.
+        around: gives the asset; before a door the robot stands where its arm can follow the handle; None: it does not.
         shift: metres that the robot stands farther out, along y and up.
     """
     at = np.add(target.reference + nominal, shift)
     base = base_pose(at, target.side, setup, options, target.flap)
     root = object_motion(setup) @ rigid(np.eye(3), nominal)
     if around is not None and target.side and target.handle is not None:
-        reached = reachable_base(base, root, REST + setup.joints, around, success_opening(target, options))
+        reached = reachable_base(base, root, REST + setup.joints, around(), success_opening(target, options))
         base = base if reached is None else reached
     return base, root
 

@@ -1,6 +1,7 @@
 """The base of the tasks: a ManiSkill environment with a Panda before one articulated asset (paper B.3, B.4)."""
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -118,7 +119,7 @@ class OpenTaskEnv(BaseEnv):
 
     def _load_agent(self, options: dict[str, Any], *args: Any, **kwargs: Any) -> None:
         task = self.options
-        scale = ActionScale(task.position_step, task.rotation_step, from_target=task.delta_from == "target")
+        scale = ActionScale(task.position_step, task.rotation_step)
         away = sapien.Pose([5, 0, 0])  # from the asset, until the episode is initialised
         self.agent = AcdcPanda(self.scene, self._control_freq, self._control_mode, initial_pose=away, scale=scale)
 
@@ -209,7 +210,7 @@ class OpenTaskEnv(BaseEnv):
         for index, seed in zip(indices, seeds, strict=True):
             setup, target = sample_initial_state(seed, self.options), self.targets[index]
             nominal = nominal_root(self.asset, self.scales[index])
-            around = None if self.room else self.around(index)
+            around = None if self.room else partial(self.around, index)
             base, root = placed(setup, target, nominal, self.options, around, self.robot_shift)
             if self.room:
                 base, root = self.room.stand(base), self.room.world_from_nominal @ root

@@ -19,6 +19,13 @@ def asset(size, **values) -> Asset:
     return Asset(box_min=tuple(-half), box_max=tuple(half), checksum="0", **values)
 
 
+def upright(outline, low, high) -> Prism:
+    """A piece that fills its prism."""
+    outline = np.asarray(outline, dtype=float)
+    vertices = [np.column_stack([outline, np.full(len(outline), z)]) for z in (low, high)]
+    return Prism(outline, low, high, np.concatenate(vertices))
+
+
 def thing(name, center, size, yaw=0.0, mounting=2, walls=(), support="floor") -> Placed:
     """A thing of which nothing collides: its surface is that of its box."""
     box, held = UprightBox(center, size, yaw), Mounting(type=mounting, walls=list(walls))
@@ -28,4 +35,4 @@ def thing(name, center, size, yaw=0.0, mounting=2, walls=(), support="floor") ->
 def solid(item: Placed) -> Placed:
     """The same with its whole box as one collision shape."""
     x, y, z = item.size / 2
-    return replace(item, prisms=(Prism(np.array([(-x, -y), (x, -y), (x, y), (-x, y)]), -z, z),))
+    return replace(item, prisms=(upright([(-x, -y), (x, -y), (x, y), (-x, y)], -z, z),))

@@ -3,7 +3,16 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from stages.assets.imports import IMPORTERS, by_suffix, import_models, named_models
+from stages.assets.imports import (
+    IMPORTERS,
+    Found,
+    by_suffix,
+    import_file,
+    import_models,
+    named_models,
+    suffix,
+    with_notes,
+)
 from stages.contracts.errors import InputError
 from stages.contracts.library import Asset
 
@@ -15,3 +24,9 @@ def import_folder(folder: Path, models: Path, taken: Sequence[str] = ()) -> list
     if not assets:
         raise InputError(folder, left_out[0])
     return assets
+
+
+def import_model(path: Path, folder: Path, models: Path) -> Asset:
+    """One model file of a folder as an asset below `models`."""
+    found = Found(path, folder, path.relative_to(folder).parts[0], path.stem)
+    return import_file(with_notes(found, by_suffix(IMPORTERS)[suffix(path)]), models)[0]

@@ -13,14 +13,14 @@ from stages.articulated.stretching import stretched
 from stages.articulated.urdf_reader import read_urdf
 from stages.assets import imports
 from stages.assets.discover import discover
-from stages.assets.imports import import_model, snake_case
+from stages.assets.imports import snake_case
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json
 from stages.contracts.library import Asset
 from stages.procedural.resize import resized
 from tests.refusals import refused
 from tests.unit.articulated_models import CABINET, textured_box, write_cabinet, write_kitchen
-from tests.unit.own_models import import_folder
+from tests.unit.own_models import import_folder, import_model
 
 
 @pytest.fixture

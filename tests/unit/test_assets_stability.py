@@ -8,7 +8,8 @@ import pytest
 from stages.assets.library import make
 from stages.config.assets import AssetsConfig
 from stages.procedural.catalogue import CATEGORIES as RECORDS
-from stages.simulation.loading import add_ground, load_asset, physics_scene, position_of, root_pose
+from stages.simulation.loading import load_asset, physics_scene, root_pose
+from tests.unit.physics import add_ground, position_of
 
 CATEGORIES = sorted(AssetsConfig().counts)
 STEPS, DRIFT, OPENING = 100, 0.01, 0.01

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from stages.config.evaluation import EvaluationConfig, SceneOptions
+from stages.config.evaluation import EvaluationConfig, SceneOptions, SensingOptions, SkillOptions
 from stages.contracts.task_options import TaskConfig
 from stages.evaluation.arena import parked, sensing_of
 from stages.tasks.api import TaskEnv
@@ -48,7 +48,7 @@ def test_parking_is_of_the_robot_alone() -> None:
 def test_what_a_policy_sees_is_off_and_the_world_is_not(tmp_path: Path) -> None:
     cabinet(tmp_path / "cabinet_0")
     seen, joints = [], []
-    for sensing in (None, sensing_of(SceneOptions(camera_error=(0.05, 0.0))), Sensing(depth_noise=True)):
+    for sensing in (None, sensing_of(SensingOptions(camera_error=(0.05, 0.0))), Sensing(depth_noise=True)):
         where = tmp_path / "cabinet_0"
         env = TaskEnv("door", where, "door_0_joint", None, TaskConfig(), vary_scale=False, sensing=sensing)
         seen.append(env.reset(SEED)["point_cloud"])
@@ -64,3 +64,7 @@ def test_what_a_policy_sees_is_off_and_the_world_is_not(tmp_path: Path) -> None:
 def test_a_condition_says_only_what_differs() -> None:
     made = EvaluationConfig(conditions={"mujoco": {"simulator": "mujoco"}})  # type: ignore[dict-item]
     assert made.conditions["mujoco"].model_dump(exclude_unset=True) == {"simulator": "mujoco"}
+
+
+def test_the_skill_which_looks_at_nothing_is_not_told_how_cameras_err() -> None:
+    assert not {"depth_noise", "camera_error"} & set(SkillOptions.model_fields)

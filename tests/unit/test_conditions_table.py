@@ -22,7 +22,7 @@ def episodes(successes: list[bool], **changes: object) -> list[Rollout]:
 
 @pytest.fixture
 def table(tmp_path: Path) -> list[dict[str, str]]:
-    here, there = tmp_path / "here.csv", tmp_path / "mujoco" / "door" / "rollouts.csv"
+    here, there = tmp_path / "here.csv", tmp_path / "conditions" / "mujoco" / "door" / "rollouts.csv"
     there.parent.mkdir(parents=True)
     write_rows(here, episodes([True] * 8 + [False] * 2))
     write_rows(there, episodes([True] * 4 + [False] * 6))
@@ -51,3 +51,8 @@ def test_a_file_lies_below_the_folder_of_its_condition(tmp_path: Path) -> None:
     with refused("E-CONDITIONS-NAMES"):
         here = tmp_path / "here.csv"
         conditions.run(out=tmp_path, rollouts=(here,), elsewhere=(here,), names=("mujoco",))
+
+
+def test_a_condition_is_told_by_the_folder_below_conditions_alone() -> None:
+    path = Path("results/evaluation/conditions/parked/door/twin/lite/seed_0/rollouts.csv")
+    assert all(conditions._condition(path, ("parked", other)) == "parked" for other in ("door", "twin", "lite"))

@@ -180,6 +180,16 @@ CASES = [
     ),
     ("experiment: {seeds: [-1]}", "experiment.seeds.0: Input should be greater than or equal to 0"),
     ("matching: {encoder: dinov2}", "matching.dinov2.path: no config.json in ''"),
+    ("evaluation: {conditions: {'a/b': {own_size: true}}}", "evaluation.conditions: 'a/b' is no name"),
+    ("evaluation: {conditions: {usual: {own_size: true}}}", "evaluation.conditions: 'usual' is what the table calls"),
+    (
+        "{evaluation: {simulator: mujoco}, experiment: {tasks: {bowl: {task: put_away_bowl, object: oven_1}}}}",
+        "evaluation.simulator: mujoco does not have the task put_away_bowl of experiment.tasks.bowl",
+    ),
+    (
+        "training: {runs: {lite: {steps: 10, keep: 20}}}",
+        "training.runs.lite.keep: 20 checkpoints of 10 steps. Fix: lower it",
+    ),
     ("tables: {scenes: {room_1: 9}}", "tables.scenes.room_1: Input should be less than or equal to 8"),
     (
         "stages: {matching: {match: {command: x, code: [gone.sh]}}}",

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from stages.articulated.urdf_writer import SURFACE_FRICTION
 from stages.config.demonstrations import RandomiseOptions
 from stages.contracts import Attempt, InputError, TaskAssets, read_json, write_json
 from stages.contracts.archives import unpack
@@ -18,7 +19,6 @@ from stages.contracts.ledgers import read_attempts
 from stages.contracts.library_folder import write_part
 from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.collect import attempt_seeds, run
-from stages.simulation.loading import SURFACE_FRICTION
 from stages.tasks.api import TaskEnv
 from stages.tasks.randomised import sample_factors
 from tests.refusals import refused

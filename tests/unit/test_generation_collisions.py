@@ -8,10 +8,9 @@ from shapely import Point
 
 from stages.config.generation import GenerationConfig
 from stages.generation.collisions import forbidden_shifts, resolve
-from stages.generation.placed import Prism
 from stages.generation.walls import out_of_walls
 from stages.geometry.boxes import UprightBox, corners
-from tests.unit.generation_scenes import BACK, solid, thing
+from tests.unit.generation_scenes import BACK, solid, thing, upright
 
 OPTIONS = GenerationConfig().model_copy(update={"touch": 0.0})
 
@@ -24,7 +23,7 @@ def solve(items, walls=(), **options):
 
 def square(x, y, half=0.5, low=0.0, high=1.0):
     corner = half * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
-    return Prism(corner + np.array([x, y]), low, high)
+    return upright(corner + np.array([x, y]), low, high)
 
 
 def test_forbidden_shifts_are_the_minkowski_difference():
@@ -129,7 +128,7 @@ def test_what_overlaps_by_millimetres_is_pushed_apart():
 
 def test_a_chair_may_stand_under_a_table_top():
     table, chair = thing("table", (2, 0, 0.4), (1.2, 1.2, 0.8)), thing("chair", (2.5, 0, 0.2), (0.5, 0.5, 0.4))
-    top = Prism(np.array([(-0.6, -0.6), (0.6, -0.6), (0.6, 0.6), (-0.6, 0.6)]), 0.35, 0.4)
+    top = upright(np.array([(-0.6, -0.6), (0.6, -0.6), (0.6, 0.6), (-0.6, 0.6)]), 0.35, 0.4)
     items, left = solve([replace(table, prisms=(top,)), chair])
     assert not left
     assert items["chair"].moved == 0

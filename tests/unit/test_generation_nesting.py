@@ -17,7 +17,8 @@ from stages.generation.stacking import stacked
 from stages.geometry.boxes import UprightBox
 from stages.procedural import build
 from stages.procedural.catalogue import sample
-from stages.simulation.loading import add_ground, physics_scene
+from stages.simulation.loading import physics_scene
+from tests.unit.physics import add_ground
 
 
 def block(x, y, z, half=0.5):

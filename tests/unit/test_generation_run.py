@@ -25,9 +25,10 @@ from stages.geometry.cameras import intrinsics_from_fov, look_at
 from stages.geometry.frames import yaw_matrix
 from stages.procedural import build as build_asset
 from stages.procedural.catalogue import sample
-from stages.simulation.loading import add_ground, physics_scene
+from stages.simulation.loading import physics_scene
 from tests.refusals import refused
 from tests.unit.generation_scenes import thing
+from tests.unit.physics import add_ground
 
 WIDTH, HEIGHT = 160, 120
 CABINET = ((3.0, 0.2, 0.4), (0.5, 0.9, 0.8))  # centre and extents; its rear 5 cm from the wall x = 3.3

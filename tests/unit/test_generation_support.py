@@ -9,14 +9,14 @@ from stages.config.generation import GenerationConfig
 from stages.contracts.objects import Wall
 from stages.generation import stacking
 from stages.generation.collisions import resolve
-from stages.generation.placed import Placed, Prism
+from stages.generation.placed import Placed
 from stages.generation.stacking import on_supports, sorted_by_height, stack_of, support_tree
 from stages.generation.surfaces import surface_beneath
 from stages.generation.walls import against_wall
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.frames import yaw_matrix
 from tests.unit.askew_desk import ASKEW_DESK
-from tests.unit.generation_scenes import BACK, solid, thing
+from tests.unit.generation_scenes import BACK, solid, thing, upright
 
 TABLE = thing("table", (2, 0, 0.375), (0.8, 1.2, 0.75))
 BOOK = thing("book", (2, 0.2, 0.8), (0.2, 0.3, 0.05))
@@ -155,7 +155,7 @@ def test_what_is_seen_high_above_all_that_was_named_stands_on_a_shelf_and_stays_
 def block(x, y, half_x, half_y, low, high):
     """A piece of a support, in the asset frame."""
     corner = np.array([(-half_x, -half_y), (half_x, -half_y), (half_x, half_y), (-half_x, half_y)])
-    return Prism(corner + np.array([x, y]), low, high)
+    return upright(corner + np.array([x, y]), low, high)
 
 
 CHAIR = thing("chair", (2, 0, 0.45), (0.44, 0.44, 0.9))  # seat at 0.46, back at x = 1.8, 4 cm thick
@@ -191,7 +191,7 @@ def test_pieces_whose_edges_nearly_meet_are_joined_and_cut() -> None:
         thing("laptop", (3.59, 1.05, 0.9), (0.1,) * 3),
     )
     turn, (x, y, z) = yaw_matrix(desk.box.yaw)[:2, :2], desk.center
-    pieces = [Prism((np.array(outline) - [x, y]) @ turn, -z, top - z) for top, outline in ASKEW_DESK]
+    pieces = [upright((np.array(outline) - [x, y]) @ turn, -z, top - z) for top, outline in ASKEW_DESK]
     assert surface_beneath(laptop, replace(desk, prisms=tuple(pieces))).height == pytest.approx(0.62481, abs=1e-5)
 
 

@@ -263,6 +263,8 @@ def test_extents_are_measured_along_the_axes() -> None:
     wall = measure(sight, whole, 0.5, (-away, -float(away @ [4, 2, 0]) - 0.9))
     assert wall.ends[1, 0] - seen.ends[1, 0] == pytest.approx(0.4 + off, abs=0.005)
     assert wall.errors[1, 0] == pytest.approx(0.1 * 0.9 + 0.225, abs=0.03)
+    before = measure(sight, whole, 0.5, (-away, -float(away @ [4, 2, 0]) + 0.9))  # nearer than the near end
+    assert before.ends[1, 0] == seen.ends[0, 0] and before.errors[1, 0] == seen.errors[0, 0]
     assert (wall.ends[:, 1:] == seen.ends[:, 1:]).all() and across @ box.center == pytest.approx(
         across @ [4, 2, 0], abs=0.03
     )

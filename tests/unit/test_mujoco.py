@@ -1,7 +1,9 @@
 """Doors and drawers in MuJoCo: the same task as in ManiSkill, in a simulator of its own."""
 
+import sys
 from collections.abc import Iterator
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -10,6 +12,7 @@ from scipy.spatial import KDTree
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.contracts import Asset, read_json
 from stages.contracts.task_options import TaskConfig
+from stages.evaluation.mujoco_camera import DepthCamera
 from stages.evaluation.mujoco_env import MujocoTaskEnv
 from stages.simulation.studio import Studio
 from stages.skills import FAR, Float
@@ -116,6 +119,21 @@ def test_a_task_of_several_skills_is_refused(tmp_path: Path) -> None:
     cabinet(tmp_path / "cabinet_0", layout=[["drawer"]])
     with refused("E-MUJOCO-TASK"):
         MujocoTaskEnv("put_away_bowl", tmp_path / "cabinet_0", "drawer_0_joint", None, TaskConfig())
+
+
+@pytest.mark.parametrize("fault", [ImportError, RuntimeError])
+def test_without_a_device_to_render_on_it_says_what_to_install(
+    monkeypatch: pytest.MonkeyPatch, fault: type[Exception]
+) -> None:
+    class GLContext:
+        def __init__(self, width: int, height: int) -> None:
+            raise fault("Cannot initialize a EGL device display.")
+
+    egl = ModuleType("mujoco.egl")
+    egl.GLContext = GLContext  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, "mujoco.egl", egl)
+    with refused("E-MUJOCO-EGL"):
+        DepthCamera(None, "shoulder", 128)
 
 
 def test_noise_grows_with_the_square_of_distance() -> None:

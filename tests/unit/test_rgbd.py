@@ -432,9 +432,21 @@ def test_recordings(tmp_path: Path, room: tuple, layout: Callable[..., Path]) ->
     close = np.abs(depth - room[1])[(depth > 0) & (room[1] < 8)]
     assert np.quantile(close, 0.9) < 0.05 and len(close) > 0.5 * depth.size
     fx = read_json(Camera, out / "camera.json").intrinsics[0][0]
-    assert fx == pytest.approx(525 if layout is tum else INTRINSICS[0, 0])
+    assert fx == pytest.approx(525 * WIDTH / 640 if layout is tum else INTRINSICS[0, 0])
     with refused("E-RECORDING-FRAME"):
         from_rgbd.run(out=out, recording=recording, number=5)
+
+
+@pytest.mark.parametrize("layout", [tum, open3d])
+def test_the_unit_of_a_recording_can_be_told(tmp_path: Path, room: tuple, layout: Callable[..., Path]) -> None:
+    recording, per_metre = layout(tmp_path / "recording", *room), 5000 if layout is tum else 1000
+    for unit in ("auto", str(per_metre), str(2 * per_metre)):
+        from_rgbd.run(out=tmp_path / unit, recording=recording, unit=unit)
+    found = []
+    for unit in ("auto", str(per_metre), str(2 * per_metre)):
+        with np.load(tmp_path / unit / "depth.npz") as stored:
+            found.append(float(np.median(stored["depth"][stored["depth"] > 0])))
+    assert found[0] == found[1] == pytest.approx(2 * found[2], rel=0.01)
 
 
 def test_the_lens_of_a_recording(tmp_path: Path, room: tuple, capsys: pytest.CaptureFixture[str]) -> None:

@@ -14,6 +14,7 @@ from trimesh import Trimesh
 
 from stages.articulated.asset_folder import Description, read_asset, write_asset
 from stages.articulated.model import Link, RobotModel, Visual
+from stages.articulated.surfaces import surfaces
 from stages.articulated.urdf_reader import read_urdf
 from stages.contracts import GeneratedScene
 from stages.contracts.look import Look, Surface
@@ -275,8 +276,6 @@ def test_pxr_reads_the_usd(room: Room, tmp_path: Path) -> None:
 
 
 def test_shapes_keep_their_normals_and_colours(room: Room) -> None:
-    from stages.generation.exports.surfaces import surfaces
-
     for each in room.bodies:
         for link in each.model.links.values():
             for surface in surfaces(link):

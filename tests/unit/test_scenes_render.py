@@ -16,8 +16,9 @@ from stages.geometry.frames import apply, yaw_matrix
 from stages.scenes.casting import cast
 from stages.scenes.photograph import furnish
 from stages.scenes.render import run
-from stages.simulation.loading import add_ground, physics_scene, position_of
+from stages.simulation.loading import physics_scene
 from tests.refusals import refused
+from tests.unit.physics import add_ground, position_of
 
 ROOMS = [read_room(path) for path in series()]
 OPTIONS = json.dumps({"width": 400, "height": 300, "supersampling": 1})

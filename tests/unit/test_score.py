@@ -243,14 +243,14 @@ def test_rows_say_who_decided(tmp_path: Path) -> None:
     assert table.loc[(1, "lamp_1"), "model_judge"] == ""
     assert check_contract(["scores", str(tmp_path / "scores.csv")]) == 0
     write_json(tmp_path / "cousins.json", Cousins(scene="other", encoder="hog", objects=[]))
-    with refused("E-SCENES-MIXED"):
+    with refused("E-SCENE-MIXED"):
         run(**files, cousins=tmp_path / "cousins.json")
 
 
 def test_files_of_different_rooms_are_refused(tmp_path: Path) -> None:
     files = _write(tmp_path)
     write_json(files["truth"], TRUTH.model_copy(update={"scene": "room_x"}))
-    with refused("E-SCENES-MIXED"):
+    with refused("E-SCENE-MIXED"):
         run(**files)
     assert not files["out"].exists()
 

@@ -12,16 +12,9 @@ from stages.assets.library import make
 from stages.contracts.errors import InputError
 from stages.contracts.library import Asset
 from stages.procedural.resize import resized
-from stages.simulation.loading import (
-    add_ground,
-    load_asset,
-    move,
-    physics_scene,
-    position_of,
-    remove,
-    root_pose,
-)
+from stages.simulation.loading import load_asset, move, physics_scene, remove, root_pose
 from tests.refusals import refused
+from tests.unit.physics import add_ground, position_of
 
 
 @pytest.fixture(scope="module")

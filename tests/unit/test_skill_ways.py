@@ -2,17 +2,19 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from stages.contracts.task_options import TaskConfig
 from stages.geometry.frames import inverse
+from stages.planning import rollout
 from stages.planning.articulation import approaches
 from stages.planning.clearance import Surroundings
 from stages.planning.handle_grasp import FROM_ABOVE, Grasp, grasp_pose, grasps
 from stages.planning.path import distance, straight
-from stages.planning.rollout import Stretch, can_be_held, first_feasible
+from stages.planning.rollout import Stretch, can_be_held, first_feasible, roll_out
 from stages.simulation.kinematics import Chain, track
 from stages.simulation.robot import REST
 from stages.tasks.api import TaskEnv
@@ -28,7 +30,9 @@ def door(tmp_path_factory: pytest.TempPathFactory) -> TaskEnv:
     return TaskEnv("door", folder, "door_0_joint", None, OPTIONS, render=False)
 
 
-def test_of_ways_that_can_be_followed_the_first_with_joints_to_spare_is_taken(door: TaskEnv) -> None:
+def test_of_ways_that_can_be_followed_the_first_with_joints_to_spare_is_taken(
+    door: TaskEnv, monkeypatch: pytest.MonkeyPatch
+) -> None:
     door.place(0)
     chain, where = door.chain, door.env.base_from_asset()
     hand = chain.pose(REST[None])[0]
@@ -54,6 +58,17 @@ def test_of_ways_that_can_be_followed_the_first_with_joints_to_spare_is_taken(do
     assert taken([1, 2, 0], 0.0) == 0
     assert taken([1, 2, 0], 0.2) == 1, "not the one with most, the first with enough"
     assert taken([1, 0, 2], 1.0) == 1, "none has enough: the one with most"
+    rolled_out = [taken([1, 2, 0], spare) for spare in (0.0, 0.2, 1.0)]
+    counts = []
+
+    def counted(chain: Chain, joints: np.ndarray, paths: list[np.ndarray], slack: list[np.ndarray]) -> Any:
+        counts.append(len(paths))
+        return roll_out(chain, joints, paths, slack)
+
+    monkeypatch.setattr(rollout, "BATCH", 1)
+    monkeypatch.setattr(rollout, "roll_out", counted)
+    assert [taken([1, 2, 0], spare) for spare in (0.0, 0.2, 1.0)] == rolled_out
+    assert counts == [1] * (1 + 2 + 3), "no more are rolled out than are looked at"
 
 
 def joints_at_end(chain: Chain, path: np.ndarray) -> np.ndarray:

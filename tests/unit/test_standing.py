@@ -4,7 +4,6 @@ from pathlib import Path
 
 import numpy as np
 
-from stages.assets.imports import import_model
 from stages.assets.library import make
 from stages.assets.reach import out_of_reach, undisturbed
 from stages.config.demonstrations import DemonstrationsConfig
@@ -15,6 +14,7 @@ from stages.simulation.robot import REST
 from stages.tasks.api import TaskEnv
 from stages.tasks.base_placement import NEARBY, reachable_base
 from stages.tasks.initial_state import base_pose, nominal_root, sample_initial_state
+from tests.unit.own_models import import_model
 from tests.unit.test_sense import box, joint
 
 OPTIONS = TaskConfig()
@@ -75,7 +75,7 @@ def test_before_a_wide_door_it_stands_where_it_can_open_it(tmp_path: Path) -> No
 
 def test_a_door_that_is_followed_from_nowhere_is_told(tmp_path: Path) -> None:
     folder = fridge(tmp_path, 1.5)
-    assert out_of_reach(folder) == ["door 'hinge' is not opened: the arm reaches along its way from no place"]
+    assert out_of_reach(folder) == ["door 'hinge' is not opened: the arm can follow it from no place"]
     env = world(folder, "hinge")
     env.reset(0)
     target = env.env.target

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stages.simulation.studio import FIELD_OF_VIEW, HEIGHT, MARGIN, WIDTH, frame_all, pick, view_direction
+from stages.simulation.studio import FIELD_OF_VIEW, HEIGHT, MARGIN, WIDTH, evenly, frame_all, view_direction
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0, 0.0])
@@ -21,5 +21,5 @@ def test_everything_is_in_the_frame_and_something_touches_its_edge(side: float) 
 
 
 def test_moments_are_spread_evenly_with_both_ends() -> None:
-    assert pick(list(range(101)), 5) == [0, 25, 50, 75, 100]  # type: ignore[arg-type, comparison-overlap]
-    assert pick([7, 8], 16) == [7, 8]  # type: ignore[list-item, comparison-overlap]
+    assert evenly(range(101), 5) == [0, 25, 50, 75, 100]
+    assert evenly([7, 8], 4) == [7, 7, 8, 8]

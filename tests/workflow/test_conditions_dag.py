@@ -2,7 +2,10 @@
 
 from pathlib import Path
 
-from tests.workflow.workspace import dry_run, make, planned
+import pytest
+from jinja2 import Template
+
+from tests.workflow.workspace import ROOT, dry_run, make, planned
 
 TWO = """
 evaluation:
@@ -44,3 +47,24 @@ def test_each_is_told_what_differs(tmp_path: Path) -> None:
 def test_without_conditions_the_target_says_what_to_write(tmp_path: Path) -> None:
     folder = make(tmp_path)
     assert "conditions: is empty. Fix:" in dry_run(folder, "conditions", *asked(folder, "{}")).stdout
+
+
+def test_mujoco_is_asked_for_the_tasks_that_it_has_alone(tmp_path: Path) -> None:
+    folder = make(tmp_path)
+    bowl = "experiment: {tasks: {bowl: {task: put_away_bowl, scene: room_3, object: kitchen_cabinet_1}}}\n"
+    done = dry_run(folder, "conditions", *asked(folder, bowl + TWO))
+    assert done.returncode == 0, done.stdout
+    assert "conditions/parked/bowl/skill" in done.stdout and "conditions/mujoco/door/skill" in done.stdout
+    assert "conditions/mujoco/bowl" not in done.stdout
+
+
+def test_a_condition_that_is_not_named_is_made_by_no_rule(tmp_path: Path) -> None:
+    folder = make(tmp_path)
+    done = dry_run(folder, "results/evaluation/conditions/nowhere/door/skill/rollouts.csv", *asked(folder, TWO))
+    assert "MissingRuleException" in done.stdout, done.stdout
+
+
+@pytest.mark.parametrize("rule", ["rollout", "rollout_under"])
+def test_films_under_conditions_are_called_rollouts(rule: str) -> None:
+    caption = Template((ROOT / "report/captions/demos.rst").read_text())
+    assert "Rollouts of the policy" in caption.render(snakemake={"rule": rule, "wildcards": {"training_set": "twin"}})

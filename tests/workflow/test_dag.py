@@ -340,10 +340,11 @@ def test_config_yaml_holds_every_key() -> None:
 
 
 def rules_text() -> dict[str, str]:
-    """Body of every rule by name."""
+    """Body of every rule by name; of one made of another, what it was made of as well."""
     text = "\n".join(path.read_text() for path in sorted((ROOT / "rules").glob("*.smk")))
-    parts = re.split(r"^(?:rule|checkpoint) (\w+):$", text, flags=re.MULTILINE)
-    return dict(zip(parts[1::2], parts[2::2], strict=True))
+    parts = re.split(r"^(?:rule|checkpoint|use rule (\w+) as) (\w+)(?: with)?:$", text, flags=re.MULTILINE)
+    own = {name: (base, body) for base, name, body in zip(parts[1::3], parts[2::3], parts[3::3], strict=True)}
+    return {name: (own[base][1] if base else "") + body for name, (base, body) in own.items()}
 
 
 def test_every_working_rule_has_container_log_threads_and_code() -> None:

@@ -1,6 +1,7 @@
 """Pairs of pictures with their correspondences, the losses, training that can be repeated and resumed."""
 
 import json
+import shutil
 from pathlib import Path
 
 import h5py
@@ -89,6 +90,7 @@ def pairs(tmp_path_factory: pytest.TempPathFactory) -> Path:
         file["crops"], file["yaws"], file["periods"] = crops, np.arange(12, dtype="f4"), np.full(4, 2 * np.pi, "f4")
         file["matches"] = np.tile(np.arange(PATCHES, dtype=np.int16), (12, 1))
         file["models"] = [f"noise_{k}" for k in range(4)]
+        file.attrs["about"] = "noise"
     return path
 
 
@@ -108,6 +110,19 @@ def test_training_learns_and_goes_on_where_it_was(pairs: Path, tmp_path: Path, m
     assert len(match) == 14 and min(match[-4:]) < 0.9 * match[0]
     train(pairs, tmp_path / "parts", options(2), 4)  # another run does not go on from it
     assert (tmp_path / "parts/patchnet.safetensors").read_bytes() != whole
+
+
+def test_a_run_on_other_pairs_starts_anew(pairs: Path, tmp_path: Path) -> None:
+    others = tmp_path / "others.h5"
+    shutil.copy(pairs, others)
+    with h5py.File(others, "r+") as file:
+        file.attrs["about"] = "other noise"
+        file["crops"][..., :3] = 255 - file["crops"][..., :3]
+    train(pairs, tmp_path / "again", options(5), 3)
+    for name in ("again", "fresh"):
+        train(others, tmp_path / name, options(2), 3)
+    again, fresh = ((tmp_path / name / "patchnet.safetensors").read_bytes() for name in ("again", "fresh"))
+    assert again == fresh
 
 
 def test_the_largest_seed_trains(pairs: Path, tmp_path: Path) -> None:

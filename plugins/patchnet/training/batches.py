@@ -37,6 +37,7 @@ class Pairs:
         if not path.is_file():
             raise InputError(path, "no such file.", "python -m plugins.patchnet makes it", code="E-FILE-MISSING")
         self._file = h5py.File(path, "r")
+        self.about = str(self._file.attrs["about"])  # options and seed of `render`
         self.models = len(self._file["models"])
         self.categories = sorted({name.decode().rpartition("_")[0] for name in self._file["models"]})
         self.views = len(self._file["crops"]) // self.models

@@ -26,7 +26,7 @@ Line = dict[str, float]
 
 @dataclass
 class Run:
-    """All that changes as training goes on; `about` names data, options and seed."""
+    """All that changes as training goes on; `about` names pairs, options and seed."""
 
     about: str
     network: PatchNet
@@ -49,7 +49,7 @@ def train(pairs: Path, out: Path, config: TrainingOptions, seed: int) -> None:
     data = Pairs(pairs)
     out.mkdir(parents=True, exist_ok=True)
     about = asdict(replace(config, steps=0, save_every=0))  # a run may be made longer
-    training = started(json.dumps([about, seed, data.models, data.views]), config, seed)
+    training = started(json.dumps([about, seed, data.about]), config, seed)
     resume(training, out / STATE)
     for step in progress(range(training.step, config.steps), "steps", config.steps - training.step):
         pick = torch.Generator().manual_seed((seed * 1_000_003 + step) % 2**63)

@@ -5,15 +5,18 @@ from itertools import product
 from pathlib import Path
 
 import numpy as np
+import trimesh
 from numpy.typing import NDArray
 
 from stages.articulated.asset_folder import read_model
 from stages.articulated.forward_kinematics import link_frames
-from stages.articulated.model import JointModel, RobotModel
+from stages.articulated.mesh_writer import shaded
+from stages.articulated.model import JointModel, RobotModel, Visual
+from stages.articulated.surfaces import ColouredMesh
 from stages.contracts import Asset, GeneratedScene
 from stages.contracts.look import ROOM_LIGHT, Look
 from stages.generation.placed import Placed
-from stages.geometry.frames import apply, rigid, yaw_matrix
+from stages.geometry.frames import apply
 from stages.simulation.backdrop import Block, backdrop
 
 Matrix = NDArray[np.float64]
@@ -67,11 +70,17 @@ class Room:
 
 def room_of(made: GeneratedScene, items: list[Placed], look: Look | None) -> Room:
     """A scene with the models of its items, which are at their sizes."""
-    bodies = []
-    for item in items:
-        middle, turn = (np.array(item.asset.box_min) + np.array(item.asset.box_max)) / 2, yaw_matrix(item.box.yaw)
-        pose, model = rigid(turn, item.center - turn @ middle), read_model(item.folder)
-        bodies.append(Body(item.id, item.label, item.asset, item.folder, model, pose, item.held))
+    bodies = [
+        Body(item.id, item.label, item.asset, item.folder, read_model(item.folder), item.pose, item.held)
+        for item in items
+    ]
     camera = np.array(made.floor_from_camera)[:3, 3]
     blocks = backdrop([item.box for item in items], made.walls, camera, look)
     return Room(made, bodies, blocks, np.array(look.light if look else ROOM_LIGHT))
+
+
+def surface_of(block: Block) -> ColouredMesh:
+    """A block of the backdrop, about its own centre."""
+    made = shaded(Visual(trimesh.creation.box(block.size), flat=True))
+    assert made.normals is not None
+    return ColouredMesh(made.vertices, made.faces, made.normals, (*block.colour, 1.0))

@@ -9,9 +9,9 @@ from trimesh import Trimesh
 from trimesh.exchange.gltf import export_glb
 
 from stages.articulated.model import JointModel
+from stages.articulated.surfaces import ColouredMesh, surfaces
 from stages.contracts import GeneratedScene, atomic
-from stages.generation.exports import CAMERA, OPENGL, Body, Room
-from stages.generation.exports.surfaces import ColouredMesh, surface_of, surfaces
+from stages.generation.exports import CAMERA, OPENGL, Body, Room, surface_of
 from stages.geometry.frames import rigid, yaw_matrix
 
 Y_UP = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])

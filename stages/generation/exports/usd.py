@@ -7,13 +7,12 @@ import numpy as np
 
 from stages.articulated.asset_folder import atomic_folder
 from stages.articulated.model import JointModel, Link, Matrix
-from stages.articulated.urdf_writer import DAMPING
+from stages.articulated.surfaces import ColouredMesh, surfaces
+from stages.articulated.urdf_writer import DAMPING, SURFACE_FRICTION
 from stages.contracts import InputError
 from stages.contracts.system import sync
-from stages.generation.exports import CAMERA, OPENGL, Body, Room
-from stages.generation.exports.surfaces import ColouredMesh, surface_of, surfaces
+from stages.generation.exports import CAMERA, OPENGL, Body, Room, surface_of
 from stages.geometry.frames import quaternion_from_matrix, rigid, yaw_matrix
-from stages.simulation.loading import SURFACE_FRICTION
 
 try:
     from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdLux, UsdPhysics, UsdShade, Vt

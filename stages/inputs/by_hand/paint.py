@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.contracts.types import LARGEST
-from stages.geometry.boxes import UprightBox, corners
+from stages.geometry.boxes import UprightBox, corners, distances_along
 from stages.geometry.frames import yaw_matrix
 from stages.geometry.masks import polygon
 from stages.inputs.by_hand.metrology import View
@@ -44,13 +44,7 @@ def _bounds(view: View, box: UprightBox, stride: int) -> tuple[slice, slice]:
 
 def box_depth(view: View, box: UprightBox, rays: Depth) -> Depth:
     """Depth (...) at which rays (..., 3) enter a box, inf where they miss it."""
-    turn = yaw_matrix(box.yaw)
-    start, direction = (np.array([0, 0, view.above]) - box.center) @ turn, rays @ turn
-    half = box.size / 2
-    with np.errstate(divide="ignore", invalid="ignore"):
-        one, other = (-half - start) / direction, (half - start) / direction
-    enter, leave = np.fmin(one, other).max(axis=-1), np.fmax(one, other).min(axis=-1)
-    return np.where((enter < leave) & (enter > 0), enter, np.inf)
+    return distances_along(np.array([0, 0, view.above]), rays, box)
 
 
 def round_depth(view: View, box: UprightBox, rays: Depth) -> Depth:

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.config.own_scene import write_config
-from stages.contracts import Annotations, Camera, InputError, atomic, write_json
+from stages.contracts import Annotations, Camera, InputError
 from stages.contracts.objects import Box, object_ids
+from stages.contracts.scene_input import write_scene_input
 from stages.contracts.scenes import Annotation
 from stages.extraction.overview import colour_of
 from stages.extraction.room import STRAY, floor_frame
@@ -142,12 +143,7 @@ def write_folder(
             code="E-SCENE-EMPTY",
         )
 
-    with atomic(folder / "rgb.png") as path:
-        cv2.imwrite(str(path), rgb[..., ::-1])
-    with atomic(folder / "masks.png") as path:
-        cv2.imwrite(str(path), np.where(np.isin(painted.masks, _used(seen, project, values)), painted.masks, 0))
-    with atomic(folder / "depth.npz") as path:
-        np.savez_compressed(path, depth=painted.depth if depth is None else depth)
+    masks = np.where(np.isin(painted.masks, _used(seen, project, values)), painted.masks, 0)
     frame = floor_from_camera(view)
     camera = Camera(
         width=view.width,
@@ -155,7 +151,6 @@ def write_folder(
         intrinsics=view.intrinsics.tolist(),
         floor_from_camera=frame.tolist(),
     )
-    write_json(folder / "camera.json", camera)
     annotations = Annotations(
         objects=[
             _annotation(item, values[item.id], view, solved.boxes[item.id], item.id in solved.guessed) for item in seen
@@ -163,7 +158,7 @@ def write_folder(
         floor=values["floor"] if values["floor"] in shown else None,
         walls=[values[wall.id] for wall in project.walls if values[wall.id] in shown],
     )
-    write_json(folder / "annotations.json", annotations)
+    write_scene_input(folder, rgb, painted.depth if depth is None else depth, camera, masks, annotations)
     write_config(folder)
 
     ids = dict(zip((item.id for item in seen), object_ids(item.label for item in annotations.objects), strict=True))

@@ -12,7 +12,7 @@ import numpy as np
 from stages.contracts import InputError
 from stages.contracts.arrays import readable
 from stages.contracts.images import read_rgb
-from stages.inputs.rgbd.cameras import Matrix, matrix, read_intrinsics
+from stages.inputs.rgbd.cameras import Matrix, matrix, read_intrinsics, resized
 from stages.inputs.rgbd.depth_files import FILES, in_metres, read_raw
 from stages.inputs.rgbd.frame import Frame
 from stages.inputs.rgbd.lens import find_distortion
@@ -22,27 +22,29 @@ COLOUR = ("color", "rgb", "image", "colour")  # what folders of pictures are cal
 ABOUT = ("camera.json", "config.json", "metadata.json", "metadata")  # files of intrinsics without that in their name
 TUM_UNIT = "5000"  # of one metre
 TUM_APART = 0.02  # seconds between colour and depth of a frame, as in its associate.py
-TUM_CAMERA = (525.0, 525.0, 319.5, 239.5)  # fx, fy, cx, cy, as its tools have them for all three cameras
+TUM_CAMERA = (525.0, 525.0, 319.5, 239.5)  # fx, fy, cx, cy, as its tools have them for all three cameras ...
+TUM_SIZE = (640, 480)  # ... whose pictures are so wide and high
 
 Intrinsics = Callable[[int, int], Matrix]  # of a picture of this width and height
 
 
-def read_frame(path: Path, number: int, intrinsics: Intrinsics | None) -> Frame:
+def read_frame(path: Path, number: int, unit: str, intrinsics: Intrinsics | None) -> Frame:
     """Frame `number`, from 0, of a recording.
 
     Args:
         path: folder of the recording.
         number: of the frame, in the order of the recording.
+        unit: of its depth, as of `in_metres`; auto: TUM's own, or found by its median.
         intrinsics: what to use in the place of the recording's own.
 
     Raises:
         InputError: no known layout, no such frame, or a broken one.
     """
     if (path / "rgb.txt").is_file() and (path / "depth.txt").is_file():
-        return _of_lists(path, number, intrinsics)
+        return _of_lists(path, number, unit, intrinsics)
     colours = next((path / name for name in COLOUR if (path / name).is_dir()), None)
     if colours is not None and (path / "depth").is_dir():
-        return _of_folders(path, colours, path / "depth", number, intrinsics)
+        return _of_folders(path, colours, path / "depth", number, unit, intrinsics)
     what = "is no recording that is known (TUM, Open3D, RealSense, Record3D)."
     fix = "folders color and depth with intrinsics.json, or --rgb and --depth"
     raise InputError(path, what if path.exists() else "no such folder.", fix, code="E-RECORDING-LAYOUT")
@@ -55,7 +57,7 @@ def _one(frames: list[tuple[Path, Path]], number: int, where: Path) -> tuple[Pat
     return frames[number]
 
 
-def _of_lists(path: Path, number: int, intrinsics: Intrinsics | None) -> Frame:
+def _of_lists(path: Path, number: int, unit: str, intrinsics: Intrinsics | None) -> Frame:
     """A frame of TUM: every picture with the depth image of the nearest time."""
     with readable(path / "rgb.txt", "list of a TUM recording"):
         colours, depths = _stamps(path / "rgb.txt"), _stamps(path / "depth.txt")
@@ -65,10 +67,11 @@ def _of_lists(path: Path, number: int, intrinsics: Intrinsics | None) -> Frame:
         pairs = [(file, depths[k][1]) for (stamp, file), k in both if abs(times[k] - stamp) <= TUM_APART]
     colour, file = _one(pairs, number, path)
     rgb = read_rgb(colour)
-    depth, line = in_metres(file, read_raw(file), TUM_UNIT)
+    depth, line = in_metres(file, read_raw(file), TUM_UNIT if unit == "auto" else unit)
     height, width = rgb.shape[:2]
     notes = [f"TUM, {colour.name}", line, *([] if intrinsics else ["intrinsics of TUM's tools"])]
-    return Frame(rgb, depth, intrinsics(width, height) if intrinsics else matrix(*TUM_CAMERA), None, notes)
+    own = resized(matrix(*TUM_CAMERA), width / TUM_SIZE[0], height / TUM_SIZE[1])
+    return Frame(rgb, depth, intrinsics(width, height) if intrinsics else own, None, notes)
 
 
 def _stamps(path: Path) -> list[tuple[float, Path]]:
@@ -76,7 +79,9 @@ def _stamps(path: Path) -> list[tuple[float, Path]]:
     return [(float(stamp), path.parent / name) for stamp, name, *_ in lines]
 
 
-def _of_folders(path: Path, colours: Path, depths: Path, number: int, intrinsics: Intrinsics | None) -> Frame:
+def _of_folders(
+    path: Path, colours: Path, depths: Path, number: int, unit: str, intrinsics: Intrinsics | None
+) -> Frame:
     """A frame of folders whose files have the same order."""
     pictures, images = _files(colours, PICTURES), _files(depths, FILES)
     if len(pictures) != len(images):
@@ -84,7 +89,7 @@ def _of_folders(path: Path, colours: Path, depths: Path, number: int, intrinsics
         raise InputError(path, what, "one depth image for each picture", code="E-RECORDING-LAYOUT")
     colour, file = _one(list(zip(pictures, images, strict=True)), number, path)
     rgb = read_rgb(colour)
-    depth, line = in_metres(file, read_raw(file))
+    depth, line = in_metres(file, read_raw(file), unit)
     height, width = rgb.shape[:2]
     notes = [f"{colour.name} and {file.name}", line]
     if intrinsics is not None:

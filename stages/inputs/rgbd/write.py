@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.config.own_scene import write_config
-from stages.contracts import Annotations, Camera, InputError, atomic, write_json
+from stages.contracts import Annotations, Camera, InputError
+from stages.contracts.scene_input import write_scene_input
 from stages.contracts.scenes import Annotation
 from stages.extraction.room import UP_IN_IMAGE
 from stages.geometry.cameras import back_project
@@ -97,19 +98,12 @@ def write_frame(folder: Path, frame: Frame) -> Annotations | None:
     """Write the input folder, and `config.yaml` if it is whole; without masks the first three files alone."""
     frame = fitted(frame)
     height, width = frame.rgb.shape[:2]
-    masks = None if frame.masks is None else annotated(frame.masks)
-    with atomic(folder / "rgb.png") as path:
-        cv2.imwrite(str(path), frame.rgb[..., ::-1])
-    with atomic(folder / "depth.npz") as path:
-        np.savez_compressed(path, depth=frame.depth)
-    write_json(folder / "camera.json", Camera(width=width, height=height, intrinsics=frame.intrinsics.tolist()))
-    if masks is None:
-        return None
-    with atomic(folder / "masks.png") as path:
-        cv2.imwrite(str(path), masks[0])
-    write_json(folder / "annotations.json", masks[1])
-    write_config(folder, extraction=_extraction(frame))
-    return masks[1]
+    masks, annotations = (None, None) if frame.masks is None else annotated(frame.masks)
+    camera = Camera(width=width, height=height, intrinsics=frame.intrinsics.tolist())
+    write_scene_input(folder, frame.rgb, frame.depth, camera, masks, annotations)
+    if annotations is not None:
+        write_config(folder, extraction=_extraction(frame))
+    return annotations
 
 
 def _extraction(frame: Frame) -> dict[str, float]:

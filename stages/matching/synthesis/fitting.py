@@ -56,7 +56,8 @@ def measure(sight: Sight, box: UprightBox, yaw: float, wall: tuple[Array, float]
         there = wall[1] * np.sign(normal[axis])
         errors[end, axis] = SEEN * extent[axis] + abs(there - ends[end, axis]) / 2
         ends[end, axis] = there
-    return Measured(np.sort(ends, axis=0), errors, yaw)
+    order = np.argsort(ends, axis=0)  # the wall may stand before the near end
+    return Measured(np.take_along_axis(ends, order, axis=0), np.take_along_axis(errors, order, axis=0), yaw)
 
 
 def laid_over(solid: Solid, measured: Measured, seen: Observation) -> UprightBox:

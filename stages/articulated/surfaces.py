@@ -1,11 +1,10 @@
-"""What is seen of a link, as the formats want it: triangles with normals, one colour, perhaps a texture."""
+"""What is seen of a link, as other tools' formats want it: triangles with normals, one colour, perhaps a texture."""
 
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
 from PIL import Image
 
@@ -13,7 +12,6 @@ from stages.articulated.mesh_reader import has_texture
 from stages.articulated.mesh_writer import shaded
 from stages.articulated.model import RGBA, Link, Visual
 from stages.contracts.look import GAMMA
-from stages.simulation.backdrop import Block
 
 Array = NDArray[np.float64]
 
@@ -49,13 +47,6 @@ def surfaces(link: Link) -> list[ColouredMesh]:
         normals = made.normals if made.normals is not None else np.zeros_like(made.vertices)
         plain.setdefault(colour, []).append(ColouredMesh(made.vertices, made.faces, normals, colour))
     return [_merged(parts) for parts in plain.values()] + textured
-
-
-def surface_of(block: Block) -> ColouredMesh:
-    """A block of the backdrop, about its own centre."""
-    made = shaded(Visual(trimesh.creation.box(block.size), flat=True))
-    assert made.normals is not None
-    return ColouredMesh(made.vertices, made.faces, made.normals, (*block.colour, 1.0))
 
 
 def write_obj(surface: ColouredMesh, path: Path) -> None:
