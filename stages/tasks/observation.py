@@ -77,7 +77,7 @@ class CameraRig:
     def place(self, sensors: Mapping[str, Any], index: int, seed: int) -> None:
         """Jitter the cameras of environment `index` for episode `seed`; the robot knows where they are, but for
         `Sensing.camera_error`."""
-        self._noise[index] = np.random.default_rng((seed, 37))
+        self._noise[index] = np.random.default_rng((seed, 23))
         for number, camera in enumerate(self.cameras):
             shift = jitter(seed, number, self.options)
             pose = camera.pose()

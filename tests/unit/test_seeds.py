@@ -1,7 +1,6 @@
 """Every seed that the config takes works where it is used, and gives something of its own."""
 
 import json
-import re
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
@@ -11,7 +10,6 @@ import pandas as pd
 import pytest
 import torch
 
-import stages.tasks
 from stages.config.demonstrations import DemonstrationsConfig, RandomiseOptions
 from stages.config.experiment import ExperimentConfig
 from stages.config.tables import TablesConfig
@@ -73,12 +71,6 @@ def test_the_states_of_the_largest_seed_are_ones_that_the_simulator_takes() -> N
     states = [state for purpose in ("roles", "test", "trial") for state in initial_states(purpose, LARGEST, 3)]  # type: ignore[arg-type]
     assert all(2**31 <= state < 2**32 for state in states) and len(set(states)) == 9
     assert all(0 <= seed < 2**31 for seed in attempt_seeds(LARGEST, "twin", 9))
-
-
-def test_what_is_drawn_in_one_environment_has_a_stream_of_its_own() -> None:
-    text = "".join(path.read_text() for path in Path(stages.tasks.__file__).parent.rglob("*.py"))
-    streams = re.findall(r"default_rng\(\(.*?, (\d+)", text)
-    assert len(streams) >= 6 and len(set(streams)) == len(streams), streams
 
 
 def test_a_policy_is_trained_with_the_largest_seed(tmp_path: Path) -> None:
