@@ -21,6 +21,7 @@ from stages.tables.order import SKILL, SPLITS, title
 from stages.tables.policies import asset_tables, collect, role_tables, write_figures
 from stages.tables.policy_tables import assets_table
 from stages.tables.pooling import pooled, pools
+from stages.tables.progress import policy_file, progress_table
 from stages.tables.roles import demonstrated_assets, lists_table, roles_table
 from stages.tables.rows import ONE_SCENE, ONE_TEST, published_policies, published_scenes, read_rows
 from stages.tables.scene_figure import figure6
@@ -44,13 +45,12 @@ class StudyResults(NamedTuple):
 
 def rollout_files(config: Config, results: Path, condition: str = "") -> Iterator[Path]:
     """The rollouts of the study's policies, and of the skill on the same assets, as far as they are there."""
-    folder = results / "evaluation" / (f"conditions/{condition}" if condition else "policies")
+    skills = f"conditions/{condition}/{{}}/skill" if condition else "skill/{}"
     for task in config.experiment.tasks:
         plan = config.experiment.plan(task)
-        policies = folder / task
-        paths = [policies / "skill/rollouts.csv" if condition else results / f"evaluation/skill/{task}/rollouts.csv"]
+        paths = [results / "evaluation" / skills.format(task) / "rollouts.csv"]
         paths += [
-            policies / f"{name}/{run}/seed_{seed}/rollouts.csv"
+            policy_file(results, condition, task, name, run, seed)
             for name in plan.training_sets
             for run in plan.runs
             for seed in plan.seeds
@@ -162,7 +162,7 @@ def _policies(config: Config, results: Path, published: Path, out: Path) -> Stud
     return StudyResults(
         title="Table 3: success over unseen assets, and by role",
         facts=_about_rollouts(config, episodes),
-        tables=[*tables, *_chosen(config, results)],
+        tables=[progress_table(config, results), *tables, *_chosen(config, results)],
         frames={"table3": found.runs, "assets": found.assets, "assets_by_handle": found.by_handle},
         figures={"figure4.svg": "Figure 4", "figure9.svg": "Figure 9"},
     )

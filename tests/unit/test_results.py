@@ -94,6 +94,24 @@ def test_what_is_there_is_told_and_what_is_not_is_said_to_be_so(study: Path, tmp
     }  # fmt: skip
 
 
+def test_how_far_the_study_has_come_is_told(study: Path, tmp_path: Path) -> None:
+    met = study / "results/evaluation/conditions/mujoco/door/twin/lite/seed_3/rollouts.csv"
+    met.parent.mkdir(parents=True)
+    shutil.copy(study / "results/evaluation/policies/door/twin/lite/seed_3/rollouts.csv", met)
+    others = "rollouts: 10, conditions: {mujoco: {simulator: mujoco}, own_size: {own_size: true}}"
+    (study / "study.yaml").write_text(STUDY.replace("rollouts: 10", others))
+    lines = write(study, tmp_path / "out").splitlines()
+    start = next(n for n, line in enumerate(lines) if "that are asked for" in line)
+    assert lines[start + 2 : start + 9] == [
+        "| Task | Condition | twin | 4 cousins | 8 cousins |", "|---|---|---|---|---|",
+        "| Door opening | usual | 2 of 4 | 1 of 4 | not run |",
+        "| Door opening, handle flagged | usual | not run | not run | not run |",
+        "| Door opening | mujoco | 1 of 4 | not run | not run |",
+        "", "Conditions that no policy has met: own size.",
+    ]  # fmt: skip
+    assert "**Success under other conditions" in "\n".join(lines)
+
+
 def test_a_task_that_was_rolled_out_less_often_is_said_to_be() -> None:
     rows = [rollout(n, task=task) for task, count in (("door", 5), ("bowl", 2)) for n in range(count)]
     episodes = pd.DataFrame([row.model_dump() for row in rows])
