@@ -16,7 +16,7 @@ from stages.tables.intervals import PLACE, place_weights, quantiles
 from stages.tables.markup import Table
 from stages.tables.order import SKILL, set_key, title
 from stages.tables.rows import records
-from stages.tables.text import cell, count, number
+from stages.tables.text import cell, count
 
 TRAITS = {
     "dino_distance": "distance to the twin",
@@ -96,6 +96,11 @@ def _correlation(pairs: NDArray[np.float64], weights: NDArray[np.float64]) -> ND
     return np.divide(both, scale, out=np.zeros_like(both), where=scale > 1e-12)
 
 
+def signed(value: float) -> str:
+    """A correlation with its sign."""
+    return f"{value:+.2f}".replace("-", "−")
+
+
 def associations_table(table: pd.DataFrame) -> Table:
     """The rows as text: a row per task and trait, a column per training set."""
     sets = sorted(table["training_set"].unique(), key=set_key)
@@ -103,7 +108,7 @@ def associations_table(table: pd.DataFrame) -> Table:
     for task, trait in product(dict.fromkeys(table["task"]), TRAITS):
         part = table[(table["task"] == task) & (table["trait"] == trait)]
         line = {row["training_set"]: row for row in records(part)}
-        texts = [cell(number(line[n]["correlation"], 2), _remark(line[n])) if n in line else "" for n in sets]
+        texts = [cell(signed(line[n]["correlation"]), _remark(line[n])) if n in line else "" for n in sets]
         rows.append([title(task), TRAITS[trait], *texts])
     return Table(
         "associations",
@@ -120,5 +125,4 @@ def associations_table(table: pd.DataFrame) -> Table:
 
 
 def _remark(row: dict[str, float]) -> str:
-    ends = f"[{number(row['low'], 2)} to {number(row['high'], 2)}]"
-    return f"{ends} {count(int(row['assets']), 'asset')}".replace("-", "−")
+    return f"[{signed(row['low'])} to {signed(row['high'])}] {count(int(row['assets']), 'asset')}"

@@ -1,5 +1,6 @@
 """Verb `results`: what a study found, as Markdown, CSV and figures to commit; also while it is still running."""
 
+import os
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -258,7 +259,8 @@ def run(
     text = [f"# {found.title}", "", facts(target, configs, commit, machine, found.facts)]
     text += map(markdown, [*found.tables, cost(benchmarks, stages)])
     text += [f"![{caption}]({name})\n" for name, caption in found.figures.items()]
-    text.append(f"All columns: {', '.join(f'`{name}.csv`' for name in found.frames)} ([reference](../tables.md)).\n")
+    reference = os.path.relpath("docs/tables.md", out)
+    text.append(f"All columns: {', '.join(f'`{name}.csv`' for name in found.frames)} ([reference]({reference})).\n")
     for name, frame in found.frames.items():
         write_csv(out / f"{name}.csv", frame)
     write_text(out / f"table{table}.md", "\n".join(text))
