@@ -45,7 +45,7 @@ include: "rules/open_rooms.smk"
 
 onstart:
     # With its limit of jobs per time span Snakemake looks through all ready jobs once more in every span for every job that
-    # has ended: with hundreds of scenes that is most of its time. Cores limit jobs on one machine anyway.
+    # has ended: with hundreds of scenes that takes as long as the jobs themselves. Cores limit jobs on one machine anyway.
     if workflow.local_exec:
         workflow.scheduler.job_rate_limiter = None
 

@@ -9,18 +9,18 @@ run() {
     for seed in $5; do for set in $3; do for room in door_room_{1,2,3} drawer_room_{2,3,4}; do
         cells+=("$CELLS/$1/$room$2/$set/$4/seed_$seed/rollouts.csv")
     done; done; done
-    make "${cells[@]}"
+    workflow "${cells[@]}"
 }
 
-make() {
+workflow() {
     snakemake --cores "${CORES:-2}" --keep-going --configfile config.yaml config/study/registered.yaml -- "$@"
 }
 
 SEEDS="0 1 2 3 4"
 PRIMARY="cousins_8 twin_randomised"
 for seed in $SEEDS; do run policies "" "$PRIMARY" lite "$seed"; done
-make "$CELLS"/skill/{door_room_{1,2,3},drawer_room_{2,3,4}}/rollouts.csv
-make "$CELLS"/conditions/mujoco/{door_room_{1,2,3},drawer_room_{2,3,4}}/skill/rollouts.csv
+workflow "$CELLS"/skill/{door_room_{1,2,3},drawer_room_{2,3,4}}/rollouts.csv
+workflow "$CELLS"/conditions/mujoco/{door_room_{1,2,3},drawer_room_{2,3,4}}/skill/rollouts.csv
 run conditions/mujoco "" "$PRIMARY" lite "$SEEDS"
 run policies "" twin lite "$SEEDS"
 run policies _handle "$PRIMARY twin" lite_handle "$SEEDS"
@@ -28,5 +28,5 @@ for condition in own_size as_on_a_robot; do run conditions/$condition "" "$PRIMA
 run policies _object "$PRIMARY twin" lite "0 1 2"
 run policies _blind "cousins_8 twin" lite_blind "0 1 2"
 run policies _diffusion "$PRIMARY twin" diffusion "0 1 2"
-make table3
+workflow table3
 python -m stages.tables results --configs config.yaml config/study/registered.yaml --out docs/results/registered

@@ -7,7 +7,7 @@ import pandas as pd
 from stages.config.model import Config
 from stages.tables.order import SKILL, ending
 
-POLICY = ["task", "training_set", "run", "seed"]
+RUN = ["task", "training_set", "run", "seed"]
 
 
 def pools(config: Config) -> dict[str, str]:
@@ -35,6 +35,6 @@ def pooled(rollouts: pd.DataFrame, config: Config) -> pd.DataFrame:
     several = found["task"] != rollouts["task"]
     found["asset"] = rollouts["asset"].where(~several, rollouts["assets_of"] + "/" + rollouts["asset"])
     found["checkpoint"] = rollouts["checkpoint"].where(~several, "each its own")
-    rooms = found.assign(row=rollouts["task"]).groupby(POLICY)["row"].transform("nunique")
+    rooms = found.assign(row=rollouts["task"]).groupby(RUN)["row"].transform("nunique")
     asked = found["task"].map(Counter(names.values()))
     return found[(rooms == asked) | (found["training_set"] == SKILL)]

@@ -119,9 +119,8 @@ def _elsewhere(config: Config, results: Path, usual: pd.DataFrame) -> list[Table
 
 def _about_rollouts(config: Config, episodes: pd.DataFrame) -> list[tuple[str, str]]:
     """Seeds and numbers of rollouts."""
-    plans = [config.experiment.plan(task) for task in config.experiment.tasks]
-    seeds = sorted({seed for plan in plans for seed in plan.seeds})
     policies = episodes[episodes["training_set"] != SKILL]
+    seeds = sorted(policies["seed"].unique())
     policy = ["task", "training_set", "run", "seed"]
     each = policies.groupby([*policy, "test_asset"]).size().groupby(["task", "test_asset"]).max()
     rollouts = f"{len(policies)} episodes of {policies.groupby(policy).ngroups} policies"
@@ -129,7 +128,7 @@ def _about_rollouts(config: Config, episodes: pd.DataFrame) -> list[tuple[str, s
     counts = [f"{count} ({'; '.join(map(title, part.index))})" for count, part in roles.groupby(roles)]
     if len(roles):
         rollouts += f", {' and '.join(counts) if len(counts) > 1 else roles.iloc[0]} per role"
-    about = [("Seeds", f"{', '.join(map(str, seeds))} of training; {config.seed} of everything else")]
+    about = [("Seeds", f"{', '.join(map(str, seeds)) or 'none'} of training; {config.seed} of everything else")]
     about.append(("Rollouts", rollouts))
     for (group, split), part in of_splits(policies).groupby(["assets_of", "test_asset"]):
         assets = f"{part['asset'].nunique()} of {part['family'].nunique()} families"
