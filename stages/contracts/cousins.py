@@ -30,7 +30,9 @@ class Candidate(Judged):
 
     asset: Id
     category: Id
-    distance: NonNegative = Field(description="DINO distance: mean nearest-patch L2 distance without the worst 10 %")
+    distance: NonNegative = Field(
+        description="mean nearest-patch L2 distance without the worst 10 %, and what else counts: `parts`"
+    )
     parts: dict[str, NonNegative] = Field(
         {}, description="what distance is the sum of, by name, if more than patches count: patches, label, size, ..."
     )
@@ -65,7 +67,7 @@ class ObjectCousins(Contract):
     label: Text
     status: Literal["ok", "failed"] = "ok"
     reason: str = ""
-    note: str = Field("", description="what had to be relaxed to find candidates; empty: nothing")
+    note: str = Field("", description="what was relaxed, which judge abstained, what shares its order; empty: nothing")
     categories: list[CategoryMatch] = []
     by_votes: list[Candidate] = Field([], description="top k_model by iterated voting, in order of selection")
     by_distance: list[Candidate] = Field([], description="every candidate, nearest first")

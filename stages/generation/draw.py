@@ -29,8 +29,8 @@ def run(*, scenes: tuple[Path, ...], objects: Path, image: Path, library: Path, 
         image: the input picture.
         library: library.json.
         out: folder; gets a .png and a .glb for each scene, view.glb (the first with small textures, for the report),
-            comparison.png, thumbnail.webp (input and first scene), look.json. The text chunks of comparison.png hold
-            what each scene was made of (seed and digests), and the digest of the code that drew it.
+            comparison.png, thumbnail.webp (input and first scene), look.json. The text chunks of every .png hold what
+            its scenes were made of (seed and digests), and the digest of the code that drew them.
         width: of the pictures, pixels.
     """
     folders = AssetFolders(library)
@@ -38,25 +38,32 @@ def run(*, scenes: tuple[Path, ...], objects: Path, image: Path, library: Path, 
     check_size(image, rgb, extracted.width, extracted.height, objects.name)
     seen = rgb, read_object_masks(objects, extracted), read_metres(objects, extracted)
     pictures = [("input", resized_to(rgb, width))]
-    look, origin = None, PngInfo()
-    origin.add_text("code", code_digest("stages.generation.draw"))
+    look, origins = None, {}
     with TemporaryDirectory(prefix="acdc-sized-") as cache:
         for path in progress(scenes, "scenes drawn", len(scenes)):
             made = read_json(GeneratedScene, path)
-            origin.add_text(path.name, made.made.model_dump_json() if made.made else "{}")
+            origins[path.name] = made.made.model_dump_json() if made.made else "{}"
             items = placed_items(made, folders, Path(cache), path)
             look = look or look_of(extracted, seen, made, items)
             picture = preview(furnished(made, items, look), made, width)
             with atomic(out / f"{path.stem}.png") as temporary:
-                Image.fromarray(picture).save(temporary)
+                Image.fromarray(picture).save(temporary, pnginfo=_text({path.name: origins[path.name]}))
             room = room_of(made, items, look)
             glb.write(room, out / f"{path.stem}.glb")
             if path == scenes[0]:
                 glb.write(room, out / "view.glb", VIEW_TEXTURE)
             pictures.append((f"rank {made.rank}", picture))
     with atomic(out / "comparison.png") as temporary:
-        side_by_side(pictures).save(temporary, pnginfo=origin)
+        side_by_side(pictures).save(temporary, pnginfo=_text(origins))
     with atomic(out / "thumbnail.webp") as temporary:
         thumbnail([picture for _, picture in pictures[:2]]).save(temporary, quality=70)
     if look is not None:
         write_json(out / "look.json", look)
+
+
+def _text(origins: dict[str, str]) -> PngInfo:
+    """Text chunks of a picture: what its scenes were made of, by file, and the code that drew them."""
+    chunks = PngInfo()
+    for name, text in ({"code": code_digest("stages.generation.draw")} | origins).items():
+        chunks.add_text(name, text)
+    return chunks

@@ -42,7 +42,8 @@ class OpenTaskEnv(BaseEnv):
 
     The robot stands in front of the handle, at a height relative to it. There is no floor: nothing falls.
     A task's own class names its `task` and overrides what differs: `cameras`, `seen_ids` (what the cloud shows),
-    `succeeded`, `_load_scene` (more objects), `_initialize_episode` (where they are; the seed is in `_episode_seed`).
+    `succeeded`, `_load_scene` (more objects), `_initialize_episode` (where they are, how far joints are open; the seed
+    is in `_episode_seed`), `evaluate` (beside success, the official code's).
 
     Args:
         asset_folder: folder with asset.json. It and `joint_name` may be set anew; the next episode shows the change.

@@ -137,12 +137,13 @@ def test_every_file_of_every_rank(made: Path) -> None:
     assert Image.open(made / "thumbnail.webp").size == (2 * 144, 108)
 
 
-def test_the_comparison_picture_holds_what_its_scenes_were_made_of(made: Path) -> None:
-    text = Image.open(made / "comparison.png").text
-    assert set(text) == {"code", "scene_1.json", "scene_2.json"}
-    for name in ("scene_1.json", "scene_2.json"):
-        scene = read_json(GeneratedScene, made / name)
-        assert scene.made and json.loads(text[name]) == scene.made.model_dump()
+def test_pictures_hold_what_their_scenes_were_made_of(made: Path) -> None:
+    both = Image.open(made / "comparison.png").text
+    assert set(both) == {"code", "scene_1.json", "scene_2.json"}
+    for name in ("scene_1", "scene_2"):
+        scene, one = read_json(GeneratedScene, made / f"{name}.json"), Image.open(made / f"{name}.png").text
+        assert scene.made and json.loads(both[f"{name}.json"]) == scene.made.model_dump()
+        assert one == {"code": both["code"], f"{name}.json": both[f"{name}.json"]}
 
 
 def test_the_cabinet_stands_at_the_wall_and_the_mug_on_it(made: Path, scene: dict[str, Path]) -> None:
