@@ -103,8 +103,9 @@ def compare(name: str, ours: Sides, theirs: Sides, options: TablesConfig) -> dic
     runs = [len(next(iter(side.values()))) for side in (ours, theirs)]
     low = high = float("nan")
     if min(runs) >= claim.runs:
-        pairs = resampled([[ours[key], theirs[key]] for key in ours], options)
-        sides = [claim.measure({key: pair[side] for key, pair in zip(ours, pairs, strict=True)}) for side in (0, 1)]
+        names = [key for key in ours if not claim.plus or key in (claim.plus, claim.minus)]
+        pairs = resampled([[ours[key], theirs[key]] for key in names], options)
+        sides = [claim.measure({key: pair[side] for key, pair in zip(names, pairs, strict=True)}) for side in (0, 1)]
         found = quantiles(sides[0] - sides[1], options)
         floor = score_floor(claim, ours, theirs, options.confidence) if claim.plus else found
         low, high = min(found.low, floor.low), max(found.high, floor.high)

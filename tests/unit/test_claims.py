@@ -8,7 +8,7 @@ import pytest
 
 from stages.config.tables import TablesConfig
 from stages.contracts.policies import Rollout
-from stages.tables import claims, table3
+from stages.tables import assets, claims, table3
 from stages.tables.markup import markdown
 from stages.tables.policy_tables import claims_table, stability_table
 from stages.tables.rows import published_policies, published_runs
@@ -69,6 +69,14 @@ def test_all_claims_hold_where_the_rollouts_are_like_the_papers() -> None:
     assert table.loc["all", "theirs"] == pytest.approx(mean["all"][1], abs=0.01)
     assert table.loc["all", "baseline"] == "all"
     assert (table["low"] < table["difference"]).all() and (table["difference"] < table["high"]).all()
+
+
+def test_a_claim_over_unseen_assets_has_the_interval_of_their_table() -> None:
+    rows = pd.DataFrame([row.model_dump() for row in rolled(AS_PAPER)])
+    shown = assets.build(rows, OPTIONS).set_index("training_set").loc["cousins_8"]
+    table = answers(AS_PAPER)
+    for claim, name in (("unseen", "twin"), ("randomised", "randomised")):
+        assert list(table.loc[claim, ["low", "high"]]) == list(shown[[f"{name}_low", f"{name}_high"]])
 
 
 def test_over_the_roles_alone_nothing_is_said_of_other_assets() -> None:
