@@ -117,15 +117,21 @@ def _extraction(root: Path) -> None:
 
 
 def _matching(root: Path) -> None:
-    view = {"yaw": 0.5, "distance": 1.0, "votes": 3}
-    models = [{"asset": f"cabinet_{n}", "category": "cabinet", "distance": 1.0 + n, "votes": 5 - n} for n in range(3)]
+    terms = {"outline": 0.9, "depth": 0.8, "lines": 0.8}
+    view = {"yaw": 0.5, "distance": 1.0, "votes": 3, "score": 1.7, "terms": terms}
+    models = [
+        {"asset": f"cabinet_{n}", "category": "cabinet", "distance": 1.0 + n, "votes": 5 - n,
+         "parts": {"patches": 0.75 + n, "size": 0.25}} for n in range(3)
+    ]  # fmt: skip
+    made = {"seed": None, "options": "0a1b2c3d4e5f", "inputs": "1b2c3d4e5f0a", "code": "2c3d4e5f0a1b"}
     cousins = [{"rank": n + 1, **model, "orientation": view, "orientations": [view]} for n, model in enumerate(models)]
     objects = [
-        {"id": "cabinet_1", "label": "cabinet", "decided_by": "distance", "by_votes": models, "by_distance": models,
+        {"id": "cabinet_1", "label": "cabinet", "note": "count_threshold widened from 2 to 3",
+         "decided_by": "distance", "by_votes": models, "by_distance": models, "orientation_decided_by": "geometry",
          "categories": [{"category": "cabinet", "distance": 0.0}], "cousins": cousins},
         {"id": "lamp_1", "label": "lamp", "status": "failed", "reason": "extraction: too small"},
     ]  # fmt: skip
-    _json(root / FILES["cousins"], scene="room", encoder="hog", objects=objects)
+    _json(root / FILES["cousins"], scene="room", encoder="hog", objects=objects, made=made)
     rows = {"cabinet_0": [0.0, 1.0], "cabinet_1": [1.0, 0.0]}
     _json(root / FILES["distances"], scene="room", object="cabinet_1", encoder="hog", assets=list(rows), distances=rows)
     yaws = [0.0, 3.0]
