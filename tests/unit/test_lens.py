@@ -109,6 +109,18 @@ def test_calibrations_of_any_usual_layout(tmp_path: Path, data: dict[str, Any]) 
     np.testing.assert_allclose(lens.intrinsics, K)
 
 
+@pytest.mark.parametrize("inverse", [[-0.1, 0.02, 0, 0, 0], [0, 0, 0.01, 0, 0], [0, 0, 0, 0.01, 0]])
+def test_what_goes_from_bent_to_straight_is_turned_round(tmp_path: Path, inverse: list[float]) -> None:
+    said = {"coeffs": inverse, "model": "distortion.inverse_brown_conrady"}
+    lens = read_lens(calibration(tmp_path / "lens.json", **said), WIDTH, HEIGHT)
+    bent = np.stack([*np.meshgrid([-0.5, 0.0, 0.5], [-0.4, 0.0, 0.4]), np.ones((3, 3))], axis=-1).reshape(-1, 3)
+    points, none = bent, np.zeros(3)
+    for coefficients in (np.array(inverse), lens.distortion):  # there and back
+        pixels = cv2.projectPoints(points, none, none, np.eye(3), coefficients)[0][:, 0]
+        points = np.column_stack([pixels, np.ones(len(pixels))])
+    np.testing.assert_allclose(points, bent, atol=0.001)
+
+
 @pytest.mark.parametrize(
     ("data", "code"),
     [

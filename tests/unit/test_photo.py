@@ -142,6 +142,23 @@ def test_what_the_networks_see_is_what_extraction_finds(room: Path, known: list[
     assert sizes[1][2] == pytest.approx(0.6, abs=0.06)
 
 
+def test_of_masks_that_overlap_the_smaller_lies_on_top(
+    room: Path, known: list[Detection], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whatever is more certain: a box before a cabinet is in the mask of both."""
+    truth = read_scene_input(room)
+    box, both = truth.masks == OBJECT + 1, truth.masks >= OBJECT
+    assert 2 * box.sum() < both.sum()
+    monkeypatch.setattr(estimate, "detect", lambda *_: known[:2])
+    for masks in ([both, box], [box, both]):
+        monkeypatch.setattr(estimate, "segment", lambda *_, masks=masks: masks)
+        estimate.run(image=room / "rgb.png", out=tmp_path / "seen")
+        seen = read_scene_input(tmp_path / "seen")
+        small, large = sorted((seen.masks == item.mask for item in seen.annotations.objects), key=np.sum)
+        np.testing.assert_array_equal(small, box)
+        np.testing.assert_array_equal(large, both & ~box)
+
+
 def asked(server: ChatServer, tmp_path: Path, mounting: str = "geometry", **keys: Any) -> str:
     vlm = {"url": server.url, "model": "toy", "ledger": str(tmp_path / "ledger")} | keys
     return json.dumps({"captions": "vlm", "mounting": mounting, "vlm": vlm})
