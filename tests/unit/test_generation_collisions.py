@@ -34,9 +34,10 @@ def test_forbidden_shifts_are_the_minkowski_difference():
     assert forbidden_shifts([square(0, 0)], [square(0.8, 0, low=1.0, high=2.0)], 0.0).is_empty
 
 
-def test_the_smaller_one_gives_way_by_the_shortest_path():
+@pytest.mark.parametrize("walls", [(), (BACK,)])  # there is room before the wall
+def test_the_smaller_one_gives_way_by_the_shortest_path(walls):
     big, small = thing("big", (2, 0, 0.5), (1, 1, 1)), thing("small", (2.6, 0.1, 0.25), (0.4, 0.4, 0.5))
-    items, left = solve([big, small])
+    items, left = solve([big, small], walls)
     assert not left
     assert items["big"].center == pytest.approx([2, 0, 0.5])
     assert items["small"].center == pytest.approx([2.7, 0.1, 0.25], abs=1e-3)
