@@ -6,6 +6,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import cv2
 import numpy as np
 import pytest
 import trimesh
@@ -25,6 +26,7 @@ from stages.geometry.estimate import Sight
 from stages.geometry.frames import rigid, wrap_angle, yaw_matrix
 from stages.matching.crop import View
 from stages.matching.judges import AbstainedError, Question
+from stages.matching.judges.geometry import FITS
 from stages.matching.judges.geometry import Judge as Geometry
 from stages.matching.judges.rerender import Judge as Rerender
 from stages.matching.snapshots import Snapshots
@@ -33,7 +35,7 @@ from stages.matching.synthesis.in_place import InPlace
 from stages.matching.synthesis.observation import Observation, free_sides, observe
 from stages.matching.synthesis.rendering import Rendering, render
 from stages.matching.synthesis.solid import Solid, outermost
-from stages.matching.synthesis.terms import compare, line_agreement, line_field, outline_agreement
+from stages.matching.synthesis.terms import colour_agreement, compare, line_agreement, line_field, outline_agreement
 from tests.unit.matching_data import trace_box
 
 SIZE = (0.4, 1.0, 0.8)
@@ -145,6 +147,20 @@ def test_a_mask_that_lacks_its_lower_part_squeezes_nothing(library: Path) -> Non
     np.testing.assert_allclose(fitted.size, SIZE, rtol=0.05)
 
 
+def test_only_what_a_quarter_turn_leaves_alike_stays_square(library: Path) -> None:
+    """A desk turned by half looks the same and may be deeper than another; a square table is as deep as it is wide."""
+    seen = observe(question(library, 0.4).view, POSE, USUAL_ERROR, SIDE)
+    seen = replace(seen, free=np.zeros(4, bool))  # its outline, hidden all around, tells nothing
+    ends = np.array([-0.5, 0.5])[:, None] * [0.8, 1.0, 0.8]  # twice as deep as the model
+    stretches = {}
+    for symmetry in ("none", "half_turn", "quarter_turn"):
+        solid = Solid(library.parent / "two")
+        solid.asset = solid.asset.model_copy(update={"symmetry": symmetry})
+        x, y, _ = laid_over(solid, Measured(ends, np.full((2, 3), 0.1), 0.4), seen).size / SIZE
+        stretches[symmetry] = x / y
+    assert stretches["half_turn"] == stretches["none"] > 1.5 and stretches["quarter_turn"] < 1.2
+
+
 @pytest.mark.parametrize("yaw", [0.3, 1.0, -0.8, 0.3 + np.pi])
 def test_a_box_fits_best_at_its_own_yaw(library: Path, yaw: float) -> None:
     """Also seen from behind: no panels there."""
@@ -179,6 +195,19 @@ def test_where_nothing_fits_only_what_is_known_counts(library: Path) -> None:
     ranked = judge.models(question(library, 0.3, mask=torn)._replace(name="torn"), [], given)
     assert [(one.asset, one.score) for one in ranked] == [("three", 0.0), ("two", -0.01)]
     assert ranked[0].terms["outline"] < 0.6
+
+
+def test_whether_it_fits_is_asked_of_what_would_come_first(library: Path) -> None:
+    """`two` has the lines that are seen, but its size is known to be another: `stack`, first by both, does not fit."""
+    judge = Geometry(MatchingConfig(geometry=GeometryConfig(outline=0, depth=0, lines=1)))
+    given = [
+        Candidate(asset="two", category="cabinet", distance=1.0, parts={"size": 2.0}),
+        Candidate(asset="stack", category="cabinet", distance=1.0, parts={"size": 0.0}),
+    ]
+    ranked = judge.models(question(library, 0.3), [], given)
+    lines = {one.asset: one.terms["lines"] for one in ranked}
+    assert lines["stack"] < FITS < lines["two"]
+    assert [(one.asset, one.score) for one in ranked] == [("stack", 0.0), ("two", -2.0)]
 
 
 def test_textures_and_patches_count_for_nothing_priors_do(library: Path) -> None:
@@ -314,6 +343,15 @@ def test_outlines_are_made_of_the_outermost_points() -> None:
     assert len(outermost(np.concatenate([corners, 0.5 * corners]))) == 8
     flat = np.array([[0.0, 0, 0], [0, 1, 0], [0, 0, 1], [0, 1, 1]])
     assert len(outermost(flat)) == 4  # a poster without thickness
+
+
+def test_another_light_is_no_other_colour() -> None:
+    lab = np.array([[60, 20, -10], [50, 0, 30], [55, 10, 10]], np.float32)
+    given, dark, hue = (
+        cv2.cvtColor((lab + np.array(shift, np.float32))[None], cv2.COLOR_LAB2RGB)[0]
+        for shift in ((0, 0, 0), (-25, 0, 0), (0, 15, 0))
+    )
+    assert colour_agreement(given, hue) < 0.9 and colour_agreement(given, dark) > 0.99
 
 
 def test_an_error_of_the_depths_scale_is_no_misfit() -> None:
