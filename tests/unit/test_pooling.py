@@ -1,5 +1,7 @@
 """Rows of the experiment that do one task in several rooms, as one row."""
 
+from pathlib import Path
+
 import pandas as pd
 import pytest
 
@@ -8,6 +10,7 @@ from stages.config.tables import TablesConfig
 from stages.contracts.policies import Rollout
 from stages.tables import assets, conditions
 from stages.tables.pooling import pooled, pools
+from stages.tables.progress import policy_file, progress_table
 from tests.unit.tables_results import over_assets
 
 OPTIONS = TablesConfig(bootstrap_samples=200)
@@ -69,6 +72,17 @@ def test_a_seed_that_lacks_a_room_is_left_out(config: Config) -> None:
     table = assets.build(pooled(rows(lengths, ("door_room_2", 1)), config), OPTIONS).set_index("training_set")
     assert table.loc["cousins_8", "runs"] == 1 and table.loc["twin_randomised", "runs"] == 2
     assert table.loc["cousins_8", "assets"] == 24
+
+
+def test_a_policy_is_there_when_it_has_met_every_room(config: Config, tmp_path: Path) -> None:
+    plan = config.experiment.plan("door_room_1")
+    for room, seed in (("door_room_1", 0), ("door_room_1", 1), ("door_room_2", 0)):
+        path = policy_file(tmp_path, "", room, "twin", plan.runs[0], seed)
+        path.parent.mkdir(parents=True)
+        path.touch()
+    table = progress_table(config, tmp_path)
+    (row,) = (row for row in table.rows if row[0] == "Door opening")
+    assert row[table.columns.index("twin")] == f"1 of {2 * len(plan.runs)}"
 
 
 def test_what_a_set_gains_is_told_under_every_condition(config: Config) -> None:

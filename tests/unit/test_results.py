@@ -7,9 +7,9 @@ import pandas as pd
 import pytest
 from PIL import Image
 
-from stages.config.model import Config
-from stages.contracts.files import write_json
-from stages.contracts.policies import ChosenRuns, RunScore
+from stages.config.model import Config, load
+from stages.contracts.files import read_json, write_json
+from stages.contracts.policies import ChosenRuns, RunScore, TaskAssets
 from stages.tables import results
 from tests.refusals import refused
 from tests.unit.tables_results import over_assets, picture, rollout, score, write_rows, write_run
@@ -117,6 +117,26 @@ def test_a_task_that_was_rolled_out_less_often_is_said_to_be() -> None:
     episodes = pd.DataFrame([row.model_dump() for row in rows])
     told = dict(results._about_rollouts(Config(), episodes))
     assert told["Rollouts"] == "7 episodes of 2 policies, 2 (Putting away bowl) and 5 (Door opening) per role"
+
+
+def test_what_was_shown_randomised_was_shown_in_wider_extents(study: Path) -> None:
+    """An asset 1.4 times as large as the twin: between 0.6 and 1.5 times, and not between 0.75 and 1.25 times."""
+    path = study / "results/experiment/b/door/assets.json"
+    chosen = read_json(TaskAssets, path)
+    twin = chosen.assets[0]
+    width, height = twin.panel_size
+    larger = {"panel_size": (1.4 * width, 1.4 * height), "handle_length": 1.4 * twin.handle_length}
+    other = twin.model_copy(update={"role": "test", "asset": "large", "family": "large", **larger})
+    write_json(path, chosen.model_copy(update={"test_assets": [other]}))
+    sets = ("twin", "twin_randomised")
+    rows = [rollout(asset="large", test_asset="test", training_set=name) for name in sets]
+    config = load({
+        "experiment": {"tasks": {"door": {"scene": "room_1", "object": "cabinet_1"}}, "policy_variant": "b"},
+        "task": {"scale_range": [0.75, 1.25]},
+        "demonstrations": {"randomise": {"extents": [0.6, 1.5]}},
+    })  # fmt: skip
+    known = results._with_traits(config, study / "results", pd.DataFrame([row.model_dump() for row in rows]))
+    assert dict(zip(known["training_set"], known["coverage"], strict=True)) == {"twin": 0.25, "twin_randomised": 1}
 
 
 def test_nothing_but_the_study_is_looked_at_and_it_is_the_same_again(study: Path, tmp_path: Path) -> None:
