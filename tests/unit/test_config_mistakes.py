@@ -154,6 +154,10 @@ CASES = [
         "experiment: {tasks: {door: {options: {points: 128}}, door_handle: null}}",
         "training.runs.lite.network.points: 192 of experiment.tasks.door.options.points = 128",
     ),
+    (  # beside a row that has enough
+        "experiment: {tasks: {near: {task: door, object: hanging_cabinet_1, options: {points: 128}}}}",
+        "training.runs.lite.network.points: 192 of experiment.tasks.near.options.points = 128",
+    ),
     (
         "{experiment: {cousins: 6, training_sets: [cousins_8]}}",
         "experiment.training_sets: cousins_8 needs 8 cousins, experiment.cousins = 6 leaves 4",

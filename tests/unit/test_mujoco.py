@@ -14,6 +14,7 @@ from stages.contracts import Asset, read_json
 from stages.contracts.task_options import TaskConfig
 from stages.evaluation.mujoco_camera import DepthCamera
 from stages.evaluation.mujoco_env import MujocoTaskEnv
+from stages.evaluation.mujoco_world import MODEL
 from stages.simulation.studio import Studio
 from stages.skills import FAR, Float
 from stages.skills.chain import SkillChain
@@ -35,7 +36,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def door(folder: Path) -> Iterator[TaskEnv]:
+def door(folder: Path) -> Iterator[MujocoTaskEnv]:
     task = MujocoTaskEnv("door", folder, "door_0_joint", None, TaskConfig(), vary_scale=False)
     yield task
     task.close()
@@ -97,6 +98,19 @@ def test_nothing_opens_untouched(door: TaskEnv) -> None:
     for _ in range(5):
         door.act(STILL)
     assert abs(door.opened) < 0.01 and not door.success
+
+
+def test_what_was_ajar_once_counts_for_the_official_code(door: MujocoTaskEnv) -> None:
+    door.place(SEED)
+    joint = door.data.joint(f"{MODEL}{door.joint}")
+    found = []
+    for opened in (0.0, 0.2, 0.0):
+        low, high = door.model.joint(f"{MODEL}{door.joint}").range
+        joint.qpos, joint.qvel = low + opened * (high - low), 0.0
+        door.act(STILL)
+        assert door.opened == pytest.approx(opened, abs=0.02) and not door.success
+        found.append(door.official_success)
+    assert found == [False, True, True]
 
 
 def test_it_turns_to_another_cabinet_at_a_scale_and_is_filmed(folder: Path, tmp_path: Path) -> None:

@@ -6,6 +6,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pandas as pd
 import pytest
 import torch
@@ -19,9 +20,11 @@ from stages.demonstrations.collect import attempt_seeds
 from stages.evaluation.states import initial_states
 from stages.policies.bc_rnn_gmm.actor import Actor
 from stages.procedural.catalogue import sample
+from stages.simulation.robot import REST
 from stages.tables.intervals import PLACE, resampled
-from stages.tasks.cameras import jitter
+from stages.tasks.cameras import jitter, shoulder
 from stages.tasks.initial_state import sample_initial_state
+from stages.tasks.observation import CameraRig, Sensing
 from stages.tasks.randomised import sample_factors
 from stages.training.loop import generator
 from stages.training.train import run as train
@@ -45,6 +48,17 @@ def resamples(seed: int) -> list[Any]:
         return [array[:20].tolist() for (array,) in resampled([[side]], TablesConfig())]
 
 
+def noisy_cloud(seed: int) -> list[float]:
+    """What a depth camera that errs, and is never moved, shows of a wall."""
+    options = TaskConfig(camera_jitter=(0.0, 0.0))
+    rig = CameraRig([shoulder(options)], options, Sensing(depth_noise=True))
+    rig.place({}, 0, seed)
+    picture = np.full((1, 8, 8, 4), [0, 0, -1000, 1], np.int16)
+    joints = np.append(REST, [0.04, 0.04])
+    cloud: list[float] = rig.observation(joints, [picture], np.array([1], np.int16), 0)["point_cloud"].ravel().tolist()
+    return cloud
+
+
 DRAWS: dict[str, Callable[[int], Any]] = {
     "model": lambda seed: sample("mug", 0, seed).parameters,
     "attempts": lambda seed: list(attempt_seeds(seed, "twin", 4)),
@@ -52,6 +66,7 @@ DRAWS: dict[str, Callable[[int], Any]] = {
     "states of the split": lambda seed: initial_states("test", seed, 4, place=3),
     "initial state": lambda seed: str(sample_initial_state(seed, TaskConfig())),
     "camera": lambda seed: jitter(seed, 0, TaskConfig(camera_jitter=(0.1, 0.1))).tolist(),
+    "noise of depth": noisy_cloud,
     "speed": lambda seed: approach_speed(seed, DemonstrationsConfig(approach_speed=(0.4, 0.6))),
     "factors": lambda seed: sample_factors(seed, RandomiseOptions()),
     "actions": random_actions,
