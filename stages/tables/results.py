@@ -131,7 +131,9 @@ def _about_rollouts(config: Config, episodes: pd.DataFrame) -> list[tuple[str, s
     about = [("Seeds", f"{', '.join(map(str, seeds)) or 'none'} of training; {config.seed} of everything else")]
     about.append(("Rollouts", rollouts))
     for (group, split), part in of_splits(policies).groupby(["assets_of", "test_asset"]):
-        assets = f"{part['asset'].nunique()} of {part['family'].nunique()} families"
+        pairs, models = part["asset"].nunique(), part["asset"].str.rsplit("/").str[-1].nunique()
+        assets = f"{pairs} pairs of room and asset, {models} assets" if models < pairs else str(pairs)
+        assets += f" of {part['family'].nunique()} families"
         states = part.groupby("asset")["initial_state"].nunique().max()
         about.append((f"{title(str(group))}, {title(str(split))}", f"{assets}, {states} initial states each"))
     return about
