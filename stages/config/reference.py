@@ -55,8 +55,9 @@ def _lines(value: BaseModel, indent: str, path: str, rows: list[tuple[str, str, 
             lines += [f"{indent}{name}:", *_lines(child, indent + "  ", key, rows), ""]
             continue
         default = "" if field.default is PydanticUndefined and field.default_factory is None else _plain(child)
-        rows.append((key, _scalar(default), allowed, description))
         nested = isinstance(child, dict) and child and all(isinstance(item, BaseModel) for item in child.values())
+        shown = f"{{{', '.join(f'{one}: ...' for one in child)}}}" if nested else _scalar(default)
+        rows.append((key, shown, allowed, description))
         if nested:
             lines.append(f"{indent}{name}:")
             for item_name, item in child.items():
