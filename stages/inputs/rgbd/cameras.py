@@ -47,7 +47,7 @@ def of_camera(name: str, width: int, height: int) -> Matrix:
         raise InputError(
             "--camera",
             f"'{name}' is not known.",
-            f"one of {', '.join(FIELDS_OF_VIEW)}; or {KNOWS}",
+            f"one of {', '.join(FIELDS_OF_VIEW)}; or --intrinsics: {KNOWS}",
             code="E-CAMERA-NAME",
         )
     across, up = np.tan(np.deg2rad(FIELDS_OF_VIEW[name]) / 2)
