@@ -47,20 +47,27 @@ def rates(rollouts: pd.DataFrame, by: Sequence[str], options: TablesConfig) -> p
 
 
 def gains(
-    rollouts: pd.DataFrame, within: Sequence[str], side: str, baseline: str, options: TablesConfig
+    rollouts: pd.DataFrame, within: Sequence[str], side: str, baseline: str, options: TablesConfig, same: bool = False
 ) -> pd.DataFrame:
     """Success of every value of the column `side` minus that of `baseline`, a row each with `within`, `side`, `GAIN`.
 
     Only places where all policies of both were tested are compared, so that the pairs are whole.
+
+    Args:
+        same: both sides are the same policies: those that are on one alone are left out.
     """
     rows: list[dict[str, Any]] = []
     for key, group in rollouts.groupby(list(within)):
         sides = {str(name): side_of(part) for name, part in group.groupby(side)}
         for name in sides if baseline in sides else ():
-            ours, theirs = paired(sides[name], sides[baseline])
+            ours, theirs = sides[name], sides[baseline]
+            if same:
+                policies = ours.index.intersection(theirs.index)
+                ours, theirs = ours.loc[policies], theirs.loc[policies]
+            ours, theirs = paired(ours, theirs)
             if name == baseline or ours.empty:
                 continue
-            low, high = difference_interval(ours, theirs, options)
+            low, high = difference_interval(ours, theirs, options, same)
             rows.append(
                 dict(zip(within, key, strict=True))
                 | {side: name, "assets": ours.columns.get_level_values("asset").nunique(), "places": ours.shape[1]}

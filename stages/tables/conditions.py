@@ -65,7 +65,7 @@ def build(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
     """
     by = [*CELL, "condition"]
     table = rates(rollouts, by, options)
-    differences = gains(rollouts, CELL, "condition", USUAL, options)[[*by, *ENDS]].rename(columns=ENDS)
+    differences = gains(rollouts, CELL, "condition", USUAL, options, same=True)[[*by, *ENDS]].rename(columns=ENDS)
     merged = table.merge(differences, "left", by)[COLUMNS]
     usual = (merged["condition"] != USUAL).astype(int)
     return merged.assign(order=usual).sort_values(

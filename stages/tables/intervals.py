@@ -135,11 +135,19 @@ def score_interval(ours: Floats, theirs: Floats, confidence: float) -> Interval:
     return Interval(p - q - added(p - p_low, q_high - q), p - q + added(p_high - p, q - q_low))
 
 
-def difference_interval(ours: Side, theirs: Side, options: TablesConfig) -> Interval:
-    """Interval of rate_of(ours) - rate_of(theirs), sides at the same places, each with its own runs.
+def difference_interval(ours: Side, theirs: Side, options: TablesConfig, same: bool = False) -> Interval:
+    """Interval of rate_of(ours) - rate_of(theirs), sides at the same places.
 
     It is the bootstrap, never narrower than the score interval over the units.
+
+    Args:
+        same: the rows of both sides are the same policies, resampled together; else each side has its own.
     """
-    ((a, b),) = resampled([[ours, theirs]], options)
+    if same:
+        ((rates,),) = resampled([[ours - theirs]], options)
+        found = rates.mean(axis=1)
+    else:
+        ((a, b),) = resampled([[ours, theirs]], options)
+        found = a.mean(axis=1) - b.mean(axis=1)
     score = score_interval(unit_rates(ours), unit_rates(theirs), options.confidence)
-    return wider(quantiles(a.mean(axis=1) - b.mean(axis=1), options), score, -1.0)
+    return wider(quantiles(found, options), score, -1.0)

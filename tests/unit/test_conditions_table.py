@@ -2,12 +2,15 @@
 
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
+from stages.config.tables import TablesConfig
 from stages.contracts.files import read_rows
 from stages.contracts.policies import Rollout
 from stages.evaluation.rows import write_rows
 from stages.tables import conditions
+from stages.tables.intervals import difference_interval, side_of
 from tests.refusals import refused
 from tests.unit.tables_results import rollout
 
@@ -43,6 +46,33 @@ def test_differences_are_paired_with_the_usual_condition(table: list[dict[str, s
     assert usual["difference"] == ""
     assert float(there["difference"]) == pytest.approx(-0.4)
     assert float(there["difference_low"]) < -0.4 < float(there["difference_high"]) < 0.05
+
+
+def test_a_policy_that_has_not_met_the_condition_is_not_compared() -> None:
+    usual = [*episodes([True] * 6 + [False] * 4, seed=0), *episodes([True] * 10, seed=1)]
+    rows = pd.DataFrame([row.model_dump() for row in usual]).assign(condition="usual")
+    there = pd.DataFrame([row.model_dump() for row in episodes([True] * 4 + [False] * 6, seed=0)])
+    table = conditions.build(pd.concat([rows, there.assign(condition="mujoco")]), TablesConfig(bootstrap_samples=200))
+    found = table.set_index("condition")
+    assert found.loc["usual", "mean"] == 0.8 and found.loc["mujoco", "difference"] == pytest.approx(-0.2)
+
+
+def test_policies_that_all_lose_alike_lose_for_certain() -> None:
+    """However they differ among themselves: each is compared with itself."""
+    seeds = {seed: 2 * seed + 2 for seed in range(5)}  # of 20 assets
+    usual, there = (
+        pd.DataFrame([
+            row.model_dump()
+            for seed, opened in seeds.items()
+            for row in episodes([n < opened + more for n in range(20)], seed=seed)
+        ])
+        for more in (8, 0)
+    )  # fmt: skip
+    sides = [side_of(rows) for rows in (there, usual)]
+    options = TablesConfig(bootstrap_samples=400)
+    low, high = difference_interval(*sides, options, same=True)
+    apart = difference_interval(*sides, options)
+    assert low < -0.4 < high and high - low < apart.high - apart.low
 
 
 def test_a_file_lies_below_the_folder_of_its_condition(tmp_path: Path) -> None:
