@@ -7,7 +7,7 @@ import numpy as np
 from stages.procedural.cabinet_recipe import CabinetRecipe
 from stages.procedural.front_cells import CellKind, FrontCell, cells
 from stages.procedural.handles import STYLES
-from stages.procedural.model import Model, Moving, Part, Size, part
+from stages.procedural.model import Model, Moving, Part, Parts, Size, part
 from stages.procedural.panels import Front, control_panel, pulled_panel
 from stages.procedural.shapes import box, rod
 
@@ -45,11 +45,12 @@ def _cabinet(p: CabinetRecipe, size: Size) -> Model:
     x_back = -depth / 2
 
     y, z = (-half, half), (base, height - top)
-    parts = _base(p, (x_back, x_body), y, base)
+    parts = Parts(_base(p, (x_back, x_body), y, base))
     if overhang:
         slab = box((x_back, min(x_front + overhang, depth / 2)), (-width / 2, width / 2), (height - top, height))
-        parts.append(part(slab, p.top_colour))
-    parts += [part(mesh, p.body_colour) for mesh in _shell((x_back, x_body), y, z, board)]
+        parts.add(slab, p.top_colour)
+    for mesh in _shell((x_back, x_body), y, z, board):
+        parts.add(mesh, p.body_colour)
     inner_y, inner_z = (-half + GAP, half - GAP), (z[0] + GAP, z[1] - GAP)
     if p.inset_front:  # the carcass shows around the fronts
         inner_y, inner_z = (-half + board, half - board), (z[0] + board, z[1] - board)

@@ -18,7 +18,6 @@ from stages.procedural.robot import robot_of
 
 LICENCE = "CC0-1.0"
 ROOM = (0.0, 0.05, 0.1, 0.2, 0.4)  # metres: extents in which ever more boards fit
-SETTLING_PASSES = 3  # generators miss the asked size by little (leaning legs...): aim again before scaling
 
 
 def build(
@@ -102,7 +101,7 @@ def _is_sound(model: Model) -> bool:
 
 def _fitted(generator: Generator, wanted: Size) -> Model:
     aim = wanted
-    for _ in range(SETTLING_PASSES):
+    for _ in range(3):  # generators miss the asked size by little (leaning legs...): aim again before scaling
         model = generator.build(aim)
         low, high = bounds(model)
         if max(abs(high - low - wanted)) < 1e-4:

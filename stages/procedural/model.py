@@ -1,6 +1,6 @@
 """A procedural model before it is written: parts with colour and density, some of them on joints."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
@@ -8,14 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 from trimesh import Trimesh
 
-from stages.contracts.library import HandleKind
+from stages.contracts.library import HandleKind, Placement, Symmetry
 from stages.geometry.solids import DENSITY as WOOD
 from stages.procedural.finishes import RGB, Finish, Surface, finish_of
 from stages.procedural.shapes import bounds_of
 
 Size = tuple[float, float, float]
-Symmetry = Literal["none", "half_turn", "third_turn", "quarter_turn", "full"]
-Placement = Literal["floor", "object", "wall"]
+Array = NDArray[np.float64]
 
 METAL, STEEL, CERAMIC, GLASS = 2700.0, 7800.0, 2200.0, 2400.0  # kg / m^3
 EXACT = 1e-9  # a model that fits as well as this is left as it is
@@ -71,6 +70,16 @@ def part(mesh: Trimesh, surface: Surface, density: float = WOOD, smooth: bool = 
     return Part(mesh, finish_of(surface), density, None if solid else (), smooth)
 
 
+class Parts(list[Part]):
+    """Parts put together one by one."""
+
+    def add(
+        self, mesh: Trimesh, surface: Surface, density: float = WOOD, smooth: bool = False, solid: bool = True
+    ) -> None:
+        """Add a convex part, see `part`."""
+        self.append(part(mesh, surface, density, smooth, solid))
+
+
 def parts_of(model: Model) -> Iterable[Part]:
     """All parts, moving ones last."""
     yield from model.base
@@ -80,29 +89,17 @@ def parts_of(model: Model) -> Iterable[Part]:
 
 def moved(model: Model, by: Sequence[float], suffix: str = "", turn: float = 0.0) -> Model:
     """The model turned about z, then moved, so that it can be a part of another; `suffix` goes to its joints' names."""
-    transform = np.eye(4)
-    transform[:2, :2] = [[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]
-    transform[:3, 3] = by
+    rotation = np.eye(3)
+    rotation[:2, :2] = [[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]
 
-    def move(mesh: Trimesh) -> Trimesh:
-        return Trimesh(mesh.vertices @ transform[:3, :3].T + transform[:3, 3], mesh.faces, process=False)
+    def on_joint(moving: Moving) -> Moving:
+        a, b, c = (rotation @ moving.axis).tolist()
+        return replace(moving, name=f"{moving.name}{suffix}", axis=(a, b, c))
 
-    def move_part(piece: Part) -> Part:
-        pieces = None if piece.collisions is None else tuple(move(mesh) for mesh in piece.collisions)
-        return replace(piece, mesh=move(piece.mesh), collisions=pieces)
-
-    def move_joint(moving: Moving) -> Moving:
-        x, y, z = (transform[:3, :3] @ moving.origin + transform[:3, 3]).tolist()
-        a, b, c = (transform[:3, :3] @ moving.axis).tolist()
-        parts = [move_part(piece) for piece in moving.parts]
-        return replace(moving, name=f"{moving.name}{suffix}", parts=parts, origin=(x, y, z), axis=(a, b, c))
-
-    return replace(
-        model, base=[move_part(piece) for piece in model.base], moving=[move_joint(moving) for moving in model.moving]
-    )
+    return _mapped(model, lambda points: points @ rotation.T + np.asarray(by), on_joint)
 
 
-def bounds(model: Model) -> NDArray[np.float64]:
+def bounds(model: Model) -> Array:
     """Closed box of the visible geometry, (2, 3)."""
     return bounds_of([piece.mesh for piece in parts_of(model)])
 
@@ -118,19 +115,25 @@ def fitted(model: Model, size: Size) -> Model:
     if np.abs(scale - 1.0).max() < EXACT and np.abs(shift).max() < EXACT:
         return model
 
-    def fit_mesh(mesh: Trimesh) -> Trimesh:
-        return Trimesh(mesh.vertices * scale + shift, mesh.faces, process=False)
-
-    def fit_part(piece: Part) -> Part:
-        pieces = None if piece.collisions is None else tuple(fit_mesh(mesh) for mesh in piece.collisions)
-        return replace(piece, mesh=fit_mesh(piece.mesh), collisions=pieces)
-
-    def fit_moving(moving: Moving) -> Moving:
-        x, y, z = (np.array(moving.origin) * scale + shift).tolist()
+    def on_joint(moving: Moving) -> Moving:
         stretch = float(np.abs(np.array(moving.axis)) @ scale) if moving.role == "drawer" else 1.0
-        parts = [fit_part(piece) for piece in moving.parts]
-        return replace(moving, parts=parts, origin=(x, y, z), upper=moving.upper * stretch)
+        return replace(moving, upper=moving.upper * stretch)
 
-    return replace(
-        model, base=[fit_part(piece) for piece in model.base], moving=[fit_moving(moving) for moving in model.moving]
-    )
+    return _mapped(model, lambda points: points * scale + shift, on_joint)
+
+
+def _mapped(model: Model, at: Callable[[Array], Array], on_joint: Callable[[Moving], Moving]) -> Model:
+    """The model with all points (N, 3) where `at` puts them, and what else changes of its joints."""
+
+    def mesh(old: Trimesh) -> Trimesh:
+        return Trimesh(at(old.vertices), old.faces, process=False)
+
+    def parts(old: list[Part]) -> list[Part]:
+        pieces = [None if each.collisions is None else tuple(map(mesh, each.collisions)) for each in old]
+        return [replace(each, mesh=mesh(each.mesh), collisions=own) for each, own in zip(old, pieces, strict=True)]
+
+    def joint(old: Moving) -> Moving:
+        x, y, z = at(np.array(old.origin)).tolist()
+        return replace(on_joint(old), parts=parts(old.parts), origin=(x, y, z))
+
+    return replace(model, base=parts(model.base), moving=list(map(joint, model.moving)))

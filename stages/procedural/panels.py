@@ -5,8 +5,8 @@ from typing import Literal, NamedTuple
 from stages.procedural.cabinet_recipe import CabinetRecipe
 from stages.procedural.finishes import DARK, Surface
 from stages.procedural.handles import handle_parts
-from stages.procedural.model import GLASS, METAL, PLASTIC, WOOD, Part, part
-from stages.procedural.shapes import box, rod
+from stages.procedural.model import GLASS, METAL, PLASTIC, WOOD, Part, Parts, part
+from stages.procedural.shapes import box, rim, rod
 
 RELIEF = 0.006  # height of a frame above its field
 EDGE_INSET = 0.036  # of a profile from the free edge: a finger fits between it and what is beside the panel
@@ -34,24 +34,18 @@ def panel_parts(front: Front, style: str, colour: Surface, second: Surface, dens
     """A panel as `flat`, `frame` (raised rim), `glass` (dark window), `planks` (grooves) or `raised` (raised field)."""
     (y0, y1), (z0, z1) = front.y, front.z
     x1, x0 = front.x, front.x - front.thickness
-    rim = min(0.055, 0.22 * min(front.width, front.height))
-    if style == "flat" or rim < 0.012:
+    wide = min(0.055, 0.22 * min(front.width, front.height))
+    if style == "flat" or wide < 0.012:
         return [part(box((x0, x1), front.y, front.z), colour, density)]
     back = x1 - RELIEF
     core = part(box((x0, back), front.y, front.z), second, density)
     if style in ("frame", "glass"):
         field = DARK if style == "glass" else second
         core = part(box((x0, back), front.y, front.z), field, GLASS if style == "glass" else density)
-        strips = [
-            box((back, x1), (y0, y0 + rim), front.z),
-            box((back, x1), (y1 - rim, y1), front.z),
-            box((back, x1), (y0 + rim, y1 - rim), (z0, z0 + rim)),
-            box((back, x1), (y0 + rim, y1 - rim), (z1 - rim, z1)),
-        ]
-        return [core, *[part(mesh, colour, density) for mesh in strips]]
+        return [core, *[part(mesh, colour, density) for mesh in rim((back, x1), front.y, front.z, wide)]]
     if style == "raised":
         edge = part(box((x0, back), front.y, front.z), colour, density)
-        return [edge, part(box((back, x1), (y0 + rim, y1 - rim), (z0 + rim, z1 - rim)), second, density)]
+        return [edge, part(box((back, x1), (y0 + wide, y1 - wide), (z0 + wide, z1 - wide)), second, density)]
     count = max(2, round(front.width / 0.09))
     pitch, groove = front.width / count, 0.006
     planks = [
@@ -88,43 +82,30 @@ def pulled_panel(front: Front, p: CabinetRecipe, kind: str, free_side: float, gl
         z = z_mid if kind == "drawer" else front.z[1] - min(0.04, 0.2 * front.height)
         at = (front.x, y_mid, z)
     if kind == "drawer" and style in ("frame", "glass", "planks"):
-        parts.append(
-            part(
-                box((front.x - RELIEF, front.x), (at[1] - 0.012, at[1] + 0.012), (at[2] - 0.012, at[2] + 0.012)),
-                p.front_colour,
-            )
-        )
-    pulls = handle_parts(handle, at, along, length, p.protrusion, p.handle_colour)
-    return parts + pulls
+        beneath = ((middle - 0.012, middle + 0.012) for middle in at[1:])
+        parts.append(part(box((front.x - RELIEF, front.x), *beneath), p.front_colour))
+    return parts + handle_parts(handle, at, along, length, p.protrusion, p.handle_colour)
 
 
 def control_panel(front: Front, p: CabinetRecipe) -> list[Part]:
     """A fixed strip with a display and round buttons: ovens, microwaves, dishwashers."""
     x0, x1 = front.x - front.thickness, front.x
-    parts = [part(box((x0, x1), front.y, front.z), p.panel_colour, PLASTIC)]
+    parts = Parts()
+    parts.add(box((x0, x1), front.y, front.z), p.panel_colour, PLASTIC)
     upright = front.height > front.width
     y_mid, z_mid = (front.y[0] + front.y[1]) / 2, (front.z[0] + front.z[1]) / 2
     count = p.buttons
     short = min(front.width, front.height)
     radius, out = 0.24 * short, min(0.02, 0.3 * short)
     if upright:
-        display = box(
-            (x1, x1 + 0.002),
-            (y_mid - 0.35 * short, y_mid + 0.35 * short),
-            (front.z[1] - 0.22 * front.height, front.z[1] - 0.08 * front.height),
-        )
+        half, span = 0.35 * short, (front.z[1] - 0.22 * front.height, front.z[1] - 0.08 * front.height)
         spots = [(y_mid, front.z[0] + front.height * (0.6 * (k + 0.6) / count)) for k in range(count)]
     else:
-        display = box(
-            (x1, x1 + 0.002),
-            (y_mid - 0.1 * front.width, y_mid + 0.1 * front.width),
-            (z_mid - 0.28 * short, z_mid + 0.28 * short),
-        )
+        half, span = 0.1 * front.width, (z_mid - 0.28 * short, z_mid + 0.28 * short)
         side = [(-1) ** k * (0.2 + 0.26 * (k // 2) / max(1, (count - 1) // 2)) for k in range(count)]
         spots = [(y_mid + s * front.width, z_mid) for s in side]
-    parts.append(part(display, DARK, PLASTIC, solid=False))
-    parts += [
-        part(rod((x1, y, z), (x1 + out, y, z), min(radius, 0.022)), p.handle_colour, METAL, smooth=True, solid=False)
-        for y, z in spots
-    ]
+    parts.add(box((x1, x1 + 0.002), (y_mid - half, y_mid + half), span), DARK, PLASTIC, solid=False)
+    for a, b in spots:
+        button = rod((x1, a, b), (x1 + out, a, b), min(radius, 0.022))
+        parts.add(button, p.handle_colour, METAL, smooth=True, solid=False)
     return parts

@@ -37,9 +37,9 @@ def hull(points: ArrayLike) -> Trimesh:
     return Trimesh(found.points[used], np.searchsorted(used, faces), process=False)
 
 
-def cushion(low: ArrayLike, high: ArrayLike, edge: float) -> Trimesh:
-    """Box whose edges are chamfered by `edge`."""
-    low, high = np.asarray(low, dtype=float), np.asarray(high, dtype=float)
+def cushion(corner: ArrayLike, opposite: ArrayLike, edge: float) -> Trimesh:
+    """Box between two corners whose edges are chamfered by `edge`."""
+    low, high = np.sort(np.array([corner, opposite], dtype=float), axis=0)
     edge = min(edge, 0.45 * float((high - low).min()))
     corners = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T
     center, half = (low + high) / 2, (high - low) / 2
@@ -88,6 +88,21 @@ def shell_pieces(
     return solids
 
 
+def rim(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float], width: float) -> list[Trimesh]:
+    """Four strips around a rectangle of y and z, inside it."""
+    inner = (y[0] + width, y[1] - width)
+    sides = [box(x, (y[0], inner[0]), z), box(x, (inner[1], y[1]), z)]
+    return [*sides, box(x, inner, (z[0], z[0] + width)), box(x, inner, (z[1] - width, z[1]))]
+
+
+def ball(radius: float, low: float, high: float, bands: int, segments: int = SEGMENTS) -> Trimesh:
+    """Ellipsoid about the z axis between two heights."""
+    angles = np.linspace(-np.pi / 2, np.pi / 2, bands + 1)
+    profile = [(radius * float(np.cos(t)), (low + high) / 2 + (high - low) / 2 * float(np.sin(t))) for t in angles]
+    profile[0], profile[-1] = (0.0, low), (0.0, high)
+    return lathe(profile, segments)
+
+
 def translated(mesh: Trimesh, by: ArrayLike) -> Trimesh:
     """A copy moved by a vector."""
     copy = mesh.copy()
@@ -95,10 +110,10 @@ def translated(mesh: Trimesh, by: ArrayLike) -> Trimesh:
     return copy
 
 
-def rotated(mesh: Trimesh, angle: float, axis: ArrayLike, about: ArrayLike = (0.0, 0.0, 0.0)) -> Trimesh:
-    """A copy turned by `angle` about an axis through `about`."""
+def rotated(mesh: Trimesh, angle: float, axis: ArrayLike) -> Trimesh:
+    """A copy turned by `angle` about an axis through the origin."""
     copy = mesh.copy()
-    copy.apply_transform(trimesh.transformations.rotation_matrix(angle, axis, about))
+    copy.apply_transform(trimesh.transformations.rotation_matrix(angle, axis))
     return copy
 
 

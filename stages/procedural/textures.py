@@ -18,8 +18,6 @@ Array = NDArray[np.float64]
 Rng = np.random.Generator
 
 SIDE = 128  # texels
-QUALITY = 88  # of the JPEG
-DARKEST, LIGHTEST = 0.3, 1.7  # of a pattern, whose mean is 1: it scales the colour
 
 
 @lru_cache(maxsize=1024)
@@ -32,7 +30,7 @@ def texture_of(finish: Finish) -> Texture | None:
     linear = np.clip(shades[..., None] * np.array(finish.colour), 0.0, 1.0)
     encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
     file = io.BytesIO()
-    Image.fromarray((255 * encoded).round().astype(np.uint8)).save(file, "JPEG", quality=QUALITY)
+    Image.fromarray((255 * encoded).round().astype(np.uint8)).save(file, "JPEG", quality=88)
     red, green, blue = (round(255 * channel) for channel in finish.colour)
     name = f"{finish.material}_{finish.pattern}_{red:02x}{green:02x}{blue:02x}"
     return Texture(name, file.getvalue(), repeat)
@@ -42,7 +40,7 @@ def texture_of(finish: Finish) -> Texture | None:
 def pattern_of(material: str, pattern: int) -> Array | None:
     """Factors (SIDE, SIDE) on the colour, mean 1; rows run across, columns along the grain. None: a plain variant."""
     shades = PATTERNS[material](np.random.default_rng([len(material), pattern]), pattern)
-    return None if shades is None else np.clip(shades / shades.mean(), DARKEST, LIGHTEST)
+    return None if shades is None else np.clip(shades / shades.mean(), 0.3, 1.7)
 
 
 def noise(rng: Rng, along: float, across: float) -> Array:

@@ -1,12 +1,13 @@
 """Armchairs; the back is at -x."""
 
+import itertools
 from typing import Any, Literal
 
 import numpy as np
 
 from stages.procedural.category import category
 from stages.procedural.colours import FABRICS, METALS, WOODS, pick
-from stages.procedural.model import FOAM, Model, Part, Size, part
+from stages.procedural.model import FOAM, Model, Part, Parts, Size
 from stages.procedural.recipe import Coating, Generator, Rng, Sampled, between, of, rounded
 from stages.procedural.shapes import beam, box, cushion, hull, rod
 
@@ -33,30 +34,18 @@ class Armchair(Generator):
         if self.style == "open":
             return Model(_open(self, x, y, z, seat, arm, lean))
         legs = min(self.legs, 0.6 * seat)
-        parts = [
-            part(rod((a, b, 0), (0.9 * a, 0.9 * b, legs + 0.02), 0.014, 0.022), self.frame_colour, smooth=True)
-            for a in (-0.82 * x, 0.82 * x)
-            for b in (-0.8 * y, 0.8 * y)
-        ]
+        parts = Parts()
+        for a, b in itertools.product((-0.82 * x, 0.82 * x), (-0.8 * y, 0.8 * y)):
+            parts.add(rod((a, b, 0), (0.9 * a, 0.9 * b, legs + 0.02), 0.014, 0.022), self.frame_colour, smooth=True)
         cloth, wall = self.colour, min(0.14, 0.2 * size[1])
         low = legs + 0.45 * (seat - legs)
-        parts.append(part(cushion((-0.95 * x, -0.95 * y, legs), (0.95 * x, 0.95 * y, low), 0.02), cloth, UPHOLSTERY))
-        parts.append(
-            part(cushion((-x + wall, -y + wall, low), (x - 0.01, y - wall, seat), 0.04), self.cushion_colour, FOAM)
-        )
+        parts.add(cushion((-0.95 * x, -0.95 * y, legs), (0.95 * x, 0.95 * y, low), 0.02), cloth, UPHOLSTERY)
+        parts.add(cushion((-x + wall, -y + wall, low), (x - 0.01, y - wall, seat), 0.04), self.cushion_colour, FOAM)
         if self.style == "wing":
-            parts.append(
-                part(_leaning(-x + lean, -x, wall, (-y + 0.4 * wall, y - 0.4 * wall), low, z), cloth, UPHOLSTERY)
-            )
+            parts.add(_leaning(-x + lean, -x, wall, (-y + 0.4 * wall, y - 0.4 * wall), low, z), cloth, UPHOLSTERY)
             for s in (-1, 1):
                 outer, inner = s * y, s * (y - wall)
-                parts.append(
-                    part(
-                        cushion((-x + wall, min(outer, inner), legs), (0.9 * x, max(outer, inner), arm), 0.03),
-                        cloth,
-                        UPHOLSTERY,
-                    )
-                )
+                parts.add(cushion((-x + wall, outer, legs), (0.9 * x, inner, arm), 0.03), cloth, UPHOLSTERY)
                 ear = [
                     (a, b, c)
                     for b in (outer, s * (y - 0.5 * wall))
@@ -67,7 +56,7 @@ class Armchair(Generator):
                         (-x + 0.16 * size[0], 0.97 * z),
                     )
                 ]
-                parts.append(part(hull(ear), cloth, UPHOLSTERY))
+                parts.add(hull(ear), cloth, UPHOLSTERY)
             return Model(parts)
         for t in np.linspace(np.pi / 2, 3 * np.pi / 2, 8)[:-1]:  # a low wall of staves around the back, higher behind
             ends = []
@@ -76,35 +65,27 @@ class Armchair(Generator):
                 for share in (1.0, 1.0 - wall / y):
                     at = (max(x * share * 0.98 * np.cos(angle), -x), y * share * np.sin(angle))
                     ends += [(*at, legs), (*at, rise)]
-            parts.append(part(hull(ends), cloth, UPHOLSTERY))
+            parts.add(hull(ends), cloth, UPHOLSTERY)
         for s in (-1, 1):
-            parts.append(
-                part(
-                    cushion((0.0, min(s * y, s * (y - wall)), legs), (0.8 * x, max(s * y, s * (y - wall)), arm), 0.02),
-                    cloth,
-                    UPHOLSTERY,
-                )
-            )
+            parts.add(cushion((0.0, s * y, legs), (0.8 * x, s * (y - wall), arm), 0.02), cloth, UPHOLSTERY)
         return Model(parts)
 
 
 def _open(p: Armchair, x: float, y: float, z: float, seat: float, arm: float, lean: float) -> list[Part]:
     """Two frames of beams, a seat and a back cushion on boards between them."""
     frame, leg = p.frame_colour, p.leg
-    parts: list[Part] = []
+    parts = Parts()
     for s in (-1, 1):
         b = s * (y - leg / 2)
-        parts += [
-            part(beam((x - leg, b, 0), (x - 1.6 * leg, b, arm), leg), frame),
-            part(beam((-x + leg, b, 0), (-x + 1.6 * leg, b, arm), leg), frame),
-            part(box((-x, x), (b - 0.7 * leg, b + 0.7 * leg), (arm, arm + 0.6 * leg)), frame),
-            part(box((-x + leg, x - leg), (b - leg / 3, b + leg / 3), (seat - 0.13, seat - 0.09)), frame),
-        ]
+        parts.add(beam((x - leg, b, 0), (x - 1.6 * leg, b, arm), leg), frame)
+        parts.add(beam((-x + leg, b, 0), (-x + 1.6 * leg, b, arm), leg), frame)
+        parts.add(box((-x, x), (b - 0.7 * leg, b + 0.7 * leg), (arm, arm + 0.6 * leg)), frame)
+        parts.add(box((-x + leg, x - leg), (b - leg / 3, b + leg / 3), (seat - 0.13, seat - 0.09)), frame)
     inner = y - 1.1 * leg
-    parts.append(part(box((-x + lean, x - 0.02), (-y + leg / 2, y - leg / 2), (seat - 0.12, seat - 0.10)), frame))
-    parts.append(part(cushion((-x + lean, -inner, seat - 0.10), (x, inner, seat + 0.02), 0.03), p.colour, FOAM))
-    parts.append(part(_leaning(-x + lean + 0.06, -x, 0.1, (-inner, inner), seat, z), p.colour, FOAM))
-    parts.append(part(_leaning(-x + lean - 0.02, -x, 0.02, (-inner, inner), seat - 0.11, 0.9 * z), frame))
+    parts.add(box((-x + lean, x - 0.02), (-y + leg / 2, y - leg / 2), (seat - 0.12, seat - 0.10)), frame)
+    parts.add(cushion((-x + lean, -inner, seat - 0.10), (x, inner, seat + 0.02), 0.03), p.colour, FOAM)
+    parts.add(_leaning(-x + lean + 0.06, -x, 0.1, (-inner, inner), seat, z), p.colour, FOAM)
+    parts.add(_leaning(-x + lean - 0.02, -x, 0.02, (-inner, inner), seat - 0.11, 0.9 * z), frame)
     return parts
 
 

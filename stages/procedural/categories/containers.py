@@ -8,7 +8,7 @@ import numpy as np
 from stages.procedural.categories.vessels import hollow
 from stages.procedural.category import category
 from stages.procedural.colours import APPLIANCE, FABRICS, METALS, PAINTS, WICKER
-from stages.procedural.model import FILLED, Model, Size, part
+from stages.procedural.model import FILLED, Model, Parts, Size
 from stages.procedural.recipe import Coating, Generator, Rng, Sampled, between, fixed, in_turn, of, rounded
 from stages.procedural.shapes import box, cushion, lathe, rod
 
@@ -27,27 +27,27 @@ class TrashCan(Generator):
     def build(self, size: Size) -> Model:
         x, y, z = size[0] / 2, size[1] / 2, size[2]
         if self.style == "square":
-            parts = [part(cushion((-x, -y, 0), (x, y, 0.86 * z), 0.02), self.colour, LIGHT)]
-            parts.append(part(cushion((-x, -y, 0.875 * z), (x, y, z), 0.02), self.lid_colour, LIGHT))
-            parts.append(part(box((-0.9 * x, 0.9 * x), (-0.9 * y, 0.9 * y), (0.85 * z, 0.88 * z)), DARK, LIGHT))
-            parts.append(part(box((x, x + 0.03), (-0.25 * y, 0.25 * y), (0.01, 0.03)), self.lid_colour, LIGHT))
+            parts = Parts()
+            parts.add(cushion((-x, -y, 0), (x, y, 0.86 * z), 0.02), self.colour, LIGHT)
+            parts.add(cushion((-x, -y, 0.875 * z), (x, y, z), 0.02), self.lid_colour, LIGHT)
+            parts.add(box((-0.9 * x, 0.9 * x), (-0.9 * y, 0.9 * y), (0.85 * z, 0.88 * z)), DARK, LIGHT)
+            parts.add(box((x, x + 0.03), (-0.25 * y, 0.25 * y), (0.01, 0.03)), self.lid_colour, LIGHT)
             return Model(parts)
         body = z if self.style == "open" else 0.84 * z
         radius = min(x, y)
         foot = self.taper * radius
-        parts = hollow(
-            [(foot, 0.0), (0.5 * (foot + radius), 0.5 * body), (radius, body)], 0.004, self.colour, self.colour, FILLED
-        )
+        outer = [(foot, 0.0), (0.5 * (foot + radius), 0.5 * body), (radius, body)]
+        parts = hollow(outer, 0.004, self.colour, self.colour, FILLED)
         if self.style == "open":
             return Model(parts, symmetry="full")
         dome = [(radius * np.cos(a), body + (z - body) * np.sin(a)) for a in np.linspace(0, np.pi / 2, 6)]
-        parts.append(part(lathe([(0, body), *dome[:-1], (0, z)]), self.lid_colour, LIGHT, smooth=True))
+        parts.add(lathe([(0, body), *dome[:-1], (0, z)]), self.lid_colour, LIGHT, smooth=True)
         flap = box(
             (0.75 * radius, 0.985 * radius),
             (-0.4 * radius, 0.4 * radius),
             (body + 0.1 * (z - body), body + 0.4 * (z - body)),
         )
-        parts.append(part(flap, DARK, solid=False))
+        parts.add(flap, DARK, solid=False)
         return Model(parts)
 
 
@@ -87,27 +87,23 @@ class Basket(Generator):
             outer = [(taper * radius, 0.0), (0.5 * (1 + taper) * radius, 0.5 * body), (radius, body)]
             parts = hollow(outer, wall, self.colour, self.colour, LIGHT)
         else:
-            parts = [part(box((-x, x), (-y, y), (0, wall)), self.colour, LIGHT)]
-            parts += [part(box((s * x, s * (x - wall)), (-y, y), (wall, body)), self.colour, LIGHT) for s in (-1, 1)]
-            parts += [
-                part(box((-x + wall, x - wall), (s * y, s * (y - wall)), (wall, body)), self.colour, LIGHT)
-                for s in (-1, 1)
-            ]
-            rim = self.rim_colour
-            parts += [
-                part(box((s * x, s * (x - 1.4 * wall)), (-y, y), (body - 0.03, body + 0.002)), rim, LIGHT, solid=False)
-                for s in (-1, 1)
-            ]
-            parts += [
-                part(box((-x, x), (s * y, s * (y - 1.4 * wall)), (body - 0.03, body + 0.002)), rim, LIGHT, solid=False)
-                for s in (-1, 1)
-            ]
+            parts = Parts()
+            parts.add(box((-x, x), (-y, y), (0, wall)), self.colour, LIGHT)
+            for s in (-1, 1):
+                parts.add(box((s * x, s * (x - wall)), (-y, y), (wall, body)), self.colour, LIGHT)
+            for s in (-1, 1):
+                parts.add(box((-x + wall, x - wall), (s * y, s * (y - wall)), (wall, body)), self.colour, LIGHT)
+            rim = (body - 0.03, body + 0.002)
+            for s in (-1, 1):
+                parts.add(box((s * x, s * (x - 1.4 * wall)), (-y, y), rim), self.rim_colour, LIGHT, solid=False)
+            for s in (-1, 1):
+                parts.add(box((-x, x), (s * y, s * (y - 1.4 * wall)), rim), self.rim_colour, LIGHT, solid=False)
         if self.handle == "arch":
             angles = np.linspace(0, np.pi, 9)
-            path = [
-                (0.0, (y - wall / 2) * np.cos(a), 0.9 * body + (z - 0.9 * body - 0.006) * np.sin(a)) for a in angles
-            ]
-            parts += [part(rod(a, b, 0.007), self.rim_colour, LIGHT, smooth=True) for a, b in itertools.pairwise(path)]
+            reach, rise = y - wall / 2, z - 0.9 * body - 0.006
+            path = [(0.0, reach * np.cos(a), 0.9 * body + rise * np.sin(a)) for a in angles]
+            for a, b in itertools.pairwise(path):
+                parts.add(rod(a, b, 0.007), self.rim_colour, LIGHT, smooth=True)
         return Model(
             parts,
             symmetry="half_turn" if self.style == "square" or self.handle == "arch" else "full",

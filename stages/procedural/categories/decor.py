@@ -5,7 +5,7 @@ from typing import Literal
 from stages.procedural.category import category
 from stages.procedural.colours import GLAZES, METALS, PAINTS, WOODS, pick
 from stages.procedural.finishes import made_of
-from stages.procedural.model import STEEL, Model, Part, Size, part
+from stages.procedural.model import STEEL, Model, Parts, Size
 from stages.procedural.recipe import (
     Coating,
     Generator,
@@ -19,7 +19,7 @@ from stages.procedural.recipe import (
     sampled_by,
     zero_or,
 )
-from stages.procedural.shapes import beam, box, cushion, hull, rod
+from stages.procedural.shapes import beam, box, cushion, hull, rim, rod
 
 
 class Television(Generator):
@@ -34,40 +34,22 @@ class Television(Generator):
     def build(self, size: Size) -> Model:
         x, y, z = size[0] / 2, size[1] / 2, size[2]
         stand = self.stand_height * z
-        rim, thick = min(self.rim, 0.1 * z), min(0.025, 0.3 * x)
-        parts = [part(box((-thick, thick), (-y, y), (stand, z)), self.case_colour, 400.0)]
-        parts.append(
-            part(
-                box((thick, thick + 0.002), (-y + rim, y - rim), (stand + rim, z - rim)),
-                self.screen_colour,
-                400.0,
-                solid=False,
-            )
-        )
-        parts.append(
-            part(
-                cushion(
-                    (-2.2 * thick, -0.6 * y, stand + 0.1 * (z - stand)),
-                    (-thick, 0.6 * y, stand + 0.6 * (z - stand)),
-                    0.02,
-                ),
-                self.case_colour,
-                400.0,
-            )
-        )
+        edge, thick = min(self.rim, 0.1 * z), min(0.025, 0.3 * x)
+        parts = Parts()
+        parts.add(box((-thick, thick), (-y, y), (stand, z)), self.case_colour, 400.0)
+        screen = box((thick, thick + 0.002), (-y + edge, y - edge), (stand + edge, z - edge))
+        parts.add(screen, self.screen_colour, 400.0, solid=False)
+        low, high = stand + 0.1 * (z - stand), stand + 0.6 * (z - stand)
+        parts.add(cushion((-2.2 * thick, -0.6 * y, low), (-thick, 0.6 * y, high), 0.02), self.case_colour, 400.0)
         if self.stand == "feet":
             for s in (-0.7 * y, 0.7 * y):
-                parts.append(part(box((-x, x), (s - 0.015, s + 0.015), (0, 0.012)), self.case_colour, STEEL))
-                parts.append(part(beam((0, s, 0.012), (0, s, stand + 0.02), 0.02), self.case_colour, STEEL))
+                parts.add(box((-x, x), (s - 0.015, s + 0.015), (0, 0.012)), self.case_colour, STEEL)
+                parts.add(beam((0, s, 0.012), (0, s, stand + 0.02), 0.02), self.case_colour, STEEL)
             return Model(parts, placement="object")
         wide = 0.28 * y if self.stand == "neck" else 0.65 * y
-        parts.append(part(cushion((-x, -wide * 1.3, 0), (x, wide * 1.3, 0.016), 0.005), self.case_colour, STEEL))
-        parts.append(
-            part(
-                box((-0.8 * thick, 0.2 * thick), (-0.5 * wide, 0.5 * wide), (0.01, stand + 0.03)),
-                self.case_colour,
-                STEEL,
-            )
+        parts.add(cushion((-x, -wide * 1.3, 0), (x, wide * 1.3, 0.016), 0.005), self.case_colour, STEEL)
+        parts.add(
+            box((-0.8 * thick, 0.2 * thick), (-0.5 * wide, 0.5 * wide), (0.01, stand + 0.03)), self.case_colour, STEEL
         )
         return Model(parts, placement="object")
 
@@ -96,44 +78,30 @@ class Picture(Generator):
         x, y, z = size[0] / 2, size[1] / 2, size[2]
         frame, mat = min(self.frame, 0.15 * min(size[1], z)), self.mat
         face = 0.4 * x
-        parts = [part(box((-x, face - 0.004), (-y + frame, y - frame), (frame, z - frame)), (0.86, 0.85, 0.80))]
-        strips = [
-            ((-y, -y + frame), (0, z)),
-            ((y - frame, y), (0, z)),
-            ((-y + frame, y - frame), (0, frame)),
-            ((-y + frame, y - frame), (z - frame, z)),
-        ]
-        parts += [part(box((-x, x), a, b), self.frame_colour) for a, b in strips]
+        parts = Parts()
+        parts.add(box((-x, face - 0.004), (-y + frame, y - frame), (frame, z - frame)), (0.86, 0.85, 0.80))
+        for strip in rim((-x, x), (-y, y), (0, z), frame):
+            parts.add(strip, self.frame_colour)
         inset = frame + min(mat, 0.2 * min(size[1], z))
         y0, y1, z0, z1 = -y + inset, y - inset, inset, z - inset
-        motif: list[Part] = [part(box((face - 0.004, face), (y0, y1), (z0, z1)), self.colour_1, solid=False)]
+        wide, tall, front = y1 - y0, z1 - z0, (face, face + 0.001)
+        parts.add(box((face - 0.004, face), (y0, y1), (z0, z1)), self.colour_1, solid=False)
         if self.motif == "bands":
-            motif += [
-                part(box((face, face + 0.001), (y0, y1), (z0 + a * (z1 - z0), z0 + b * (z1 - z0))), c, solid=False)
-                for a, b, c in ((0.0, 0.3, self.colour_2), (0.3, 0.45, self.colour_3))
-            ]
+            for low, high, colour in ((0.0, 0.3, self.colour_2), (0.3, 0.45, self.colour_3)):
+                parts.add(box(front, (y0, y1), (z0 + low * tall, z0 + high * tall)), colour, solid=False)
         elif self.motif == "circle":
-            radius = 0.3 * min(y1 - y0, z1 - z0)
-            motif.append(
-                part(rod((face, 0, z / 2), (face + 0.001, 0, z / 2), radius, segments=32), self.colour_2, solid=False)
-            )
-            motif.append(
-                part(box((face, face + 0.001), (y0, y1), (z0, z0 + 0.2 * (z1 - z0))), self.colour_3, solid=False)
-            )
+            disc = rod((front[0], 0, z / 2), (front[1], 0, z / 2), 0.3 * min(wide, tall), segments=32)
+            parts.add(disc, self.colour_2, solid=False)
+            parts.add(box(front, (y0, y1), (z0, z0 + 0.2 * tall)), self.colour_3, solid=False)
         elif self.motif == "grid":
             for k in range(9):
-                a, b = y0 + (0.1 + 0.3 * (k % 3)) * (y1 - y0), z0 + (0.1 + 0.3 * (k // 3)) * (z1 - z0)
-                motif.append(
-                    part(
-                        box((face, face + 0.001), (a, a + 0.2 * (y1 - y0)), (b, b + 0.2 * (z1 - z0))),
-                        self.colour_2 if k % 2 else self.colour_3,
-                        solid=False,
-                    )
-                )
+                a, b = y0 + (0.1 + 0.3 * (k % 3)) * wide, z0 + (0.1 + 0.3 * (k // 3)) * tall
+                tile = box(front, (a, a + 0.2 * wide), (b, b + 0.2 * tall))
+                parts.add(tile, self.colour_2 if k % 2 else self.colour_3, solid=False)
         else:
             corners = [(face + dx, a, b) for dx in (0, 0.001) for a, b in ((y0, z0), (y1, z0), (y0, z1))]
-            motif.append(part(hull(corners), self.colour_2, solid=False))
-        return Model(parts + motif, placement="wall")
+            parts.add(hull(corners), self.colour_2, solid=False)
+        return Model(parts, placement="wall")
 
 
 @category("picture", founders=4, count=10, names="painting", like="poster, artwork, canvas, frame, photo", kin="flat")

@@ -12,7 +12,7 @@ from stages.procedural.category import category
 from stages.procedural.colours import FABRICS, METALS, PAINTS, WOODS, pick
 from stages.procedural.finishes import shade
 from stages.procedural.handles import HANDLE_SHARES, HANDLES, STYLES, Style
-from stages.procedural.model import FOAM, METAL, Model, Moving, Part, Size, moved, part
+from stages.procedural.model import FOAM, METAL, Model, Moving, Parts, Size, moved
 from stages.procedural.recipe import (
     Coating,
     Generator,
@@ -61,7 +61,8 @@ class Desk(Generator):
         z = high - min(self.raised, 0.3 * high)
         thick = min(self.top_thickness, 0.1 * z)
         under, leg = z - thick, min(self.leg, 0.1 * min(size))
-        parts = [part(box((-x, x), (-y, y), (under, z)), self.top_colour)]
+        parts = Parts()
+        parts.add(box((-x, x), (-y, y), (under, z)), self.top_colour)
         moving: list[Moving] = []
         wide = min(self.pedestal_width, 0.3 * size[1])
         for side in (-1, 1):
@@ -71,27 +72,21 @@ class Desk(Generator):
                 parts += unit.base
                 moving += unit.moving
             elif self.legs == "panels":
-                low, top = side * (y - 0.5 * leg), side * (y - 1.1 * leg)
-                parts.append(
-                    part(box((-x + 0.02, x - 0.04), (min(low, top), max(low, top)), (0, under)), self.leg_colour)
-                )
+                span = (side * (y - 0.5 * leg), side * (y - 1.1 * leg))
+                parts.add(box((-x + 0.02, x - 0.04), span, (0, under)), self.leg_colour)
             else:
-                parts += [
-                    part(beam((a, side * (y - leg), 0), (a, side * (y - leg), under), 0.7 * leg, leg), self.leg_colour)
-                    for a in (-x + leg, x - leg)
-                ]
+                b = side * (y - leg)
+                for a in (-x + leg, x - leg):
+                    parts.add(beam((a, b, 0), (a, b, under), 0.7 * leg, leg), self.leg_colour)
         if self.modesty:
             rim = y - wide - 2 * MARGIN if self.pedestals == "both" else y - 1.2 * leg
             left = -(y - wide - 2 * MARGIN) if self.pedestals in ("left", "both") else -rim
             right = y - wide - 2 * MARGIN if self.pedestals in ("right", "both") else rim
-            parts.append(part(box((-x + 0.03, -x + 0.045), (left, right), (0.45 * under, under)), self.leg_colour))
+            parts.add(box((-x + 0.03, -x + 0.045), (left, right), (0.45 * under, under)), self.leg_colour)
         if z < high:
-            boards = [((-x, -x + 0.45 * x), (-y, y), (high - 0.02, high))]
-            boards += [
-                ((-x, -x + 0.45 * x), span, (z, high - 0.02))
-                for span in ((-y, -y + 0.02), (-0.01, 0.01), (y - 0.02, y))
-            ]
-            parts += [part(box(*board), self.top_colour) for board in boards]
+            parts.add(box((-x, -x + 0.45 * x), (-y, y), (high - 0.02, high)), self.top_colour)
+            for span in ((-y, -y + 0.02), (-0.01, 0.01), (y - 0.02, y)):
+                parts.add(box((-x, -x + 0.45 * x), span, (z, high - 0.02)), self.top_colour)
         return Model(parts, moving)
 
 
@@ -161,33 +156,27 @@ class Bench(Generator):
         z = high * min(self.back, 1.0)
         thick = min(self.thickness, 0.25 * z)
         under, leg = z - thick, min(self.leg, 0.2 * size[0])
-        parts: list[Part] = []
+        parts = Parts()
         if self.seat == "slats":
-            pitch, count = size[0] / self.slats, self.slats
-            parts += [
-                part(box((-x + k * pitch + 0.004, -x + (k + 1) * pitch - 0.004), (-y, y), (under, z)), self.seat_colour)
-                for k in range(count)
-            ]
-            parts += [
-                part(box((-x + 0.01, x - 0.01), (b - 0.02, b + 0.02), (under - 0.03, under)), self.leg_colour)
-                for b in (-0.8 * y, 0.8 * y)
-            ]
+            pitch = size[0] / self.slats
+            for k in range(self.slats):
+                across = (-x + k * pitch + 0.004, -x + (k + 1) * pitch - 0.004)
+                parts.add(box(across, (-y, y), (under, z)), self.seat_colour)
+            for b in (-0.8 * y, 0.8 * y):
+                parts.add(box((-x + 0.01, x - 0.01), (b - 0.02, b + 0.02), (under - 0.03, under)), self.leg_colour)
         elif self.seat == "padded":
-            parts.append(
-                part(box((-x + 0.01, x - 0.01), (-y + 0.01, y - 0.01), (under, under + 0.02)), self.leg_colour)
-            )
-            parts.append(part(cushion((-x, -y, under + 0.02), (x, y, z), 0.02), self.cushion_colour, FOAM))
+            parts.add(box((-x + 0.01, x - 0.01), (-y + 0.01, y - 0.01), (under, under + 0.02)), self.leg_colour)
+            parts.add(cushion((-x, -y, under + 0.02), (x, y, z), 0.02), self.cushion_colour, FOAM)
         else:
-            parts.append(part(box((-x, x), (-y, y), (under, z)), self.seat_colour))
+            parts.add(box((-x, x), (-y, y), (under, z)), self.seat_colour)
         parts += supports(self.legs, x - 0.9 * leg, y - 0.9 * leg, under, leg, self.leg_colour)
         if z < high:
             posts = np.linspace(-0.9 * y, 0.9 * y, 3)
-            parts += [part(beam((-x + 0.05, b, z), (-x + 0.015, b, high), 0.035, 0.03), self.leg_colour) for b in posts]
+            for b in posts:
+                parts.add(beam((-x + 0.05, b, z), (-x + 0.015, b, high), 0.035, 0.03), self.leg_colour)
             rise = high - z
-            parts += [
-                part(box((-x + 0.035, -x + 0.055), (-y, y), (z + a * rise, z + b * rise)), self.seat_colour)
-                for a, b in ((0.25, 0.5), (0.62, 0.92))
-            ]
+            for a, b in ((0.25, 0.5), (0.62, 0.92)):
+                parts.add(box((-x + 0.035, -x + 0.055), (-y, y), (z + a * rise, z + b * rise)), self.seat_colour)
             return Model(parts)
         return Model(parts, symmetry="half_turn")
 
@@ -216,35 +205,34 @@ class WallShelf(Generator):
 
     def build(self, size: Size) -> Model:
         x, y, z = size[0] / 2, size[1] / 2, size[2]
-        thick, count = min(self.thickness, 0.2 * z), self.boards
+        thick, count, parts = min(self.thickness, 0.2 * z), self.boards, Parts()
         if self.style == "box":
             levels = np.linspace(0, z - thick, count + 1)
-            parts = [part(box((-x, x), (s * y, s * (y - thick)), (0, z)), self.colour) for s in (-1, 1)]
-            parts += [part(box((-x, x), (-y + thick, y - thick), (a, a + thick)), self.colour) for a in levels]
-            parts.append(part(box((-x, -x + 0.005), (-y + thick, y - thick), (thick, z - thick)), self.second_colour))
+            for s in (-1, 1):
+                parts.add(box((-x, x), (s * y, s * (y - thick)), (0, z)), self.colour)
+            for a in levels:
+                parts.add(box((-x, x), (-y + thick, y - thick), (a, a + thick)), self.colour)
+            parts.add(box((-x, -x + 0.005), (-y + thick, y - thick), (thick, z - thick)), self.second_colour)
             return Model(parts, placement="wall")
         places = np.linspace(-0.7 * y, 0.7 * y, self.brackets)
         if self.style == "ladder":
             levels = np.linspace(0.04 * z, z - thick - 0.08 * z, count)
-            parts = [
-                part(box((-x, -x + 0.012), (b - 0.015, b + 0.015), (0, z)), self.second_colour, METAL) for b in places
-            ]
+            for b in places:
+                parts.add(box((-x, -x + 0.012), (b - 0.015, b + 0.015), (0, z)), self.second_colour, METAL)
             arms = [((-x + 0.012, 0.8 * x), (b - 0.008, b + 0.008), (a - 0.012, a)) for a in levels for b in places]
-            parts += [part(box(*arm), self.second_colour, METAL) for arm in arms]
+            for arm in arms:
+                parts.add(box(*arm), self.second_colour, METAL)
         else:
             drop = min(0.6 * size[0], 0.75 * z / count)
             levels = np.linspace(drop, z - thick, count) if count > 1 else np.array([z - thick])
-            parts = []
             for a in levels:
                 low = a - drop if count > 1 else 0.0
-                parts += [
-                    part(box((-x, -x + 0.012), (b - 0.012, b + 0.012), (low, a)), self.second_colour) for b in places
-                ]
-                parts += [
-                    part(beam((-x + 0.012, b, low + 0.012), (0.7 * x, b, a - 0.006), 0.014), self.second_colour)
-                    for b in places
-                ]
-        parts += [part(box((-x + 0.012, x), (-y, y), (a, a + thick)), self.colour) for a in levels]
+                for b in places:
+                    parts.add(box((-x, -x + 0.012), (b - 0.012, b + 0.012), (low, a)), self.second_colour)
+                for b in places:
+                    parts.add(beam((-x + 0.012, b, low + 0.012), (0.7 * x, b, a - 0.006), 0.014), self.second_colour)
+        for a in levels:
+            parts.add(box((-x + 0.012, x), (-y, y), (a, a + thick)), self.colour)
         return Model(parts, placement="wall")
 
 

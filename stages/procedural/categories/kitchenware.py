@@ -1,5 +1,6 @@
 """Kettles, toasters, frying pans, jars."""
 
+import itertools
 from typing import Literal
 
 import numpy as np
@@ -8,7 +9,7 @@ from stages.procedural.categories.containers import DARK, LIGHT
 from stages.procedural.categories.vessels import ear, hollow
 from stages.procedural.category import category
 from stages.procedural.colours import APPLIANCE, GLAZES, METALS, PAINTS, WOODS
-from stages.procedural.model import FILLED, METAL, PLASTIC, Model, Part, Size, moved, part
+from stages.procedural.model import FILLED, METAL, PLASTIC, Model, Part, Parts, Size, moved
 from stages.procedural.recipe import Coating, Generator, Rng, Sampled, between, in_turn, of, rounded, uniform
 from stages.procedural.shapes import box, cushion, lathe, rod
 
@@ -29,18 +30,16 @@ class Kettle(Generator):
         top = radius * self.taper
         shape = [(0, 0), (radius, 0), (radius, 0.12 * body), (top, 0.9 * body), (0.5 * top, body), (0, body)]
         if self.style == "stove":
-            bulge = [
-                (radius * (0.8 + 0.2 * np.sin(a)), body * (0.45 - 0.45 * np.cos(a))) for a in np.linspace(0, 2.6, 8)
-            ]
+            angles = np.linspace(0, 2.6, 8)
+            bulge = [(radius * (0.8 + 0.2 * np.sin(a)), body * (0.45 - 0.45 * np.cos(a))) for a in angles]
             shape = [(0, 0), *bulge, (0.3 * radius, body), (0, body)]
-        parts = [part(lathe(shape), self.colour, LIGHT, smooth=True)]
-        parts.append(
-            part(rod((0, 0, body), (0, 0, body + 0.05 * z), 0.012, 0.016), self.grip_colour, PLASTIC, smooth=True)
-        )
+        parts = Parts()
+        parts.add(lathe(shape), self.colour, LIGHT, smooth=True)
+        parts.add(rod((0, 0, body), (0, 0, body + 0.05 * z), 0.012, 0.016), self.grip_colour, PLASTIC, smooth=True)
         low, high = (0.66, 0.88) if self.style == "jug" else (0.45, 0.9)
         reach = size[0] * 0.5 if self.style == "stove" else radius * 1.25
         spout = rod((0.7 * top, 0, low * body), (reach, 0, high * body), 0.16 * radius + 0.006, 0.1 * radius)
-        parts.append(part(spout, self.colour, LIGHT, smooth=True))
+        parts.add(spout, self.colour, LIGHT, smooth=True)
         if self.style == "jug":
             grip = ear(radius, size[0] - radius * 2.25, 0.75 * body, 0.52 * body, self.grip_colour, self.angular)
         else:
@@ -51,18 +50,18 @@ class Kettle(Generator):
         return Model(parts, placement="object")
 
 
-def _bail(grip: list[Part], z: float, body: float) -> list[Part]:
+def _bail(grip: list[Part], z: float, body: float) -> Parts:
     """A handle that was made upright beside the y axis, as an arch over the top from front to back."""
     points = np.concatenate([piece.mesh.vertices for piece in grip])
     span, rise = float(np.ptp(points[:, 2])), float(points[:, 1].max())
     factor = (z - 0.8 * body) / rise
-    turned = []
+    turned = Parts()
     for piece in grip:
         mesh = piece.mesh.copy()
         v = mesh.vertices
         mesh.vertices = np.column_stack([v[:, 2] * min(1.0, 0.12 / span + 0.6), v[:, 0], 0.8 * body + factor * v[:, 1]])
         mesh.invert()
-        turned.append(part(mesh, str(piece.finish), piece.density, piece.smooth))
+        turned.add(mesh, str(piece.finish), piece.density, piece.smooth)
     return turned
 
 
@@ -85,29 +84,19 @@ class Toaster(Generator):
     def build(self, size: Size) -> Model:
         x, y, z = size[0] / 2, size[1] / 2, size[2]
         foot = 0.05 * z
-        parts = [
-            part(box((a, a + 0.03), (b, b + 0.02), (0, foot)), DARK)
-            for a in (-0.8 * x, 0.6 * x)
-            for b in (-0.8 * y, 0.6 * y)
-        ]
-        parts.append(part(cushion((-x, -y, foot), (x - 0.02, y, z), self.edge), self.colour, LIGHT))
-        parts.append(
-            part(
-                box((-0.97 * x, x - 0.022), (-y - 0.001, y + 0.001), (foot, 0.2 * z)),
-                self.trim_colour,
-                LIGHT,
-                solid=False,
-            )
-        )
+        parts = Parts()
+        for a, b in itertools.product((-0.8 * x, 0.6 * x), (-0.8 * y, 0.6 * y)):
+            parts.add(box((a, a + 0.03), (b, b + 0.02), (0, foot)), DARK)
+        parts.add(cushion((-x, -y, foot), (x - 0.02, y, z), self.edge), self.colour, LIGHT)
+        skirt = box((-0.97 * x, x - 0.022), (-y - 0.001, y + 0.001), (foot, 0.2 * z))
+        parts.add(skirt, self.trim_colour, LIGHT, solid=False)
         count = self.slots
         for b in (np.arange(count) - (count - 1) / 2) * 0.9 * size[1] / (count + 0.5):
-            parts.append(
-                part(box((-0.72 * x, 0.66 * x), (b - 0.012, b + 0.012), (z - 0.001, z + 0.001)), DARK, solid=False)
-            )
-        parts.append(part(box((x - 0.024, x), (-0.12 * y, 0.12 * y), (0.66 * z, 0.74 * z)), self.trim_colour, PLASTIC))
-        parts.append(part(box((x - 0.024, x - 0.019), (-0.03 * y, 0.03 * y), (0.25 * z, 0.8 * z)), DARK, solid=False))
+            parts.add(box((-0.72 * x, 0.66 * x), (b - 0.012, b + 0.012), (z - 0.001, z + 0.001)), DARK, solid=False)
+        parts.add(box((x - 0.024, x), (-0.12 * y, 0.12 * y), (0.66 * z, 0.74 * z)), self.trim_colour, PLASTIC)
+        parts.add(box((x - 0.024, x - 0.019), (-0.03 * y, 0.03 * y), (0.25 * z, 0.8 * z)), DARK, solid=False)
         dial = rod((x - 0.022, 0.4 * y, 0.35 * z), (x - 0.006, 0.4 * y, 0.35 * z), 0.014)
-        parts.append(part(dial, self.trim_colour, PLASTIC, smooth=True))
+        parts.add(dial, self.trim_colour, PLASTIC, smooth=True)
         return Model(parts, placement="object")
 
 
@@ -138,26 +127,13 @@ class Pan(Generator):
         outer = [(flare * radius, 0.0), (0.5 * (1 + flare) * radius, 0.4 * body), (radius, body)]
         parts = hollow(outer, min(0.004, 0.1 * body), self.colour, self.inside, METAL)
         start, end = 0.75 * body, body * (0.8 + self.rise)
-        parts.append(
-            part(
-                rod((0, 0.94 * radius, start), (0, radius + reach, end), 0.008, 0.011),
-                self.grip_colour,
-                PLASTIC,
-                smooth=True,
-            )
-        )
+        grip = rod((0, 0.94 * radius, start), (0, radius + reach, end), 0.008, 0.011)
+        parts.add(grip, self.grip_colour, PLASTIC, smooth=True)
         if self.lid:
-            parts.append(
-                part(
-                    lathe([(0, body), (radius, body), (0.5 * radius, 0.85 * z), (0, 0.87 * z)]),
-                    self.lid_colour,
-                    METAL,
-                    smooth=True,
-                )
-            )
-            parts.append(part(rod((0, 0, 0.82 * z), (0, 0, z), 0.012, 0.02), self.grip_colour, PLASTIC, smooth=True))
-        parts = moved(Model(parts), (0.0, -reach / 2, 0.0)).base
-        return Model(parts, placement="object")
+            lid = lathe([(0, body), (radius, body), (0.5 * radius, 0.85 * z), (0, 0.87 * z)])
+            parts.add(lid, self.lid_colour, METAL, smooth=True)
+            parts.add(rod((0, 0, 0.82 * z), (0, 0, z), 0.012, 0.02), self.grip_colour, PLASTIC, smooth=True)
+        return Model(moved(Model(parts), (0.0, -reach / 2, 0.0)).base, placement="object")
 
 
 @category("pan", founders=3, names="frying pan, frypan, skillet", like="saucepan", kin="dish")
@@ -184,29 +160,17 @@ class Jar(Generator):
         radius, z = size[0] / 2, size[2]
         top = z * (1 - self.lid)
         neck = self.neck * radius
-        outline = [
-            (0, 0),
-            (0.94 * radius, 0),
-            (radius, 0.06 * top),
-            (radius, 0.82 * top),
-            (neck, 0.97 * top),
-            (neck, top),
-            (0, top),
-        ]
-        parts = [part(lathe(outline), self.colour, FILLED, smooth=True)]
+        side = [(0.94 * radius, 0), (radius, 0.06 * top), (radius, 0.82 * top), (neck, 0.97 * top), (neck, top)]
+        parts = Parts()
+        parts.add(lathe([(0, 0), *side, (0, top)]), self.colour, FILLED, smooth=True)
         cap = z if not self.knob else top + 0.6 * (z - top)
-        parts.append(
-            part(
-                lathe([(0, top), (1.08 * neck, top), (1.08 * neck, cap), (0, cap)]), self.lid_colour, 700.0, smooth=True
-            )
-        )
+        lid = lathe([(0, top), (1.08 * neck, top), (1.08 * neck, cap), (0, cap)])
+        parts.add(lid, self.lid_colour, 700.0, smooth=True)
         if self.knob:
-            parts.append(
-                part(rod((0, 0, cap), (0, 0, z), 0.16 * radius, 0.24 * radius), self.lid_colour, 700.0, smooth=True)
-            )
+            parts.add(rod((0, 0, cap), (0, 0, z), 0.16 * radius, 0.24 * radius), self.lid_colour, 700.0, smooth=True)
         if self.label:
             band = lathe([(0, 0.25 * top), (1.004 * radius, 0.25 * top), (1.004 * radius, 0.6 * top), (0, 0.6 * top)])
-            parts.append(part(band, self.label_colour, smooth=True, solid=False))
+            parts.add(band, self.label_colour, smooth=True, solid=False)
         return Model(parts, symmetry="full", placement="object")
 
 

@@ -5,12 +5,12 @@ from typing import Literal
 import numpy as np
 
 from stages.contracts.library import Placement
+from stages.procedural.categories.turned import turned
 from stages.procedural.category import category
 from stages.procedural.colours import GLAZES, METALS, SHADES
-from stages.procedural.finishes import finish_of
-from stages.procedural.model import CERAMIC, METAL, STEEL, WOOD, Model, Part, Size, part
+from stages.procedural.model import CERAMIC, METAL, STEEL, WOOD, Model, Parts, Size
 from stages.procedural.recipe import Coating, Generator, Rng, Sampled, between, in_turn, of, uniform
-from stages.procedural.shapes import hull, lathe, rod
+from stages.procedural.shapes import ball, lathe, rod
 
 LAMPSHADE = 40.0  # kg / m^3: mostly air
 
@@ -33,17 +33,11 @@ class Lamp(Generator):
         start = z * (1 - self.shade_height)
         metal, stem = self.stem_colour, min(0.012, 0.1 * radius)
         foot = self.foot_radius * radius
-        parts: list[Part] = []
+        parts = Parts()
         if self.foot == "tripod":
-            parts += [
-                part(
-                    rod((foot * np.cos(t), foot * np.sin(t), 0), (0, 0, 0.85 * start), 0.012, 0.014),
-                    metal,
-                    WOOD,
-                    smooth=True,
-                )
-                for t in (0.0, 2.0944, 4.1888)
-            ]
+            for t in (0.0, 2.0944, 4.1888):
+                leg = rod((foot * np.cos(t), foot * np.sin(t), 0), (0, 0, 0.85 * start), 0.012, 0.014)
+                parts.add(leg, metal, WOOD, smooth=True)
             stem_low = 0.82 * start
         elif self.foot == "turned":
             knots = np.linspace(0, 1, len(self.radii))
@@ -51,46 +45,22 @@ class Lamp(Generator):
             shape = np.interp(levels, knots, np.array(self.radii, dtype=float))
             shape = shape / shape.max()
             outline = [(max(foot * float(r), stem), 0.9 * start * float(a)) for r, a in zip(shape, levels, strict=True)]
-            mesh = lathe([(0, 0), *outline, (0, outline[-1][1])])
-            pieces = tuple(
-                hull(lathe([(0, a[1]), a, b, (0, b[1])], 12).vertices)
-                for a, b in zip(outline[::3], outline[3::3], strict=False)
-            )
-            parts.append(Part(mesh, finish_of(self.foot_colour), CERAMIC, pieces, True))
+            parts.append(turned(outline, 3, self.foot_colour, CERAMIC))
             stem_low = 0.88 * start
         else:
-            parts.append(
-                part(
-                    lathe([(0, 0), (foot, 0), (foot, 0.015), (0.3 * foot, 0.03), (0, 0.03)]),
-                    self.foot_colour,
-                    STEEL,
-                    smooth=True,
-                )
-            )
+            disc = lathe([(0, 0), (foot, 0), (foot, 0.015), (0.3 * foot, 0.03), (0, 0.03)])
+            parts.add(disc, self.foot_colour, STEEL, smooth=True)
             stem_low = 0.02
-        parts.append(part(rod((0, 0, stem_low), (0, 0, start + 0.3 * (z - start)), stem), metal, METAL, smooth=True))
+        parts.add(rod((0, 0, stem_low), (0, 0, start + 0.3 * (z - start)), stem), metal, METAL, smooth=True)
         tip = {"drum": 0.95, "cone": 0.55, "bell": 0.35, "globe": 1.0}[self.shade]
         if self.shade == "globe":
-            angles = np.linspace(-np.pi / 2, np.pi / 2, 11)
-            profile = [
-                (radius * float(np.cos(t)), (start + z) / 2 + (z - start) / 2 * float(np.sin(t))) for t in angles
-            ]
-            profile[0], profile[-1] = (0.0, start), (0.0, z)
-            mesh = lathe(profile)
+            mesh = ball(radius, start, z, 10)
         elif self.shade == "bell":
-            mesh = lathe(
-                [
-                    (0, start),
-                    (radius, start),
-                    (0.75 * radius, start + 0.35 * (z - start)),
-                    (0.5 * radius, start + 0.7 * (z - start)),
-                    (tip * radius, z),
-                    (0, z),
-                ]
-            )
+            waist = [(0.75 * radius, start + 0.35 * (z - start)), (0.5 * radius, start + 0.7 * (z - start))]
+            mesh = lathe([(0, start), (radius, start), *waist, (tip * radius, z), (0, z)])
         else:
             mesh = lathe([(0, start), (radius, start), (tip * radius, z), (0, z)], 32)
-        parts.append(part(mesh, self.shade_colour, LAMPSHADE, smooth=True))
+        parts.add(mesh, self.shade_colour, LAMPSHADE, smooth=True)
         return Model(parts, symmetry="third_turn" if self.foot == "tripod" else "full", placement=self.placement)
 
 

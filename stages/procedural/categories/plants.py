@@ -6,9 +6,9 @@ import numpy as np
 
 from stages.procedural.category import category
 from stages.procedural.colours import CARDBOARD, GLAZES, GREENS
-from stages.procedural.model import FILLED, WOOD, Model, Size, part
+from stages.procedural.model import FILLED, WOOD, Model, Parts, Size
 from stages.procedural.recipe import Coating, Generator, Rng, Sampled, between, in_turn, of, rounded, whole
-from stages.procedural.shapes import hull, lathe, rod
+from stages.procedural.shapes import ball, hull, lathe, rod
 
 LEAF = 20.0  # kg / m^3: foliage is mostly air
 BARK, EARTH = (0.25, 0.15, 0.08), (0.10, 0.06, 0.03)
@@ -31,15 +31,10 @@ class PlantPot(Generator):
         top = self.pot * z
         foot = rim * self.taper
         outline = [(0, 0), (foot, 0), (0.96 * rim, 0.85 * top), (rim, 0.85 * top), (rim, top), (0, top)]
-        parts = [part(lathe(outline), self.pot_colour, FILLED, smooth=True)]
-        parts.append(
-            part(
-                lathe([(0, top), (0.9 * rim, top), (0.85 * rim, top + 0.005), (0, top + 0.005)]),
-                EARTH,
-                FILLED,
-                smooth=True,
-            )
-        )
+        parts = Parts()
+        parts.add(lathe(outline), self.pot_colour, FILLED, smooth=True)
+        earth = [(0, top), (0.9 * rim, top), (0.85 * rim, top + 0.005), (0, top + 0.005)]
+        parts.add(lathe(earth), EARTH, FILLED, smooth=True)
         style, green = self.plant, self.leaf_colour
         if style == "blades":
             count = self.leaves
@@ -56,28 +51,20 @@ class PlantPot(Generator):
                     (0.45 * out * c + 1.3 * w * s, 0.45 * out * s - 1.3 * w * c, top + 0.6 * (tip - top)),
                     (0.5 * out * c, 0.5 * out * s, top + 0.52 * (tip - top)),
                 ]
-                parts.append(part(hull([*base, *middle, (out * c, out * s, tip)]), green, LEAF))
+                parts.add(hull([*base, *middle, (out * c, out * s, tip)]), green, LEAF)
         elif style == "cone":
             for k, share in enumerate((1.0, 0.75, 0.5)):
                 low = top + (0.08 + 0.28 * k) * (z - top)
                 high = z if k == 2 else low + 0.45 * (z - top)
-                parts.append(
-                    part(
-                        lathe([(0, low), (share * radius, low + 0.02 * (z - top)), (0, high)]), green, LEAF, smooth=True
-                    )
-                )
-            parts.append(part(rod((0, 0, top), (0, 0, top + 0.15 * (z - top)), 0.08 * radius), BARK, WOOD, smooth=True))
+                whorl = lathe([(0, low), (share * radius, low + 0.02 * (z - top)), (0, high)])
+                parts.add(whorl, green, LEAF, smooth=True)
+            parts.add(rod((0, 0, top), (0, 0, top + 0.15 * (z - top)), 0.08 * radius), BARK, WOOD, smooth=True)
         else:
             trunk = 0.45 if style == "tree" else 0.0
             low = top + trunk * (z - top) - (0.0 if trunk else 0.03 * z)
             if trunk:
-                parts.append(
-                    part(rod((0, 0, top), (0, 0, low + 0.1 * (z - low)), 0.07 * radius), BARK, WOOD, smooth=True)
-                )
-            angles = np.linspace(-np.pi / 2, np.pi / 2, 9)
-            profile = [(radius * float(np.cos(t)), (low + z) / 2 + (z - low) / 2 * float(np.sin(t))) for t in angles]
-            profile[0], profile[-1] = (0.0, low), (0.0, z)
-            parts.append(part(lathe(profile, 14), green, LEAF))
+                parts.add(rod((0, 0, top), (0, 0, low + 0.1 * (z - low)), 0.07 * radius), BARK, WOOD, smooth=True)
+            parts.add(ball(radius, low, z, 8, segments=14), green, LEAF)
         return Model(parts, symmetry="full")
 
 

@@ -7,7 +7,7 @@ from trimesh import Trimesh
 
 from stages.procedural.category import category
 from stages.procedural.colours import FABRICS, METALS, PAINTS, WOODS, pick
-from stages.procedural.model import Model, Part, Size, part
+from stages.procedural.model import Model, Part, Parts, Size
 from stages.procedural.recipe import (
     Coating,
     Generator,
@@ -46,31 +46,27 @@ class Chair(Generator):
         side = y - (leg if self.arms else 0.0)
         frame, cloth = self.frame_colour, self.seat_colour
         if self.padded:
-            parts = [part(cushion((back, -side, seat - thick), (x, side, seat + 0.03), 0.02), cloth, 200.0)]
+            parts = Parts()
+            parts.add(cushion((back, -side, seat - thick), (x, side, seat + 0.03), 0.02), cloth, 200.0)
         else:
-            parts = [part(box((back, x), (-side, side), (seat - thick, seat)), cloth)]
+            parts = Parts()
+            parts.add(box((back, x), (-side, side), (seat - thick, seat)), cloth)
         inset = 0.6 * leg
         for a in (back + inset, x - inset):
             for b in (-side + inset, side - inset):
                 if self.legs == "round":
-                    parts.append(part(rod((a, b, 0), (a, b, seat - thick), leg / 2), frame, smooth=True))
+                    parts.add(rod((a, b, 0), (a, b, seat - thick), leg / 2), frame, smooth=True)
                 else:
                     tip = 0.6 * leg if self.legs == "tapered" else leg
-                    parts.append(part(beam((a, b, 0), (a, b, seat - thick), tip, leg), frame))
+                    parts.add(beam((a, b, 0), (a, b, seat - thick), tip, leg), frame)
         parts += _back(self, (back + leg / 2, -x + leg / 2), side, seat, z, leg)
         if self.arms:
             level = seat + 0.45 * (z - seat)
             for s in (-1, 1):
-                parts.append(part(box((back, 0.75 * x), (s * y, s * (y - leg)), (level, level + 0.03)), frame))
-                parts.append(
-                    part(
-                        beam(
-                            (0.6 * x, s * (y - leg / 2), seat - thick), (0.6 * x, s * (y - leg / 2), level), 0.8 * leg
-                        ),
-                        frame,
-                    )
-                )
-                parts.append(part(box((back, 0.7 * x), (s * y, s * (y - leg)), (seat - thick, seat)), frame))
+                parts.add(box((back, 0.75 * x), (s * y, s * (y - leg)), (level, level + 0.03)), frame)
+                at = (0.6 * x, s * (y - leg / 2))
+                parts.add(beam((*at, seat - thick), (*at, level), 0.8 * leg), frame)
+                parts.add(box((back, 0.7 * x), (s * y, s * (y - leg)), (seat - thick, seat)), frame)
         return Model(parts)
 
 
@@ -82,30 +78,29 @@ def _back(p: Chair, lean: tuple[float, float], side: float, seat: float, top: fl
     def at(share: float, y: float) -> tuple[float, float, float]:
         return (lean[0] + share * (lean[1] - lean[0]), y, seat - 0.03 + share * (top - seat + 0.03))
 
-    parts = [part(beam(at(0, s * edge), at(1, s * edge), leg), frame) for s in (-1, 1)]
+    parts = Parts()
+    for s in (-1, 1):
+        parts.add(beam(at(0, s * edge), at(1, s * edge), leg), frame)
     if p.back == "panel":
         low, high = np.array([at(0.3, -edge), at(0.3, edge)]), np.array([at(0.97, -edge), at(0.97, edge)])
 
         offset = np.array([0.4 * leg, 0, 0])
-        parts.append(
-            part(hull(np.concatenate([low - offset, low + offset, high - offset, high + offset])), cloth, 300.0)
-        )
+        parts.add(hull(np.concatenate([low - offset, low + offset, high - offset, high + offset])), cloth, 300.0)
         return parts
     rail = 0.8 * leg
-    parts.append(part(_rail(at(0.93, -edge), at(0.93, edge), rail, 0.12 * (top - seat)), frame))
+    parts.add(_rail(at(0.93, -edge), at(0.93, edge), rail, 0.12 * (top - seat)), frame)
     if p.back == "ladder":
-        parts += [
-            part(_rail(at(s, -edge), at(s, edge), 0.5 * rail, 0.1 * (top - seat)), frame) for s in (0.4, 0.58, 0.76)
-        ]
+        for share in (0.4, 0.58, 0.76):
+            parts.add(_rail(at(share, -edge), at(share, edge), 0.5 * rail, 0.1 * (top - seat)), frame)
         return parts
     count = 3 if p.back == "slats" else 6
     for y in np.linspace(-edge, edge, count + 2)[1:-1]:
         if p.back == "slats":
             width = edge / count
             low_x, high_x = at(0.05, 0), at(0.9, 0)
-            parts.append(part(_slat(low_x, high_x, float(y), width, 0.5 * rail), frame))
+            parts.add(_slat(low_x, high_x, float(y), width, 0.5 * rail), frame)
         else:
-            parts.append(part(rod(at(0.05, float(y)), at(0.9, float(y)), 0.008), frame, smooth=True))
+            parts.add(rod(at(0.05, float(y)), at(0.9, float(y)), 0.008), frame, smooth=True)
     return parts
 
 
@@ -157,38 +152,29 @@ class Stool(Generator):
         x, y, z = size[0] / 2, size[1] / 2, size[2]
         thick = min(self.thickness, 0.2 * z)
         under, wide, count = z - thick, min(x, y), self.legs
+        parts = Parts()
         if self.seat == "round":
             mesh = lathe([(0, under), (0.96 * wide, under), (wide, z - 0.3 * thick), (0.94 * wide, z), (0, z)])
             mesh.vertices *= [x / wide, y / wide, 1.0]
-            parts = [part(mesh, self.seat_colour, smooth=True)]
+            parts.add(mesh, self.seat_colour, smooth=True)
         else:
-            parts = [part(cushion((-x, -y, under), (x, y, z), 0.015), self.seat_colour)]
+            parts.add(cushion((-x, -y, under), (x, y, z), 0.015), self.seat_colour)
         if count == 0:
             foot = lathe([(0, 0), (0.85 * wide, 0), (0.8 * wide, 0.02), (0.03, 0.05), (0, 0.05)])
-            parts += [
-                part(foot, self.leg_colour, 7800.0, smooth=True),
-                part(rod((0, 0, 0.04), (0, 0, under), 0.025), self.leg_colour, smooth=True),
-            ]
+            parts.add(foot, self.leg_colour, 7800.0, smooth=True)
+            parts.add(rod((0, 0, 0.04), (0, 0, under), 0.025), self.leg_colour, smooth=True)
             return Model(parts, symmetry="full" if self.seat == "round" else "quarter_turn")
         angles = 2 * np.pi * (np.arange(count) + 0.5) / count
         top, spread = 0.6 * wide, min(0.6 * wide * (1 + self.splay), (1.2 if self.seat == "square" else 0.95) * wide)
         for t in angles:
             c, s = np.cos(t), np.sin(t)
-            parts.append(
-                part(
-                    rod((spread * c, spread * s, 0), (top * c, top * s, under), 0.014, 0.018),
-                    self.leg_colour,
-                    smooth=True,
-                )
-            )
+            leg = rod((spread * c, spread * s, 0), (top * c, top * s, under), 0.014, 0.018)
+            parts.add(leg, self.leg_colour, smooth=True)
         if self.ring:
-            share = self.ring
-            radius = spread + share * (top - spread)
-            feet = [(radius * np.cos(t), radius * np.sin(t), share * under) for t in angles]
-            parts += [
-                part(rod(a, b, 0.009), self.leg_colour, smooth=True)
-                for a, b in zip(feet, [*feet[1:], feet[0]], strict=True)
-            ]
+            radius = spread + self.ring * (top - spread)
+            feet = [(radius * np.cos(t), radius * np.sin(t), self.ring * under) for t in angles]
+            for a, b in zip(feet, [*feet[1:], feet[0]], strict=True):
+                parts.add(rod(a, b, 0.009), self.leg_colour, smooth=True)
         if self.seat == "round":
             return Model(parts, symmetry="third_turn" if count == 3 else "quarter_turn" if count == 4 else "full")
         return Model(parts, symmetry="quarter_turn" if count == 4 else "none")

@@ -7,10 +7,10 @@ import numpy as np
 
 from stages.procedural.category import category
 from stages.procedural.colours import METALS, PAINTS, WOODS
-from stages.procedural.finishes import DARK, Surface, shade
-from stages.procedural.model import CERAMIC, FILLED, METAL, PLASTIC, Model, Part, Size, part
+from stages.procedural.finishes import DARK, shade
+from stages.procedural.model import CERAMIC, FILLED, METAL, PLASTIC, Model, Parts, Size, moved, part
 from stages.procedural.recipe import Coating, Generator, Rng, Sampled, between, fixed, in_turn, of, rounded, uniform
-from stages.procedural.shapes import box, cushion, hull, lathe, rod, rotated, translated
+from stages.procedural.shapes import box, cushion, hull, lathe, rim, rod, rotated
 
 SILVER = (0.62, 0.68, 0.72)
 
@@ -29,49 +29,29 @@ class Clock(Generator):
 
     def build(self, size: Size) -> Model:
         x, y, z = size[0] / 2, size[1] / 2, size[2]
-        rim, radius = min(self.rim, 0.2 * min(y, z)), min(y, z / 2)
-        face, thin = 0.5 * x, 0.0015
+        edge, radius = min(self.rim, 0.2 * min(y, z)), min(y, z / 2)
+        parts = Parts()
         if self.shape == "round":
-            parts = [_disc(-x, x, radius, self.rim_colour), _disc(face, x + 0.0005, radius - rim, self.face_colour)]
-            parts[1] = part(parts[1].mesh, self.face_colour, solid=False, smooth=True)
+            case = rod((-x, 0, 0), (x, 0, 0), radius, segments=40)
+            face = rod((0.5 * x, 0, 0), (x + 0.0005, 0, 0), radius - edge, segments=40)
         else:
-            parts = [part(box((-x, x), (-y, y), (-z / 2, z / 2)), self.rim_colour)]
-            parts.append(
-                part(
-                    box((face, x + 0.0005), (-y + rim, y - rim), (-z / 2 + rim, z / 2 - rim)),
-                    self.face_colour,
-                    solid=False,
-                )
-            )
-        inner, count = radius - rim, self.marks
+            case = box((-x, x), (-y, y), (-z / 2, z / 2))
+            face = box((0.5 * x, x + 0.0005), (-y + edge, y - edge), (-z / 2 + edge, z / 2 - edge))
+        parts.add(case, self.rim_colour, smooth=self.shape == "round")
+        parts.add(face, self.face_colour, smooth=self.shape == "round", solid=False)
+        inner, count, thin = radius - edge, self.marks, 0.0015
+
+        def hand(level: int, turn: float, start: float, end: float, half: float) -> None:
+            """A mark or hand before the face, turned clockwise from noon as seen from the front; shares of it."""
+            front = x + level * thin
+            bar = box((front, front + thin), (-half * inner, half * inner), (start * inner, end * inner))
+            parts.add(rotated(bar, turn, [1, 0, 0]), self.hand_colour, solid=False)
+
         for k in range(count):
-            long = 0.12 if k % (count // 4) == 0 else 0.07
-            parts.append(
-                _hand(
-                    x, thin, 2 * np.pi * k / count, (0.88 - long) * inner, 0.9 * inner, 0.022 * inner, self.hand_colour
-                )
-            )
-        parts.append(
-            _hand(x + thin, thin, 2 * np.pi * self.hour, -0.1 * inner, 0.5 * inner, 0.035 * inner, self.hand_colour)
-        )
-        parts.append(
-            _hand(
-                x + 2 * thin, thin, 2 * np.pi * self.minute, -0.1 * inner, 0.78 * inner, 0.022 * inner, self.hand_colour
-            )
-        )
-        raised = [
-            part(translated(a.mesh, (0, 0, z / 2)), str(a.finish), a.density, a.smooth, bool(a.pieces)) for a in parts
-        ]
-        return Model(raised, placement="wall")
-
-
-def _disc(start: float, end: float, radius: float, colour: Surface) -> Part:
-    return part(rod((start, 0, 0), (end, 0, 0), radius, segments=40), colour, smooth=True)
-
-
-def _hand(x: float, thin: float, turn: float, start: float, end: float, half: float, colour: Surface) -> Part:
-    """A mark or hand on the face at x, `turn` clockwise from noon as seen from the front."""
-    return part(rotated(box((x, x + thin), (-half, half), (start, end)), turn, [1, 0, 0]), colour, solid=False)
+            hand(0, 2 * np.pi * k / count, 0.88 - (0.12 if k % (count // 4) == 0 else 0.07), 0.9, 0.022)
+        hand(1, 2 * np.pi * self.hour, -0.1, 0.5, 0.035)
+        hand(2, 2 * np.pi * self.minute, -0.1, 0.78, 0.022)
+        return Model(moved(Model(parts), (0, 0, z / 2)).base, placement="wall")
 
 
 @category("clock", founders=4, kin="flat")
@@ -96,10 +76,10 @@ class Mirror(Generator):
         frame = min(self.frame, 0.15 * min(size[1], z))
         face = 0.6 * x
         if self.shape == "rectangle":
-            strips = [((-y, -y + frame), (0.0, z)), ((y - frame, y), (0.0, z))]
-            strips += [((-y + frame, y - frame), span) for span in ((0.0, frame), (z - frame, z))]
-            parts = [part(box((-x, x), a, b), self.frame_colour) for a, b in strips]
-            parts.append(part(box((-x, face), (-y + frame, y - frame), (frame, z - frame)), SILVER, 2400.0))
+            parts = Parts()
+            for strip in rim((-x, x), (-y, y), (0.0, z), frame):
+                parts.add(strip, self.frame_colour)
+            parts.add(box((-x, face), (-y + frame, y - frame), (frame, z - frame)), SILVER, 2400.0)
             return Model(parts, placement="wall")
 
         def outline(inset: float) -> list[tuple[float, float]]:
@@ -110,7 +90,8 @@ class Mirror(Generator):
             crown = [((y - inset) * np.cos(a), z - y + (y - inset) * np.sin(a)) for a in angles]
             return [*crown, (-(y - inset), inset), (y - inset, inset)]
 
-        parts = [part(hull([(a, b, c) for b, c in outline(0.0) for a in (-x, x - 0.002)]), self.frame_colour)]
+        parts = Parts()
+        parts.add(hull([(a, b, c) for b, c in outline(0.0) for a in (-x, x - 0.002)]), self.frame_colour)
         glass = hull([(a, b, c) for b, c in outline(frame) for a in (face, x)])
         return Model([*parts, part(glass, SILVER, 2400.0, solid=False)], placement="wall")
 
@@ -135,23 +116,25 @@ class Laptop(Generator):
         x, y, z = size[0] / 2, size[1] / 2, size[2]
         thick = min(0.014, 0.1 * z)
         hinge = -x + self.lean * size[0]
-        parts = [part(cushion((hinge, -y, 0), (x, y, thick), 0.004), self.colour, 1500.0)]
+        parts = Parts()
+        parts.add(cushion((hinge, -y, 0), (x, y, thick), 0.004), self.colour, 1500.0)
         keys = box(
             (hinge + 0.12 * (x - hinge), hinge + 0.56 * (x - hinge)), (-0.88 * y, 0.88 * y), (thick, thick + 0.001)
         )
         pad = box(
             (hinge + 0.64 * (x - hinge), hinge + 0.94 * (x - hinge)), (-0.25 * y, 0.25 * y), (thick, thick + 0.0007)
         )
-        parts += [part(keys, DARK, solid=False), part(pad, shade(self.colour, 0.8), solid=False)]
+        parts.add(keys, DARK, solid=False)
+        parts.add(pad, shade(self.colour, 0.8), solid=False)
         lid = 0.007
 
         def plane(low: float, high: float, side: float, front: float, back: float) -> Any:
             ends = [(hinge + (-x + lid - hinge) * s, thick + (z - thick) * s) for s in (low, high)]
             return hull([(a + d, b, c) for a, c in ends for d in (back, front) for b in (-side, side)])
 
-        parts.append(part(plane(0.0, 1.0, y, 0.0, -lid), self.colour, 1200.0))
+        parts.add(plane(0.0, 1.0, y, 0.0, -lid), self.colour, 1200.0)
         rim = self.rim
-        parts.append(part(plane(0.06, 1 - rim / z, y - rim, 0.0012, 0.0), self.screen_colour, solid=False))
+        parts.add(plane(0.06, 1 - rim / z, y - rim, 0.0012, 0.0), self.screen_colour, solid=False)
         return Model(parts, placement="object")
 
 
@@ -178,18 +161,13 @@ class Candlestick(Generator):
         shape = np.array(self.radii, dtype=float)
         levels = np.linspace(0.03, 1, len(shape)) * top
         outline = [(radius * float(r), float(a)) for r, a in zip(shape / shape.max(), levels, strict=True)]
-        parts = [
-            part(lathe([(0, 0), (outline[0][0], 0), outline[0], (0, outline[0][1])]), self.colour, METAL, smooth=True)
-        ]
-        parts += [
-            part(lathe([(0, a[1]), a, b, (0, b[1])]), self.colour, METAL if self.metal else CERAMIC, smooth=True)
-            for a, b in itertools.pairwise(outline)
-        ]
+        parts = Parts()
+        parts.add(lathe([(0, 0), (outline[0][0], 0), outline[0], (0, outline[0][1])]), self.colour, METAL, smooth=True)
+        for a, b in itertools.pairwise(outline):
+            parts.add(lathe([(0, a[1]), a, b, (0, b[1])]), self.colour, METAL if self.metal else CERAMIC, smooth=True)
         wide = 0.8 * outline[-1][0]
-        parts.append(
-            part(rod((0, 0, top), (0, 0, 0.97 * z), wide, 0.94 * wide), self.candle_colour, FILLED, smooth=True)
-        )
-        parts.append(part(rod((0, 0, 0.97 * z), (0, 0, z), 0.0015), DARK, PLASTIC, solid=False))
+        parts.add(rod((0, 0, top), (0, 0, 0.97 * z), wide, 0.94 * wide), self.candle_colour, FILLED, smooth=True)
+        parts.add(rod((0, 0, 0.97 * z), (0, 0, z), 0.0015), DARK, PLASTIC, solid=False)
         return Model(parts, symmetry="full", placement="object")
 
 

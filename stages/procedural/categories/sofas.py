@@ -1,10 +1,12 @@
 """Sofas and armchairs; the back is at -x."""
 
+import itertools
+
 from pydantic import Field
 
 from stages.procedural.category import category
 from stages.procedural.colours import FABRICS, METALS, WOODS, pick
-from stages.procedural.model import FOAM, Model, Size, part
+from stages.procedural.model import FOAM, Model, Parts, Size
 from stages.procedural.recipe import Coating, Generator, Rng, Sampled, between, fixed, of, rounded
 from stages.procedural.shapes import box, cushion, rod
 
@@ -30,48 +32,27 @@ class Sofa(Generator):
         arm, back, legs, edge = (self.arm, min(self.back, 0.4 * size[0]), min(self.legs, 0.3 * z), self.edge)
         seat, arm_top = max(self.seat * z, legs + 0.15 * z), self.arm_height * z
         cloth = self.colour
-        parts = [
-            part(rod((a, b, 0), (a, b, legs + 0.02), 0.02, 0.028), self.leg_colour, smooth=True)
-            for a in (-x + 0.06, x - 0.06)
-            for b in (-y + 0.06, y - 0.06)
-        ]
+        parts = Parts()
+        for a, b in itertools.product((-x + 0.06, x - 0.06), (-y + 0.06, y - 0.06)):
+            parts.add(rod((a, b, 0), (a, b, legs + 0.02), 0.02, 0.028), self.leg_colour, smooth=True)
         inner = y - arm
         low = legs + 0.45 * (seat - legs)
-        parts.append(part(box((-x + 0.02, x - 0.02), (-inner - 0.01, inner + 0.01), (legs, low)), cloth, 120.0))
-        parts.append(part(cushion((-x, -inner, legs), (-x + 0.55 * back, inner, 0.94 * z), edge), cloth, 100.0))
+        parts.add(box((-x + 0.02, x - 0.02), (-inner - 0.01, inner + 0.01), (legs, low)), cloth, 120.0)
+        parts.add(cushion((-x, -inner, legs), (-x + 0.55 * back, inner, 0.94 * z), edge), cloth, 100.0)
         if arm > 0.03:
-            parts += [
-                part(
-                    cushion((-x, min(s * y, s * inner), legs), (x, max(s * y, s * inner), arm_top), edge), cloth, 100.0
-                )
-                for s in (-1, 1)
-            ]
+            for s in (-1, 1):
+                parts.add(cushion((-x, s * y, legs), (x, s * inner, arm_top), edge), cloth, 100.0)
         count = self.seats
         for k in range(count):
             a, b = -inner + 2 * inner * k / count, -inner + 2 * inner * (k + 1) / count
-            parts.append(
-                part(
-                    cushion((-x + 0.5 * back, a + 0.004, low), (x, b - 0.004, seat), 1.2 * edge),
-                    self.cushion_colour,
-                    FOAM,
-                )
-            )
-            parts.append(
-                part(
-                    cushion((-x + 0.45 * back, a + 0.006, seat), (-x + back, b - 0.006, z), 1.4 * edge),
-                    self.cushion_colour,
-                    FOAM,
-                )
-            )
+            below = cushion((-x + 0.5 * back, a + 0.004, low), (x, b - 0.004, seat), 1.2 * edge)
+            behind = cushion((-x + 0.45 * back, a + 0.006, seat), (-x + back, b - 0.006, z), 1.4 * edge)
+            for mesh in (below, behind):
+                parts.add(mesh, self.cushion_colour, FOAM)
         for s in (-1, 1) if self.pillows else ():
             mid = s * (inner - 0.2)
-            parts.append(
-                part(
-                    cushion((-x + back, mid - 0.16, seat), (-x + back + 0.1, mid + 0.16, seat + 0.3), 0.04),
-                    self.pillow_colour,
-                    FOAM,
-                )
-            )
+            pillow = cushion((-x + back, mid - 0.16, seat), (-x + back + 0.1, mid + 0.16, seat + 0.3), 0.04)
+            parts.add(pillow, self.pillow_colour, FOAM)
         return Model(parts)
 
 

@@ -9,7 +9,7 @@ from pydantic import Field
 from stages.procedural.category import category
 from stages.procedural.colours import CARDBOARD, FABRICS, GLAZES, METALS, PAINTS, WOODS, pick
 from stages.procedural.finishes import made_of, shade
-from stages.procedural.model import PAPER, Model, Part, Size, part
+from stages.procedural.model import PAPER, Model, Part, Parts, Size
 from stages.procedural.recipe import (
     Coating,
     Generator,
@@ -43,53 +43,46 @@ class Bookshelf(Generator):
         x, y, z = size[0] / 2, size[1] / 2, size[2]
         board = min(self.board, 0.06 * min(size))
         colour, count, columns = self.colour, self.shelves, self.columns
-        levels = [k * (z - board) / count for k in range(count + 1)]
+        levels, parts = [k * (z - board) / count for k in range(count + 1)], Parts()
         if self.frame == "posts":
             post = 1.6 * board
             levels = [max(level, 0.06 * z) if k == 0 else level for k, level in enumerate(levels)]
-            parts = [
-                part(box((a, a + post), (b, b + post), (0, z)), self.frame_colour)
-                for a in (-x, x - post)
-                for b in (-y, y - post)
-            ]
+            for a, b in itertools.product((-x, x - post), (-y, y - post)):
+                parts.add(box((a, a + post), (b, b + post), (0, z)), self.frame_colour)
             inner = (-y, y)
         else:
-            parts = [part(box((-x, x), (b, b + board), (0, z)), colour) for b in (-y, y - board)]
+            for b in (-y, y - board):
+                parts.add(box((-x, x), (b, b + board), (0, z)), colour)
             inner = (-y + board, y - board)
-        parts += [part(box((-x, x), inner, (level, level + board)), colour) for level in levels]
+        for level in levels:
+            parts.add(box((-x, x), inner, (level, level + board)), colour)
         if self.back:
-            parts.append(part(box((-x, -x + 0.006), inner, (levels[0], z)), shade(colour, 0.8)))
+            parts.add(box((-x, -x + 0.006), inner, (levels[0], z)), shade(colour, 0.8))
         for k in range(1, columns):
             middle = inner[0] + k * (inner[1] - inner[0]) / columns
-            parts.append(part(box((-x, x), (middle - board / 2, middle + board / 2), (levels[0], levels[-1])), colour))
+            parts.add(box((-x, x), (middle - board / 2, middle + board / 2), (levels[0], levels[-1])), colour)
         rng = np.random.default_rng(self.books_seed)
         bay = (inner[1] - inner[0]) / columns
         for low, high in itertools.pairwise(levels):
             for k in range(columns):
                 if rng.random() < self.books:
                     start = inner[0] + k * bay + board
-                    parts += _row(
-                        rng, (-x + 0.01, x), (start, start + bay - 2 * board), low + board, high - low - board
-                    )
+                    across = (start, start + bay - 2 * board)
+                    parts += _row(rng, (-x + 0.01, x), across, low + board, high - low - board)
         return Model(parts)
 
 
 def _row(rng: Rng, x: tuple[float, float], y: tuple[float, float], z: float, height: float) -> list[Part]:
     """Upright books from the left until the row is partly full."""
-    parts: list[Part] = []
+    parts = Parts()
     at, end = y[0], y[0] + (y[1] - y[0]) * float(rng.uniform(0.4, 1.0))
     while True:
         wide = float(rng.uniform(0.03, 0.07))
         if at + wide > end:
             return parts
         tall, deep = height * float(rng.uniform(0.6, 0.9)), (x[1] - x[0]) * float(rng.uniform(0.6, 0.85))
-        parts.append(
-            part(
-                box((x[0], x[0] + deep), (at, at + wide - 0.001), (z, z + tall)),
-                made_of("paint", pick(rng, FABRICS, GLAZES)),
-                PAPER,
-            )
-        )
+        book = box((x[0], x[0] + deep), (at, at + wide - 0.001), (z, z + tall))
+        parts.add(book, made_of("paint", pick(rng, FABRICS, GLAZES)), PAPER)
         at += wide
 
 
@@ -117,33 +110,28 @@ class Carton(Generator):
         x, y, z = size[0] / 2, size[1] / 2, size[2]
         wall = min(self.wall, 0.1 * min(size))
         colour, second, style = self.colour, self.second_colour, self.style
-        parts: list[Part] = []
+        parts = Parts()
         if style in ("closed", "lid"):
             rim = 0.006 if style == "lid" else 0.0
-            parts.append(part(box((-x + rim, x - rim), (-y + rim, y - rim), (0, z - rim)), colour, 150.0))
+            parts.add(box((-x + rim, x - rim), (-y + rim, y - rim), (0, z - rim)), colour, 150.0)
             if style == "lid":
-                parts.append(part(box((-x, x), (-y, y), (0.72 * z, z)), second, 150.0))
+                parts.add(box((-x, x), (-y, y), (0.72 * z, z)), second, 150.0)
             else:
-                parts.append(part(box((-x, x), (-0.12 * y, 0.12 * y), (z, z + 0.001)), second, solid=False))
+                parts.add(box((-x, x), (-0.12 * y, 0.12 * y), (z, z + 0.001)), second, solid=False)
         else:
             slats = [(0.0, 1.0)] if style == "open" else [(0.0, 0.28), (0.36, 0.62), (0.70, 1.0)]
-            parts.append(part(box((-x, x), (-y, y), (0, wall)), colour))
+            parts.add(box((-x, x), (-y, y), (0, wall)), colour)
             for a, b in slats:
                 low, high = wall + a * (z - wall), wall + b * (z - wall)
-                parts += [part(box((s * x, s * (x - wall)), (-y, y), (low, high)), colour) for s in (-1, 1)]
-                parts += [
-                    part(box((-x + wall, x - wall), (s * y, s * (y - wall)), (low, high)), second) for s in (-1, 1)
-                ]
+                for s in (-1, 1):
+                    parts.add(box((s * x, s * (x - wall)), (-y, y), (low, high)), colour)
+                for s in (-1, 1):
+                    parts.add(box((-x + wall, x - wall), (s * y, s * (y - wall)), (low, high)), second)
             if style == "crate":
-                parts += [
-                    part(box((a, a + 2 * wall), (b, b + 2 * wall), (wall, z)), second)
-                    for a in (-x + wall, x - 3 * wall)
-                    for b in (-y + wall, y - 3 * wall)
-                ]
+                for a, b in itertools.product((-x + wall, x - 3 * wall), (-y + wall, y - 3 * wall)):
+                    parts.add(box((a, a + 2 * wall), (b, b + 2 * wall), (wall, z)), second)
         if self.label:
-            parts.append(
-                part(box((x, x + 0.001), (-0.5 * y, 0.3 * y), (0.25 * z, 0.6 * z)), (0.85, 0.84, 0.80), solid=False)
-            )
+            parts.add(box((x, x + 0.001), (-0.5 * y, 0.3 * y), (0.25 * z, 0.6 * z)), (0.85, 0.84, 0.80), solid=False)
         return Model(parts, symmetry="none" if self.label else "half_turn", placement="object")
 
 
@@ -170,26 +158,22 @@ class Book(Generator):
         count = self.books
         thick = size[2] / count
         cover = min(0.004, 0.15 * thick)
-        parts: list[Part] = []
+        parts = Parts()
         for k in range(count):
             share = 1.0 - self.shrink * k
             x, y, low = share * size[0] / 2, share * size[1] / 2, k * thick
             colour = self.colours[k]
             front = size[0] / 2 - 0.01 * (k % 2) * size[0]
             back = front - 2 * x
-            parts.append(
-                part(
-                    box((back + cover, front - cover), (-y + 0.003, y - 0.003), (low + cover, low + thick - cover)),
-                    (0.85, 0.82, 0.72),
-                    PAPER,
-                )
-            )
+            pages = box((back + cover, front - cover), (-y + 0.003, y - 0.003), (low + cover, low + thick - cover))
+            parts.add(pages, (0.85, 0.82, 0.72), PAPER)
             covers = [
                 ((back, front), (low, low + cover)),
                 ((back, front), (low + thick - cover, low + thick)),
                 ((front - cover, front), (low + cover, low + thick - cover)),
             ]
-            parts += [part(box(a, (-y, y), b), colour, PAPER) for a, b in covers]
+            for a, b in covers:
+                parts.add(box(a, (-y, y), b), colour, PAPER)
         return Model(parts, placement="object")
 
 

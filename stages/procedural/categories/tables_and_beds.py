@@ -1,5 +1,6 @@
 """Tables, coffee tables and beds."""
 
+import itertools
 from typing import Literal
 
 import numpy as np
@@ -7,7 +8,7 @@ import numpy as np
 from stages.procedural.category import category
 from stages.procedural.colours import FABRICS, METALS, PAINTS, STONES, TILES, WOODS, pick
 from stages.procedural.finishes import Surface, finish_of
-from stages.procedural.model import FOAM, METAL, Model, Part, Size, part
+from stages.procedural.model import FOAM, METAL, Model, Part, Parts, Size, part
 from stages.procedural.recipe import Coating, Generator, Rng, Sampled, between, fixed, in_turn, of, rounded, zero_or
 from stages.procedural.shapes import beam, box, cushion, lathe, rod
 
@@ -34,24 +35,26 @@ class Table(Generator):
         under = z - thick
         leg = min(self.leg, 0.2 * min(size))
         round_top = self.top == "round"
+        parts = Parts()
         if round_top:
             mesh = lathe([(0, under), (x, under), (x, z), (0, z)], 32)
             mesh.vertices *= [1.0, y / x, 1.0]
-            parts = [part(mesh, self.top_colour, smooth=True)]
+            parts.add(mesh, self.top_colour, smooth=True)
         else:
-            parts = [part(box((-x, x), (-y, y), (under, z)), self.top_colour)]
+            parts.add(box((-x, x), (-y, y), (under, z)), self.top_colour)
         reach = 0.62 if round_top else 1.0
         ax, ay = reach * x - leg * 0.9, reach * y - leg * 0.9
         parts += supports(self.legs, ax, ay, under, leg, self.leg_colour)
         legged = self.legs in ("square", "round", "tapered", "splayed")
         apron = min(self.apron, 0.3 * z)
         if apron and legged and not round_top:
-            spans = [((-ax, ax), (s * ay - 0.01, s * ay + 0.01)) for s in (-1, 1)]
-            spans += [((s * ax - 0.01, s * ax + 0.01), (-ay, ay)) for s in (-1, 1)]
-            parts += [part(box(a, b, (under - apron, under)), self.leg_colour) for a, b in spans]
+            for s in (-1, 1):
+                parts.add(box((-ax, ax), (s * ay - 0.01, s * ay + 0.01), (under - apron, under)), self.leg_colour)
+            for s in (-1, 1):
+                parts.add(box((s * ax - 0.01, s * ax + 0.01), (-ay, ay), (under - apron, under)), self.leg_colour)
         if self.shelf and legged:
             level = self.shelf * z
-            parts.append(part(box((-ax, ax), (-ay, ay), (level, level + 0.6 * thick)), self.top_colour))
+            parts.add(box((-ax, ax), (-ay, ay), (level, level + 0.6 * thick)), self.top_colour)
         square = abs(size[0] - size[1]) < 1e-6
         if round_top and self.legs == "pedestal" and square:
             return Model(parts, symmetry="full")
@@ -141,47 +144,31 @@ class Bed(Generator):
         frame, lying = self.frame * z, self.mattress * z
         clear = 0.5 * frame
         board = 0.05
-        parts = [part(box((-x + board, x), (-y, y), (clear, frame)), self.frame_colour, SLATTED)]
-        parts += [
-            part(box((a, a + 0.06), (b, b + 0.06), (0, clear)), self.frame_colour, SLATTED)
-            for a in (-x + board, x - 0.06)
-            for b in (-y, y - 0.06)
-        ]
+        parts = Parts()
+        parts.add(box((-x + board, x), (-y, y), (clear, frame)), self.frame_colour, SLATTED)
+        for a, b in itertools.product((-x + board, x - 0.06), (-y, y - 0.06)):
+            parts.add(box((a, a + 0.06), (b, b + 0.06), (0, clear)), self.frame_colour, SLATTED)
         if self.headboard == "slats":
-            parts += [
-                part(box((-x, -x + board), (b - 0.03, b + 0.03), (0, z)), self.frame_colour, SLATTED)
-                for b in np.linspace(-y + 0.03, y - 0.03, 7)
-            ]
-            parts.append(part(box((-x, -x + board), (-y, y), (0.85 * z, 0.93 * z)), self.frame_colour, SLATTED))
+            for b in np.linspace(-y + 0.03, y - 0.03, 7):
+                parts.add(box((-x, -x + board), (b - 0.03, b + 0.03), (0, z)), self.frame_colour, SLATTED)
+            parts.add(box((-x, -x + board), (-y, y), (0.85 * z, 0.93 * z)), self.frame_colour, SLATTED)
         elif self.headboard == "cushion":
-            parts.append(part(cushion((-x, -y, 0), (-x + board, y, z), 0.02), self.blanket_colour, 300.0))
+            parts.add(cushion((-x, -y, 0), (-x + board, y, z), 0.02), self.blanket_colour, 300.0)
         else:
-            parts.append(part(box((-x, -x + board), (-y, y), (0, z)), self.frame_colour, SLATTED))
+            parts.add(box((-x, -x + board), (-y, y), (0, z)), self.frame_colour, SLATTED)
         inset = 0.03
-        parts.append(
-            part(
-                cushion((-x + board, -y + inset, frame), (x - inset, y - inset, lying), 0.03), (0.85, 0.85, 0.83), FOAM
-            )
-        )
-        start = x - inset - self.blanket * 2 * x
-        parts.append(
-            part(
-                cushion((start, -y + 0.01, frame + 0.3 * (lying - frame)), (x - 0.02, y - 0.01, lying + 0.03), 0.03),
-                self.blanket_colour,
-                FOAM,
-            )
-        )
+        mattress = cushion((-x + board, -y + inset, frame), (x - inset, y - inset, lying), 0.03)
+        parts.add(mattress, (0.85, 0.85, 0.83), FOAM)
+        start, low = x - inset - self.blanket * 2 * x, frame + 0.3 * (lying - frame)
+        blanket = cushion((start, -y + 0.01, low), (x - 0.02, y - 0.01, lying + 0.03), 0.03)
+        parts.add(blanket, self.blanket_colour, FOAM)
         count = self.pillows
         width = 2 * (y - inset) / count
         for k in range(count):
-            low = -y + inset + k * width + 0.05
-            parts.append(
-                part(
-                    cushion((-x + board + 0.03, low, lying), (-x + board + 0.4, low + width - 0.1, lying + 0.1), 0.045),
-                    (0.8, 0.8, 0.82),
-                    FOAM,
-                )
-            )
+            left = -y + inset + k * width + 0.05
+            right = left + width - 0.1
+            pillow = cushion((-x + board + 0.03, left, lying), (-x + board + 0.4, right, lying + 0.1), 0.045)
+            parts.add(pillow, (0.8, 0.8, 0.82), FOAM)
         return Model(parts)
 
 

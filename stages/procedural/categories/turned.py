@@ -4,12 +4,24 @@ import numpy as np
 from pydantic import Field
 from scipy.interpolate import PchipInterpolator
 
+from stages.procedural.categories.vessels import Profile
 from stages.procedural.category import category
 from stages.procedural.colours import GLAZES, pick
-from stages.procedural.finishes import finish_of, shade
+from stages.procedural.finishes import Surface, finish_of, shade
 from stages.procedural.model import FILLED, Model, Part, Size
 from stages.procedural.recipe import Coating, Generator, Rng, Sampled, rounded, uniform
 from stages.procedural.shapes import hull, lathe
+
+
+def turned(outline: Profile, step: int, colour: Surface, density: float) -> Part:
+    """A solid of revolution by its outline, bottom first; to PhysX frusta of so many of its bands each."""
+    mesh = lathe([(0, outline[0][1]), *outline, (0, outline[-1][1])])
+    pieces = tuple(
+        hull(lathe([(0, a[1]), a, b, (0, b[1])], 12).vertices)
+        for a, b in zip(outline[::step], [*outline[step::step], outline[-1]], strict=False)
+        if b[1] > a[1]
+    )
+    return Part(mesh, finish_of(colour), density, pieces, True)
 
 
 class TurnedVessel(Generator):
@@ -35,13 +47,7 @@ class TurnedVessel(Generator):
         for low, high, colour in zip(cuts, cuts[1:], colours, strict=False):
             levels = np.unique(np.concatenate([[low, high], fine[(fine > low) & (fine < high)]]))
             outline = [(radius * float(np.interp(a, fine, shares)), height * float(a)) for a in levels]
-            mesh = lathe([(0, outline[0][1]), *outline, (0, outline[-1][1])])
-            pieces = tuple(
-                hull(lathe([(0, a[1]), a, b, (0, b[1])], 12).vertices)
-                for a, b in zip(outline[::4], [*outline[4::4], outline[-1]], strict=False)
-                if b[1] > a[1]
-            )
-            parts.append(Part(mesh, finish_of(colour), self.density, pieces, True))
+            parts.append(turned(outline, 4, colour, self.density))
         return Model(parts, symmetry="full", placement="object")
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from stages.procedural.category import category
 from stages.procedural.colours import GLAZES, METALS, pick
 from stages.procedural.finishes import Surface, finish_of
-from stages.procedural.model import CERAMIC, METAL, PLASTIC, Model, Part, Size, moved, part
+from stages.procedural.model import CERAMIC, METAL, PLASTIC, Model, Part, Parts, Size, moved, part
 from stages.procedural.recipe import (
     Coating,
     Generator,
@@ -26,7 +26,7 @@ from stages.procedural.shapes import cushion, hull, lathe, rod, shell_pieces
 Profile = list[tuple[float, float]]  # (radius, z), bottom first
 
 
-def hollow(outer: Profile, wall: float, colour: Surface, inside: Surface, density: float) -> list[Part]:
+def hollow(outer: Profile, wall: float, colour: Surface, inside: Surface, density: float) -> Parts:
     """An open vessel: the outer profile from its foot to its rim, a wall inside it, a floor one wall thick."""
     inner = [(max(r - wall, 0.2 * r), max(z, wall)) for r, z in outer]
     floor = inner[0][0]
@@ -37,8 +37,10 @@ def hollow(outer: Profile, wall: float, colour: Surface, inside: Surface, densit
     pieces = shell_pieces([outer[k] for k in coarse], [inner[k] for k in coarse])
     base = lathe([(0, 0), (outer[0][0], 0), (floor, wall), (0, wall)], 16)
     lining = lathe([(0, wall), *[(0.985 * r, z + 2e-4) for r, z in inner], *[(0.95 * r, z) for r, z in inner[::-1]]])
-    parts = [Part(body, finish_of(colour), density, (base, *pieces), True)]
-    return parts if inside == colour else [*parts, part(lining, inside, 1.0, smooth=True, solid=False)]
+    parts = Parts([Part(body, finish_of(colour), density, (base, *pieces), True)])
+    if inside != colour:
+        parts.add(lining, inside, 1.0, smooth=True, solid=False)
+    return parts
 
 
 class Bowl(Generator):
@@ -91,8 +93,7 @@ class Mug(Generator):
         wall = min(self.wall, 0.2 * min(radius, height))
         parts = hollow(outer, wall, self.colour, self.inside, CERAMIC)
         parts += ear(radius, reach, self.handle * height, 0.52 * height, self.colour, self.angular)
-        parts = moved(Model(parts), (0.0, -reach / 2, 0.0)).base
-        return Model(parts, placement="object")
+        return Model(moved(Model(parts), (0.0, -reach / 2, 0.0)).base, placement="object")
 
 
 def ear(radius: float, reach: float, height: float, z: float, colour: Surface, angular: bool) -> list[Part]:
@@ -168,36 +169,16 @@ class CookingPot(Generator):
             [(0.94 * radius, 0.0), (radius, 0.12 * body), (radius, body)], wall, self.colour, self.colour, METAL
         )
         for side in (-1.0, 1.0):
-            low = np.array([-0.35 * radius, side * 0.9 * radius, 0.70 * body])
-            high = np.array([0.35 * radius, side * (radius + reach), 0.70 * body + min(0.014, 0.2 * body)])
-            parts.append(part(cushion(np.minimum(low, high), np.maximum(low, high), 0.004), self.grip_colour, PLASTIC))
+            low = (-0.35 * radius, side * 0.9 * radius, 0.70 * body)
+            high = (0.35 * radius, side * (radius + reach), 0.70 * body + min(0.014, 0.2 * body))
+            parts.add(cushion(low, high, 0.004), self.grip_colour, PLASTIC)
         if self.lid:
             top = size[2]
             rise = 0.5 * (top - body)
-            parts.append(
-                part(
-                    lathe(
-                        [
-                            (0, body),
-                            (radius, body),
-                            (0.96 * radius, body + 0.3 * rise),
-                            (0.3 * radius, body + rise),
-                            (0, body + rise),
-                        ]
-                    ),
-                    self.lid_colour,
-                    METAL,
-                    smooth=True,
-                )
-            )
-            parts.append(
-                part(
-                    rod((0, 0, body + 0.8 * rise), (0, 0, top), 0.1 * radius, 0.17 * radius),
-                    self.grip_colour,
-                    PLASTIC,
-                    smooth=True,
-                )
-            )
+            dome = [(radius, body), (0.96 * radius, body + 0.3 * rise), (0.3 * radius, body + rise)]
+            parts.add(lathe([(0, body), *dome, (0, body + rise)]), self.lid_colour, METAL, smooth=True)
+            knob = rod((0, 0, body + 0.8 * rise), (0, 0, top), 0.1 * radius, 0.17 * radius)
+            parts.add(knob, self.grip_colour, PLASTIC, smooth=True)
         return Model(parts, symmetry="half_turn", placement="object")
 
 
