@@ -4,14 +4,17 @@ from typing import Any, ClassVar, Literal
 
 from pydantic import Field
 
+from stages.contracts.objects import USUAL_ERROR
 from stages.contracts.section import OWN, Section
 
 
 class DepthNoiseConfig(Section):
     """Error that is added to perfect depth, so that it errs as estimated depth does."""
 
-    range_constant: float = Field(0.003, ge=0, description="a of the range noise sigma(z) = a + b z^2, metres.")
-    range_quadratic: float = Field(0.0015, ge=0, description="b of the range noise, 1/metres: 1.7 cm in all at 3 m.")
+    range_constant: float = Field(USUAL_ERROR.a, ge=0, description="a of the range noise sigma(z) = a + b z^2, metres.")
+    range_quadratic: float = Field(
+        USUAL_ERROR.b, ge=0, description="b of the range noise, 1/metres: 1.7 cm in all at 3 m."
+    )
     # Pixels over which the range noise varies: estimated depth errs in patches. 0: every pixel.
     correlation: ClassVar[float] = 6.0
     # Pixels over which near and far depth run into each other at an object's outline (A.7).

@@ -154,33 +154,21 @@ def _of_table(table: Path) -> Found:
     try:
         lines = table.read_text(encoding="utf-8-sig").splitlines(keepends=True)
     except (OSError, ValueError) as error:
-        what = "no such file or folder" if isinstance(error, FileNotFoundError) else f"{table} cannot be read ({error})"
+        why = "no such file or folder" if isinstance(error, FileNotFoundError) else f"cannot be read ({error})"
         mend = "a table (CSV), or a folder of input folders"
-        yield (
-            "",
-            "",
-            Mistake("experiment.inputs", what if str(table) in what else f"{table}: {what}", mend, "E-CONFIG-FILE"),
-        )
+        yield "", "", Mistake("experiment.inputs", f"{table}: {why}", mend, "E-CONFIG-FILE")
         return
     first = lines[0] if lines else ""
     rows = csv.reader(lines, delimiter=max(",;\t", key=first.count))
     columns = [name.strip() for name in next(rows, [])]
-    known = ["scene", *Input.model_fields]
+    known, head = ["scene", *Input.model_fields], f"{table}, row 1"
     for name in columns:
         if name not in known or columns.count(name) > 1:
             mend = nearest(name, known) if name not in known else "name it once"
-            yield (
-                "",
-                "",
-                Mistake(f"{table}, row 1", f"column '{name}' is not known, or there twice", mend, "E-CONFIG-UNKNOWN"),
-            )
+            yield "", "", Mistake(head, f"column '{name}' is not known, or there twice", mend, "E-CONFIG-UNKNOWN")
             return
     if "scene" not in columns:
-        yield (
-            "",
-            "",
-            Mistake(f"{table}, row 1", "has no column 'scene'", "the name of each row's scene", "E-CONFIG-UNKNOWN"),
-        )
+        yield "", "", Mistake(head, "has no column 'scene'", "the name of each row's scene", "E-CONFIG-UNKNOWN")
         return
     for cells in rows:
         where = f"{table}, row {rows.line_num}"
@@ -189,11 +177,10 @@ def _of_table(table: Path) -> Found:
             continue
         scene = said.pop("scene", "")
         if len(cells) > len(columns):
-            yield (
-                where,
-                scene,
-                Mistake(where, f"has {len(cells)} cells for {len(columns)} columns", "quote commas", "E-CONFIG-VALUE"),
+            wrong = Mistake(
+                where, f"has {len(cells)} cells for {len(columns)} columns", "quote commas", "E-CONFIG-VALUE"
             )
+            yield where, scene, wrong
         elif not NAME.fullmatch(scene):
             mend = "letters, digits, - and single _ inside"
             yield where, scene, Mistake(f"{where}, column scene", f"'{scene}' is no name", mend, "E-CONFIG-NAME")

@@ -78,13 +78,9 @@ HorizontalUnitVector = Annotated[UnitVector, AfterValidator(_horizontal)]
 Matrix = list[list[Finite]]  # rows
 
 
-def _shaped(matrix: Matrix, size: int) -> None:
-    if len(matrix) != size or any(len(row) != size for row in matrix):
-        raise ValueError(f"is not a {size}x{size} matrix")
-
-
 def _rigid(matrix: Matrix) -> Matrix:
-    _shaped(matrix, 4)
+    if len(matrix) != 4 or any(len(row) != 4 for row in matrix):
+        raise ValueError("is not a 4x4 matrix")
     if matrix[3] != [0, 0, 0, 1]:
         raise ValueError("is no rigid transform: the last row must be [0, 0, 0, 1]")
     (a, b, c), (d, e, f), (g, h, i) = (row[:3] for row in matrix[:3])

@@ -12,10 +12,10 @@ from stages.tasks.api import TaskEnv
 
 
 class Recorder:
-    """Runs attempts on a task by the skills of its chain; the first `film` successes (or any attempts) are filmed."""
+    """Runs attempts on a task by the skills of its chain; the first `film` successes are filmed."""
 
-    def __init__(self, task: TaskEnv, options: DemonstrationsConfig, film: int = 0, failures: bool = False) -> None:
-        self.task, self.options, self.film, self.failures = task, options, film, failures
+    def __init__(self, task: TaskEnv, options: DemonstrationsConfig, film: int = 0) -> None:
+        self.task, self.options, self.film = task, options, film
         self.filmed: list[FilmedAttempt] = []
         self.chain = SkillChain(task, options)
 
@@ -44,12 +44,10 @@ class Recorder:
             task.act(executed)
 
         outcome = self.chain.run(act)
-        if filming and (outcome.success or self.failures):
+        if filming and outcome.success:
             moments.append(task.moment())
             clouds = [*episode.point_clouds, task.observe()["point_cloud"]]
-            self.filmed.append(
-                FilmedAttempt(seed, task.asset, outcome.success, task.opened, task.recording(moments), clouds)
-            )
+            self.filmed.append(FilmedAttempt(seed, task.asset, task.opened, task.recording(moments), clouds))
         return episode, outcome
 
 

@@ -14,11 +14,10 @@ from stages.simulation.studio import Image, Recording, Studio, evenly
 
 @dataclass(frozen=True)
 class FilmedAttempt:
-    """An attempt to be filmed, and the clouds that were seen at its moments."""
+    """A success to be filmed, and the clouds that were seen at its moments."""
 
     seed: int
     asset: str
-    success: bool
     opened: float
     recording: Recording
     clouds: Sequence[NDArray[np.floating]]
@@ -51,7 +50,7 @@ def write_demonstration_films(folder: Path, taken: Sequence[FilmedAttempt], role
         pictures = studio.film(item.recording, FRAMES * 2)
         steps = len(item.recording.moments) - 1
         film = Film(
-            role=role, asset=item.asset, seed=item.seed, success=item.success, steps=steps,
+            role=role, asset=item.asset, seed=item.seed, success=True, steps=steps,
             opened=round(item.opened, 4), file=f"{number}.webp",
         )  # fmt: skip
         films.append((film, pictures))

@@ -15,7 +15,6 @@ from stages.contracts.task_options import TaskConfig
 from stages.tasks.api import Observation
 
 Float = NDArray[np.float32]
-ROBOMIMIC_GYM = 2  # robomimic's EnvType.GYM_TYPE
 
 
 @dataclass
@@ -66,7 +65,7 @@ def write_episodes(path: Path, header: StoreHeader, episodes: Sequence[RecordedE
     first = episodes[0]
     env_args = {
         "env_name": header.environment,
-        "type": ROBOMIMIC_GYM,
+        "type": 2,  # robomimic's EnvType.GYM_TYPE
         "env_kwargs": {"asset": first.asset, "joint": first.joint, "size": list(first.size)},
     }
     with atomic(path) as temporary, h5py.File(temporary, "w", track_order=True) as file:

@@ -26,7 +26,6 @@ ARMATURE = 0.1  # kg m^2 of the motors of the arm and kg of the fingers', as in 
 ARM_FORCE = (87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0)  # N m: the robot's data sheet
 FINGER_GAIN, FINGER_FORCE = 5000.0, 70.0  # N / m; N: the data sheet's continuous grasp
 STIFF = (0.004, 1.0)  # solref of what must not give way: the fingers' limits, and that both move alike
-PAD_FRICTION = 1.0  # of the rubber of the finger tips
 ARM_JOINTS = tuple(f"panda_joint{number}" for number in range(1, 8))
 FINGER_JOINTS = ("panda_finger_joint1", "panda_finger_joint2")
 CAMERA, ROBOT, MODEL = "shoulder", "robot/", "model/object/"  # names: of the camera, and what bodies' begin with
@@ -41,7 +40,7 @@ def robot_spec() -> Any:
     for geom in spec.geoms:
         geom.contype, geom.conaffinity = ROBOT_BIT, MODEL_BIT
         if "finger" in geom.parent.name:
-            geom.friction = [PAD_FRICTION, 0.005, 0.0001]
+            geom.friction = [1.0, 0.005, 0.0001]  # the tips are of rubber
             geom.condim = 4
     drives = [*zip(ARM_JOINTS, ARM_GAINS, ARM_FORCE, strict=True)]
     drives += [(name, FINGER_GAIN, FINGER_FORCE) for name in FINGER_JOINTS]

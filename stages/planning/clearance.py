@@ -36,16 +36,15 @@ class Surroundings:
 
     Args:
         target: the object's joint, its meshes in the asset frame with all joints closed.
-        obstacles: (N, 3) points on what else stands about and does not move, asset frame.
     """
 
-    def __init__(self, target: Target, obstacles: Array | None = None) -> None:
+    def __init__(self, target: Target) -> None:
         self.target = target
         self._moving, self._fixed = (_tree(solid_points(mesh)) for mesh in (target.moving, target.fixed))
-        self._obstacles = _tree(obstacles)
+        self._obstacles: cKDTree | None = None
 
-    def beside(self, obstacles: Array | None) -> "Surroundings":
-        """The same object with other obstacles (N, 3), asset frame; its own surfaces are not sampled again."""
+    def beside(self, obstacles: Array) -> "Surroundings":
+        """The same object beside obstacles: points (N, 3) on what does not move, asset frame."""
         other = copy(self)
         other._obstacles = _tree(obstacles)
         return other
@@ -117,5 +116,5 @@ def _spheres(fingers: float | None, held: Array | None = None) -> Array:
     return np.concatenate(rows)
 
 
-def _tree(points: Array | None) -> cKDTree | None:
-    return cKDTree(points) if points is not None and len(points) else None
+def _tree(points: Array) -> cKDTree | None:
+    return cKDTree(points) if len(points) else None

@@ -54,13 +54,8 @@ def _cabinet(p: CabinetRecipe, size: Size) -> Model:
     inner_y, inner_z = (-half + GAP, half - GAP), (z[0] + GAP, z[1] - GAP)
     if p.inset_front:  # the carcass shows around the fronts
         inner_y, inner_z = (-half + board, half - board), (z[0] + board, z[1] - board)
-    weights: dict[CellKind, float] = {
-        "door": 1.0,
-        "flap": 1.0,
-        "drawer": p.drawer_weight,
-        "open": p.open_weight,
-        "panel": p.panel_weight,
-    }
+    weights: dict[CellKind, float] = {"door": 1.0, "flap": 1.0, "drawer": p.drawer_weight}
+    weights |= {"open": p.open_weight, "panel": p.panel_weight}
     grid = cells(p.layout, p.major, inner_y, inner_z, weights, p.hinge, p.column_weights)
     moving: list[Moving] = []
     for cell in grid:
@@ -139,13 +134,8 @@ def _dividers(
     inside = (x[0] + 0.008, x[1])
     low_y, high_y = max(cell.y[0], y[0] + board), min(cell.y[1], y[1] - board)
     if cell.y[0] > y[0] + 1e-6:
-        meshes.append(
-            box(
-                inside,
-                (cell.y[0] - thin / 2, cell.y[0] + thin / 2),
-                (max(cell.z[0], z[0] + board), min(cell.z[1], z[1] - board)),
-            )
-        )
+        upright = (max(cell.z[0], z[0] + board), min(cell.z[1], z[1] - board))
+        meshes.append(box(inside, (cell.y[0] - thin / 2, cell.y[0] + thin / 2), upright))
         low_y = cell.y[0] + thin / 2
     if cell.z[0] > z[0] + 1e-6:
         meshes.append(box(inside, (low_y, high_y), (cell.z[0] - thin / 2, cell.z[0] + thin / 2)))

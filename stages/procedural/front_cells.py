@@ -34,13 +34,11 @@ def cells(
     """
     found = []
     if major == "columns":
-        widths = column_weights or [1.0] * len(layout)
+        widths, doors = column_weights or [1.0] * len(layout), ["door" in column for column in layout]
         for index, (column, across) in enumerate(zip(layout, _split(y, widths), strict=True)):
             heights = _split((z[1], z[0]), [weights[kind] for kind in column])
             for kind, (top, bottom) in zip(column, heights, strict=True):
-                found.append(
-                    FrontCell(kind, across, (bottom, top), _hinge(["door" in line for line in layout], index, hinge))
-                )
+                found.append(FrontCell(kind, across, (bottom, top), _hinge(doors, index, hinge)))
         return found
     heights = _split((z[1], z[0]), [max(weights[kind] for kind in row) for row in layout])
     for row, (top, bottom) in zip(layout, heights, strict=True):

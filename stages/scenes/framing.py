@@ -9,15 +9,13 @@ from stages.geometry.cameras import intrinsics_from_fov, look_at, project
 from stages.geometry.frames import apply, inverse
 
 Matrix = NDArray[np.float64]
-DISTANCES = (1.0, 30.0)  # metres
-AIM_STEPS = 8
 
 
 def _aimed(eye: Matrix, points: Matrix, intrinsics: Matrix) -> Matrix:
     """`world_from_camera` at `eye` that has the points' picture in its centre."""
     target = points.mean(axis=0)
     centre = intrinsics[:2, 2]
-    for _ in range(AIM_STEPS):
+    for _ in range(8):
         world_from_camera = look_at(eye, target)
         pixels = project(apply(inverse(world_from_camera), points), intrinsics)
         if not np.isfinite(pixels).all():
@@ -56,4 +54,4 @@ def frame(points: Matrix, stand: CameraStand, width: int, height: int, margin: f
         size = np.array([width - 1, height - 1])
         return float(np.abs(pixels / size - 0.5).max() - (0.5 - margin))
 
-    return intrinsics, pose(float(brentq(excess, *DISTANCES, xtol=1e-4)))
+    return intrinsics, pose(float(brentq(excess, a=1.0, b=30.0, xtol=1e-4)))

@@ -1,7 +1,6 @@
 """End-effector pose controller: delta pose in the robot base axes, damped-least-squares IK, joint PD drives."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import torch
@@ -10,9 +9,6 @@ from scipy.spatial.transform import Rotation
 
 from stages.simulation import kinematics
 from stages.simulation.kinematics import Array, Chain
-
-if TYPE_CHECKING:
-    from mani_skill.utils.structs import Pose
 
 
 def apply_delta(pose: Array, delta: Array) -> Array:
@@ -62,10 +58,6 @@ class PDEEPoseDLS(PDEEPoseController):
 
     def _measured(self) -> Array:
         return self.qpos.cpu().numpy().astype(np.float64)
-
-    def compute_target_pose(self, prev_ee_pose_at_base: "Pose", action: Any) -> "Pose":
-        """Unused: targets are computed in joint space."""
-        return prev_ee_pose_at_base
 
 
 @dataclass

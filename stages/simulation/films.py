@@ -13,8 +13,6 @@ from stages.contracts.files import atomic, write_json
 from stages.contracts.films import Film, Films
 from stages.simulation.studio import Image, evenly
 
-HOLD = 1200  # milliseconds for which the last picture stays
-QUALITY = 75
 FRAMES, SIZE = 8, 192  # pictures on a strip, and their width in pixels
 
 
@@ -31,8 +29,8 @@ def write_films(out: Path, films: Sequence[tuple[Film, Sequence[Image]]], contro
             images = [Pillow.fromarray(picture) for picture in pictures]
             step = round(1000 * film.steps / control_frequency / max(len(images) - 1, 1))
             images[0].save(
-                Path(folder, film.file), "WEBP", save_all=True, append_images=images[1:], quality=QUALITY, method=4,
-                loop=0, duration=[max(step, 20)] * (len(images) - 1) + [HOLD],
+                Path(folder, film.file), "WEBP", save_all=True, append_images=images[1:], quality=75, method=4,
+                loop=0, duration=[max(step, 20)] * (len(images) - 1) + [1200],  # milliseconds
             )  # fmt: skip
         write_json(Path(folder, "films.json"), Films(films=[film for film, _ in films]))
         pack(Path(folder), out)

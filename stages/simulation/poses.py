@@ -10,9 +10,5 @@ from stages.simulation.kinematics import Array
 
 def to_poses(matrices: Array) -> Pose:
     """(N, 4, 4) -> a batched pose."""
-    return Pose.create(torch.as_tensor(np.stack([_raw(m) for m in matrices]), dtype=torch.float32))
-
-
-def _raw(matrix: Array) -> Array:
-    pose = sapien.Pose(matrix)
-    return np.concatenate([pose.p, pose.q])
+    raw = [np.concatenate([pose.p, pose.q]) for pose in map(sapien.Pose, matrices)]
+    return Pose.create(torch.as_tensor(np.stack(raw), dtype=torch.float32))

@@ -41,7 +41,6 @@ class RenderedImage:
 
 
 def make_scene(
-    timestep: float = 0.01,
     shadows: bool = True,
     light: Sequence[float] = (-0.5, -0.6, -1.0),
     shaded: tuple[Sequence[float], float] = ((0.0, 0.0, 0.0), SHADED),
@@ -64,7 +63,7 @@ def make_scene(
             "renderer", f"no Vulkan device ({error}).", "python -m stages.doctor", code="E-RENDERER-MISSING"
         ) from None
     scene = sapien.Scene([sapien.physx.PhysxCpuSystem(), renderer])
-    scene.timestep = timestep
+    scene.timestep = 0.01
     scene.set_ambient_light([0.42, 0.42, 0.44])
     key = np.asarray(light, dtype=float)
     center, radius = shaded
@@ -143,17 +142,6 @@ def _on_background(rgba: NDArray[np.uint8], seen: NDArray[np.bool_]) -> NDArray[
         seen, np.ascontiguousarray(rgba).view(np.uint32)[..., 0], background.round().astype("u1").view("u4")
     )
     return np.ascontiguousarray(pixels.view(np.uint8).reshape(rgba.shape)[..., :3])
-
-
-def render(
-    scene: sapien.Scene, intrinsics: ArrayLike, width: int, height: int, world_from_camera: ArrayLike
-) -> RenderedImage:
-    """One picture with a camera of its own; use `RenderCamera` for many."""
-    camera = RenderCamera(scene, intrinsics, width, height)
-    try:
-        return camera.render(world_from_camera)
-    finally:
-        camera.close()
 
 
 def add_block(

@@ -31,7 +31,6 @@ from stages.simulation.loading import load_asset, physics_scene, root_pose
 Array = NDArray[np.float64]
 Body: TypeAlias = PhysxArticulation | sapien.Entity
 AGAIN = "generate the scenes again"
-POINTS_PER_M2 = 8000  # a little more than a centimetre apart
 OBSTACLES_WITHIN = 1.6  # metres around the target within which furniture counts as an obstacle
 
 
@@ -131,7 +130,7 @@ def surface(body: Body, center: Array, reach: float) -> Array:
                 continue
             if len(mesh.vertices) == 8:  # a box: of walls and floors only what is near
                 mesh = trimesh.creation.box(bounds=[low, high])
-            count = int(mesh.area * POINTS_PER_M2) + 1
+            count = int(mesh.area * 8000) + 1  # a little more than a centimetre apart
             some = trimesh.sample.sample_surface(mesh, count, seed=np.random.default_rng(0))[0]
             points.append(apply(pose, some))
     near = np.concatenate(points)

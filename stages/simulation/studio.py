@@ -6,7 +6,6 @@ stock Panda has 135,000 triangles, too many for the policy's camera, which sees 
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import product
 from pathlib import Path
 from typing import TypeVar
 
@@ -15,6 +14,7 @@ import sapien
 from numpy.typing import NDArray
 from sapien.physx import PhysxArticulation
 from sapien.physx import PhysxArticulationLinkComponent as Link
+from trimesh.bounds import corners
 
 from stages.geometry.frames import rigid
 from stages.simulation.backdrop import FLOOR_COLOUR, WALL_COLOUR
@@ -30,7 +30,6 @@ T = TypeVar("T")
 WIDTH, HEIGHT = 360, 288
 FIELD_OF_VIEW = 0.7  # radians, across
 MARGIN = 1.06  # room around what moves
-LIGHT = (-0.65, -0.35, -1.0)  # onto the front of the asset, which faces +x
 AROUND = 0.2  # metres of a room that are shown about robot and asset
 
 
@@ -67,9 +66,13 @@ class Recording:
 
 
 class Studio:
-    """Renders recordings; made once per process, as the first picture of a scene takes seconds."""
+    """Renders recordings; made once per process, as the first picture of a scene takes seconds.
 
-    def __init__(self, light: Sequence[float] = LIGHT) -> None:
+    Args:
+        light: direction in which the key light shines; usually onto the front of the asset, which faces +x.
+    """
+
+    def __init__(self, light: Sequence[float] = (-0.65, -0.35, -1.0)) -> None:
         self.scene = make_scene(light=light)
         loader = self.scene.create_urdf_loader()
         loader.fix_root_link = True
@@ -91,11 +94,11 @@ class Studio:
         feet = [_bounds(asset.links), _bounds(self.robot.links[:1])]
         low = min(bounds[0, 2] for bounds in feet)
         about = self._in_room(recording.room, feet[1]) if recording.room else self._alone(feet, low)
-        corners = [] if recording.room else [_corners(np.array([[*box[0, :2], low], box[1]])) for box in feet]
+        seen = [] if recording.room else [corners(np.array([[*box[0, :2], low], box[1]])) for box in feet]
         for moment in moments:
             self._put(asset, props, moment)
-            corners += [_corners(_bounds([link])) for body in (asset, self.robot) for link in _solid(body.links)]
-        world_from_camera = self._view(recording, asset, np.concatenate(corners))
+            seen += [corners(_bounds([link])) for body in (asset, self.robot) for link in _solid(body.links)]
+        world_from_camera = self._view(recording, asset, np.concatenate(seen))
         pictures = []
         for moment in moments:
             self._put(asset, props, moment)
@@ -134,7 +137,7 @@ class Studio:
         turn = recording.room.world_from_nominal[:3, :3]
         scales = [np.array([x, y, z]) for z in (1.0, 1.8) for y in (1, -1) for x in (1, 2.5)]
         directions = [turn @ (view_direction(recording.side) * scale) for scale in scales]
-        return max((frame_all(_corners(around), each / np.linalg.norm(each)) for each in directions), key=seen)
+        return max((frame_all(corners(around), each / np.linalg.norm(each)) for each in directions), key=seen)
 
     def _put(self, asset: PhysxArticulation, props: Sequence[Body], moment: Moment) -> None:
         for prop, place in zip(props, moment.props, strict=True):
@@ -186,11 +189,6 @@ def _bounds(links: Sequence[Link]) -> Array:
     """(2, 3) lowest and highest corner of a box around links, in the world."""
     boxes = np.array([link.get_global_aabb_fast() for link in _solid(links)])  # the tight ones err on stretched hulls
     return np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
-
-
-def _corners(bounds: Array) -> Array:
-    """(8, 3) corners of a box."""
-    return np.array([[bounds[i, 0], bounds[j, 1], bounds[k, 2]] for i, j, k in product((0, 1), repeat=3)])
 
 
 def _plinth(scene: sapien.Scene, bounds: Array, floor: float) -> sapien.Entity:

@@ -11,8 +11,6 @@ from stages.simulation.target import Target
 from stages.skills.attempts import RetryingSkill
 from stages.skills.motion import CLOSED, LOST, OPEN, Motion, Stall
 
-GENTLE = 3  # steps until the pull of a flap has its full speed: being heavy it would stay behind, and leave the fingers
-
 
 class ArticulateSkill(RetryingSkill):
     """Moves the target joint of a task, by its handle, as far as a subclass says; tries again while there is time."""
@@ -67,7 +65,8 @@ class ArticulateSkill(RetryingSkill):
 
     def _articulate(self, motion: Motion, path: Array) -> str:
         """Along the path of the handle until the joint has moved far enough."""
-        before, pace, full = self.task.opened, 0, GENTLE if self.task.env.target.flap else 1
+        # A flap is heavy: were it pulled at full speed from the first step, it would stay behind and leave the fingers.
+        before, pace, full = self.task.opened, 0, 3 if self.task.env.target.flap else 1
         pursuit, stall = Pursuit(path, self.options.articulate_lookahead / full), Stall(0.003)
 
         def watch(hand: Array) -> str:

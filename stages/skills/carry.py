@@ -13,7 +13,6 @@ from stages.skills.attempts import RetryingSkill
 from stages.skills.motion import LOST, OPEN, Motion
 from stages.tasks.movable import Movable
 
-HELD_POINTS = 60  # spheres on a held object
 CANDIDATES = 128  # of grasps and plans that are tried
 
 
@@ -26,7 +25,7 @@ def shifted(pose: Array, by: Array) -> Array:
 
 def held_spheres(mesh: trimesh.Trimesh, hand_from_object: Array) -> Array:
     """(M, 4) centre in the tool frame and radius of spheres on an object that the hand holds."""
-    points = apply(hand_from_object, surface_points(mesh, HELD_POINTS))
+    points = apply(hand_from_object, surface_points(mesh, 60))
     return np.column_stack([points, np.full(len(points), MARGIN)])
 
 

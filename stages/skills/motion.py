@@ -53,14 +53,14 @@ class Motion:
         """Whether the fingers are closed on nothing."""
         return self.fingers < EMPTY
 
-    def step(self, aim: Array, gripper: float, noisy: bool = True, ahead: float = FAR) -> None:
+    def step(self, aim: Array, gripper: float, ahead: float = FAR) -> None:
         """One action towards `aim` (4, 4), base frame, scaled to the limits of a step without turning aside."""
         options = self.task.options
         delta = pose_error(aim[None], self.task.reference()[None])[0]
         action = np.concatenate([delta[:3] / options.position_step, delta[3:] / options.rotation_step])
         largest = max(np.abs(action[:3]).max(), np.linalg.norm(action[3:]))
         action = action / max(1.0, largest)
-        self.act(np.append(action, gripper).astype(np.float32), noisy, ahead)
+        self.act(np.append(action, gripper).astype(np.float32), True, ahead)
 
     def hold(self, gripper: float, steps: int) -> bool:
         """Stand still while the gripper moves; False if time runs out."""
@@ -130,12 +130,12 @@ class Motion:
         word = self.follow(pursuit, gripper, arriving, grasping)
         return "" if word == "arrived" else word, pursuit
 
-    def retreat(self, length: float, gripper: float = OPEN) -> str:
+    def retreat(self, length: float) -> str:
         """Back off by `length` metres along the fingers and open them; '', 'stall' or 'timeout'."""
         start = self.task.hand()
         end = start.copy()
         end[:3, 3] -= length * start[:3, 2]
-        word, _ = self.reach(straight(start, end), length, gripper)
-        while gripper == OPEN and not self.open and not self.out_of_time:
+        word, _ = self.reach(straight(start, end), length, OPEN)
+        while not self.open and not self.out_of_time:
             self.hold(OPEN, 1)
         return word

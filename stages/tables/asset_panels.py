@@ -12,9 +12,6 @@ from stages.tables.cells import rates
 from stages.tables.drawing import MARKERS, colour, draw_rates, mark_not_run, rate_axis
 from stages.tables.order import SKILL, set_key, title
 
-THIRDS = 3  # of the assets along an axis, each with an interval
-
-
 AXES = {"dino_distance": "distance from the twin", "handle_length": "length of the handle (m)"}
 
 
@@ -37,7 +34,7 @@ def thirds(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
     for axis in AXES:
         for _, part in found.groupby("task"):
             places = part.drop_duplicates("asset").set_index("asset")[axis]
-            third = (places.rank() * THIRDS / len(places)).apply(np.ceil)  # alike assets are in one third
+            third = (places.rank() * 3 / len(places)).apply(np.ceil)  # alike assets are in one third
             median = places.groupby(third.to_numpy()).transform("median")
             part = part.assign(axis=axis, place=part["asset"].map(median))
             rows.append(rates(part, ["task", "training_set", "axis", "place"], options))

@@ -293,8 +293,7 @@ class OpenTaskEnv(BaseEnv):
         base = self.agent.robot.pose.sp.to_transformation_matrix()
         return apply(inverse(base), np.concatenate(list(self.room.obstacles.values())))
 
-    def base_from_asset(self, index: int = 0) -> Array:
-        """(4, 4) pose of the asset's root in the robot base frame."""
-        base = self.agent.robot.pose.sp if self.num_envs == 1 else self.agent.robot.pose[index].sp
-        root = self.object.pose.sp if self.num_envs == 1 else self.object.pose[index].sp
+    def base_from_asset(self) -> Array:
+        """(4, 4) pose of the asset's root in the robot base frame, in the first environment."""
+        base, root = self.agent.robot.pose[0].sp, self.object.pose[0].sp
         return np.asarray(inverse(base.to_transformation_matrix()) @ root.to_transformation_matrix(), dtype=float)

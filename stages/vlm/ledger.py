@@ -1,7 +1,6 @@
 """The ledger: one JSON file per question and model, named by what was asked. What is in it is never asked again."""
 
 import fcntl
-import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -69,7 +68,7 @@ class Ledger:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self._seen: dict[str, tuple[tuple[int, int], Spent]] = {}
+        self._seen: dict[Path, tuple[tuple[int, int], Spent]] = {}
 
     def find(self, key: str) -> Entry | None:
         """The entry of a key.
@@ -101,25 +100,21 @@ class Ledger:
         """File of a key."""
         return self.folder / f"{key}.json"
 
+    def _paths(self) -> list[Path]:
+        return sorted(self.folder.glob("[0-9a-f]*.json"))
+
     def entries(self) -> Iterator[Entry]:
         """All entries, by key."""
-        for path in sorted(self.folder.glob("[0-9a-f]*.json")):
+        for path in self._paths():
             yield read_json(Entry, path, AGAIN)
 
     def spent(self) -> Spent:
         """Sums over the whole ledger; files that did not change are not read again."""
-        if not self.folder.is_dir():
-            return Spent(0, 0.0)
-        with os.scandir(self.folder) as files:
-            found = sorted((file.name, file.stat()) for file in files if _is_entry(file.name))
-        for name, stat in found:
-            stamp = (stat.st_mtime_ns, stat.st_size)
-            if name not in self._seen or self._seen[name][0] != stamp:
-                entry = read_json(Entry, self.folder / name, AGAIN)
-                self._seen[name] = (stamp, Spent(entry.requests, entry.cost))
-        sums = [self._seen[name][1] for name, _ in found]
+        paths = self._paths()
+        for path in paths:
+            stamp = (path.stat().st_mtime_ns, path.stat().st_size)
+            if path not in self._seen or self._seen[path][0] != stamp:
+                entry = read_json(Entry, path, AGAIN)
+                self._seen[path] = (stamp, Spent(entry.requests, entry.cost))
+        sums = [self._seen[path][1] for path in paths]
         return Spent(sum(one.requests for one in sums), sum(one.cost for one in sums))
-
-
-def _is_entry(name: str) -> bool:
-    return name.endswith(".json") and not name.startswith(".")

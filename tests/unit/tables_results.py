@@ -280,9 +280,9 @@ def write_run(root: Path) -> Path:
         path = root / "benchmarks" / f"{name}.tsv"
         path.parent.mkdir(parents=True)
         path.write_text(header + f"{seconds}\t0:01:01\t{memory}\t1\t1\t1\t0\t0\t90\t{seconds * 0.9}\n")
-    short = root / "benchmarks" / "tables" / "tables.jsonl"
+    short = root / "benchmarks" / "tables" / "tables.tsv"
     short.parent.mkdir()
-    short.write_text('{"s": 0.4, "max_rss": "NA", "cpu_time": "NA"}\n')
+    short.write_text(f"{header}0.4\t0:00:00\tNA\tNA\tNA\tNA\tNA\tNA\tNA\tNA\n")
     return root
 
 

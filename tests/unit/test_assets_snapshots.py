@@ -19,7 +19,7 @@ from stages.geometry.cameras import back_project, intrinsics_from_fov, look_at
 from stages.geometry.frames import apply
 from stages.simulation import shaders
 from stages.simulation.loading import load_asset, root_pose
-from stages.simulation.rendering import RenderCamera, add_block, instance_id, make_scene, render
+from stages.simulation.rendering import RenderCamera, add_block, instance_id, make_scene
 from stages.simulation.shaders import skyless
 
 OPTIONS = json.dumps({"n_snap": 4, "image_size": 96})
@@ -137,7 +137,7 @@ def test_depth_and_ids_of_a_room(tmp_path: Path) -> None:
         bodies[asset.id] = load_asset(scene, tmp_path / asset.id, root_pose(asset, center, 0.2), True, asset.id)
     k = intrinsics_from_fov(160, 120, 0.8)
     pose = look_at((4.0, 0.3, 1.8), (0.0, 0.0, 0.4))
-    picture = render(scene, k, 160, 120, pose)
+    picture = RenderCamera(scene, k, 160, 120).render(pose)
     ids = {instance_id(body) for body in bodies.values()} | {instance_id(floor)}
     assert ids <= set(np.unique(picture.segmentation)) <= ids | {0}
     points = apply(pose, back_project(picture.depth, k))

@@ -275,7 +275,7 @@ def test_comparisons_must_name_a_room(tmp_path: Path) -> None:
 
 def test_benchmarks_by_stage(made: Path) -> None:
     root = made / "benchmarks"
-    jobs = read_jobs([*root.rglob("*.tsv"), *root.rglob("*.jsonl"), root / "assets" / "never_ran.tsv"], root)
+    jobs = read_jobs([*root.rglob("*.tsv"), root / "assets" / "never_ran.tsv"], root)
     rows = by_stage(jobs, ["matching", "assets"]).set_index("stage")
     assert list(rows.index) == ["matching", "assets", "tables", "total"]
     assert rows.loc["assets", "seconds"] == 61.5 and rows.loc["assets", "memory"] == 300.25

@@ -4,15 +4,14 @@ from stages.planning.articulation import opened_to
 from stages.simulation.target import Target
 from stages.skills.articulate import ArticulateSkill
 
-SPARE = 0.2  # radians kept to the joint limits where another skill follows: from a limit it finds no plan
-
 
 class OpenSkill(ArticulateSkill):
     """Opens the target joint of a task as it stands, somewhat further than success needs."""
 
     @property
     def spare(self) -> float:
-        return SPARE if len(self.task.task.skills) > 1 else 0.0
+        """Some where another skill follows: from a joint limit it finds no plan."""
+        return 0.2 if len(self.task.task.skills) > 1 else 0.0
 
     def goals(self, target: Target) -> tuple[float, ...]:
         return opened_to(target, self.task.success_opening, self.options.goal_margin)

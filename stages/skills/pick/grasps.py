@@ -14,7 +14,6 @@ from stages.simulation.kinematics import Array
 from stages.skills.carry import CANDIDATES
 from stages.skills.motion import EMPTY
 
-POINTS = 4000  # of an object's cloud
 LEAN = 0.6  # radians: between an approach and straight down, and between a contact's normal and the closing axis
 TURNS = 16  # approach directions tried about each closing axis
 
@@ -27,9 +26,9 @@ class ObjectCloud:
     normals: Array
 
 
-def object_cloud(mesh: trimesh.Trimesh, count: int = POINTS) -> ObjectCloud:
+def object_cloud(mesh: trimesh.Trimesh) -> ObjectCloud:
     """Points evenly over a closed surface; the same mesh gives the same points."""
-    points, faces = trimesh.sample.sample_surface(mesh, count, seed=0)
+    points, faces = trimesh.sample.sample_surface(mesh, 4000, seed=0)
     return ObjectCloud(np.asarray(points), np.asarray(mesh.face_normals[faces]))
 
 

@@ -1,6 +1,5 @@
 """Where the time went: the benchmark files that Snakemake wrote."""
 
-import json
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -20,7 +19,7 @@ def read_jobs(paths: Iterable[Path], root: Path) -> pd.DataFrame:
     A file that is not there is left out: Snakemake writes none for a job that ran before benchmarks were asked for.
 
     Args:
-        paths: .tsv or .jsonl files.
+        paths: .tsv files.
         root: a folder whose first level names the stage.
 
     Raises:
@@ -30,12 +29,11 @@ def read_jobs(paths: Iterable[Path], root: Path) -> pd.DataFrame:
     for path in sorted(path for path in set(paths) if path.is_file()):
         inner = path.relative_to(root)
         try:
-            if path.suffix == ".jsonl":
-                text = path.read_text(encoding="utf-8")
-                table = pd.DataFrame([json.loads(line) for line in text.splitlines()])
-            else:
-                table = pd.read_csv(path, sep="\t")
-            times = table[["s", "cpu_time", "max_rss"]].replace(["-", "NA"], float("nan")).astype(float)
+            times = (
+                pd.read_csv(path, sep="\t")[["s", "cpu_time", "max_rss"]]
+                .replace(["-", "NA"], float("nan"))
+                .astype(float)
+            )
         except (ValueError, KeyError) as error:
             what = f"is not a benchmark file of Snakemake ({error})."
             raise InputError(path, what, "delete it and run its rule again", "E-BENCHMARK") from None
