@@ -31,20 +31,16 @@ def founders(models: dict[str, Asset]) -> set[str]:
 
 def choose_models(
     room: Room, models: dict[str, Asset], free: set[str], rng: np.random.Generator, library: Path
-) -> list[Asset]:
-    """One model per item, all different.
+) -> dict[str, Asset]:
+    """One model per item, all different, by the item's name.
 
     Raises:
         InputError: no unused model is left for an item.
     """
-    chosen: list[Asset] = []
-    taken: set[str] = set()
+    chosen: dict[str, Asset] = {}
+    left = {name: asset for name, asset in models.items() if name in free}
     for item in room.items:
-        able = [
-            name
-            for name, asset in models.items()
-            if name in free and name not in taken and asset.category == item.category and item.model.fits(asset)
-        ]
+        able = [name for name, one in left.items() if one.category == item.category and item.model.fits(one)]
         if not able:
             raise InputError(
                 library,
@@ -52,9 +48,7 @@ def choose_models(
                 f"raise assets.counts.{item.category} (no model stands in two rooms)",
                 code="E-MODELS-SHORT",
             )
-        name = able[int(rng.integers(len(able)))]
-        taken.add(name)
-        chosen.append(models[name])
+        chosen[item.name] = left.pop(able[int(rng.integers(len(able)))])
     return chosen
 
 
@@ -95,7 +89,7 @@ def fitting(
     """The room with models of those `able` to play, by chance; None if no choice of many fits its layout."""
     for _ in range(ATTEMPTS):
         assets = choose_models(room, models, able, rng, library)
-        layout = arrange(room, {item.name: asset.size for item, asset in zip(room.items, assets, strict=True)})
+        layout = arrange(room, {name: asset.size for name, asset in assets.items()})
         if layout is not None:
-            return CastRoom(room, layout, {i.name: a for i, a in zip(room.items, assets, strict=True)})
+            return CastRoom(room, layout, assets)
     return None

@@ -39,14 +39,14 @@ def draw_room(room: Room, models: dict[str, Asset], seed: int, library: Path, op
     for attempt in range(ATTEMPTS):
         drawn = redrawn(room, rng, 1 - attempt / ATTEMPTS)
         assets = choose_models(drawn, models, founders(models), rng, library)
-        layout = arrange(drawn, {item.name: asset.size for item, asset in zip(drawn.items, assets, strict=True)})
+        layout = arrange(drawn, {name: asset.size for name, asset in assets.items()})
         if layout is None:
             continue
         boxes = [standing.box for standing in layout.standing.values()]
         points = np.concatenate([corners(box) for box in boxes])
         camera = frame(points, drawn.camera, options.width, options.height, options.margin)
         if all_seen(boxes, *camera, options.width, options.height):
-            return CastRoom(drawn, layout, {i.name: a for i, a in zip(drawn.items, assets, strict=True)})
+            return CastRoom(drawn, layout, assets)
     raise InputError(
         library, f"{room.name}: no draw of models and places fits.", "change the seed", code="E-ROOM-LAYOUT"
     )
