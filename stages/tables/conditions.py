@@ -11,7 +11,7 @@ from stages.contracts.errors import InputError
 from stages.contracts.files import read_options
 from stages.contracts.policies import Rollout
 from stages.tables.assets import BASELINES
-from stages.tables.cells import CELL, gains, rates
+from stages.tables.cells import CELL, gains, in_order, rates
 from stages.tables.markup import Table
 from stages.tables.order import SKILL, title
 from stages.tables.rows import ONE_TEST, read_rows, records
@@ -67,10 +67,8 @@ def build(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
     table = rates(rollouts, by, options)
     differences = gains(rollouts, CELL, "condition", USUAL, options, same=True)[[*by, *ENDS]].rename(columns=ENDS)
     merged = table.merge(differences, "left", by)[COLUMNS]
-    usual = (merged["condition"] != USUAL).astype(int)
-    return merged.assign(order=usual).sort_values(
-        [*CELL, "order", "condition"], key=lambda column: _place(column, merged), ignore_index=True
-    )[COLUMNS]
+    usual_first = merged.sort_values("condition", key=lambda names: names.where(names != USUAL, ""))
+    return in_order(usual_first)
 
 
 def against_baselines(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
@@ -100,14 +98,6 @@ def baselines_table(table: pd.DataFrame) -> Table:
         headers=5,
         notes=["Both sides on the same assets from the same initial states."],
     )
-
-
-def _place(column: pd.Series, merged: pd.DataFrame) -> pd.Series:
-    """The order in which tasks, assets and sets stand in the table; conditions by name, the usual one first."""
-    if column.name not in CELL:
-        return column
-    places = {name: place for place, name in enumerate(dict.fromkeys(merged[str(column.name)]))}
-    return column.map(places)
 
 
 def conditions_table(table: pd.DataFrame) -> Table:
