@@ -166,17 +166,7 @@ class LibraryEntry(Contract):
     @classmethod
     def of(cls, asset: Asset, archive: str) -> "LibraryEntry":
         """The line of an asset in the zip file `archive`, relative to the index."""
-        return cls(
-            id=asset.id,
-            category=asset.category,
-            archive=archive,
-            doors=asset.doors,
-            drawers=asset.drawers,
-            panels=asset.panels,
-            size=asset.size,
-            placement=asset.placement,
-            checksum=asset.checksum,
-        )
+        return cls(archive=archive, **{name: getattr(asset, name) for name in set(cls.model_fields) - {"archive"}})
 
 
 class LibraryPart(Document):
