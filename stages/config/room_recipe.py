@@ -6,30 +6,30 @@ right; z is up. `along`, `x` and `y` are in metres before the room is stretched 
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, FiniteFloat, Tag, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
 
 from stages.contracts.library import Asset
+from stages.contracts.look import Colour
+from stages.contracts.section import Positive, ordered
 
 WallName = Literal["back", "left", "right"]
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-Range = tuple[FiniteFloat, FiniteFloat]
-Channel = Annotated[float, Field(ge=0, le=1)]
-Colour = tuple[Channel, Channel, Channel]
+Range = Annotated[tuple[float, float], AfterValidator(ordered)]
+Counts = Annotated[tuple[int, int], AfterValidator(ordered)]
 ANY: Range = (0.0, 99.0)
 
 
 class RecipePart(BaseModel):
-    """A part of a recipe; an unknown key is an error."""
+    """A part of a recipe; unknown keys, NaN and infinity are errors."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
 
 class Against(RecipePart):
     """On the floor, its back to a wall, at y (back wall) or x (side walls) = `along`."""
 
     against: WallName
-    along: FiniteFloat
-    gap: FiniteFloat = 0.015
+    along: float
+    gap: float = 0.015
 
 
 class Beside(RecipePart):
@@ -37,14 +37,14 @@ class Beside(RecipePart):
 
     beside: str
     side: Literal["right", "left"]
-    gap: FiniteFloat = 0.02
+    gap: float = 0.02
 
 
 class Floor(RecipePart):
     """Free on the floor at (x, y); yaw 0 looks at the viewer, degrees, counter-clockwise from above."""
 
-    floor: tuple[FiniteFloat, FiniteFloat]
-    yaw: FiniteFloat = 0.0
+    floor: tuple[float, float]
+    yaw: float = 0.0
 
 
 class On(RecipePart):
@@ -53,14 +53,14 @@ class On(RecipePart):
     on_top: str
     forward: Annotated[float, Field(ge=-1, le=1)] = 0.0
     right: Annotated[float, Field(ge=-1, le=1)] = 0.0
-    yaw: FiniteFloat = 0.0
+    yaw: float = 0.0
 
 
 class Hung(RecipePart):
     """Fixed to a wall, the centre of its box at height `z`."""
 
     hung: WallName
-    along: FiniteFloat
+    along: float
     z: Positive
 
 
@@ -86,21 +86,13 @@ Place = Annotated[
 class ModelConstraints(RecipePart):
     """What a model must be like to play an item: counts, and extents of its closed box in metres."""
 
-    doors: tuple[int, int] = (0, 99)
-    drawers: tuple[int, int] = (0, 99)
+    doors: Counts = (0, 99)
+    drawers: Counts = (0, 99)
     depth: Range = ANY
     width: Range = ANY
     height: Range = ANY
     handles: tuple[str, ...] = Field((), description="every door and drawer has one of these; (): any")
     door_width: Range = Field(ANY, description="width / doors")
-
-    @model_validator(mode="after")
-    def _ordered(self) -> "ModelConstraints":
-        for name in ("doors", "drawers", "depth", "width", "height", "door_width"):
-            low, high = getattr(self, name)
-            if low > high:
-                raise ValueError(f"{name} runs from {low} down to {high}")
-        return self
 
     def text(self) -> str:
         """The constraints that are set, for messages."""

@@ -18,7 +18,8 @@ class Section(BaseModel):
 OWN: Any = Field({}, description="Options of implementations of your own, by their name; handed on as they are.")
 
 
-def _ordered(span: tuple[float, float]) -> tuple[float, float]:
+def ordered(span: tuple[float, float]) -> tuple[float, float]:
+    """Refuse a range whose upper bound comes first."""
     if span[0] > span[1]:
         raise ValueError(f"{span[0]:g} is above {span[1]:g}; write the lower one first")
     return span
@@ -26,7 +27,7 @@ def _ordered(span: tuple[float, float]) -> tuple[float, float]:
 
 Positive = Annotated[float, Field(gt=0)]
 NotNegative = Annotated[float, Field(ge=0)]
-Range = Annotated[tuple[Positive, Positive], AfterValidator(_ordered)]  # the lower bound first
+Range = Annotated[tuple[Positive, Positive], AfterValidator(ordered)]  # the lower bound first
 Count = Annotated[int, Field(ge=0)]
 Seed = Annotated[int, Field(ge=0, lt=2**53)]  # what JSON and tables hold exactly
 Rank = Annotated[int, Field(ge=1)]

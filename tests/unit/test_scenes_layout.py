@@ -229,7 +229,7 @@ def test_a_room_is_read_from_yaml(tmp_path: Path) -> None:
         (["items", 0, "place", "against"], "right", "'chest' is at the right wall, which is not one of walls"),
         (["items", 1, "place", "on_top"], "table", "'lamp' refers to 'table', which is no item before it"),
         (["items", 1, "name"], "chest", "two items are called 'chest'"),
-        (["items", 0, "model", "width"], [2, 1], "width runs from 2.0 down to 1.0"),
+        (["items", 0, "model", "width"], [2, 1], "items.0.model.width: 2 is above 1"),
         (["items", 2, "place"], {"beside": "lamp", "side": "left"}, "'lamp', which does not stand at a wall"),
         (["name"], "cellar", "its name is that of the file"),
     ],
