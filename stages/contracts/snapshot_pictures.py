@@ -11,6 +11,7 @@ from PIL import Image
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json
 from stages.contracts.library import SnapshotShard
+from stages.geometry.frames import angle_difference
 
 MARGIN = 0.06  # of the larger side, around the asset
 
@@ -34,9 +35,8 @@ class Snapshots:
             return None
         path, index, shard = self._places[asset]
         view = len(shard.yaws)
-        if yaw is not None and shard.yaws:
-            turns = np.abs((np.asarray(shard.yaws) - yaw + np.pi) % (2 * np.pi) - np.pi)
-            view = int(turns.argmin())
+        if yaw is not None:
+            view = int(np.argmin([angle_difference(each, yaw) for each in shard.yaws]))
         try:
             with h5py.File(path) as file:
                 rgb, depth = file["rgb"][index, view], file["depth"][index, view]

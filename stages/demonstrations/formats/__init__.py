@@ -4,7 +4,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import h5py
 import numpy as np
 from numpy.typing import NDArray
 
@@ -28,7 +27,5 @@ def demonstrations(paths: Sequence[Path]) -> Iterator[Demonstration]:
     """All episodes of some stores, in order."""
     for path in paths:
         store = read_episodes(path)
-        with h5py.File(path, "r") as file:
-            for index, (clouds, proprio, actions) in enumerate(store.episodes):
-                asset = str(file[f"data/demo_{index}"].attrs.get("asset", store.asset))
-                yield Demonstration(store, asset, clouds, proprio, actions)
+        for asset, (clouds, proprio, actions) in zip(store.assets, store.episodes, strict=True):
+            yield Demonstration(store, asset, clouds, proprio, actions)

@@ -20,11 +20,11 @@ def write(stores: Sequence[Path], out: Path, library: Path | None) -> None:
     with atomic(out / "demonstrations.hdf5") as temporary, h5py.File(temporary, "w", track_order=True) as file:
         data = file.create_group("data", track_order=True)
         for path in stores:
-            count = len(read_episodes(path).episodes)  # refuses what is broken
+            assets = read_episodes(path).assets  # refuses what is broken
             with h5py.File(path, "r") as source:
                 for key, value in source["data"].attrs.items():
                     data.attrs.setdefault(key, value)
-                for index in range(count):
+                for index, asset in enumerate(assets):
                     number = len(data)
                     source.copy(source[f"data/demo_{index}"], data, name=f"demo_{number}")
                     demo = data[f"demo_{number}"]
@@ -34,7 +34,6 @@ def write(stores: Sequence[Path], out: Path, library: Path | None) -> None:
                             demo.create_dataset(name, data=last.astype(dtype), track_times=False)
                     demo.attrs["num_samples"] = len(last)
                     total += len(last)
-                    asset = str(demo.attrs.get("asset", source["data"].attrs["asset"]))
                     for mask in ("valid" if number % VALIDATION == VALIDATION - 1 else "train", asset):
                         masks[mask].append(f"demo_{number}")
         data.attrs["total"] = total
