@@ -2,9 +2,11 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from stages.contracts.cousins import Cousins, ObjectCousins
 from stages.contracts.doubts import doubts
+from stages.contracts.files import read_json
 from stages.contracts.generated import GeneratedScene, PlacedObject
 from stages.contracts.objects import Objects, SceneObject
 
@@ -17,6 +19,15 @@ class Findings:
     cousins: Cousins | None = None
     scenes: list[GeneratedScene] = field(default_factory=list)
 
+    @classmethod
+    def read(cls, objects: Path | None, cousins: Path | None, scenes: Iterable[Path]) -> "Findings":
+        """Of the files that are there."""
+        return cls(
+            read_json(Objects, objects) if objects else None,
+            read_json(Cousins, cousins) if cousins else None,
+            [read_json(GeneratedScene, path) for path in scenes],
+        )
+
     @property
     def seen(self) -> dict[str, SceneObject]:
         """Objects of the picture, by id."""
@@ -26,6 +37,12 @@ class Findings:
     def placed(self) -> dict[str, PlacedObject]:
         """Objects of the scene of rank 1, by id."""
         return {item.id: item for item in self.scenes[0].objects} if self.scenes else {}
+
+    @property
+    def matched(self) -> list[tuple[ObjectCousins, SceneObject]]:
+        """Objects that have cousins."""
+        seen, matched = self.seen, self.cousins.objects if self.cousins else []
+        return [(entry, seen[entry.id]) for entry in matched if entry.status == "ok" and entry.id in seen]
 
     def failures(self) -> dict[str, tuple[str, str]]:
         """Object -> the stage where it failed first, and why."""
@@ -41,12 +58,8 @@ class Findings:
 
     def doubts(self) -> list[tuple[str, str]]:
         """Object and what is uncertain about it."""
-        if self.objects is None or self.cousins is None:
+        if self.objects is None:
             return []
-        seen, placed = self.seen, self.placed
-        matched = [entry for entry in self.cousins.objects if entry.status == "ok" and entry.id in seen]
-        return [
-            (entry.id, doubt)
-            for entry in matched
-            for doubt in doubts(entry, seen[entry.id], placed.get(entry.id), self.objects)
-        ]
+        placed, objects = self.placed, self.objects
+        found = {entry.id: doubts(entry, item, placed.get(entry.id), objects) for entry, item in self.matched}
+        return [(name, doubt) for name, each in found.items() for doubt in each]

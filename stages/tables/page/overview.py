@@ -7,10 +7,6 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from stages.contracts.cousins import Cousins
-from stages.contracts.files import read_json
-from stages.contracts.generated import GeneratedScene
-from stages.contracts.objects import Objects
 from stages.tables.order import natural
 from stages.tables.page.findings import Findings
 from stages.tables.text import NOT_RUN
@@ -80,16 +76,9 @@ def row(scene: str, layout: Layout) -> SceneRow:
             failures.append(Failure("", stage, _last_line(logs)))
             break
         done[stage] = path
-    scenes = (
-        sorted(done["generation"].parent.glob("scene_*.json"), key=lambda path: natural(path.name))
-        if "generation" in done
-        else []
-    )
-    found = Findings(
-        read_json(Objects, done["extraction"]) if "extraction" in done else None,
-        read_json(Cousins, done["matching"]) if "matching" in done else None,
-        [read_json(GeneratedScene, path) for path in scenes],
-    )
+    scenes = done["generation"].parent.glob("scene_*.json") if "generation" in done else []
+    in_order = sorted(scenes, key=lambda path: natural(path.name))
+    found = Findings.read(done.get("extraction"), done.get("matching"), in_order)
     failures += [Failure(about, stage, reason) for about, (stage, reason) in found.failures().items()]
     checks = [made.plausibility for made in found.scenes if made.plausibility]
     return SceneRow(

@@ -127,13 +127,10 @@ def origins(files: RunFiles, name: str) -> dict[str, Made]:
 
 
 def _findings(files: RunFiles, name: str, variant: str) -> Findings:
-    objects = files.one(f"extraction/{name}/objects.json")
-    cousins = files.one(f"matching/{variant}/{name}/cousins.json")
-    scenes = files.all(f"generation/{variant}/{name}/scene_*.json")
-    return Findings(
-        read_json(Objects, objects) if objects else None,
-        read_json(Cousins, cousins) if cousins else None,
-        [read_json(GeneratedScene, path) for path in scenes],
+    return Findings.read(
+        files.one(f"extraction/{name}/objects.json"),
+        files.one(f"matching/{variant}/{name}/cousins.json"),
+        files.all(f"generation/{variant}/{name}/scene_*.json"),
     )
 
 
@@ -143,9 +140,8 @@ def _reconstruction(
     cousins, folder, image = found.cousins, f"generation/{variant}/{name}", files.images.get(name)
     matches = []
     if cousins and found.objects:
-        evidence, seen = _evidence(files, name, found, image), found.seen
-        matched = [entry for entry in cousins.objects if entry.status == "ok" and entry.id in seen]
-        matches = [match(entry, seen[entry.id], evidence, album, snapshots) for entry in matched]
+        evidence = _evidence(files, name, found, image)
+        matches = [match(entry, item, evidence, album, snapshots) for entry, item in found.matched]
     alt, view = f"Reconstruction of {title(name)} from cousins of rank", files.one(f"{folder}/view.glb")
     return Reconstruction(
         variant=variant,
