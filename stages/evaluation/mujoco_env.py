@@ -41,6 +41,9 @@ from stages.tasks.cameras import shoulder
 from stages.tasks.initial_state import nominal_root, sample_initial_state, sampled_scale
 from stages.tasks.observation import CameraRig, Observation
 
+SHOWN = np.array([1], np.int16)  # entity id of what the cloud shows; everything else has 0
+IK_STEPS, IK_ENOUGH = 20, 1e-4  # most steps of the inverse kinematics; radians of the last one
+
 
 class MujocoTaskEnv(TaskEnv):
     """A task on one asset, in MuJoCo. Its observations, actions, starts and success are those of `TaskEnv`."""
@@ -113,7 +116,7 @@ class MujocoTaskEnv(TaskEnv):
     def observe(self) -> Observation:
         """The observation of the present state."""
         pictures = [self._picture()[None]] if self.render else []
-        return self.rig.observation(self.joints(), pictures, np.array([1], np.int16), 0)
+        return self.rig.observation(self.joints(), pictures, SHOWN, 0)
 
     @property
     def success_opening(self) -> float:
@@ -210,7 +213,7 @@ class MujocoTaskEnv(TaskEnv):
         error = np.zeros(6)
         wanted, found, away = np.zeros(4), np.zeros(4), np.zeros(4)
         mujoco.mju_mat2Quat(wanted, world[:3, :3].ravel())
-        for _ in range(20):
+        for _ in range(IK_STEPS):
             data.qpos[self._arm] = joints
             mujoco.mj_kinematics(self.model, data)
             mujoco.mj_comPos(self.model, data)
@@ -224,7 +227,7 @@ class MujocoTaskEnv(TaskEnv):
             step = jacobian.T @ np.linalg.solve(jacobian @ jacobian.T + DAMPING**2 * np.eye(6), error)
             joints = joints + step * min(1.0, MAX_JOINT_STEP / max(np.abs(step).max(), 1e-9))
             joints = np.clip(joints, low + LIMIT_MARGIN, high - LIMIT_MARGIN)
-            if np.abs(step).max() < 1e-4:  # radians
+            if np.abs(step).max() < IK_ENOUGH:
                 break
         return joints
 

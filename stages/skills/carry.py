@@ -25,7 +25,7 @@ def shifted(pose: Array, by: Array) -> Array:
 
 def held_spheres(mesh: trimesh.Trimesh, hand_from_object: Array) -> Array:
     """(M, 4) centre in the tool frame and radius of spheres on an object that the hand holds."""
-    points = apply(hand_from_object, surface_points(mesh, 60))
+    points = apply(hand_from_object, surface_points(mesh, 60))  # as spheres
     return np.column_stack([points, np.full(len(points), MARGIN)])
 
 

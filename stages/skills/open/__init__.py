@@ -10,7 +10,7 @@ class OpenSkill(ArticulateSkill):
 
     @property
     def spare(self) -> float:
-        """Some where another skill follows: from a joint limit it finds no plan."""
+        """Radians; some where another skill follows: from a joint limit it finds no plan."""
         return 0.2 if len(self.task.task.skills) > 1 else 0.0
 
     def goals(self, target: Target) -> tuple[float, ...]:
