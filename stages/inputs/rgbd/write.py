@@ -80,20 +80,6 @@ def annotated(masks: Labelled) -> tuple[NDArray[np.uint16], Annotations]:
     return values, Annotations(objects=objects, floor=floors[0] if floors else None, walls=walls)
 
 
-def numbered(frame: Frame) -> NDArray[np.uint8]:
-    """The picture with outlines and numbers of its masks, to tell them apart by eye."""
-    picture = frame.rgb.copy()
-    masks = np.zeros((0, 0), np.uint16) if frame.masks is None else frame.masks.values
-    for value in np.unique(masks[masks > 0]).tolist():
-        outlines, _ = cv2.findContours((masks == value).astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-        cv2.drawContours(picture, outlines, -1, (255, 255, 0), 1)
-        y, x = np.nonzero(masks == value)
-        at = int(x.mean()) - 8, int(y.mean()) + 8
-        for colour, thickness in (((0, 0, 0), 7), ((255, 255, 255), 2)):
-            cv2.putText(picture, str(value), at, cv2.FONT_HERSHEY_SIMPLEX, 0.6, colour, thickness, cv2.LINE_AA)
-    return picture
-
-
 def write_frame(folder: Path, frame: Frame) -> Annotations | None:
     """Write the input folder, and `config.yaml` if it is whole; without masks the first three files alone."""
     frame = fitted(frame)
