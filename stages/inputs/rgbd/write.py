@@ -12,13 +12,10 @@ from stages.config.own_scene import write_config
 from stages.contracts import Annotations, Camera, InputError
 from stages.contracts.scene_input import write_scene_input
 from stages.contracts.scenes import Annotation
-from stages.extraction.room import UP_IN_IMAGE
-from stages.geometry.cameras import back_project
 from stages.inputs.rgbd.cameras import resized
-from stages.inputs.rgbd.clusters import TILT, ground_of
+from stages.inputs.rgbd.clusters import TILT
 from stages.inputs.rgbd.frame import LONGEST, Frame, Labelled, is_stretched
 
-STEEP = np.deg2rad(55)  # between image-up and the ground's normal, from which on extraction looks farther for it
 TRIM = 0.005  # of a thing's points left out at either end: strays are fewer than in estimated depth
 FLOOR, WALL = {"floor", "ground", "carpet"}, {"wall", "walls"}
 NOTHING = {"", "background", "ceiling", "unknown", "unlabeled", "unlabelled", "void"}
@@ -88,13 +85,6 @@ def write_frame(folder: Path, frame: Frame) -> Annotations | None:
     camera = Camera(width=width, height=height, intrinsics=frame.intrinsics.tolist())
     write_scene_input(folder, frame.rgb, frame.depth, camera, masks, annotations)
     if annotations is not None:
-        write_config(folder, extraction=_extraction(frame))
+        # Depth is good up to the border, few points stray, and what is held in a hand looks down steeply.
+        write_config(folder, extraction={"crop": 1.0, "trim": TRIM, "max_tilt": TILT})
     return annotations
-
-
-def _extraction(frame: Frame) -> dict[str, float]:
-    """Options of extraction that suit a measured frame: depth is good up to the border, and few points stray."""
-    points = back_project(frame.depth, frame.intrinsics)[frame.depth > 0]
-    ground = ground_of(points, np.random.default_rng(0))
-    steep = ground is not None and float(ground.normal @ UP_IN_IMAGE) < np.cos(STEEP)
-    return {"crop": 1.0, "trim": TRIM} | ({"max_tilt": TILT} if steep else {})
