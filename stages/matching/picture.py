@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from stages.contracts import Cousins, InputError, atomic
-from stages.matching.crop import View
-from stages.matching.prompt_pictures import alone
+from stages.matching.crop import View, alone
 from stages.matching.scene import Scene
 from stages.matching.snapshots import Snapshots
 from stages.matching.synthesis.in_place import InPlace
