@@ -22,7 +22,8 @@ COLOUR = ("color", "rgb", "image", "colour")  # what folders of pictures are cal
 ABOUT = ("camera.json", "config.json", "metadata.json", "metadata")  # files of intrinsics without that in their name
 TUM_UNIT = "5000"  # of one metre
 TUM_APART = 0.02  # seconds between colour and depth of a frame, as in its associate.py
-TUM_CAMERA = matrix(525.0, 525.0, 319.5, 239.5)  # as its tools have it for all three cameras, the axis in the middle
+TUM_CAMERA = (525.0, 525.0, 319.5, 239.5)  # fx, fy, cx, cy, as its tools have them for all three cameras ...
+TUM_SIZE = (640, 480)  # ... whose pictures are so wide and high
 
 Intrinsics = Callable[[int, int], Matrix]  # of a picture of this width and height
 
@@ -69,7 +70,7 @@ def _of_lists(path: Path, number: int, unit: str, intrinsics: Intrinsics | None)
     depth, line = in_metres(file, read_raw(file), TUM_UNIT if unit == "auto" else unit)
     height, width = rgb.shape[:2]
     notes = [f"TUM, {colour.name}", line, *([] if intrinsics else ["intrinsics of TUM's tools"])]
-    own = resized(TUM_CAMERA, *np.array([width, height]) / (2 * TUM_CAMERA[:2, 2] + 1))
+    own = resized(matrix(*TUM_CAMERA), width / TUM_SIZE[0], height / TUM_SIZE[1])
     return Frame(rgb, depth, intrinsics(width, height) if intrinsics else own, None, notes)
 
 
