@@ -22,9 +22,7 @@ SUFFIXES = {".obj", ".glb", ".gltf", ".stl", ".ply", ".dae", ".off"}
 DRACO, MESHOPT = "KHR_draco_mesh_compression", "EXT_meshopt_compression"
 NO_NUMBER = re.compile(rb"^v\s[^\n]*(?:nan|inf)", re.IGNORECASE | re.MULTILINE)
 MOST_PIECES = 64
-PICTURES_OF = (
-    "image", "baseColorTexture", "metallicRoughnessTexture", "normalTexture", "occlusionTexture", "emissiveTexture",
-)  # fmt: skip
+TEXTURES = ("baseColorTexture", "metallicRoughnessTexture", "normalTexture", "occlusionTexture", "emissiveTexture")
 FLAT = 1e-4  # metres: a piece thinner than this gets that thickness
 
 
@@ -106,7 +104,7 @@ def _drop_broken(meshes: Iterable[Trimesh]) -> None:
     """Take pictures that cannot be read out of the materials of meshes: they would stop whoever copies them."""
     for mesh in meshes:
         material = getattr(mesh.visual, "material", None)
-        for key in PICTURES_OF:
+        for key in ("image", *TEXTURES):
             picture = getattr(material, key, None)
             try:
                 if picture is not None:

@@ -202,18 +202,17 @@ class UrdfTree:
             raise InputError(self.path, what, "one root, and one parent joint for each other link", code="E-URDF-TREE")
         placed, ordered, waiting = {roots[0]}, [], joints
         while waiting:
-            ready, later = [], []
+            later = []
             for joint in waiting:
                 if joint.parent in placed:
-                    ready.append(joint)
+                    ordered.append(joint)
                     placed.add(joint.child)
                 else:
                     later.append(joint)
-            if not ready:
+            if len(later) == len(waiting):
                 what = f"joint '{waiting[0].name}' is part of a cycle: the links do not form one tree."
                 raise InputError(
                     self.path, what, "one root, and one parent joint for each other link", code="E-URDF-TREE"
                 )
-            ordered += ready
             waiting = later
         return roots[0], ordered

@@ -2,10 +2,15 @@
 
 from pathlib import Path
 
-from stages.assets.contact_sheet import contact_sheet
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageDraw
+
 from stages.contracts.arrays import readable
 from stages.contracts.files import atomic
 from stages.contracts.snapshot_file import AGAIN, open_snapshots
+
+COLUMNS, TILE = 10, 128  # pictures in a row, pixels of a side
 
 
 def run(*, snapshots: tuple[Path, ...]) -> None:
@@ -20,3 +25,16 @@ def run(*, snapshots: tuple[Path, ...]) -> None:
             sheet = contact_sheet(file["rgb"], sidecar.assets)
         with atomic(shard.with_suffix(".png")) as path:
             sheet.save(path)
+
+
+def contact_sheet(rgb: NDArray[np.uint8], ids: list[str]) -> Image.Image:
+    """Sheet of `rgb` (A, V, H, W, 3), whose last view is the representative."""
+    rows = max(1, -(-len(ids) // COLUMNS))  # a shard may be of broken models alone
+    sheet = Image.new("RGB", (COLUMNS * TILE, rows * TILE), "white")
+    draw = ImageDraw.Draw(sheet)
+    for index, name in enumerate(ids):
+        corner = index % COLUMNS * TILE, index // COLUMNS * TILE
+        tile = Image.fromarray(rgb[index, -1]).resize((TILE, TILE), Image.Resampling.LANCZOS)
+        sheet.paste(tile, corner)
+        draw.text(corner, name, fill="black")
+    return sheet

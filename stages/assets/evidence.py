@@ -10,7 +10,7 @@ from stages.articulated.forward_kinematics import closed_box, link_frames
 from stages.articulated.model import Matrix, RobotModel
 from stages.articulated.sense import ALONG, LEAST_TURN, SHORTEST, front_direction, squared
 from stages.assets.importers import Axis, Importer
-from stages.assets.imports import in_file, standing
+from stages.assets.imports import in_file, standing, usual_front
 from stages.contracts.files import Contract
 from stages.procedural.sizes import usual
 
@@ -61,8 +61,8 @@ def evidence(robot: RobotModel) -> Evidence:
     foot = grounded[0] if len(grounded) == 1 else None
     fronts: dict[Axis, Axis] = {}
     for up in UPS:
-        if (told := front_direction(squared(standing(robot, up))[0])) is not None:
-            fronts[up] = in_file(told[0], "+z" if up == "+y" else "+x", up)
+        if (told := front_direction(squared(standing(robot, up, usual_front(up)))[0])) is not None:
+            fronts[up] = in_file(told[0], usual_front(up), up)
     return Evidence(
         extents=tuple(np.ptp(box, axis=0).tolist()),
         slides=slides,

@@ -19,7 +19,7 @@ from stages.assets.discover import NUMBERED, Found
 from stages.assets.evidence import UNITS, UPS, Evidence, Shared, evidence
 from stages.assets.importers import Importer
 from stages.assets.importers.urdf import IMPORTER as URDF
-from stages.assets.imports import ModelFile, Notes, import_file, in_one_line, with_notes
+from stages.assets.imports import ModelFile, Notes, import_file, in_one_line, usual_front, with_notes
 from stages.contracts.errors import InputError
 from stages.contracts.files import Contract, read_json, write_json
 from stages.contracts.library import Asset, Joint
@@ -181,7 +181,7 @@ def guessed(file: ModelFile, tells: Evidence, shared: Shared) -> tuple[Notes, li
         front = shared.front
         lines.append(f"front {front} as {kind}")
     elif front is None:
-        front = "+z" if up == "+y" else "+x"
+        front = usual_front(up)
         lines.append("front assumed")
     words = {
         "category": file.category,

@@ -10,7 +10,7 @@ from stages.assets.discover import PACK, PAGE, Found, discover, is_model, is_par
 from stages.assets.evidence import Told, shared
 from stages.assets.examine import Examined, Read, examined, read
 from stages.assets.import_page import write_page
-from stages.assets.imports import IMPORTERS, by_suffix, in_one_line, snake_case, suffix
+from stages.assets.imports import IMPORTERS, by_suffix, in_one_line, snake_case
 from stages.assets.pack import completed, read_pack, write_pack
 from stages.assets.portrait import Portraits
 from stages.assets.reach import out_of_reach
@@ -18,20 +18,9 @@ from stages.assets.snapshots import Look
 from stages.cli import progress
 from stages.contracts.errors import InputError
 
-FOREIGN = {
-    ".3ds",
-    ".blend",
-    ".fbx",
-    ".kinbody.xml",
-    ".sdf",
-    ".skp",
-    ".usd",
-    ".usda",
-    ".usdc",
-    ".usdz",
-    ".wrl",
-    ".xacro",
-}
+FOREIGN = (
+    ".3ds", ".blend", ".fbx", ".kinbody.xml", ".sdf", ".skp", ".usd", ".usda", ".usdc", ".usdz", ".wrl", ".xacro",
+)  # fmt: skip
 
 
 def run(folder: Path, /, *, out: Path) -> None:
@@ -52,19 +41,20 @@ def run(folder: Path, /, *, out: Path) -> None:
     where = {one.path: out / place for one, place in zip(found, places(found), strict=True)}
     for one in progress(found, "models read", len(found)):
         try:
-            told[one.path] = read(one, kinds[suffix(one.path)], where[one.path])
+            told[one.path] = read(one, kinds[one.path.suffix.lower()], where[one.path])
         except InputError as error:
             line = str(error).removeprefix(f"{one.path}: ")
             models[one.path] = Examined(one.path, where[one.path], doubts=[line])
             print(models[one.path].text(), flush=True)
     left = [one for one in found if one.path in told]
-    common, words = shared([Told(suffix(one.path), one.category, told[one.path].evidence) for one in left], kinds)
+    tell = [Told(one.path.suffix.lower(), one.category, told[one.path].evidence) for one in left]
+    common, words = shared(tell, kinds)
     pack = completed(pack, common, [snake_case(one.category) for one in left])
     write_pack(out / PACK, pack, words)
     with tempfile.TemporaryDirectory() as scratch:
         portraits, look = Portraits(), Look()
         for number, one in enumerate(left):
-            work, kind = Path(scratch) / str(number), suffix(one.path)
+            work, kind = Path(scratch) / str(number), one.path.suffix.lower()
             category = pack.categories[snake_case(one.category)]
             before = list(models.values())
             tells = told[one.path].evidence

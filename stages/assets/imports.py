@@ -98,7 +98,7 @@ def named_models(folders: Sequence[Path], kinds: dict[str, Importer], taken: Ite
 
 def _name(found: Found, kinds: dict[str, Importer]) -> str:
     try:
-        return with_notes(found, kinds[suffix(found.path)]).id
+        return with_notes(found, kinds[found.path.suffix.lower()]).id
     except InputError:  # said when it is imported
         return snake_case(f"{found.category}_{found.name}")
 
@@ -125,7 +125,7 @@ def import_models(models: dict[str, Found], kinds: dict[str, Importer], folder: 
 def _import_one(name: str, found: Found, kinds: dict[str, Importer], folder: Path) -> str:
     """JSON of what is doubtful."""
     with in_one_line(found.path):
-        file = with_notes(found, kinds[suffix(found.path)])
+        file = with_notes(found, kinds[found.path.suffix.lower()])
         return json.dumps(import_file(file._replace(id=name), folder)[1])
 
 
@@ -148,11 +148,6 @@ def by_suffix(importers: Sequence[str]) -> dict[str, Importer]:
     """Importers by the suffix of their files, which most are named after."""
     loaded = {name: load("importers", name) for name in importers}
     return {importer.suffix or f".{short(name)}": importer for name, importer in loaded.items()}
-
-
-def suffix(path: Path) -> str:
-    """Suffix of a file, lower case."""
-    return path.suffix.lower()
 
 
 def with_notes(found: Found, importer: Importer) -> ModelFile:
@@ -233,9 +228,8 @@ def upright(robot: RobotModel, file: ModelFile) -> tuple[RobotModel, list[str]]:
     """The model with z up, its front towards +x, in metres; and a line if it was turned without being told."""
     notes, lines = file.notes, []
     up = notes.up or file.importer.up
-    front = notes.front or ("+z" if up == "+y" else "+x")
-    x, z = axis_vector(front), axis_vector(up)
-    if abs(x @ z) > 0.5:
+    front = notes.front or usual_front(up)
+    if front[1] == up[1]:
         what = f"front {front} and up {up} lie along one line."
         raise InputError(file.notes_path, what, "give two different axes", code="E-MODEL-AXES")
     robot = standing(robot, up, front)
@@ -251,17 +245,26 @@ def upright(robot: RobotModel, file: ModelFile) -> tuple[RobotModel, list[str]]:
     return robot, lines
 
 
-def standing(robot: RobotModel, up: Axis, front: Axis | None = None) -> RobotModel:
-    """The model with the file's axis `up` as z, and `front` (+x, or +z where up is +y) as x."""
-    x, z = axis_vector(front or ("+z" if up == "+y" else "+x")), axis_vector(up)
-    return rebased(robot, rigid(np.array([x, np.cross(z, x), z]), np.zeros(3)))
+def usual_front(up: Axis) -> Axis:
+    """The axis of a file that most models face, where `up` is up."""
+    return "+z" if up == "+y" else "+x"
+
+
+def standing(robot: RobotModel, up: Axis, front: Axis) -> RobotModel:
+    """The model with the file's axis `up` as z, and `front` as x."""
+    return rebased(robot, rigid(_axes(front, up), np.zeros(3)))
 
 
 def in_file(direction: np.ndarray, front: Axis, up: Axis) -> Axis:
     """The axis of the file that is a direction of the model, once `front` of the file is its +x and `up` its +z."""
-    x, z = axis_vector(front), axis_vector(up)
-    wanted = np.array([x, np.cross(z, x), z]).T @ direction
+    wanted = _axes(front, up).T @ direction
     return max(get_args(Axis), key=lambda axis: float(axis_vector(axis) @ wanted))
+
+
+def _axes(front: Axis, up: Axis) -> Matrix:
+    """(3, 3): the model's x, y, z as rows, in the file's frame."""
+    x, z = axis_vector(front), axis_vector(up)
+    return np.array([x, np.cross(z, x), z])
 
 
 def in_metres(robot: RobotModel, scale: float) -> RobotModel:

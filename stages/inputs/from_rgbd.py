@@ -8,6 +8,7 @@ import cv2
 
 from stages.contracts import InputError, atomic
 from stages.contracts.images import read_rgb
+from stages.inputs.photo.captions import numbered
 from stages.inputs.rgbd.cameras import KNOWS, Matrix, checked, of_camera, of_field_of_view, read_intrinsics
 from stages.inputs.rgbd.cameras import matrix as intrinsics_of
 from stages.inputs.rgbd.clusters import clustered
@@ -17,7 +18,7 @@ from stages.inputs.rgbd.frame import Frame
 from stages.inputs.rgbd.layouts import read_frame
 from stages.inputs.rgbd.lens import find_distortion, straight_frame
 from stages.inputs.rgbd.mask_files import read_labelled
-from stages.inputs.rgbd.write import fitted, numbered, write_frame
+from stages.inputs.rgbd.write import fitted, write_frame
 
 
 def run(
@@ -112,9 +113,10 @@ def run(
     opens = [item.label for item in written.objects if item.articulated]
     floor = "a floor" if written.floor else "no floor named: what most of them stand on is the ground"
     print(f"{out}: {len(written.objects)} objects, {len(written.walls)} walls, {floor}")
-    if clusters and masks is None:
+    if clusters and masks is None and frame.masks is not None:
+        shown = [frame.masks.values == value for value in frame.masks.labels]
         with atomic(out / "numbers.png") as path:
-            cv2.imwrite(str(path), numbered(frame)[..., ::-1])
+            cv2.imwrite(str(path), numbered(frame.rgb, shown)[..., ::-1])
         print(f"{out / 'annotations.json'}: say in it what each object is: numbers.png shows which mask it has; "
               f"or in the browser: python -m stages.inputs annotate {out}")  # fmt: skip
     if opens:

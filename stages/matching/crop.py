@@ -40,6 +40,12 @@ def cut(view: View) -> View:
     return View(view.rgb[window], view.mask[window], depth, intrinsics, view.up)
 
 
+def alone(view: View) -> NDArray[np.uint8]:
+    """The object's part of the picture, what is not the object darkened."""
+    shade = np.where(view.mask[..., None], view.rgb, view.rgb // 3).astype(np.uint8)
+    return cut(View(shade, view.mask)).rgb
+
+
 def masked_square(view: View, width: int, height: int) -> tuple[NDArray[np.uint8], NDArray[np.float32]]:
     """A cut view as a picture (height, width, 3), grey outside the mask, and the mask's coverage (height, width).
 

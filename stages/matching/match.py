@@ -57,12 +57,11 @@ def run(
     assets = without_models(read_library(library, stored.store if stored else None), without)
     scene = Scene(objects, image)
     text = make_text_encoder(settings)
-    with Snapshots(snapshots) as pictures:
-        judges = Judges(settings, library, pictures)
-        entries = [
-            match_object(item, scene, assets, stored, text, judges, settings)
-            for item in progress(scene.objects.objects, "objects matched", len(scene.objects.objects))
-        ]
+    judges = Judges(settings, library, Snapshots(snapshots))
+    entries = [
+        match_object(item, scene, assets, stored, text, judges, settings)
+        for item in progress(scene.objects.objects, "objects matched", len(scene.objects.objects))
+    ]
     encoder = settings.encoder if stored else "none"
     entries = agreed(entries, scene.objects.objects)
     looks = [path.with_suffix(".npz") for path in features]  # of every view as a whole: a store has a gigabyte

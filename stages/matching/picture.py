@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from stages.contracts import Cousins, InputError, atomic
-from stages.matching.crop import View, cut
+from stages.matching.crop import View, alone
 from stages.matching.scene import Scene
 from stages.matching.snapshots import Snapshots
 from stages.matching.synthesis.in_place import InPlace
@@ -33,39 +33,38 @@ def write_picture(
     step_x, step_y = TILE + margin, below + (TILE + 3 * LINE + margin if in_place else 0)
     page = Image.new("RGB", (columns * step_x + margin, rows * step_y + margin), "white")
     draw, font = ImageDraw.Draw(page), ImageFont.load_default(size=11)
-    with Snapshots(snapshots) as shards:
-        items = {item.id: item for item in scene.objects.objects}
-        for row, entry in enumerate(result.objects):
-            y = margin + row * step_y
-            item = items.get(entry.id)
-            if item is None:
-                what = f"names '{entry.id}', which is no object of the scene."
-                raise InputError("--cousins", what, "match it again", code="E-SCENE-MIXED")
-            view = scene.view(item)
-            if view.mask.any():
-                page.paste(Image.fromarray(crop_picture(view)), (margin, y))
-            draw.text((margin, y + TILE + 2), f"{entry.id}\n{_counts(item.doors, item.drawers)}", "black", font)
-            if entry.status == "failed":
-                draw.text((margin + step_x, y + TILE // 2), f"failed: {entry.reason}", "black", font)
-            for column, cousin in enumerate(entry.cousins, 1):
-                x = margin + column * step_x
-                tile = shards.picture(cousin.asset, cousin.orientation.yaw)
-                page.paste(Image.fromarray(_fit(tile)), (x, y))
-                yaw = f"{np.degrees(cousin.orientation.yaw):.0f}°"
-                draw.text((x, y + TILE + 2), f"{cousin.asset}\n{cousin.distance:.3f}  {yaw}", "black", font)
-                placed = in_place.show(item, cousin) if in_place else None
-                if placed:
-                    page.paste(Image.fromarray(_fit(placed[0])), (x, y + below))
-                    draw.text((x, y + below + TILE + 2), placed[1], "black", font)
-            draw.line([(margin, y + step_y - 4), (page.width - margin, y + step_y - 4)], "darkgrey")
+    shards = Snapshots(snapshots)
+    items = {item.id: item for item in scene.objects.objects}
+    for row, entry in enumerate(result.objects):
+        y = margin + row * step_y
+        item = items.get(entry.id)
+        if item is None:
+            what = f"names '{entry.id}', which is no object of the scene."
+            raise InputError("--cousins", what, "match it again", code="E-SCENE-MIXED")
+        view = scene.view(item)
+        if view.mask.any():
+            page.paste(Image.fromarray(crop_picture(view)), (margin, y))
+        draw.text((margin, y + TILE + 2), f"{entry.id}\n{_counts(item.doors, item.drawers)}", "black", font)
+        if entry.status == "failed":
+            draw.text((margin + step_x, y + TILE // 2), f"failed: {entry.reason}", "black", font)
+        for column, cousin in enumerate(entry.cousins, 1):
+            x = margin + column * step_x
+            tile = shards.picture(cousin.asset, cousin.orientation.yaw)
+            page.paste(Image.fromarray(_fit(tile)), (x, y))
+            yaw = f"{np.degrees(cousin.orientation.yaw):.0f}°"
+            draw.text((x, y + TILE + 2), f"{cousin.asset}\n{cousin.distance:.3f}  {yaw}", "black", font)
+            placed = in_place.show(item, cousin) if in_place else None
+            if placed:
+                page.paste(Image.fromarray(_fit(placed[0])), (x, y + below))
+                draw.text((x, y + below + TILE + 2), placed[1], "black", font)
+        draw.line([(margin, y + step_y - 4), (page.width - margin, y + step_y - 4)], "darkgrey")
     with atomic(path) as temporary:
         page.save(temporary)
 
 
 def crop_picture(view: View) -> Picture:
     """The object (TILE, TILE, 3) with a little of what is around it, darkened outside its mask."""
-    shade = np.where(view.mask[..., None], view.rgb, view.rgb // 3).astype(np.uint8)
-    return _fit(cut(View(shade, view.mask)).rgb)
+    return _fit(alone(view))
 
 
 def _fit(picture: Picture) -> Picture:

@@ -1,15 +1,16 @@
 """Reading the snapshots of the assets stage."""
 
 from collections.abc import Sequence
-from contextlib import ExitStack
+from functools import cached_property
 from pathlib import Path
-from types import TracebackType
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stages.contracts import InputError
 from stages.contracts.arrays import readable
+from stages.contracts.files import read_json
+from stages.contracts.library import SnapshotShard
 from stages.contracts.snapshot_file import AGAIN, open_snapshots
 from stages.matching.crop import View
 
@@ -26,13 +27,8 @@ class SnapshotFile:
     def __enter__(self) -> "SnapshotFile":
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._file.close()
-
-    def __contains__(self, asset: str) -> bool:
-        return asset in self._position
 
     def views(self, asset: str) -> list[View]:
         """All views of an asset: the yaws, then the representative. The object is where there is depth."""
@@ -52,28 +48,26 @@ class SnapshotFile:
 
 
 class Snapshots:
-    """All shards of a library, each opened when it is first looked into: `with Snapshots(paths) as snapshots`."""
+    """All shards of a library, each opened when it is looked into."""
 
     def __init__(self, paths: Sequence[Path]) -> None:
-        self._paths = list(paths)
-        self._open: list[SnapshotFile] = []
-        self._stack = ExitStack()
+        self._paths = paths
 
-    def __enter__(self) -> "Snapshots":
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self._stack.close()
+    @cached_property
+    def _shards(self) -> dict[str, Path]:
+        """The shard of every asset."""
+        sidecars = {path: read_json(SnapshotShard, path.with_suffix(".json"), AGAIN) for path in self._paths}
+        return {asset: path for path, sidecar in sidecars.items() for asset in sidecar.assets}
 
     def picture(self, asset: str, yaw: float) -> NDArray[np.uint8]:
         """The snapshot (H, W, 3) of an asset nearest to a yaw in radians."""
-        return self._holding(asset).picture(asset, yaw)
+        with self._holding(asset) as shard:
+            return shard.picture(asset, yaw)
 
     def views(self, asset: str) -> list[View]:
         """All views of an asset: the yaws, then the representative."""
-        return self._holding(asset).views(asset)
+        with self._holding(asset) as shard:
+            return shard.views(asset)
 
     def _holding(self, asset: str) -> SnapshotFile:
         """The shard that holds an asset.
@@ -81,16 +75,10 @@ class Snapshots:
         Raises:
             InputError: none does.
         """
-        for shard in self._open:
-            if asset in shard:
-                return shard
-        while self._paths:
-            shard = self._stack.enter_context(SnapshotFile(self._paths.pop(0)))
-            self._open.append(shard)
-            if asset in shard:
-                return shard
-        fix = "give the snapshots that the features were made from"
-        raise InputError("--snapshots", f"no shard holds {asset}.", fix, code="E-SNAPSHOTS-MISSING")
+        if asset not in self._shards:
+            fix = "give the snapshots that the features were made from"
+            raise InputError("--snapshots", f"no shard holds {asset}.", fix, code="E-SNAPSHOTS-MISSING")
+        return SnapshotFile(self._shards[asset])
 
 
 def up_of_camera(elevation: float | None) -> NDArray[np.float64] | None:

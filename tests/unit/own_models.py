@@ -10,7 +10,6 @@ from stages.assets.imports import (
     import_file,
     import_models,
     named_models,
-    suffix,
     with_notes,
 )
 from stages.contracts.errors import InputError
@@ -29,4 +28,4 @@ def import_folder(folder: Path, models: Path, taken: Sequence[str] = ()) -> list
 def import_model(path: Path, folder: Path, models: Path) -> Asset:
     """One model file of a folder as an asset below `models`."""
     found = Found(path, folder, path.relative_to(folder).parts[0], path.stem)
-    return import_file(with_notes(found, by_suffix(IMPORTERS)[suffix(path)]), models)[0]
+    return import_file(with_notes(found, by_suffix(IMPORTERS)[path.suffix.lower()]), models)[0]

@@ -12,10 +12,9 @@ from stages.inputs.by_hand.project import Guide, Perspective
 Points = NDArray[np.float64]
 MOST = 200  # segments, the longest: as many as a drawing may have
 HYPOTHESES = 400  # per focal length
-FOCALS = np.geomspace(0.5, 2.2, 9)  # of the longer side: 90 to 26 degrees across
-STEEPEST, MOST_ROLL = np.deg2rad(50), np.deg2rad(12)
+TRIALS = np.linspace(-3, 3, 9)  # focal lengths, in standard deviations from the likely one
 PRIOR = 0.02  # share of agreeing length that one standard deviation of the focal length is worth
-SHOWN, APART = 5, 0.06  # guides per axis; share of the diagonal between their middles
+SHOWN = 5  # guides per axis
 FITS = 0.9  # agreement of a segment that is shown: two thirds of a degree
 USUAL_FOCAL = 0.8  # of the longer side: 64 degrees across
 KNOWN_SPREAD = 0.03  # of the logarithm of a focal length from EXIF
@@ -64,8 +63,7 @@ def _hypotheses(normals: Points, weights: Points, highest: float, rng: np.random
     away = np.argmax(np.where(np.arange(3) == upright[:, None], -1, np.abs(frames[:, :, 2])), axis=1)
     back = frames[rows, away] * np.sign(frames[rows, away, 2])[:, None]
     rotations = np.stack([np.cross(back, up), back, up], axis=1)
-    pitch, roll = np.arcsin(np.clip(up[:, 2], -1, 1)), np.arctan2(up[:, 0], -up[:, 1])
-    return np.asarray(rotations[(pitch > -STEEPEST) & (pitch < min(highest, STEEPEST)) & (np.abs(roll) < MOST_ROLL)])
+    return np.asarray(rotations[up[:, 2] < np.sin(highest)])
 
 
 def _agreement(view_misses: Points, half: Points) -> Points:
@@ -102,20 +100,10 @@ def _assigned(view: View, ends: Points) -> tuple[NDArray[np.integer], Points]:
     return np.argmax(agreements, axis=0), agreements.max(axis=0)
 
 
-def _shown(ends: Points, axes: NDArray[np.integer], good: Points, diagonal: float) -> list[Guide]:
-    """The longest segments of each axis that fit and do not lie on each other."""
-    guides = []
-    for axis, name in enumerate(AXES):
-        kept: list[Points] = []
-        for segment in ends[(axes == axis) & (good > FITS)]:
-            middle = segment.mean(axis=0)
-            if len(kept) < SHOWN and all(
-                np.linalg.norm(middle - other.mean(axis=0)) > APART * diagonal for other in kept
-            ):
-                kept.append(segment)
-        for a, b in np.round(kept, 1).tolist():
-            guides.append(Guide(axis=name, a=tuple(a), b=tuple(b)))  # type: ignore[arg-type]
-    return guides
+def _guides(ends: Points, axes: NDArray[np.integer]) -> list[Guide]:
+    """Segments (N, 2, 2) as guides along their axes (N,)."""
+    lines = zip(axes, ends.tolist(), strict=True)
+    return [Guide(axis=AXES[axis], a=tuple(a), b=tuple(b)) for axis, (a, b) in lines]  # type: ignore[arg-type]
 
 
 def propose(grey: NDArray[np.uint8], prior: Perspective, seed: int = 0) -> Perspective:
@@ -133,13 +121,8 @@ def propose(grey: NDArray[np.uint8], prior: Perspective, seed: int = 0) -> Persp
         return prior
     rng = np.random.default_rng(seed)
     lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
-    trials = (
-        [prior.likely_focal]
-        if prior.spread <= KNOWN_SPREAD
-        else [float(share * max(width, height)) for share in FOCALS]
-    )
     best, best_score = None, 0.0
-    for focal in trials:
+    for focal in (prior.likely_focal * np.exp(prior.spread * TRIALS)).tolist():
         highest = float(np.arctan(height / 2 / focal))
         rotations = _hypotheses(_planes(ends, width, height, focal), lengths, highest, rng)
         if not len(rotations):
@@ -153,11 +136,10 @@ def propose(grey: NDArray[np.uint8], prior: Perspective, seed: int = 0) -> Persp
     view = View(width, height, best[1], best[0])
     for _ in range(3):  # better lines give a better camera, which gives better lines
         axes, good = _assigned(view, ends)
-        every = [
-            Guide(axis="xyz"[axis], a=tuple(a), b=tuple(b))  # type: ignore[arg-type]
-            for axis, (a, b) in zip(axes[good > 0], ends[good > 0].tolist(), strict=True)
-        ]
+        every = _guides(ends[good > 0], axes[good > 0])
         view = fit_view(prior.model_copy(update={"guides": every}), width, height, _angles(view.rotation))
     axes, good = _assigned(view, ends)
-    guides = _shown(ends, axes, good, float(np.hypot(width, height)))
-    return Perspective(guides=guides, likely_focal=view.focal, spread=min(prior.spread, 0.1))
+    longest = [np.flatnonzero((axes == axis) & (good > FITS))[:SHOWN] for axis in range(3)]
+    guides = _guides(np.round(ends, 1), axes)
+    shown = [guides[number] for number in np.concatenate(longest)]
+    return Perspective(guides=shown, likely_focal=view.focal, spread=min(prior.spread, 0.1))

@@ -6,15 +6,14 @@ from typing import Any, Literal
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from PIL import ImageColor
 from pydantic import BaseModel, ConfigDict, Field, create_model, model_validator
 
 from stages.extraction.overview import colour_of
 from stages.vlm.ask import Asker, NoAnswerError
+from stages.vlm.boxed import boxed
 from stages.vlm.prompt import Prompt
 
 NONE = "none"
-RED = ImageColor.getrgb("red")
 SYSTEM = (
     "You look at a picture of a room and say what things stand, lie or hang in it. Say only what you can see. You "
     "answer with one JSON object and nothing else."
@@ -116,14 +115,6 @@ def held(
     text = HOLD.format(label=label, count=len(walls))
     found = asker.ask(Prompt(SYSTEM, [boxed(rgb, box), numbered(rgb, walls), text]), answer, about)
     return 1 + TYPES.index(found.held), [wall - 1 for wall in dict.fromkeys(found.walls)]
-
-
-def boxed(rgb: NDArray[np.uint8], box: Sequence[float]) -> NDArray[np.uint8]:
-    """The picture with a red box."""
-    shown = rgb.copy()
-    x0, y0, x1, y1 = (round(value) for value in box)
-    cv2.rectangle(shown, (x0, y0), (x1, y1), RED, max(2, round(max(rgb.shape) / 300)))
-    return shown
 
 
 def numbered(rgb: NDArray[np.uint8], masks: Sequence[NDArray[np.bool_]]) -> NDArray[np.uint8]:

@@ -7,7 +7,7 @@ from scipy.spatial import Delaunay, KDTree
 
 from stages.config.extraction import ExtractionConfig
 from stages.contracts import InputError
-from stages.extraction.room import UP_IN_IMAGE, find_walls, floor_frame, level_planes, sampled
+from stages.extraction.room import find_walls, floor_frame, level_planes, sampled
 from stages.geometry.cameras import back_project
 from stages.geometry.clouds import dbscan
 from stages.geometry.frames import apply
@@ -25,15 +25,12 @@ Masks = list[NDArray[np.bool_]]
 
 
 def ground_of(points: NDArray[np.float64], rng: np.random.Generator) -> Plane | None:
-    """The level plane in points (N, 3), camera frame, on which things stand: a table top if one is near, else a floor.
-
-    Areas are weighted by tilt: seen from above, a wall's normal points up in the picture, too.
-    """
+    """The level plane in points (N, 3), camera frame, on which things stand: if near a table top, else a floor."""
     distance = float(np.median(points[:, 2])) if len(points) else 0.0
     options = ExtractionConfig(max_tilt=TILT).model_copy(update={"plane_threshold": OFF * max(distance, OFF)})
     planes = level_planes(points, options, rng)
-    areas = [float(plane.inliers.sum() * (plane.normal @ UP_IN_IMAGE) ** 2) for plane in planes]
-    large = [plane for plane, area in zip(planes, areas, strict=True) if area >= LARGE * max(areas)]
+    largest = max((plane.inliers.sum() for plane in planes), default=0)
+    large = [plane for plane in planes if plane.inliers.sum() >= LARGE * largest]
     return (max if distance < NEAR else min)(large, key=lambda plane: plane.offset, default=None)
 
 

@@ -4,7 +4,6 @@ import json
 from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
@@ -12,6 +11,7 @@ from PIL import Image
 from stages.contracts import InputError
 from stages.contracts.arrays import readable
 from stages.contracts.images import read_masks
+from stages.geometry.masks import polygon
 from stages.inputs.rgbd.frame import Labelled
 
 MOST = 1000  # values of a label image; a photograph has more
@@ -66,15 +66,6 @@ def stacked(path: Path, masks: Masks) -> Labelled:
     return Labelled(values, {number: label for number, (label, _) in enumerate(masks, 1)})
 
 
-def polygon(points: Any, width: int, height: int) -> NDArray[np.bool_]:
-    """Pixels (height, width) of a polygon of (x, y)."""
-    mask = np.zeros((height, width), dtype=np.uint8)
-    corners = np.asarray(points, dtype=np.float64).reshape(-1, 2)
-    if len(corners) >= 3 and np.isfinite(corners).all():
-        cv2.fillPoly(mask, [np.rint(np.clip(corners, -1e5, 1e5)).astype(np.int32)], 1)
-    return mask.astype(bool)
-
-
 def _from_coco(path: Path, data: dict[str, Any], width: int, height: int, picture: str) -> Masks:
     with readable(path, "COCO file"):
         names = {category["id"]: str(category["name"]) for category in data["categories"]}
@@ -105,7 +96,7 @@ def _coco_mask(segmentation: Any, width: int, height: int) -> NDArray[np.bool_]:
         return np.asarray(bits.reshape(width, height).T)  # column by column
     mask = np.zeros((height, width), dtype=bool)
     for points in segmentation:
-        mask |= polygon(points, width, height)
+        mask |= polygon(points, (height, width))
     return mask
 
 
@@ -142,7 +133,7 @@ def _from_labelme(path: Path, data: dict[str, Any], width: int, height: int) -> 
                 continue  # points and lines are no masks
             group = shape.get("group_id")
             key = str(shape["label"]), number if group is None else f"group {group}"
-            mask = polygon(points, width, height)
+            mask = polygon(points, (height, width))
             masks[key] = mask | masks[key] if key in masks else mask
         return [(label, mask) for (label, _), mask in masks.items()]
 

@@ -12,13 +12,10 @@ from stages.config.own_scene import write_config
 from stages.contracts import Annotations, Camera, InputError
 from stages.contracts.scene_input import write_scene_input
 from stages.contracts.scenes import Annotation
-from stages.extraction.room import UP_IN_IMAGE
-from stages.geometry.cameras import back_project
 from stages.inputs.rgbd.cameras import resized
-from stages.inputs.rgbd.clusters import TILT, ground_of
+from stages.inputs.rgbd.clusters import TILT
 from stages.inputs.rgbd.frame import LONGEST, Frame, Labelled, is_stretched
 
-STEEP = np.deg2rad(55)  # between image-up and the ground's normal, from which on extraction looks farther for it
 TRIM = 0.005  # of a thing's points left out at either end: strays are fewer than in estimated depth
 FLOOR, WALL = {"floor", "ground", "carpet"}, {"wall", "walls"}
 NOTHING = {"", "background", "ceiling", "unknown", "unlabeled", "unlabelled", "void"}
@@ -80,20 +77,6 @@ def annotated(masks: Labelled) -> tuple[NDArray[np.uint16], Annotations]:
     return values, Annotations(objects=objects, floor=floors[0] if floors else None, walls=walls)
 
 
-def numbered(frame: Frame) -> NDArray[np.uint8]:
-    """The picture with outlines and numbers of its masks, to tell them apart by eye."""
-    picture = frame.rgb.copy()
-    masks = np.zeros((0, 0), np.uint16) if frame.masks is None else frame.masks.values
-    for value in np.unique(masks[masks > 0]).tolist():
-        outlines, _ = cv2.findContours((masks == value).astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-        cv2.drawContours(picture, outlines, -1, (255, 255, 0), 1)
-        y, x = np.nonzero(masks == value)
-        at = int(x.mean()) - 8, int(y.mean()) + 8
-        for colour, thickness in (((0, 0, 0), 7), ((255, 255, 255), 2)):
-            cv2.putText(picture, str(value), at, cv2.FONT_HERSHEY_SIMPLEX, 0.6, colour, thickness, cv2.LINE_AA)
-    return picture
-
-
 def write_frame(folder: Path, frame: Frame) -> Annotations | None:
     """Write the input folder, and `config.yaml` if it is whole; without masks the first three files alone."""
     frame = fitted(frame)
@@ -102,13 +85,6 @@ def write_frame(folder: Path, frame: Frame) -> Annotations | None:
     camera = Camera(width=width, height=height, intrinsics=frame.intrinsics.tolist())
     write_scene_input(folder, frame.rgb, frame.depth, camera, masks, annotations)
     if annotations is not None:
-        write_config(folder, extraction=_extraction(frame))
+        # Depth is good up to the border, few points stray, and what is held in a hand looks down steeply.
+        write_config(folder, extraction={"crop": 1.0, "trim": TRIM, "max_tilt": TILT})
     return annotations
-
-
-def _extraction(frame: Frame) -> dict[str, float]:
-    """Options of extraction that suit a measured frame: depth is good up to the border, and few points stray."""
-    points = back_project(frame.depth, frame.intrinsics)[frame.depth > 0]
-    ground = ground_of(points, np.random.default_rng(0))
-    steep = ground is not None and float(ground.normal @ UP_IN_IMAGE) < np.cos(STEEP)
-    return {"crop": 1.0, "trim": TRIM} | ({"max_tilt": TILT} if steep else {})

@@ -11,8 +11,6 @@ from stages.matching.ranking import DIGITS, compare, make_query
 from stages.matching.synthesis.rendering import render
 from stages.matching.synthesis.workbench import Workbench
 
-RESOLUTION = 192  # pixels along the longer side of these views, as of a crop for `hog`
-
 
 class Judge:
     """Models are left in their order by distance, as in the paper."""
@@ -20,7 +18,7 @@ class Judge:
     def __init__(self, options: MatchingConfig) -> None:
         self.options = options
         self.encoder = make_encoder(options)
-        self.workbench = Workbench("rerender", RESOLUTION)
+        self.workbench = Workbench("rerender", options.hog.image_size)
 
     def models(self, question: Question, by_votes: list[Candidate], by_distance: list[Candidate]) -> list[Candidate]:
         """By distance."""

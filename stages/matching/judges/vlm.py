@@ -9,9 +9,11 @@ from pydantic import BaseModel, ConfigDict, create_model
 
 from stages.config.matching import MatchingConfig
 from stages.contracts.cousins import Candidate, Orientation
+from stages.geometry.masks import pixel_bounds
+from stages.matching.crop import alone
 from stages.matching.judges import AbstainedError, Question
-from stages.matching.prompt_pictures import alone, boxed
 from stages.vlm.ask import Asker, NoAnswerError
+from stages.vlm.boxed import boxed
 from stages.vlm.prompt import Prompt
 
 T = TypeVar("T")
@@ -90,8 +92,8 @@ class Judge:
         if len(pictures) == 1:
             return 0
         numbers = [str(number) for number in range(1, len(pictures) + 1)]
-        label = question.label.replace("'", "")
-        parts: list[str | NDArray[np.uint8]] = [OBJECT.format(label=label), boxed(question.view)]
+        label, bounds = question.label.replace("'", ""), pixel_bounds(question.view.mask)
+        parts: list[str | NDArray[np.uint8]] = [OBJECT.format(label=label), boxed(question.view.rgb, bounds)]
         parts += [ALONE, alone(question.view)]
         for number, picture in zip(numbers, pictures, strict=True):
             parts += [f"Candidate {number}:", picture]

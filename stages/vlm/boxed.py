@@ -1,0 +1,15 @@
+"""A picture that shows a language model which thing is meant."""
+
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+
+def boxed(rgb: NDArray[np.uint8], box: Sequence[float]) -> NDArray[np.uint8]:
+    """The picture (H, W, 3) with a red box (x0, y0, x1, y1)."""
+    shown = rgb.copy()
+    x0, y0, x1, y1 = (round(value) for value in box)
+    cv2.rectangle(shown, (x0, y0), (x1, y1), (255, 0, 0), max(2, round(max(rgb.shape) / 300)))
+    return shown
