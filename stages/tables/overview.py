@@ -15,6 +15,8 @@ def run(
 ) -> None:
     """Write the page: pictures of input and rank 1, what failed and why, doubts. The page is one file.
 
+    The page of an earlier run that failed (`b.failed.html` for `b.html`) is removed.
+
     Args:
         scenes: their names.
         variant: the variant of matching that is shown.
@@ -31,6 +33,7 @@ def run(
         rows=rows, variant=variant, stopped=stopped, waiting=waiting, common=common(rows), script=script("sort.js")
     )
     write_text(out, text)
+    out.with_suffix(".failed.html").unlink(missing_ok=True)
     print(
         f"{out}: {len(rows) - stopped - waiting} of {len(rows)} scenes were made, {stopped} stopped, {waiting} not run"
     )

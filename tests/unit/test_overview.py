@@ -80,10 +80,12 @@ def test_reasons_that_differ_by_numbers_are_one(layout: Layout) -> None:
 
 def test_the_page_needs_nothing_else(results: Path, layout: Layout, tmp_path: Path) -> None:
     log(layout, "extraction/lost", "error: rgb.png: <b>broken</b>\n")
-    page = tmp_path / "b.html"
+    page, failed = tmp_path / "b.html", tmp_path / "b.failed.html"
+    failed.touch()
     overview.run(
         scenes=("room_2", "room_10", "lost", "room_1"), variant="b", out=page, results=results, logs=layout.logs
     )
+    assert not failed.exists()
     text = page.read_text()
     checker = Checker()
     checker.feed(text)
