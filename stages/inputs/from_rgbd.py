@@ -8,7 +8,7 @@ import cv2
 
 from stages.contracts import InputError, atomic
 from stages.contracts.images import read_rgb
-from stages.inputs.photo.captions import numbered
+from stages.inputs.numbered import numbered
 from stages.inputs.rgbd.cameras import KNOWS, Matrix, checked, of_camera, of_field_of_view, read_intrinsics
 from stages.inputs.rgbd.cameras import matrix as intrinsics_of
 from stages.inputs.rgbd.clusters import clustered

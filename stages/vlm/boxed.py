@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 
 
 def boxed(rgb: NDArray[np.uint8], box: Sequence[float]) -> NDArray[np.uint8]:
-    """The picture (H, W, 3) with a red box (x0, y0, x1, y1)."""
+    """The picture (H, W, 3) with a red box (x0, y0, x1, y1), as far as it lies in the picture."""
     shown = rgb.copy()
-    x0, y0, x1, y1 = (round(value) for value in box)
+    height, width = rgb.shape[:2]
+    x0, y0, x1, y1 = np.clip(np.rint(box).astype(int), 0, [width - 1, height - 1] * 2).tolist()
     cv2.rectangle(shown, (x0, y0), (x1, y1), (255, 0, 0), max(2, round(max(rgb.shape) / 300)))
     return shown

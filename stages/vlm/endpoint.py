@@ -18,7 +18,8 @@ from stages.contracts.errors import InputError
 from stages.vlm.deadline import LARGEST, response_to
 
 BUSY = {HTTPStatus.REQUEST_TIMEOUT, HTTPStatus.CONFLICT, HTTPStatus.TOO_EARLY, HTTPStatus.TOO_MANY_REQUESTS}
-PAUSES = (2, 4, 8, 16)  # seconds before each further attempt, if the server does not say; it may ask for up to 60
+PAUSES = (2, 4, 8, 16)  # seconds before each further attempt, if the server does not say
+LONGEST_PAUSE = 60  # seconds, if it does
 SHOWN = 300  # characters of a message or of a bad answer that are repeated
 
 
@@ -71,7 +72,7 @@ class Endpoint:
         why, wanted = "", None
         for pause in (0, *PAUSES):
             if pause:
-                self._sleep(pause if wanted is None else min(wanted, 60))
+                self._sleep(pause if wanted is None else min(wanted, LONGEST_PAUSE))
             allow()
             wanted = None
             try:

@@ -112,7 +112,8 @@ class Ledger:
         """Sums over the whole ledger; files that did not change are not read again."""
         paths = self._paths()
         for path in paths:
-            stamp = (path.stat().st_mtime_ns, path.stat().st_size)
+            stat = path.stat()
+            stamp = (stat.st_mtime_ns, stat.st_size)
             if path not in self._seen or self._seen[path][0] != stamp:
                 entry = read_json(Entry, path, AGAIN)
                 self._seen[path] = (stamp, Spent(entry.requests, entry.cost))

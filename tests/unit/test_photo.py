@@ -22,11 +22,13 @@ from stages.geometry.cameras import back_project
 from stages.geometry.frames import apply
 from stages.inputs import estimate
 from stages.inputs.by_hand.photo import Photo
+from stages.inputs.numbered import numbered
 from stages.inputs.photo import captions, networks
 from stages.inputs.photo.level import level_camera
 from stages.inputs.photo.networks import Detection, depth_of, detect, segment
 from stages.inputs.rgbd.frame import Frame, Labelled
 from stages.vlm.ask import Asker, NoAnswerError
+from stages.vlm.boxed import boxed
 from tests.refusals import refused
 from tests.unit.chat_server import KEY, ChatServer, says, serving
 from tests.unit.synthetic_room import FLOOR, INTRINSICS, OBJECT, WALL, write_room
@@ -242,9 +244,18 @@ def test_mountings_that_cannot_be_are_no_answers(how: str, walls: list[int], tmp
 def test_walls_are_numbered_where_they_are_wide() -> None:
     masks = [np.zeros((120, 160), bool), np.zeros((120, 160), bool)]
     masks[0][:, :40], masks[1][40:, 60:] = True, True
-    shown = captions.numbered(np.zeros((120, 160, 3), np.uint8), masks)
+    shown = numbered(np.zeros((120, 160, 3), np.uint8), masks)
     assert all((shown[mask].max(axis=-1) == 255).sum() > 3 for mask in masks)
     assert not shown[:, 45:55].any() and (shown[2, 2] == np.array(colour_of(0)) // 2).all()
+    hidden = numbered(np.zeros((120, 160, 3), np.uint8), [masks[0], np.zeros_like(masks[0])])
+    assert not hidden[~masks[0]].any(), "what lies behind others has no number"
+
+
+def test_boxes_leave_what_is_in_them_and_end_with_the_picture() -> None:
+    shown = boxed(np.zeros((120, 160, 3), np.uint8), (-9.0, 30.4, 80.0, 500.0))
+    red = shown[..., 0] == 255
+    assert red[30, :80].all() and red[119, :80].all() and red[30:, 0].all() and red[30:, 80].all()
+    assert not red[34:115, 4:76].any() and not red[:28].any() and not red[:, 83:].any()
 
 
 def test_where_no_floor_is_seen_lines_tell_what_is_level(room: Path) -> None:

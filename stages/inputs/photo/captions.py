@@ -3,12 +3,11 @@
 from collections.abc import Sequence
 from typing import Any, Literal
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, create_model, model_validator
 
-from stages.extraction.overview import colour_of
+from stages.inputs.numbered import numbered
 from stages.vlm.ask import Asker, NoAnswerError
 from stages.vlm.boxed import boxed
 from stages.vlm.prompt import Prompt
@@ -115,19 +114,3 @@ def held(
     text = HOLD.format(label=label, count=len(walls))
     found = asker.ask(Prompt(SYSTEM, [boxed(rgb, box), numbered(rgb, walls), text]), answer, about)
     return 1 + TYPES.index(found.held), [wall - 1 for wall in dict.fromkeys(found.walls)]
-
-
-def numbered(rgb: NDArray[np.uint8], masks: Sequence[NDArray[np.bool_]]) -> NDArray[np.uint8]:
-    """The picture with masks tinted, each with its number, from 1, where it is widest."""
-    shown = rgb.copy()
-    for k, mask in enumerate(masks):
-        shown[mask] = (0.5 * rgb[mask] + 0.5 * np.array(colour_of(k))).astype(np.uint8)
-    size = max(0.5, max(rgb.shape) / 500)
-    for k, mask in enumerate(masks):
-        inside = np.pad(mask, 1).astype(np.uint8)
-        _, _, _, (x, y) = cv2.minMaxLoc(cv2.distanceTransform(inside, cv2.DIST_L2, 3))
-        (width, height), _ = cv2.getTextSize(str(k + 1), cv2.FONT_HERSHEY_SIMPLEX, size, round(3 * size))
-        at = (x - 1 - width // 2, y - 1 + height // 2)
-        for colour, thickness in (((0, 0, 0), 5), ((255, 255, 255), 2)):
-            cv2.putText(shown, str(k + 1), at, cv2.FONT_HERSHEY_SIMPLEX, size, colour, round(thickness * size))
-    return shown

@@ -18,6 +18,7 @@ from stages.vlm.prompt import Prompt
 
 T = TypeVar("T")
 NONE = "none"
+FRAME_GAP = 4  # pixels between the object and its box
 SYSTEM = (
     "You compare an object in a picture of a room with pictures of 3D models. Look closely, and say only what you can "
     "see. You answer with one JSON object and nothing else."
@@ -92,8 +93,9 @@ class Judge:
         if len(pictures) == 1:
             return 0
         numbers = [str(number) for number in range(1, len(pictures) + 1)]
-        label, bounds = question.label.replace("'", ""), pixel_bounds(question.view.mask)
-        parts: list[str | NDArray[np.uint8]] = [OBJECT.format(label=label), boxed(question.view.rgb, bounds)]
+        label, (x0, y0, x1, y1) = question.label.replace("'", ""), pixel_bounds(question.view.mask)
+        around = (x0 - FRAME_GAP, y0 - FRAME_GAP, x1 + FRAME_GAP - 1, y1 + FRAME_GAP - 1)
+        parts: list[str | NDArray[np.uint8]] = [OBJECT.format(label=label), boxed(question.view.rgb, around)]
         parts += [ALONE, alone(question.view)]
         for number, picture in zip(numbers, pictures, strict=True):
             parts += [f"Candidate {number}:", picture]
