@@ -1,5 +1,8 @@
 """`experiment pinned`: committed assets are used only with the very models that they were chosen from."""
 
+import os
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -50,6 +53,20 @@ def test_a_changed_or_lost_model_is_refused(study: dict[str, Path], tmp_path: Pa
     write_json(tmp_path / "door.json", plan.model_copy(update={"test_assets": [an_asset("gone_1")]}))
     with refused("E-ASSETS-CHANGED"):
         pinned(**files, task="door")
+
+
+OTHER = {"OPENBLAS_CORETYPE": "Prescott", "NPY_DISABLE_CPU_FEATURES": "X86_V4"}  # names that x86 alone knows
+
+
+@pytest.mark.parametrize(("seed", "folder", "kernels"), [("0", ".", {}), ("2026", "registered", OTHER)])
+def test_committed_models_are_the_same_on_other_processors(seed: str, folder: str, kernels: dict[str, str]) -> None:
+    """By this machine's own kernels of linear algebra, and by the oldest."""
+    files = sorted((ROOT / "config/study/assets" / folder).glob("*.json"))
+    plans = [read_json(TaskAssets, file) for file in files]
+    known = {item.asset: item.digest for plan in plans for item in (*plan.assets, *plan.test_assets)}
+    command = [sys.executable, "-m", "tests.unit.pinned_models", seed, *map(str, files)]
+    made = subprocess.run(command, cwd=ROOT, env=os.environ | kernels, check=True, capture_output=True, text=True)
+    assert dict(line.split() for line in made.stdout.splitlines()) == known
 
 
 def mistakes(**changes: Any) -> str:
