@@ -26,7 +26,8 @@ def read_attempts(path: Path) -> list[Attempt]:
             )
         if attempt.episode is not None:
             if attempt.episode != kept or not attempt.success:
-                what = f"episode: is {attempt.episode}, but {kept} successes were kept before."
+                why = f"{kept} successes were kept before" if attempt.success else "the attempt did not succeed"
+                what = f"episode: is {attempt.episode}, but {why}."
                 raise InputError(f"{path}:{number + 1}", what, COLLECT, code="E-LEDGER-ORDER")
             kept += 1
     return attempts

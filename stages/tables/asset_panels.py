@@ -41,10 +41,10 @@ def thirds(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
     return pd.concat(rows) if rows else pd.DataFrame(columns=["task"])
 
 
-def draw(panels: Any, points: pd.DataFrame, thirds: pd.DataFrame, first: bool) -> None:
-    """The panels of one task; `first`: in the first column, which has the axis' name."""
+def draw(panels: Any, points: pd.DataFrame, thirds: pd.DataFrame) -> None:
+    """The panels of one task."""
     for panel, (axis, label) in zip(panels, AXES.items(), strict=True):
-        rate_axis(panel, first)
+        rate_axis(panel, False)
         panel.set_xlabel(f"{label}, {points['asset'].nunique()} assets" if len(points) else label)
         panel.grid(False, axis="x")
         if points.empty:

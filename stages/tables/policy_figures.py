@@ -1,5 +1,6 @@
 """Figures 4 and 9: success on test assets that are less and less like the twin."""
 
+from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -47,33 +48,35 @@ def _legend(figure: Figure, columns: int) -> None:
 def figure4(
     cells: pd.DataFrame, published: pd.DataFrame, over: tuple[pd.DataFrame, pd.DataFrame] | None = None
 ) -> Figure:
-    """Success against what tells a test asset from the twin: a column per task that was run, a colour per set.
+    """Success against what tells a test asset from the twin: a row per task that was run, a colour per set.
 
-    Above, of `over` (as `asset_panels.points` and `.thirds` give): success on unseen assets against distance and
-    against the length of the handle. Below, on the roles of Table 3, with our intervals; then the paper's figure, its
-    bars the standard deviation over runs; its distances are under another encoder.
+    From the left, of `over` (as `asset_panels.points` and `.thirds` give): success on unseen assets against distance
+    and against the length of the handle; on the roles of Table 3, with our intervals; the paper's figure, its bars the
+    standard deviation over runs; its distances are under another encoder.
     """
     cells = _tested(cells)
     tasks = _tasks(cells if over is None else pd.concat([cells, over[0]]), published)
     first = 0 if over is None else len(asset_panels.AXES)
-    rows = first + (2 if len(cells) and published["task"].isin(tasks).any() else 1)
-    width = max(4.6, 3.4 * len(tasks))
-    figure, axes = plt.subplots(rows, len(tasks), figsize=(width, 3.2 * rows), squeeze=False, layout="constrained")
-    for column, task in enumerate(tasks):
+    columns = first + (2 if len(cells) and published["task"].isin(tasks).any() else 1)
+    width = max(4.6, 3.4 * columns)
+    figure, axes = plt.subplots(
+        len(tasks), columns, figsize=(width, 3.0 * len(tasks) + 0.3), squeeze=False, layout="constrained"
+    )
+    for panels, task in zip(axes, tasks, strict=True):
         if over is not None:
-            asset_panels.draw(axes[:first, column], _of(over[0], task), _of(over[1], task), column == 0)
+            asset_panels.draw(panels[:first], _of(over[0], task), _of(over[1], task))
         name = f"{title(task)}{', roles' if first else ''}"
-        _distances(axes[first, column], _of(cells, task), column == 0, name, "not run")
-        if rows == first + 2:
-            paper = _with_deviation(_of(published, task))
-            _distances(axes[first + 1, column], paper, column == 0, f"{title(task)}, paper", "not in the paper")
+        _distances(panels[first], _of(cells, task), name, "not run")
+        if columns == first + 2:
+            _distances(panels[-1], _with_deviation(_of(published, task)), f"{title(task)}, paper", "not in the paper")
+        panels[0].set_ylabel("success (%)")
     _legend(figure, int(width / 2.2))
     return figure
 
 
-def _distances(panel: Axes, cells: pd.DataFrame, first: bool, name: str, missing: str) -> None:
+def _distances(panel: Axes, cells: pd.DataFrame, name: str, missing: str) -> None:
     """One panel of Figure 4."""
-    rate_axis(panel, first)
+    rate_axis(panel, False)
     panel.set_title(name, loc="left")
     if cells.empty:
         mark_not_run(panel, missing)
@@ -112,7 +115,7 @@ def figure9(cells: pd.DataFrame, published: pd.DataFrame) -> Figure:
             if row == 0:
                 panel.set_title(title(name), color=colour(name))
             _positions(panel, name, roles, _of(cells, task, name), _of(published, task, name))
-        axes[row, 0].set_ylabel(f"{title(task)}\nsuccess (%)")
+        axes[row, 0].set_ylabel(f"{fill(title(task), 16)}\nsuccess (%)")
     _legend(figure, 6)
     return figure
 

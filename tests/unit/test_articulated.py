@@ -10,7 +10,14 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
-from stages.articulated.asset_folder import Description, read_asset, read_model, stretch_asset, write_asset
+from stages.articulated.asset_folder import (
+    Description,
+    atomic_folder,
+    read_asset,
+    read_model,
+    stretch_asset,
+    write_asset,
+)
 from stages.articulated.attributes import seen_of
 from stages.articulated.forward_kinematics import closed_box, link_frames, rebased
 from stages.articulated.handle import find_handle
@@ -144,6 +151,15 @@ def test_an_assets_urdf_lies_in_its_folder(tmp_path: Path) -> None:
     (tmp_path / "cab" / "asset.json").write_text(json.dumps(about))
     with pytest.raises(InputError, match=r"asset\.json: .*urdf"):
         read_model(tmp_path / "cab")
+
+
+def test_a_folder_that_fails_while_it_is_written_leaves_the_old_one(tmp_path: Path) -> None:
+    (tmp_path / "cab").mkdir()
+    (tmp_path / "cab" / "notes.txt").write_text("mine")
+    with pytest.raises(RuntimeError), atomic_folder(tmp_path / "cab") as folder:
+        (folder / "model.urdf").touch()
+        raise RuntimeError
+    assert [path.relative_to(tmp_path).as_posix() for path in sorted(tmp_path.rglob("*"))] == ["cab", "cab/notes.txt"]
 
 
 def test_roles_and_handles_survive_stretching(tmp_path: Path) -> None:

@@ -129,6 +129,17 @@ def test_noise_shifts_boxes_but_keeps_mounting(furnished: tuple[Path, Objects], 
         assert item.mounting.type == BOXES[item.label][1]
 
 
+def test_noise_is_that_of_the_seed(furnished: tuple[Path, Objects], tmp_path: Path) -> None:
+    depth = []
+    for number, seed in enumerate((0, 1, 0)):
+        run(
+            input=furnished[0] / "input", scene="test", out=tmp_path / f"{number}/objects.json", options="{}", seed=seed
+        )
+        depth.append(np.load(tmp_path / f"{number}/depth.npz")["depth"])
+    np.testing.assert_array_equal(depth[0], depth[2])
+    assert np.mean(depth[0] != depth[1]) > 0.5
+
+
 def test_what_is_behind_is_told_from_where_the_camera_is(
     furnished: tuple[Path, Objects], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

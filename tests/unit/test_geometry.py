@@ -95,6 +95,8 @@ def test_iou_of_known_boxes() -> None:
     octagon = 2 * (np.sqrt(2) - 1)  # area common to a unit square and itself turned by 45 degrees
     assert oriented_iou(cube, turned) == pytest.approx(octagon / (2 - octagon))
     assert axis_aligned_iou(cube, turned) == pytest.approx(0.5)
+    for apart in ([1.5, 0, 0], [1.5, -1.5, 0], [1.5, 1.5, 1.5]):
+        assert axis_aligned_iou(cube, UprightBox(apart, [1, 1, 1], 0.0)) == 0
     for height in (1.0, 1.5, -3.0):  # above each other
         assert oriented_iou(cube, UprightBox([0, 0, height], [1, 1, 1], 0.0)) == 0
 

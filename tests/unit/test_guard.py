@@ -117,6 +117,19 @@ def test_a_job_on_another_machine_ends_when_another_workflow_has_its_folder(tmp_
     assert late.communicate(timeout=20)[0] == "" and late.returncode == -signal.SIGKILL
 
 
+def test_descendants_are_children_and_theirs() -> None:
+    job = start("bash", "-c", "bash -c 'sleep 61 & echo on; wait' & wait")
+    says(job, "on")
+    expected, names, until = ["bash", "sleep"], [], time.monotonic() + 20
+    while names != expected and time.monotonic() < until:  # a child bears bash's name until it has become sleep
+        below = descendants(job.pid)
+        names = [Path(f"/proc/{pid}/comm").read_text().strip() for pid in below]
+    assert names == expected
+    for pid in [job.pid, *below]:
+        os.kill(pid, signal.SIGKILL)
+    job.wait()
+
+
 @pytest.mark.parametrize("command", [(), ("-m", "stages.guard")], ids=["stage", "foreign program"])
 def test_a_job_ends_with_its_workflow(command: tuple[str, ...]) -> None:
     workflow = start("sleep", "60")

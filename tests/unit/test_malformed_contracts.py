@@ -218,6 +218,12 @@ def test_a_field(bench: Bench, case: tuple) -> None:
             '"cause": "grasp"',
             "attempts.jsonl:1: breaks the Attempt contract at cause",
         ),
+        (
+            "attempts",
+            '"success": true, "cause": "success"',
+            '"success": false, "cause": "grasp"',
+            "attempts.jsonl:1: episode: is 0, but the attempt did not succeed",
+        ),
         ("attempts", '"seed": 6', '"seed": -6', "seed"),
         ("attempts", '{"attempt": 1', 'x{"attempt": 1', "attempts.jsonl:2"),
         ("metrics", '"step": 200', '"step": 100', "metrics.jsonl:2: step"),

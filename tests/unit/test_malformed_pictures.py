@@ -116,6 +116,11 @@ def test_colours_of_16_bits(tmp_path: Path) -> None:
     np.testing.assert_array_equal(read_rgb(tmp_path / "rgb.png"), gradient())
 
 
+def test_grey_of_16_bits_is_rounded_from_black_to_white(tmp_path: Path) -> None:
+    Image.fromarray(np.tile(np.array([0, 128, 129, 65535], np.uint16), (HEIGHT, WIDTH // 4))).save(tmp_path / "rgb.png")
+    np.testing.assert_array_equal(read_rgb(tmp_path / "rgb.png")[0, :4, 0], [0, 0, 1, 255])
+
+
 @pytest.mark.parametrize("mode", ["8 bits", "16 bits", "palette", "8-bit TIFF"])
 def test_masks_keep_their_values(tmp_path: Path, mode: str) -> None:
     image = Image.fromarray(masks() if mode == "16 bits" else masks().astype(np.uint8))

@@ -10,11 +10,12 @@ from stages.contracts import Library, read_json
 from stages.contracts.cousins import CategoryMatch
 from stages.contracts.features import check_features
 from stages.contracts.objects import SceneObject
+from stages.geometry.cameras import look_at
 from stages.matching.candidates import Candidates
 from stages.matching.codec import learn
 from stages.matching.encoders import EXTRA_COLUMNS, make_encoder, settings_digest
 from stages.matching.ranking import make_query, shortlisted
-from stages.matching.snapshots import SnapshotFile
+from stages.matching.snapshots import SnapshotFile, up_of_camera
 from stages.matching.store import FeatureStore, Snapshot
 from tests.refusals import refused
 from tests.unit.matching_data import MODELS, World
@@ -124,3 +125,9 @@ def test_of_a_shortlist_only_its_models_are_ranked(exact: World, tmp_path: Path)
     assert len(everything.by_distance) > len(short.by_distance) == 2
     for name in ("asset", "distance", "orientation"):
         assert getattr(short.cousins[0], name) == getattr(everything.cousins[0], name)
+
+
+def test_up_of_a_camera_that_looks_down() -> None:
+    world_from_camera = look_at([0, 0, 1.4], [2, 1, 0.2])
+    np.testing.assert_allclose(up_of_camera(np.arctan2(1.2, np.sqrt(5))), world_from_camera[2, :3], atol=1e-12)
+    assert up_of_camera(None) is None

@@ -96,10 +96,10 @@ def test_figure_4_has_a_point_per_asset_and_thirds_of_the_assets(rows: pd.DataFr
     assert sorted(lengths["assets"].unique()) == [6, 12]  # handles that are alike stay in one third
     figure = figure4(table3.cells(rows, OPTIONS), published_policies(PUBLISHED), (points, thirds))
     panels = figure.axes
-    assert [panel.get_xlabel() for panel in panels[:4:2]] == [
+    assert [panel.get_xlabel() for panel in panels[:2]] == [
         "distance from the twin, 24 assets", "length of the handle (m), 24 assets",
     ]  # fmt: skip
-    assert len(panels) == 8 and panels[1].get_title(loc="left") == "Door opening, handle flagged"
+    assert len(panels) == 8 and panels[4].get_title(loc="left") == "Door opening, handle flagged"
 
 
 def test_names_of_rows_and_sets() -> None:

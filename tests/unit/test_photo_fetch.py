@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from stages.config.photo import PhotoConfig
-from stages.inputs.fetch import SOURCES, fetched
+from stages.inputs.fetch import RECORD, SOURCES, fetched
 
 COMMIT = "c0ffee" * 6 + "cafe"
 FILES = {"config.json": b"{}", "model.safetensors": b"weights " * 1000, "vocab.txt": b"mug", "model.bin": b"no"}
@@ -120,6 +120,13 @@ def test_the_next_machine_gets_the_same_bytes_or_an_error(hub: str, tmp_path: Pa
     lock.write_text('{"toy/net": {"commit": "main"}}')
     done = fetch(tmp_path, hub)
     assert done.returncode == 1 and "weights.lock.json: is broken at" in done.stderr and "Traceback" not in done.stderr
+
+
+def test_weights_that_are_not_the_locked_ones_are_refused_when_they_come(hub: str, tmp_path: Path) -> None:
+    (tmp_path / "weights.lock.json").write_text(json.dumps({"toy/net": {"commit": COMMIT, "sha256": "0" * 64}}))
+    done = fetch(tmp_path, hub)
+    assert done.returncode == 1 and "E-WEIGHTS-CHECKSUM" in done.stderr
+    assert not (tmp_path / "net" / RECORD).exists() and not (tmp_path / "all.json").exists()
 
 
 def test_weights_of_ones_own_stay(tmp_path: Path) -> None:

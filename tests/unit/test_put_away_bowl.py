@@ -139,7 +139,7 @@ def put(task: TaskEnv, opened: float, at: np.ndarray) -> None:
     env.bowl.set_pose(env.bowl.pose.create_from_pq(torch.as_tensor(apply(world, at), dtype=torch.float32)[None]))
 
 
-def test_success_is_the_bowl_in_the_drawer_and_the_drawer_shut(task: TaskEnv) -> None:
+def test_success_is_the_bowl_in_the_drawer_and_the_drawer_shut(task: TaskEnv, monkeypatch: pytest.MonkeyPatch) -> None:
     task.place(1)
     env = task.env
     floor = env.floors[0]
@@ -156,6 +156,9 @@ def test_success_is_the_bowl_in_the_drawer_and_the_drawer_shut(task: TaskEnv) ->
         assert found["success"].item() is found["official_success"].item() is expected
     put(task, 0.8, middle)
     assert env.inside().item()  # it moves with the drawer
+    put(task, 0.05, middle)
+    monkeypatch.setattr(env.agent, "is_grasping", lambda _: torch.tensor([True]))
+    assert not env.evaluate()["success"].item()  # the gripper still holds it
 
 
 def test_the_bowl_fits_into_the_drawer(tmp_path: Path) -> None:
