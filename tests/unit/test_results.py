@@ -105,7 +105,7 @@ def test_how_far_the_study_has_come_is_told(study: Path, tmp_path: Path) -> None
     assert lines[start + 2 : start + 9] == [
         "| Task | Condition | twin | 4 cousins | 8 cousins |", "|---|---|---|---|---|",
         "| Door opening | usual | 2 of 4 | 1 of 4 | not run |",
-        "| Door opening, handle flagged | usual | not run | not run | not run |",
+        "| Door opening, handle | usual | not run | not run | not run |",
         "| Door opening | mujoco | 1 of 4 | not run | not run |",
         "", "Conditions that no policy has met: own size.",
     ]  # fmt: skip
