@@ -7,6 +7,8 @@ import pandas as pd
 
 from stages.config.model import Config
 from stages.config.policy_rows import policy_rows
+from stages.contracts.files import read_json
+from stages.contracts.policies import ChosenRuns
 from stages.tables.conditions import USUAL
 from stages.tables.markup import Table
 from stages.tables.methods import methods, row_of
@@ -21,6 +23,13 @@ def policy_file(results: Path, condition: str, task: str, training_set: str, run
     """Where the rollouts of a policy lie; `condition`: empty for the usual one."""
     folder = results / "evaluation" / (f"conditions/{condition}" if condition else "policies")
     return folder / f"{task}/{training_set}/{run}/seed_{seed}/rollouts.csv"
+
+
+def runs_that_count(config: Config, results: Path, task: str, training_set: str) -> list[str]:
+    """The hyper-parameter sets that count: where trials chose, those that they chose."""
+    path = results / f"evaluation/trials/{task}/{training_set}/chosen.json"
+    chose = config.experiment.chooses(task) and path.is_file()
+    return read_json(ChosenRuns, path).runs if chose else config.experiment.plan(task).runs
 
 
 def progress_table(config: Config, results: Path) -> Table:
@@ -38,7 +47,9 @@ def progress_table(config: Config, results: Path) -> Table:
         for condition in ("", *config.evaluation.conditions)
         for row, pool in names.items()
         for plan in (config.experiment.plan(row_of(row)),)
-        for name, run, seed in product(plan.training_sets, sets_of[row], plan.seeds)
+        for name in plan.training_sets
+        for run, seed in product(sets_of[row], plan.seeds)
+        if run in runs_that_count(config, results, row_of(row), name)
     ]
     policies = pd.DataFrame(found, columns=[*CELL, "run", "seed", "there"])
     whole = policies.groupby([*CELL, "run", "seed"], sort=False)["there"].all()

@@ -24,7 +24,7 @@ from stages.tables.order import SKILL, SPLITS, title
 from stages.tables.policies import asset_tables, collect, role_tables, write_figures
 from stages.tables.policy_tables import assets_table
 from stages.tables.pooling import pooled, pools
-from stages.tables.progress import policy_file, progress_table
+from stages.tables.progress import policy_file, progress_table, runs_that_count
 from stages.tables.roles import demonstrated_assets, lists_table, roles_table
 from stages.tables.rows import ONE_SCENE, published_policies, published_scenes, read_rows
 from stages.tables.scene_figure import figure6
@@ -55,7 +55,7 @@ def rollout_files(config: Config, results: Path, condition: str = "") -> Iterato
         paths += [
             policy_file(results, condition, task, name, run, seed)
             for name in plan.training_sets
-            for run in plan.runs
+            for run in runs_that_count(config, results, task, name)
             for seed in plan.seeds
         ]
         yield from filter(Path.is_file, paths)
