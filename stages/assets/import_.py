@@ -85,11 +85,11 @@ def models_of(given: Path, out: Path, kinds: Sequence[str]) -> list[Found]:
         InputError: there are none, or `out` is in the folder.
     """
     if given.is_file():
-        if not is_model(given, kinds):
+        if not is_model(given, given.resolve().parent, kinds):
             raise InputError(
                 given, "is no model.", f"one of {', '.join(kinds)}, or a folder of them", code="E-MODELS-NONE"
             )
-        if is_part(given):
+        if is_part(given, given.resolve().parent):
             raise InputError(
                 given, "is a part that MJCF models include.", "give the file that includes it", code="E-MJCF-PART"
             )
@@ -105,7 +105,7 @@ def models_of(given: Path, out: Path, kinds: Sequence[str]) -> list[Found]:
         if left_out := unread(given):
             print(f"{given}: {left_out}", file=sys.stderr)
         return found
-    parts = [path for path in given.rglob("*") if is_model(path, kinds)]
+    parts = [path for path in given.rglob("*") if is_model(path, given, kinds)]
     if parts:
         what = f"holds no model, only parts of models ({parts[0].name} and such)."
         raise InputError(
