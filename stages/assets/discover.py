@@ -11,7 +11,7 @@ from typing import NamedTuple
 from stages.articulated.inside import read_inside
 from stages.assets.apart import apart
 from stages.assets.mjcf_file import root_tag
-from stages.contracts.errors import InputError
+from stages.contracts.errors import InputError, plain
 from stages.contracts.files import MAX_TEXT
 from stages.procedural.naming import NAMES as CATEGORY_NAMES
 from stages.procedural.naming import category_in, words
@@ -52,7 +52,7 @@ def discover(folder: Path, kinds: Sequence[str]) -> list[Found]:
     """
     found, lines = json.loads(apart(folder, lambda: json.dumps(_discover(folder, kinds), default=str)))
     for line in lines:
-        print(line, file=sys.stderr)
+        print(plain(line), file=sys.stderr)
     return [Found(Path(path), Path(within), category, name) for path, within, category, name in found]
 
 
@@ -61,7 +61,7 @@ def _discover(folder: Path, kinds: Sequence[str]) -> tuple[list[Found], list[str
     if numbered := numbered_model(folder):
         return [partnet(numbered)], []
     unused = {path: why for path in sorted(folder.rglob("*")) if (why := unusable(path, folder, kinds))}
-    lines = [f"left out: {ascii(str(path.relative_to(folder)))[1:-1]}: {why}" for path, why in unused.items()]
+    lines = [f"left out: {path.relative_to(folder)}: {why}" for path, why in unused.items()]
     found = _below(folder, folder, kinds)
     models = [one for one in found if not is_part(one.path, folder)]
     if any(one.path.suffix.lower() not in WHOLE for one in models):

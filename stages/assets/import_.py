@@ -16,7 +16,7 @@ from stages.assets.portrait import Portraits
 from stages.assets.reach import out_of_reach
 from stages.assets.snapshots import Look
 from stages.cli import progress
-from stages.contracts.errors import InputError
+from stages.contracts.errors import InputError, plain
 
 FOREIGN = (
     ".3ds", ".blend", ".fbx", ".kinbody.xml", ".sdf", ".skp", ".usd", ".usda", ".usdc", ".usdz", ".wrl", ".xacro",
@@ -73,7 +73,7 @@ def run(folder: Path, /, *, out: Path) -> None:
             print(model.text(), flush=True)
     write_page(out / PAGE, folder, list(models.values()), pack, words)
     taken = sum(model.asset is not None for model in models.values())
-    print(f"{taken} of {len(models)} models can be used: assets: {{folders: [{out}]}}. Look at {out / PAGE}")
+    print(plain(f"{taken} of {len(models)} models can be used: assets: {{folders: [{out}]}}. Look at {out / PAGE}"))
     if not taken:
         raise InputError(folder, "none of its models can be used.", "see above", code="E-MODELS-UNUSABLE")
 
@@ -103,7 +103,7 @@ def models_of(given: Path, out: Path, kinds: Sequence[str]) -> list[Found]:
         )
     if found := discover(given, kinds):
         if left_out := unread(given):
-            print(f"{given}: {left_out}", file=sys.stderr)
+            print(plain(f"{given}: {left_out}"), file=sys.stderr)
         return found
     parts = [path for path in given.rglob("*") if is_model(path, given, kinds)]
     if parts:

@@ -32,7 +32,7 @@ from stages.assets.snapshots import Look
 from stages.assets.weighing import weighed_sanely, with_mass
 from stages.cli import progress
 from stages.config.assets import OwnOptions
-from stages.contracts.errors import InputError
+from stages.contracts.errors import InputError, plain
 from stages.contracts.files import read_json
 from stages.contracts.library import Asset, Placement, Symmetry
 from stages.contracts.types import LARGEST, Mass
@@ -119,7 +119,7 @@ def import_models(models: dict[str, Found], kinds: dict[str, Importer], folder: 
             shutil.rmtree(folder / name, ignore_errors=True)
             continue
         for doubt in doubts:
-            print(f"{found.path}: {doubt}")
+            print(plain(f"{found.path}: {doubt}"))
     return assets, left_out
 
 

@@ -28,7 +28,7 @@ class Sources:
         """
         self.path, self.folder = path, folder
         self.roots = dict[Path, ET.Element]()
-        self._attached = defaultdict[str, set[Path]](set)  # by the name that the model gives them
+        self._attached = defaultdict[str, dict[Path, set[Path]]](dict)  # by their name, and by the file that gives it
         self._sizes = dict[Path, int]()
         queue = [path]
         while queue:
@@ -39,7 +39,8 @@ class Sources:
         for here, root in self.roots.items():
             for element in root.iter("model"):
                 for part in self._parts(element, here):
-                    self._attached[element.get("name") or self.roots[part].get("model", "")].add(part)
+                    name = element.get("name") or self.roots[part].get("model", "")
+                    self._attached[name].setdefault(here, set()).add(part)
         if (size := self._size(path, ())) > MOST_ELEMENTS:
             what = f"has {size} elements once all is included, attached and replicated."
             raise InputError(path, what, f"at most {MOST_ELEMENTS}", code="E-MODEL-PARTS")
@@ -97,12 +98,13 @@ class Sources:
 
     def _elements(self, element: ET.Element, here: Path, above: tuple[Path, ...]) -> int:
         """How many elements an element becomes, with those in it."""
-        parts = self._parts(element, here) if element.tag == "include" else []
-        if element.tag == "attach":
-            parts = list(self._attached[element.get("model", "")])
+        parts = set(self._parts(element, here)) if element.tag == "include" else set()
+        if element.tag == "attach":  # a model that this file names, or one that includes it
+            named = self._attached[element.get("model", "")]
+            parts = named.get(here) or set().union(*named.values()).difference(above)
         own = sum(self._elements(child, here, above) for child in element)
         counts = [int(word) for word in element.get("count", "").split() if word.isdecimal() and len(word) < 20]
-        return (1 + own + sum(self._size(part, above) for part in set(parts))) * max(1, prod(counts))
+        return (1 + own + sum(self._size(part, above) for part in parts)) * max(1, prod(counts))
 
 
 def _names(element: ET.Element) -> list[str]:
