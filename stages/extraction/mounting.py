@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from stages.config.extraction import ExtractionConfig
 from stages.contracts.objects import Mounting, Wall
-from stages.extraction.clouds import with_bottom
+from stages.extraction.clouds import THINNEST, with_bottom
 from stages.extraction.foot import height_shown, reaches_down
 from stages.extraction.masks import OUTLINE
 from stages.extraction.visibility import DepthView, cell_centres
@@ -18,7 +18,6 @@ from stages.geometry.frames import yaw_matrix
 
 BESIDE, BESIDE_SMALL = 0.05, 0.25  # metres by which footprints are widened; at most so much of what stands on them
 ON_TOP = 0.5  # share of the upper footprint that lies over the lower one
-THINNEST = 0.01  # metres; noise may put a plate's top below the table's
 JUST_BELOW = 0.15  # metres
 SUNK = 0.04  # share of the distance, by which what is in a thing reaches down below its top
 STRETCHED = 2.0  # times its seen height, up to which what is said to stand reaches down to what carries it
@@ -107,7 +106,7 @@ def placement(
     beneath, support = carrier_beneath(box, carriers, tolerance, SUNK * distance)
     said = stated is not None and box.top - beneath < STRETCHED * (box.top - box.bottom)
     if unnamed is not None and not known and not said and box.bottom - beneath > tolerance:
-        shelf = height_shown(box, view, own, unnamed, tolerance)
+        shelf = height_shown(box, walls, view, own, unnamed, tolerance)
         if shelf is not None and shelf > beneath + tolerance:
             beneath, support = shelf, UNNAMED
     touched = walls_touched(box, others, walls, view, own, options)
