@@ -42,12 +42,12 @@ def collapsed(seen: UprightBox, placed: Placement, tolerance: float) -> bool:
 
 
 def carrier_beneath(
-    box: UprightBox, carriers: Mapping[str, UprightBox], tolerance: float, sunk: float = np.inf
+    box: UprightBox, carriers: Mapping[str, UprightBox], tolerance: float, sunk: float = np.inf, share: float = ON_TOP
 ) -> tuple[float, str]:
     """Top of the highest carrier below the box and its id, or that of the floor.
 
-    What reaches down by more than `sunk` metres and half of its height below a top is not on it, but in it (a can in a
-    bowl), and stands where it ends.
+    It lies under more than a `share` of the box. What reaches down by more than `sunk` metres and half of its height
+    below a top is not on it, but in it (a can in a bowl), and stands where it ends.
     """
     inside = max(sunk, float(box.size[2]) / 2)
     plan = footprint(box)
@@ -55,7 +55,7 @@ def carrier_beneath(
     tops = [
         (carrier.top if carrier.top <= box.bottom + inside else box.bottom, name)
         for name, carrier in carriers.items()
-        if plan.intersection(footprint(carrier).buffer(widened)).area >= ON_TOP * plan.area
+        if plan.intersection(footprint(carrier).buffer(widened)).area > share * plan.area
         and carrier.top <= box.bottom + 2 * tolerance
         and carrier.top + carrier.bottom < box.top + box.bottom
     ]
@@ -83,6 +83,7 @@ def placement(
     options: ExtractionConfig,
     known: bool = False,
     stated: Mounting | None = None,
+    is_seat: bool = False,
     unnamed: NDArray[np.bool_] | None = None,
 ) -> Placement:
     """Where one object stands or hangs.
@@ -97,6 +98,7 @@ def placement(
         options: tolerances.
         known: the box is known whole, so that nothing hidden has to be guessed.
         stated: how it is held, if the input says so.
+        is_seat: it stands on the floor however little is seen of it above a table.
         unnamed: pixels (H, W) of which nobody said what they show.
     """
     if known:
@@ -104,7 +106,12 @@ def placement(
     distance = view.distance(box.center)
     tolerance = options.tolerance(view.error.at(distance))
     beneath, support = carrier_beneath(box, carriers, tolerance, SUNK * distance)
-    said = stated is not None and box.top - beneath < STRETCHED * (box.top - box.bottom)
+    seen = box.top - box.bottom
+    if support == FLOOR and box.top > STRETCHED * seen and not (known or is_seat):  # it would become a column
+        height, beside = carrier_beneath(box, carriers, tolerance, SUNK * distance, share=0.0)
+        if box.bottom - height < 2 * tolerance:
+            beneath, support = height, beside
+    said = stated is not None and box.top - beneath < STRETCHED * seen
     if unnamed is not None and not known and not said and box.bottom - beneath > tolerance:
         shelf = height_shown(box, walls, view, own, unnamed, tolerance)
         if shelf is not None and shelf > beneath + tolerance:

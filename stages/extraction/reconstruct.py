@@ -14,7 +14,7 @@ from stages.extraction import masks, room
 from stages.extraction.border import continued_depth
 from stages.extraction.clouds import MAX_POINTS, cleaned_cloud, fit_box, with_top
 from stages.extraction.floor import check_smooth, frame_of
-from stages.extraction.levels import Level, carrying_height, is_topped, level_of
+from stages.extraction.levels import Level, carrying_height, is_seat, is_topped, level_of
 from stages.extraction.mounting import collapsed, placement
 from stages.extraction.observation import AnnotatedImage
 from stages.extraction.reflections import without_reflections
@@ -247,7 +247,9 @@ def _held(
         if note:
             print(f"{scene} {name}: {note}: mounting by geometry")
         told = one.said.box is not None
-        placed = placement(box, carriers, others, walls, view, own, options, told, stated, unnamed)
+        placed = placement(
+            box, carriers, others, walls, view, own, options, told, stated, is_seat(one.said.label), unnamed
+        )
         if collapsed(box, placed, options.tolerance(view.noise(box.center))):
             reason = "its top is found below what carries it: the depth of one of the two is wrong"
             failed = {"status": "failed", "reason": reason, "points": 0}

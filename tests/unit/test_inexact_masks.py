@@ -9,13 +9,25 @@ from numpy.typing import NDArray
 from stages.config.extraction import ExtractionConfig
 from stages.contracts import Annotations
 from stages.contracts.corrections import Correction
-from stages.contracts.objects import SceneObject
+from stages.contracts.objects import USUAL_ERROR, SceneObject, Wall
 from stages.contracts.scenes import Annotation, Held
 from stages.extraction.corrected import as_told
+from stages.extraction.foot import height_shown
 from stages.extraction.observation import AnnotatedImage
 from stages.extraction.reconstruct import ExtractedScene, reconstruct
+from stages.extraction.visibility import DepthView
 from stages.geometry.boxes import UprightBox
-from tests.unit.synthetic_room import BACK_WALL, FLOOR, HEIGHT, INTRINSICS, OBJECT, WALL, WIDTH, trace
+from tests.unit.synthetic_room import (
+    BACK_WALL,
+    FLOOR,
+    HEIGHT,
+    INTRINSICS,
+    OBJECT,
+    WALL,
+    WIDTH,
+    WORLD_FROM_CAMERA,
+    trace,
+)
 
 SOFA = UprightBox([3.0, 0, 0.4], [0.9, 1.8, 0.8], 0.1)
 
@@ -101,13 +113,14 @@ def test_what_was_stretched_to_the_floor_is_put_on_a_table_at_its_own_height() -
 
 
 def test_a_wall_that_nobody_painted_carries_no_picture() -> None:
-    """Above a bed, where the wall has no mask, and elsewhere it has one."""
-    picture, bed = UprightBox([3.98, 0, 1.5], [0.04, 0.6, 0.5], 0.0), UprightBox([3.0, 0, 0.25], [1.8, 1.4, 0.5], 0.0)
-    depth, masks = trace([picture, bed])
-    rows, columns = np.nonzero(masks == OBJECT)
-    below = masks[rows.max() :, columns.min() - 20 : columns.max() + 20]
-    below[below == WALL] = 0
-    (hung, _) = extracted(depth, masks, "picture", "bed").objects.objects
+    picture = UprightBox([3.98, 0, 1.5], [0.04, 0.6, 0.5], 0.0)
+    depth, masks = trace([picture])
+    masks[masks == WALL] = 0
+    view = DepthView(depth, INTRINSICS, WORLD_FROM_CAMERA, USUAL_ERROR)
+    wall = Wall(id="wall_1", normal=(-1, 0, 0), offset=-BACK_WALL, points=100)
+    shown = [height_shown(picture, walls, view, masks == OBJECT, masks == 0, 0.07) for walls in ([], [wall])]
+    assert shown == [pytest.approx(1.22, abs=0.02), None]
+    (hung,) = extracted(depth, masks, "picture").objects.objects
     assert hung.mounting is not None and hung.mounting.type == 1 and hung.measured_support == "wall"
 
 
