@@ -189,3 +189,16 @@ def test_attempts_of_roles_differ_and_stay_below_those_of_evaluation() -> None:
     twin, cousin = (list(attempt_seeds(0, role, 50)) for role in ("twin", "cousin_1"))
     assert not set(twin) & set(cousin)
     assert max(twin + cousin) < 2**31
+
+
+def test_a_heavier_door_is_as_much_harder_to_turn(tmp_path: Path) -> None:
+    cabinet(tmp_path / "cab")
+    made = {"assets": tmp_path / "cab", "joint": "door_0_joint", "size": None, "options": TaskConfig(**TASK)}
+    still = dict.fromkeys(["extents", "friction", "joint_friction"], (1.0, 1.0))
+    inertias = []
+    for randomised in (None, RandomiseOptions(mass=(2.0, 2.0), **still)):
+        task = TaskEnv("door", **made, render=False, vary_scale=False, randomise=randomised)
+        task.place(3)
+        inertias.append(np.array([link.inertia for link in task.env.object._objs[0].links]))
+        task.close()
+    np.testing.assert_allclose(inertias[1], 2 * inertias[0], rtol=1e-4)

@@ -209,3 +209,10 @@ def test_a_can_that_is_seen_far_down_a_bowl_is_in_it_not_on_it() -> None:
     assert carrier_beneath(can, {"bowl": bowl}, 0.06, sunk=0.08)[0] == bowl.top  # far away, depth may err by as much
     plate = UprightBox([0.0, 0.0, 0.07], [0.1, 0.1, 0.03], 0.0)  # 2.5 cm into the top
     assert carrier_beneath(plate, {"bowl": bowl}, 0.06, sunk=0.03) == (bowl.top, "bowl")
+
+
+def test_a_rug_does_not_stand_on_the_crate_that_stands_on_it() -> None:
+    """Its top is within the tolerances of the rug's foot, but the crate's middle is above the rug's."""
+    crate, rug = UprightBox([0.0, 0.0, 0.05], [0.5, 0.5, 0.1], 0.0), UprightBox([0.0, 0.0, 0.01], [0.6, 0.6, 0.02], 0.0)
+    assert carrier_beneath(rug, {"crate": crate}, 0.06) == (0.0, "floor")
+    assert carrier_beneath(crate, {"rug": rug}, 0.06) == (rug.top, "rug")

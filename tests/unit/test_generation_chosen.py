@@ -2,7 +2,13 @@
 
 from dataclasses import replace
 
-from stages.generation.choosing import chosen, meant
+import numpy as np
+
+from stages.contracts.corrections import Correction
+from stages.contracts.cousins import Cousin, Orientation
+from stages.contracts.objects import SceneObject
+from stages.generation.choosing import choose, chosen, meant
+from stages.generation.inputs import MatchedObject
 from stages.generation.placed import Placed
 from tests.unit.generation_scenes import thing
 
@@ -45,3 +51,23 @@ def test_a_label_means_every_category_that_is_as_near() -> None:
     assert meant(near, "floor_lamp") == meant(near, "table_lamp") == {"table_lamp", "floor_lamp"}
     assert meant(near, "candlestick") == set(near)
     assert meant(near, "box") == {"box"}  # chosen by hand
+
+
+def test_after_a_persons_choice_the_next_scenes_have_the_cousins_in_order() -> None:
+    item = thing("chest_1", (0, 0, 0), (1, 1, 1))
+    about = {"category": "chest", "votes": None, "orientation": Orientation(yaw=0.0), "orientations": []}
+    cousins = [Cousin(rank=n, asset=f"chest_{n}", distance=n, **about) for n in (1, 2, 3)]
+    seen = SceneObject(id="chest_1", label="chest", mask=1, status="failed", reason="-")
+
+    def standing(said: Correction, rank: int) -> str:
+        one = MatchedObject(seen, cousins, {}, np.empty((0, 3), np.float32), None, said)
+
+        def place(cousin: Cousin) -> Placed:
+            return replace(item, asset=item.asset.model_copy(update={"id": cousin.asset, "category": "chest"}))
+
+        return choose(one, rank, {}, place, 2.0).asset.id
+
+    said, nothing = Correction(mask=1, model="chest_9"), Correction(mask=1)
+    assert [standing(said, rank) for rank in (1, 2, 3)] == ["chest_9", "chest_1", "chest_2"]
+    assert [standing(nothing, rank) for rank in (1, 2, 3)] == ["chest_1", "chest_2", "chest_3"]
+    assert standing(Correction(mask=1, model="chest_1"), 2) == "chest_2"

@@ -220,3 +220,9 @@ def test_a_policy_without_eyes_acts_by_proprioception_alone() -> None:
     clouds, proprio = torch.rand((2, 3, 40, 4)).round(), torch.rand((2, 3, 9))
     assert torch.equal(policy(clouds, proprio).means, policy(0 * clouds, proprio).means)  # type: ignore[operator]
     assert not torch.equal(policy(clouds, proprio).means, policy(clouds, 2 * proprio).means)  # type: ignore[operator]
+
+
+def test_of_two_sights_of_as_much_of_the_handle_the_later_counts() -> None:
+    seen = torch.tensor([[0.5, 0.0, 0.4, 3.0], [0.6, 0.1, 0.4, 3.0], [0.7, 0.2, 0.4, 2.0]])  # it moves with the door
+    way = to_handle(seen, torch.zeros(3, 3))
+    assert way[:, :2].tolist() == [pytest.approx(each) for each in ([5.0, 0.0], [6.0, 1.0], [6.0, 1.0])]

@@ -8,13 +8,14 @@ import pytest
 from stages.contracts import GeneratedScene, Objects
 from stages.contracts.look import ROOM_LIGHT, Look, Surface
 from stages.contracts.objects import Mounting, SceneObject, Wall
-from stages.generation.look import direction_of, light_of, surfaces_seen
+from stages.generation.look import Seen, direction_of, light_of, reach, surfaces_seen
 from stages.generation.painting import furnished, look_of, merged
 from stages.generation.placed import Placed
 from stages.geometry.boxes import UprightBox
 from stages.geometry.cameras import intrinsics_from_fov, look_at
 from stages.procedural import build
 from stages.procedural.catalogue import sample
+from stages.simulation.backdrop import WALL_HEIGHT
 from stages.simulation.rendering import RenderCamera, instance_id
 
 WIDTH, HEIGHT = 200, 150
@@ -139,3 +140,15 @@ def test_shadows_fall_far_from_the_camera_too(furniture: Any) -> None:
     rgb, masks, depth = taken(objects, moved, true_look(direction_of(0.8, 0.8)))
     floor = rgb[(masks == 0) & (depth > 0)][:, 0].astype(float)
     assert (floor < 0.85 * np.median(floor)).mean() > 0.004  # none otherwise
+
+
+def test_a_wall_is_seen_up_to_its_end_or_stands_to_the_height_of_a_room() -> None:
+    height, across = (values.ravel() for values in np.meshgrid(np.linspace(0.3, 1.2, 40), np.linspace(-1, 1, 40)))
+    points = np.column_stack([np.full(1600, 4.0), across, height])
+    still = np.zeros(1600, int)
+    highest = {}
+    for above in (False, True):
+        seen = Seen(np.array([-1.0, 0, 0]), still, still, points, np.zeros((1600, 3)), above)
+        (left, low), (right, highest[above]) = reach("wall_1", seen)
+        assert (left, right) == pytest.approx((-1.3, 1.3), abs=0.02) and low == 0  # it goes on a little at the border
+    assert highest == {False: pytest.approx(1.2, abs=0.02), True: WALL_HEIGHT}

@@ -9,6 +9,8 @@ import torch
 
 from stages.articulated.asset_folder import Description, read_model, write_asset
 from stages.contracts.task_options import TaskConfig
+from stages.evaluation.mujoco_env import MujocoTaskEnv
+from stages.evaluation.mujoco_world import MODEL
 from stages.geometry.frames import inverse, rigid
 from stages.planning.path import handle_path
 from stages.tasks.api import TaskEnv
@@ -84,3 +86,17 @@ def test_the_hand_follows_the_handle_alike(both: tuple[TaskEnv, TaskEnv]) -> Non
         target = task.env.unwrapped.target
         ways.append(handle_path(target, grasp, target.lower, target.lower + 0.2, follow=0.7))
     assert ways[0] == pytest.approx(ways[1], abs=1e-3) and ways[0][0] == pytest.approx(grasp, abs=1e-6)
+
+
+def test_openings_are_the_same_in_mujoco(tmp_path: Path) -> None:
+    cabinet(tmp_path / "cab", layout=[["door"]])
+    task = MujocoTaskEnv("door", shifted(tmp_path / "cab", "door"), "door_0_joint", None, FULL, render=False)
+    for opened in (0.0, 0.1):
+        task.place(3)
+        joint = task.data.joint(f"{MODEL}door_0_joint")
+        low, high = task.model.joint(f"{MODEL}door_0_joint").range
+        assert low == pytest.approx(SHIFT["door"], abs=1e-4)
+        joint.qpos, joint.qvel = low + opened * (high - low), 0.0
+        task.act(np.array([0, 0, 0, 0, 0, 0, 1], np.float32))
+        assert task.opened == pytest.approx(opened, abs=0.02)
+    task.close()

@@ -97,3 +97,10 @@ def test_boxes_and_counts_agree() -> None:
             said()
     assert Correction(mask=1, panels=stack(4)).drawers is None  # as many as there are boxes
     assert np.isclose(layout_gap([], stack(2)), 2)
+
+
+@pytest.mark.parametrize(
+    "half", [(0, 1, 0, 0.5), (0, 1, 0.5, 1), (0, 0.5, 0, 1), (0.5, 1, 0, 1)], ids=["lower", "upper", "left", "right"]
+)
+def test_a_panel_on_half_of_the_front_is_moved_by_a_tenth_at_most(half: tuple[float, float, float, float]) -> None:
+    assert layout_gap(row("drawer", 1), [panel("drawer", *half)]) == pytest.approx(0.4)

@@ -15,6 +15,7 @@ from stages.contracts.task_options import TaskConfig
 from stages.evaluation.mujoco_camera import DepthCamera
 from stages.evaluation.mujoco_env import MujocoTaskEnv
 from stages.evaluation.mujoco_world import MODEL
+from stages.geometry.frames import apply, inverse
 from stages.simulation.studio import Studio
 from stages.skills import FAR, Float
 from stages.skills.chain import SkillChain
@@ -152,3 +153,23 @@ def test_without_a_device_to_render_on_it_says_what_to_install(
 
 def test_noise_grows_with_the_square_of_distance() -> None:
     np.testing.assert_allclose(sensor_noise(np.array([0.4, 1.4])), [0.0012, 0.0031])
+
+
+def test_another_door_that_is_ajar_counts_for_the_official_code(tmp_path: Path) -> None:
+    cabinet(tmp_path / "pair", layout=[["door", "door"]])
+    task = MujocoTaskEnv("door", tmp_path / "pair", "door_0_joint", None, TaskConfig(), render=False, vary_scale=False)
+    task.place(SEED)
+    low, high = task.model.joint(f"{MODEL}door_1_joint").range
+    task.data.joint(f"{MODEL}door_1_joint").qpos = low + 0.2 * (high - low)
+    task.act(STILL)
+    assert abs(task.opened) < 0.01 and not task.success and task.official_success
+    task.close()
+
+
+def test_the_cloud_lies_on_the_door_from_wherever_it_is_seen(door: MujocoTaskEnv) -> None:
+    """Half a pixel beside it, what is seen at a slant is 2 mm before or behind it."""
+    for seed in range(SEED, SEED + 4):
+        cloud = door.reset(seed)["point_cloud"]
+        points = apply(inverse(door.base_from_asset()), cloud[cloud[:, 3] == 0, :3].astype(float))
+        front = points[points[:, 0] < 0.165, 0]  # the rest is its handle
+        assert np.median(front) == pytest.approx(0.162, abs=0.0005)

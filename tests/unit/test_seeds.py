@@ -104,3 +104,9 @@ def test_the_config_says_how_large_a_seed_may_be() -> None:
     assert ExperimentConfig(seeds=[LARGEST]).seeds == [LARGEST]
     with pytest.raises(ValueError, match="less than 9007199254740992"):
         ExperimentConfig(seeds=[LARGEST + 1])
+
+
+def test_initial_states_are_those_of_the_published_rollouts() -> None:
+    """With others whoever repeats a run of docs/results would do another study."""
+    assert initial_states("roles", 2026, 2) == [2_219_207_311, 2_219_207_312]
+    assert initial_states("test", 2026, 1) == [2_898_415_089]

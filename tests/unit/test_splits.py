@@ -111,3 +111,10 @@ def test_a_family_on_two_sides_breaks_the_contract() -> None:
 def test_the_census_counts_kinds() -> None:
     assert census("test", [an_asset("a_1"), an_asset("a_2", handle="knob")]) == "test: 2 of 1 families (bar 1, knob 1)"
     assert census("train", []) == "train: 0 of 0 families"
+
+
+def test_the_only_one_of_its_kind_stands_in_the_middle() -> None:
+    """One knob among eight bars: neither the first test asset nor the last."""
+    assets = [an_asset(f"bar{number}_0") for number in range(8)] + [an_asset("knob0_0", handle="knob")]
+    ordered = balanced(assets, np.random.default_rng(0))
+    assert [asset.handle for asset in ordered].index("knob") == 4

@@ -1,0 +1,53 @@
+"""What a run made, as the page of corrections shows it."""
+
+import numpy as np
+import pytest
+
+from stages.contracts import Objects
+from stages.contracts.corrections import Correction
+from stages.contracts.generated import PlacedObject
+from stages.contracts.snapshot_pictures import Snapshots
+from stages.geometry.cameras import intrinsics_from_fov, look_at
+from stages.inputs.by_hand.made import Made
+
+MASK = 3
+CHEST = PlacedObject(
+    id="chest_1", label="chest", asset="chest_9", category="chest", position=(3.0, 0.5, 0.4), yaw=0.3,
+    size=(0.4, 0.6, 0.8),
+)  # fmt: skip
+
+
+@pytest.fixture
+def made() -> Made:
+    objects = Objects(
+        scene="t",
+        width=320,
+        height=240,
+        intrinsics=intrinsics_from_fov(320, 240, 0.9).tolist(),
+        floor_from_camera=look_at([0, 0, 1.5], [3, 0, 0.4]).tolist(),
+        walls=[],
+        objects=[],
+    )
+    return Made(objects, {}, {}, {MASK: CHEST}, Snapshots([]))
+
+
+def _faces(made: Made, before: tuple[float, float] = (0.0, 0.0), **said: object) -> np.ndarray:
+    return np.array(made.faces(Correction.model_validate({"mask": MASK} | said), before))
+
+
+def test_a_box_is_shown_where_its_thing_will_stand(made: Made) -> None:
+    stands = _faces(made)
+    assert stands.shape == (6, 4, 2)
+    moved = _faces(made, nudge=(0.0, 0.2))  # to the left of the picture
+    assert (moved[..., 0] < stands[..., 0] - 10).all()
+    # the scene was made with the nudge: it stands there already
+    np.testing.assert_array_equal(_faces(made, nudge=(0.0, 0.2), before=(0.0, 0.2)), stands)
+    np.testing.assert_array_equal(_faces(made, nudge=(0.0, 0.3), before=(0.0, 0.1)), moved)
+    back = _faces(made, before=(0.0, 0.2))  # taken back: it will stand there again
+    assert (back[..., 0] > stands[..., 0] + 10).all()
+
+
+def test_a_box_is_shown_as_large_as_its_thing_will_be(made: Made) -> None:
+    stands, lower = _faces(made), _faces(made, size=(0.6, 0.4, 0.4))
+    assert lower[..., 1].max() == stands[..., 1].max()  # it stands on the same floor
+    assert lower[..., 1].min() > stands[..., 1].min() + 10
