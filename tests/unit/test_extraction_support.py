@@ -127,6 +127,39 @@ def test_what_is_squeezed_flat_is_told(distance: float, height: float, left: flo
     assert collapsed(seen, placed, 0.06) == (left == 0.01 and height == 0.09)
 
 
+def held_by(box: UprightBox, carrier: UprightBox, walls: list[Wall], **said: bool) -> str:
+    lens = np.array([[30.0, 0, 45], [0, 30.0, 45], [0, 0, 1]])
+    empty = DepthView(np.full((90, 90), 9.0, np.float32), lens, LOOKING_ALONG_X, USUAL_ERROR)
+    own = np.zeros((90, 90), bool)
+    placed = placement(box, {"carrier": carrier}, [carrier], walls, empty, own, ExtractionConfig(), **said)
+    return placed.support
+
+
+@pytest.mark.parametrize(
+    ("y", "bottom", "said", "support"),
+    [
+        (0.45, 0.61, {}, "carrier"),
+        (0.55, 0.61, {}, "carrier"),  # a third over its edge: depth of one of them errs
+        (0.55, 0.61, {"is_seat": True}, "floor"),  # a chair behind the table
+        (0.55, 0.85, {}, "floor"),
+        (0.75, 0.61, {}, "floor"),
+    ],
+)
+def test_what_would_become_a_column_stands_on_what_it_is_beside(
+    y: float, bottom: float, said: dict, support: str
+) -> None:
+    table, cup = UprightBox([2, 0, 0.3], [1, 1, 0.6], 0.0), UprightBox([2, y, bottom + 0.05], [0.1, 0.1, 0.1], 0.0)
+    assert held_by(cup, table, [], **said) == support
+
+
+def test_a_cabinet_on_the_wall_beside_a_tall_fridge_hangs() -> None:
+    fridge, cabinet = (
+        UprightBox([3.7, 0, 0.73], [0.6, 0.6, 1.46], 0.0),
+        UprightBox([3.8, 0.55, 1.7], [0.4, 0.6, 0.6], 0.0),
+    )
+    assert held_by(cabinet, fridge, [WALL]) == "wall"
+
+
 @pytest.mark.parametrize(("bottom", "support"), [(0.62, "table"), (1.0, "unnamed")])
 def test_a_told_box_above_all_that_was_named_stands_on_something_else(bottom: float, support: str) -> None:
     empty = DepthView(np.full((9, 9), 9.0, np.float32), np.diag([9.0, 9.0, 1.0]), LOOKING_ALONG_X, USUAL_ERROR)
