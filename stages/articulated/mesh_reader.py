@@ -15,7 +15,7 @@ from PIL import Image
 from trimesh import Trimesh
 
 from stages.articulated.beside import Beside, fault_of
-from stages.articulated.urdf_tree import LARGEST
+from stages.articulated.urdf_tree import LARGEST, MOST_SHAPES
 from stages.contracts.errors import InputError
 
 SUFFIXES = {".obj", ".glb", ".gltf", ".stl", ".ply", ".dae", ".off"}
@@ -45,6 +45,8 @@ def load_meshes(path: Path, folder: Path) -> tuple[list[Trimesh], list[str]]:
         )
     header, binary = _gltf(path)
     _check_uncompressed(path, header)
+    if isinstance(nodes := header.get("nodes"), list) and len(nodes) > MOST_SHAPES:
+        raise InputError(path, f"has {len(nodes)} nodes.", f"at most {MOST_SHAPES}", code="E-MODEL-PARTS")
     files, lost = Beside(path, folder), _lost_inside(path, header, binary)
     try:
         scene = trimesh.load_scene(path, resolver=files)
