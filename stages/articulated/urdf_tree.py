@@ -15,6 +15,7 @@ from stages.contracts.errors import InputError
 from stages.geometry.frames import rigid
 
 MOST_LINKS = 1000
+MOST_SHAPES = 5000  # of all links together
 WORLD = "world"
 AROUND = " \t\r\n\0\x1a"  # the document, in files of other programs: XML allows nothing before it
 LARGEST = 1e6  # of any number: beyond it is a slip, in whatever unit
@@ -55,6 +56,8 @@ class UrdfTree:
             raise InputError(path, "has no <link>.", code="E-URDF-ELEMENT")
         if len(self.links) > MOST_LINKS:
             raise InputError(path, f"has {len(self.links)} links.", f"at most {MOST_LINKS}", code="E-MODEL-PARTS")
+        if (shapes := sum(element.tag in ("visual", "collision") for element in self.robot.iter())) > MOST_SHAPES:
+            raise InputError(path, f"has {shapes} shapes.", f"at most {MOST_SHAPES}", code="E-MODEL-PARTS")
         if any(end.get("link") == WORLD for end in self.robot.findall("joint/parent")):  # some need not declare it
             self.links.setdefault(WORLD, ET.Element("link", name=WORLD))
         joints = [self._joint(element, name) for name, element in self._named("joint").items()]

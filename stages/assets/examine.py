@@ -118,7 +118,7 @@ def examined(
             found.path, lambda: kind.dump_json(_examined(named, importer, place, work, tells, shared)).decode()
         )
     except InputError as error:
-        return Examined(found.path, place, doubts=[str(error).removeprefix(f"{found.path}: ")])
+        return Examined(found.path, place, doubts=[str(error).removeprefix(plain(f"{found.path}: "))])
     model = kind.validate_json(told)
     asset = model.asset
     twin = next((other for other in before if asset and other.asset and other.asset.checksum == asset.checksum), None)
@@ -145,7 +145,7 @@ def _examined(found: Found, importer: Importer, place: Path, work: Path, tells: 
             asset, doubts = import_file(with_notes(as_written, URDF), work)
             model.doubts += doubts
     except InputError as error:
-        model.doubts.append(str(error).removeprefix(f"{found.path}: ").removeprefix(f"{written}: "))
+        model.doubts.append(str(error).removeprefix(plain(f"{found.path}: ")).removeprefix(plain(f"{written}: ")))
         return model
     model.asset = asset
     if odd := unusual(asset.category, np.array(asset.size)):

@@ -201,3 +201,16 @@ def test_links_in_a_folder_of_models_lead_nowhere(mine: Path, tmp_path: Path) ->
         assets, left_out = import_models(named_models([mine], kinds), kinds, tmp_path / "out")
     assert [asset.id for asset in assets] == ["zz_zz"], left_out
     assert all("link out of mine/" in line for line in left_out) and len(left_out) > 4
+
+
+def test_no_picture_runs_a_program(mine: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    script = mine / "gs"
+    script.write_text(f"#!/bin/sh\ntouch {mine}/ran\n")
+    script.chmod(0o755)
+    monkeypatch.setenv("PATH", str(mine), prepend=":")
+    (mine / "t.png").write_bytes(b"%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 4 4\n%%EndComments\nshowpage\n%%EOF\n")
+    (mine / "b.mtl").write_text("newmtl m\nmap_Kd t.png\n")
+    (mine / "b.obj").write_text(MESHES["b.obj"][1])
+    _, lost = load_meshes(mine / "b.obj", mine)
+    assert lost == ["b.obj is shown without 't.png', which is no whole picture (OSError)"]
+    assert not (mine / "ran").exists()

@@ -15,7 +15,7 @@ from trimesh import Trimesh
 from stages.articulated.mesh_reader import convex_pieces
 from stages.articulated.model import RGBA, JointModel, Link, Matrix, RobotModel, Visual, moved
 from stages.articulated.urdf_reader import closed_at_lower
-from stages.articulated.urdf_tree import FIXED_RANGE, MOST_LINKS
+from stages.articulated.urdf_tree import FIXED_RANGE, MOST_LINKS, MOST_SHAPES
 from stages.assets.importers import Importer
 from stages.assets.mjcf_file import compiled
 from stages.contracts.errors import InputError
@@ -32,6 +32,8 @@ def read_mjcf(path: Path, folder: Path) -> RobotModel:
     spec, model = compiled(path, folder)
     if model.nbody > MOST_LINKS:
         raise InputError(path, f"has {model.nbody} bodies.", f"at most {MOST_LINKS}", code="E-MODEL-PARTS")
+    if model.ngeom > MOST_SHAPES:
+        raise InputError(path, f"has {model.ngeom} shapes.", f"at most {MOST_SHAPES}", code="E-MODEL-PARTS")
     if (free := int((model.jnt_type == mjtJoint.mjJNT_FREE).sum())) > 1:
         raise InputError(
             path, f"holds {free} free bodies: a scene, not a model.", "one file per model", code="E-MJCF-SCENE"
