@@ -13,12 +13,15 @@ from stages.articulated.beside import Beside
 from stages.articulated.mesh_files.dae import read_dae
 from stages.articulated.mesh_files.gltf import read_gltf
 from stages.articulated.mesh_files.obj import read_obj
+from stages.articulated.mesh_files.ply_off import read_off, read_ply
 from stages.articulated.urdf_tree import LARGEST
 from stages.contracts.errors import InputError
 
 SUFFIXES = {".obj", ".glb", ".gltf", ".stl", ".ply", ".dae", ".off"}
 Reader = Callable[[Path, Beside], tuple[Scene, list[str]]]
-READERS: dict[str, Reader] = {".obj": read_obj, ".glb": read_gltf, ".gltf": read_gltf, ".dae": read_dae}
+READERS: dict[str, Reader] = {
+    ".obj": read_obj, ".glb": read_gltf, ".gltf": read_gltf, ".dae": read_dae, ".ply": read_ply, ".off": read_off
+}  # fmt: skip
 NO_NUMBER = re.compile(rb"^v\s[^\n]*(?:nan|inf)", re.IGNORECASE | re.MULTILINE)
 MOST_PIECES = 64
 TEXTURES = ("baseColorTexture", "metallicRoughnessTexture", "normalTexture", "occlusionTexture", "emissiveTexture")

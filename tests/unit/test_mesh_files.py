@@ -207,3 +207,61 @@ def test_broken_collada_is_one_line(tmp_path: Path, old: str, new: str, says: st
     (tmp_path / "a.dae").write_text(dae("polylist").replace(old, new))
     with refused("E-MESH-BROKEN", says):
         load_meshes(tmp_path / "a.dae", tmp_path)
+
+
+def ply(colours: str) -> str:
+    """A U-shaped board, coloured by corner or by face."""
+    corners = np.concatenate([np.c_[U_SHAPE, np.zeros(8)], np.c_[U_SHAPE, np.ones(8)]])
+    faces = [[*range(8, 16)], [*range(7, -1, -1)], *([k, (k + 1) % 8, (k + 1) % 8 + 8, k + 8] for k in range(8))]
+    shades = "".join(f"property uchar {name}\n" for name in ("red", "green", "blue"))
+    shade = " 200 100 50"
+    of_corners, of_faces = (colours == "corners", colours == "faces")
+    header = "ply\nformat ascii 1.0\nelement vertex 16\nproperty float x\nproperty float y\nproperty float z\n"
+    header += f"{shades * of_corners}element face 10\nproperty list uchar int vertex_indices\n{shades * of_faces}"
+    rows = [f"{x:g} {y:g} {z:g}{shade * of_corners}" for x, y, z in corners]
+    rows += [f"{len(face)} {' '.join(map(str, face))}{shade * of_faces}" for face in faces]
+    return header + "end_header\n" + "\n".join(rows) + "\n"
+
+
+@pytest.mark.parametrize("colours", ["corners", "faces", "none"])
+def test_plys_are_filled_and_painted(tmp_path: Path, colours: str) -> None:
+    (tmp_path / "a.ply").write_text(ply(colours))
+    (mesh,), _ = load_meshes(tmp_path / "a.ply", tmp_path)
+    assert (mesh.area, mesh.volume) == pytest.approx((30, 7))
+    if colours != "none":
+        shown = mesh.visual.vertex_colors if colours == "corners" else mesh.visual.face_colors
+        assert np.unique(shown, axis=0).tolist() == [[200, 100, 50, 255]]
+
+
+@pytest.mark.parametrize(("head", "of_corner", "of_face"), [
+    ("OFF", "", ""), ("OFF", "", " 200 100 50"), ("OFF", "", " 0.784 0.392 0.196 1"),
+    ("COFF", " 200 100 50 255", ""), ("NOFF", " 0 0 1", ""), ("CNOFF", " 0 0 1 200 100 50 255", ""),
+])  # fmt: skip
+def test_offs_are_filled_and_painted(tmp_path: Path, head: str, of_corner: str, of_face: str) -> None:
+    body = ply("none").split("end_header\n")[1].splitlines()
+    lines = [f"{line}{of_corner}" for line in body[:16]] + [f"{line}{of_face}" for line in body[16:]]
+    (tmp_path / "a.off").write_text("\n".join([f"{head}  # a board", "16 10 0", *lines]))
+    (mesh,), _ = load_meshes(tmp_path / "a.off", tmp_path)
+    assert (mesh.area, mesh.volume) == pytest.approx((30, 7))
+    if "200" in of_corner + of_face or "0.784" in of_face:
+        shown = mesh.visual.vertex_colors if "C" in head else mesh.visual.face_colors
+        assert np.unique(shown, axis=0).tolist() == [[200, 100, 50, 255]]
+
+
+@pytest.mark.parametrize(("old", "new"), [("OFF", "4OFF"), ("16 10 0", "16 11 0"), ("8 8 9", "8 8 99")])
+def test_broken_offs_are_one_line(tmp_path: Path, old: str, new: str) -> None:
+    body = ply("none").split("end_header\n")[1]
+    (tmp_path / "a.off").write_text(f"OFF\n16 10 0\n{body}".replace(old, new))
+    with refused("E-MESH-BROKEN"):
+        load_meshes(tmp_path / "a.off", tmp_path)
+
+
+def test_one_scale_is_that_of_all_axes(tmp_path: Path) -> None:
+    (tmp_path / "a.obj").write_text(u_obj())
+    text = '<robot name="r"><link name="a"><visual><geometry><mesh filename="a.obj" scale="{}"/></geometry>'
+    for scale, factors in (("0.5", (0.5, 0.5, 0.5)), (" 1 2 3 ", (1, 2, 3)), ("1 2 3 4", (1, 2, 3))):
+        (tmp_path / "a.urdf").write_text(f"{text.format(scale)}</visual></link></robot>")
+        robot = read_urdf(tmp_path / "a.urdf", tmp_path)
+        assert robot.links["a"].visuals[0].mesh.extents == pytest.approx(np.array([3, 3, 1]) * factors)
+    said = "link 'a', <visual>: scale=\"1 2 3 4\" is more than 3 numbers: the first 3 count"
+    assert robot.remarks == (said,)
