@@ -1,4 +1,4 @@
-"""PLY and OFF: polygons of any shape, colours of corners or of faces."""
+"""PLY and OFF: polygons of any shape, colours of corners or of faces; STL, whose colours are not read."""
 
 from pathlib import Path
 from typing import Any
@@ -55,17 +55,23 @@ def read_off(path: Path, files: Beside) -> tuple[Scene, list[str]]:
     return Scene(_filled(vertices[:, :3], polygons, own, of_faces)), []
 
 
+def read_stl(path: Path, files: Beside) -> tuple[Scene, list[str]]:
+    """The meshes of a file as trimesh reads it, and whether it has colours: programs write them in several ways."""
+    data = path.read_bytes()
+    count = int.from_bytes(data[80:84], "little")
+    binary = len(data) == 84 + 50 * count
+    painted = binary and np.frombuffer(data, np.uint8, offset=84).reshape(-1, 50)[:, 48:].any()
+    return trimesh.load_scene(path, resolver=files), [f"{path.name}: its colours are not read"] * bool(painted)
+
+
 def _filled(
     vertices: NDArray[np.float64], polygons: list[Any], of_corners: Any | None, of_faces: Any | None
 ) -> Trimesh:
     """Triangles of polygons with the colours (N, 3 or 4), 0 to 1 or to 255, of their corners or faces."""
     faces, numbers = split(vertices, polygons)
-    mesh = Trimesh(vertices, faces, process=False)
-    if of_corners is not None:
-        mesh.visual.vertex_colors = _bytes(of_corners)
-    elif of_faces is not None:
-        mesh.visual.face_colors = _bytes(of_faces)[numbers]
-    return mesh
+    looks = {} if of_faces is None else {"face_colors": _bytes(of_faces)[numbers]}
+    looks = looks if of_corners is None else {"vertex_colors": _bytes(of_corners)}
+    return Trimesh(vertices, faces, process=False, **looks)
 
 
 def _bytes(colours: Any) -> NDArray[np.uint8]:
