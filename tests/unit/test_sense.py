@@ -94,7 +94,7 @@ def test_a_sliding_door_and_one_askew_are_fixed_with_the_reason(tmp_path: Path) 
     endless = joint("shut", "prismatic", "shutter", "1 0 0", 20.0, "-0.07 0.26 0.4")
     (tmp_path / "c.urdf").write_text(askew.replace("</robot>", wall + endless + "</robot>"))
     lines = doors_and_drawers(read_urdf(tmp_path / "c.urdf", tmp_path))[1]
-    assert "fixed, as no door or drawer: 'shut' (slides farther than all is deep)" in lines
+    assert "fixed, as no door or drawer: 'shut' (slides along what it is in)" in lines
     far = joint("shut", "prismatic", "shutter", "1 0 0", 0.3, "-0.07 0.26 0.4")  # out of the box, from behind its front
     (tmp_path / "c.urdf").write_text(askew.replace("</robot>", wall + far + "</robot>"))
     assert "'shut' (slides along what it is in)" in str(doors_and_drawers(read_urdf(tmp_path / "c.urdf", tmp_path))[1])

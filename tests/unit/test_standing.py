@@ -1,9 +1,12 @@
 """The robot stands where it always does, unless its arm can follow a door's handle from another place alone."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import pytest
 
+from stages.assets import reach
 from stages.assets.library import make
 from stages.assets.reach import out_of_reach, undisturbed
 from stages.config.demonstrations import DemonstrationsConfig
@@ -13,7 +16,7 @@ from stages.planning.clearance import Surroundings
 from stages.simulation.robot import REST
 from stages.tasks.api import TaskEnv
 from stages.tasks.base_placement import NEARBY, reachable_base
-from stages.tasks.initial_state import base_pose, nominal_root, sample_initial_state
+from stages.tasks.initial_state import base_pose, nominal_root, sample_initial_state, sampled_scale
 from tests.unit.own_models import import_model
 from tests.unit.test_sense import box, joint
 
@@ -73,9 +76,24 @@ def test_before_a_wide_door_it_stands_where_it_can_open_it(tmp_path: Path) -> No
     env.close()
 
 
-def test_a_door_that_is_followed_from_nowhere_is_told(tmp_path: Path) -> None:
+def test_a_door_is_tried_from_several_starts_of_the_skill(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder, tried = fridge(tmp_path, 0.8), list[tuple[float, ...]]()
+
+    def followed(*given: Any) -> list[str]:
+        _, _, names, _, scale, _ = given
+        tried.append(tuple(scale))
+        return list(names) if len(tried) == 3 else []
+
+    monkeypatch.setattr(reach, "_followed", followed)
+    assert out_of_reach(folder) == []
+    usual_scales = [tuple(sampled_scale(seed, OPTIONS, OPTIONS.scale_range)) for seed in range(2)]
+    assert tried == [(1, 1, 1), *usual_scales], "first at its own size, then as in episodes 0 and 1"
+
+
+def test_a_door_that_is_followed_from_nowhere_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     folder = fridge(tmp_path, 1.5)
-    assert out_of_reach(folder) == ["door 'hinge' is not opened: the arm can follow it from no place"]
+    monkeypatch.setattr(reach, "STARTS", 1)  # seconds each
+    assert out_of_reach(folder) == ["door 'hinge' is not opened: in none of 2 starts can the arm follow it"]
     env = world(folder, "hinge")
     env.reset(0)
     target = env.env.target
