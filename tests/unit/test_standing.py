@@ -12,10 +12,11 @@ from stages.assets.reach import out_of_reach, undisturbed
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
+from stages.planning.articulation import opened_to
 from stages.planning.clearance import Surroundings
 from stages.simulation.robot import REST
 from stages.tasks.api import TaskEnv
-from stages.tasks.base_placement import NEARBY, reachable_base
+from stages.tasks.base_placement import MOTION, NEARBY, can_follow, reachable_base
 from stages.tasks.initial_state import base_pose, nominal_root, sample_initial_state, sampled_scale
 from tests.unit.own_models import import_model
 from tests.unit.test_sense import box, joint
@@ -23,15 +24,16 @@ from tests.unit.test_sense import box, joint
 OPTIONS = TaskConfig()
 
 
-def fridge(folder: Path, width: float) -> Path:
-    """The asset of a fridge 1.7 m high with one door, its handle a bar at the free side, a metre above the floor."""
+def fridge(folder: Path, width: float, upper: float = 2.0, out: float = 0.055) -> Path:
+    """The asset of a fridge 1.7 m high with one door that turns by `upper`, its handle a bar at the free side, a metre
+    above the floor, its middle `out` from the front."""
     at = width - 0.05
-    bar = box("0.02 0.02 0.4", f"0.115 {at} 0.15") + box("0.05 0.02 0.02", f"0.085 {at} 0.33")
-    door = box(f"0.06 {width} 1.7", f"0.03 {width / 2} 0") + bar + box("0.05 0.02 0.02", f"0.085 {at} -0.03")
+    bar = box("0.02 0.02 0.4", f"{0.06 + out} {at} 0.15") + box("0.05 0.02 0.02", f"{0.03 + out} {at} 0.33")
+    door = box(f"0.06 {width} 1.7", f"0.03 {width / 2} 0") + bar + box("0.05 0.02 0.02", f"{0.03 + out} {at} -0.03")
     text = (
         f'<robot name="f"><link name="body">{box(f"0.6 {width} 1.7", "-0.304 0 0.85")}</link>'
         f'<link name="door">{door}</link>'
-        f"{joint('hinge', 'revolute', 'door', '0 0 -1', 2.0, f'0 {-width / 2} 0.85')}</robot>"
+        f"{joint('hinge', 'revolute', 'door', '0 0 -1', upper, f'0 {-width / 2} 0.85')}</robot>"
     )
     (folder / "theirs/fridge").mkdir(parents=True)
     (folder / "theirs/fridge/f.urdf").write_text(text)
@@ -88,6 +90,17 @@ def test_a_door_is_tried_from_several_starts_of_the_skill(tmp_path: Path, monkey
     assert out_of_reach(folder) == []
     usual_scales = [tuple(sampled_scale(seed, OPTIONS, OPTIONS.scale_range)) for seed in range(2)]
     assert tried == [(1, 1, 1), *usual_scales], "first at its own size, then as in episodes 0 and 1"
+
+
+def test_a_wide_door_that_can_only_be_opened_as_far_as_is_enough_is_opened(tmp_path: Path) -> None:
+    env = world(fridge(tmp_path, 0.95, 3.1, 0.035), "hinge")
+    env.reset(1)
+    base, around = env.env.base_from_asset(), env.env.around()
+    goals = opened_to(around.target, env.success_opening, MOTION.goal_margin)
+    assert [can_follow(base, env.joints()[:7], around, goal) for goal in goals] == [False, False, True]
+    _, outcome = Recorder(env, DemonstrationsConfig(noise=0.0, recovery=0.0)).attempt(1)
+    assert outcome.success and env.success_opening < env.opened < 0.5
+    env.close()
 
 
 def test_a_door_that_is_followed_from_nowhere_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
