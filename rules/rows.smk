@@ -53,13 +53,17 @@ def cells(pattern):
 def policies(pattern, first=False):
     """A function of what Snakemake calls a job's inputs: the files of `pattern` for all policies of this run.
 
-    first: only one policy per training set, the first seed of the first (best) run.
+    first: only one policy per training set and method: the first seed, of sets that were chosen that of the best.
     """
 
     def found(wildcards):
         sets = [(task, name) for task in TASKS for name in EXPERIMENT.plan(task).training_sets]
-        files = [policies_of(*cell, pattern) for cell in sets]
-        return [file for each in files for file in (each[:1] if first else each)]
+        kept = []
+        for task, name in sets:
+            all_files = policies_of(task, name, pattern)
+            per_method = len(all_files) if EXPERIMENT.chooses(task) else len(EXPERIMENT.plan(task).seeds)
+            kept += all_files[::per_method] if first else all_files
+        return kept
 
     return found
 

@@ -4,13 +4,15 @@ A verb is a module `stages/<stage>/<verb>.py` (`-` is `_` there; `import`, a wor
 typed function `run`; its keyword arguments are the flags. Only the chosen verb is imported, which keeps start-up cheap.
 """
 
+import functools
 import importlib
 import keyword
 import sys
-from collections.abc import Iterable, Iterator
-from typing import TypeVar
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any, TypeVar
 
 T = TypeVar("T")
+SEEDS = 2**53  # as in config: JSON holds no larger ones exactly
 
 
 def main(stage: str, verbs: dict[str, str]) -> None:
@@ -33,7 +35,7 @@ def main(stage: str, verbs: dict[str, str]) -> None:
 
     end_with_workflow()
     module = argv[0].replace("-", "_") + "_" * keyword.iskeyword(argv[0])
-    run = importlib.import_module(f"stages.{stage}.{module}").run
+    run = with_seeds_checked(importlib.import_module(f"stages.{stage}.{module}").run)
     try:
         tyro.cli(run, args=argv[1:], prog=f"python -m stages.{stage} {argv[0]}")
     except InputError as error:
@@ -45,6 +47,22 @@ def main(stage: str, verbs: dict[str, str]) -> None:
             raise
         print(f"error: {line}", file=sys.stderr)
         sys.exit(1)
+
+
+def with_seeds_checked(run: Callable[..., None]) -> Callable[..., None]:
+    """A verb that refuses seeds that config would, too, before it does anything."""
+
+    @functools.wraps(run)
+    def checked(*args: Any, **flags: Any) -> None:
+        from stages.contracts.errors import InputError
+
+        for name, value in flags.items():
+            if name.endswith("seed") and value is not None and not 0 <= value < SEEDS:
+                flag = f"--{name.replace('_', '-')}"
+                raise InputError(flag, f"{value} is no seed.", f"0 to {SEEDS - 1}", code="E-SEED")
+        run(*args, **flags)
+
+    return checked
 
 
 def progress(items: Iterable[T], what: str, total: int | None = None) -> Iterator[T]:

@@ -30,19 +30,22 @@ class Beside(Resolver):  # type: ignore[misc]
         Raises:
             FileNotFoundError: it is not in the folder, or is a picture that cannot be opened.
         """
-        written = name.strip().replace("\\", "/")
-        spelt = written.rpartition(" ")[2] if written.startswith("-") else written  # MTL's options come first
-        try:
-            names = dict.fromkeys([spelt.lstrip("/"), unquote(spelt.lstrip("/"))])
-            found = next((file for one in names if (file := find_inside(one, self.path.parent, self.folder))), None)
-        except OutsideError:
-            found = None
+        found = self.find(name)
         if found is None:
-            raise self._loses(written, f"is not in {self.folder.name}/")
+            raise self._loses(_written(name), f"is not in {self.folder.name}/")
         data = found.read_bytes()
         if found.suffix.lower() in PICTURES and (fault := fault_of(data)):
-            raise self._loses(written, fault)
+            raise self._loses(_written(name), fault)
         return data
+
+    def find(self, name: str) -> Path | None:
+        """The file of that name; None: it is not in the folder."""
+        spelt = _written(name).lstrip("/")
+        try:
+            names = dict.fromkeys([spelt, unquote(spelt)])
+            return next((file for one in names if (file := find_inside(one, self.path.parent, self.folder))), None)
+        except OutsideError:
+            return None
 
     def _loses(self, name: str, why: str) -> FileNotFoundError:
         self.lost.append(f"{self.path.name} is shown without '{name[:200]}', which {why}")
@@ -59,6 +62,33 @@ class Beside(Resolver):  # type: ignore[misc]
     def namespaced(self, namespace: str) -> "Beside":
         """The same files."""
         return self
+
+
+class With(Resolver):  # type: ignore[misc]
+    """The files of another resolver, and some that are made up, by name."""
+
+    def __init__(self, files: Beside, made: dict[str, bytes]) -> None:
+        self.files, self.made, self.file_name = files, made, files.file_name
+
+    def get(self, name: str) -> bytes:
+        """The bytes of a file."""
+        return self.made[name] if name in self.made else self.files.get(name)
+
+    def keys(self) -> list[str]:
+        """None are listed."""
+        return []
+
+    def write(self, name: str, data: Any) -> None:
+        """Nothing is written."""
+        raise PermissionError(name)
+
+    def namespaced(self, namespace: str) -> "With":
+        """The same files."""
+        return self
+
+
+def _written(name: str) -> str:
+    return name.strip().replace("\\", "/")
 
 
 def fault_of(data: bytes) -> str | None:

@@ -1,25 +1,24 @@
 """Read mesh files with trimesh, and cut them into convex pieces to collide."""
 
-import importlib.util
-import json
 import re
-import struct
-from base64 import b64decode
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import trimesh
 from PIL import Image
-from trimesh import Trimesh
+from trimesh import Scene, Trimesh
 
-from stages.articulated.beside import Beside, fault_of
+from stages.articulated.beside import Beside
+from stages.articulated.mesh_files.dae import read_dae
+from stages.articulated.mesh_files.gltf import read_gltf
+from stages.articulated.mesh_files.obj import read_obj
 from stages.articulated.urdf_tree import LARGEST
 from stages.contracts.errors import InputError
 
 SUFFIXES = {".obj", ".glb", ".gltf", ".stl", ".ply", ".dae", ".off"}
-DRACO, MESHOPT = "KHR_draco_mesh_compression", "EXT_meshopt_compression"
+Reader = Callable[[Path, Beside], tuple[Scene, list[str]]]
+READERS: dict[str, Reader] = {".obj": read_obj, ".glb": read_gltf, ".gltf": read_gltf, ".dae": read_dae}
 NO_NUMBER = re.compile(rb"^v\s[^\n]*(?:nan|inf)", re.IGNORECASE | re.MULTILINE)
 MOST_PIECES = 64
 TEXTURES = ("baseColorTexture", "metallicRoughnessTexture", "normalTexture", "occlusionTexture", "emissiveTexture")
@@ -43,14 +42,14 @@ def load_meshes(path: Path, folder: Path) -> tuple[list[Trimesh], list[str]]:
             ", ".join(sorted(SUFFIXES)),
             code="E-MESH-KIND",
         )
-    header, binary = _gltf(path)
-    _check_uncompressed(path, header)
-    files, lost = Beside(path, folder), _lost_inside(path, header, binary)
+    files = Beside(path, folder)
     try:
-        scene = trimesh.load_scene(path, resolver=files)
+        scene, lost = READERS.get(path.suffix.lower(), _as_it_is)(path, files)
         if lost:
             _drop_broken(scene.geometry.values())
         meshes = [mesh for mesh in scene.dump() if isinstance(mesh, Trimesh) and len(mesh.faces)]
+    except InputError:
+        raise
     except Exception as error:  # mesh readers raise whatever they stumble over
         reason = (str(error).splitlines() or [error.__class__.__name__])[0][:200]
         raise InputError(path, f"cannot be read as a mesh: {reason}.", code="E-MESH-BROKEN") from None
@@ -65,39 +64,9 @@ def load_meshes(path: Path, folder: Path) -> tuple[list[Trimesh], list[str]]:
     return meshes, list(dict.fromkeys([*files.lost, *lost]))
 
 
-def _gltf(path: Path) -> tuple[dict[str, Any], bytes]:
-    """The header and the binary part of a glTF file; empty for other files, and for what is said when it is read."""
-    if path.suffix.lower() not in (".glb", ".gltf"):
-        return {}, b""
-    try:
-        data = path.read_bytes()
-        if data[:4] != b"glTF":
-            return dict(json.loads(data)), b""
-        end = 20 + struct.unpack("<I", data[12:16])[0]
-        return dict(json.loads(data[20:end])), data[end + 8 :]
-    except (OSError, ValueError, TypeError, struct.error):
-        return {}, b""
-
-
-def _lost_inside(path: Path, header: dict[str, Any], binary: bytes) -> list[str]:
-    """A line for every picture inside a glTF file that cannot be shown."""
-    lost = []
-    for number, image in enumerate(header.get("images", [])):
-        try:
-            if "bufferView" in image:
-                view = header["bufferViews"][image["bufferView"]]
-                start = view.get("byteOffset", 0)
-                data = binary[start : start + view["byteLength"]]
-            elif image.get("uri", "").startswith("data:"):
-                data = b64decode(image["uri"].partition(",")[2])
-            else:
-                continue
-            fault = fault_of(data)
-        except (ValueError, TypeError, KeyError, IndexError, AttributeError):
-            fault = "is not in the file"
-        if fault:
-            lost.append(f"{path.name} is shown without its picture {number}, which {fault}")
-    return lost
+def _as_it_is(path: Path, files: Beside) -> tuple[Scene, list[str]]:
+    """The meshes of a file as trimesh reads it."""
+    return trimesh.load_scene(path, resolver=files), []
 
 
 def _drop_broken(meshes: Iterable[Trimesh]) -> None:
@@ -111,24 +80,6 @@ def _drop_broken(meshes: Iterable[Trimesh]) -> None:
                     picture.load()
             except (OSError, ValueError, SyntaxError):
                 setattr(material, key, None)
-
-
-def _check_uncompressed(path: Path, header: dict[str, Any]) -> None:
-    """Refuse glTF that trimesh would read as zeros.
-
-    Raises:
-        InputError: says what would read it.
-    """
-    needed = header.get("extensionsRequired", [])
-    if DRACO in needed and importlib.util.find_spec("DracoPy") is None:
-        raise InputError(
-            path,
-            f"is compressed ({DRACO}).",
-            "pip install DracoPy, or export it uncompressed",
-            code="E-MESH-COMPRESSED",
-        )
-    if MESHOPT in needed:
-        raise InputError(path, f"is compressed ({MESHOPT}).", "export it uncompressed", code="E-MESH-COMPRESSED")
 
 
 def texture_of(mesh: Trimesh) -> Image.Image | None:

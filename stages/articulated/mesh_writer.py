@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import trimesh
 from numpy.typing import NDArray
+from PIL import Image
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from trimesh import Trimesh
@@ -132,10 +133,10 @@ def write_glb(path: Path, meshes: list[Trimesh]) -> None:
 
 def _solid_looking(mesh: Trimesh) -> Trimesh:
     """The mesh with a material that is not metal unless it says so (glTF's default is metal), and, where it carries
-    neither texture nor colours of vertices, with its sharp edges sharp."""
+    no texture, with its sharp edges sharp."""
     if not isinstance(mesh.visual, trimesh.visual.TextureVisuals):
         plain = mesh.visual is None or not mesh.visual.defined
-        return trimesh.graph.smooth_shade(mesh, angle=SHARP) if plain else mesh
+        return trimesh.graph.smooth_shade(mesh, angle=SHARP) if plain else _painted_by_picture(mesh)
     material = mesh.visual.material
     material = material.to_pbr() if hasattr(material, "to_pbr") else material.copy()
     if material.metallicFactor is None:
@@ -152,3 +153,31 @@ def _solid_looking(mesh: Trimesh) -> Trimesh:
         shaded_mesh, uv = trimesh.graph.smooth_shade(mesh, angle=SHARP), None
     shaded_mesh.visual = trimesh.visual.TextureVisuals(uv=uv, material=material)
     return shaded_mesh
+
+
+def _painted_by_picture(mesh: Trimesh) -> Trimesh:
+    """The mesh with the colours of its corners or faces in a picture, one texel each: renderers show no others. A face
+    whose corners differ has their mean."""
+    looks: Any = mesh.visual
+    colours = looks.face_colors if looks.kind == "face" else looks.vertex_colors[mesh.faces].mean(axis=1).round()
+    colours = np.asarray(colours, dtype=np.uint8)
+    if len(np.unique(colours, axis=0)) > MOST_TEXELS**2:
+        colours = colours // 8 * 8 + 4
+    shades, texel = np.unique(colours, axis=0, return_inverse=True)
+    side = int(np.ceil(np.sqrt(len(shades))))
+    texels = np.resize(shades, (side * side, 4)).reshape(side, side, 4)
+    welded = Trimesh(mesh.vertices, mesh.faces, process=False)
+    welded.merge_vertices()
+    shape = _smooth(np.asarray(welded.vertices), np.asarray(welded.faces))
+    row, column = np.divmod(texel.ravel().repeat(3), side)
+    uv = np.stack([(column + 0.5) / side, 1 - (row + 0.5) / side], axis=1)
+    material = trimesh.visual.material.PBRMaterial(
+        baseColorTexture=Image.fromarray(texels), metallicFactor=0.0, roughnessFactor=0.8
+    )
+    return Trimesh(
+        shape.vertices[shape.faces.ravel()],
+        np.arange(3 * len(shape.faces)).reshape(-1, 3),
+        vertex_normals=None if shape.normals is None else shape.normals[shape.faces.ravel()],
+        visual=trimesh.visual.TextureVisuals(uv=uv, material=material),
+        process=False,
+    )

@@ -11,6 +11,7 @@ import trimesh
 from trimesh import Trimesh
 
 from stages.articulated.inside import OutsideError, find_inside, missing
+from stages.articulated.mesh_files.dae import up_of
 from stages.articulated.mesh_reader import convex_pieces, has_texture, load_meshes
 from stages.articulated.model import RGBA, JointModel, Link, Matrix, RobotModel, Visual, moved
 from stages.articulated.urdf_tree import UrdfTree
@@ -126,12 +127,16 @@ class UrdfReader:
 
     def _geometry(self, kind: ET.Element, where: str, looks: bool) -> list[Trimesh]:
         if kind.tag == "mesh":
-            scale = self.tree.numbers(kind, "scale", "1 1 1", 3, where)
+            one = len(kind.get("scale", "").split()) == 1  # for all axes, as Drake and PyBullet take it
+            scale = self.tree.numbers(kind, "scale", "1" if one else "1 1 1", 1 if one else 3, where) * np.ones(3)
             if (scale == 0).any():
                 raise InputError(
                     self.path, f'{where}: scale="{kind.get("scale")}" flattens the mesh.', code="E-URDF-NUMBER"
                 )
-            meshes, lost = load_meshes(self._mesh_file(kind.get("filename", ""), where), self.folder)
+            file = self._mesh_file(kind.get("filename", ""), where)
+            meshes, lost = load_meshes(file, self.folder)
+            if file.suffix.lower() == ".dae" and (up := up_of(file)) not in ("", "Z_UP"):
+                lost = [*lost, f"{file.name} says {up}: not turned, as a URDF's meshes never are (RViz)"]
             self.remarks += lost if looks else []
             if (scale == 1).all():
                 return meshes

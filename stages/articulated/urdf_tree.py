@@ -110,7 +110,7 @@ class UrdfTree:
         except ValueError:
             values = np.array([])
         if len(values) > count > 1:
-            self.remarks.append(f'{where}: {key}="{text[:60]}" is more than {count} numbers: the first count')
+            self.remarks.append(f'{where}: {key}="{text[:60]}" is more than {count} numbers: the first {count} count')
             values = values[:count]
         if len(values) != count or not np.isfinite(values).all():
             raise InputError(self.path, f'{where}: {key}="{text[:60]}" is not {count} number(s).', code="E-URDF-NUMBER")

@@ -8,7 +8,11 @@ from itertools import chain, count
 from pathlib import Path
 from typing import NamedTuple
 
+from stages.articulated.inside import read_inside
+from stages.assets.apart import apart
 from stages.assets.mjcf_file import root_tag
+from stages.contracts.errors import InputError, plain
+from stages.contracts.files import MAX_TEXT
 from stages.procedural.naming import NAMES as CATEGORY_NAMES
 from stages.procedural.naming import category_in, words
 
@@ -33,7 +37,7 @@ class Found(NamedTuple):
 
 
 def discover(folder: Path, kinds: Sequence[str]) -> list[Found]:
-    """The models below a folder, sorted.
+    """The models below a folder, sorted; looked for in a process of its own, as files there are read for it.
 
     Layouts: <category>/<model>.<kind>; <category>/<model>/..., of which the files of the first kind there count;
     <model>.<kind>, whose name may be a category; <number>/mobility.urdf (PartNet-Mobility), with or without a category
@@ -46,13 +50,20 @@ def discover(folder: Path, kinds: Sequence[str]) -> list[Found]:
         folder: of the user.
         kinds: suffixes of model files, the most telling first.
     """
+    found, lines = json.loads(apart(folder, lambda: json.dumps(_discover(folder, kinds), default=str)))
+    for line in lines:
+        print(plain(line), file=sys.stderr)
+    return [Found(Path(path), Path(within), category, name) for path, within, category, name in found]
+
+
+def _discover(folder: Path, kinds: Sequence[str]) -> tuple[list[Found], list[str]]:
+    """The models, and what is said of what is none, in lines."""
     if numbered := numbered_model(folder):
-        return [partnet(numbered)]
-    skipped = {path: why for path in sorted(folder.rglob("*")) if (why := unusable(path, kinds))}
-    for path, why in skipped.items():
-        print(f"left out: {ascii(str(path.relative_to(folder)))[1:-1]}: {why}", file=sys.stderr)
-    found = [one for one in _below(folder, folder, kinds) if not skipped.keys() & {one.path, *one.path.parents}]
-    models = [one for one in found if not is_part(one.path)]
+        return [partnet(numbered)], []
+    unused = {path: why for path in sorted(folder.rglob("*")) if (why := unusable(path, folder, kinds))}
+    lines = [f"left out: {path.relative_to(folder)}: {why}" for path, why in unused.items()]
+    found = _below(folder, folder, kinds)
+    models = [one for one in found if not is_part(one.path, folder)]
     if any(one.path.suffix.lower() not in WHOLE for one in models):
         named = named_meshes(folder)
         around = {path.parent for path in named} - {folder}
@@ -63,8 +74,8 @@ def discover(folder: Path, kinds: Sequence[str]) -> list[Found]:
         ]
     if len(models) < len(found):
         parts = len(found) - len(models)
-        print(f"{folder}: {parts} files are parts that other models include or name: no models", file=sys.stderr)
-    return models
+        lines.append(f"{folder}: {parts} files are parts that other models include or name: no models")
+    return models, lines
 
 
 def single(path: Path, folder: Path | None = None) -> Found:
@@ -74,13 +85,22 @@ def single(path: Path, folder: Path | None = None) -> Found:
     return Found(path, folder or path.parent, category_in(path.stem) or bare(path.stem), path.stem)
 
 
-def unusable(path: Path, kinds: Sequence[str]) -> str | None:
+def unusable(path: Path, folder: Path, kinds: Sequence[str]) -> str | None:
     """Why a file or folder is not looked at, whatever is in it; None: it is."""
     if not is_utf8(path.name):
         return "its name is not UTF-8"
+    if path.is_symlink() and path.is_dir():
+        if not path.resolve().is_relative_to(folder.resolve()):
+            return f"is a link out of {folder.name}/"
+        return f"is a link to a folder of {folder.name}/, which counts where it is"  # links may lead in circles
     if path.suffix.lower() in kinds and not path.is_file() and not path.is_dir():
         return "is a link to nothing" if path.is_symlink() else "is no file that can be read"
     return None
+
+
+def _usable(here: Path, folder: Path, kinds: Sequence[str]) -> list[Path]:
+    """What lies in a folder and is looked at, sorted."""
+    return [child for child in sorted(here.iterdir()) if unusable(child, folder, kinds) is None]
 
 
 def is_utf8(name: str) -> bool:
@@ -95,19 +115,19 @@ def is_utf8(name: str) -> bool:
 def partnet(path: Path) -> Found:
     """The model of a folder <number>/ of PartNet-Mobility by itself."""
     folder = path.parent
-    return Found(path, folder, told_category(folder) or folder.resolve().parent.name, folder.resolve().name)
+    return Found(path, folder, told_category(folder, folder) or folder.resolve().parent.name, folder.resolve().name)
 
 
 def _below(here: Path, folder: Path, kinds: Sequence[str]) -> list[Found]:
     """The models of a folder, or of one in it that says nothing; some may be parts of others."""
     found: list[Found] = []
-    for child in sorted(here.iterdir()):
-        if is_model(child, kinds):
+    for child in _usable(here, folder, kinds):
+        if is_model(child, folder, kinds):
             found.append(single(child, folder))
         elif not child.is_dir():
             continue
         elif numbered := numbered_model(child):
-            found.append(Found(numbered, folder, told_category(child) or here.name, child.name))
+            found.append(Found(numbered, folder, told_category(child, folder) or here.name, child.name))
         elif is_common(child.name):
             found += _below(child, folder, kinds)
         else:
@@ -120,13 +140,13 @@ def _sorted_in(child: Path, folder: Path, kinds: Sequence[str]) -> list[Found]:
     things: each is then of the category that its own name says."""
     told, own = category_in(child.name), bare(child.name)
     found: list[Found] = []
-    for inner in sorted(child.iterdir()):
-        if is_model(inner, kinds):
+    for inner in _usable(child, folder, kinds):
+        if is_model(inner, folder, kinds):
             found.append(Found(inner, folder, told or category_in(inner.stem) or own, inner.stem))
         elif inner.is_dir() and (numbered := numbered_model(inner)):
-            found.append(Found(numbered, folder, told_category(inner) or told or own, inner.name))
+            found.append(Found(numbered, folder, told_category(inner, folder) or told or own, inner.name))
         elif inner.is_dir():
-            for path, count_ in _first_kind(inner, kinds):
+            for path, count_ in _first_kind(inner, folder, kinds):
                 names = [*path.relative_to(child).parts[:-1], *([path.stem] if count_ > 1 else [])]
                 category = told or next((known for name in names if (known := category_in(name))), own)
                 found.append(Found(path, folder, category, _name(path, inner, count_)))
@@ -152,10 +172,18 @@ def bare(name: str) -> str:
 def named_meshes(folder: Path) -> set[Path]:
     """The files below a folder whose name (without folders) is used by a URDF or MJCF file in it."""
     files = [path for path in folder.rglob("*") if is_utf8(str(path)) and path.is_file()]
-    texts = (path.read_bytes() for path in files if path.suffix.lower() in WHOLE)
+    texts = (_text(path, folder) for path in files if path.suffix.lower() in WHOLE)
     used = (name.decode(errors="replace").replace("\\", "/") for text in texts for name in NAMES.findall(text))
     names = {name.rpartition("/")[2].lower() for name in used}
     return {path for path in files if path.suffix.lower() not in WHOLE and path.name.lower() in names}
+
+
+def _text(path: Path, folder: Path) -> bytes:
+    """What is in a file of text; nothing if it cannot be read, which is said when it is imported."""
+    try:
+        return read_inside(path, folder, MAX_TEXT)
+    except InputError:
+        return b""
 
 
 def numbered_model(folder: Path) -> Path | None:
@@ -163,32 +191,33 @@ def numbered_model(folder: Path) -> Path | None:
     return next((folder / name for name in NUMBERED if (folder / name).is_file()), None)
 
 
-def told_category(folder: Path) -> str | None:
-    """What meta.json says that the model is, in the library's words; None: it does not."""
+def told_category(model: Path, folder: Path) -> str | None:
+    """What meta.json in a model's folder says that it is, in the library's words; None: it does not."""
     try:
-        told = json.loads((folder / "meta.json").read_text(encoding="utf-8")).get("model_cat")
-    except (OSError, ValueError, AttributeError):
+        told = json.loads(_text(model / "meta.json", folder)).get("model_cat")
+    except (ValueError, AttributeError, RecursionError):
         return None
     if not isinstance(told, str) or not told.strip():
         return None
     return CATEGORY_NAMES.get(told.lower(), re.sub(r"(?<=[a-z])(?=[A-Z])", "_", told))
 
 
-def is_model(path: Path, kinds: Sequence[str]) -> bool:
+def is_model(path: Path, folder: Path, kinds: Sequence[str]) -> bool:
     """Whether it is a file of one of the kinds; XML is MJCF, or a part of it, if it says so."""
     if not path.is_file() or path.suffix.lower() not in kinds:
         return False
-    return path.suffix.lower() != ".xml" or root_tag(path).startswith("mujoco")
+    tag = root_tag(path, folder) if path.suffix.lower() == ".xml" else None
+    return tag is None or tag.startswith("mujoco")
 
 
-def is_part(path: Path) -> bool:
+def is_part(path: Path, folder: Path) -> bool:
     """Whether it is MJCF that others include."""
-    return path.suffix.lower() == ".xml" and root_tag(path) != "mujoco"
+    return path.suffix.lower() == ".xml" and root_tag(path, folder) not in (None, "mujoco")
 
 
-def _first_kind(folder: Path, kinds: Sequence[str]) -> list[tuple[Path, int]]:
+def _first_kind(place: Path, folder: Path, kinds: Sequence[str]) -> list[tuple[Path, int]]:
     """The files of the first kind that occurs in a model's folder, and how many they are."""
-    inside = [path for path in sorted(folder.rglob("*")) if is_model(path, kinds)]
+    inside = [path for path in sorted(place.rglob("*")) if is_utf8(str(path)) and is_model(path, folder, kinds)]
     groups = ([path for path in inside if path.suffix.lower() == kind] for kind in kinds)
     files = next((group for group in groups if group), [])
     return [(path, len(files)) for path in files]

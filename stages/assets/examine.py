@@ -20,7 +20,7 @@ from stages.assets.evidence import UNITS, UPS, Evidence, Shared, evidence
 from stages.assets.importers import Importer
 from stages.assets.importers.urdf import IMPORTER as URDF
 from stages.assets.imports import ModelFile, Notes, import_file, in_one_line, usual_front, with_notes
-from stages.contracts.errors import InputError
+from stages.contracts.errors import InputError, plain
 from stages.contracts.files import Contract, read_json, write_json
 from stages.contracts.library import Asset, Joint
 from stages.procedural.sizes import unusual, usual
@@ -63,9 +63,9 @@ class Examined:
     def text(self) -> str:
         """All of it, in lines."""
         if self.asset is None:
-            return f"{self.source}: not used: {self.doubts[-1]}"
-        lines = [f"{self.source}: {'; '.join(self.facts())}"]
-        return "\n  ".join([*lines, *self.joints(), *(f"? {doubt}" for doubt in self.doubts)])
+            return plain(f"{self.source}: not used: {self.doubts[-1]}")
+        lines = [f"{self.source}: {'; '.join(self.facts())}", *self.joints(), *(f"? {doubt}" for doubt in self.doubts)]
+        return plain("\n  ".join(lines))
 
 
 class Read(Contract):

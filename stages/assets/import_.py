@@ -16,7 +16,7 @@ from stages.assets.portrait import Portraits
 from stages.assets.reach import out_of_reach
 from stages.assets.snapshots import Look
 from stages.cli import progress
-from stages.contracts.errors import InputError
+from stages.contracts.errors import InputError, plain
 
 FOREIGN = (
     ".3ds", ".blend", ".fbx", ".kinbody.xml", ".sdf", ".skp", ".usd", ".usda", ".usdc", ".usdz", ".wrl", ".xacro",
@@ -73,7 +73,7 @@ def run(folder: Path, /, *, out: Path) -> None:
             print(model.text(), flush=True)
     write_page(out / PAGE, folder, list(models.values()), pack, words)
     taken = sum(model.asset is not None for model in models.values())
-    print(f"{taken} of {len(models)} models can be used: assets: {{folders: [{out}]}}. Look at {out / PAGE}")
+    print(plain(f"{taken} of {len(models)} models can be used: assets: {{folders: [{out}]}}. Look at {out / PAGE}"))
     if not taken:
         raise InputError(folder, "none of its models can be used.", "see above", code="E-MODELS-UNUSABLE")
 
@@ -85,11 +85,11 @@ def models_of(given: Path, out: Path, kinds: Sequence[str]) -> list[Found]:
         InputError: there are none, or `out` is in the folder.
     """
     if given.is_file():
-        if not is_model(given, kinds):
+        if not is_model(given, given.resolve().parent, kinds):
             raise InputError(
                 given, "is no model.", f"one of {', '.join(kinds)}, or a folder of them", code="E-MODELS-NONE"
             )
-        if is_part(given):
+        if is_part(given, given.resolve().parent):
             raise InputError(
                 given, "is a part that MJCF models include.", "give the file that includes it", code="E-MJCF-PART"
             )
@@ -103,9 +103,9 @@ def models_of(given: Path, out: Path, kinds: Sequence[str]) -> list[Found]:
         )
     if found := discover(given, kinds):
         if left_out := unread(given):
-            print(f"{given}: {left_out}", file=sys.stderr)
+            print(plain(f"{given}: {left_out}"), file=sys.stderr)
         return found
-    parts = [path for path in given.rglob("*") if is_model(path, kinds)]
+    parts = [path for path in given.rglob("*") if is_model(path, given, kinds)]
     if parts:
         what = f"holds no model, only parts of models ({parts[0].name} and such)."
         raise InputError(

@@ -16,6 +16,7 @@ from pydantic import Field, ValidationError
 from stages.articulated.asset_folder import Description, read_asset, write_asset
 from stages.articulated.attributes import ungraspable
 from stages.articulated.forward_kinematics import closed_box, link_frames, rebased
+from stages.articulated.inside import check_inside
 from stages.articulated.mesh_reader import FLAT, thickened
 from stages.articulated.model import Matrix, RobotModel
 from stages.articulated.roles import with_roles
@@ -31,7 +32,7 @@ from stages.assets.snapshots import Look
 from stages.assets.weighing import weighed_sanely, with_mass
 from stages.cli import progress
 from stages.config.assets import OwnOptions
-from stages.contracts.errors import InputError
+from stages.contracts.errors import InputError, plain
 from stages.contracts.files import read_json
 from stages.contracts.library import Asset, Placement, Symmetry
 from stages.contracts.types import LARGEST, Mass
@@ -118,7 +119,7 @@ def import_models(models: dict[str, Found], kinds: dict[str, Importer], folder: 
             shutil.rmtree(folder / name, ignore_errors=True)
             continue
         for doubt in doubts:
-            print(f"{found.path}: {doubt}")
+            print(plain(f"{found.path}: {doubt}"))
     return assets, left_out
 
 
@@ -154,12 +155,13 @@ def with_notes(found: Found, importer: Importer) -> ModelFile:
     """A model file with the notes beside it.
 
     Raises:
-        InputError: the notes are broken, or the file is a link out of the user's folder.
+        InputError: the notes are broken, or one of the two is a link out of the user's folder, or no file.
     """
-    if not found.path.resolve().is_relative_to(found.folder.resolve()):
-        raise InputError(found.path, f"is a link out of {found.folder.name}/.", "copy it inside", code="E-FILE-OUTSIDE")
-    beside = found.path.parent / "asset.json"
-    notes = read_json(Notes, beside) if beside.exists() else Notes()
+    check_inside(found.path, found.folder)
+    beside, notes = found.path.parent / "asset.json", Notes()
+    if beside.exists():
+        check_inside(beside, found.folder)
+        notes = read_json(Notes, beside)
     category = snake_case(notes.category or found.category)
     return ModelFile(found.path, found.folder, notes, category, snake_case(f"{category}_{found.name}"), importer)
 

@@ -5,10 +5,12 @@ from hashlib import sha256
 from pathlib import Path
 from typing import NamedTuple
 
+from stages.articulated.inside import is_inside
 from stages.assets.discover import NUMBERED, PACK, PAGE, is_utf8
 from stages.assets.imports import by_suffix, named_models
 from stages.config.assets import AssetsConfig
 from stages.config.code import files_digest
+from stages.contracts.files import MAX_TEXT
 from stages.procedural.catalogue import model_name
 
 MEAN = 8  # models per shard: few enough to make them anew for one of them, enough to pay for Python's start
@@ -66,7 +68,8 @@ def files_of(folder: Path, models: Sequence[Path]) -> dict[Path, list[Path]]:
     Its place is <category>/<model>/, <number>/, or the file alone. A model that names other folders may read all files.
     """
     unread = {folder / PAGE, folder / PACK}
-    every = [path for path in folder.rglob("*") if is_utf8(str(path)) and path.is_file() and path not in unread]
+    every = [path for path in folder.rglob("*") if is_utf8(str(path)) and is_inside(path, folder)]
+    every = [path for path in every if path not in unread]
     places = {_place(model, folder) for model in models}
     lying: dict[Path | None, list[Path]] = {}
     for path in every:
@@ -87,4 +90,7 @@ def _place(model: Path, folder: Path) -> Path:
 
 
 def _roams(file: Path) -> bool:
-    return file.suffix.lower() in TEXT and any(mark in file.read_bytes() for mark in ROAMING)
+    """Whether it may name files of other models, or is too large to tell."""
+    if file.suffix.lower() not in TEXT:
+        return False
+    return file.stat().st_size > MAX_TEXT or any(mark in file.read_bytes() for mark in ROAMING)

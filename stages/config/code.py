@@ -132,5 +132,9 @@ def files_digest(names: Iterable[str]) -> str:
         given = Path(name)
         inside = [path for path in sorted(given.rglob("*")) if path.is_file() and "__pycache__" not in path.parts]
         for path in inside if given.is_dir() else [given]:
-            digest.update(f"{path.as_posix()}\0".encode() + path.read_bytes() + b"\0")
+            digest.update(f"{path.as_posix()}\0".encode())
+            with path.open("rb") as file:
+                while part := file.read(2**20):  # a model's file may be larger than the memory
+                    digest.update(part)
+            digest.update(b"\0")
     return digest.hexdigest()[:12]

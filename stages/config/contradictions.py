@@ -24,7 +24,7 @@ def contradictions(config: "Config") -> list[Mistake]:
     """All of them, in the order of config.yaml."""
     checks = (
         _photo, _names, _scenes, rows.tasks, rows.shared_rows, pinned_assets, rows.training_sets, rows.test_assets,
-        rows.simulators, _library, _matching, rows.policies, _environment, _stages,
+        rows.simulators, _library, _matching, rows.choices, rows.policies, _environment, _stages,
     )  # fmt: skip
     return [found for check in checks for found in check(config)]
 

@@ -148,12 +148,17 @@ class ExperimentConfig(Section):
         description="Demonstrations in every training set, shared evenly by its assets so that sets compare: a "
         "multiple of their numbers.",
     )
-    runs: list[str] = Field(["lite"], description="Hyper-parameter sets to train, from `training.runs`.")
+    runs: list[str] = Field(
+        ["lite"],
+        description="Hyper-parameter sets to train, from `training.runs`: each has rows of its own in the tables, and "
+        "the first is what the others are compared with.",
+    )
     best_runs: int = Field(
         2,
         ge=1,
         description="How many of `runs` are trained with all seeds, per task and training set: if there are more, "
-        "each is trained with the first seed and tried on the twin, and the best are chosen (paper: 2).",
+        "each is trained with the first seed and tried on the twin, and the best are chosen (paper: 2). Those are "
+        "pooled in the tables, so all must be one kind of policy.",
     )
     seeds: list[Seed] = Field([0], description="Training seeds. The paper: best two hyper-parameter sets x 3 seeds.")
     in_scene: int = Field(

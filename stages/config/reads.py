@@ -11,8 +11,9 @@ from stages.config.matching import ComparisonOptions, EncoderOptions, MatchingCo
 from stages.config.model import Config
 from stages.config.names import kind_of
 from stages.config.photo import PhotoConfig, PhotoSection
+from stages.config.policy_rows import policy_tables
 from stages.config.scenes import ScenesConfig
-from stages.config.tables import TablesConfig
+from stages.config.tables import MethodTables, PolicyTables, TablesConfig
 from stages.contracts.section import Section
 from stages.contracts.training_run import TrainingRun
 from stages.plugins import short
@@ -36,9 +37,9 @@ READS: dict[tuple[str, str], type[Section]] = {
     ("evaluation", "rollout"): RolloutOptions,
     ("evaluation", "skill"): SkillOptions,
     ("tables", "scenes"): TablesConfig,
-    ("tables", "policies"): TablesConfig,
-    ("tables", "conditions"): TablesConfig,
-    ("tables", "report"): TablesConfig,
+    ("tables", "policies"): PolicyTables,
+    ("tables", "conditions"): MethodTables,
+    ("tables", "report"): PolicyTables,
     ("tables", "picture"): TablesConfig,
 }
 
@@ -58,6 +59,8 @@ def section_of(config: Config, stage: str, wildcards: dict[str, str]) -> Section
         return config.training.runs[wildcards["run"]]
     if stage == "evaluation" and "condition" in wildcards:
         return config.evaluation.under(wildcards["condition"])
+    if stage == "tables":
+        return policy_tables(config)
     if stage == "inputs":
         return PhotoConfig.model_construct(**dict(config.photo), vlm=config.vlm)
     section: Section = getattr(config, section_name(stage))

@@ -139,6 +139,23 @@ def _plans(config: "Config") -> list[TaskPlan]:
     return [plan for plan in plans if plan.training_sets]
 
 
+def choices(config: "Config") -> Iterator[Mistake]:
+    """Hyper-parameter sets that trials choose from, whose best are pooled: one kind of policy alone (paper B.4)."""
+    experiment, known = config.experiment, config.training.runs
+    found: dict[str, Mistake] = {}
+    for name, row in experiment.tasks.items():
+        runs = [run for run in experiment.plan(name).runs if run in known]
+        other = next((run for run in runs if known[run].kind != known[runs[0]].kind), None)
+        if other is None or not experiment.chooses(name):
+            continue
+        what = f"{runs[0]} and {other} are other kinds of policies; the best of one kind alone are chosen and pooled"
+        mend = f"give it a row, `{name}_{other}: {{assets_of: {experiment.source(name)}, runs: [{other}]}}`, or set "
+        mend += f"experiment.best_runs: {len(runs)}, so that each is trained and has a row in the tables"
+        key = "experiment.runs" if row.runs is None else f"experiment.tasks.{name}.runs"
+        found.setdefault(key, Mistake(key, what, mend))
+    yield from found.values()
+
+
 def policies(config: "Config") -> Iterator[Mistake]:
     """Hyper-parameter sets that there are, networks that see no more points than there are, checkpoints in reach."""
     experiment, known = config.experiment, config.training.runs

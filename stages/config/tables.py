@@ -4,6 +4,7 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
+from stages.config.evaluation import SensingOptions
 from stages.contracts.section import Section, Seed
 
 
@@ -32,3 +33,31 @@ class TablesConfig(Section):
     picture_width: ClassVar[int] = 1100
     # WebP quality of the pictures in the report page.
     picture_quality: ClassVar[int] = 80
+
+
+class PolicyRow(Section):
+    """A row of the policy experiment: its hyper-parameter sets, and how many of them trials choose, to be pooled.
+
+    best: None where every set is trained and stands alone.
+    """
+
+    runs: list[str] = []
+    best: int | None = None
+
+
+class MethodTables(TablesConfig):
+    """What tells which policies are one method; of rows that are not named, no sets are pooled."""
+
+    rows: dict[str, PolicyRow] = {}
+
+
+class PolicyTables(MethodTables):
+    """What tables say of the policies, as far as it is known.
+
+    kinds: hyper-parameter set -> its kind of policy in words. met: how policies see the test assets. starts: of the
+    rows, how far off its place before the handle the robot stands, along and up, metres.
+    """
+
+    kinds: dict[str, str] = {}
+    met: SensingOptions | None = None
+    starts: list[tuple[float, float]] = []

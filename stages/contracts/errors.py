@@ -14,8 +14,15 @@ class InputError(Exception):
     """
 
     def __init__(self, where: object, what: str, fix: str = "", code: str = "E-INPUT") -> None:
-        self.where, self.what, self.fix, self.code = str(where), what, fix, code
-        super().__init__(f"{where}: {what}" + (f" Fix: {fix}" if fix else ""))
+        self.where, self.what, self.fix, self.code = plain(str(where)), plain(what), plain(fix), code
+        super().__init__((f"{self.where}: " if where else "") + self.what + (f" Fix: {self.fix}" if fix else ""))
+
+
+def plain(text: str) -> str:
+    """A text that a terminal shows as it is: what steers it, as names of files may, and line breaks but our own, which
+    are indented, are written as escapes."""
+    lines = ("".join(c if c.isprintable() else ascii(c)[1:-1] for c in line) for line in text.split("\n  "))
+    return "\n  ".join(lines)
 
 
 def nearest(name: object, names: Collection[str]) -> str:

@@ -17,6 +17,7 @@ from stages.contracts.types import (
     CameraMatrix,
     Coordinate,
     Count,
+    Fraction,
     HorizontalUnitVector,
     Id,
     MaskValue,
@@ -103,6 +104,7 @@ class SceneObject(Contract):
     drawers: Panels = 0
     panels: list[Panel] = Field([], description="where they lie on its front; empty: not known")
     points: Count = 0
+    depth_known: Fraction | None = Field(None, description="share of its pixels with known depth; null if not used")
     box: Box | None = Field(None, description="z-aligned minimum box of the cleaned cloud (null if failed)")
     mounting: Mounting | None = None
     measured_support: str = Field(

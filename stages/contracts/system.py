@@ -3,8 +3,11 @@
 import contextlib
 import errno
 import os
+import tempfile
 from collections.abc import Iterator
 from pathlib import Path
+
+from stages.contracts.errors import InputError
 
 MENDS = {
     errno.ENOSPC: "make room on the disk, and run it again",
@@ -21,13 +24,15 @@ FULL_MEMORY = ("allocate memory", "out of memory", "Insufficient memory")  # of 
 def line_of(error: Exception) -> str | None:
     """What the operating system refused: the file, why, how to mend it. None for errors of another kind."""
     if isinstance(error, MemoryError) or any(words in str(error) for words in FULL_MEMORY):
-        return "out of memory. Fix: run fewer jobs at once (--cores), or with smaller options"
-    if not isinstance(error, OSError):
+        fix = "run fewer jobs at once (--cores), or with smaller options"
+        told = InputError("", "out of memory.", fix, code="E-SYSTEM-MEMORY")
+    elif isinstance(error, OSError):
+        number = errno.ENOSPC if "No space left" in str(error) else error.errno
+        reason = os.strerror(number) if number else " ".join(str(error).split())[:200]
+        told = InputError(error.filename or "", f"{reason}.", MENDS.get(number or 0, ""), code="E-SYSTEM")
+    else:
         return None
-    code = errno.ENOSPC if "No space left" in str(error) else error.errno
-    reason = os.strerror(code) if code else " ".join(str(error).split())[:200]
-    mend = MENDS.get(code or 0)
-    return (f"{error.filename}: " if error.filename else "") + f"{reason}." + (f" Fix: {mend}" if mend else "")
+    return f"{told} [{told.code}]"
 
 
 @contextlib.contextmanager
@@ -39,10 +44,19 @@ def naming(path: Path, temporary: Path | None = None) -> Iterator[None]:
         full = "No space left" in str(error) or (isinstance(error, RuntimeError) and _is_full(path))
         if full or (isinstance(error, OSError) and error.filename in (None, str(temporary))):
             gone = isinstance(error, FileNotFoundError)  # OpenCV takes away what it cannot write, without a word
-            code = errno.ENOSPC if full else errno.EIO if gone else getattr(error, "errno", None)
+            code = errno.ENOSPC if full else _why_unwritten(path) if gone else getattr(error, "errno", None)
             if code:
                 raise OSError(code, os.strerror(code), str(path)) from error
         raise
+
+
+def _why_unwritten(path: Path) -> int:
+    """The error of writing a file beside a path; that of the disk if it can be written."""
+    try:
+        with tempfile.TemporaryFile(dir=path.parent):
+            return errno.EIO
+    except OSError as error:
+        return error.errno or errno.EIO
 
 
 def _is_full(path: Path) -> bool:

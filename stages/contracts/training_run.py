@@ -99,6 +99,11 @@ class TrainingRun(Section):
     )
     own: dict[str, dict[str, Any]] = OWN
 
+    @property
+    def kind(self) -> tuple[str, bool, bool]:
+        """What makes it another kind of policy, not the same with other hyper-parameters."""
+        return self.policy, self.handle, self.network.cloud
+
     @model_validator(mode="after")
     def _sees(self) -> "TrainingRun":
         if self.handle and not self.network.cloud:

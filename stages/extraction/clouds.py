@@ -2,23 +2,18 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter1d
 from scipy.spatial import KDTree
 
 from stages.config.extraction import ExtractionConfig
 from stages.geometry.boxes import UprightBox
 from stages.geometry.clouds import dbscan, statistical_inliers
-from stages.geometry.estimate import BIN, PROMINENT
 from stages.geometry.minimum_box import minimum_box
 
 MAX_POINTS = 8000
 NEIGHBOURS = 16
 SPACING = 1.5  # DBSCAN's radius is at least so many times the distance to the `dbscan_min_points`-th neighbour
 BEHIND = 1.5  # metres behind the farthest point of the largest cluster, from which on another is background
-LEVEL_BLUR = 0.003  # share of the distance: noise of heights, seen from little above
-ABOVE = 0.1  # share of the points that may lie above the level on which things stand
-HIGHER = 0.1  # share of the distance, up to `NEAR`, by which they may be above it: a part of the thing is higher
-SLENDER, NEAR = 2.0, 2.0  # times as tall as wide; metres, as farther away noise makes things taller
+THINNEST = 0.01  # metres; noise may put a plate's top below the table's
 SPARSE = 0.95  # taken where points are sparse: faces that the camera sees at a grazing angle
 
 
@@ -55,49 +50,11 @@ def fit_box(points: NDArray[np.float64], options: ExtractionConfig) -> UprightBo
     return minimum_box(points, options.trim)
 
 
-def level_height(
-    points: NDArray[np.float64],
-    whole: NDArray[np.float64],
-    box: UprightBox,
-    noise: float,
-    distance: float,
-    options: ExtractionConfig,
-) -> float | None:
-    """Height of the highest level at which many of the points (N, 3) lie; None without one, or if it is no top.
-
-    A table top gives many points of one height; a few higher ones are noise, or depth at the edges of things on it.
-    The neck of a bottle is more than that, and nothing stands on what is far taller than wide.
-
-    Args:
-        points: without stray ones. whole: all that the mask shows. box: of the points.
-        noise, distance: of depth, metres, and of the camera.
-        options: the share of the points left out at either end, and the tolerance of heights.
-    """
-    heights = points[:, 2]
-    low, high = np.quantile(heights, [options.trim, 1 - options.trim])
-    bins = int((high - low) / BIN)
-    is_slender = distance < NEAR and high - low > SLENDER * max(box.size[:2])
-    if bins < 3 or is_slender:
-        return None
-    counts, edges = np.histogram(heights, bins, (low, high))
-    blur = max(2.0, LEVEL_BLUR * distance / BIN)
-    density = gaussian_filter1d(counts.astype(float), blur, mode="constant")
-    peaks = np.flatnonzero((density >= np.roll(density, 1)) & (density >= np.roll(density, -1)))
-    dense = peaks[density[peaks] > PROMINENT * len(heights) / bins]
-    if not len(dense):
-        return None
-    level = float(edges[dense[-1]] + edges[dense[-1] + 1]) / 2
-    above = whole[whole[:, 2] > level + 2 * blur * BIN]
-    top = float(np.quantile(whole[:, 2], 1 - options.trim))
-    is_whole = top - high <= options.tolerance(noise)  # else trusted points lack a thin top
-    few = max(len(above) / len(whole), float((heights > level + 2 * blur * BIN).mean())) <= ABOVE
-    return level if is_whole and few and top - level <= HIGHER * min(distance, NEAR) else None
-
-
 def with_top(box: UprightBox, top: float) -> UprightBox:
-    """The box with its top face moved to height `top`."""
+    """The box with its top face moved to height `top`, its bottom face kept below that."""
     center, size = np.array(box.center, dtype=float), np.array(box.size, dtype=float)
-    center[2], size[2] = (top + box.bottom) / 2, top - box.bottom
+    bottom = min(box.bottom, top - THINNEST)
+    center[2], size[2] = (top + bottom) / 2, top - bottom
     return UprightBox(center, size, box.yaw)
 
 

@@ -48,9 +48,10 @@ def as_told(scene: ExtractedScene, told: dict[int, Correction]) -> ExtractedScen
             carrier = settled(said.on) if isinstance(said.on, int) and said.on in by_mask else None
             if said.on == FLOOR:
                 item, clouds[item.id] = _on(item, clouds[item.id], FLOOR, 0.0)
-            elif carrier is not None and carrier.box is not None:
-                top = UprightBox(carrier.box.center, carrier.box.size, carrier.box.yaw).top
-                item, clouds[item.id] = _on(item, clouds[item.id], carrier.id, top)
+            elif carrier is not None:
+                before = _top(by_mask[carrier.mask])
+                level = scene.levels.get(carrier.id, before) + _top(carrier) - before
+                item, clouds[item.id] = _on(item, clouds[item.id], carrier.id, level)
             if said.front is not None:
                 item = item.model_copy(update={"front": said.front})
             if said.size is not None:
@@ -63,18 +64,28 @@ def as_told(scene: ExtractedScene, told: dict[int, Correction]) -> ExtractedScen
     return replace(scene, objects=objects.model_copy(update={"objects": items}), clouds=clouds)
 
 
+def _top(item: SceneObject) -> float:
+    """Height at which an object's box ends."""
+    assert item.box is not None
+    return item.box.center[2] + item.box.size[2] / 2
+
+
 def _on(
-    item: SceneObject, cloud: NDArray[np.float32], carrier: str, top: float
+    item: SceneObject, cloud: NDArray[np.float32], carrier: str, level: float
 ) -> tuple[SceneObject, NDArray[np.float32]]:
-    """An object and its cloud (N, 3), put on a carrier whose top has a height; one that hung now stands."""
+    """An object and its cloud (N, 3), put on what carries it at a height; one that hung now stands.
+
+    Its own height is what its cloud shows: its box may reach down to what was taken to carry it.
+    """
     assert item.box is not None and item.mounting is not None
     box = UprightBox(item.box.center, item.box.size, item.box.yaw)
-    seen = float(box.size[2])
-    lift = 0.0 if seen / STRETCHED <= box.top - top <= STRETCHED * seen else top - box.bottom
+    bottom = max(box.bottom, float(cloud[:, 2].min()))
+    seen = box.top - bottom
+    lift = 0.0 if seen / STRETCHED <= box.top - level <= STRETCHED * seen else level - bottom
     up = np.array([0, 0, lift])
-    box = with_bottom(replace(box, center=box.center + up), top)
+    box = with_bottom(replace(box, center=box.center + up), level)
     cloud = (cloud + up).astype(np.float32)
-    cloud[:, 2] = np.maximum(cloud[:, 2], np.float32(top))
+    cloud[:, 2] = np.maximum(cloud[:, 2], np.float32(level))
     mounting = Mounting(type=3, walls=item.mounting.walls) if item.mounting.type == 1 else item.mounting
     return item.model_copy(update={"box": _rounded(box), "mounting": mounting, "support": carrier}), cloud
 

@@ -1,8 +1,11 @@
 """The foot of an object in the picture: whether it reaches the ground, or which unlabelled surface it stands on."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
+from stages.contracts.objects import Wall
 from stages.extraction.masks import OUTLINE
 from stages.extraction.visibility import DepthView
 from stages.geometry.boxes import UprightBox
@@ -18,9 +21,17 @@ def lowest_pixels(own: NDArray[np.bool_]) -> tuple[NDArray[np.intp], NDArray[np.
 
 
 def height_shown(
-    box: UprightBox, view: DepthView, own: NDArray[np.bool_], unnamed: NDArray[np.bool_], tolerance: float
+    box: UprightBox,
+    walls: Sequence[Wall],
+    view: DepthView,
+    own: NDArray[np.bool_],
+    unnamed: NDArray[np.bool_],
+    tolerance: float,
 ) -> float | None:
-    """Height of an unlabelled surface just below the lowest pixels of the object, e.g. a shelf; None: there is none."""
+    """Height of an unlabelled surface just below the lowest pixels of the object, e.g. a shelf; None: there is none.
+
+    A wall carries nothing, whether it is labelled there or not.
+    """
     columns, rows = lowest_pixels(own)
     inside = rows + 2 * OUTLINE < own.shape[0]
     columns, rows = columns[inside], rows[inside] + OUTLINE
@@ -29,6 +40,8 @@ def height_shown(
     local = (points - box.center) @ yaw_matrix(box.yaw)
     near = (np.abs(local[:, :2]) <= box.size[:2] / 2 + 2 * tolerance).all(axis=1)
     near &= np.abs(points[:, 2] - box.bottom) < tolerance
+    for wall in walls:
+        near &= points @ np.array(wall.normal) - wall.offset > tolerance
     return float(np.median(points[near, 2])) if near.sum() > SHELF * len(columns) else None
 
 

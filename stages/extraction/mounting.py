@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from stages.config.extraction import ExtractionConfig
 from stages.contracts.objects import Mounting, Wall
-from stages.extraction.clouds import with_bottom
+from stages.extraction.clouds import THINNEST, with_bottom
 from stages.extraction.foot import height_shown, reaches_down
 from stages.extraction.masks import OUTLINE
 from stages.extraction.visibility import DepthView, cell_centres
@@ -18,7 +18,6 @@ from stages.geometry.frames import yaw_matrix
 
 BESIDE, BESIDE_SMALL = 0.05, 0.25  # metres by which footprints are widened; at most so much of what stands on them
 ON_TOP = 0.5  # share of the upper footprint that lies over the lower one
-THINNEST = 0.01  # metres; noise may put a plate's top below the table's
 JUST_BELOW = 0.15  # metres
 SUNK = 0.04  # share of the distance, by which what is in a thing reaches down below its top
 STRETCHED = 2.0  # times its seen height, up to which what is said to stand reaches down to what carries it
@@ -43,12 +42,12 @@ def collapsed(seen: UprightBox, placed: Placement, tolerance: float) -> bool:
 
 
 def carrier_beneath(
-    box: UprightBox, carriers: Mapping[str, UprightBox], tolerance: float, sunk: float = np.inf
+    box: UprightBox, carriers: Mapping[str, UprightBox], tolerance: float, sunk: float = np.inf, share: float = ON_TOP
 ) -> tuple[float, str]:
     """Top of the highest carrier below the box and its id, or that of the floor.
 
-    What reaches down by more than `sunk` metres and half of its height below a top is not on it, but in it (a can in a
-    bowl), and stands where it ends.
+    It lies under more than a `share` of the box. What reaches down by more than `sunk` metres and half of its height
+    below a top is not on it, but in it (a can in a bowl), and stands where it ends.
     """
     inside = max(sunk, float(box.size[2]) / 2)
     plan = footprint(box)
@@ -56,7 +55,7 @@ def carrier_beneath(
     tops = [
         (carrier.top if carrier.top <= box.bottom + inside else box.bottom, name)
         for name, carrier in carriers.items()
-        if plan.intersection(footprint(carrier).buffer(widened)).area >= ON_TOP * plan.area
+        if plan.intersection(footprint(carrier).buffer(widened)).area > share * plan.area
         and carrier.top <= box.bottom + 2 * tolerance
         and carrier.top + carrier.bottom < box.top + box.bottom
     ]
@@ -84,6 +83,7 @@ def placement(
     options: ExtractionConfig,
     known: bool = False,
     stated: Mounting | None = None,
+    is_seat: bool = False,
     unnamed: NDArray[np.bool_] | None = None,
 ) -> Placement:
     """Where one object stands or hangs.
@@ -98,6 +98,7 @@ def placement(
         options: tolerances.
         known: the box is known whole, so that nothing hidden has to be guessed.
         stated: how it is held, if the input says so.
+        is_seat: it stands on the floor however little is seen of it above a table.
         unnamed: pixels (H, W) of which nobody said what they show.
     """
     if known:
@@ -105,9 +106,14 @@ def placement(
     distance = view.distance(box.center)
     tolerance = options.tolerance(view.error.at(distance))
     beneath, support = carrier_beneath(box, carriers, tolerance, SUNK * distance)
-    said = stated is not None and box.top - beneath < STRETCHED * (box.top - box.bottom)
+    seen = box.top - box.bottom
+    if support == FLOOR and box.top > STRETCHED * seen and not (known or is_seat):  # it would become a column
+        height, beside = carrier_beneath(box, carriers, tolerance, SUNK * distance, share=0.0)
+        if box.bottom - height < 2 * tolerance:
+            beneath, support = height, beside
+    said = stated is not None and box.top - beneath < STRETCHED * seen
     if unnamed is not None and not known and not said and box.bottom - beneath > tolerance:
-        shelf = height_shown(box, view, own, unnamed, tolerance)
+        shelf = height_shown(box, walls, view, own, unnamed, tolerance)
         if shelf is not None and shelf > beneath + tolerance:
             beneath, support = shelf, UNNAMED
     touched = walls_touched(box, others, walls, view, own, options)

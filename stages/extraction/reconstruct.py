@@ -6,13 +6,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.config.extraction import ExtractionConfig
-from stages.contracts import InputError, Objects
+from stages.contracts import Objects
 from stages.contracts.objects import Box, DepthError, Mounting, SceneObject, Wall, object_ids
 from stages.contracts.scenes import Annotation
 from stages.contracts.types import LARGEST
 from stages.extraction import masks, room
 from stages.extraction.border import continued_depth
-from stages.extraction.clouds import MAX_POINTS, cleaned_cloud, fit_box, level_height, with_top
+from stages.extraction.clouds import MAX_POINTS, cleaned_cloud, fit_box, with_top
+from stages.extraction.floor import check_smooth, frame_of
+from stages.extraction.levels import Level, carrying_height, is_seat, is_topped, level_of
 from stages.extraction.mounting import collapsed, placement
 from stages.extraction.observation import AnnotatedImage
 from stages.extraction.reflections import without_reflections
@@ -29,23 +31,25 @@ THINNEST = 0.001  # metres: a box has some depth, also where a cloud has none
 
 @dataclass(frozen=True)
 class ExtractedScene:
-    """`objects` and the arrays written beside it (see the contract)."""
+    """`objects` and the arrays written beside it (see the contract); by id, the height at which each carries others."""
 
     objects: Objects
     masks: NDArray[np.uint16]
     depth: NDArray[np.float32]
     clouds: dict[str, NDArray[np.float32]]
+    levels: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
 class Found:
-    """An object and what was said of it; its pixels (H, W), cloud (N, 3) and box if it did not fail."""
+    """An object and what was said of it; its pixels (H, W), cloud (N, 3), box and level if it did not fail."""
 
     object: SceneObject
     said: Annotation
     mask: NDArray[np.bool_] = field(default_factory=lambda: np.zeros((0, 0), dtype=bool))
     cloud: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 3)))
     box: UprightBox | None = None
+    level: Level | None = None
 
 
 class ObjectError(Exception):
@@ -58,12 +62,14 @@ def reconstruct(
     """Floor frame, walls, and per object cloud, box and mounting.
 
     Raises:
-        InputError: no floor can be found. Anything wrong with one object only marks that object as failed.
+        InputError: depth is noise, or no floor can be found. Anything wrong with one object only marks that object as
+            failed.
     """
+    check_smooth(image.depth)
     crop = masks.central_crop(image.depth.shape, options.crop)
     usable = crop & (image.depth > 0)
     camera_points = back_project(image.depth, image.intrinsics)
-    floor_from_camera = _floor_from_camera(camera_points, image, usable, options, rng)
+    floor_from_camera = frame_of(camera_points, image, usable, options, rng)
     points = np.where(usable[..., None], apply(floor_from_camera, camera_points), np.nan)
     walls, fitted = _walls(points, image, usable, float(floor_from_camera[2, 3]), options, rng)
     by_id = {wall.id: wall for wall in walls}
@@ -95,38 +101,14 @@ def reconstruct(
         objects=[one.object for one in found],
     )
     clouds = {one.object.id: one.cloud.astype(np.float32) for one in found if one.box is not None}
-    return ExtractedScene(objects, clean, image.depth, clouds)
-
-
-def _floor_from_camera(
-    points: NDArray[np.float64],
-    image: AnnotatedImage,
-    usable: NDArray[np.bool_],
-    options: ExtractionConfig,
-    rng: np.random.Generator,
-) -> NDArray[np.float64]:
-    """Floor frame as given, from the floor mask, or from the level planes if there is no mask or it is no use."""
-    if image.floor_from_camera is not None:
-        return image.floor_from_camera
-    floor = None
-    if image.annotations.floor is not None:
-        floor = room.fit_floor(points[usable & (image.masks == image.annotations.floor)], options, rng)
-    if floor is None:
-        named = [item.mask for item in image.annotations.objects]
-        clouds = [cloud for value in named if len(cloud := points[usable & (image.masks == value)])]
-        rest = points[usable & ~np.isin(image.masks, [*named, *image.annotations.walls])]
-        floor = room.find_floor(rest, clouds, options, rng) or room.find_floor(points[usable], clouds, options, rng)
-    if floor is None:
-        raise InputError(
-            "depth.npz",
-            "shows no level plane that could be the floor.",
-            "check depth (metres) and intrinsics",
-            code="E-FLOOR-MISSING",
+    levels = {
+        one.object.id: carrying_height(
+            one.object.label, one.level, one.object.box.center[2] + one.object.box.size[2] / 2
         )
-    if image.annotations.floor is None:
-        what = "the level plane that most objects stand on" if image.annotations.objects else "the lowest level plane"
-        print(f"no mask of the floor: taken to be {what}, {-floor.offset:.2f} m below the camera")
-    return room.floor_frame(floor)
+        for one in found
+        if one.object.box is not None
+    }
+    return ExtractedScene(objects, clean, image.depth, clouds, levels)
 
 
 def _walls(
@@ -166,6 +148,7 @@ def _found(
     """One object's pixels, cloud and box."""
     whole = item.box is not None and not item.guessed
     known = SceneObject(id=name, whole=whole, **item.model_dump(exclude={"box", "guessed", "mounting"}))
+    level, share = None, None
     try:
         mask = _object_mask(item, image, crop, options)
         if item.box is not None:
@@ -173,14 +156,16 @@ def _found(
             cloud = surface_points(box, MAX_POINTS)
             cloud = cloud if item.front is not None else rounded_off(cloud, box)
         else:
+            share = round(float((image.depth[mask] > 0).mean()), 3)
             cloud = _object_cloud(mask, image, floor_from_camera, options, rng)
-            box = _fitted(cloud, mask, image, floor_from_camera, error, options)
+            box, level = _fitted(item.label, cloud, mask, image, floor_from_camera, error, options)
         extent = float(np.max(box.size))
         if extent > LARGEST:
             raise ObjectError(f"{extent:.0f} m large: its depth cannot be right")
     except ObjectError as failure:
         return Found(known.model_copy(update={"status": "failed", "reason": str(failure)}), item)
-    return Found(known.model_copy(update={"pixels": pixel_bounds(mask), "points": len(cloud)}), item, mask, cloud, box)
+    seen = {"pixels": pixel_bounds(mask), "points": len(cloud), "depth_known": share}
+    return Found(known.model_copy(update=seen), item, mask, cloud, box, level)
 
 
 def _object_mask(
@@ -218,24 +203,26 @@ def _object_cloud(
 
 
 def _fitted(
+    label: str,
     cloud: NDArray[np.float64],
     mask: NDArray[np.bool_],
     image: AnnotatedImage,
     floor_from_camera: NDArray[np.float64],
     error: DepthError,
     options: ExtractionConfig,
-) -> UprightBox:
-    """The box of a cleaned cloud. What has a level top ends there; what lost its thin top to erosion has it again."""
+) -> tuple[UprightBox, Level | None]:
+    """The box of a cleaned cloud, and its level. What has a level top ends there; what lost its thin top to erosion has
+    it again."""
     box = fit_box(cloud, options)
     distance = float(np.linalg.norm(box.center - floor_from_camera[:3, 3]))
-    noise = error.at(distance)
     depth = np.where(mask, image.depth, 0.0)
     whole = apply(floor_from_camera, back_project(depth, image.intrinsics)[depth > 0])
-    level = level_height(cloud, whole, box, noise, distance, options)
-    if level is not None:
-        return with_top(box, level)
     top = float(np.quantile(whole[:, 2], 1 - options.trim))
-    return with_top(box, top) if top > box.top + options.tolerance(noise) else box
+    lost = top > box.top + options.tolerance(error.at(distance))
+    level = level_of(whole if lost else cloud, box, distance)
+    if level is not None and is_topped(label):
+        return with_top(box, level.height), level
+    return with_top(box, top) if lost else box, level
 
 
 def _held(
@@ -260,13 +247,15 @@ def _held(
         if note:
             print(f"{scene} {name}: {note}: mounting by geometry")
         told = one.said.box is not None
-        placed = placement(box, carriers, others, walls, view, own, options, told, stated, unnamed)
+        placed = placement(
+            box, carriers, others, walls, view, own, options, told, stated, is_seat(one.said.label), unnamed
+        )
         if collapsed(box, placed, options.tolerance(view.noise(box.center))):
             reason = "its top is found below what carries it: the depth of one of the two is wrong"
             failed = {"status": "failed", "reason": reason, "points": 0}
             done[name] = Found(one.object.model_copy(update=failed), one.said)
             continue
-        carriers[name] = placed.filled
+        carriers[name] = with_top(placed.filled, carrying_height(one.said.label, one.level, placed.filled.top))
         final = placed.box
         size = rounded(np.maximum(final.size, THINNEST))
         update = {

@@ -89,6 +89,6 @@ def build(inputs: Inputs, rank: int, options: GenerationConfig, cache: Path) -> 
     supports = {item.id: item.support for item in room.objects if item.support}
     items = stacked(items, supports, {one.object.id: one.correction.nudge for one in inputs.matched}, options)
     freed = resolve(items, room.walls, options)
-    said = {item.id: "size" in item.told for item in room.objects}
-    items = [replace(item, doubts=(*item.doubts, *doubts(item, room.walls, said[item.id]))) for item in freed.items]
+    seen = {item.id: item for item in room.objects}
+    items = [replace(item, doubts=(*item.doubts, *doubts(item, room.walls, seen[item.id]))) for item in freed.items]
     return Built(items, failed, freed.left)

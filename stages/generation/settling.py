@@ -15,7 +15,7 @@ from stages.contracts import Objects
 from stages.contracts.generated import Plausibility
 from stages.contracts.objects import Wall
 from stages.generation.placed import UNNAMED, Placed
-from stages.generation.walls import CONTACT, behind
+from stages.generation.walls import CONTACT, behind, is_beyond
 from stages.simulation.backdrop import add_backdrop
 from stages.simulation.loading import box_centre, load_asset, physics_scene, root_pose
 
@@ -64,7 +64,7 @@ def settle(
     Args:
         scene: holds the bodies of `load_items`, a floor and the walls.
         collisions: pairs of collision shapes that the pushes could not free.
-        walls: a scene is not stable if something reaches behind one.
+        walls: a scene is not stable if something reaches behind one that does not end before it.
     """
     steps = round(options.settle_seconds / scene.timestep)
     penetration = 0.0
@@ -82,7 +82,11 @@ def settle(
             fallen.append(item.id)
     free = [shifts[item.id] for item in items if not item.held]
     held = [item.id for item in items if item.support == UNNAMED]
-    in_walls = [item.id for item in items if any(behind(item.box, wall) > CONTACT for wall in walls)]
+    in_walls = [
+        item.id
+        for item in items
+        if any(behind(item.box, wall) > CONTACT and not is_beyond(item.box, wall) for wall in walls)
+    ]
     verdict = Plausibility(
         seconds=options.settle_seconds,
         stable=not (fallen or collisions or held or in_walls),

@@ -43,3 +43,8 @@ def out_of_walls(box: UprightBox, walls: list[Wall]) -> UprightBox:
 def behind(box: UprightBox, wall: Wall) -> float:
     """How far a box reaches behind a wall, metres; negative: it is before it."""
     return wall.offset - float((corners(box) @ np.asarray(wall.normal)).min())
+
+
+def is_beyond(box: UprightBox, wall: Wall) -> bool:
+    """Whether a box lies wholly behind a wall's plane: it is seen, so the wall ends, or has an opening, before it."""
+    return float((corners(box) @ np.asarray(wall.normal)).max()) < wall.offset

@@ -7,7 +7,7 @@ from stages.contracts import Library
 from stages.contracts.cousins import CategoryMatch
 from stages.contracts.library import LibraryEntry
 from stages.contracts.objects import SceneObject
-from stages.matching.text_encoders import TextEncoder, nearest_categories
+from stages.matching.text_encoders import TextEncoder, doubt_of, nearest_categories
 
 
 class Candidates(NamedTuple):
@@ -32,18 +32,19 @@ def find_candidates(item: SceneObject, library: Library, text: TextEncoder, opti
     """
     by_counts = item.articulated and options.count_threshold is not None
     pool = [entry for entry in library.assets if not item.articulated or entry.doors + entry.drawers > 0]
+    doubt = doubt_of(item.label, [entry.category for entry in pool], text)
     near = nearest_categories(item.label, [entry.category for entry in pool], len(pool), text)
     ordered = [CategoryMatch(category=name, distance=distance) for name, distance in near]
     categories = ordered[: options.k_cat]
     if pool and not categories:
-        note = f"label '{item.label}' resembles no category, so all were searched"
+        note = doubt or f"label '{item.label}' resembles no category, so all were searched"
         assets, notes = _with_counts(item, pool, options) if by_counts else (pool, [])
         return Candidates(assets, categories, "; ".join([note, *notes]))
     while len(_of(pool, categories)) < options.least_candidates and len(categories) < len(ordered):
         categories = ordered[: len(categories) + 1]
     more = [f"categories widened from {options.k_cat} to {len(categories)}"] if len(categories) > options.k_cat else []
     assets, notes = _with_counts(item, _of(pool, categories), options) if by_counts else (_of(pool, categories), [])
-    return Candidates(assets, categories, "; ".join(more + notes))
+    return Candidates(assets, categories, "; ".join([*filter(None, [doubt]), *more, *notes]))
 
 
 def _of(pool: list[LibraryEntry], categories: list[CategoryMatch]) -> list[LibraryEntry]:

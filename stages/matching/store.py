@@ -33,10 +33,11 @@ def write_store(
         if rows and not shape[0]:
             fix = "look at the contact sheet of the snapshots"
             raise InputError(path, "no snapshot has a foreground patch.", fix, code="E-FEATURES-EMPTY")
-        array = np.lib.format.open_memmap(temporary, mode="w+", dtype=first.dtype, shape=shape)
-        for start, block in zip(index.starts, rows, strict=False):
-            array[start : start + len(block)] = block
-        array.flush()
+        head = {"descr": np.lib.format.dtype_to_descr(first.dtype), "fortran_order": False, "shape": shape}
+        with temporary.open("wb") as file:  # not through a memory map: on a full disk that ends the process, wordless
+            np.lib.format.write_array_header_1_0(file, head)
+            for block in rows:
+                file.write(block.astype(first.dtype, copy=False).tobytes())
     with atomic(path.with_suffix(".npz")) as temporary, temporary.open("wb") as file:
         together = np.array(wholes) if wholes else np.empty((0, 0), np.float16)
         np.savez(file, wholes=together, **(codec._asdict() if codec else {}))

@@ -19,7 +19,7 @@ from stages.tables.statistics import Interval
 from stages.tables.table3 import BASELINE, RANDOMISED, TRAINED, UNSEEN
 
 MARGIN = 0.10  # as well as the twin on the twin: not worse by more than this
-MIN_RUNS = 2  # a side; one run shows nothing about training again
+MIN_RUNS = 2  # seeds of a method, a side; one run shows nothing about training again
 MIN_SPREAD_RUNS = 3  # a side, to speak of how runs differ
 COLLAPSED = 0.25  # a run is collapsed if it succeeds less often than this share of the best run of its task
 HOLDS, FAILS, OPEN = "holds", "does not hold", "cannot be said"
@@ -72,7 +72,7 @@ CLAIMS = {
 
 
 def verdict(claim: Claim, low: float, high: float, runs: int) -> str:
-    """The verdict on a claim by the interval of its difference; `runs`: of the side that has fewer."""
+    """The verdict on a claim by the interval of its difference; `runs`: `times_trained` of the side that has fewer."""
     if runs < claim.runs:
         return OPEN
     return HOLDS if low > -claim.margin else FAILS if high < -claim.margin else OPEN
@@ -96,11 +96,19 @@ def score_floor(claim: Claim, ours: Sides, theirs: Sides, confidence: float) -> 
     return Interval(float(middle - other - down), float(middle - other + up))
 
 
+def times_trained(side: Side) -> int:
+    """How often a side's method was trained: the seeds of that of its hyper-parameter sets which has fewest.
+
+    More sets, a seed each, say nothing about training one of them again.
+    """
+    return int(side.index.to_frame(index=False).groupby("run")["seed"].nunique().min())
+
+
 def compare(name: str, ours: Sides, theirs: Sides, options: TablesConfig) -> dict[str, Any]:
     """The difference of a claim's measure, its interval and the verdict; both sides share assets and states."""
     claim = CLAIMS[name]
     ends = [claim.measure({key: np.asarray(_by_run(part)) for key, part in side.items()}) for side in (ours, theirs)]
-    runs = [len(next(iter(side.values()))) for side in (ours, theirs)]
+    runs = [times_trained(next(iter(side.values()))) for side in (ours, theirs)]
     low = high = float("nan")
     if min(runs) >= claim.runs:
         names = [key for key in ours if not claim.plus or key in (claim.plus, claim.minus)]
@@ -156,7 +164,7 @@ def answer(rollouts: pd.DataFrame, published: pd.DataFrame, options: TablesConfi
     """One row per task and claim with `COLUMNS`, for every claim whose training sets were rolled out.
 
     Args:
-        rollouts: rows of `Rollout`.
+        rollouts: rows of `Rollout`, a task being policies of one method (`methods.by_method`).
         published: success of the paper's runs, for the same numbers of the paper.
     """
     paper, rows = published_cells(published), []

@@ -6,13 +6,14 @@ from pathlib import Path
 import pandas as pd
 
 from stages.config.evaluation import USUAL
-from stages.config.tables import TablesConfig
+from stages.config.tables import MethodTables, TablesConfig
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_options
 from stages.contracts.policies import Rollout
 from stages.tables.assets import BASELINES
 from stages.tables.cells import CELL, gains, in_order, rates
 from stages.tables.markup import Table
+from stages.tables.methods import by_method
 from stages.tables.order import SKILL, title
 from stages.tables.rows import ONE_TEST, read_rows, records
 from stages.tables.text import cell, count, percent, points, span
@@ -37,15 +38,15 @@ def run(
         rollouts: rollouts.csv files under the usual condition.
         elsewhere: rollouts.csv files under others, each below a folder `conditions` and one called as its condition.
         names: of the conditions.
-        options: JSON of the config section `tables`.
+        options: JSON of the config section `tables`, and of which policies are one method.
     """
-    settings = read_options(TablesConfig, options)
+    settings = read_options(MethodTables, options)
     by_name: dict[str, list[Path]] = {name: [] for name in names}
     for path in elsewhere:
         by_name[_condition(path, names)].append(path)
     frames = [read_rows(Rollout, rollouts, ONE_TEST).assign(condition=USUAL)]
     frames += [read_rows(Rollout, paths, ONE_TEST).assign(condition=name) for name, paths in by_name.items() if paths]
-    table = build(pd.concat(frames, ignore_index=True), settings)
+    table = build(by_method(pd.concat(frames, ignore_index=True), settings.rows), settings)
     write(out, "conditions", table, [conditions_table(table)])
 
 

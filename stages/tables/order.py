@@ -4,12 +4,7 @@ import re
 
 TASKS = {"door": "Door opening", "drawer": "Drawer opening", "bowl": "Putting away bowl"}
 TASKS |= {"door_object": "Door, whole object", "drawer_object": "Drawer, whole object"}  # of config/study
-KINDS = {
-    "": "paper's network",
-    "_handle": "handle flagged",
-    "_diffusion": "diffusion head",
-    "_blind": "no cloud",
-}  # of policies, by the row's ending
+ENDINGS = ["", "_handle", "_diffusion", "_blind"]  # rows of one task by their names, in this order
 SPLITS = ("test", "validation")  # test assets that are sets of unseen assets
 SKILL = "skill"  # training set of the scripted skill's rows
 NAMES = {"all": "all assets", "trained": "training assets", "twin_randomised": "twin, randomised"}
@@ -32,19 +27,15 @@ def natural(text: str) -> tuple[tuple[int, int, str], ...]:
 
 
 def ending(task: str) -> str:
-    """The ending of a row's name that tells the kind of its policies: _handle, _blind; else nothing."""
-    return next((name for name in KINDS if name and task.endswith(name)), "")
+    """The ending of a row's name by which it is sorted beside the row that it shares assets with; else nothing."""
+    return next((name for name in ENDINGS if name and task.endswith(name)), "")
 
 
-def kind(task: str, assets_of: str) -> str:
-    """What tells a row's policies from the others of its group."""
-    return KINDS[ending(task)] if ending(task) or task == assets_of else title(task)
-
-
-def task_key(task: str) -> tuple[int, str, int]:
-    """Sort key of a task: the paper's order, others after it; kinds of policies beside each other."""
-    base, known = task.removesuffix(ending(task)), list(TASKS)
-    return (known.index(base) if base in known else len(known), base, list(KINDS).index(ending(task)))
+def task_key(task: str) -> tuple[int, str, int, str]:
+    """Sort key of a task: the paper's order, others after it; rows of one task and their sets beside each other."""
+    row, _, run = task.partition("/")
+    base, known = row.removesuffix(ending(row)), list(TASKS)
+    return (known.index(base) if base in known else len(known), base, ENDINGS.index(ending(row)), run)
 
 
 def set_key(name: str) -> tuple[int, tuple[tuple[int, int, str], ...]]:
@@ -54,12 +45,17 @@ def set_key(name: str) -> tuple[int, tuple[tuple[int, int, str], ...]]:
 
 
 def title(name: str) -> str:
-    """A name for people: cousins_4 -> '4 cousins', cousin_2 -> 'cousin 2', door_handle -> 'Door opening, ...'."""
+    """A name for people: cousins_4 -> '4 cousins', cousin_2 -> 'cousin 2', door_handle -> 'Door opening, handle'.
+
+    A row's name is no word about its policies: what they are, the config says (`methods.kind`).
+    """
+    row, _, run = name.partition("/")
+    if run:
+        return f"{title(row)}, {run}"
     if name in TASKS:
         return TASKS[name]
-    if ending(name):
-        base = title(name.removesuffix(ending(name)))
-        return f"{base[:1].upper()}{base[1:]}, {KINDS[ending(name)]}"
+    if task := next((task for task in TASKS if name.startswith(f"{task}_")), None):
+        return f"{TASKS[task]}, {name.removeprefix(f'{task}_').replace('_', ' ')}"
     if match := re.fullmatch(r"(cousins|random)_(\d+)", name):
         return f"{match[2]} cousins" if match[1] == "cousins" else f"{match[2]} random assets"
     return NAMES.get(name, name.replace("_", " "))

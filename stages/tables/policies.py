@@ -5,14 +5,15 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from stages.config.tables import TablesConfig
+from stages.config.tables import PolicyTables, TablesConfig
 from stages.contracts.files import read_options
-from stages.contracts.policies import Rollout
 from stages.tables import asset_panels, assets, claims, policy_tables, table3
 from stages.tables.drawing import save, style
 from stages.tables.markup import Table
+from stages.tables.methods import Kinds, kinds_of, read_rollouts
 from stages.tables.policy_figures import figure4, figure9
-from stages.tables.rows import ONE_TEST, published_policies, published_runs, read_rows
+from stages.tables.policy_notes import policy_notes
+from stages.tables.rows import published_policies, published_runs
 from stages.tables.writing import write, write_csv
 
 
@@ -29,7 +30,7 @@ class PolicyResults(NamedTuple):
 
 
 def collect(rollouts: pd.DataFrame, asked: pd.DataFrame, published: Path, options: TablesConfig) -> PolicyResults:
-    """The frames of some rows of `Rollout`; cells in `asked` without rollouts are `not run`."""
+    """The frames of some rollouts (as `by_method` has them); cells in `asked` without rollouts are `not run`."""
     runs, paper = table3.build(rollouts, asked, options), published_runs(published)
     return PolicyResults(
         assets=assets.build(rollouts, options),
@@ -42,19 +43,19 @@ def collect(rollouts: pd.DataFrame, asked: pd.DataFrame, published: Path, option
     )
 
 
-def asset_tables(found: PolicyResults, options: TablesConfig) -> list[Table]:
+def asset_tables(found: PolicyResults, options: PolicyTables, kinds: Kinds) -> list[Table]:
     """The tables over sets of unseen assets; none if there are no such rows."""
     if found.assets.empty:
         return []
     return [
-        policy_tables.assets_table(found.assets, options),
+        policy_tables.assets_table(found.assets, options, kinds, policy_notes(options)),
         policy_tables.by_handle_table(found.by_handle, options),
     ]
 
 
-def role_tables(found: PolicyResults, paper: pd.DataFrame, options: TablesConfig) -> list[Table]:
+def role_tables(found: PolicyResults, paper: pd.DataFrame, options: PolicyTables, kinds: Kinds) -> list[Table]:
     """Table 3, the claims, the stability of training."""
-    tables = [policy_tables.policies_table(found.cells, paper, options)]
+    tables = [policy_tables.policies_table(found.cells, paper, options, kinds, policy_notes(options))]
     tables += [policy_tables.claims_table(found.claims, options)] if len(found.claims) else []
     return tables + ([policy_tables.stability_table(found.stability)] if len(found.stability) else [])
 
@@ -87,14 +88,15 @@ def run(
         figures: folder to write the figures into; that of the tables if left out.
         rollouts: rollouts.csv files of policies and of the skill.
         published: folder with the paper's values, table3.csv.
-        options: JSON of the config section `tables`.
+        options: JSON of the config section `tables`, and of which policies are one method: without `rows` every
+            hyper-parameter set is a row of its own.
     """
-    settings = read_options(TablesConfig, options)
-    episodes, paper = read_rows(Rollout, rollouts, ONE_TEST), published_policies(published)
-    found = collect(episodes, paper, published, settings)
-    tables = asset_tables(found, settings) or [policy_tables.assets_table(found.assets, settings)]
+    settings = read_options(PolicyTables, options)
+    episodes, paper = read_rollouts(rollouts, settings), published_policies(published)
+    found, kinds = collect(episodes, paper, published, settings), kinds_of(settings)
+    tables = asset_tables(found, settings, kinds) or [policy_tables.assets_table(found.assets, settings)]
     write(out, "assets", found.assets, tables)
-    write(out, "table3", found.runs, role_tables(found, paper, settings))
+    write(out, "table3", found.runs, role_tables(found, paper, settings, kinds))
     write_csv(out / "assets_by_handle.csv", found.by_handle)
     for what in ("cells", "differences", "claims", "stability"):
         write_csv(out / f"table3_{what}.csv", getattr(found, what))

@@ -1,6 +1,6 @@
 """Tables of policies as text: unseen assets, Table 3, claims, stability of training."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import pandas as pd
@@ -9,17 +9,13 @@ from stages.config.tables import TablesConfig
 from stages.tables.cells import CELL
 from stages.tables.claims import COLLAPSED, MARGIN, MIN_RUNS, MIN_SPREAD_RUNS
 from stages.tables.markup import Table
-from stages.tables.order import CLOUDS, SKILL, kind, set_key, task_key, title
+from stages.tables.methods import Kinds, kind
+from stages.tables.order import CLOUDS, SKILL, set_key, task_key, title
 from stages.tables.rows import records
 from stages.tables.scene_tables import level
 from stages.tables.table3 import BASELINE, RANDOMISED
 from stages.tables.text import NOT_RUN, NOTHING, cell, count, number, percent, points, span
 
-PRIVILEGED = (
-    "Policies are given what a real robot would not have: the mask of the target, depth without noise and exact camera "
-    "poses, and they start within 3 and 7 cm of their place before the true handle. Demonstrations and tests share the "
-    "simulator."
-)
 SENTENCES = {
     "equal": "On the twin itself, {ours} do as well as {theirs}",
     "unseen": "On unseen assets, {ours} do better than {theirs}",
@@ -31,7 +27,7 @@ SENTENCES = {
 MINUS = {
     "twin": "minus the twin's",
     "randomised": "minus the randomised twin's",
-    "network": "minus the paper's network",
+    "network": "minus {own}",
 }
 Line = dict[str, dict[str, Any]]  # training set -> row of a frame
 
@@ -65,18 +61,16 @@ def _gain(versus: str) -> Callable[[dict[str, Any]], str]:
     return text
 
 
-def _group(table: pd.DataFrame, sets: list[str]) -> list[list[str]]:
+def _group(table: pd.DataFrame, sets: list[str], kinds: Kinds) -> list[list[str]]:
     """The rows of one group and set of assets: rates, minus those of `MINUS`, the skill."""
     first = records(table)[0]
     about = f"{first['assets']} assets of {first['families']} families, {first['places']} initial states"
     group = cell(f"{title(first['assets_of'])}, {title(first['test_asset'])}", about)
-    policies = [
-        (kind(task, first["assets_of"]), line)
-        for (task,), line in _lines(table[table["training_set"] != SKILL], ["task"])
-    ]
+    policies = [(kind(task, kinds), line) for (task,), line in _lines(table[table["training_set"] != SKILL], ["task"])]
     rows = [_side_by_side([group, name], line, sets, _rate) for name, line in policies]
     for versus, what in MINUS.items():
-        gains = [_side_by_side([group, f"{name}, {what}"], line, sets, _gain(versus)) for name, line in policies]
+        minus = what.format(own=kind(first["assets_of"], kinds))
+        gains = [_side_by_side([group, f"{name}, {minus}"], line, sets, _gain(versus)) for name, line in policies]
         rows += [row for row in gains if any(row[2:])]
     for row in records(table[table["training_set"] == SKILL]):
         counts = f"{_interval(row)} {row['successes']}/{row['episodes']}; a reference, not a policy"
@@ -88,15 +82,17 @@ def _policy_sets(table: pd.DataFrame) -> list[str]:
     return sorted({*table["training_set"]} - {SKILL}, key=set_key)
 
 
-def assets_table(table: pd.DataFrame, options: TablesConfig) -> Table:
-    """Success over unseen assets; `table` as `assets.build` gives."""
+def assets_table(
+    table: pd.DataFrame, options: TablesConfig, kinds: Kinds | None = None, notes: Sequence[str] = ()
+) -> Table:
+    """Success over unseen assets; `table` as `assets.build` gives, `kinds` as `kinds_of`, `notes` as `policy_notes`."""
     sets = _policy_sets(table) or [BASELINE]
     groups = [group for _, group in table.groupby(["assets_of", "test_asset"], sort=False)]
     return Table(
         name="assets",
         caption="Success over unseen assets, by kind of policy (rows) and training set (columns).",
         columns=["Assets", "Policies", *(title(name) for name in sets)],
-        rows=[row for group in groups for row in _group(group, sets)],
+        rows=[row for group in groups for row in _group(group, sets, kinds or {})],
         headers=2,
         notes=[
             f"Mean over assets ± sample standard deviation over runs, [{level(options)} interval]. No policy was "
@@ -105,11 +101,11 @@ def assets_table(table: pd.DataFrame, options: TablesConfig) -> Table:
             "score interval with assets as units (Wilson's for rates; Newcombe's, 1998, method 10, for paired "
             "differences). With one run an interval is about these policies only, not about training again.",
             "Minus the twin's: what training on more than the twin adds to the same kind of policy. Minus the "
-            "randomised twin's: what other assets add to varying the size, friction and mass of one. Minus the paper's "
-            "network: what the kind of policy adds on the same demonstrations. An interval that contains zero does not "
+            "randomised twin's: what other assets add to varying the size, friction and mass of one. Minus another "
+            "kind: what the kind of policy adds on the same demonstrations. An interval that contains zero does not "
             "tell the two apart. The scripted skill, which made the demonstrations and knows the true handle, starts "
             "from the same states.",
-            PRIVILEGED,
+            *notes,
         ],
     )
 
@@ -138,7 +134,13 @@ def _role(row: dict[str, Any]) -> tuple[str, str]:
     return percent(row["mean"], row["std"]), f"{counts}, {official}"
 
 
-def policies_table(table: pd.DataFrame, published: pd.DataFrame, options: TablesConfig) -> Table:
+def policies_table(
+    table: pd.DataFrame,
+    published: pd.DataFrame,
+    options: TablesConfig,
+    kinds: Kinds | None = None,
+    notes: Sequence[str] = (),
+) -> Table:
     """Table 3, laid out as in the paper; `table` as `table3.cells` gives: a row per test asset, a column per set."""
     ours = {tuple(row[name] for name in CELL): row for row in records(table)}
     theirs = {tuple(row[name] for name in CELL): row for row in records(published)}
@@ -148,7 +150,8 @@ def policies_table(table: pd.DataFrame, published: pd.DataFrame, options: Tables
     for task, asset in sorted({key[:2] for key in keys}, key=lambda key: (task_key(key[0]), set_key(key[1]))):
         ran = {name: ours[task, asset, name] for name in sets if (task, asset, name) in ours}
         first = next(iter(ran.values()), None)
-        line = [cell(title(task), CLOUDS[first["cloud"]] if first else ""), title(asset)]
+        about = [(kinds or {}).get(task, ""), CLOUDS[first["cloud"]]] if first else []
+        line = [cell(title(task), "\n".join(filter(None, about))), title(asset)]
         line.append(number(first["dino_distance"], 2) if first else "")
         for name in sets:
             paper = theirs.get((task, asset, name))
@@ -171,7 +174,7 @@ def policies_table(table: pd.DataFrame, published: pd.DataFrame, options: Tables
             "Official: the criterion of the authors' code, any joint of the object past 10 % of its range at any time. "
             "Training assets: every policy on the assets that it was trained on. Clouds show the target link (the door "
             "or drawer to open) or the whole object.",
-            PRIVILEGED,
+            *notes,
         ],
     )
 
@@ -236,7 +239,8 @@ def claims_table(table: pd.DataFrame, options: TablesConfig) -> Table:
             f"A claim holds if the {100 * options.confidence:g} % interval of the difference lies on its side, and "
             "does not hold if it lies on the other side; if it contains zero, it cannot be said. To do as well "
             f"is to be at most {100 * MARGIN:g} points worse. A claim needs {MIN_RUNS} runs a side, one about "
-            f"differences from run to run {MIN_SPREAD_RUNS}.",
+            f"differences from run to run {MIN_SPREAD_RUNS}. Runs are training seeds of one method (of each of the "
+            "hyper-parameter sets that trials chose): policies of another method are another row.",
             "Unseen assets: the set of unseen assets where policies were rolled out on one, else the three held-out "
             "roles of Table 3, which are too few for most claims. Intervals: bootstrap over assets, their initial "
             f"states and runs, crossed ({options.bootstrap_samples} resamples, seed {options.seed}); of means never "

@@ -6,8 +6,12 @@ from pathlib import Path
 import pandas as pd
 
 from stages.config.model import Config
+from stages.config.policy_rows import policy_rows
+from stages.contracts.files import read_json
+from stages.contracts.policies import ChosenRuns
 from stages.tables.conditions import USUAL
 from stages.tables.markup import Table
+from stages.tables.methods import methods, row_of
 from stages.tables.order import set_key, title
 from stages.tables.pooling import pools
 from stages.tables.text import NOT_RUN
@@ -21,21 +25,31 @@ def policy_file(results: Path, condition: str, task: str, training_set: str, run
     return folder / f"{task}/{training_set}/{run}/seed_{seed}/rollouts.csv"
 
 
+def runs_that_count(config: Config, results: Path, task: str, training_set: str) -> list[str]:
+    """The hyper-parameter sets that count: where trials chose, those that they chose."""
+    path = results / f"evaluation/trials/{task}/{training_set}/chosen.json"
+    chose = config.experiment.chooses(task) and path.is_file()
+    return read_json(ChosenRuns, path).runs if chose else config.experiment.plan(task).runs
+
+
 def progress_table(config: Config, results: Path) -> Table:
     """A row per task and condition, a column per training set: policies that met all rooms of the task."""
-    names = pools(config)
+    names, sets_of = pools(config), methods(policy_rows(config))
     found = [
         (
-            names[task],
+            pool,
             condition or USUAL,
             name,
             run,
             seed,
-            policy_file(results, condition, task, name, run, seed).is_file(),
+            policy_file(results, condition, row_of(row), name, run, seed).is_file(),
         )
         for condition in ("", *config.evaluation.conditions)
-        for task, plan in ((task, config.experiment.plan(task)) for task in names)
-        for name, run, seed in product(plan.training_sets, plan.runs, plan.seeds)
+        for row, pool in names.items()
+        for plan in (config.experiment.plan(row_of(row)),)
+        for name in plan.training_sets
+        for run, seed in product(sets_of[row], plan.seeds)
+        if run in runs_that_count(config, results, row_of(row), name)
     ]
     policies = pd.DataFrame(found, columns=[*CELL, "run", "seed", "there"])
     whole = policies.groupby([*CELL, "run", "seed"], sort=False)["there"].all()

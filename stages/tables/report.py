@@ -10,16 +10,18 @@ import pandas as pd
 import yaml
 from markupsafe import Markup
 
-from stages.config.tables import TablesConfig
+from stages.config.tables import PolicyTables
 from stages.contracts.files import read_options, read_text, write_text
 from stages.tables import assets, claims, policy_tables, robustness, scene_tables, table2, table3
 from stages.tables.markup import Table, environment
+from stages.tables.methods import kinds_of
 from stages.tables.order import role_title
 from stages.tables.page import library, policies, result, rooms
 from stages.tables.page.benchmarks import by_stage, longest_table, read_jobs, times_table
 from stages.tables.page.charts import embedded
 from stages.tables.page.files import RunFiles
 from stages.tables.page.pictures import Album
+from stages.tables.policy_notes import policy_notes
 from stages.tables.rows import published_policies, read_table
 from stages.tables.scenes import named
 from stages.tables.text import number
@@ -66,14 +68,15 @@ def _frames(files: RunFiles) -> dict[str, pd.DataFrame]:
     return {name: table for name, table in found.items() if len(table)}
 
 
-def _page(files: RunFiles, published: Path, facts: dict[str, Any], options: TablesConfig, viewer: str) -> str:
+def _page(files: RunFiles, published: Path, facts: dict[str, Any], options: PolicyTables, viewer: str) -> str:
     album, frames = Album(options.picture_width, options.picture_quality), _frames(files)
+    kinds, notes = kinds_of(options), policy_notes(options)
 
     def table(form: Callable[..., Table], name: str, *more: Any) -> list[Table]:
         return [form(frames[name], *more)] if name in frames else []
 
     judged, cells = frames.get("table3_claims"), frames.get("table3_cells")
-    over_assets, by_role = result.over_assets(frames.get("assets"), judged), result.over_roles(cells, judged)
+    over_assets, by_role = result.over_assets(frames.get("assets"), judged, kinds), result.over_roles(cells, judged)
     first = [*over_assets, *(each for each in by_role if each.group not in {one.group for one in over_assets})]
     models, tasks = library.collect(files, album), policies.collect(files, album, options.confidence)
     shown = rooms.collect(files, album)
@@ -91,14 +94,16 @@ def _page(files: RunFiles, published: Path, facts: dict[str, Any], options: Tabl
             library=models,
             tasks=tasks,
             of_policies=[
-                *table(policy_tables.assets_table, "assets", options),
+                *table(policy_tables.assets_table, "assets", options, kinds, notes),
                 *table(policy_tables.claims_table, "table3_claims", options),
             ],
             folded=table(policy_tables.by_handle_table, "assets_by_handle", options),
             tables=[
                 *table(scene_tables.scenes_table, "table2", options),
                 *table(scene_tables.robustness_table, "table2_robustness"),
-                *table(policy_tables.policies_table, "table3_cells", published_policies(published), options),
+                *table(
+                    policy_tables.policies_table, "table3_cells", published_policies(published), options, kinds, notes
+                ),
                 *table(policy_tables.stability_table, "table3_stability"),
             ],
             figures={
@@ -145,9 +150,9 @@ def run(
         config: JSON of the whole config; the page links to it as config.yaml.
         seed: seed of the run.
         more: how many more scenes the run has, which are neither shown nor counted here.
-        options: JSON of the config section `tables`.
+        options: JSON of the config section `tables`, and of what the policies are.
     """
-    settings = read_options(TablesConfig, options)
+    settings = read_options(PolicyTables, options)
     declared = RunFiles(files, {room: path for (room, _), path in named(images, "--images").items()})
     facts = {"title": title, "config_page": CONFIG_PAGE if config else "", "seed": seed, "more": more}
     page = _page(declared, published, facts, settings, link_to(viewer, out))

@@ -9,22 +9,24 @@ from typing import Literal, NamedTuple
 import pandas as pd
 
 from stages.config.model import Config
+from stages.config.policy_rows import policy_tables
 from stages.contracts.files import read_json, write_text
 from stages.contracts.library import Library
-from stages.contracts.policies import ChosenRuns, Rollout, SceneScore, TaskAssets
+from stages.contracts.policies import ChosenRuns, SceneScore, TaskAssets
 from stages.tables import assets, conditions, robustness, table2, table3
 from stages.tables.assets import of_splits
 from stages.tables.associations import Shown, associations_table, traits
 from stages.tables.associations import build as associate
 from stages.tables.drawing import save, style
 from stages.tables.markup import Table, markdown
+from stages.tables.methods import kinds_of, read_rollouts, row_of
 from stages.tables.order import SKILL, SPLITS, title
 from stages.tables.policies import asset_tables, collect, role_tables, write_figures
 from stages.tables.policy_tables import assets_table
 from stages.tables.pooling import pooled, pools
-from stages.tables.progress import policy_file, progress_table
+from stages.tables.progress import policy_file, progress_table, runs_that_count
 from stages.tables.roles import demonstrated_assets, lists_table, roles_table
-from stages.tables.rows import ONE_SCENE, ONE_TEST, published_policies, published_scenes, read_rows
+from stages.tables.rows import ONE_SCENE, published_policies, published_scenes, read_rows
 from stages.tables.scene_figure import figure6
 from stages.tables.scene_tables import robustness_table, scenes_table
 from stages.tables.study import cost, facts, read_config
@@ -53,7 +55,7 @@ def rollout_files(config: Config, results: Path, condition: str = "") -> Iterato
         paths += [
             policy_file(results, condition, task, name, run, seed)
             for name in plan.training_sets
-            for run in plan.runs
+            for run in runs_that_count(config, results, task, name)
             for seed in plan.seeds
         ]
         yield from filter(Path.is_file, paths)
@@ -61,12 +63,11 @@ def rollout_files(config: Config, results: Path, condition: str = "") -> Iterato
 
 def asked_cells(config: Config) -> pd.DataFrame:
     """The cells that the study is to fill, with the columns `table3.CELL`; rows pooled."""
-    names = pools(config)
     cells = [
-        (names[task], asset, name)
-        for task in config.experiment.tasks
+        (pool, asset, name)
+        for row, pool in pools(config).items()
         for asset in config.evaluation.test_assets
-        for name in config.experiment.plan(task).training_sets
+        for name in config.experiment.plan(row_of(row)).training_sets
     ]
     return pd.DataFrame(cells, columns=table3.CELL).drop_duplicates()
 
@@ -88,7 +89,7 @@ def _chosen(config: Config, results: Path) -> list[Table]:
 def _with_traits(config: Config, results: Path, rollouts: pd.DataFrame) -> pd.DataFrame:
     """The rollouts on unseen assets of the rows whose assets.json is there, with what is known of each asset."""
     experiment, parts = config.experiment, []
-    for task, part in of_splits(rollouts).groupby("task"):
+    for task, part in of_splits(rollouts).groupby(rollouts["task"].map(row_of)):
         path = results / f"experiment/{experiment.policy_variant}/{experiment.source(str(task))}/assets.json"
         if path.is_file():
             chosen, stretch = read_json(TaskAssets, path), config.task_of(str(task)).scale_range
@@ -105,7 +106,7 @@ def _with_traits(config: Config, results: Path, rollouts: pd.DataFrame) -> pd.Da
 def _elsewhere(config: Config, results: Path, usual: pd.DataFrame) -> list[Table]:
     """Success under each of `evaluation.conditions`, and there minus the baselines; nothing where none was met."""
     found = {name: list(rollout_files(config, results, name)) for name in config.evaluation.conditions}
-    met = [read_rows(Rollout, paths, ONE_TEST).assign(condition=name) for name, paths in found.items() if paths]
+    met = [read_rollouts(paths, policy_tables(config)).assign(condition=name) for name, paths in found.items() if paths]
     if not met:
         return []
     rows = pd.concat([usual.assign(condition=conditions.USUAL), *met], ignore_index=True)
@@ -140,13 +141,15 @@ def _about_rollouts(config: Config, episodes: pd.DataFrame) -> list[tuple[str, s
 
 
 def _policies(config: Config, results: Path, published: Path, out: Path) -> StudyResults:
-    options, paper = config.tables, published_policies(published)
-    rows = read_rows(Rollout, list(rollout_files(config, results)), ONE_TEST)
+    options, paper = policy_tables(config), published_policies(published)
+    rows, names = read_rollouts(list(rollout_files(config, results)), options), pools(config)
     episodes, asked = pooled(rows, config), asked_cells(config)
     found = collect(episodes, pd.concat([asked, paper[table3.CELL]]).drop_duplicates(), published, options)
-    tables = [*asset_tables(found, options), *role_tables(found, paper, options)]
+    kinds = kinds_of(options)
+    pooled_kinds = {names[row]: text for row, text in kinds.items()}
+    tables = [*asset_tables(found, options, pooled_kinds), *role_tables(found, paper, options, pooled_kinds)]
     if set(rows["task"]) - set(episodes["task"]):
-        alone = assets_table(assets.build(rows[rows["task"] != rows["task"].map(pools(config))], options), options)
+        alone = assets_table(assets.build(rows[rows["task"] != rows["task"].map(names)], options), options, kinds)
         tables.append(replace(alone, name="assets_by_room", caption=f"{alone.caption[:-1]}, room by room."))
     known = _with_traits(config, results, rows)
     if len(known):

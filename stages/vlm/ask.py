@@ -13,6 +13,7 @@ from stages.vlm.answers import LONGEST, UnusableError, parsed, response_format, 
 from stages.vlm.endpoint import SHOWN, Endpoint, OversizedError, RefusedError, UnreachedError
 from stages.vlm.ledger import AGAIN, Entry, Exchange, Ledger
 from stages.vlm.prompt import DETAIL, TOKENS, Prompt, digest
+from stages.vlm.secret import HIDDEN
 
 A = TypeVar("A", bound=BaseModel)
 FORMATS = ("json_schema", "json_object", "words")  # the next where a server refuses one
@@ -118,13 +119,11 @@ class Asker:
         try:
             reply = self._reply(messages, answer, size)
             text = self.endpoint.hidden(text_of(reply))
-            found = parsed(text, answer)
-            if self.endpoint.hidden(found.model_dump_json()) != found.model_dump_json():
-                text = ""  # written with escapes
+            if text == HIDDEN:
                 raise UnusableError("the answer holds the key")
-            value = found
+            value = parsed(text, answer)
         except (UnusableError, OversizedError) as error:
-            problem = str(error)
+            problem = self.endpoint.hidden(str(error))
         usage, served = usage_of(reply), reply.get("model")
         served = served if isinstance(served, str) else ""
         tokens_in, tokens_out = usage or (size, len(text) // 3)

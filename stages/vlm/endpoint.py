@@ -15,11 +15,14 @@ from urllib.request import Request
 
 from stages.config.vlm import VlmConfig
 from stages.contracts.errors import InputError
+from stages.vlm.answers import LONGEST
 from stages.vlm.deadline import LARGEST, response_to
+from stages.vlm.secret import hidden
 
 BUSY = {HTTPStatus.REQUEST_TIMEOUT, HTTPStatus.CONFLICT, HTTPStatus.TOO_EARLY, HTTPStatus.TOO_MANY_REQUESTS}
 PAUSES = (2, 4, 8, 16)  # seconds before each further attempt, if the server does not say
 LONGEST_PAUSE = 60  # seconds, if it does
+LATER = 3600  # seconds: a server that asks for more is not waited for
 SHOWN = 300  # characters of a message or of a bad answer that are repeated
 
 
@@ -81,10 +84,12 @@ class Endpoint:
                 message = self._message(error)
                 self._give_up(error.code, message)
                 wanted, why = _asked_for(error.headers), f"HTTP {error.code}: {message}".rstrip(": ")
+                if wanted is not None and wanted > LATER:
+                    raise UnreachedError(f"{why}; not before {wanted / 3600:.3g} hours") from None
             except TimeoutError:
                 why = f"no reply within {self.options.timeout:g} s"
             except (OSError, HTTPException, ValueError) as error:
-                why = f"{type(error).__name__}: {self.hidden(str(getattr(error, 'reason', error)))}"[:SHOWN]
+                why = f"{type(error).__name__}: {self.told(str(getattr(error, 'reason', error)))}"[:SHOWN]
         raise UnreachedError(why)
 
     def _once(self, body: dict[str, Any]) -> dict[str, Any]:
@@ -143,13 +148,16 @@ class Endpoint:
             text = str(found)
         except (ValueError, AttributeError, RecursionError):
             pass
-        return " ".join(self.hidden(text).split())[:SHOWN]
+        return self.told(text)
+
+    def told(self, text: str) -> str:
+        """What a server says, in one line that may be shown."""
+        return self.hidden(" ".join(text.split())[:LONGEST])[:SHOWN]
 
     def hidden(self, text: str) -> str:
         """Text without the key, should a server repeat it, and without halves of characters, which no file holds."""
         key = os.environ.get(self.options.key_env, "").strip() if self.options.key_env else ""
-        text = text.encode("utf-8", "replace").decode("utf-8")
-        return text.replace(key, "***") if key else text
+        return hidden(text.encode("utf-8", "replace").decode("utf-8"), key)
 
 
 def _asked_for(headers: Message) -> float | None:

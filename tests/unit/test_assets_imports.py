@@ -155,13 +155,14 @@ def test_two_bodies_are_two_hulls() -> None:
     assert sorted(round(piece.volume, 1) for piece in pieces) == [1.0, round(right.volume, 1)]
 
 
-def test_a_kitchen_as_a_package_ships_it(tmp_path: Path) -> None:
+def test_a_kitchen_as_a_package_ships_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     urdf = write_kitchen(tmp_path / "packages")
     mine = tmp_path / "mine" / "bottom_cabinet"
     mine.mkdir(parents=True)
     (mine / "kitchen").symlink_to(urdf.parent)
-    with pytest.raises(InputError, match="is a link out of mine/"):
+    with pytest.raises(InputError, match="holds no model"):
         import_folder(tmp_path / "mine", tmp_path / "models")
+    assert "kitchen: is a link out of mine/" in capsys.readouterr().err
     asset = import_model(urdf, tmp_path / "packages", tmp_path / "models")
     assert (asset.doors, asset.drawers) == (2, 2)
     assert [joint.handle_link for joint in asset.joints] == [

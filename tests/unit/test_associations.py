@@ -6,7 +6,7 @@ import pytest
 
 from stages.config.tables import TablesConfig
 from stages.contracts.policies import TaskAsset
-from stages.tables.associations import Shown, associations_table, build, traits
+from stages.tables.associations import Shown, _correlation, associations_table, build, traits
 from tests.unit.tables_results import ABOUT, UNSEEN, over_assets
 
 OPTIONS = TablesConfig(bootstrap_samples=300)
@@ -53,6 +53,12 @@ def test_success_follows_what_decides_it_and_nothing_else() -> None:
     each = rows[(rows["task"] == "door") & (rows["training_set"] == "twin")].groupby("asset")
     expected = each["success"].mean().corr(each["handle_length"].first(), method="spearman")
     assert twin.loc["handle_length", "correlation"] == pytest.approx(expected)
+
+
+def test_a_resample_is_a_table_in_which_assets_stand_as_often_as_they_weigh() -> None:
+    pairs, times = np.array([[1.0, 2.0], [2.0, 1.0], [3.0, 5.0], [4.0, 3.0]]), np.array([5, 1, 0, 2])
+    (found,) = _correlation(pairs, times[None].astype(float))
+    assert found == pytest.approx(np.corrcoef(np.repeat(pairs, times, axis=0).T)[0, 1])
 
 
 def test_table_of_associations() -> None:

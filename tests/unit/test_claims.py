@@ -9,6 +9,7 @@ import pytest
 from stages.config.tables import TablesConfig
 from stages.contracts.policies import Rollout
 from stages.tables import assets, claims, table3
+from stages.tables.intervals import PLACE, Side, score_interval, unit_rates
 from stages.tables.markup import markdown
 from stages.tables.policy_tables import claims_table, stability_table
 from stages.tables.rows import published_policies, published_runs
@@ -118,13 +119,31 @@ def test_a_claim_needs_its_training_sets() -> None:
 
 def test_as_well_as_the_twin_allows_ten_points() -> None:
     equal = claims.CLAIMS["equal"]
-    assert [claims.verdict(equal, low, high, 6) for low, high in ((-0.09, 0.02), (-0.2, 0.1), (-0.3, -0.11))] == [
-        "holds", "cannot be said", "does not hold",
+    ends = ((-0.09, 0.02), (-0.2, 0.1), (-0.2, -0.05), (-0.3, -0.11))
+    assert [claims.verdict(equal, low, high, 6) for low, high in ends] == [
+        "holds", "cannot be said", "cannot be said", "does not hold",
     ]  # fmt: skip
     unseen = claims.CLAIMS["unseen"]
     assert [claims.verdict(unseen, low, high, 6) for low, high in ((0.01, 0.3), (-0.01, 0.3), (-0.3, -0.01))] == [
         "holds", "cannot be said", "does not hold",
     ]  # fmt: skip
+
+
+def test_the_floor_of_what_is_lost_is_wide_where_the_rates_may_be() -> None:
+    """All of 30 on the twin, 3 of 30 unseen assets: the truth may lie above the second, not above the first."""
+    places = pd.MultiIndex.from_tuples([(f"f{n}", f"a{n}", 0) for n in range(30)], names=PLACE)
+
+    def side(opened: int) -> Side:
+        return pd.DataFrame([[float(n < opened) for n in range(30)]], columns=places)
+
+    ours, theirs = {"twin": side(30), "unseen": side(3)}, {"twin": side(3), "unseen": side(3)}
+    unseen, twin = (
+        score_interval(unit_rates(ours[name]), unit_rates(theirs[name]), 0.95) for name in ("unseen", "twin")
+    )
+    low, high = claims.score_floor(claims.CLAIMS["flat"], ours, theirs, 0.95)
+    assert low == pytest.approx(-0.9 - np.hypot(unseen.low, twin.high - 0.9))
+    assert high == pytest.approx(-0.9 + np.hypot(unseen.high, 0.9 - twin.low))
+    assert high + 0.9 > 1.1 * (-0.9 - low)
 
 
 def test_the_papers_own_numbers_stand_beside_ours() -> None:
@@ -160,6 +179,11 @@ def test_collapsed_runs_are_counted_on_the_assets_of_the_training() -> None:
     table = claims.stability(build(rows), published)
     assert table.set_index("training_set")["collapsed"].to_dict() == {"twin": 1, "cousins_4": 0}
     assert "1 of 2" in markdown(stability_table(table))
+
+
+def test_a_run_is_collapsed_beside_the_best_of_its_task_however_good_that_is() -> None:
+    gates = {"twin": np.array([0.4, 0.15]), "cousins_4": np.array([0.08, 0.12])}
+    assert claims._collapsed(gates) == {"twin": 0, "cousins_4": 1}  # a quarter of 40 %
 
 
 def test_six_drawer_policies_of_the_paper_collapsed() -> None:

@@ -37,6 +37,12 @@ LISTED = {  # keys that do not simply run the one verb of their section again
     "training.runs.lite.own": set(),
     "evaluation.selection_rollouts": {"trial"},
     "demonstrations.randomise": set(),  # of one role's demonstrations alone
+    "evaluation.simulator": {"rollout", "skill", "trial", "policies", "report"},  # notes below tables tell of it
+    "evaluation.parking": {"rollout", "skill", "trial", "policies", "report"},
+    "evaluation.depth_noise": {"rollout", "trial", "policies", "report"},
+    "evaluation.camera_error": {"rollout", "trial", "policies", "report"},
+    "training.runs.lite.policy": {"train", "policies", "report"},  # what the policies of a row are called
+    "training.runs.lite.handle": {"train", "policies", "report"},
     "evaluation.conditions": set(),  # read with a condition alone
     "tables": {"scenes", "policies", "conditions", "report", "picture"},
 }

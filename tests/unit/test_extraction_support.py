@@ -5,7 +5,7 @@ import pytest
 
 from stages.config.extraction import ExtractionConfig
 from stages.contracts.objects import USUAL_ERROR, Wall
-from stages.extraction.clouds import level_height
+from stages.extraction.levels import Level, carrying_height, is_topped, level_of
 from stages.extraction.mounting import collapsed, placement
 from stages.extraction.visibility import DepthView
 from stages.extraction.walls import gap_to
@@ -16,60 +16,65 @@ LOOKING_ALONG_X = np.array([[0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 1.5], [0, 0,
 WALL = Wall(id="wall_1", normal=(-1, 0, 0), offset=-4.0, points=100)
 
 
-def level(cloud: np.ndarray, distance: float) -> float | None:
-    return level_height(cloud, cloud, minimum_box(cloud, 0.01), USUAL_ERROR.at(distance), distance, ExtractionConfig())
+def level(cloud: np.ndarray) -> Level | None:
+    return level_of(cloud, minimum_box(cloud, 0.01), 2.0)
 
 
-def _table(rng: np.random.Generator, shadows: int) -> np.ndarray:
-    """A top at 0.5 m, its legs, and points that the depth camera put higher at the edges of a box on it."""
-    top, legs = rng.uniform(-0.5, 0.5, (4000, 3)), rng.uniform(-0.5, 0.5, (600, 3))
-    top[:, 2], legs[:, 2] = 0.5 + rng.normal(0, 0.004, 4000), rng.uniform(0, 0.5, 600)
-    raised = rng.uniform(-0.1, 0.1, (shadows, 3))
-    raised[:, 2] = rng.uniform(0.55, 0.6, shadows)
-    return np.concatenate([top, legs, raised])
+def surface(rng: np.random.Generator, count: int, height: float, low: tuple, high: tuple) -> np.ndarray:
+    """Points (N, 3) of a level rectangle, a little off."""
+    points = rng.uniform([*low, 0], [*high, 0], (count, 3))
+    points[:, 2] = height + rng.normal(0, 0.004, count)
+    return points
 
 
-@pytest.mark.parametrize("shadows", [0, 200])
-def test_a_table_is_as_high_as_most_of_its_top(shadows: int) -> None:
-    cloud = _table(np.random.default_rng(0), shadows)
-    assert level(cloud, 1.0) == pytest.approx(0.5, abs=0.005)
-    if shadows:
-        assert np.quantile(cloud[:, 2], 0.99) > 0.56  # what the quantile makes of it
+@pytest.mark.parametrize("covered", [0, 0.06, 0.2, 0.4])
+@pytest.mark.parametrize("seed", range(5))
+def test_a_desk_is_as_high_as_most_of_its_top(covered: float, seed: int) -> None:
+    """Boxes of 5 to 40 cm stand on it, their fronts seen, and depth of their edges between both."""
+    rng = np.random.default_rng(seed)
+    parts = [
+        surface(rng, 4000, 0.75, (-0.35, -0.7), (0.35, 0.7)),
+        rng.uniform([-0.35, -0.7, 0], [-0.3, 0.7, 0.7], (600, 3)),
+    ]
+    for _ in range(round(covered * 20)):
+        low, height = rng.uniform([-0.35, -0.7], [0.1, 0.45]), rng.uniform(0.05, 0.4)
+        high = low + 0.22
+        parts[0] = parts[0][~((parts[0][:, :2] > low) & (parts[0][:, :2] < high)).all(axis=1)]
+        parts.append(surface(rng, 200, 0.75 + height, tuple(low), tuple(high)))
+        parts.append(rng.uniform([low[0], low[1], 0.75], [low[0] + 0.01, high[1], 0.75 + height], (300, 3)))
+    cloud = np.concatenate(parts)
+    found = level(cloud)
+    assert found is not None and found.height == pytest.approx(0.75, abs=0.01)
+    assert carrying_height("computer desk", found, cloud[:, 2].max()) == found.height
+    if covered:
+        assert np.quantile(cloud[:, 2], 0.99) > 0.79  # what the quantile makes of it
 
 
-def test_a_seat_under_a_back_is_no_top() -> None:
+def test_a_chair_carries_at_its_seat_and_is_as_high_as_its_back() -> None:
     rng = np.random.default_rng(0)
-    seat, back = rng.uniform(0, 0.5, (3000, 3)), rng.uniform(0, 0.5, (1000, 3))
-    seat[:, 2], back[:, 2] = 0.45, rng.uniform(0.45, 0.9, 1000)
-    assert level(np.concatenate([seat, back]), 3.0) is None
+    back = rng.uniform([0.45, 0, 0.45], [0.5, 0.5, 0.9], (1000, 3))
+    found = level(np.concatenate([surface(rng, 3000, 0.45, (0, 0), (0.5, 0.5)), back]))
+    assert found is not None and found.height == pytest.approx(0.45, abs=0.01)
+    assert carrying_height("chair", found, 0.9) == found.height and not is_topped("chair")
 
 
-def test_a_neck_above_a_shoulder_counts() -> None:
-    """A bottle seen from above behind a thing that hides most of its body: nine tenths of what is seen is shoulder."""
-    rng = np.random.default_rng(0)
-    body, shoulder, neck = (rng.uniform(0, 0.16, (count, 3)) for count in (100, 1000, 80))
-    body[:, 2], neck[:, 2] = rng.uniform(0, 0.12, 100), rng.uniform(0.12, 0.3, 80)
-    shoulder[:, 2] = rng.normal(0.12, 0.003, 1000)
-    seen = np.concatenate([body, shoulder])
-    assert level(seen, 1.0) == pytest.approx(0.12, abs=0.005)
-    assert level(np.concatenate([seen, neck]), 1.0) is None
+def test_boards_of_a_shelf_are_no_top() -> None:
+    assert carrying_height("bookshelves", Level(0.8, 0.9), 1.8) == 1.8
+    assert carrying_height("cabinet", Level(0.8, 0.3), 1.8) == 0.8
+    assert carrying_height("thing", Level(0.8, 0.3), 1.8) == carrying_height("thing", None, 1.8) == 1.8
 
 
-def test_nothing_stands_on_what_is_slender() -> None:
-    """The loop of a bottle, 4 cm above its lid; farther away what is above a level may be noise."""
-    rng = np.random.default_rng(0)
-    body, lid, loop = (rng.uniform(0, 0.08, (count, 3)) for count in (600, 300, 60))
-    body[:, 2], loop[:, 2] = rng.uniform(0, 0.22, 600), rng.uniform(0.22, 0.26, 60)
-    lid[:, 2] = rng.normal(0.22, 0.003, 300)
-    bottle = np.concatenate([body, lid, loop])
-    assert level(bottle, 1.0) is None
-    assert level(bottle, 2.5) == pytest.approx(0.22, abs=0.01)
-    assert level(bottle * [3, 3, 1], 1.0) == pytest.approx(0.22, abs=0.01)
+@pytest.mark.parametrize(
+    ("label", "topped"),
+    [("Chest of drawers", True), ("coffee-table", True), ("table lamp", False), ("desk chair", False), ("", False)],
+)
+def test_the_last_word_says_whether_a_thing_ends_in_a_level_top(label: str, topped: bool) -> None:
+    assert is_topped(label) == topped
 
 
 def test_a_front_has_no_level() -> None:
-    front = np.random.default_rng(0).uniform(0, 1, (4000, 3))
-    assert level(front, 3.0) is None
+    assert level(np.random.default_rng(0).uniform(0, 1, (4000, 3))) is None
+    assert level(np.random.default_rng(0).uniform(0, [1, 1, 0.01], (4000, 3))) is None
 
 
 @pytest.mark.parametrize(("hidden_up_to", "mounting"), [(1.425, 1), (1.6, 3)])

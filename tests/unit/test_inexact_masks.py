@@ -1,17 +1,33 @@
 """What masks leave out or show too much of: what carries an object, what a mirror shows; and what a person said."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from stages.config.extraction import ExtractionConfig
 from stages.contracts import Annotations
-from stages.contracts.objects import SceneObject
+from stages.contracts.corrections import Correction
+from stages.contracts.objects import USUAL_ERROR, SceneObject, Wall
 from stages.contracts.scenes import Annotation, Held
+from stages.extraction.corrected import as_told
+from stages.extraction.foot import height_shown
 from stages.extraction.observation import AnnotatedImage
 from stages.extraction.reconstruct import ExtractedScene, reconstruct
+from stages.extraction.visibility import DepthView
 from stages.geometry.boxes import UprightBox
-from tests.unit.synthetic_room import BACK_WALL, FLOOR, HEIGHT, INTRINSICS, OBJECT, WALL, WIDTH, trace
+from tests.unit.synthetic_room import (
+    BACK_WALL,
+    FLOOR,
+    HEIGHT,
+    INTRINSICS,
+    OBJECT,
+    WALL,
+    WIDTH,
+    WORLD_FROM_CAMERA,
+    trace,
+)
 
 SOFA = UprightBox([3.0, 0, 0.4], [0.9, 1.8, 0.8], 0.1)
 
@@ -56,6 +72,56 @@ def test_what_carries_it_is_said() -> None:
     table, box = UprightBox([2.6, 0, 0.3], [0.8, 1.2, 0.6], 0.0), UprightBox([2.6, 0, 0.75], [0.3, 0.4, 0.3], 0.0)
     found = extracted(*trace([table, box]), "table", "box").objects.objects
     assert [item.measured_support for item in found] == ["floor", "table_1"]
+
+
+@pytest.mark.parametrize("label", ["desk", "thing"])
+def test_clutter_that_nobody_named_moves_nothing(label: str) -> None:
+    """A cup and a book on a desk, beside a box and a lamp that the desk's mask shows."""
+    desk = UprightBox([2.4, 0, 0.375], [0.7, 1.4, 0.75], 0.1)
+    cup, book = (
+        UprightBox([2.25, -0.3, 0.8], [0.09, 0.09, 0.1], 0.0),
+        UprightBox([2.25, 0.05, 0.765], [0.2, 0.15, 0.03], 0.2),
+    )
+    clutter = [UprightBox([2.5, 0.4, 0.85], [0.25, 0.3, 0.2], 0.1), UprightBox([2.5, -0.1, 0.95], [0.1, 0.1, 0.4], 0.1)]
+    depth, masks = trace([desk, cup, book, *clutter])
+    masks[masks > OBJECT + 2] = OBJECT
+    found = extracted(depth, masks, label, "cup", "book")
+    carrier, *things = found.objects.objects
+    for item, height in zip(things, (0.1, 0.03), strict=True):
+        assert item.measured_support == carrier.id and item.box is not None
+        assert item.box.size[2] == pytest.approx(height, abs=0.015)
+    if label == "desk":
+        assert ends(carrier)[1] == pytest.approx(0.75, abs=0.015)
+    told = as_told(found, {OBJECT + 1: Correction(mask=OBJECT + 1, on=OBJECT)}).objects.objects[1]
+    assert told.support == carrier.id and ends(told) == pytest.approx((0.75, 0.85), abs=0.02)
+
+
+def test_what_was_stretched_to_the_floor_is_put_on_a_table_at_its_own_height() -> None:
+    table, book = (
+        UprightBox([2.4, 0, 0.225], [0.6, 1.0, 0.45], 0.0),
+        UprightBox([2.35, 0, 0.47], [0.2, 0.25, 0.04], 0.2),
+    )
+    depth, masks = trace([table, book])
+    found = extracted(depth, masks, "table", "book")
+    item = found.objects.objects[1]
+    assert item.box is not None
+    column = item.box.model_copy(update={"center": (*item.box.center[:2], 0.245), "size": (*item.box.size[:2], 0.49)})
+    items = [found.objects.objects[0], item.model_copy(update={"box": column, "measured_support": "floor"})]
+    fallen = replace(found, objects=found.objects.model_copy(update={"objects": items}))
+    told = as_told(fallen, {OBJECT + 1: Correction(mask=OBJECT + 1, on=OBJECT)}).objects.objects[1]
+    assert ends(told) == pytest.approx((0.45, 0.49), abs=0.015)
+
+
+def test_a_wall_that_nobody_painted_carries_no_picture() -> None:
+    picture = UprightBox([3.98, 0, 1.5], [0.04, 0.6, 0.5], 0.0)
+    depth, masks = trace([picture])
+    masks[masks == WALL] = 0
+    view = DepthView(depth, INTRINSICS, WORLD_FROM_CAMERA, USUAL_ERROR)
+    wall = Wall(id="wall_1", normal=(-1, 0, 0), offset=-BACK_WALL, points=100)
+    shown = [height_shown(picture, walls, view, masks == OBJECT, masks == 0, 0.07) for walls in ([], [wall])]
+    assert shown == [pytest.approx(1.22, abs=0.02), None]
+    (hung,) = extracted(depth, masks, "picture").objects.objects
+    assert hung.mounting is not None and hung.mounting.type == 1 and hung.measured_support == "wall"
 
 
 def test_a_mirror_is_not_as_deep_as_what_it_shows() -> None:

@@ -91,6 +91,12 @@ def test_families_are_resampled_whole() -> None:
     assert together.high - together.low > 1.15 * (apart.high - apart.low)
 
 
+def test_in_a_resample_an_asset_weighs_the_same_however_many_states_it_has() -> None:
+    places = [("f0", "a0", 0), *(("f1", "a1", state) for state in range(4))]
+    weights = place_weights(pd.MultiIndex.from_tuples(places, names=PLACE), 200, np.random.default_rng(0))
+    assert set(weights[:, 0].round(9)) == {0, 0.5, 1}
+
+
 def test_runs_are_resampled_where_there_are_several() -> None:
     opened = np.ones((2, 24, 2))
     opened[1, :12] = 0  # one run opens all, the other half of them

@@ -1,7 +1,10 @@
 """Matching: nearest categories by words, and which assets an object is compared with."""
 
+from pathlib import Path
+
 import pytest
 
+import stages.scenes.rooms
 from stages.config.matching import MatchingConfig
 from stages.contracts import Library
 from stages.contracts.library import LibraryEntry
@@ -9,6 +12,7 @@ from stages.contracts.objects import SceneObject
 from stages.matching.candidates import Candidates, find_candidates
 from stages.matching.text_encoders import make_text_encoder, nearest_categories
 from stages.matching.text_encoders.lexical import TextEncoder, words
+from stages.procedural.catalogue import CATEGORIES as CATEGORY_RECORDS
 
 LEXICAL = TextEncoder(MatchingConfig())
 CATEGORIES = [
@@ -54,6 +58,72 @@ CATEGORIES = [
 )
 def test_nearest_category(label: str, expected: str) -> None:
     assert nearest_categories(label, CATEGORIES, 3, LEXICAL)[0][0] == expected
+
+
+LIBRARY_CATEGORIES = sorted(CATEGORY_RECORDS)
+
+
+@pytest.mark.parametrize(
+    ("label", "expected"),
+    [
+        *(
+            ("pouf", "stool"),
+            ("dresser", "chest_of_drawers"),
+            ("bureau", "chest_of_drawers"),
+            ("hutch", "bottom_cabinet"),
+        ),
+        *(
+            ("stove", "oven"),
+            ("sectional", "sofa"),
+            ("suitcase", "box"),
+            ("tv set", "television"),
+            ("chest", "chest_of_drawers"),
+        ),
+        *(("desk with drawers", "desk"), ("cabinet, white", "wall_cabinet"), ("table top", "table")),
+    ],
+)
+def test_words_of_households_are_understood(label: str, expected: str) -> None:
+    assert nearest_categories(label, LIBRARY_CATEGORIES, 3, LEXICAL)[0][0] == expected
+    assert LEXICAL.doubt(label, LIBRARY_CATEGORIES) == ""
+
+
+@pytest.mark.parametrize(
+    ("label", "first", "doubt"),
+    [
+        *((word, None, f"the word '{word}' is not known") for word in ("skateboard", "globe", "telephone", "door")),
+        ("coffee maker", None, "the word 'maker' is not known"),  # no coffee table
+        ("table phone", None, "the word 'phone' is not known"),  # no table
+        ("keyboard", "clock", "no category is called 'keyboard'"),  # flat, as a clock is; no sideboard
+        ("desk keyboard", "clock", "no category is called 'keyboard'"),
+        ("kitchen counter", "coffee_table", "no category is called 'counter'"),
+        ("Cabnet", "wall_cabinet", "the word 'cabnet' is not known: taken for 'cabinet'"),
+        ("!?", None, "is no word"),
+    ],
+)  # fmt: skip
+def test_letters_are_no_meaning_and_what_is_not_understood_is_doubted(
+    label: str, first: str | None, doubt: str
+) -> None:
+    nearest = nearest_categories(label, LIBRARY_CATEGORIES, 1, LEXICAL)
+    assert [name for name, _ in nearest] == ([] if first is None else [first])
+    assert doubt in LEXICAL.doubt(label, LIBRARY_CATEGORIES)
+
+
+def test_a_category_of_ones_own_is_known() -> None:
+    assert LEXICAL.doubt("espresso machine", ["espresso_machine", "table"]) == ""
+    assert [name for name, _ in nearest_categories("globe", ["globe", "wardrobe"], 2, LEXICAL)] == ["globe"]
+
+
+def test_labels_of_our_rooms_are_understood() -> None:
+    rooms = Path(stages.scenes.rooms.__file__).parent.glob("*.yaml")
+    labels = {
+        line.split("label:")[1].strip(" }")
+        for room in rooms
+        for line in room.read_text().splitlines()
+        if "label:" in line
+    }
+    assert len(labels) > 25 and {label: LEXICAL.doubt(label, LIBRARY_CATEGORIES) for label in labels} == dict.fromkeys(
+        labels, ""
+    )
 
 
 def test_an_exact_name_has_distance_zero_and_nothing_in_common_is_left_out() -> None:
@@ -116,7 +186,7 @@ def test_a_threshold_without_candidates_is_widened_visibly_but_never_to_assets_w
     many = found({"articulated": True, "doors": 0, "drawers": 7}, count_threshold=1)
     assert names(many) == ["cabinet_1"] and many.note == "count_threshold widened from 1 to 5"
     table = found({"label": "table", "articulated": True, "drawers": 1})
-    assert "table_0" not in names(table) and "resembles no category" in table.note
+    assert "table_0" not in names(table) and "no category is called 'table'" in table.note
 
 
 def test_candidates_that_are_too_few_grow_by_counts_and_by_categories_in_order() -> None:
@@ -133,4 +203,4 @@ def test_candidates_that_are_too_few_grow_by_counts_and_by_categories_in_order()
 def test_unknown_label_searches_everything_and_says_so() -> None:
     result = found({"label": "xyzzy"})
     assert len(result.assets) == len(LIBRARY.assets) and result.categories == []
-    assert result.note == "label 'xyzzy' resembles no category, so all were searched"
+    assert result.note == "the word 'xyzzy' is not known: taken by picture and size alone"

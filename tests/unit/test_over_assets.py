@@ -9,7 +9,8 @@ from stages.config.tables import TablesConfig
 from stages.contracts.policies import Rollout, TaskAsset, TaskAssets
 from stages.tables import asset_panels, assets, table3
 from stages.tables.markup import Table, markdown
-from stages.tables.order import kind, set_key, task_key, title
+from stages.tables.methods import kind
+from stages.tables.order import set_key, task_key, title
 from stages.tables.policy_figures import figure4
 from stages.tables.policy_tables import assets_table, by_handle_table
 from stages.tables.roles import lists_table, roles_table
@@ -18,6 +19,7 @@ from tests.unit.tables_results import ABOUT, UNSEEN, over_assets, rollout
 
 PUBLISHED = Path(__file__).parents[2] / "report" / "published"
 OPTIONS = TablesConfig(bootstrap_samples=400)
+KINDS = {"door": "paper's network", "door_handle": "handle flagged"}
 
 
 def frame(rows: list[Rollout]) -> pd.DataFrame:
@@ -54,7 +56,7 @@ def test_every_kind_of_policy_is_compared_with_its_twin_and_with_the_papers_netw
 
 
 def test_table_of_assets(table: pd.DataFrame) -> None:
-    shown = assets_table(table.reset_index(), OPTIONS)
+    shown = assets_table(table.reset_index(), OPTIONS, KINDS, ["the mask of the target"])
     assert shown.columns[2:] == ["twin", "4 cousins"]
     assert {row[0] for row in texts(shown)} == {"Door opening, unseen assets"}
     assert [row[1:] for row in texts(shown)] == [
@@ -62,7 +64,7 @@ def test_table_of_assets(table: pd.DataFrame) -> None:
         ["handle flagged", "83 ± 0 %", "83 ± 0 %"],
         ["paper's network, minus the twin's", "", "+17 points"],
         ["handle flagged, minus the twin's", "", "0 points"],
-        ["handle flagged, minus the paper's network", "+33 points", "+17 points"],
+        ["handle flagged, minus paper's network", "+33 points", "+17 points"],
         ["scripted skill: 100 %", "", ""],
     ]
     assert shown.rows[0][0].endswith("\n24 assets of 12 families, 48 initial states")
@@ -99,20 +101,20 @@ def test_figure_4_has_a_point_per_asset_and_thirds_of_the_assets(rows: pd.DataFr
     assert [panel.get_xlabel() for panel in panels[:2]] == [
         "distance from the twin, 24 assets", "length of the handle (m), 24 assets",
     ]  # fmt: skip
-    assert len(panels) == 8 and panels[4].get_title(loc="left") == "Door opening, handle flagged"
+    assert len(panels) == 8 and panels[4].get_title(loc="left") == "Door opening, handle"
 
 
 def test_names_of_rows_and_sets() -> None:
     assert [title(name) for name in ("door_handle", "drawer_blind", "door_object", "my_door_handle")] == [
-        "Door opening, handle flagged", "Drawer opening, no cloud", "Door, whole object", "My door, handle flagged",
+        "Door opening, handle", "Drawer opening, blind", "Door, whole object", "my door handle",
     ]  # fmt: skip
     tasks = ["own", "drawer", "door_blind", "door", "door_handle"]
     assert sorted(tasks, key=task_key) == ["door", "door_handle", "door_blind", "drawer", "own"]
     sets = ["skill", "all", "random_8", "cousins_8", "twin_randomised", "twin"]
     assert sorted(sets, key=set_key) == ["twin", "twin_randomised", "cousins_8", "random_8", "all", "skill"]
     assert [title(name) for name in sets[2:5]] == ["8 random assets", "8 cousins", "twin, randomised"]
-    assert [kind(*names) for names in (("door", "door"), ("door_handle", "door"), ("door_object", "door"))] == [
-        "paper's network", "handle flagged", "Door, whole object",
+    assert [kind(name, KINDS) for name in ("door_handle", "door_handle/mine", "door_long")] == [
+        "handle flagged", "mine", "Door opening, long",
     ]  # fmt: skip
 
 

@@ -38,6 +38,7 @@ def study(tmp_path: Path) -> Path:
     (root / "study.yaml").write_text(STUDY)
     policies = [("twin", "lite", 0), ("twin", "lite", 3), ("cousins_4", "lite_slow", 0)]
     policies += [("twin", "old", 0), ("twin", "lite", 9), ("all", "lite", 0)]  # of another study: not asked for
+    policies += [("twin", "lite_slow", 0)]  # not chosen
     for name, run, seed in policies:
         same = {"training_set": name, "run": run, "seed": seed}
         rows = [
@@ -104,9 +105,9 @@ def test_how_far_the_study_has_come_is_told(study: Path, tmp_path: Path) -> None
     start = next(n for n, line in enumerate(lines) if "that are asked for" in line)
     assert lines[start + 2 : start + 9] == [
         "| Task | Condition | twin | 4 cousins | 8 cousins |", "|---|---|---|---|---|",
-        "| Door opening | usual | 2 of 4 | 1 of 4 | not run |",
-        "| Door opening, handle flagged | usual | not run | not run | not run |",
-        "| Door opening | mujoco | 1 of 4 | not run | not run |",
+        "| Door opening | usual | 2 of 2 | 1 of 4 | not run |",
+        "| Door opening, handle | usual | not run | not run | not run |",
+        "| Door opening | mujoco | 1 of 2 | not run | not run |",
         "", "Conditions that no policy has met: own size.",
     ]  # fmt: skip
     assert "**Success under other conditions" in "\n".join(lines)

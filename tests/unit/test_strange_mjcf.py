@@ -17,7 +17,6 @@ BOX = '<geom type="box" size=".1 .1 .1"/>'
         ("<region/>", "", "unrecognized element"),
         ('<joint name="j" axis="0 0 0"/>', "", "axis"),
         ("", '<asset><material name="m"/><material name="m"/></asset>', "repeated name 'm'"),
-        ("", '<asset><mesh file="gone.stl"/></asset>', "gone.stl"),
     ],
 )
 def test_what_mujoco_refuses_is_told_in_its_words(tmp_path: Path, inside: str, before: str, said: str) -> None:

@@ -152,7 +152,7 @@ def test_first_screen_shows_unseen_assets_and_the_roles_stand_below(made: Path, 
         "success over 24 unseen assets", 'class="chart"',
         "Door opening. On unseen assets, policies trained on 4 cousins do better than those trained on the twin: "
         "cannot be said (+17 points [",
-        "Door opening, handle flagged. On unseen assets,",
+        "Door opening, handle. On unseen assets,",
     ):  # fmt: skip
         assert words in first, words
     assert "success of the policies by test asset" not in first and "On the roles of Table 3" in below

@@ -158,14 +158,14 @@ def test_a_server_without_schemas_is_asked_otherwise(tmp_path: Path, kind: str |
     assert asked == [*tried[: tried.index(kind) + 1], kind]  # what it takes is remembered
 
 
-SOON = format_datetime(datetime.now(UTC) + timedelta(days=1), usegmt=True)
+SOON = format_datetime(datetime.now(UTC) + timedelta(minutes=50), usegmt=True)
 BUSY: dict[str, tuple[Step, Callable[[float], bool]]] = {
     "rate": (fails(429, "slow down", Retry_After="7"), lambda pause: pause == 7),
     "rate by date": (fails(429, Retry_After=SOON), lambda pause: pause == 60),
     "rate, no word": (fails(429), lambda pause: pause == 2),
     "odd word": (fails(429, Retry_After="soon"), lambda pause: pause == 2),
     "server error": (fails(500), lambda pause: pause == 2),
-    "overloaded": (fails(503, Retry_After="9999"), lambda pause: pause == 60),
+    "overloaded": (fails(503, Retry_After="3000"), lambda pause: pause == 60),
     "hangs up": (hangs_up, lambda pause: pause == 2),
     "no reply": (sleeps(1.0), lambda pause: pause == 2),
     "dripped status": (drips(b"HTTP/1.1 200 ", b"O"), lambda pause: pause == 2),

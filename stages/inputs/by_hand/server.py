@@ -1,6 +1,7 @@
 """The page's server: this machine alone, one secret address, a fixed list of names, no file paths from outside."""
 
 import json
+import re
 import secrets
 import sys
 from hmac import compare_digest
@@ -105,7 +106,9 @@ class Handler(BaseHTTPRequestHandler):
         if verb is None:
             return self._refuse(404, "no such page")
         length = self.headers.get("Content-Length", "")
-        if not length.isdigit() or int(length) > LARGEST:
+        if not re.fullmatch("[0-9]{1,18}", length):
+            return self._refuse(400, "the length of the drawing is no number")
+        if int(length) > LARGEST:
             return self._refuse(413, "the drawing is too large")
         if self.headers.get("Content-Type") != "application/json":
             return self._refuse(415, "not JSON")

@@ -35,3 +35,9 @@ def nearest_categories(label: str, categories: Sequence[str], count: int, text: 
     distances = np.round(text.distance(label, names), 6)
     order = np.argsort(distances, kind="stable")[:count]
     return [(names[index], float(distances[index])) for index in order if np.isfinite(distances[index])]
+
+
+def doubt_of(label: str, categories: Sequence[str], text: TextEncoder) -> str:
+    """What an encoder does not understand of a label, if it can tell (a method `doubt`); empty: nothing."""
+    tells = getattr(text, "doubt", None)
+    return str(tells(label, categories)) if tells else ""

@@ -1,6 +1,9 @@
 """Text encoder `lexical`: labels and categories compared by words, kinds of things and letters."""
 
+import re
 from collections.abc import Sequence
+from difflib import get_close_matches
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,24 +15,30 @@ from stages.procedural.catalogue import CATEGORIES
 # Words for the same thing that are no category of the library, or head several: each counts as the first of its line.
 # Single words, singular. Those of one category are in its record (stages/procedural/categories).
 SYNONYMS = """
-cabinet cupboard sideboard credenza
-dresser commode bureau
-lamp light lantern
-plant houseplant flower flowerpot planter
+cabinet cupboard sideboard credenza buffet hutch vanity
+drawer dresser commode bureau tallboy
+lamp light lantern sconce
+plant houseplant flower flowerpot planter cactus
 rug carpet mat
-stove cooker
+oven stove cooker range
+sofa sectional divan
+bed daybed futon
+stool pouf pouffe hassock barstool
+book magazine
+box suitcase trunk
+mug tumbler
 jug pitcher carafe
 """
 # Other words of the kinds of things: a label of no category finds its kin, not the first of the alphabet.
 KINDS = {
-    "storage": "cabinet dresser chest drawer locker",
-    "appliance": "stove washer dryer",
+    "storage": "cabinet chest drawer locker console",
+    "appliance": "washer dryer machine printer",
     "seat": "seat",
-    "table": "counter workbench",
+    "table": "counter countertop workbench island",
     "dish": "dish pot glass jug",
-    "flat": "board",
+    "flat": "board keyboard whiteboard blackboard tablet",
     "lamp": "lamp chandelier",
-    "box": "bag",
+    "box": "bag backpack radio stereo speaker",
     "plant": "plant pot tree",
     "bed": "crib mattress",
 }
@@ -46,7 +55,14 @@ for record in CATEGORIES.values():
             GROUPS.setdefault(kind, set()).add(head)
 LEAST = 0.03  # similarity below this is a few letters by chance
 KNOWN = set(CANONICAL).union(*GROUPS.values())
-SHARES = {"word": 0.6, "kind": 0.25, "letters": 0.15}  # of the similarity; letters: plurals, compounds, spelling
+CLOSE = 0.85  # likeness of spelling from which on a word may be a known one with a letter wrong
+FILLERS = {"set", "top", "unit", "piece", "furniture"}  # after the word that says what a thing is
+ASIDE = re.compile(r"[,(]| (?:with|on|in|under|and) ")  # what follows says more of a thing, not what it is
+SHARES = {
+    "word": 0.6,
+    "kind": 0.25,
+    "letters": 0.15,
+}  # of the similarity; letters tell among what has a word or kind in common
 
 
 def words(label: str) -> list[str]:
@@ -72,21 +88,52 @@ def _texts(tokens: list[str]) -> dict[str, str]:
     return {"word": " ".join(canonical + own), "kind": " ".join(kinds), "letters": " ".join(tokens)}
 
 
+class Heard(NamedTuple):
+    """The words of a label, the last one says what it is; none if that is not known. And what is to be doubted."""
+
+    words: list[str]
+    doubt: str
+
+
+def heard(label: str, categories: Sequence[str]) -> Heard:
+    """What is understood of a label, given the names of categories."""
+    named = [word for name in categories for word in words(name)]
+    known = KNOWN.union(named)
+    tokens = words(ASIDE.split(label)[0])
+    while len(tokens) > 1 and tokens[-1] in FILLERS - known:
+        tokens.pop()
+    if not tokens:
+        return Heard([], f"the label '{label}' is no word: taken by picture and size alone")
+    last = tokens[-1]
+    if last in known:
+        shared = {CANONICAL.get(word, word) for word in named}.union(map("".join, map(words, categories)))
+        if CANONICAL.get(last, last) in shared:
+            return Heard(tokens, "")
+        return Heard([last], f"no category is called '{last}': taken by its kind, picture and size")
+    if near := get_close_matches(last, sorted(known), n=1, cutoff=CLOSE):
+        return Heard([*tokens[:-1], near[0]], f"the word '{last}' is not known: taken for '{near[0]}'")
+    return Heard([], f"the word '{last}' is not known: taken by picture and size alone")
+
+
 def lexical_distance(label: str, categories: Sequence[str]) -> NDArray[np.float64]:
-    """1 - similarity (C,), in [0, 1), of the label to each category; inf: they have nothing in common."""
-    texts = [_texts(words(text)) for text in [label, *categories]]
-    similarity = np.zeros(len(categories))
-    for aspect, share in SHARES.items():
-        corpus = [text[aspect] for text in texts]
-        if not corpus[0] or not any(corpus[1:]):
-            continue
-        if aspect == "letters":
-            vectorizer = TfidfVectorizer(analyzer="char_wb", ngram_range=(3, 4))
-        else:
-            vectorizer = TfidfVectorizer(token_pattern=r"\S+")
-        vectors = vectorizer.fit_transform(corpus)
-        similarity += share * (vectors[1:] @ vectors[0].T).toarray()[:, 0]
-    return np.where(similarity > LEAST, np.maximum(1 - similarity, 0.0), np.inf)
+    """1 - similarity (C,), in [0, 1), of the label to each category; inf: they have nothing in common.
+
+    Letters alone are nothing in common: a keyboard is no sideboard.
+    """
+    texts = [_texts(tokens) for tokens in (heard(label, categories).words, *map(words, categories))]
+    shares = {aspect: _similarity([text[aspect] for text in texts], aspect == "letters") for aspect in SHARES}
+    similarity = np.sum([share * shares[aspect] for aspect, share in SHARES.items()], axis=0)
+    meant = (shares["word"] + shares["kind"]).any()
+    return np.where(meant & (similarity > LEAST), np.maximum(1 - similarity, 0.0), np.inf)
+
+
+def _similarity(corpus: list[str], letters: bool) -> NDArray[np.float64]:
+    """Cosine (C,) of the first of the texts with each of the others."""
+    if not corpus[0] or not any(corpus[1:]):
+        return np.zeros(len(corpus) - 1)
+    how: dict[str, Any] = {"analyzer": "char_wb", "ngram_range": (3, 4)} if letters else {"token_pattern": r"\S+"}
+    vectors = TfidfVectorizer(**how).fit_transform(corpus)
+    return np.asarray((vectors[1:] @ vectors[0].T).toarray()[:, 0])
 
 
 class TextEncoder:
@@ -98,3 +145,7 @@ class TextEncoder:
     def distance(self, label: str, categories: Sequence[str]) -> NDArray[np.float64]:
         """See `lexical_distance`."""
         return lexical_distance(label, categories)
+
+    def doubt(self, label: str, categories: Sequence[str]) -> str:
+        """What is not understood of a label; empty: nothing."""
+        return heard(label, categories).doubt

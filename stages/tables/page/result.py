@@ -6,7 +6,8 @@ from typing import Any
 import pandas as pd
 from markupsafe import Markup
 
-from stages.tables.order import SKILL, kind, set_key, task_key, title
+from stages.tables.methods import Kinds, kind
+from stages.tables.order import SKILL, set_key, task_key, title
 from stages.tables.page.charts import success_chart
 from stages.tables.policy_tables import claim_sentence, evidence, too_few_runs
 from stages.tables.rows import records
@@ -36,7 +37,7 @@ def verdicts(claims: pd.DataFrame | None, tasks: pd.Series) -> list[str]:
     return [f"{title(row['task'])}. {claim_sentence(row)}: {_said(row)} ({evidence(row)})." for row in rows]
 
 
-def over_assets(table: pd.DataFrame | None, claims: pd.DataFrame | None) -> list[Result]:
+def over_assets(table: pd.DataFrame | None, claims: pd.DataFrame | None, kinds: Kinds) -> list[Result]:
     """One for every group of rows with unseen assets, over its first set; `table` as `assets.build` gives."""
     found = []
     for group in table["assets_of"].unique() if table is not None else ():
@@ -47,7 +48,7 @@ def over_assets(table: pd.DataFrame | None, claims: pd.DataFrame | None) -> list
         split = policies["test_asset"].iloc[0]
         policies = policies[policies["test_asset"] == split]
         skill = mine[(mine["training_set"] == SKILL) & (mine["test_asset"] == split)]["mean"]
-        rows = {task: kind(task, group) for task in policies["task"].unique()}
+        rows = {task: kind(task, kinds) for task in policies["task"].unique()}
         about = f"success over {policies['assets'].iloc[0]} {title(split)} of families that no policy was trained on"
         label = f"{title(group)}: {about}, by kind of policy and training set; the numbers are in the table of assets"
         chart = success_chart(policies, label, rows, "task", float(skill.iloc[0]) if len(skill) else None)

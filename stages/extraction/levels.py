@@ -1,0 +1,94 @@
+"""The level on which things stand on an object: what most of its upper surface says, whatever else stands there."""
+
+import re
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d
+
+from stages.geometry.boxes import UprightBox
+from stages.geometry.estimate import BIN, PROMINENT
+from stages.geometry.frames import yaw_matrix
+
+LEVEL_BLUR = 0.003  # share of the distance: noise of heights, seen from little above
+CELLS = 16  # of a ground plan along either side
+HIGHEST = 3  # of the points over a cell that counts: noise is higher
+STRAY = 0.02  # share of an object's points that say nothing
+MOST = 0.5  # of the upper surface, from which on a level carries that is not known to be a top
+# Last words of what is closed and ends in a level top, so that what is higher stands on it: no seat, shelf or bowl.
+TOPPED = """
+table desk counter countertop worktop workbench workstation island bar nightstand sideboard credenza buffet console
+cabinet cupboard drawer dresser commode bureau chest stand unit wardrobe closet armoire trunk vanity
+dishwasher oven stove cooker microwave fridge refrigerator freezer washer dryer machine
+"""
+OPEN = "shelf shelve shelving bookshelf bookshelve bookcase rack"  # boards one above the other
+SEAT = "chair armchair stool sofa couch settee loveseat bench bed ottoman seat"  # stand on the floor
+
+
+class Level(NamedTuple):
+    """A height, metres, and the share of an object's upper surface that lies there."""
+
+    height: float
+    share: float
+
+
+def level_of(points: NDArray[np.float64], box: UprightBox, distance: float) -> Level | None:
+    """The height at which most of an object's upper surface lies, or most of its front ends, of its points (N, 3).
+
+    Clutter, a back or a tap are higher, but less of it. None for a front alone that nothing is above, and for a foot:
+    part of what it stands on.
+
+    Args:
+        box: of the points. distance: of the camera, metres.
+    """
+    heights = points[:, 2]
+    low, high = float(heights.min()), float(heights.max())
+    bins = int((high - low) / BIN)
+    if bins < 3:
+        return None
+    blur = max(2.0, LEVEL_BLUR * distance / BIN)
+    thick = 2 * blur * BIN
+    upper = heights[is_uppermost(points, box, thick)]
+    everywhere, above = (
+        gaussian_filter1d(np.histogram(values, bins, (low, high))[0].astype(float), blur, mode="constant")
+        for values in (heights, upper)
+    )
+    peak = int(np.argmax(above))
+    height = low + (peak + 0.5) * (high - low) / bins
+    higher = float((heights > height + thick).mean())
+    is_front = everywhere[peak] < PROMINENT * len(heights) / bins and higher < STRAY
+    is_foot = height < np.quantile(heights, STRAY) + thick and higher > MOST
+    return None if is_front or is_foot else Level(height, float((np.abs(upper - height) < thick).mean()))
+
+
+def is_uppermost(points: NDArray[np.float64], box: UprightBox, thick: float) -> NDArray[np.bool_]:
+    """Which points (N, 3) are the highest over their cell of an object's ground plan, or so many metres below that."""
+    inside = (points - box.center) @ yaw_matrix(box.yaw)[:, :2] / np.maximum(box.size[:2], 1e-6) + 0.5
+    row, column = np.clip((inside * CELLS).astype(int), 0, CELLS - 1).T
+    _, cells, counts = np.unique(row * CELLS + column, return_inverse=True, return_counts=True)
+    heights = points[np.lexsort((points[:, 2], cells)), 2]
+    ends = heights[np.cumsum(counts) - np.minimum(counts, HIGHEST)]
+    return np.asarray(points[:, 2] > ends[cells] - thick)
+
+
+def is_topped(label: str) -> bool:
+    """Whether things of this name are closed and end in a level top."""
+    return _last_word(label) in TOPPED.split()
+
+
+def is_seat(label: str) -> bool:
+    """Whether people sit or lie on things of this name, and they stand on the floor."""
+    return _last_word(label) in SEAT.split()
+
+
+def carrying_height(label: str, level: Level | None, top: float) -> float:
+    """Height at which a thing of this name, whose box ends at `top`, carries others: a chair at its seat."""
+    if level is None or _last_word(label) in OPEN.split() or not (is_topped(label) or level.share >= MOST):
+        return top
+    return min(level.height, top)
+
+
+def _last_word(label: str) -> str:
+    words = re.findall(r"[a-z]+", label.lower())
+    return words[-1].removesuffix("s") if words else ""

@@ -1,0 +1,60 @@
+"""What tables of policies say below: what is pooled, and what policies are given that a real robot would not have."""
+
+from stages.config.tables import PolicyTables
+from stages.tables.methods import kinds_of
+from stages.tables.order import title
+
+SIMULATORS = {"maniskill": "ManiSkill", "mujoco": "MuJoCo"}
+UNKNOWN = (
+    "Policies are given the mask of the target. What else a real robot would not have (exact depth, camera poses and "
+    "starts) is as the options of their rollouts say."
+)
+
+
+def policy_notes(options: PolicyTables) -> list[str]:
+    """The notes of a run."""
+    return [*_pooled(options), _privileged(options)]
+
+
+def _pooled(options: PolicyTables) -> list[str]:
+    """Rows that hold more than one hyper-parameter set."""
+    kinds = kinds_of(options)
+    found = [f"{title(name)}: {kinds[name]}" for name, row in options.rows.items() if row.best and row.best > 1]
+    if not found:
+        return []
+    return [
+        "Runs are training seeds of one method. Where more hyper-parameter sets were tried, those that did best in "
+        f"trials on the twin, by training set, are pooled, as in the paper ({'; '.join(found)})."
+    ]
+
+
+def _privileged(options: PolicyTables) -> str:
+    """What policies are given, as far as the run's options are known."""
+    met = options.met
+    if met is None:
+        return UNKNOWN
+    clean, camera = not met.depth_noise, not any(met.camera_error)
+    given = ["the mask of the target", *["depth without noise"] * clean, *["exact camera poses"] * camera]
+    listed = " and ".join(filter(None, [", ".join(given[:-1]), given[-1]]))
+    text = f"Policies are given what a real robot would not have: {listed}, and they start within {_start(options)}."
+    if not clean:
+        text += " Depth has the noise of a depth camera."
+    if not camera:
+        metres, degrees = met.camera_error
+        text += f" The camera is {_cm(metres)} cm and {degrees:g} degrees elsewhere than they are told."
+    if met.simulator == "maniskill":
+        return f"{text} Demonstrations and tests share the simulator."
+    return f"{text} Demonstrations are made in ManiSkill, tests in {SIMULATORS[met.simulator]}."
+
+
+def _start(options: PolicyTables) -> str:
+    """How far off its place the robot stands."""
+    place = "of their place before the true handle"
+    if options.met and options.met.parking:
+        metres, degrees = options.met.parking
+        return f"{_cm(metres)} cm and {degrees:g} degrees {place}"
+    return " or ".join(f"{_cm(along)} and {_cm(up)} cm" for along, up in options.starts) + f" {place}"
+
+
+def _cm(metres: float) -> str:
+    return f"{100 * metres:g}"

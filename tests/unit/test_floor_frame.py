@@ -1,0 +1,88 @@
+"""The floor frame of a picture against the floor that is seen; heights at which nobody holds a camera; noise."""
+
+import numpy as np
+import pytest
+
+from stages.config.extraction import ExtractionConfig
+from stages.contracts import Annotations
+from stages.contracts.doubts import height_doubt
+from stages.contracts.scenes import Annotation
+from stages.extraction.observation import AnnotatedImage
+from stages.extraction.reconstruct import ExtractedScene, reconstruct
+from stages.geometry.boxes import UprightBox
+from stages.geometry.frames import rigid
+from tests.refusals import refused
+from tests.unit.synthetic_room import FLOOR, HEIGHT, INTRINSICS, OBJECT, WALL, WIDTH, WORLD_FROM_CAMERA, trace
+
+BOX = UprightBox([2.5, 0.0, 0.3], [0.5, 0.6, 0.6], 0.0)
+UPSIDE_DOWN = np.diag([1.0, -1.0, -1.0])
+
+
+def extracted(frame: np.ndarray | None, depth: np.ndarray | None = None, floor: bool = True) -> ExtractedScene:
+    seen, masks = trace([BOX])
+    told = Annotations(
+        objects=[Annotation(mask=OBJECT, label="box")], floor=FLOOR if floor else None, walls=[WALL] if floor else []
+    )
+    rgb = np.zeros((HEIGHT, WIDTH, 3), np.uint8)
+    image = AnnotatedImage(rgb, seen if depth is None else depth, masks, INTRINSICS, told, floor_from_camera=frame)
+    return reconstruct("room", image, ExtractionConfig(), np.random.default_rng(0))
+
+
+def turned(rotation: np.ndarray, height: float = 1.6) -> np.ndarray:
+    return rigid(rotation @ WORLD_FROM_CAMERA[:3, :3], [0, 0, height])
+
+
+def about_y(degrees: float) -> np.ndarray:
+    c, s = np.cos(np.deg2rad(degrees)), np.sin(np.deg2rad(degrees))
+    return np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
+
+
+def test_a_frame_that_is_right_is_taken(capsys: pytest.CaptureFixture[str]) -> None:
+    found = extracted(turned(about_y(1.0), 1.63)).objects
+    assert found.floor_from_camera[2][3] == 1.63 and capsys.readouterr().out == ""
+
+
+@pytest.mark.parametrize(
+    ("frame", "word"),
+    [
+        (turned(UPSIDE_DOWN), "upside down"),
+        (turned(about_y(40.0)), "turned by 40 degrees"),  # it looks up
+        (turned(np.eye(3), 1.0), "1.00 m above the floor, depth of the floor's pixels 1.60 m"),
+    ],
+)
+def test_a_frame_that_is_not_that_of_the_floor_is_refused(frame: np.ndarray, word: str) -> None:
+    with refused("E-FLOOR-FRAME", word):
+        extracted(frame)
+
+
+@pytest.mark.parametrize("floor", [True, False])
+def test_noise_is_no_depth(floor: bool) -> None:
+    rng = np.random.default_rng(0)
+    with refused("E-DEPTH-NOISE", "noise"):
+        extracted(None, rng.uniform(0.5, 8.0, (HEIGHT, WIDTH)).astype(np.float32), floor)
+
+
+def test_a_floor_above_the_camera_is_none() -> None:
+    """A ceiling that was painted as the floor: every level plane is above the camera."""
+    v = np.arange(HEIGHT)[:, None] - (HEIGHT - 1) / 2
+    ceiling = np.where(v < -1, INTRINSICS[0, 0] / -np.minimum(v, -1), 0.0) * np.ones((1, WIDTH))
+    with refused("E-FLOOR-MISSING"):
+        extracted(None, np.where(ceiling < 15, ceiling, 0).astype(np.float32))
+
+
+@pytest.mark.parametrize(
+    ("height", "words"),
+    [
+        (1.6, []), (0.4, []), (5.74, ["5.74 m", "feet (1.75 m)"]), (3.57, ["half the picture's size (1.78 m)"]),
+        (0.09, ["0.90 m", "8 bits"]), (40.0, ["40.00 m"]),
+    ],
+)  # fmt: skip
+def test_a_height_at_which_nobody_holds_a_camera_is_doubted(height: float, words: list[str]) -> None:
+    doubt = height_doubt(height)
+    assert bool(doubt) == bool(words) and all(word in doubt for word in words)
+
+
+def test_feet_are_doubted(capsys: pytest.CaptureFixture[str]) -> None:
+    depth = trace([BOX])[0] / 0.3048
+    extracted(None, depth.astype(np.float32))
+    assert "depth in feet (1.60 m)" in capsys.readouterr().out

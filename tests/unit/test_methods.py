@@ -1,0 +1,262 @@
+"""Two methods are never averaged, and never judged as runs of one: in every table, page and figure."""
+
+import re
+from collections.abc import Iterator
+from io import StringIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+from matplotlib.figure import Figure
+
+from stages.config.model import Config, load, merged
+from stages.config.policy_rows import policy_tables
+from stages.config.tables import PolicyRow, PolicyTables, TablesConfig
+from stages.contracts.policies import Rollout
+from stages.tables import assets, claims, conditions, policies, report, results
+from stages.tables.methods import by_method, kinds_of, methods
+from stages.tables.order import title
+from stages.tables.policy_notes import policy_notes
+from stages.tables.pooling import pooled, pools
+from stages.tables.rows import published_runs
+from tests.refusals import refused
+from tests.unit.tables_results import declared, rollout, write_rows, write_run
+
+ROOT = Path(__file__).parents[2]
+PUBLISHED = ROOT / "report" / "published"
+OPTIONS = TablesConfig(bootstrap_samples=100)
+SHORT = '{"bootstrap_samples": 100}'
+OPENED = {"lite": (16, 11), "mine": (7, 4)}  # of 16 on the twin, of 16 unseen assets
+MIXED = {23 / 32, 15 / 32}
+IN_WORDS = re.compile(r"23/32|15/32|\b(72|47)( ±[^%]*)? (\\?)%|71\.9|46\.9")
+CONFIG = """
+experiment:
+  tasks: {door: {scene: room_1, object: cabinet_1}, drawer: null}
+  rooms: [room_1]
+  runs: [lite, mine]
+training: {runs: {lite: {}, mine: {network: {pointnet_width: 32}}}}
+evaluation: {conditions: {noisy: {depth_noise: true}}}
+tables: {bootstrap_samples: 100}
+"""
+
+
+def rolled(name: str, run: str, **changes: Any) -> list[Rollout]:
+    """A policy on the twin, and on unseen assets."""
+    twin, unseen = OPENED[run]
+    of = {"training_set": name, "run": run} | changes
+    on_assets = [
+        rollout(n, n < unseen, test_asset="test", asset=f"a_{n}", dino_distance=1.0 + n, **of) for n in range(16)
+    ]
+    return [*(rollout(n, n < twin, **of) for n in range(16)), *on_assets]
+
+
+def frame(rows: list[Rollout]) -> pd.DataFrame:
+    return pd.DataFrame([row.model_dump() for row in rows])
+
+
+def both(**changes: Any) -> list[Rollout]:
+    return [row for name in ("twin", "cousins_4") for run in OPENED for row in rolled(name, run, **changes)]
+
+
+@pytest.fixture
+def drawn(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[float]]:
+    """Every number and text that a figure shows, of all figures that are saved meanwhile."""
+    found: list[Any] = []
+    save = Figure.savefig
+
+    def savefig(figure: Figure, *args: Any, **flags: Any) -> None:
+        for axes in figure.axes:
+            found.extend(value for line in axes.lines for value in np.ravel(line.get_data()))
+            found.extend(value for dots in axes.collections for value in np.ravel(dots.get_offsets()))
+            found.extend(text.get_text() for text in axes.texts)
+        save(figure, *args, **flags)
+
+    monkeypatch.setattr(Figure, "savefig", savefig)
+    yield found
+
+
+def assert_unmixed(folder: Path, drawn: list[Any]) -> None:
+    """No file below a folder, and no figure, holds the mean of both methods."""
+    files = [path for path in folder.rglob("*") if path.suffix in (".csv", ".html", ".tex", ".md")]
+    assert files
+    for path in files:
+        text = re.sub(r"base64,[\w+/=]*|paper \d+ ± \d+ ", "", path.read_text())
+        assert not IN_WORDS.search(text), (path, IN_WORDS.search(text))
+        if path.suffix == ".csv":
+            numbers = pd.read_csv(StringIO(text)).select_dtypes("number").to_numpy().ravel()
+            assert not any(np.isclose(numbers, mean).any() for mean in MIXED), path
+    numbers = np.array([value for value in drawn if not isinstance(value, str)], float)
+    assert len(numbers) and not any(np.isclose(numbers, 100 * mean).any() for mean in MIXED)
+    assert not any(IN_WORDS.search(value) for value in drawn if isinstance(value, str))
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_no_table_page_or_figure_of_a_run_mixes_two_methods(tmp_path: Path, drawn: list[Any], known: bool) -> None:
+    root = write_run(tmp_path / "run")
+    out, rows = root / "results/tables", write_rows(tmp_path / "rollouts.csv", list(both()))
+    options = policy_tables(load(yaml.safe_load(CONFIG))).model_dump_json() if known else SHORT
+    policies.run(out=out, figures=root / "results/figures", rollouts=(rows,), published=PUBLISHED, options=options)
+    there = write_rows(tmp_path / "conditions/noisy/door/rollouts.csv", list(both()))
+    conditions.run(out=out, rollouts=(rows,), elsewhere=(there,), names=("noisy",), options=SHORT)
+    if known:
+        report.run(out=root / "results/report/index.html", published=PUBLISHED, options=options, **declared(root))  # type: ignore[arg-type]
+    assert_unmixed(root / "results", drawn)
+    found = pd.read_csv(out / "assets.csv").set_index(["task", "training_set"])
+    assert found["mean"].to_dict() == {
+        ("door", "twin"): 11 / 16, ("door", "cousins_4"): 11 / 16,
+        ("door/mine", "twin"): 4 / 16, ("door/mine", "cousins_4"): 4 / 16,
+    }  # fmt: skip
+    assert set(found["runs"]) == {1} and set(found["assets_of"]) == {"door"}
+    assert found.loc["door/mine", "network_difference"].tolist() == [-7 / 16, -7 / 16]  # the second minus the first
+    for name in ("table3", "table3_cells", "table3_claims", "table3_stability", "assets_by_handle", "conditions"):
+        assert set(pd.read_csv(out / f"{name}.csv")["task"]) >= {"door", "door/mine"}, name
+    assert not known or {"16/16", "7/16"} <= set(drawn)  # the page's charts
+
+
+def test_no_file_of_a_study_mixes_two_methods(tmp_path: Path, drawn: list[Any]) -> None:
+    (tmp_path / "study.yaml").write_text(CONFIG)
+    for folder in ("policies/door", "conditions/noisy/door"):
+        for name in ("twin", "cousins_4"):
+            for run in OPENED:
+                path = tmp_path / f"results/evaluation/{folder}/{name}/{run}/seed_0/rollouts.csv"
+                write_rows(path, list(rolled(name, run)))
+    results.run(
+        out=tmp_path / "out", configs=(ROOT / "config.yaml", tmp_path / "study.yaml"), published=PUBLISHED,
+        results=tmp_path / "results", benchmarks=tmp_path / "benchmarks", machine="a test",
+    )  # fmt: skip
+    assert_unmixed(tmp_path / "out", drawn)
+    text = (tmp_path / "out/table3.md").read_text()
+    for words in (
+        "| Door opening, mine | usual | 1 of 1 | 1 of 1 |",
+        "paper's kind of network (mine), minus paper's kind of network (lite)",
+    ):
+        assert words in text, words
+
+
+def test_two_methods_are_not_the_two_runs_that_a_claim_needs() -> None:
+    """One seed of each: opened by all policies of the cousins, by none of the twin."""
+    rows = [
+        rollout(n, name == "cousins_4", training_set=name, run=run, test_asset="test", asset=f"a_{n}")
+        for name in ("twin", "cousins_4") for run in OPENED for n in range(40)
+    ]  # fmt: skip
+    for known in ({}, {"door": PolicyRow(runs=["lite", "mine"], best=2)}):  # also where trials chose both
+        table = claims.answer(by_method(frame(rows), known), published_runs(PUBLISHED), OPTIONS)
+        assert set(table["verdict"]) == {"cannot be said"} and set(table["runs"]) == {1}, known
+    again = [*rows, *(row.model_copy(update={"seed": 1}) for row in rows)]
+    table = claims.answer(by_method(frame(again), {}), published_runs(PUBLISHED), OPTIONS).set_index(["task", "claim"])
+    assert table.loc[("door", "unseen"), "verdict"] == table.loc[("door/mine", "unseen"), "verdict"] == "holds"
+    lacking = frame([row for row in again if (row.run, row.seed, row.training_set) != ("mine", 1, "twin")])
+    table = claims.answer(by_method(lacking, {}), published_runs(PUBLISHED), OPTIONS).set_index(["task", "claim"])
+    assert table.loc[("door", "unseen"), "verdict"] == "holds"
+    assert table.loc[("door/mine", "unseen"), ["verdict", "runs", "baseline_runs"]].tolist() == ["cannot be said", 2, 1]
+
+
+def test_sets_that_trials_chose_are_pooled_and_said_to_be(tmp_path: Path) -> None:
+    row = PolicyRow(runs=["lite", "mine", "third"], best=2)
+    assert set(by_method(frame(both()), {"door": row})["task"]) == {"door"}
+    more = frame([*both(), *(row.model_copy(update={"run": "third"}) for row in rolled("twin", "mine"))])
+    assert set(by_method(more, {"door": row})["task"]) == {"door", "door/mine", "door/third"}  # not all were chosen
+    options = PolicyTables(bootstrap_samples=100, rows={"door": row}, kinds={"lite": "my network"})
+    rows = write_rows(tmp_path / "rollouts.csv", list(both()))
+    policies.run(out=tmp_path, rollouts=(rows,), published=PUBLISHED, options=options.model_dump_json())
+    told = "Door opening: my network (best 2 of lite, mine, third)"
+    for name in ("assets.html", "table3.html", "table3.tex"):
+        assert told in (tmp_path / name).read_text(), name
+    assert pd.read_csv(tmp_path / "assets.csv")["mean"].tolist() == [15 / 32, 15 / 32]
+
+
+def test_of_the_first_set_the_row_is_though_another_came_first() -> None:
+    rows = frame([row for row in both() if row.run == "mine"])
+    known = {"door": PolicyRow(runs=["lite", "mine"])}
+    assert set(by_method(rows, known)["task"]) == {"door/mine"} and methods(known) == {
+        "door": ["lite"], "door/mine": ["mine"],
+    }  # fmt: skip
+
+
+def config_of(text: str) -> Config:
+    return load(merged(yaml.safe_load((ROOT / "config.yaml").read_text()), yaml.safe_load(text)))
+
+
+def test_trials_choose_among_policies_of_one_kind() -> None:
+    text = "{training: {runs: {wide: {network: {pointnet_width: 128}}}}, experiment: {best_runs: 1, runs: [lite, %s]}}"
+    assert policy_tables(config_of(text % "wide")).rows["door"] == PolicyRow(runs=["lite", "wide"], best=1)
+    with refused("E-CONFIG-CLASH", "experiment.runs: lite and lite_handle are other kinds of policies"):
+        config_of(text % "lite_handle")
+    mended = config_of((text % "lite_handle").replace("best_runs: 1", "best_runs: 2"))
+    assert methods(policy_tables(mended).rows)["door/lite_handle"] == ["lite_handle"]
+
+
+def test_what_policies_are_is_told_by_the_config_and_by_no_name() -> None:
+    config = config_of("""
+    plugins: [plugins.diffusion]
+    experiment:
+      tasks:
+        fridge_handle: {task: door, scene: room_3, object: hanging_cabinet_1}
+        door_long: {assets_of: door, runs: [long, blind]}
+        door: {runs: [diffusion]}
+    training:
+      runs: {long: {rnn_horizon: 16}, blind: {network: {cloud: false}}, diffusion: {policy: diffusion}}
+    """)
+    assert kinds_of(policy_tables(config)) == {
+        "door": "diffusion", "door_handle": "handle flagged (lite_handle)",
+        "fridge_handle": "paper's kind of network (lite)",
+        "door_long": "paper's kind of network (long)", "door_long/blind": "no cloud (blind)",
+    }  # fmt: skip
+    assert [title(name) for name in ("fridge_handle", "door_long/blind")] == [
+        "fridge handle",
+        "Door opening, long, blind",
+    ]
+
+
+def test_rooms_are_pooled_for_one_method_alone() -> None:
+    rooms = {"door_a": ("room_1", "cabinet_1"), "door_b": ("room_2", "sideboard_1")}
+    tasks: dict[str, Any] = {row: {"task": "door", "scene": s, "object": o} for row, (s, o) in rooms.items()}
+    runs = {"mine": {"rnn_horizon": 16}}
+    given = {"experiment": {"tasks": tasks, "runs": ["lite", "mine"]}, "training": {"runs": {"lite": {}} | runs}}
+    names = pools(load(given))
+    assert names == {"door_a": "door", "door_a/mine": "door/mine", "door_b": "door", "door_b/mine": "door/mine"}
+    rows = frame([row for room in rooms for row in both(task=room, assets_of=room)])
+    found = pooled(by_method(rows, policy_tables(load(given)).rows), load(given))
+    assert assets.build(found, OPTIONS).set_index(["task", "training_set"])["mean"].to_dict() == {
+        (task, name): rate
+        for task, rate in (("door", 11 / 16), ("door/mine", 4 / 16))
+        for name in ("twin", "cousins_4")
+    }
+    tasks["door_b"]["runs"] = ["mine"]  # a room of another method
+    alone = pools(load(given))
+    assert alone["door_a"] == "door_a" and alone["door_a/mine"] == alone["door_b"]
+    tasks["door_b"] |= {"runs": ["lite", "mine"], "options": {"max_steps": 60}}  # another test
+    assert set(pools(load(given)).values()) == {"door_a", "door_a/mine", "door_b", "door_b/mine"}
+
+
+def test_what_policies_are_given_is_as_the_options_say() -> None:
+    usual = (
+        "Policies are given what a real robot would not have: the mask of the target, depth without noise and exact "
+        "camera poses, and they start within 3 and 7 cm of their place before the true handle. Demonstrations and "
+        "tests share the simulator."
+    )
+    assert policy_notes(policy_tables(Config())) == [usual]
+    noisy = "{evaluation: {depth_noise: true, camera_error: [0.01, 2.0], parking: [0.15, 20.0], simulator: mujoco}}"
+    (note,) = policy_notes(policy_tables(config_of(noisy)))
+    assert "depth without noise" not in note and "exact camera poses" not in note and "share" not in note
+    for words in (
+        "the mask of the target, and they start within 15 cm and 20 degrees", "has the noise of a depth camera",
+        "1 cm and 2 degrees elsewhere", "tests in MuJoCo",
+    ):  # fmt: skip
+        assert words in note, words
+    (one,) = policy_notes(policy_tables(config_of("{evaluation: {depth_noise: true}, task: {base_xy: 0.1}}")))
+    assert "the mask of the target and exact camera poses, and they start within 10 and 7 cm" in one
+    (unknown,) = policy_notes(PolicyTables())
+    assert "without noise" not in unknown and "as the options of their rollouts say" in unknown
+
+
+def test_the_swap_and_the_page_compare_two_policies_as_two() -> None:
+    page = (ROOT / "docs/extending.md").read_text()
+    (mine,) = re.findall(r"```yaml\n# mine.yaml\n(.*?)```", page, re.DOTALL)
+    for text in (mine, (ROOT / "config/swaps/diffusion.yaml").read_text()):
+        rows = policy_tables(config_of(text)).rows
+        assert methods(rows) == {"door": ["lite"], "door/diffusion": ["diffusion"], "door_handle": ["lite_handle"]}
+        assert not any(row.best for row in rows.values())
