@@ -179,9 +179,9 @@ def test_a_front_is_shown_straight_on_before_and_after_a_run(session: Correcting
         ran.front({**drawing, "mask": 77})
 
 
-@pytest.mark.parametrize(("bottom", "height"), [(0.25, 0.75), (0.9, 0.5)])
+@pytest.mark.parametrize(("bottom", "height"), [(0.25, 0.75), (0.9, 0.5), (-0.05, 0.45)])
 def test_what_is_said_to_stand_on_the_floor_reaches_it_or_is_put_there(bottom: float, height: float) -> None:
-    """A sofa whose mask is short at its foot; a thing that is seen far above."""
+    """A sofa whose mask is short at its foot; a thing that is seen far above; one that noise puts into the floor."""
     box = Box(center=(3.0, 0.0, bottom + 0.25), size=(0.5, 0.6, 0.5), yaw=0.0)
     item = SceneObject(id="box_1", label="box", mask=1, box=box, mounting=Mounting(type=1, walls=["wall_1"]))
     wall = Wall(id="wall_1", normal=(-1, 0, 0), offset=-3.3, points=9)

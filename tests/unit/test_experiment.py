@@ -310,6 +310,9 @@ def test_distances_of_another_object_are_refused(world: World, experiment: dict[
     write_json(tmp_path / "d.json", table.model_copy(update={"distances": {}}))
     with refused("E-DISTANCES-STALE", "has no distances from cabinet_00, the twin"):
         select(**experiment | {"distances": tmp_path / "d.json"}, object="cabinet_1", count=3, out=tmp_path / "t.json")
+    write_json(tmp_path / "d.json", table.model_copy(update={"encoder": "dinov2"}))
+    with refused("E-DISTANCES-STALE", "is of 'cabinet_1' in test by dinov2"):
+        select(**experiment | {"distances": tmp_path / "d.json"}, object="cabinet_1", count=3, out=tmp_path / "t.json")
     assert not (tmp_path / "task.json").exists()
 
 

@@ -216,3 +216,14 @@ def test_a_rug_does_not_stand_on_the_crate_that_stands_on_it() -> None:
     crate, rug = UprightBox([0.0, 0.0, 0.05], [0.5, 0.5, 0.1], 0.0), UprightBox([0.0, 0.0, 0.01], [0.6, 0.6, 0.02], 0.0)
     assert carrier_beneath(rug, {"crate": crate}, 0.06) == (0.0, "floor")
     assert carrier_beneath(crate, {"rug": rug}, 0.06) == (rug.top, "rug")
+
+
+@pytest.mark.parametrize("names", [("wall_1", "wall_2"), ("wall_2", "wall_1")])
+def test_in_a_corner_a_thing_leans_on_the_wall_that_its_wider_side_is_at(names: tuple[str, str]) -> None:
+    """A shelf 1.2 m wide and 0.3 m deep, its rear at x = 4 and its side at y = 2."""
+    rear = Wall(id=names[0], normal=(-1, 0, 0), offset=-4.0, points=100)
+    side = Wall(id=names[1], normal=(0, -1, 0), offset=-2.0, points=100)
+    empty = DepthView(np.full((9, 9), 9.0, np.float32), np.diag([9.0, 9.0, 1.0]), np.eye(4), USUAL_ERROR)
+    box, own = UprightBox([3.84, 1.39, 0.5], [0.3, 1.2, 1.0], 0.0), np.zeros((9, 9), bool)
+    for walls in ([rear, side], [side, rear]):
+        assert walls_touched(box, [], walls, empty, own, ExtractionConfig()) == [rear, side]

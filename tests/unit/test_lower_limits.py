@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
+import trimesh
 
 from stages.articulated.asset_folder import Description, read_model, write_asset
 from stages.contracts.task_options import TaskConfig
@@ -13,7 +14,9 @@ from stages.evaluation.mujoco_env import MujocoTaskEnv
 from stages.evaluation.mujoco_world import MODEL
 from stages.geometry.frames import inverse, rigid
 from stages.planning.path import handle_path
+from stages.simulation.target import Target
 from stages.tasks.api import TaskEnv
+from stages.tasks.base_placement import success_opening
 from tests.unit.demo_assets import cabinet
 
 SHIFT = {"door": 0.4, "drawer": -0.25}  # what is added to both limits: radians, metres
@@ -100,3 +103,11 @@ def test_openings_are_the_same_in_mujoco(tmp_path: Path) -> None:
         task.act(np.array([0, 0, 0, 0, 0, 0, 1], np.float32))
         assert task.opened == pytest.approx(opened, abs=0.02)
     task.close()
+
+
+@pytest.mark.parametrize(("revolute", "span", "opened"), [(True, np.pi, 1 / 3), (True, 1.0, 0.5), (False, 0.1, 0.5)])
+def test_what_moves_little_is_open_at_half_of_its_range(revolute: bool, span: float, opened: float) -> None:
+    """A drawer of 10 cm is never open by the 15 cm that count for a deep one."""
+    empty = trimesh.Trimesh()
+    target = Target(0, revolute, np.array([1.0, 0, 0]), np.zeros(3), 0.4, 0.4 + span, empty, empty, None)
+    assert success_opening(target, TaskConfig()) == pytest.approx(opened)

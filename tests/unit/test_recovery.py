@@ -8,6 +8,7 @@ from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
 from stages.demonstrations.recovery import sample_disturbance
 from stages.skills import FAR
+from stages.skills.motion import CLOSED
 from stages.skills.open import OpenSkill
 from stages.tasks.api import TaskEnv
 from tests.unit.demo_assets import cabinet
@@ -89,3 +90,16 @@ def test_some_attempts_are_disturbed_by_their_seed_and_some_approach_slowly(door
     fast, _ = Recorder(door, DemonstrationsConfig(noise=0.0, recovery=0.0)).attempt(calm)
     assert slow.recovery is None and len(slow.actions) > len(fast.actions) + 3
     assert np.abs(np.array(slow.actions)[:5, :3]).max() <= 0.6 < np.abs(np.array(fast.actions)[:5, :3]).max()
+
+
+def test_a_hand_that_missed_is_pulled_back_and_never_pushed_on_into_the_front() -> None:
+    drawn = [sample_disturbance(np.random.default_rng((seed, 2)), 1.0) for seed in range(200)]
+    for item in drawn:
+        assert item is not None
+        moving = item.actions[np.abs(item.actions[:, :3]).max(axis=1) > 0]
+        assert np.linalg.norm(moving[:, :3], axis=1).max(initial=0) < 1
+        shut = moving[moving[:, 6] == CLOSED]
+        assert item.kind == "miss" or not len(shut)
+        assert (shut[:, 0] < -0.1).all()
+    pulled = [item for item in drawn if item and item.actions[-1, 6] == CLOSED and item.actions[-1, :3].any()]
+    assert len(pulled) > 50

@@ -271,3 +271,13 @@ def test_a_category_that_the_library_does_not_give_a_model_is_refused(tmp_path: 
     with refused("E-SCENES-CATEGORY"):
         run(**files)
     assert not files["out"].exists()
+
+
+def test_what_falls_is_held_or_reaches_behind_a_wall_is_not_stable() -> None:
+    scene, seen = scene_and_objects()
+    settled = {"fallen": ["chair_1"], "held": ["bowl_1"], "behind": ["cabinet_1"], "stable": False}
+    for faults in (settled, settled | {"behind": []}):
+        check = scene.plausibility.model_copy(update=faults)  # type: ignore[union-attr]
+        rows = {row.object: row for row in score_scene(scene.model_copy(update={"plausibility": check}), seen, TRUTH)}
+        assert (rows["chair_1"].stable, rows["bowl_1"].stable) == (False, False)
+        assert rows["cabinet_1"].stable is not bool(faults["behind"])

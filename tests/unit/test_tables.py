@@ -114,6 +114,12 @@ def test_robustness_variants_of_rooms_stand_in_the_companion_alone() -> None:
     assert cell(robustness.build(frame(rows[:2] + untested)), protocol="noise")["fallen_mean"] == 0
 
 
+def test_the_worst_room_is_that_with_the_largest_mean_over_its_things() -> None:
+    met = {"protocol": "noise", "draw": 1}
+    rows = [score("room_1", 1, l2_cm=1, **met), score("room_1", 2, l2_cm=9, **met), score("room_2", 1, l2_cm=6, **met)]
+    assert robustness.build(frame(rows))["worst_room_l2_cm_mean"].tolist() == [6.0]  # one thing is farther off
+
+
 def test_table2_counts_orientation_twice_modulo_the_period_and_as_the_paper() -> None:
     scores = [
         score(number=1, orientation_rad=0.3, orientation_paper_rad=0.3),
