@@ -81,7 +81,7 @@ def carrying_heights(label: str, level: float | None, top: float) -> tuple[float
 
 
 def ending_near(carrier: UprightBox, heights: tuple[float, ...], bottom: float, reach: float) -> UprightBox:
-    """A carrier's box that ends at the first of its heights within `reach` metres of the bottom of what it may carry."""
+    """A carrier's box, ending at the first of its heights within `reach` metres of the bottom of what it may carry."""
     near = next((height for height in heights if abs(height - bottom) < reach), None)
     return carrier if near is None else with_top(carrier, near)
 
