@@ -13,6 +13,7 @@ from stages.geometry.frames import yaw_matrix
 
 LEVEL_BLUR = 0.003  # share of the distance: noise of heights, seen from little above
 CELLS = 16  # of a ground plan along either side
+NEARLY = 0.5  # of the most that lies at one height
 HIGHEST = 3  # of the points over a cell that counts: noise is higher
 STRAY = 0.02  # share of an object's points that say nothing
 # Last words of what is closed and ends in a level top, so that what is higher stands on it: no seat, shelf or bowl.
@@ -28,7 +29,8 @@ SEAT = "chair armchair stool sofa couch settee loveseat bench bed ottoman seat" 
 def level_of(points: NDArray[np.float64], box: UprightBox, distance: float) -> float | None:
     """The height at which most of an object's upper surface lies, or most of its front ends, of its points (N, 3).
 
-    Clutter, a back or a tap are higher, but less of it. None for a front alone that nothing is above, and for a foot:
+    Clutter, a back or a tap are higher, but less of it; of heights at which nearly as much lies the lowest carries the
+    others. None for a front alone that nothing is above, and for a foot:
     part of what it stands on.
 
     Args:
@@ -46,10 +48,12 @@ def level_of(points: NDArray[np.float64], box: UprightBox, distance: float) -> f
         gaussian_filter1d(np.histogram(values, bins, (low, high))[0].astype(float), blur, mode="constant")
         for values in (heights, upper)
     )
-    peak = int(np.argmax(above))
+    is_level = everywhere > PROMINENT * len(heights) / bins
+    peaks = (above >= np.roll(above, 1)) & (above >= np.roll(above, -1)) & is_level & (above >= NEARLY * above.max())
+    peak = int(np.argmax(peaks if peaks.any() else above))
     height = low + (peak + 0.5) * (high - low) / bins
     higher = float((heights > height + thick).mean())
-    is_front = everywhere[peak] < PROMINENT * len(heights) / bins and higher < STRAY
+    is_front = not is_level[peak] and higher < STRAY
     is_foot = height < np.quantile(heights, STRAY) + thick and higher > 0.5
     return None if is_front or is_foot else height
 
