@@ -39,7 +39,7 @@ class Sources:
         for here, root in self.roots.items():
             for element in root.iter("model"):
                 for part in self._parts(element, here):
-                    name = element.get("name") or self.roots[part].get("model", "")
+                    name = element.get("name", "") or self.roots[part].get("model", "")
                     self._attached[name].setdefault(here, set()).add(part)
         if (size := self._size(path, ())) > MOST_ELEMENTS:
             what = f"has {size} elements once all is included, attached and replicated."
