@@ -94,7 +94,7 @@ MATERIALS = [
     ("Kd 0.2 0.4 0.6\nd 0.5", [51, 102, 153, 128], ""),
     ("Kd 0.2 0.4 0.6\nTr 0.5", [51, 102, 153, 128], ""),
     ("Kd 0.2 0.4 0.6\nd -halo 1", [51, 102, 153, 255], ""),
-    ("Kd 0.2 0.4 0.6\nd 0", [51, 102, 153, 255], "a.mtl: 'wood' would not be seen at all: taken for opaque"),
+    ("Kd 0.2 0.4 0.6\nTr 1", [51, 102, 153, 255], ""),
     ("Kd 0 0 0\nmap_Kd a.png", [255] * 4, "a.mtl: 'wood' would paint its picture black: its colour is not used"),
     ("map_Kd a.png", [255] * 4, ""),
     ("Kd 1 1 1\nmap_d a.png", [255] * 4, "a.mtl: pictures of transparency (map_d of wood) are not read"),
@@ -276,8 +276,14 @@ def test_one_scale_is_that_of_all_axes(tmp_path: Path) -> None:
 
 def test_colours_of_stls_are_told(tmp_path: Path) -> None:
     data = bytearray(trimesh.creation.box().export(file_type="stl"))
-    for painted in (False, True):
-        data[84 + 48] = 31 * painted
+    for painted, flag, head in (
+        (False, 0, b"binary"),
+        (True, 128, b"binary"),
+        (False, 128, b"COLOR="),
+        (True, 0, b"COLOR="),
+    ):
+        data[:6] = head
+        data[84 + 49 :: 50] = bytes([flag]) * 12
         (tmp_path / "a.stl").write_bytes(data)
         assert read(tmp_path / "a.stl", tmp_path)[1] == ["a.stl: its colours are not read"] * painted
 

@@ -56,11 +56,12 @@ def read_off(path: Path, files: Beside) -> tuple[Scene, list[str]]:
 
 
 def read_stl(path: Path, files: Beside) -> tuple[Scene, list[str]]:
-    """The meshes of a file as trimesh reads it, and whether it has colours: programs write them in several ways."""
+    """The meshes of a file as trimesh reads it, and whether faces have colours: programs write them in several ways."""
     data = path.read_bytes()
     count = int.from_bytes(data[80:84], "little")
     binary = len(data) == 84 + 50 * count
-    painted = binary and np.frombuffer(data, np.uint8, offset=84).reshape(-1, 50)[:, 48:].any()
+    flags = np.frombuffer(data, np.uint8, offset=84).reshape(-1, 50)[:, 49] >> 7 if binary else np.zeros(0, np.uint8)
+    painted = (flags == (0 if b"COLOR=" in data[:80] else 1)).any()  # of a face's own colour
     return trimesh.load_scene(path, resolver=files), [f"{path.name}: its colours are not read"] * bool(painted)
 
 
