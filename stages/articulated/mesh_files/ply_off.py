@@ -70,9 +70,9 @@ def _filled(
 ) -> Trimesh:
     """Triangles of polygons with the colours (N, 3 or 4), 0 to 1 or to 255, of their corners or faces."""
     faces, numbers = split(vertices, polygons)
-    looks = {} if of_faces is None else {"face_colors": _bytes(of_faces)[numbers]}
-    looks = looks if of_corners is None else {"vertex_colors": _bytes(of_corners)}
-    return Trimesh(vertices, faces, process=False, **looks)
+    painted = None if of_corners is None else _bytes(of_corners)
+    by_face = None if of_faces is None or of_corners is not None else _bytes(of_faces)[numbers]
+    return Trimesh(vertices, faces, process=False, vertex_colors=painted, face_colors=by_face)
 
 
 def _bytes(colours: Any) -> NDArray[np.uint8]:
