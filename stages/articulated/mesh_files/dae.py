@@ -30,6 +30,8 @@ def read_dae(path: Path, files: Beside) -> tuple[Scene, list[str]]:
     root = _parsed(path)
     named = {f"#{element.get('id')}": element for element in root.iter() if "id" in element.attrib}
     found = {element.tag for element in root.iter()}
+    if "instance_visual_scene" not in found:
+        raise ValueError("it shows no scene")
     lines = sorted({name for tag, name in UNREAD.items() if tag in found})
     lines = [f"{path.name} has what is not read: {', '.join(lines)}"] if lines else []
     if _show_bound(root, named):
