@@ -219,6 +219,11 @@ def test_skins_of_collada_are_shown_as_they_were_bound(tmp_path: Path) -> None:
     (mesh,), lost = read(tmp_path / "a.dae", tmp_path)
     assert mesh.bounds == pytest.approx(np.array([[0, 0, 5], [6, 6, 7]]))
     assert lost == ["a.dae is shown as its skins were bound"]
+    text = (tmp_path / "a.dae").read_text()
+    for source in ("#c", "#gone"):
+        (tmp_path / "a.dae").write_text(text.replace('source="#g"', f'source="{source}"'))
+        with refused("E-MESH-BROKEN", "its skin holds no mesh ('#c')"):
+            read(tmp_path / "a.dae", tmp_path)
 
 
 @pytest.mark.parametrize(
