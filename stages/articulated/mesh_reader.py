@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable, Iterable
+from copy import copy
 from pathlib import Path
 
 import numpy as np
@@ -50,6 +51,9 @@ def load_meshes(path: Path, folder: Path) -> tuple[list[Trimesh], list[str]]:
         if lost:
             _drop_broken(scene.geometry.values())
         meshes = [mesh for mesh in scene.dump() if isinstance(mesh, Trimesh) and len(mesh.faces)]
+        if unplaced := [mesh for mesh in meshes if has_texture(mesh) and getattr(mesh.visual, "uv", None) is None]:
+            lost.append(f"{path.name} is shown without a picture that it places nowhere")
+            _drop_pictures(unplaced)
     except InputError:
         raise
     except Exception as error:  # mesh readers raise whatever they stumble over
@@ -60,7 +64,8 @@ def load_meshes(path: Path, folder: Path) -> tuple[list[Trimesh], list[str]]:
         raise InputError(path, f"has coordinates that are no numbers or beyond {LARGEST:g}.", code="E-MESH-BROKEN")
     meshes = [mesh for mesh in meshes if mesh.area > 0]
     if not meshes:
-        raise InputError(path, "holds no triangles that have an area.", code="E-MESH-BROKEN")
+        why = f": {lost[0]}" if lost else ""
+        raise InputError(path, f"holds no triangles that have an area{why}.", code="E-MESH-BROKEN")
     if path.suffix.lower() == ".obj" and NO_NUMBER.search(path.read_bytes()):
         lost.append(f"{path.name}: corners that are no numbers are left out")
     return meshes, list(dict.fromkeys([*files.lost, *lost]))
@@ -77,6 +82,16 @@ def _drop_broken(meshes: Iterable[Trimesh]) -> None:
                     picture.load()
             except (OSError, ValueError, SyntaxError):
                 setattr(material, key, None)
+
+
+def _drop_pictures(meshes: Iterable[Trimesh]) -> None:
+    """Take all pictures out of the materials of meshes."""
+    for mesh in meshes:
+        material = copy(getattr(mesh.visual, "material", None))  # which other meshes share
+        for key in ("image", *TEXTURES):
+            if getattr(material, key, None) is not None:
+                setattr(material, key, None)
+        mesh.visual = trimesh.visual.TextureVisuals(material=material)
 
 
 def texture_of(mesh: Trimesh) -> Image.Image | None:

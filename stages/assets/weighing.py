@@ -11,6 +11,7 @@ from stages.geometry.solids import board_mass, box_inertia
 
 HEAVY = 5.0  # times what boards weigh: a door is no solid block, and the water in its hull is ten times as heavy
 LIGHTEST, HEAVIEST = 1 / 15, 20.0  # times what boards weigh, of a whole thing: thin sheets, and solid stone or steel
+SPARSEST = 4.0  # kg per cubic metre of its box: a chair has fifteen
 ROOM = 4.0  # metres: no thing in a room is as wide and as deep
 SLACK = 0.01  # by which a principal moment of inertia may exceed the sum of the others
 
@@ -23,7 +24,7 @@ def weighed_sanely(robot: RobotModel) -> tuple[RobotModel, list[str]]:
         if joint.type == "fixed":
             continue
         moving = {name: links[name] for name in moved_by(joint, robot.joints)}
-        boards = {name: board_mass(link.collisions, link.visuals) for name, link in moving.items()}
+        boards = {name: _boards(link) for name, link in moving.items()}
         told, expected = sum(link.mass for link in moving.values()), sum(boards.values())
         if told > HEAVY * expected:
             lines.append(
@@ -41,15 +42,20 @@ def weighed_sanely(robot: RobotModel) -> tuple[RobotModel, list[str]]:
 
 def _doubts(robot: RobotModel) -> list[str]:
     """Lines if it is as large as a room, or if its file says that it weighs what nothing of its size does."""
-    shorter, longer = np.sort(np.ptp(closed_box(robot), axis=0)[:2])
+    extents = np.ptp(closed_box(robot), axis=0)
+    shorter, longer = np.sort(extents[:2])
     lines = [f"is {shorter:.2g} by {longer:.2g} m: a whole room is no model (one file a thing)"] * bool(shorter > ROOM)
     told = [link for link in robot.links.values() if link.weighed]
-    mass = sum(link.mass for link in told)
-    boards = sum(board_mass(link.collisions, link.visuals) for link in told)
-    if not told or LIGHTEST * boards <= mass <= HEAVIEST * boards:
-        return lines
-    said = f"weighs {mass:.3g} kg in its file, boards of its size {boards:.3g} kg: is that right? (asset.json: mass)"
-    return [*lines, said]
+    mass, boards = sum(link.mass for link in told), sum(_boards(link) for link in told)
+    if told and not LIGHTEST * boards <= mass <= HEAVIEST * boards:
+        lines.append(f"weighs {mass:.3g} kg in its file, boards of its size {boards:.3g} kg (asset.json: mass)")
+    elif robot.mass < SPARSEST * np.prod(extents):
+        lines.append(f"weighs {robot.mass:.3g} kg, less than anything of its size (asset.json: mass)")
+    return lines
+
+
+def _boards(link: Link) -> float:
+    return board_mass(link.collisions, link.visuals)
 
 
 def _weighing(link: Link, mass: float) -> Link:

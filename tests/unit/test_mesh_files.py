@@ -42,6 +42,13 @@ def test_polygons_of_any_shape_are_filled_and_face_their_way(normal: tuple[float
     assert (areas @ np.array(normal) > 0).all()
 
 
+def test_holes_that_a_bridge_leads_to_stay_open() -> None:
+    rim, hole = [(0, 0), (4, 0), (4, 4), (0, 4), (0, 0)], [(1, 1), (1, 3), (3, 3), (3, 1), (1, 1)]
+    corners = put(np.array(rim + hole, dtype=float), (1, 2, 3))
+    one, two, three = corners[triangles_of(corners)].transpose(1, 0, 2)
+    assert np.linalg.norm(np.cross(two - one, three - one) / 2, axis=1).sum() == pytest.approx(12)
+
+
 def test_convex_polygons_are_fans_and_lines_are_nothing() -> None:
     square = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=float)
     faces, polygons = split(square, [np.array([0, 1]), np.array([3, 0, 1, 2]), np.array([0, 1, 2])])
@@ -74,6 +81,7 @@ def test_faces_that_name_corners_that_are_not_there_are_refused(tmp_path: Path) 
 
 
 TETRAHEDRON = "f 1 2 3\nf 1 2 4\nf 2 3 4\nf 1 3 4\n"
+PLACED = "f 1/1 2/1 3/1\nf 1/1 2/1 4/1\nf 2/1 3/1 4/1\nf 1/1 3/1 4/1\n"
 
 
 def test_colours_of_an_objs_corners_are_its_looks_unless_a_picture_is(tmp_path: Path) -> None:
@@ -86,7 +94,7 @@ def test_colours_of_an_objs_corners_are_its_looks_unless_a_picture_is(tmp_path: 
     assert not lost
     Image.new("RGB", (2, 2)).save(tmp_path / "a.png")
     (tmp_path / "a.mtl").write_text("newmtl grey\nmap_Kd a.png\n")
-    (tmp_path / "a.obj").write_text(text.replace("f 1 2 3", "f 1/1 2/1 3/1"))
+    (tmp_path / "a.obj").write_text(text.replace(TETRAHEDRON, PLACED))
     assert has_texture(read(tmp_path / "a.obj", tmp_path)[0][0])
 
 
@@ -94,7 +102,7 @@ MATERIALS = [
     ("Kd 0.2 0.4 0.6\nd 0.5", [51, 102, 153, 128], ""),
     ("Kd 0.2 0.4 0.6\nTr 0.5", [51, 102, 153, 128], ""),
     ("Kd 0.2 0.4 0.6\nd -halo 1", [51, 102, 153, 255], ""),
-    ("Kd 0.2 0.4 0.6\nd 0", [51, 102, 153, 255], "a.mtl: 'wood' would not be seen at all: taken for opaque"),
+    ("Kd 0.2 0.4 0.6\nTr 1", [51, 102, 153, 255], ""),
     ("Kd 0 0 0\nmap_Kd a.png", [255] * 4, "a.mtl: 'wood' would paint its picture black: its colour is not used"),
     ("map_Kd a.png", [255] * 4, ""),
     ("Kd 1 1 1\nmap_d a.png", [255] * 4, "a.mtl: pictures of transparency (map_d of wood) are not read"),
@@ -105,14 +113,26 @@ MATERIALS = [
 def test_materials_of_objs(tmp_path: Path, lines: str, colour: list[int], says: str) -> None:
     Image.new("RGB", (2, 2), (200, 100, 0)).save(tmp_path / "a.png")
     (tmp_path / "a.mtl").write_text(f"newmtl wood\nKs 0 0 0\n{lines}\n")
-    (tmp_path / "a.obj").write_text(
-        f"mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0 0\nusemtl wood\n{TETRAHEDRON}"
-    )
+    (tmp_path / "a.obj").write_text(f"mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0 0\nusemtl wood\n{PLACED}")
     (mesh,), lost = read(tmp_path / "a.obj", tmp_path)
     material = mesh.visual.material.to_pbr()
     assert material.baseColorFactor.tolist() == colour
     assert (material.baseColorTexture is not None) == ("map_Kd" in lines)
     assert lost == [says] * bool(says)
+
+
+def test_pictures_that_no_face_places_and_shapes_that_are_no_triangles_are_told(tmp_path: Path) -> None:
+    Image.new("RGB", (2, 2)).save(tmp_path / "a.png")
+    (tmp_path / "a.mtl").write_text("newmtl wood\nKd 1 0 0\nmap_Kd a.png\n")
+    corners = "v\t0 0 0\nv\t1 0 0\nv\t0 1 0\nv\t0 0 1\nvt 0 0\n"
+    (tmp_path / "a.obj").write_text(f"mtllib a.mtl\n{corners}usemtl wood\nf\t1/1 2/1 3/1\nf 1 2 4\n")
+    (mesh,), lost = read(tmp_path / "a.obj", tmp_path)
+    assert mesh.visual.material.to_pbr().baseColorFactor.tolist() == [255, 0, 0, 255]
+    assert not has_texture(mesh)
+    assert lost == ["a.obj is shown without a picture that it places nowhere"]
+    (tmp_path / "a.obj").write_text(f"{corners}cstype bspline\nsurf 0 1 0 1 1 2 3 4\n")
+    with refused("E-MESH-BROKEN", "no triangles that have an area: a.obj: its free-form surfaces are not read"):
+        read(tmp_path / "a.obj", tmp_path)
 
 
 def test_pictures_of_objs_are_scaled_and_shifted(tmp_path: Path) -> None:
@@ -199,6 +219,11 @@ def test_skins_of_collada_are_shown_as_they_were_bound(tmp_path: Path) -> None:
     (mesh,), lost = read(tmp_path / "a.dae", tmp_path)
     assert mesh.bounds == pytest.approx(np.array([[0, 0, 5], [6, 6, 7]]))
     assert lost == ["a.dae is shown as its skins were bound"]
+    text = (tmp_path / "a.dae").read_text()
+    for source in ("#c", "#gone"):
+        (tmp_path / "a.dae").write_text(text.replace('source="#g"', f'source="{source}"'))
+        with refused("E-MESH-BROKEN", "its skin holds no mesh ('#c')"):
+            read(tmp_path / "a.dae", tmp_path)
 
 
 @pytest.mark.parametrize(
@@ -208,6 +233,7 @@ def test_skins_of_collada_are_shown_as_they_were_bound(tmp_path: Path) -> None:
         ("<COLLADA", "<!DOCTYPE a><COLLADA", "declares a DOCTYPE"),
         ("<vcount>8", "<vcount>80", "counts 120 corners and has 48"),
         ("</scene>", "", "it is no XML"),
+        ("<instance_visual_scene", "<instance_physics_scene", "it shows no scene"),
     ],
 )
 def test_broken_collada_is_one_line(tmp_path: Path, old: str, new: str, says: str) -> None:
@@ -276,8 +302,14 @@ def test_one_scale_is_that_of_all_axes(tmp_path: Path) -> None:
 
 def test_colours_of_stls_are_told(tmp_path: Path) -> None:
     data = bytearray(trimesh.creation.box().export(file_type="stl"))
-    for painted in (False, True):
-        data[84 + 48] = 31 * painted
+    for painted, flag, head in (
+        (False, 0, b"binary"),
+        (True, 128, b"binary"),
+        (False, 128, b"COLOR="),
+        (True, 0, b"COLOR="),
+    ):
+        data[:6] = head
+        data[84 + 49 :: 50] = bytes([flag]) * 12
         (tmp_path / "a.stl").write_bytes(data)
         assert read(tmp_path / "a.stl", tmp_path)[1] == ["a.stl: its colours are not read"] * painted
 

@@ -64,9 +64,8 @@ def materials_in(text: str, file: str) -> tuple[dict[str, Material], list[str]]:
         elif key == "map_d":
             masks.append(material.name)
     for one in materials.values():
-        if one.opacity <= 0:  # some programs mean the opposite
+        if one.opacity <= 0:  # programs that mean the opposite: nobody draws what cannot be seen
             one.opacity = 1.0
-            lines.append(f"{file}: '{one.name}' would not be seen at all: taken for opaque")
         if one.picture and one.colour is not None and max(one.colour) < BLACK:
             one.colour = None
             lines.append(f"{file}: '{one.name}' would paint its picture black: its colour is not used")

@@ -28,7 +28,7 @@ OTHER = re.compile(rf"^[ \t]*({'|'.join(OTHERS)})[ \t]", re.MULTILINE)
 
 def read_obj(path: Path, files: Beside) -> tuple[Scene, list[str]]:
     """The meshes of a file, one per material, and what was not read of it, a line each."""
-    text = decoded(path.read_bytes()).replace("\\\r\n", " ").replace("\\\n", " ")
+    text = decoded(path.read_bytes()).replace("\t", " ").replace("\\\r\n", " ").replace("\\\n", " ")
     materials, lines = _materials(text, path, files)
     coloured = COLOURED.search(text) is not None and not any(one.picture for one in materials.values())
     if coloured:

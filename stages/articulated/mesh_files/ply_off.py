@@ -56,11 +56,12 @@ def read_off(path: Path, files: Beside) -> tuple[Scene, list[str]]:
 
 
 def read_stl(path: Path, files: Beside) -> tuple[Scene, list[str]]:
-    """The meshes of a file as trimesh reads it, and whether it has colours: programs write them in several ways."""
+    """The meshes of a file as trimesh reads it, and whether faces have colours: programs write them in several ways."""
     data = path.read_bytes()
     count = int.from_bytes(data[80:84], "little")
     binary = len(data) == 84 + 50 * count
-    painted = binary and np.frombuffer(data, np.uint8, offset=84).reshape(-1, 50)[:, 48:].any()
+    flags = np.frombuffer(data, np.uint8, offset=84).reshape(-1, 50)[:, 49] >> 7 if binary else np.zeros(0, np.uint8)
+    painted = (flags == (0 if b"COLOR=" in data[:80] else 1)).any()  # of a face's own colour
     return trimesh.load_scene(path, resolver=files), [f"{path.name}: its colours are not read"] * bool(painted)
 
 
@@ -69,9 +70,9 @@ def _filled(
 ) -> Trimesh:
     """Triangles of polygons with the colours (N, 3 or 4), 0 to 1 or to 255, of their corners or faces."""
     faces, numbers = split(vertices, polygons)
-    looks = {} if of_faces is None else {"face_colors": _bytes(of_faces)[numbers]}
-    looks = looks if of_corners is None else {"vertex_colors": _bytes(of_corners)}
-    return Trimesh(vertices, faces, process=False, **looks)
+    painted = None if of_corners is None else _bytes(of_corners)
+    by_face = None if of_faces is None or of_corners is not None else _bytes(of_faces)[numbers]
+    return Trimesh(vertices, faces, process=False, vertex_colors=painted, face_colors=by_face)
 
 
 def _bytes(colours: Any) -> NDArray[np.uint8]:

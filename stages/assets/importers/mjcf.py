@@ -204,7 +204,7 @@ class _Reader:
     def _visuals(self, geom: int) -> Iterator[Visual]:
         model, material = self.model, int(self.model.geom_matid[geom])
         colour = self.rgba[geom].clip(0, 1).astype(float)
-        image = None if material < 0 else self._image(int(model.mat_texid[material][mjtTextureRole.mjTEXROLE_RGB]))
+        image = None if material < 0 else self._image(self._texture(material))
         for mesh in self._meshes(geom):
             uv = self._uv(geom) if image is not None and image.width > 1 else None
             if uv is not None:
@@ -230,14 +230,16 @@ class _Reader:
         model, mesh = self.model, int(self.model.geom_dataid[geom])
         if model.geom_type[geom] != mjtGeom.mjGEOM_MESH or model.mesh_texcoordadr[mesh] < 0:
             return None
-        if (
-            model.tex_type[model.mat_texid[model.geom_matid[geom]][mjtTextureRole.mjTEXROLE_RGB]]
-            != mjtTexture.mjTEXTURE_2D
-        ):
+        if model.tex_type[self._texture(int(model.geom_matid[geom]))] != mjtTexture.mjTEXTURE_2D:
             return None
         face, faces = int(model.mesh_faceadr[mesh]), int(model.mesh_facenum[mesh])
         corners = int(model.mesh_texcoordadr[mesh]) + model.mesh_facetexcoord[face : face + faces].ravel()
         return np.asarray(model.mesh_texcoord[corners] * [1, -1] + [0, 1], dtype=float)
+
+    def _texture(self, material: int) -> int:
+        """Number of the texture that colours a material; -1: none does."""
+        roles = self.model.mat_texid[material]
+        return int(max(roles[mjtTextureRole.mjTEXROLE_RGB], roles[mjtTextureRole.mjTEXROLE_RGBA]))
 
     def _image(self, texture: int) -> Image.Image | None:
         if texture < 0:
