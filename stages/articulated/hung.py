@@ -16,7 +16,7 @@ STAYS = 0.3  # of a slide's way: what leaves its parent's box by less is a slidi
 SMALL = 0.05  # of a thing's largest extent: what is smaller, or slides by less, says nothing of it
 AT_SIDE = 0.25  # of its width, by which the middle of a panel is away from its hinge at least
 MOUTH = 0.2  # of its extent along a slide: the end of a body that something slides out of
-ON = 0.5  # of the section of what slides, which that of this end covers at least
+ON = 0.5  # of the section of what slides, which this end can take in at least
 
 
 class Hinge(NamedTuple):
@@ -33,7 +33,7 @@ class Hinge(NamedTuple):
 
 
 class Slide(NamedTuple):
-    """What slides along an axis of the root frame: out of something (a drawer), or on something narrower (a lift)."""
+    """What slides along an axis of the root frame: out of its body (a drawer), or on what carries it (a lift)."""
 
     along: int
     drawer: bool
@@ -66,7 +66,7 @@ def _hinge(joint: JointModel, points: Matrix, frames: Mapping[str, Matrix], box:
 
 
 def slides(robot: RobotModel) -> list[Slide]:
-    """What slides out of something, or stands on something; sliding doors, levers and buttons do neither."""
+    """What slides out of a body, or stands on what it slides from; sliding doors, levers and buttons do neither."""
     frames, largest = link_frames(robot), float(np.ptp(closed_box(robot), axis=0).max())
     found = []
     for joint in robot.joints:
@@ -92,13 +92,10 @@ def on_something_narrower(robot: RobotModel, joint: JointModel, frames: Mapping[
     body = seen_points(robot, _body_of(joint, robot), frames)
     if not len(moving) or not len(body):
         return False
-    height = body @ axis
-    mouth, along = body[height >= height.max() - MOUTH * np.ptp(height)], int(np.argmax(np.abs(axis)))
-    (low, high), (least, most) = (
-        (points.min(axis=0), points.max(axis=0)) for points in (np.delete(moving, along, 1), np.delete(mouth, along, 1))
-    )
-    covered = np.maximum(0, np.minimum(high, most) - np.maximum(low, least))
-    return bool(covered.prod() < ON * (high - low).prod())
+    heights, along = body @ axis, int(np.argmax(np.abs(axis)))
+    mouth = body[heights >= min((moving @ axis).max(), heights.max()) - MOUTH * np.ptp(heights)]
+    sizes, opening = (np.delete(np.ptp(points, axis=0), along) for points in (moving, mouth))
+    return bool(np.minimum(sizes, opening).prod() < ON * sizes.prod())
 
 
 def _body_of(joint: JointModel, robot: RobotModel) -> list[str]:

@@ -60,7 +60,7 @@ def opens(category: str) -> tuple[bool, bool]:
 def leaves(category: str) -> tuple[int, int]:
     """How many doors on upright hinges, and how many flaps, the founders of a category have."""
     founders = range(CATEGORIES[category].founders if category in CATEGORIES else 0)
-    layouts = [sample(category, index, 0).parameters.get("layout", []) for index in founders]
+    layouts = [getattr(_sampled(category, index, 0)[0].recipe, "layout", []) for index in founders]
     cells = [cell for layout in layouts for line in layout for cell in line]
     return cells.count("door"), cells.count("flap")
 
