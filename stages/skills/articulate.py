@@ -2,6 +2,7 @@
 
 from abc import abstractmethod
 from collections import Counter
+from collections.abc import Collection
 
 import numpy as np
 
@@ -64,7 +65,8 @@ class ArticulateSkill(RetryingSkill):
         task = self.task
         where = (task.chain, task.joints()[:7], task.env.base_from_asset(), surroundings, self.joint())
         worn = {grasp for grasp, times in Counter(grasp for grasp, _ in self.missed).items() if times > 1}
-        for without in (worn, ()) if worn else ((),):
+        choices: list[Collection[Grasp]] = [worn, ()] if worn else [()]
+        for without in choices:
             for goal in self.goals(surroundings.target):
                 plan = plan_articulation(*where, goal, self.options, self.spare, without)
                 if plan is not None:
