@@ -1,5 +1,7 @@
 """Values of a depth image that are no distance: what a camera or a program writes where it knows none."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,7 +12,7 @@ OFTEN, SHARE = 20, 0.01  # times as many pixels as any other value has, and of a
 NEAREST_CUT = 2.0  # metres: no camera's range is shorter
 
 
-def marks_of(values: NDArray[np.generic]) -> list[float]:
+def marks_of(values: NDArray[Any]) -> list[float]:
     """Values (h, w) that mean `unknown`, besides what is not above 0: the type's largest, and what many pixels share
     exactly, at twice the distance of all others or more, or at half of it or less.
     """
@@ -41,11 +43,11 @@ def range_of(metres: NDArray[np.floating]) -> float | None:
     return last if whole and many else None
 
 
-def without(values: NDArray[np.generic], marks: list[float]) -> NDArray[np.generic]:
+def without(values: NDArray[Any], marks: list[float]) -> NDArray[Any]:
     """Values (h, w) with 0 in the place of marks."""
     return np.where(np.isin(values, np.asarray(marks, dtype=values.dtype)), 0, values) if marks else values
 
 
-def _counted(values: NDArray[np.generic]) -> tuple[NDArray[np.generic], NDArray[np.int64]]:
+def _counted(values: NDArray[Any]) -> tuple[NDArray[Any], NDArray[np.int64]]:
     found, counts = np.unique(values[np.isfinite(values) & (values > 0)], return_counts=True)
     return found, counts
