@@ -6,11 +6,12 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
 
-from PIL import Image
+from PIL import EpsImagePlugin, Image
 from trimesh.resolvers import Resolver
 
 from stages.articulated.inside import OutsideError, find_inside
 
+EpsImagePlugin.gs_binary = False  # PostScript is a program, and Pillow would have Ghostscript run it
 PICTURES = {".bmp", ".gif", ".jpeg", ".jpg", ".png", ".tga", ".tif", ".tiff", ".webp"}
 
 

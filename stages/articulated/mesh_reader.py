@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable, Iterable
+from copy import copy
 from pathlib import Path
 
 import numpy as np
@@ -13,12 +14,14 @@ from stages.articulated.beside import Beside
 from stages.articulated.mesh_files.dae import read_dae
 from stages.articulated.mesh_files.gltf import read_gltf
 from stages.articulated.mesh_files.obj import read_obj
+from stages.articulated.mesh_files.ply_off import read_off, read_ply, read_stl
 from stages.articulated.urdf_tree import LARGEST
 from stages.contracts.errors import InputError
 
-SUFFIXES = {".obj", ".glb", ".gltf", ".stl", ".ply", ".dae", ".off"}
-Reader = Callable[[Path, Beside], tuple[Scene, list[str]]]
-READERS: dict[str, Reader] = {".obj": read_obj, ".glb": read_gltf, ".gltf": read_gltf, ".dae": read_dae}
+READERS: dict[str, Callable[[Path, Beside], tuple[Scene, list[str]]]] = {
+    ".obj": read_obj, ".glb": read_gltf, ".gltf": read_gltf, ".dae": read_dae, ".ply": read_ply, ".off": read_off,
+    ".stl": read_stl,
+}  # fmt: skip
 NO_NUMBER = re.compile(rb"^v\s[^\n]*(?:nan|inf)", re.IGNORECASE | re.MULTILINE)
 MOST_PIECES = 64
 TEXTURES = ("baseColorTexture", "metallicRoughnessTexture", "normalTexture", "occlusionTexture", "emissiveTexture")
@@ -35,19 +38,22 @@ def load_meshes(path: Path, folder: Path) -> tuple[list[Trimesh], list[str]]:
     Raises:
         InputError: the file is of no known kind, cannot be read, or holds no triangle that has an area.
     """
-    if path.suffix.lower() not in SUFFIXES:
+    if path.suffix.lower() not in READERS:
         raise InputError(
             path,
             f"'{path.suffix}' is not a mesh file that is read here.",
-            ", ".join(sorted(SUFFIXES)),
+            ", ".join(sorted(READERS)),
             code="E-MESH-KIND",
         )
     files = Beside(path, folder)
     try:
-        scene, lost = READERS.get(path.suffix.lower(), _as_it_is)(path, files)
+        scene, lost = READERS[path.suffix.lower()](path, files)
         if lost:
             _drop_broken(scene.geometry.values())
         meshes = [mesh for mesh in scene.dump() if isinstance(mesh, Trimesh) and len(mesh.faces)]
+        if unplaced := [mesh for mesh in meshes if has_texture(mesh) and getattr(mesh.visual, "uv", None) is None]:
+            lost.append(f"{path.name} is shown without a picture that it places nowhere")
+            _drop_pictures(unplaced)
     except InputError:
         raise
     except Exception as error:  # mesh readers raise whatever they stumble over
@@ -58,15 +64,11 @@ def load_meshes(path: Path, folder: Path) -> tuple[list[Trimesh], list[str]]:
         raise InputError(path, f"has coordinates that are no numbers or beyond {LARGEST:g}.", code="E-MESH-BROKEN")
     meshes = [mesh for mesh in meshes if mesh.area > 0]
     if not meshes:
-        raise InputError(path, "holds no triangles that have an area.", code="E-MESH-BROKEN")
+        why = f": {lost[0]}" if lost else ""
+        raise InputError(path, f"holds no triangles that have an area{why}.", code="E-MESH-BROKEN")
     if path.suffix.lower() == ".obj" and NO_NUMBER.search(path.read_bytes()):
         lost.append(f"{path.name}: corners that are no numbers are left out")
     return meshes, list(dict.fromkeys([*files.lost, *lost]))
-
-
-def _as_it_is(path: Path, files: Beside) -> tuple[Scene, list[str]]:
-    """The meshes of a file as trimesh reads it."""
-    return trimesh.load_scene(path, resolver=files), []
 
 
 def _drop_broken(meshes: Iterable[Trimesh]) -> None:
@@ -80,6 +82,16 @@ def _drop_broken(meshes: Iterable[Trimesh]) -> None:
                     picture.load()
             except (OSError, ValueError, SyntaxError):
                 setattr(material, key, None)
+
+
+def _drop_pictures(meshes: Iterable[Trimesh]) -> None:
+    """Take all pictures out of the materials of meshes."""
+    for mesh in meshes:
+        material = copy(getattr(mesh.visual, "material", None))  # which other meshes share
+        for key in ("image", *TEXTURES):
+            if getattr(material, key, None) is not None:
+                setattr(material, key, None)
+        mesh.visual = trimesh.visual.TextureVisuals(material=material)
 
 
 def texture_of(mesh: Trimesh) -> Image.Image | None:

@@ -41,7 +41,10 @@ def document(out: Path, name: str) -> Iterator[tuple[ET.Element, "ModelWriter"]]
         ET.SubElement(seen, "geom", type="mesh", group="2", contype="0", conaffinity="0", mass="0")
         touched = ET.SubElement(defaults, "default", {"class": "collision"})
         ET.SubElement(touched, "geom", group="3", mass="0", friction=TOUCHED)
-        yield root, ModelWriter(folder, ET.SubElement(root, "asset"), ET.SubElement(root, "contact"))
+        pairs = ET.Element("equality")
+        yield root, ModelWriter(folder, ET.SubElement(root, "asset"), ET.SubElement(root, "contact"), pairs)
+        if len(pairs):
+            root.append(pairs)
         ET.indent(root)
         (folder / "scene.xml").write_text(ET.tostring(root, encoding="unicode") + "\n", encoding="utf-8")
         sync(folder)
@@ -50,8 +53,8 @@ def document(out: Path, name: str) -> Iterator[tuple[ET.Element, "ModelWriter"]]
 class ModelWriter:
     """Writes models into a document, with the meshes and textures that they name."""
 
-    def __init__(self, folder: Path, assets: ET.Element, contacts: ET.Element) -> None:
-        self.folder, self.assets, self.contacts = folder, assets, contacts
+    def __init__(self, folder: Path, assets: ET.Element, contacts: ET.Element, pairs: ET.Element) -> None:
+        self.folder, self.assets, self.contacts, self.pairs = folder, assets, contacts, pairs
         self.numbers = count()
         self.textures: dict[tuple[tuple[int, int], bytes], str] = {}
 
@@ -78,6 +81,8 @@ class ModelWriter:
         ET.SubElement(self.contacts, "exclude", body1=parent, body2=f"{model}/{joint.child}")
         if joint.type == "fixed":
             return
+        if joint.follows is not None:
+            ET.SubElement(self.pairs, "joint", joint1=f"{model}/{joint.name}", joint2=f"{model}/{joint.follows}")
         hinge = joint.type == "revolute"
         ET.SubElement(
             element,

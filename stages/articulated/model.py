@@ -82,7 +82,8 @@ class JointModel:
     """A joint. `origin` is parent_from_child, 4x4, at position 0; `axis` a unit vector in the child frame.
 
     An asset is closed with every joint at `lower`. A moving joint may have a role, and its door or drawer a handle:
-    `handle_link` carries it, `handle` is its kind, where they are known.
+    `handle_link` carries it, `handle` is its kind, where they are known. `follows`: a joint of the same parent and type
+    that it always stands alike, as the second leaf of a pair of doors does.
     """
 
     name: str
@@ -96,6 +97,7 @@ class JointModel:
     role: Role | None = None
     handle_link: str | None = None
     handle: HandleKind | None = None
+    follows: str | None = None
 
     def motion(self, value: float) -> Matrix:
         """Transform of the child in the joint frame at a joint position."""

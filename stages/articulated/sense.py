@@ -8,16 +8,13 @@ import numpy as np
 
 from stages.articulated.attributes import moved_by, seen_of
 from stages.articulated.forward_kinematics import closed_box, link_frames, rebased, visual_bounds
+from stages.articulated.hung import ALONG, LEAST_TURN, STAYS, THIN, carried_by, on_something_narrower
 from stages.articulated.model import JointModel, Matrix, RobotModel
 from stages.geometry.frames import rigid, yaw_matrix
 
-ALONG = 0.9  # cosine: a slide goes along a direction, a panel's hinge across it
 SHORTEST = 0.05  # metres that a drawer moves at least, and extents of the smallest front
-LEAST_TURN = np.deg2rad(20)  # by which a door turns at least
 ASKEW = np.deg2rad(10)  # by which a front may face another way than along an axis
-STAYS = 0.3  # of a slide's way: what leaves its parent's box by less is a sliding door, no drawer; of that box's extent
-# along it: what is as far behind its front when it is closed
-THIN = 0.6  # thickness of a door, at most, as a share of its width
+BEHIND = 0.3  # of its parent's extent along a slide: what is as far behind the front of that when closed is no drawer
 
 
 class Front(NamedTuple):
@@ -51,7 +48,7 @@ def front_direction(robot: RobotModel) -> tuple[Matrix, int] | None:
     None: no joint tells.
     """
     votes: dict[tuple[float, ...], list[float]] = {}
-    for front in _fronts(robot).values():
+    for front in _fronts(_shortened(robot)).values():
         if isinstance(front, Front):
             votes.setdefault(tuple(front.outward.tolist()), []).append(front.area)
     if not votes:
@@ -62,17 +59,28 @@ def front_direction(robot: RobotModel) -> tuple[Matrix, int] | None:
 
 def _fronts(robot: RobotModel) -> dict[str, Front | str]:
     """For each moving joint its door or drawer, whichever way the model faces, or the reason why it is none."""
-    frames, whole = link_frames(robot), np.asarray(closed_box(robot))
-    return {joint.name: _front(robot, joint, frames, whole) for joint in robot.joints if joint.type != "fixed"}
+    frames = link_frames(robot)
+    return {joint.name: _front(robot, joint, frames) for joint in robot.joints if joint.type != "fixed"}
 
 
-def _front(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix], whole: Matrix) -> Front | str:
+def _shortened(robot: RobotModel) -> RobotModel:
+    """The model with slides that go no farther than all of it is deep, closed: a drawer stays in its body."""
+    frames, depths = link_frames(robot), np.ptp(closed_box(robot), axis=0)
+    joints = list(robot.joints)
+    for index, joint in enumerate(joints):
+        most = float(depths[np.argmax(np.abs(frames[joint.child][:3, :3] @ joint.axis))])
+        if joint.type == "prismatic" and joint.upper - joint.lower > most:
+            joints[index] = replace(joint, upper=joint.lower + most)
+    return replace(robot, joints=joints)
+
+
+def _front(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix]) -> Front | str:
     links = moved_by(joint, robot.joints)
     box = _box(robot, links, frames)
     if box is None:
         return "moves nothing that is seen"
-    still = robot.links.keys() - {*links, *_beyond(robot.joints, links)}
-    if _box(robot, still, frames) is None:
+    still = _box(robot, robot.links.keys() - set(carried_by(joint, robot.joints)), frames)
+    if still is None:
         return "moves all that is seen"
     low, high = box
     frame = frames[joint.child]
@@ -83,15 +91,15 @@ def _front(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix], whol
             return "does not slide along a horizontal axis"
         if joint.upper - joint.lower < SHORTEST:
             return f"slides by less than {100 * SHORTEST:.0f} cm"
-        if joint.upper - joint.lower > np.ptp(whole[:, way]):
-            return "slides farther than all is deep"
         outward[way] = np.sign(axis[way])
         around = _box(robot, [joint.parent], frames)
         if around is not None:
             front, body = ((box @ outward).max() for box in (np.array([low, high]), around))
             reach, depth = joint.upper - joint.lower, np.ptp(around @ outward)
-            if front + reach - body < STAYS * reach or body - front > STAYS * depth:
+            if front + reach - body < STAYS * reach or body - front > BEHIND * depth:
                 return "slides along what it is in"
+        if on_something_narrower(robot, joint, frames):
+            return "slides on something narrower than itself"
     else:
         way = int(np.argmin(extents[:2]))
         across = 1 - way
@@ -108,17 +116,6 @@ def _front(robot: RobotModel, joint: JointModel, frames: dict[str, Matrix], whol
     if (angle := _askew(robot, links, frames, outward)) > ASKEW:
         return f"stands {np.rad2deg(angle):.0f} degrees askew"
     return Front(outward, float(width * height))
-
-
-def _beyond(joints: Iterable[JointModel], links: Iterable[str]) -> list[str]:
-    """All links below some links in the kinematic tree."""
-    all_joints, moved = list(joints), set(links)
-    below: list[str] = []
-    for joint in all_joints:  # parents before children
-        if joint.parent in moved and joint.child not in moved:
-            moved.add(joint.child)
-            below.append(joint.child)
-    return below
 
 
 def _box(robot: RobotModel, links: Iterable[str], frames: dict[str, Matrix]) -> Matrix | None:
@@ -148,12 +145,14 @@ def doors_and_drawers(robot: RobotModel) -> tuple[RobotModel, list[str]]:
 
     A drawer slides forwards by 5 cm at least, out of what it is in, a door swings forwards by 20 degrees at least, on
     a hinge that lies across the front; either moves a front of some size. Helper links, a chair's seat, sliding doors,
-    wheels, knobs and buttons are neither.
+    wheels, knobs and buttons are neither. A drawer slides no farther than all is deep.
     """
     joints: list[JointModel] = []
     fixed: dict[str, list[str]] = {}
-    fronts = _fronts(robot)
-    for joint in robot.joints:
+    lines: list[str] = []
+    short = _shortened(robot)
+    fronts = _fronts(short)
+    for told, joint in zip(robot.joints, short.joints, strict=True):
         front = fronts.get(joint.name)
         if isinstance(front, Front) and front.outward[0] != 1.0:
             front = "opens to another side than the front"
@@ -161,6 +160,9 @@ def doors_and_drawers(robot: RobotModel) -> tuple[RobotModel, list[str]]:
             fixed.setdefault(front, []).append(f"'{joint.name}'")
             origin = joint.origin @ joint.motion(joint.lower)
             joint = replace(joint, type="fixed", origin=origin, lower=0.0, upper=0.0)
+        elif joint.upper < told.upper:
+            reach, depth = (f"{100 * (one.upper - one.lower):.3g} cm" for one in (told, joint))
+            lines.append(f"drawer '{joint.name}' slides {reach} in its file, cut to {depth}: all of it is no deeper")
         joints.append(joint)
-    lines = [f"fixed, as no door or drawer: {', '.join(names)} ({reason})" for reason, names in fixed.items()]
+    lines += [f"fixed, as no door or drawer: {', '.join(names)} ({reason})" for reason, names in fixed.items()]
     return replace(robot, joints=joints), lines

@@ -3,6 +3,7 @@
 import re
 import xml.etree.ElementTree as ET
 from collections import Counter
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -15,10 +16,13 @@ from stages.contracts.errors import InputError
 from stages.geometry.frames import rigid
 
 MOST_LINKS = 1000
+MOST_SHAPES = 5000  # of all links together
 WORLD = "world"
 AROUND = " \t\r\n\0\x1a"  # the document, in files of other programs: XML allows nothing before it
 LARGEST = 1e6  # of any number: beyond it is a slip, in whatever unit
 WIDEST_ANGLE = 4 * np.pi  # limits of a hinge; beyond them, up to a turn in degrees, they are degrees
+LOOSE = ("continuous", "floating", "planar")  # types of joints that are fixed
+ALIKE = 1e-3  # by which the multiplier of a joint that follows may differ from 1
 FIXED_RANGE = 1e-4  # metres or radians: joints with a smaller range are fixed
 
 
@@ -37,9 +41,9 @@ class UrdfTree:
 
     Attributes:
         links: the <link> elements by name.
-        joints: parents before children. Continuous joints (wheels, knobs), those that follow another (mimic) and those
-            of loose things (floating, planar) are fixed: none is a door or a drawer. So are those whose axis or limits
-            say nothing: one of them is no reason to lose the model.
+        joints: parents before children. Continuous joints (wheels, knobs) and those of loose things (floating, planar)
+            are fixed: none is a door or a drawer. So are those that follow another otherwise than the second leaf of a
+            pair of doors, and those whose axis or limits say nothing: one of them is no reason to lose the model.
         root: name of the one link that is no joint's child.
         remarks: what was fixed or assumed, in lines.
 
@@ -55,9 +59,16 @@ class UrdfTree:
             raise InputError(path, "has no <link>.", code="E-URDF-ELEMENT")
         if len(self.links) > MOST_LINKS:
             raise InputError(path, f"has {len(self.links)} links.", f"at most {MOST_LINKS}", code="E-MODEL-PARTS")
+        if (shapes := sum(element.tag in ("visual", "collision") for element in self.robot.iter())) > MOST_SHAPES:
+            raise InputError(path, f"has {shapes} shapes.", f"at most {MOST_SHAPES}", code="E-MODEL-PARTS")
         if any(end.get("link") == WORLD for end in self.robot.findall("joint/parent")):  # some need not declare it
             self.links.setdefault(WORLD, ET.Element("link", name=WORLD))
-        joints = [self._joint(element, name) for name, element in self._named("joint").items()]
+        elements = self._named("joint")
+        alone = {name: self._joint(element, name) for name, element in elements.items()}
+        joints = [self._coupled(joint, elements[name], alone) for name, joint in alone.items()]
+        for kind in LOOSE:
+            if names := [f"'{name}'" for name, element in elements.items() if element.get("type") == kind]:
+                self.remarks.append(f"fixed, as no door or drawer: {', '.join(names)} ({kind})")
         self.root, self.joints = self._ordered(joints)
 
     def _parse(self) -> ET.Element:
@@ -144,7 +155,7 @@ class UrdfTree:
         if parent == child:
             raise InputError(self.path, f"{where}: link '{child}' is its own parent.", code="E-URDF-TREE")
         fixed = JointModel(name, "fixed", parent, child, self.origin(element, where))
-        if kind in ("fixed", "continuous", "floating", "planar") or element.find("mimic") is not None:
+        if kind in ("fixed", *LOOSE) or element.find("mimic") is not None:
             return fixed
         try:
             return self._moving(fixed, kind, element, where)
@@ -152,12 +163,33 @@ class UrdfTree:
             self.remarks.append(f"{error.what} It is fixed.")
             return fixed
 
-    def _moving(self, fixed: JointModel, kind: str, element: ET.Element, where: str) -> JointModel:
-        if kind not in ("revolute", "prismatic"):
-            raise InputError(self.path, f"{where}: type '{kind}' is not supported.", code="E-URDF-JOINT")
+    def _coupled(self, joint: JointModel, element: ET.Element, alone: Mapping[str, JointModel]) -> JointModel:
+        """The joint as its <mimic> moves it: like its leader, from its own zero, if it moves as far as that."""
+        mimic, kind = element.find("mimic"), element.get("type", "")
+        if mimic is None or kind in ("fixed", *LOOSE):
+            return joint
+        where, leader = f"joint '{joint.name}'", alone.get(mimic.get("joint", ""))
+        ratio, offset = (
+            float(self.numbers(mimic, key, usual, 1, where)[0]) for key, usual in (("multiplier", "1"), ("offset", "0"))
+        )
+        if leader is None or (leader.type, leader.parent) != (kind, joint.parent) or abs(abs(ratio) - 1) > ALIKE:
+            how = f"follows {ratio:g} times '{mimic.get('joint', '')}': only a pair on one body that moves alike can"
+            self.remarks.append(f"fixed: '{joint.name}', which {how}")
+            return joint
+        axis = self._axis(element, where) * np.sign(ratio)
+        made = replace(joint, type=leader.type, axis=axis, lower=leader.lower, upper=leader.upper, follows=leader.name)
+        return replace(made, origin=joint.origin @ made.motion(offset * np.sign(ratio)))
+
+    def _axis(self, element: ET.Element, where: str) -> Matrix:
         axis = self.numbers(element.find("axis"), "xyz", "1 0 0", 3, where)
         if np.linalg.norm(axis) < 1e-6:
             raise InputError(self.path, f"{where}: its axis is zero.", code="E-URDF-JOINT")
+        return axis / np.linalg.norm(axis)
+
+    def _moving(self, fixed: JointModel, kind: str, element: ET.Element, where: str) -> JointModel:
+        if kind not in ("revolute", "prismatic"):
+            raise InputError(self.path, f"{where}: type '{kind}' is not supported.", code="E-URDF-JOINT")
+        axis = self._axis(element, where)
         limit = element.find("limit")
         if limit is None:
             raise InputError(self.path, f"{where}: a {kind} joint without <limit>.", code="E-URDF-JOINT")
@@ -177,7 +209,6 @@ class UrdfTree:
             lower, upper = np.deg2rad([lower, upper]).tolist()
         if upper - lower < FIXED_RANGE:
             raise InputError(self.path, f"{where}: has no range ({lower:g} to {upper:g}).", code="E-URDF-JOINT")
-        axis = axis / np.linalg.norm(axis)
         revolute = kind == "revolute"
         return replace(fixed, type="revolute" if revolute else "prismatic", axis=axis, lower=lower, upper=upper)
 

@@ -27,10 +27,11 @@ def write_urdf(robot: RobotModel, folder: Path) -> None:
     (folder / "meshes").mkdir(parents=True, exist_ok=True)
     root = ET.Element("robot", name=robot.name)
     joint_of = {joint.child: joint for joint in robot.joints}
+    moving = {joint.name for joint in robot.joints if joint.type != "fixed"}
     for stem, link in zip(_file_stems(list(robot.links)), robot.links.values(), strict=True):
         _add_link(root, folder, link, stem)
         if link.name in joint_of:
-            _add_joint(root, joint_of[link.name])
+            _add_joint(root, joint_of[link.name], moving)
     ET.indent(root)
     (folder / "model.urdf").write_text(ET.tostring(root, encoding="unicode") + "\n", encoding="utf-8")
     if robot.touching:
@@ -96,7 +97,7 @@ def _add_mesh(element: ET.Element, file: str) -> None:
     ET.SubElement(ET.SubElement(element, "geometry"), "mesh", filename=file)
 
 
-def _add_joint(root: ET.Element, joint: JointModel) -> None:
+def _add_joint(root: ET.Element, joint: JointModel, moving: set[str]) -> None:
     element = ET.SubElement(root, "joint", name=joint.name, type=joint.type)
     ET.SubElement(element, "parent", link=joint.parent)
     ET.SubElement(element, "child", link=joint.child)
@@ -106,6 +107,8 @@ def _add_joint(root: ET.Element, joint: JointModel) -> None:
     ET.SubElement(element, "axis", xyz=_precise(joint.axis))
     limits = {"lower": numbers([joint.lower]), "upper": numbers([joint.upper])}
     ET.SubElement(element, "limit", limits | {"effort": "100", "velocity": "10"})
+    if joint.follows in moving:
+        ET.SubElement(element, "mimic", joint=joint.follows, multiplier="1", offset="0")
     ET.SubElement(element, "dynamics", damping=numbers([DAMPING]), friction=numbers([FRICTION]))
 
 

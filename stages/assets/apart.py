@@ -4,10 +4,8 @@ reader stops nothing else."""
 import json
 import os
 import resource
-import select
 import signal
 import sys
-import time
 import traceback
 from collections.abc import Callable
 from pathlib import Path
@@ -34,12 +32,12 @@ def apart(path: Path, work: Callable[[], str]) -> str:
         os.close(answer)
         _work(path, work, ours)
     os.close(ours)
-    said, late = _answer(answer, WAIT)
-    if late:
-        os.kill(child, signal.SIGKILL)
+    with os.fdopen(answer, "rb") as told:
+        said = told.read()
     status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
-    if late or status == -signal.SIGXCPU:
-        raise InputError(path, f"takes more than {WAIT if late else SECONDS} s to read.", SIMPLER, code="E-MODEL-TIME")
+    if status in (-signal.SIGXCPU, -signal.SIGALRM):
+        seconds = SECONDS if status == -signal.SIGXCPU else WAIT
+        raise InputError(path, f"takes more than {seconds} s to read.", SIMPLER, code="E-MODEL-TIME")
     if status != 0:
         what = f"crashes what reads it, or takes more than {MEGABYTES} MB of memory ({_name(status)})."
         raise InputError(path, what, SIMPLER, code="E-MODEL-CRASH")
@@ -48,17 +46,6 @@ def apart(path: Path, work: Callable[[], str]) -> str:
         where, what, fix, kind = error
         raise InputError(where, what, fix, code=kind)
     return str(text)
-
-
-def _answer(pipe: int, seconds: float) -> tuple[bytes, bool]:
-    """What comes out of a pipe until it is closed, and whether it was not within so many seconds."""
-    said, end = b"", time.monotonic() + seconds
-    with os.fdopen(pipe, "rb", buffering=0) as told:
-        while select.select([told], [], [], max(0.0, end - time.monotonic()))[0]:
-            if not (part := told.read(2**16)):
-                return said, False
-            said += part
-    return said, True
 
 
 def _work(path: Path, work: Callable[[], str], ours: int) -> None:
@@ -94,6 +81,8 @@ def _limit() -> None:
     seconds = int(used.ru_utime + used.ru_stime) + SECONDS
     resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 1))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    signal.signal(signal.SIGALRM, signal.SIG_DFL)
+    signal.setitimer(signal.ITIMER_REAL, WAIT)
     status = Path("/proc/self/status")
     if status.exists():
         held = next(int(line.split()[1]) for line in status.read_text().splitlines() if line.startswith("VmData"))

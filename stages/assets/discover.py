@@ -94,7 +94,7 @@ def unusable(path: Path, folder: Path, kinds: Sequence[str]) -> str | None:
             return f"is a link out of {folder.name}/"
         return f"is a link to a folder of {folder.name}/, which counts where it is"  # links may lead in circles
     if path.suffix.lower() in kinds and not path.is_file() and not path.is_dir():
-        return "is a link to nothing" if path.is_symlink() else "is no file that can be read"
+        return "is no file that can be read" if path.exists() else "is a link to nothing"
     return None
 
 

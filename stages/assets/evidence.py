@@ -6,17 +6,19 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from stages.articulated.forward_kinematics import closed_box, link_frames
+from stages.articulated.forward_kinematics import closed_box
+from stages.articulated.hung import Hinge, Slide, hinges, slides
 from stages.articulated.model import Matrix, RobotModel
-from stages.articulated.sense import ALONG, LEAST_TURN, SHORTEST, front_direction, squared
+from stages.articulated.sense import front_direction, squared
 from stages.assets.importers import Axis, Importer
 from stages.assets.imports import in_file, standing, usual_front
+from stages.assets.upright import CLEAR, FITS, FOOT, UPS, Up, chosen, number, said_by_hinges, said_by_slides
 from stages.contracts.files import Contract
 from stages.procedural.sizes import usual
 
 T = TypeVar("T")
 UNITS = {1.0: "metres", 0.01: "centimetres", 0.001: "millimetres", 0.0254: "inches"}
-UPS: tuple[Axis, Axis] = ("+y", "+z")  # directions that files call up
+SMALLER = (0.001, 0.01, 0.0254)
 MAJORITY = 3  # models that say the same, at least, and times as many of them as say otherwise
 ORIGIN = 0.01  # of its height, by which the foot of what stands may miss the origin's height
 
@@ -32,20 +34,41 @@ class Shared(Contract):
 class Evidence(Contract):
     """What a model tells of its file.
 
-    extents: (3,) in its frame and unit. slides: the direction up if its drawers slide level. up: that, or the direction
-    in which its doors hang upright and its foot is at the origin's height. fronts: by up, where its doors and drawers
-    open to.
+    extents: (3,) in its frame and unit. hinges, slides: of it. foot: the direction in which alone its foot is at the
+    origin's height. fronts: by up, where its doors and drawers open to.
     """
 
     extents: tuple[float, float, float]
-    slides: Axis | None = None
-    up: Axis | None = None
+    hinges: tuple[Hinge, ...] = ()
+    slides: tuple[Slide, ...] = ()
+    foot: Axis | None = None
     fronts: dict[Axis, Axis] = {}
+
+    def up(self, category: str, agreed: Axis | None = None, sure: bool = False) -> Up:
+        """The direction up, if such files agree on one: all but exceptions (`sure`), or many of them.
+
+        One that is none of `UPS`, as an importer of a user's may have, stays: nothing here speaks of such.
+        """
+        if agreed is not None and agreed not in UPS:
+            return Up(agreed, 0.0, "", "")
+        says = {
+            "hinges": said_by_hinges(self.hinges, category),
+            "slides": said_by_slides(self.slides),
+            "foot": FOOT * np.array([up == self.foot for up in UPS]),
+            "size": FITS * np.array([self.unit(category, up) is not None for up in UPS]),
+        }
+        return chosen(says, agreed, sure)
 
     def unit(self, category: str, up: Axis) -> float | None:
         """Metres per unit in which it is as large as its category usually is; None: in none, or that is not known."""
         sizes, size = usual(category), self.standing(up)
         return next((unit for unit in UNITS if sizes is not None and sizes.misfit(size * unit) == 0), None)
+
+    def likeliest_unit(self, category: str, up: Axis) -> float:
+        """Metres per unit of a thing that would be absurd in metres: that in which it is nearest to its category's
+        usual size, else a millimetre."""
+        sizes, size = usual(category), self.standing(up)
+        return min(SMALLER, key=lambda unit: sizes.misfit(size * unit) if sizes else 0.0)
 
     def standing(self, up: Axis) -> Matrix:
         """Its extents (3,), the height last."""
@@ -55,34 +78,20 @@ class Evidence(Contract):
 
 def evidence(robot: RobotModel) -> Evidence:
     """The evidence of a model, in its file's frame."""
-    box, frames = closed_box(robot), link_frames(robot)
-    slides, hinges = (_of_joints(robot, frames, kind) for kind in ("prismatic", "revolute"))
-    grounded = [up for up in UPS if abs(box[0, "xyz".index(up[1])]) < ORIGIN * np.ptp(box, axis=0)["xyz".index(up[1])]]
-    foot = grounded[0] if len(grounded) == 1 else None
+    box = closed_box(robot)
+    extents = np.ptp(box, axis=0)
+    grounded = [up for up in UPS if abs(box[0, number(up)]) < ORIGIN * extents[number(up)]]
     fronts: dict[Axis, Axis] = {}
     for up in UPS:
         if (told := front_direction(squared(standing(robot, up, usual_front(up)))[0])) is not None:
             fronts[up] = in_file(told[0], usual_front(up), up)
     return Evidence(
-        extents=tuple(np.ptp(box, axis=0).tolist()),
-        slides=slides,
-        up=slides or (foot if hinges in (None, foot) else None),
+        extents=tuple(extents.tolist()),
+        hinges=tuple(hinges(robot)),
+        slides=tuple(slides(robot)),
+        foot=grounded[0] if len(grounded) == 1 else None,
         fronts=fronts,
     )
-
-
-def _of_joints(robot: RobotModel, frames: Mapping[str, Matrix], kind: str) -> Axis | None:
-    """The direction up by the axes of its slides, which are level, or hinges, most of which are upright."""
-    least = SHORTEST * float(np.ptp(closed_box(robot), axis=0).max()) if kind == "prismatic" else LEAST_TURN
-    axes = [
-        np.abs(frames[joint.child][:3, :3] @ joint.axis)
-        for joint in robot.joints
-        if joint.type == kind and joint.upper - joint.lower > least
-    ]
-    y, z = (sum(axis[number] > ALONG for axis in axes) for number in (1, 2))
-    if y == z:
-        return None
-    return "+y" if (y > z) == (kind == "revolute") else "+z"
 
 
 class Told(NamedTuple):
@@ -100,7 +109,8 @@ def shared(models: Iterable[Told], kinds: Mapping[str, Importer]) -> tuple[dict[
         groups.setdefault(model.kind, []).append(model)
     common, words = {}, {}
     for kind, group in sorted(groups.items()):
-        ups = [one.evidence.up for one in group if one.evidence.up]
+        told_ups = [one.evidence.up(one.category) for one in group]
+        ups = [told.axis for told in told_ups if told.ahead >= CLEAR]
         up = _most(ups)
         by_up = up or kinds[kind].up
         units = [unit for one in group if (unit := one.evidence.unit(one.category, by_up))]

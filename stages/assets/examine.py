@@ -16,13 +16,14 @@ from stages.articulated.model import RobotModel
 from stages.articulated.urdf_writer import write_urdf
 from stages.assets.apart import apart
 from stages.assets.discover import NUMBERED, Found
-from stages.assets.evidence import UNITS, UPS, Evidence, Shared, evidence
+from stages.assets.evidence import UNITS, Evidence, Shared, evidence
 from stages.assets.importers import Importer
 from stages.assets.importers.urdf import IMPORTER as URDF
 from stages.assets.imports import ModelFile, Notes, import_file, in_one_line, usual_front, with_notes
 from stages.contracts.errors import InputError, plain
 from stages.contracts.files import Contract, read_json, write_json
 from stages.contracts.library import Asset, Joint
+from stages.contracts.types import LARGEST
 from stages.procedural.sizes import unusual, usual
 
 NOTES = "asset.json"
@@ -118,7 +119,7 @@ def examined(
             found.path, lambda: kind.dump_json(_examined(named, importer, place, work, tells, shared)).decode()
         )
     except InputError as error:
-        return Examined(found.path, place, doubts=[str(error).removeprefix(f"{found.path}: ")])
+        return Examined(found.path, place, doubts=[str(error).removeprefix(plain(f"{found.path}: "))])
     model = kind.validate_json(told)
     asset = model.asset
     twin = next((other for other in before if asset and other.asset and other.asset.checksum == asset.checksum), None)
@@ -145,7 +146,7 @@ def _examined(found: Found, importer: Importer, place: Path, work: Path, tells: 
             asset, doubts = import_file(with_notes(as_written, URDF), work)
             model.doubts += doubts
     except InputError as error:
-        model.doubts.append(str(error).removeprefix(f"{found.path}: ").removeprefix(f"{written}: "))
+        model.doubts.append(str(error).removeprefix(plain(f"{found.path}: ")).removeprefix(plain(f"{written}: ")))
         return model
     model.asset = asset
     if odd := unusual(asset.category, np.array(asset.size)):
@@ -157,22 +158,25 @@ def guessed(file: ModelFile, tells: Evidence, shared: Shared) -> tuple[Notes, li
     """The notes beside a model, with what they do not say: as the folder's models share it, else as this one tells it,
     else as such files usually are; and what was not usual, in lines."""
     notes, kind, lines = file.notes, f"most {file.path.suffix.lower()} here", list[str]()
-    agreed, told_up = file.importer.up, notes.up or shared.up or tells.slides
-    if told_up is None and not file.importer.has_up:
-        usual_up = (one for one in (agreed, *UPS) if tells.unit(file.category, one) is not None)
-        told_up = tells.up or next(usual_up, None)
-    up = told_up or agreed
+    agreed, told = file.importer.up, tells.up(file.category, file.importer.up, file.importer.has_up)
+    up = notes.up or shared.up or told.axis
     if notes.up is None and (up != agreed or (shared.up and not file.importer.has_up)):
-        lines.append(f"up {up} {f'as {kind}' if shared.up else 'as it tells itself'}")
+        lines.append(f"up {up} {f'as {kind}' if shared.up else f'by its {told.because}'}")
+    elif notes.up is None and told.doubt:
+        lines.append(f"up {up} as such files have it, though {told.doubt}")
     scale, sizes = notes.scale, usual(file.category)
     if "scale" not in notes.model_fields_set:
         if file.path.name in NUMBERED and sizes and sizes.misfit(tells.standing(up)):
             scale = sizes.factor(tells.standing(up))
             lines.append("as large as ours are: models of PartNet have no size")
-        elif (unit := shared.unit or tells.unit(file.category, up) or 1.0) != 1.0:
-            scale = unit
-            name = UNITS.get(unit, f"units of {unit:g} m")
-            lines.append(f"in {name} {f'as {kind}' if shared.unit else 'by its size'}")
+        else:
+            scale = shared.unit or tells.unit(file.category, up) or 1.0
+            by, largest = f"as {kind}" if shared.unit else "by its size", max(tells.extents)
+            if scale * largest > LARGEST:
+                by = f"as it would be {scale * largest:.3g} m else"
+                scale = tells.likeliest_unit(file.category, up)
+            if scale != 1.0:
+                lines.append(f"in {UNITS.get(scale, f'units of {scale:g} m')} {by}")
     front, opens = notes.front, tells.fronts.get(up)
     if front is None and opens is not None:
         front = opens

@@ -43,7 +43,7 @@ def run(folder: Path, /, *, out: Path) -> None:
         try:
             told[one.path] = read(one, kinds[one.path.suffix.lower()], where[one.path])
         except InputError as error:
-            line = str(error).removeprefix(f"{one.path}: ")
+            line = str(error).removeprefix(plain(f"{one.path}: "))
             models[one.path] = Examined(one.path, where[one.path], doubts=[line])
             print(models[one.path].text(), flush=True)
     left = [one for one in found if one.path in told]
@@ -68,7 +68,7 @@ def run(folder: Path, /, *, out: Path) -> None:
                         model.doubts += out_of_reach(work / model.asset.id)
                 except InputError as error:
                     model.asset = None
-                    model.doubts.append(str(error).removeprefix(f"{one.path}: "))
+                    model.doubts.append(str(error).removeprefix(plain(f"{one.path}: ")))
             models[one.path] = model
             print(model.text(), flush=True)
     write_page(out / PAGE, folder, list(models.values()), pack, words)

@@ -249,7 +249,7 @@ def upright(robot: RobotModel, file: ModelFile) -> tuple[RobotModel, list[str]]:
 
 def usual_front(up: Axis) -> Axis:
     """The axis of a file that most models face, where `up` is up."""
-    return "+z" if up == "+y" else "+x"
+    return "+z" if up == "+y" else "+y" if up[1] == "x" else "+x"
 
 
 def standing(robot: RobotModel, up: Axis, front: Axis) -> RobotModel:

@@ -32,6 +32,8 @@ def compiled(path: Path, folder: Path) -> tuple[Any, Any]:
             spec = mujoco.MjSpec.from_file(str(path), vfs=memory)
             # Bodies that nothing weighs, as of visual geoms alone, get their masses from their shapes later.
             spec.compiler.boundmass, spec.compiler.boundinertia = MINIMUM_MASS, MINIMUM_INERTIA
+            for texture in spec.textures:
+                texture.embed = mujoco.mjtEmbed.mjEMBED_TRUE  # else some are left as names, for a viewer to open
             return spec, spec.compile(vfs=memory)
     except Exception as error:  # of MuJoCo's own kinds, by version
         reason = " ".join(str(error).split())[:300]

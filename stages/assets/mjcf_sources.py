@@ -39,7 +39,7 @@ class Sources:
         for here, root in self.roots.items():
             for element in root.iter("model"):
                 for part in self._parts(element, here):
-                    name = element.get("name") or self.roots[part].get("model", "")
+                    name = element.get("name", "") or self.roots[part].get("model", "")
                     self._attached[name].setdefault(here, set()).add(part)
         if (size := self._size(path, ())) > MOST_ELEMENTS:
             what = f"has {size} elements once all is included, attached and replicated."
@@ -102,9 +102,10 @@ class Sources:
         if element.tag == "attach":  # a model that this file names, or one that includes it
             named = self._attached[element.get("model", "")]
             parts = named.get(here) or set().union(*named.values()).difference(above)
-        own = sum(self._elements(child, here, above) for child in element)
+        inside = sum(self._elements(child, here, above) for child in element)
+        inside += sum(self._size(part, above) for part in parts)
         counts = [int(word) for word in element.get("count", "").split() if word.isdecimal() and len(word) < 20]
-        return (1 + own + sum(self._size(part, above) for part in parts)) * max(1, prod(counts))
+        return 1 + (inside or len(counts) > 0) * prod(counts)  # a grid of flexible parts has none inside
 
 
 def _names(element: ET.Element) -> list[str]:

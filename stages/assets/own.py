@@ -3,7 +3,7 @@
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from stages.assets.discover import discover
+from stages.assets.discover import Found, discover
 from stages.assets.imports import by_suffix, import_models
 from stages.config.assets import OwnOptions
 from stages.contracts.errors import InputError
@@ -16,17 +16,19 @@ def run(*, folder: Path, models: tuple[str, ...], out: Path, options: str = "{}"
 
     Args:
         folder: of the user.
-        models: <id>=<file> each, files below `folder`.
+        models: <id>=<file> each, files below `folder`, named from there or from where you are.
         out: path of the index; the archive (.zip) gets the same name.
         options: JSON of the config section `assets`.
     """
     kinds = by_suffix(read_options(OwnOptions, options).importers)
-    names = {Path(file): name for name, _, file in (model.partition("=") for model in models)}
-    wanted = {names[one.path]: one for one in discover(folder, list(kinds)) if one.path in names}
-    if gone := set(names.values()) - set(wanted):
-        raise InputError(
-            folder, f"holds no model of '{min(gone)}'.", "each of --models is <id>=<file>", code="E-MODELS-NONE"
-        )
+    found = {one.path.absolute(): one for one in discover(folder, list(kinds))}
+    wanted: dict[str, Found] = {}
+    for name, _, file in (model.partition("=") for model in models):
+        places = [place.absolute() for place in (folder / file, Path(file))]
+        if not (here := [found[place] for place in places if place in found]):
+            what, fix = f"holds no model '{file}'.", "each of --models is <id>=<file>, a model's file below --folder"
+            raise InputError(folder, what, fix, code="E-MODELS-NONE")
+        wanted[name] = here[0]
     with TemporaryDirectory(prefix="acdc-own-") as made:
         _, left_out = import_models(wanted, kinds, Path(made))
         write_part(out, Path(made), left_out)

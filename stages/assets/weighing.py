@@ -5,22 +5,26 @@ from dataclasses import replace
 import numpy as np
 
 from stages.articulated.attributes import moved_by
+from stages.articulated.forward_kinematics import closed_box
 from stages.articulated.model import Link, RobotModel
 from stages.geometry.solids import board_mass, box_inertia
 
 HEAVY = 5.0  # times what boards weigh: a door is no solid block, and the water in its hull is ten times as heavy
+LIGHTEST, HEAVIEST = 1 / 15, 20.0  # times what boards weigh, of a whole thing: thin sheets, and solid stone or steel
+SPARSEST = 4.0  # kg per cubic metre of its box: a chair has fifteen
+ROOM = 4.0  # metres: no thing in a room is as wide and as deep
 SLACK = 0.01  # by which a principal moment of inertia may exceed the sum of the others
 
 
 def weighed_sanely(robot: RobotModel) -> tuple[RobotModel, list[str]]:
     """The model (in metres) with masses of doors and drawers, and inertias, that its shape can have; lines say what was
-    changed."""
-    lines, links = [], dict(robot.links)
+    changed, and what is doubtful about the whole."""
+    lines, links = _doubts(robot), dict(robot.links)
     for joint in robot.joints:
         if joint.type == "fixed":
             continue
         moving = {name: links[name] for name in moved_by(joint, robot.joints)}
-        boards = {name: board_mass(link.collisions, link.visuals) for name, link in moving.items()}
+        boards = {name: _boards(link) for name, link in moving.items()}
         told, expected = sum(link.mass for link in moving.values()), sum(boards.values())
         if told > HEAVY * expected:
             lines.append(
@@ -34,6 +38,24 @@ def weighed_sanely(robot: RobotModel) -> tuple[RobotModel, list[str]]:
         names = ", ".join(f"'{name}'" for name in impossible)
         lines.append(f"inertia of {names} taken for that of a box: nothing has the one in its file")
     return replace(robot, links=links), lines
+
+
+def _doubts(robot: RobotModel) -> list[str]:
+    """Lines if it is as large as a room, or if its file says that it weighs what nothing of its size does."""
+    extents = np.ptp(closed_box(robot), axis=0)
+    shorter, longer = np.sort(extents[:2])
+    lines = [f"is {shorter:.2g} by {longer:.2g} m: a whole room is no model (one file a thing)"] * bool(shorter > ROOM)
+    told = [link for link in robot.links.values() if link.weighed]
+    mass, boards = sum(link.mass for link in told), sum(_boards(link) for link in told)
+    if told and not LIGHTEST * boards <= mass <= HEAVIEST * boards:
+        lines.append(f"weighs {mass:.3g} kg in its file, boards of its size {boards:.3g} kg (asset.json: mass)")
+    elif robot.mass < SPARSEST * np.prod(extents):
+        lines.append(f"weighs {robot.mass:.3g} kg, less than anything of its size (asset.json: mass)")
+    return lines
+
+
+def _boards(link: Link) -> float:
+    return board_mass(link.collisions, link.visuals)
 
 
 def _weighing(link: Link, mass: float) -> Link:

@@ -10,9 +10,11 @@ from stages.contracts.arrays import read_npz
 from stages.contracts.errors import InputError
 from stages.contracts.images import FOLDER
 from stages.contracts.types import LARGEST
+from stages.geometry.depth_marks import marks_of, without
 from stages.geometry.inverse_depth import is_inverse
 
 NEAREST = 0.1  # metres: the median depth of a picture of a room is between this and `LARGEST`
+BYTE = 255  # the largest value of a picture of depth with 8 bits
 SKY = 100.0  # metres: farther away is no room
 WRITE = "np.savez(path, depth=...) with an array (height, width) in metres"
 
@@ -20,8 +22,8 @@ WRITE = "np.savez(path, depth=...) with an array (height, width) in metres"
 def read_depth(path: Path) -> tuple[NDArray[np.float32], bool]:
     """The array `depth` (H, W) in metres, 0: unknown, and the flag `exact`.
 
-    Values that are negative, not finite, or beyond 100 m count as unknown. Whole numbers, and floats with a median
-    beyond a metre when read as millimetres, are millimetres and are converted, which is printed.
+    Values that are negative, not finite, beyond 100 m, or marks (`depth_marks`) count as unknown. Whole numbers, and
+    floats with a median beyond a metre when read as millimetres, are millimetres and are converted, which is printed.
 
     Raises:
         InputError: no such array, no depth at all, or neither metres nor millimetres.
@@ -45,6 +47,14 @@ def read_depth(path: Path) -> tuple[NDArray[np.float32], bool]:
             "one bool, or leave it out",
             code="E-DEPTH-FORMAT",
         )
+    if depth.dtype.itemsize == 1:
+        what = "depth: has 8 bits: a picture of depth, not depth."
+        raise InputError(path, what, WRITE, code="E-DEPTH-FORMAT")
+    # A wall that a person drew is one distance all over, so that of floats only what is beyond a room is a mark.
+    marks = [] if exact else [mark for mark in marks_of(depth) if depth.dtype.kind in "iu" or mark > LARGEST]
+    if marks:
+        print(f"{path}: depth {' and '.join(f'{mark:g}' for mark in marks)} is taken for unknown")
+        depth = without(depth, marks)
     known = np.where(np.isfinite(depth) & (depth > 0), depth, 0)
     if not known.any():
         raise InputError(path, "depth: no value is known (finite and above 0).", WRITE, code="E-DEPTH-EMPTY")
@@ -77,6 +87,9 @@ def _metres_per_unit(path: Path, depth: NDArray[Any]) -> float:
     whole = depth.dtype.kind in "iu"
     if not whole and NEAREST <= median <= LARGEST:
         return 1.0
+    if whole and depth.max() <= BYTE:
+        what = f"depth: has no value above {depth.max():g}: bytes of a picture, not millimetres."
+        raise InputError(path, what, WRITE, code="E-DEPTH-UNIT")
     if (100 if whole else 1000) <= median <= 1000 * LARGEST:
         return 0.001
     raise InputError(

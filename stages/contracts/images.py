@@ -14,11 +14,17 @@ FORMATS = ("PNG", "JPEG", "WEBP", "TIFF", "BMP", "GIF")  # by content: a JPEG ma
 LEAST, MAX_PIXELS = 16, 60_000_000  # pixels of a side, and in all
 SAVE = "save it again as PNG"
 FOLDER = "see docs/scenes.md for what an input folder holds"
+FLAT = 2.0  # standard deviation of the brightness below which nothing is to be seen
+ORIENTATION = 0x0112  # in EXIF data: 1 upright, 3 and 6 and 8 turned, the others mirrored
 DEEP = ("I;16", "I;16B", "I;16L", "I;16N", "I")  # modes of one channel with more than 8 bits
 
 
-def _upright(path: Path) -> Image.Image:
-    """The picture, decoded and turned as its EXIF data say."""
+def upright(path: Path) -> Image.Image:
+    """The picture, decoded and turned as its EXIF data say.
+
+    Raises:
+        InputError: no picture, or one of absurd size.
+    """
     if not path.is_file():
         raise InputError(path, "no such file.", FOLDER, code="E-FILE-MISSING")
     try:
@@ -60,7 +66,7 @@ def read_rgb(path: Path) -> NDArray[np.uint8]:
     Raises:
         InputError: no picture, of absurd size, or with float pixels.
     """
-    image = _upright(path)
+    image = upright(path)
     if image.mode in DEEP:
         grey = np.asarray(image).astype(np.int64)
         if grey.min() < 0 or grey.max() > 65535:
@@ -75,13 +81,34 @@ def read_rgb(path: Path) -> NDArray[np.uint8]:
     return np.array(image.convert("RGB"))
 
 
+def orientation_of(path: Path) -> int:
+    """How EXIF data turn a picture that can be read: 1 (not at all) to 8."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        with Image.open(path, formats=FORMATS) as image:
+            found = image.getexif().get(ORIENTATION, 1)
+    return found if found in range(1, 9) else 1
+
+
+def check_shown(path: Path, rgb: NDArray[np.uint8]) -> None:
+    """Refuse a picture (H, W, 3) that shows nothing: black, white, or transparent all over.
+
+    Raises:
+        InputError: it is all of one colour.
+    """
+    if float(rgb.std(axis=(0, 1)).max()) < FLAT:
+        raise InputError(
+            path, "shows nothing: it is all of one colour.", "take another photograph", code="E-PICTURE-BLANK"
+        )
+
+
 def read_masks(path: Path) -> NDArray[np.uint16]:
     """A label image (H, W) of one channel: 8 or 16 bits, or a palette, whose indices are the values.
 
     Raises:
         InputError: no picture, several channels, float pixels, or a format that changes values (JPEG).
     """
-    image = _upright(path)
+    image = upright(path)
     mend = "write one channel of 16 bits with a value per object, as PNG"
     if image.format in ("JPEG", "MPO"):
         raise InputError(path, "is a JPEG, which changes mask values.", mend, code="E-MASK-FORMAT")

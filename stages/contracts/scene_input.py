@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from stages.contracts.depth import read_depth
 from stages.contracts.errors import InputError
 from stages.contracts.files import atomic, read_json, write_json
-from stages.contracts.images import check_size, read_masks, read_rgb
+from stages.contracts.images import check_shown, check_size, orientation_of, read_masks, read_rgb
 from stages.contracts.scenes import Annotations, Camera
+from stages.geometry.ray_depth import flatter_along
 
 
 @dataclass(frozen=True)
@@ -83,9 +84,17 @@ def write_scene_input(
 
 def _pictures(folder: Path, camera: Camera) -> tuple[NDArray[np.uint8], NDArray[np.float32], bool]:
     rgb = read_rgb(folder / "rgb.png")
+    check_shown(folder / "rgb.png", rgb)
     check_size(folder / "rgb.png", rgb, camera.width, camera.height, "camera.json")
     depth, exact = read_depth(folder / "depth.npz")
     check_size(folder / "depth.npz", depth, camera.width, camera.height, "camera.json")
+    if (turned := orientation_of(folder / "rgb.png")) > 1:
+        print(f"{folder / 'rgb.png'}: is turned by its EXIF data ({turned}); depth and masks are taken to be upright")
+    bent = "" if exact else flatter_along(depth, np.array(camera.intrinsics, dtype=float))
+    if bent == "ray":
+        print(
+            f"{folder / 'depth.npz'}: in doubt: floor and walls are flat if it is the distance along each pixel's ray"
+        )
     return rgb, depth, exact
 
 

@@ -112,6 +112,9 @@ RigidTransform = Annotated[Matrix, AfterValidator(_rigid)]
 CameraMatrix = Annotated[Matrix, AfterValidator(_camera_matrix)]
 
 
+ALIKE, SMALLER = 0.1, 0.25  # shares of a picture's sides by which the middle of another size is told
+
+
 def check_view(width: int, height: int, intrinsics: Matrix) -> None:
     """Refuse a camera that cannot have taken a picture of this size: 3 to 136 degrees, nearly square pixels, an axis
     near the middle. So a matrix in shares of the picture, or of another picture size, is found.
@@ -123,6 +126,10 @@ def check_view(width: int, height: int, intrinsics: Matrix) -> None:
     if not (0.2 * width < cx < 0.8 * width and 0.2 * height < cy < 0.8 * height):
         what = f"cx {cx:g}, cy {cy:g} are far from the middle of {width}x{height} pixels"
         raise ValueError(f"intrinsics: {what}: write those of this picture size, in pixels")
+    across, down = (2 * cx + 1) / width, (2 * cy + 1) / height
+    if abs(across - down) < ALIKE and abs(across - 1) > SMALLER:
+        what = f"cx {cx:g}, cy {cy:g} are in the middle of {across * width:.0f}x{down * height:.0f} pixels"
+        raise ValueError(f"intrinsics: {what}, the picture has {width}x{height}: write those of this picture size")
 
 
 def check_unique(what: str, values: Iterable[Hashable]) -> None:

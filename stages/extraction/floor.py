@@ -12,6 +12,7 @@ from stages.geometry.planes import Plane
 
 ROUGH = 0.05  # share of the distance by which neighbouring pixels differ in the middle: no surface is so rough
 TILTED, OFF = 10.0, 0.2  # degrees, and share of the camera's height, by which a given frame is not that of the picture
+UPRIGHT = 45.0  # degrees, likewise, if nobody says what is the floor
 
 
 def check_smooth(depth: NDArray[np.floating]) -> None:
@@ -40,40 +41,70 @@ def frame_of(
     Raises:
         InputError: no floor is seen, or it is not where the given frame says.
     """
-    floor = None
-    if image.annotations.floor is not None:
-        floor = room.fit_floor(points[usable & (image.masks == image.annotations.floor)], options, rng)
-    if floor is not None and floor.offset >= 0:
-        floor = None  # the camera is below it
-    if image.floor_from_camera is not None:
-        frame = image.floor_from_camera
-        if floor is not None:
-            check_frame(frame, floor)
+    given = image.floor_from_camera
+    if given is not None:
+        check_frame(given, points, image, usable, options)
+        frame = given
     else:
-        frame = room.floor_frame(floor or _found(points, image, usable, options, rng))
+        frame = room.floor_frame(
+            _painted(points, image, usable, options, rng) or _found(points, image, usable, options, rng)
+        )
+        if image.annotations.floor is None:
+            what = (
+                "the level plane that most objects stand on" if image.annotations.objects else "the lowest level plane"
+            )
+            print(f"no mask of the floor: taken to be {what}, {frame[2, 3]:.2f} m below the camera")
     if doubt := height_doubt(float(frame[2, 3])):
         print(doubt)
     return frame
 
 
-def check_frame(frame: NDArray[np.float64], floor: Plane) -> None:
-    """Compare a given `floor_from_camera` (4, 4) with the plane of the floor's pixels, camera frame.
+def check_frame(
+    frame: NDArray[np.float64],
+    points: NDArray[np.float64],
+    image: AnnotatedImage,
+    usable: NDArray[np.bool_],
+    options: ExtractionConfig,
+) -> None:
+    """Compare a given `floor_from_camera` (4, 4) with the floor's pixels; without them, its up with the level planes.
 
     Raises:
-        InputError: they are not the same floor.
+        InputError: they do not go together.
     """
-    tilt = float(np.degrees(np.arccos(np.clip(frame[2, :3] @ floor.normal, -1, 1))))
-    given, seen = float(frame[2, 3]), -floor.offset
+    rng = np.random.default_rng(0)  # of its own: what is drawn later does not depend on it
+    floor = _painted(points, image, usable, options, rng)
+    plane = floor or max(
+        room.level_planes(points[usable], options, rng), key=lambda one: one.inliers.sum(), default=None
+    )
+    if plane is None:
+        return
+    tilt = float(np.degrees(np.arccos(np.clip(frame[2, :3] @ plane.normal, -1, 1))))
+    height, seen = float(frame[2, 3]), -plane.offset
+    what = "the floor that the mask shows" if floor else "the largest level plane"
     if tilt > 180 - TILTED:
-        what = "is upside down: its z points into the floor that the mask shows."
-    elif tilt > TILTED:
-        what = f"is turned by {tilt:.0f} degrees against the floor that the mask shows."
-    elif abs(given / seen - 1) > OFF:
-        what = f"puts the camera {given:.2f} m above the floor, depth of the floor's pixels {seen:.2f} m."
+        fault = f"is upside down: its z points into {what}."
+    elif tilt > (TILTED if floor else UPRIGHT):
+        fault = f"is turned by {tilt:.0f} degrees against {what}."
+    elif floor and abs(height / seen - 1) > OFF:
+        fault = f"puts the camera {height:.2f} m above the floor, depth of the floor's pixels {seen:.2f} m."
     else:
         return
     mend = "give z up, metres, and the camera's axes x right, y down, z forward; or leave it out: it is fitted"
-    raise InputError("camera.json", f"floor_from_camera {what}", mend, code="E-FLOOR-FRAME")
+    raise InputError("camera.json", f"floor_from_camera {fault}", mend, code="E-FLOOR-FRAME")
+
+
+def _painted(
+    points: NDArray[np.float64],
+    image: AnnotatedImage,
+    usable: NDArray[np.bool_],
+    options: ExtractionConfig,
+    rng: np.random.Generator,
+) -> Plane | None:
+    """The floor by its mask; None if there is none, or it is above the camera."""
+    if image.annotations.floor is None:
+        return None
+    floor = room.fit_floor(points[usable & (image.masks == image.annotations.floor)], options, rng)
+    return floor if floor is not None and floor.offset < 0 else None
 
 
 def _found(
@@ -95,7 +126,4 @@ def _found(
             "check depth (metres) and intrinsics",
             code="E-FLOOR-MISSING",
         )
-    if image.annotations.floor is None:
-        what = "the level plane that most objects stand on" if image.annotations.objects else "the lowest level plane"
-        print(f"no mask of the floor: taken to be {what}, {-floor.offset:.2f} m below the camera")
     return floor

@@ -1,21 +1,21 @@
 """The level on which things stand on an object: what most of its upper surface says, whatever else stands there."""
 
 import re
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
+from stages.extraction.clouds import with_top
 from stages.geometry.boxes import UprightBox
 from stages.geometry.estimate import BIN, PROMINENT
 from stages.geometry.frames import yaw_matrix
 
 LEVEL_BLUR = 0.003  # share of the distance: noise of heights, seen from little above
 CELLS = 16  # of a ground plan along either side
+NEARLY = 0.5  # of the most that lies at one height
 HIGHEST = 3  # of the points over a cell that counts: noise is higher
 STRAY = 0.02  # share of an object's points that say nothing
-MOST = 0.5  # of the upper surface, from which on a level carries that is not known to be a top
 # Last words of what is closed and ends in a level top, so that what is higher stands on it: no seat, shelf or bowl.
 TOPPED = """
 table desk counter countertop worktop workbench workstation island bar nightstand sideboard credenza buffet console
@@ -26,17 +26,11 @@ OPEN = "shelf shelve shelving bookshelf bookshelve bookcase rack"  # boards one 
 SEAT = "chair armchair stool sofa couch settee loveseat bench bed ottoman seat"  # stand on the floor
 
 
-class Level(NamedTuple):
-    """A height, metres, and the share of an object's upper surface that lies there."""
-
-    height: float
-    share: float
-
-
-def level_of(points: NDArray[np.float64], box: UprightBox, distance: float) -> Level | None:
+def level_of(points: NDArray[np.float64], box: UprightBox, distance: float) -> float | None:
     """The height at which most of an object's upper surface lies, or most of its front ends, of its points (N, 3).
 
-    Clutter, a back or a tap are higher, but less of it. None for a front alone that nothing is above, and for a foot:
+    Clutter, a back or a tap are higher, but less of it; of heights at which nearly as much lies the lowest carries the
+    others. None for a front alone that nothing is above, and for a foot:
     part of what it stands on.
 
     Args:
@@ -54,12 +48,14 @@ def level_of(points: NDArray[np.float64], box: UprightBox, distance: float) -> L
         gaussian_filter1d(np.histogram(values, bins, (low, high))[0].astype(float), blur, mode="constant")
         for values in (heights, upper)
     )
-    peak = int(np.argmax(above))
+    is_level = everywhere > PROMINENT * len(heights) / bins
+    peaks = (above >= np.roll(above, 1)) & (above >= np.roll(above, -1)) & is_level & (above >= NEARLY * above.max())
+    peak = int(np.argmax(peaks if peaks.any() else above))
     height = low + (peak + 0.5) * (high - low) / bins
     higher = float((heights > height + thick).mean())
-    is_front = everywhere[peak] < PROMINENT * len(heights) / bins and higher < STRAY
-    is_foot = height < np.quantile(heights, STRAY) + thick and higher > MOST
-    return None if is_front or is_foot else Level(height, float((np.abs(upper - height) < thick).mean()))
+    is_front = not is_level[peak] and higher < STRAY
+    is_foot = height < np.quantile(heights, STRAY) + thick and higher > 0.5
+    return None if is_front or is_foot else height
 
 
 def is_uppermost(points: NDArray[np.float64], box: UprightBox, thick: float) -> NDArray[np.bool_]:
@@ -82,11 +78,16 @@ def is_seat(label: str) -> bool:
     return _last_word(label) in SEAT.split()
 
 
-def carrying_height(label: str, level: Level | None, top: float) -> float:
-    """Height at which a thing of this name, whose box ends at `top`, carries others: a chair at its seat."""
-    if level is None or _last_word(label) in OPEN.split() or not (is_topped(label) or level.share >= MOST):
-        return top
-    return min(level.height, top)
+def carrying_heights(label: str, level: float | None, top: float) -> tuple[float, ...]:
+    """Heights at which a thing of this name that reaches up to `top` may carry others, most of it first: a chair at its
+    seat, a desk between its clutter, and on that."""
+    return (top,) if level is None or _last_word(label) in OPEN.split() else (level, top)
+
+
+def ending_near(carrier: UprightBox, heights: tuple[float, ...], bottom: float, reach: float) -> UprightBox:
+    """A carrier's box, ending at the first of its heights within `reach` metres of the bottom of what it may carry."""
+    near = next((height for height in heights if abs(height - bottom) < reach), None)
+    return carrier if near is None else with_top(carrier, near)
 
 
 def _last_word(label: str) -> str:

@@ -107,7 +107,9 @@ def placement(
     tolerance = options.tolerance(view.error.at(distance))
     beneath, support = carrier_beneath(box, carriers, tolerance, SUNK * distance)
     seen = box.top - box.bottom
-    if support == FLOOR and box.top > STRETCHED * seen and not (known or is_seat):  # it would become a column
+    touched = walls_touched(box, others, walls, view, own, options)
+    column = support == FLOOR and box.top > STRETCHED * seen and not (known or is_seat)
+    if column and not (touched and _hangs(box, beneath, tolerance, view, own, options)):
         height, beside = carrier_beneath(box, carriers, tolerance, SUNK * distance, share=0.0)
         if box.bottom - height < 2 * tolerance:
             beneath, support = height, beside
@@ -116,16 +118,10 @@ def placement(
         shelf = height_shown(box, walls, view, own, unnamed, tolerance)
         if shelf is not None and shelf > beneath + tolerance:
             beneath, support = shelf, UNNAMED
-    touched = walls_touched(box, others, walls, view, own, options)
     if known:
         hangs = bool(touched) and box.bottom - beneath > tolerance
-    else:  # depth errs along the view, so a low edge is as sharp as the picture, however far away
-        hangs = (
-            bool(touched)
-            and box.bottom - beneath > OUTLINE * view.pixel_size(distance)
-            and not reaches_down(box, beneath, tolerance, view, own)
-            and free_space_beneath(box, beneath, view, own) >= options.free_space_share
-        )
+    else:
+        hangs = bool(touched) and _hangs(box, beneath, tolerance, view, own, options)
     measured = Mounting(type=1 if hangs else 3 if touched else 2, walls=[wall.id for wall in touched])
     mounting = stated or measured
     standing = box if known or mounting.type == 1 else with_bottom(box, min(beneath, box.top - THINNEST))
@@ -135,3 +131,22 @@ def placement(
     elif standing.bottom - beneath > tolerance:  # a box that was told stays where it is
         support = UNNAMED
     return Placement(mounting, measured, support, standing, standing if behind is None else filled_to(standing, behind))
+
+
+def _hangs(
+    box: UprightBox,
+    beneath: float,
+    tolerance: float,
+    view: DepthView,
+    own: NDArray[np.bool_],
+    options: ExtractionConfig,
+) -> bool:
+    """Whether what touches a wall is seen to end above what is beneath it, a height.
+
+    Depth errs along the view, so a low edge is as sharp as the picture, however far away.
+    """
+    return (
+        box.bottom - beneath > OUTLINE * view.pixel_size(view.distance(box.center))
+        and not reaches_down(box, beneath, tolerance, view, own)
+        and free_space_beneath(box, beneath, view, own) >= options.free_space_share
+    )

@@ -14,7 +14,7 @@ from stages.extraction import masks, room
 from stages.extraction.border import continued_depth
 from stages.extraction.clouds import MAX_POINTS, cleaned_cloud, fit_box, with_top
 from stages.extraction.floor import check_smooth, frame_of
-from stages.extraction.levels import Level, carrying_height, is_seat, is_topped, level_of
+from stages.extraction.levels import carrying_heights, ending_near, is_seat, is_topped, level_of
 from stages.extraction.mounting import collapsed, placement
 from stages.extraction.observation import AnnotatedImage
 from stages.extraction.reflections import without_reflections
@@ -42,14 +42,15 @@ class ExtractedScene:
 
 @dataclass(frozen=True)
 class Found:
-    """An object and what was said of it; its pixels (H, W), cloud (N, 3), box and level if it did not fail."""
+    """An object and what was said of it; if it did not fail its pixels (H, W), cloud (N, 3), box, and the heights at
+    which it may carry others."""
 
     object: SceneObject
     said: Annotation
     mask: NDArray[np.bool_] = field(default_factory=lambda: np.zeros((0, 0), dtype=bool))
     cloud: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 3)))
     box: UprightBox | None = None
-    level: Level | None = None
+    heights: tuple[float, ...] = ()
 
 
 class ObjectError(Exception):
@@ -101,13 +102,7 @@ def reconstruct(
         objects=[one.object for one in found],
     )
     clouds = {one.object.id: one.cloud.astype(np.float32) for one in found if one.box is not None}
-    levels = {
-        one.object.id: carrying_height(
-            one.object.label, one.level, one.object.box.center[2] + one.object.box.size[2] / 2
-        )
-        for one in found
-        if one.object.box is not None
-    }
+    levels = {one.object.id: one.heights[0] for one in found if one.heights}
     return ExtractedScene(objects, clean, image.depth, clouds, levels)
 
 
@@ -148,7 +143,7 @@ def _found(
     """One object's pixels, cloud and box."""
     whole = item.box is not None and not item.guessed
     known = SceneObject(id=name, whole=whole, **item.model_dump(exclude={"box", "guessed", "mounting"}))
-    level, share = None, None
+    share, heights = None, tuple[float, ...]()
     try:
         mask = _object_mask(item, image, crop, options)
         if item.box is not None:
@@ -158,14 +153,14 @@ def _found(
         else:
             share = round(float((image.depth[mask] > 0).mean()), 3)
             cloud = _object_cloud(mask, image, floor_from_camera, options, rng)
-            box, level = _fitted(item.label, cloud, mask, image, floor_from_camera, error, options)
+            box, heights = _fitted(item.label, cloud, mask, image, floor_from_camera, error, options)
         extent = float(np.max(box.size))
         if extent > LARGEST:
             raise ObjectError(f"{extent:.0f} m large: its depth cannot be right")
     except ObjectError as failure:
         return Found(known.model_copy(update={"status": "failed", "reason": str(failure)}), item)
     seen = {"pixels": pixel_bounds(mask), "points": len(cloud), "depth_known": share}
-    return Found(known.model_copy(update=seen), item, mask, cloud, box, level)
+    return Found(known.model_copy(update=seen), item, mask, cloud, box, heights or (box.top,))
 
 
 def _object_mask(
@@ -210,9 +205,9 @@ def _fitted(
     floor_from_camera: NDArray[np.float64],
     error: DepthError,
     options: ExtractionConfig,
-) -> tuple[UprightBox, Level | None]:
-    """The box of a cleaned cloud, and its level. What has a level top ends there; what lost its thin top to erosion has
-    it again."""
+) -> tuple[UprightBox, tuple[float, ...]]:
+    """The box of a cleaned cloud, and the heights at which it may carry others. What has a level top ends there; what
+    lost its thin top to erosion has it again."""
     box = fit_box(cloud, options)
     distance = float(np.linalg.norm(box.center - floor_from_camera[:3, 3]))
     depth = np.where(mask, image.depth, 0.0)
@@ -220,9 +215,9 @@ def _fitted(
     top = float(np.quantile(whole[:, 2], 1 - options.trim))
     lost = top > box.top + options.tolerance(error.at(distance))
     level = level_of(whole if lost else cloud, box, distance)
-    if level is not None and is_topped(label):
-        return with_top(box, level.height), level
-    return with_top(box, top) if lost else box, level
+    box = with_top(box, top) if lost else box
+    heights = carrying_heights(label, level, box.top)
+    return (box if level is None or not is_topped(label) else with_top(box, level)), heights
 
 
 def _held(
@@ -247,15 +242,16 @@ def _held(
         if note:
             print(f"{scene} {name}: {note}: mounting by geometry")
         told = one.said.box is not None
-        placed = placement(
-            box, carriers, others, walls, view, own, options, told, stated, is_seat(one.said.label), unnamed
-        )
+        seat = is_seat(one.said.label)
+        reach = 2 * options.tolerance(view.noise(box.center))
+        beneath = {key: ending_near(each, done[key].heights, box.bottom, reach) for key, each in carriers.items()}
+        placed = placement(box, beneath, others, walls, view, own, options, told, stated, seat, unnamed)
         if collapsed(box, placed, options.tolerance(view.noise(box.center))):
             reason = "its top is found below what carries it: the depth of one of the two is wrong"
             failed = {"status": "failed", "reason": reason, "points": 0}
             done[name] = Found(one.object.model_copy(update=failed), one.said)
             continue
-        carriers[name] = with_top(placed.filled, carrying_height(one.said.label, one.level, placed.filled.top))
+        carriers[name] = placed.filled
         final = placed.box
         size = rounded(np.maximum(final.size, THINNEST))
         update = {

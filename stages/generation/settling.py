@@ -82,11 +82,7 @@ def settle(
             fallen.append(item.id)
     free = [shifts[item.id] for item in items if not item.held]
     held = [item.id for item in items if item.support == UNNAMED]
-    in_walls = [
-        item.id
-        for item in items
-        if any(behind(item.box, wall) > CONTACT and not is_beyond(item.box, wall) for wall in walls)
-    ]
+    in_walls = reaching_behind(items, walls)
     verdict = Plausibility(
         seconds=options.settle_seconds,
         stable=not (fallen or collisions or held or in_walls),
@@ -98,6 +94,15 @@ def settle(
         collisions=collisions,
     )
     return Settled(verdict, shifts)
+
+
+def reaching_behind(items: Sequence[Placed], walls: Sequence[Wall]) -> list[str]:
+    """Ids of what stands in a wall; what is wholly behind its plane is seen past its end."""
+    return [
+        item.id
+        for item in items
+        if any(behind(item.box, wall) > CONTACT and not is_beyond(item.box, wall) for wall in walls)
+    ]
 
 
 def deepest_contact(scene: sapien.Scene) -> float:

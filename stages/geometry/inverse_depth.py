@@ -24,11 +24,16 @@ def is_inverse(depth: NDArray[np.floating]) -> bool:
     if not is_lower.any() or np.median(values[is_lower]) < np.median(values[~is_lower]):
         return False
     pixels = np.column_stack([columns, rows, np.ones(SAMPLED)]).astype(np.float64)
-    return _planar(values, pixels, rng) > (1 + ON_PLANE) * _planar(1 / values, pixels, rng)
+    return planar(values, pixels, rng) > (1 + ON_PLANE) * planar(1 / values, pixels, rng)
 
 
-def _planar(values: NDArray[np.float64], pixels: NDArray[np.float64], rng: np.random.Generator) -> int:
-    """How many of the values (N,) are linear in the pixels (N, 3), homogeneous, by a few planes."""
+def planar(
+    values: NDArray[np.float64], pixels: NDArray[np.float64], rng: np.random.Generator, off: float = ON_PLANE
+) -> int:
+    """How many of the values (N,) are linear in the pixels (N, 3), homogeneous, by a few planes.
+
+    `off`: share of its value by which one may differ.
+    """
     found = 0
     for _ in range(PLANES):
         if len(values) < 3:
@@ -38,7 +43,7 @@ def _planar(values: NDArray[np.float64], pixels: NDArray[np.float64], rng: np.ra
         if not len(three):
             break
         planes = np.linalg.solve(pixels[three], values[three][..., None])[..., 0]
-        on = np.abs(pixels @ planes.T - values[:, None]) < ON_PLANE * values[:, None]
+        on = np.abs(pixels @ planes.T - values[:, None]) < off * values[:, None]
         best = on[:, np.argmax(on.sum(axis=0))]
         found += int(best.sum())
         values, pixels = values[~best], pixels[~best]

@@ -1,23 +1,25 @@
 """Verb `from-rgbd`: a frame of an RGB-D camera or data set -> an input folder."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Literal
 
 import cv2
+import numpy as np
 
 from stages.contracts import InputError, atomic
-from stages.contracts.images import read_rgb
+from stages.geometry.ray_depth import along_axis, flatter_along
 from stages.inputs.numbered import numbered
 from stages.inputs.rgbd.cameras import KNOWS, Matrix, checked, of_camera, of_field_of_view, read_intrinsics
 from stages.inputs.rgbd.cameras import matrix as intrinsics_of
 from stages.inputs.rgbd.clusters import clustered
-from stages.inputs.rgbd.depth_files import in_metres, read_raw
 from stages.inputs.rgbd.edges import without_edges
-from stages.inputs.rgbd.frame import Frame
-from stages.inputs.rgbd.layouts import read_frame
-from stages.inputs.rgbd.lens import find_distortion, straight_frame
+from stages.inputs.rgbd.frame import Frame, is_nothing
+from stages.inputs.rgbd.layouts import read_frame, read_views, with_camera
+from stages.inputs.rgbd.lens import straight_frame
 from stages.inputs.rgbd.mask_files import read_labelled
+from stages.inputs.rgbd.mask_shapes import listed
+from stages.inputs.rgbd.upright import upright_masks
 from stages.inputs.rgbd.write import fitted, write_frame
 
 
@@ -33,6 +35,7 @@ def run(
     camera: str = "",
     fov: float = 0.0,
     matrix: tuple[float, ...] = (),
+    depth_is: Literal["z", "ray"] = "z",
     masks: Path | None = None,
     labels: Path | None = None,
     clusters: bool = False,
@@ -45,11 +48,12 @@ def run(
         depth: depth aligned to it, at any size: PNG, TIFF, PGM, EXR, NPZ, NPY.
         recording: in the place of both, the folder of a recording: TUM, Open3D, RealSense, Record3D.
         number: which frame of the recording, from 0.
-        unit: of the depth: auto, m, mm, or the number that stands for one metre.
+        unit: of the depth: auto (by files beside it, else its median), m, mm, or the number that stands for one metre.
         intrinsics: file with the colour camera's intrinsics (JSON, YAML, text); distortion in it is taken out.
         camera: its name, in the place of a file, e.g. realsense_d435.
         fov: its field of view over the picture's width in degrees, in the place of both.
         matrix: fx, fy, cx, cy in pixels, in the place of all three.
+        depth_is: z: the distance along the optical axis; ray: along the ray of each pixel, as of many simulators.
         masks: COCO or labelme JSON, or a PNG of indices or colours.
         labels: names of the PNG's values, as JSON.
         clusters: make masks of what stands on a table or floor, by depth alone, to be named by you.
@@ -67,9 +71,9 @@ def run(
             "--matrix", f"has {len(matrix)} numbers.", "fx fy cx cy, in pixels", code="E-CAMERA-INTRINSICS"
         )
 
-    def told(width: int, height: int) -> Matrix:
+    def told(width: int, height: int, picture: str) -> Matrix:
         if intrinsics is not None:
-            return read_intrinsics(intrinsics, width, height)
+            return read_intrinsics(intrinsics, width, height, picture)
         if matrix:
             return checked("--matrix", intrinsics_of(*matrix), width, height)
         return of_camera(camera, width, height) if camera else of_field_of_view(fov, width, height)
@@ -79,7 +83,7 @@ def run(
             raise InputError(
                 "--recording", "has its own pictures.", "leave out --rgb and --depth", code="E-OPTION-CONFLICT"
             )
-        frame = read_frame(recording, number, unit, told if known else None)
+        frame = read_frame(recording, number, unit, told if known else None, intrinsics)
     elif rgb is None or depth is None:
         raise InputError("--rgb, --depth", "both are needed.", "or give --recording", code="E-OPTION-MISSING")
     elif not known:
@@ -90,20 +94,22 @@ def run(
             code="E-CAMERA-MISSING",
         )
     else:
-        frame = _of_files(rgb, depth, unit, told)
-    height, width = frame.rgb.shape[:2]
-    if intrinsics is not None:
-        frame = replace(frame, distortion=find_distortion(intrinsics, frame.intrinsics, width, height))
+        frame = with_camera(read_views(rgb, depth, unit, intrinsics), told, intrinsics)
     if masks is not None:
-        name = "" if rgb is None else rgb.name
-        frame = replace(frame, masks=read_labelled(masks, labels, width, height, name))
-    frame = straight_frame(fitted(frame))
+        frame = _masked(frame, masks, labels)
+    frame = _straight(frame, masks)
+    doubt = ""
+    if depth_is == "ray":
+        frame = replace(frame, depth=along_axis(frame.depth, frame.intrinsics))
+    if flatter := flatter_along(frame.depth, frame.intrinsics):
+        doubt = f"depth in doubt: floor and walls would be flat with --depth-is {'ray' if flatter == 'ray' else 'z'}"
+        print(f"{depth or recording}: {doubt}")
     if frame.masks is not None:
         frame = replace(frame, depth=without_edges(frame.depth, frame.masks.values))
     if clusters and masks is None:
         frame = replace(frame, masks=clustered(frame.depth, frame.intrinsics))
     height, width = frame.rgb.shape[:2]
-    written = write_frame(out, frame)
+    written = write_frame(out, frame, doubt)
     (fx, _, cx), (_, fy, cy), _ = frame.intrinsics
     print("; ".join([*frame.notes, f"fx {fx:.1f} fy {fy:.1f} cx {cx:.1f} cy {cy:.1f} of {width}x{height} pixels"]))
     if written is None:
@@ -123,8 +129,23 @@ def run(
         print(f"{out / 'annotations.json'}: say in it how many doors and drawers there are: {', '.join(opens)}")
 
 
-def _of_files(rgb: Path, depth: Path, unit: str, intrinsics: Callable[[int, int], Matrix]) -> Frame:
-    picture = read_rgb(rgb)
-    metres, line = in_metres(depth, read_raw(depth), unit)
-    height, width = picture.shape[:2]
-    return Frame(picture, metres, intrinsics(width, height), None, [line])
+def _masked(frame: Frame, masks: Path, labels: Path | None) -> Frame:
+    """The frame with the masks of a file."""
+    assert frame.turn is not None
+    turn, name = frame.turn, frame.turn.path.name
+    found = upright_masks(turn, lambda width, height: read_labelled(masks, labels, width, height, name), masks)
+    if nothing := [(label, "is nothing to place") for label in found.labels.values() if is_nothing(label)]:
+        print(f"{masks}: left out: {listed(nothing)}")
+    return replace(frame, masks=found)
+
+
+def _straight(frame: Frame, masks: Path | None) -> Frame:
+    """The frame at one size as a pinhole camera would see it. Prints which masks have no pixels in that."""
+    straight = straight_frame(fitted(frame))
+    if frame.masks is not None and straight.masks is not None:
+        kept = set(np.unique(straight.masks.values).tolist())
+        lost = [(name, "has no pixels") for value, name in frame.masks.labels.items() if value not in kept]
+        if lost:
+            count = len(frame.masks.labels)
+            print(f"{masks}: made straight and fitted, {count - len(lost)} of {count} are left: {listed(lost)}")
+    return straight

@@ -1,6 +1,6 @@
 """Plans to open or close a joint by its handle (paper A.4): Approach, Converge, Articulate."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,13 +15,15 @@ from stages.simulation.kinematics import Array, Chain
 from stages.simulation.robot import GRIPPER_OPEN, REST
 from stages.simulation.target import Target
 
-LESS = 0.6  # of the margin; half of it counts as enough
+SHARES = (1.0, 0.6, 0.3)  # of the margin, the next where the arm cannot follow the handle so far, as of a wide door
+LAG = 0.1  # of the margin: the door may stay behind the hand by so much when half of it is not to be had
 
 
 @dataclass(frozen=True)
 class Plan:
-    """Paths of the hand in the robot base frame, (K, 4, 4) each."""
+    """A grasp, and the paths of the hand in the robot base frame, (K, 4, 4) each."""
 
+    grasp: Grasp
     approach: Array
     converge: Array
     articulate: Array
@@ -36,6 +38,7 @@ def plan_articulation(
     goal: float,
     options: DemonstrationsConfig,
     spare: float = 0.0,
+    without: Collection[Grasp] = (),
 ) -> Plan | None:
     """The first grasp by which the arm can take the target joint from `start` to `goal` without touching anything.
 
@@ -43,13 +46,15 @@ def plan_articulation(
         joints: (7,) of the arm as it stands.
         start, goal: of the target joint; it stands at `start`.
         spare: radians that the arm's joints are to keep to their limits, if some grasp does.
+        without: grasps that are left out.
 
     Returns:
         None if there is none.
     """
     target = surroundings.target
     assert target.handle is not None
-    for choice in (grasps(target, target.handle), from_the_hinge(target, target.handle)):
+    for offered in (grasps(target, target.handle), from_the_hinge(target, target.handle)):
+        choice = [grasp for grasp in offered if grasp not in without]
         plans = list(_plans(chain, joints, base_from_asset, target, choice, start, goal, options))
         candidates = [
             (
@@ -66,11 +71,17 @@ def plan_articulation(
 
 
 def opened_to(target: Target, opening: float, margin: float) -> tuple[float, ...]:
-    """The values to which a joint is moved to open it by a fraction of its range: further by a margin; where the arm
-    cannot follow it so far, as of a wide door, by `LESS` of that.
+    """The values to which a joint is moved to open it by a fraction of its range: further by `SHARES` of a margin, a
+    fraction of the range as well. In a range of 180 degrees all of it may be 36 degrees more than success needs.
     """
-    fractions = (min(1.0, opening + share * margin) for share in (1.0, LESS))
+    fractions = (min(1.0, opening + share * margin) for share in SHARES)
     return tuple(target.lower + fraction * (target.upper - target.lower) for fraction in fractions)
+
+
+def open_enough(target: Target, opening: float, margin: float, goal: float) -> float:
+    """The fraction of its range at which a joint on its way to `goal` (see `opened_to`) is let go."""
+    moved_to = (goal - target.lower) / (target.upper - target.lower)
+    return min(opening + margin / 2, moved_to - LAG * margin)
 
 
 def _plans(
@@ -92,7 +103,7 @@ def _plans(
         before = motion[0].copy()
         before[:3, 3] -= options.pregrasp * before[:3, 2]
         for approach, slack in approaches(chain, joints, before, options.pregrasp):
-            yield Plan(approach, straight(before, motion[0]), motion), slack
+            yield Plan(grasp, approach, straight(before, motion[0]), motion), slack
 
 
 def approaches(chain: Chain, joints: Array, before: Array, apart: float) -> list[tuple[Array, float]]:

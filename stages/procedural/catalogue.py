@@ -57,6 +57,15 @@ def opens(category: str) -> tuple[bool, bool]:
 
 
 @cache
+def leaves(category: str) -> tuple[int, int]:
+    """How many doors on upright hinges, and how many flaps, the founders of a category have."""
+    founders = range(CATEGORIES[category].founders if category in CATEGORIES else 0)
+    layouts = [getattr(_sampled(category, index, 0)[0].recipe, "layout", []) for index in founders]
+    cells = [cell for layout in layouts for line in layout for cell in line]
+    return cells.count("door"), cells.count("flap")
+
+
+@cache
 def _fronts(category: str, index: int, seed: int) -> tuple[int, int]:
     """Doors (and flaps) and drawers of a model."""
     return _sampled(category, index, seed)[0].recipe.fronts

@@ -1,21 +1,31 @@
 """What Open and Close share (paper A.4): Approach, Converge, Grasp, Articulate, Ungrasp, and again after a miss."""
 
 from abc import abstractmethod
+from collections import Counter
+from collections.abc import Collection
 
 import numpy as np
 
+from stages.config.demonstrations import DemonstrationsConfig
 from stages.planning.articulation import Plan, plan_articulation
+from stages.planning.clearance import Surroundings
+from stages.planning.handle_grasp import Grasp
 from stages.planning.path import Pursuit
 from stages.simulation.kinematics import Array, pose_error
 from stages.simulation.target import Target
 from stages.skills.attempts import RetryingSkill
 from stages.skills.motion import CLOSED, LOST, OPEN, Motion, Stall
+from stages.tasks.api import TaskEnv
 
 
 class ArticulateSkill(RetryingSkill):
     """Moves the target joint of a task, by its handle, as far as a subclass says; tries again while there is time."""
 
     final = ("no_handle", "no_plan", "timeout", "ungrasp")
+
+    def __init__(self, task: TaskEnv, options: DemonstrationsConfig) -> None:
+        super().__init__(task, options)
+        self.missed: list[tuple[Grasp, str]] = []  # of this run, with the cause
 
     @property
     def spare(self) -> float:
@@ -27,8 +37,8 @@ class ArticulateSkill(RetryingSkill):
         """Joint values to move towards, the first that the arm can follow."""
 
     @abstractmethod
-    def enough(self) -> bool:
-        """Whether the joint has been moved far enough to let go."""
+    def enough(self, goal: float) -> bool:
+        """Whether the joint has been moved far enough towards `goal` to let go."""
 
     @abstractmethod
     def done(self) -> bool:
@@ -36,20 +46,32 @@ class ArticulateSkill(RetryingSkill):
 
     def attempt(self, motion: Motion, number: int) -> str:
         """One go from where everything stands; returns what failed or ''."""
-        task, surroundings = self.task, self.surroundings()
-        target = surroundings.target
-        if target.handle is None:
+        surroundings = self.surroundings()
+        if surroundings.target.handle is None:
             return "no_handle"
-        stands, base_from_asset = task.joints()[:7], task.env.base_from_asset()
-        for goal in self.goals(target):
-            plan = plan_articulation(
-                task.chain, stands, base_from_asset, surroundings, self.joint(), goal, self.options, self.spare
-            )
-            if plan is not None:
-                break
+        if number == 0:
+            self.missed.clear()
+        plan, goal = self._plan(surroundings)
         if plan is None:
             return "no_plan"
-        return self._approach(motion, plan) or self._articulate(motion, plan.articulate) or self._let_go(motion)
+        cause = self._approach(motion, plan) or self._articulate(motion, plan.articulate, goal) or self._let_go(motion)
+        if cause:
+            self.missed.append((plan.grasp, cause))
+        return cause
+
+    def _plan(self, surroundings: Surroundings) -> tuple[Plan | None, float]:
+        """The plan for the first goal that the arm can follow, and that goal. By chance a good grasp may miss once; one
+        that missed twice gives way to others, if there are any."""
+        task = self.task
+        where = (task.chain, task.joints()[:7], task.env.base_from_asset(), surroundings, self.joint())
+        worn = {grasp for grasp, times in Counter(grasp for grasp, _ in self.missed).items() if times > 1}
+        choices: list[Collection[Grasp]] = [worn, ()] if worn else [()]
+        for without in choices:
+            for goal in self.goals(surroundings.target):
+                plan = plan_articulation(*where, goal, self.options, self.spare, without)
+                if plan is not None:
+                    return plan, goal
+        return None, self.joint()
 
     def _approach(self, motion: Motion, plan: Plan) -> str:
         """Approach and Converge as one motion, then Grasp."""
@@ -63,17 +85,18 @@ class ArticulateSkill(RetryingSkill):
             return "approach" if pursuit.nearest < len(plan.approach) else "converge"
         return cause or ("" if motion.grasp() else "grasp")
 
-    def _articulate(self, motion: Motion, path: Array) -> str:
-        """Along the path of the handle until the joint has moved far enough."""
+    def _articulate(self, motion: Motion, path: Array, goal: float) -> str:
+        """Along the path of the handle until the joint has moved far enough towards `goal`."""
         # A flap is heavy: were it pulled at full speed from the first step, it would stay behind and leave the fingers.
-        before, pace, full = self.task.opened, 0, 3 if self.task.env.target.flap else 1
+        heavy = self.task.env.target.flap or any(cause == "grasp_slip" for _, cause in self.missed)
+        before, pace, full = self.task.opened, 0, 3 if heavy else 1
         pursuit, stall = Pursuit(path, self.options.articulate_lookahead / full), Stall(0.003)
 
         def watch(hand: Array) -> str:
             nonlocal pace
             pace = min(pace + 1, full)
             pursuit.lookahead = self.options.articulate_lookahead * min(pace + 1, full) / full
-            if self.enough():
+            if self.enough(goal) or (motion.last_moment and self.done()):
                 return "enough"
             off = pose_error(path[pursuit.nearest][None], hand[None])[0, :3]
             if motion.empty or np.linalg.norm(off) > LOST:

@@ -44,6 +44,11 @@ class Motion:
         return self.task.steps >= self.task.max_steps
 
     @property
+    def last_moment(self) -> bool:
+        """Whether there is just time to let go."""
+        return self.task.steps >= self.task.max_steps - OPEN_STEPS
+
+    @property
     def fingers(self) -> float:
         """The wider finger joint, metres: half of what is between the fingers, if they are closed on it."""
         return float(self.task.joints()[7:].max())

@@ -10,6 +10,7 @@ from pathlib import Path
 import pandas as pd
 
 from stages.config.tables import MethodTables, PolicyRow, PolicyTables
+from stages.contracts.errors import InputError
 from stages.contracts.policies import Rollout
 from stages.tables.order import SKILL, title
 from stages.tables.rows import ONE_TEST, read_rows
@@ -39,7 +40,11 @@ def by_method(rollouts: pd.DataFrame, rows: Mapping[str, PolicyRow]) -> pd.DataF
     """The rollouts with `task` as a row of the tables; of rows that are not known, the set that comes first is first.
 
     Where more sets were rolled out than trials choose, some were not chosen: then all stand alone.
+
+    Raises:
+        InputError: a policy was rolled out at several checkpoints, which would count as several runs.
     """
+    _check_checkpoints(rollouts)
     names = rollouts["task"].copy()
     for task, part in rollouts[rollouts["training_set"] != SKILL].groupby("task", sort=False):
         row = rows.get(str(task), PolicyRow())
@@ -48,6 +53,14 @@ def by_method(rollouts: pd.DataFrame, rows: Mapping[str, PolicyRow]) -> pd.DataF
         first = next(iter(row.runs), part["run"].iloc[0])
         names[part.index] = [name_of(str(task), run, first) for run in part["run"]]
     return rollouts.assign(task=names)
+
+
+def _check_checkpoints(rollouts: pd.DataFrame) -> None:
+    policy = ["task", "training_set", "run", "seed", *(["condition"] if "condition" in rollouts else [])]
+    for key, checkpoints in rollouts.groupby(policy)["checkpoint"]:
+        if checkpoints.nunique() > 1:
+            what = f"hold checkpoints {' and '.join(sorted(set(checkpoints)))} of the policy {'/'.join(map(str, key))}."
+            raise InputError("--rollouts", what, "give those of one checkpoint", "E-CHECKPOINTS-MIXED")
 
 
 def read_rollouts(paths: Sequence[Path], options: MethodTables) -> pd.DataFrame:

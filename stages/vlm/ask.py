@@ -123,7 +123,7 @@ class Asker:
                 raise UnusableError("the answer holds the key")
             value = parsed(text, answer)
         except (UnusableError, OversizedError) as error:
-            problem = self.endpoint.hidden(str(error))
+            problem = self.endpoint.told(str(error))
         usage, served = usage_of(reply), reply.get("model")
         served = served if isinstance(served, str) else ""
         tokens_in, tokens_out = usage or (size, len(text) // 3)

@@ -14,7 +14,7 @@ from urllib.error import HTTPError
 from urllib.request import Request
 
 from stages.config.vlm import VlmConfig
-from stages.contracts.errors import InputError
+from stages.contracts.errors import InputError, plain
 from stages.vlm.answers import LONGEST
 from stages.vlm.deadline import LARGEST, response_to
 from stages.vlm.secret import hidden
@@ -152,7 +152,7 @@ class Endpoint:
 
     def told(self, text: str) -> str:
         """What a server says, in one line that may be shown."""
-        return self.hidden(" ".join(text.split())[:LONGEST])[:SHOWN]
+        return plain(self.hidden(" ".join(text.split())[:LONGEST])[:SHOWN])
 
     def hidden(self, text: str) -> str:
         """Text without the key, should a server repeat it, and without halves of characters, which no file holds."""

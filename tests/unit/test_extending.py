@@ -280,7 +280,7 @@ def test_a_run_with_plugins_has_a_dag(tmp_path: Path) -> None:
         "assets: {importers: [urdf, 'off']}\n"
         "extraction: {source: smoothed}\n"
         "matching: {encoder: colours, text_encoder: last_word, search: brute, model_selection: by_name}\n"
-        "training: {runs: {micro: {policy: mean_action}}}\n"
+        "training: {runs: {micro: {policy: mean_action}, micro_small: {policy: mean_action}}}\n"
         "experiment: {rooms: [room_1, attic], tasks: {touch: {scene: room_1, object: cabinet_1}, door: null}}\n"
     )
     files = ("config.yaml", "config/test/micro.yaml", "mine.yaml")

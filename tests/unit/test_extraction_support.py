@@ -5,7 +5,7 @@ import pytest
 
 from stages.config.extraction import ExtractionConfig
 from stages.contracts.objects import USUAL_ERROR, Wall
-from stages.extraction.levels import Level, carrying_height, is_topped, level_of
+from stages.extraction.levels import carrying_heights, ending_near, is_topped, level_of
 from stages.extraction.mounting import collapsed, placement
 from stages.extraction.visibility import DepthView
 from stages.extraction.walls import gap_to
@@ -16,7 +16,7 @@ LOOKING_ALONG_X = np.array([[0, 0, 1, 0], [-1, 0, 0, 0], [0, -1, 0, 1.5], [0, 0,
 WALL = Wall(id="wall_1", normal=(-1, 0, 0), offset=-4.0, points=100)
 
 
-def level(cloud: np.ndarray) -> Level | None:
+def level(cloud: np.ndarray) -> float | None:
     return level_of(cloud, minimum_box(cloud, 0.01), 2.0)
 
 
@@ -27,25 +27,26 @@ def surface(rng: np.random.Generator, count: int, height: float, low: tuple, hig
     return points
 
 
+@pytest.mark.parametrize("tallest", [0.4, 0.2])  # the latter: all of one height
 @pytest.mark.parametrize("covered", [0, 0.06, 0.2, 0.4])
 @pytest.mark.parametrize("seed", range(5))
-def test_a_desk_is_as_high_as_most_of_its_top(covered: float, seed: int) -> None:
-    """Boxes of 5 to 40 cm stand on it, their fronts seen, and depth of their edges between both."""
+def test_a_desk_is_as_high_as_most_of_its_top(covered: float, seed: int, tallest: float) -> None:
+    """Boxes of up to 40 cm stand on it, their fronts seen."""
     rng = np.random.default_rng(seed)
     parts = [
         surface(rng, 4000, 0.75, (-0.35, -0.7), (0.35, 0.7)),
         rng.uniform([-0.35, -0.7, 0], [-0.3, 0.7, 0.7], (600, 3)),
     ]
     for _ in range(round(covered * 20)):
-        low, height = rng.uniform([-0.35, -0.7], [0.1, 0.45]), rng.uniform(0.05, 0.4)
+        low, height = rng.uniform([-0.35, -0.7], [0.1, 0.45]), rng.uniform(0.05 if tallest > 0.2 else tallest, tallest)
         high = low + 0.22
         parts[0] = parts[0][~((parts[0][:, :2] > low) & (parts[0][:, :2] < high)).all(axis=1)]
         parts.append(surface(rng, 200, 0.75 + height, tuple(low), tuple(high)))
         parts.append(rng.uniform([low[0], low[1], 0.75], [low[0] + 0.01, high[1], 0.75 + height], (300, 3)))
     cloud = np.concatenate(parts)
     found = level(cloud)
-    assert found is not None and found.height == pytest.approx(0.75, abs=0.01)
-    assert carrying_height("computer desk", found, cloud[:, 2].max()) == found.height
+    assert found == pytest.approx(0.75, abs=0.01)
+    assert is_topped("computer desk")
     if covered:
         assert np.quantile(cloud[:, 2], 0.99) > 0.79  # what the quantile makes of it
 
@@ -54,14 +55,22 @@ def test_a_chair_carries_at_its_seat_and_is_as_high_as_its_back() -> None:
     rng = np.random.default_rng(0)
     back = rng.uniform([0.45, 0, 0.45], [0.5, 0.5, 0.9], (1000, 3))
     found = level(np.concatenate([surface(rng, 3000, 0.45, (0, 0), (0.5, 0.5)), back]))
-    assert found is not None and found.height == pytest.approx(0.45, abs=0.01)
-    assert carrying_height("chair", found, 0.9) == found.height and not is_topped("chair")
+    assert found == pytest.approx(0.45, abs=0.01)
+    assert carrying_heights("chair", found, 0.9) == (found, 0.9) and not is_topped("chair")
 
 
 def test_boards_of_a_shelf_are_no_top() -> None:
-    assert carrying_height("bookshelves", Level(0.8, 0.9), 1.8) == 1.8
-    assert carrying_height("cabinet", Level(0.8, 0.3), 1.8) == 0.8
-    assert carrying_height("thing", Level(0.8, 0.3), 1.8) == carrying_height("thing", None, 1.8) == 1.8
+    assert carrying_heights("bookshelves", 0.8, 1.8) == (1.8,)
+    assert carrying_heights("cabinet", 0.8, 1.8) == (0.8, 1.8)
+    assert carrying_heights("thing", None, 1.8) == (1.8,)
+
+
+@pytest.mark.parametrize(
+    ("bottom", "top"), [(0.52, 0.45), (0.85, 0.9), (0.67, 0.9)]
+)  # a table's top over it: not on it
+def test_a_carrier_ends_at_its_height_that_is_near(bottom: float, top: float) -> None:
+    chair = UprightBox([2, 0, 0.45], [0.5, 0.5, 0.9], 0.0)
+    assert ending_near(chair, (0.45, 0.9), bottom, 0.12).top == pytest.approx(top)
 
 
 @pytest.mark.parametrize(
@@ -125,6 +134,39 @@ def test_what_is_squeezed_flat_is_told(distance: float, height: float, left: flo
     placed = placement(seen, {"table": table}, [table], [], empty, np.zeros((9, 9), bool), ExtractionConfig())
     assert placed.box.size[2] == pytest.approx(left)
     assert collapsed(seen, placed, 0.06) == (left == 0.01 and height == 0.09)
+
+
+def held_by(box: UprightBox, carrier: UprightBox, walls: list[Wall], **said: bool) -> str:
+    lens = np.array([[30.0, 0, 45], [0, 30.0, 45], [0, 0, 1]])
+    empty = DepthView(np.full((90, 90), 9.0, np.float32), lens, LOOKING_ALONG_X, USUAL_ERROR)
+    own = np.zeros((90, 90), bool)
+    placed = placement(box, {"carrier": carrier}, [carrier], walls, empty, own, ExtractionConfig(), **said)
+    return placed.support
+
+
+@pytest.mark.parametrize(
+    ("y", "bottom", "said", "support"),
+    [
+        (0.45, 0.61, {}, "carrier"),
+        (0.55, 0.61, {}, "carrier"),  # a third over its edge: depth of one of them errs
+        (0.55, 0.61, {"is_seat": True}, "floor"),  # a chair behind the table
+        (0.55, 0.85, {}, "floor"),
+        (0.75, 0.61, {}, "floor"),
+    ],
+)
+def test_what_would_become_a_column_stands_on_what_it_is_beside(
+    y: float, bottom: float, said: dict, support: str
+) -> None:
+    table, cup = UprightBox([2, 0, 0.3], [1, 1, 0.6], 0.0), UprightBox([2, y, bottom + 0.05], [0.1, 0.1, 0.1], 0.0)
+    assert held_by(cup, table, [], **said) == support
+
+
+def test_a_cabinet_on_the_wall_beside_a_tall_fridge_hangs() -> None:
+    fridge, cabinet = (
+        UprightBox([3.7, 0, 0.73], [0.6, 0.6, 1.46], 0.0),
+        UprightBox([3.8, 0.55, 1.7], [0.4, 0.6, 0.6], 0.0),
+    )
+    assert held_by(cabinet, fridge, [WALL]) == "wall"
 
 
 @pytest.mark.parametrize(("bottom", "support"), [(0.62, "table"), (1.0, "unnamed")])

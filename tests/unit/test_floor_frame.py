@@ -55,6 +55,13 @@ def test_a_frame_that_is_not_that_of_the_floor_is_refused(frame: np.ndarray, wor
         extracted(frame)
 
 
+def test_without_a_mask_of_the_floor_level_planes_tell_what_is_up() -> None:
+    assert extracted(turned(about_y(5.0)), floor=False).objects.walls is not None
+    for rotation, word in ((UPSIDE_DOWN, "upside down"), (about_y(60.0), "turned by 60 degrees")):
+        with refused("E-FLOOR-FRAME", word):
+            extracted(turned(rotation), floor=False)
+
+
 @pytest.mark.parametrize("floor", [True, False])
 def test_noise_is_no_depth(floor: bool) -> None:
     rng = np.random.default_rng(0)

@@ -20,7 +20,7 @@ from stages.generation.generate import build, run
 from stages.generation.inputs import Inputs, read_inputs
 from stages.generation.models import beyond_front, collision_pieces, visual_meshes
 from stages.generation.scene_file import scene_of, summary
-from stages.generation.settling import load_items, physics_check, settle
+from stages.generation.settling import load_items, physics_check, reaching_behind, settle
 from stages.geometry.cameras import intrinsics_from_fov, look_at
 from stages.geometry.frames import yaw_matrix
 from stages.procedural import build as build_asset
@@ -282,13 +282,34 @@ def test_the_story_of_a_place_is_told(made: Path) -> None:
 def test_what_is_too_large_or_behind_a_wall_is_doubted() -> None:
     back = Wall(id="wall_1", normal=(-1, 0, 0), offset=-4.0, points=100)  # seen from x < 4
     mirror = thing("mirror", (4.2, 0, 1.5), (0.6, 2.2, 2.65))
-    assert doubts(mirror, [back]) == [
+    seen = SceneObject(id="mirror_1", label="mirror", mask=1)
+    assert doubts(mirror, [back], seen) == [
         "is 60 by 220 cm, 265 cm high; usual are 3 to 4 by 35 to 63 cm, 77 to 128 cm high",
         "reaches 50 cm behind wall_1",
     ]
-    assert doubts(thing("mirror", (3.9, 0, 1.5), (0.04, 0.6, 0.9)), [back]) == []
-    assert len(doubts(mirror, [back], sized=True)) == len(doubts(mirror, [back])) - 1  # a person says how large it is
-    assert len(doubts(thing("gizmo", (0, 0, 1.5), (9, 9, 9), support="unnamed"), [])) == 1
+    assert doubts(thing("mirror", (3.9, 0, 1.5), (0.04, 0.6, 0.9)), [back], seen) == []
+    sized = seen.model_copy(update={"told": ["size"]})
+    assert doubts(mirror, [back], sized) == ["reaches 50 cm behind wall_1"]  # a person says how large it is
+    assert len(doubts(thing("gizmo", (0, 0, 1.5), (9, 9, 9), support="unnamed"), [], seen)) == 1
+
+
+def test_a_wall_ends_before_what_is_seen_beyond_it() -> None:
+    """A table in the next room: it is told where it is, and the scene is as stable as it is."""
+    back = Wall(id="wall_1", normal=(-1, 0, 0), offset=-4.0, points=100)
+    beyond, half = thing("gizmo", (7.0, 0, 0.4), (0.8, 1.2, 0.7)), thing("gizmo", (4.2, 0, 0.4), (0.8, 1.2, 0.7))
+    seen = SceneObject(id="gizmo_1", label="gizmo", mask=1)
+    assert doubts(beyond, [back], seen) == [
+        "is seen beyond wall_1: past its end or through an opening, else in a mirror"
+    ]
+    assert doubts(half, [back], seen) == ["reaches 60 cm behind wall_1"]
+    assert reaching_behind([beyond, half], [back]) == [half.id]
+
+
+@pytest.mark.parametrize(("known", "doubted"), [(None, False), (0.9, False), (0.03, True)])
+def test_the_place_of_what_has_hardly_any_depth_is_doubted(known: float | None, doubted: bool) -> None:
+    seen = SceneObject(id="gizmo_1", label="gizmo", mask=1, depth_known=known)
+    found = doubts(thing("gizmo", (2, 0, 0.4), (0.8, 1.2, 0.7)), [], seen)
+    assert found == (["depth is known on 3 % of its pixels: its place is not certain"] if doubted else [])
 
 
 def test_what_has_toppled_has_fallen_however_near_it_lies(scene: dict[str, Path], tmp_path: Path) -> None:

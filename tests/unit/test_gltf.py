@@ -1,6 +1,7 @@
 """glTF: what moves, repeats or packs a mesh is worked out on reading, what cannot be is refused or told by name."""
 
 import io
+import json
 from pathlib import Path
 from typing import Any
 
@@ -237,6 +238,20 @@ def test_numbers_that_are_not_there_are_one_line(tmp_path: Path, key: str, value
     primitive["indices"] = file.add([0, 1, 99], "uint8")
     with refused("E-MESH-BROKEN", "a face names corner 99 of 8"):
         read(file.show(primitive), tmp_path)
+
+
+def test_buffers_that_are_missing_and_old_files_are_one_line(tmp_path: Path) -> None:
+    file = Gltf()
+    path = file.show(file.box()).write(tmp_path / "a.gltf")
+    text = json.loads(path.read_text())
+    text["buffers"][0]["uri"] = "../a.bin"
+    path.write_text(json.dumps(text))
+    (tmp_path.parent / "a.bin").write_bytes(file.data)
+    with refused("E-MESH-BROKEN", f"its buffer '../a.bin' is not in {tmp_path.name}/"):
+        load_meshes(path, tmp_path)
+    path.write_text(json.dumps(text | {"asset": {"version": "1.0"}}))
+    with refused("E-MESH-BROKEN", "it is glTF 1.0, and 2.0 is read"):
+        load_meshes(path, tmp_path)
 
 
 def test_mirrored_nodes_keep_their_outside_outside(tmp_path: Path) -> None:

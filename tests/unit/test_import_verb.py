@@ -15,6 +15,7 @@ from stages.assets.evidence import Evidence
 from stages.assets.import_ import run
 from stages.assets.importers import Axis
 from stages.assets.imports import axis_vector, in_file
+from stages.assets.own import run as own
 from stages.assets.portrait import ARROW
 from stages.contracts.errors import InputError
 from stages.procedural.sizes import unusual
@@ -87,6 +88,35 @@ def test_a_model_tells_the_unit_in_which_it_is_as_large_as_its_category() -> Non
     ):
         assert Evidence(extents=extents).unit("chair", up) == unit
     assert Evidence(extents=(700, 300, 400)).unit("gearbox", "+z") is None
+
+
+@pytest.mark.parametrize(
+    ("name", "size", "unit", "size_in_cm"),
+    [
+        ("wheel", (65.0, 65.0, 1.5), "millimetres", "6.5 cm wide, 6.5 deep, 0.15 high"),
+        ("chair", (80.0, 80.0, 300.0), "millimetres", "8 cm wide, 8 deep, 30 high"),
+        ("table", (40.0, 40.0, 40.0), "inches", "102 cm wide, 102 deep, 102 high"),
+    ],
+)
+def test_units_are_tried_where_metres_are_absurd(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str, size: tuple[float, ...], unit: str, size_in_cm: str
+) -> None:
+    (tmp_path / "theirs").mkdir()
+    trimesh.creation.box(size).export(tmp_path / f"theirs/{name}.stl")
+    run(tmp_path / "theirs", out=tmp_path / "mine")
+    said = capsys.readouterr().out
+    assert size_in_cm in said and f"in {unit} " in said
+
+
+def test_own_takes_files_from_its_folder_or_from_here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "theirs/chair").mkdir(parents=True)
+    trimesh.creation.box((0.45, 0.9, 0.5)).export(tmp_path / "theirs/chair/plain.glb")
+    monkeypatch.chdir(tmp_path)
+    for number, file in enumerate(("chair/plain.glb", "theirs/chair/plain.glb", tmp_path / "theirs/chair/plain.glb")):
+        own(folder=Path("theirs"), models=(f"chair_plain={file}",), out=tmp_path / f"{number}.json")
+        assert json.loads((tmp_path / f"{number}.json").read_text())["left_out"] == []
+    with refused("E-MODELS-NONE", "chair/gone.glb"):
+        own(folder=Path("theirs"), models=("a=chair/gone.glb",), out=tmp_path / "gone.json")
 
 
 @pytest.mark.parametrize("front", ["+x", "-x", "+y", "-y"])

@@ -12,10 +12,12 @@ import yaml
 from stages.config.model import load, merged
 from stages.contracts import InputError
 from stages.contracts.cousins import ObjectCousins
-from stages.vlm import endpoint
+from stages.vlm import ask, endpoint
+from stages.vlm.secret import hidden
 from tests.refusals import refused
-from tests.unit.chat_server import Handler, chooses, pictures, says, serving
+from tests.unit.chat_server import KEY, Handler, chooses, pictures, says, serving
 from tests.unit.matching_data import SIZE, World
+from tests.unit.test_vlm_key import WAYS, places
 from tests.workflow.workspace import ROOT
 
 BOTH = {"model_selection": "vlm", "orientation_selection": "vlm"}
@@ -132,6 +134,22 @@ def test_a_scene_is_replayed_byte_for_byte(world: World, tmp_path: Path, capsys:
         judged(world, tmp_path, "http://127.0.0.1:9", {"mode": "replay", "model": "other"}, **BOTH)
     with refused("E-SNAPSHOTS-MISSING"):
         judged(world, tmp_path, "http://127.0.0.1:9", {"mode": "replay"}, seen=False, **BOTH)
+
+
+@pytest.mark.parametrize("place", ["a reason", "a field, escaped", "an error", "the model"])
+def test_neither_cousins_nor_ledger_hold_a_key_that_the_server_says(
+    world: World, tmp_path: Path, place: str, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("TOY_KEY", KEY)
+    monkeypatch.setattr(ask, "SILENCES", 99)
+    for way in ("as it is", "escaped", "base64"):
+        folder = tmp_path / way
+        with serving(places(WAYS[way](KEY))[place], key=KEY) as server:
+            judged(world, folder, server.url, {"key_env": "TOY_KEY"}, model_selection="vlm")
+        said = "".join(path.read_text() for path in folder.rglob("*") if path.is_file())
+        assert '"cousins"' in said and '"exchanges"' in said
+        for text in (said, *capfd.readouterr()):
+            assert hidden(text.replace(server.url, ""), KEY) == text.replace(server.url, ""), way
 
 
 def test_nothing_of_ours_counts_in_the_rows_of_the_paper() -> None:

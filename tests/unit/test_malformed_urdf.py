@@ -230,12 +230,13 @@ def test_what_a_model_can_do_without_is_said(folder: Path, old: str, new: str, s
     assert all(0.01 <= link.mass <= 1000 and np.isfinite(link.inertia).all() for link in robot.links.values())
 
 
-def test_a_slide_of_kilometres_is_fixed(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_slide_of_kilometres_is_cut(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = folder / "bottom_cabinet" / "Oak 1" / "cab.urdf"
     path.write_text(CABINET.replace(SLIDE, 'lower="0" upper="5000"'))
     (entry,) = import_folder(folder, folder.parent / "models")
-    assert [joint.name for joint in entry.joints] == ["hinge"]
-    assert "'slide' (slides farther than all is deep)" in capsys.readouterr().out
+    assert [joint.name for joint in entry.joints] == ["hinge", "slide"]
+    assert 0.2 < entry.joints[1].upper - entry.joints[1].lower <= entry.size[0]
+    assert "drawer 'slide' slides 5e+05 cm in its file, cut to " in capsys.readouterr().out
 
 
 def test_a_part_that_cannot_be_shown_is_left_out(folder: Path) -> None:

@@ -1,9 +1,11 @@
 """OBJ, DAE, PLY and OFF: shape, size, colours and pictures as their files say them, or a line."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+import trimesh
 from PIL import Image
 
 from stages.articulated.mesh_files.polygons import split, triangles_of
@@ -14,6 +16,11 @@ from tests.refusals import refused
 
 U_SHAPE = np.array([[0, 0], [3, 0], [3, 3], [2, 3], [2, 1], [1, 1], [1, 3], [0, 3]], dtype=float)  # 7 square metres
 ARROW = np.array([[0, 0], [4, 4], [0, 1], [-4, 4]], dtype=float)  # its notch is seen from its tip alone
+
+
+def read(path: Path, folder: Path) -> tuple[list[Any], list[str]]:
+    meshes, lost = load_meshes(path, folder)
+    return list(meshes), lost
 
 
 def put(flat: np.ndarray, normal: tuple[float, ...]) -> np.ndarray:
@@ -35,6 +42,13 @@ def test_polygons_of_any_shape_are_filled_and_face_their_way(normal: tuple[float
     assert (areas @ np.array(normal) > 0).all()
 
 
+def test_holes_that_a_bridge_leads_to_stay_open() -> None:
+    rim, hole = [(0, 0), (4, 0), (4, 4), (0, 4), (0, 0)], [(1, 1), (1, 3), (3, 3), (3, 1), (1, 1)]
+    corners = put(np.array(rim + hole, dtype=float), (1, 2, 3))
+    one, two, three = corners[triangles_of(corners)].transpose(1, 0, 2)
+    assert np.linalg.norm(np.cross(two - one, three - one) / 2, axis=1).sum() == pytest.approx(12)
+
+
 def test_convex_polygons_are_fans_and_lines_are_nothing() -> None:
     square = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], dtype=float)
     faces, polygons = split(square, [np.array([0, 1]), np.array([3, 0, 1, 2]), np.array([0, 1, 2])])
@@ -54,7 +68,7 @@ def u_obj(backwards: bool = False) -> str:
 @pytest.mark.parametrize("backwards", [False, True])
 def test_concave_faces_of_objs_stay_open(tmp_path: Path, backwards: bool) -> None:
     (tmp_path / "a.obj").write_text(u_obj(backwards))
-    (mesh,), lost = load_meshes(tmp_path / "a.obj", tmp_path)
+    (mesh,), lost = read(tmp_path / "a.obj", tmp_path)
     assert mesh.area == pytest.approx(14 + 16), "its rim is 16 m long"
     assert mesh.volume == pytest.approx(7.0)
     assert not lost
@@ -63,10 +77,11 @@ def test_concave_faces_of_objs_stay_open(tmp_path: Path, backwards: bool) -> Non
 def test_faces_that_name_corners_that_are_not_there_are_refused(tmp_path: Path) -> None:
     (tmp_path / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 5\n")
     with refused("E-MESH-BROKEN", "a face names corners that are not among the 4 of the file"):
-        load_meshes(tmp_path / "a.obj", tmp_path)
+        read(tmp_path / "a.obj", tmp_path)
 
 
 TETRAHEDRON = "f 1 2 3\nf 1 2 4\nf 2 3 4\nf 1 3 4\n"
+PLACED = "f 1/1 2/1 3/1\nf 1/1 2/1 4/1\nf 2/1 3/1 4/1\nf 1/1 3/1 4/1\n"
 
 
 def test_colours_of_an_objs_corners_are_its_looks_unless_a_picture_is(tmp_path: Path) -> None:
@@ -74,20 +89,20 @@ def test_colours_of_an_objs_corners_are_its_looks_unless_a_picture_is(tmp_path: 
     text = "\n".join(["mtllib a.mtl", *corners, "vt 0 0", "usemtl grey", TETRAHEDRON])
     (tmp_path / "a.obj").write_text(text)
     (tmp_path / "a.mtl").write_text("newmtl grey\nKd 0.75 0.75 0.75\n")
-    (mesh,), lost = load_meshes(tmp_path / "a.obj", tmp_path)
+    (mesh,), lost = read(tmp_path / "a.obj", tmp_path)
     assert np.unique(mesh.visual.vertex_colors, axis=0).tolist() == [[255, 128, 0, 255]]
     assert not lost
     Image.new("RGB", (2, 2)).save(tmp_path / "a.png")
     (tmp_path / "a.mtl").write_text("newmtl grey\nmap_Kd a.png\n")
-    (tmp_path / "a.obj").write_text(text.replace("f 1 2 3", "f 1/1 2/1 3/1"))
-    assert has_texture(load_meshes(tmp_path / "a.obj", tmp_path)[0][0])
+    (tmp_path / "a.obj").write_text(text.replace(TETRAHEDRON, PLACED))
+    assert has_texture(read(tmp_path / "a.obj", tmp_path)[0][0])
 
 
 MATERIALS = [
     ("Kd 0.2 0.4 0.6\nd 0.5", [51, 102, 153, 128], ""),
     ("Kd 0.2 0.4 0.6\nTr 0.5", [51, 102, 153, 128], ""),
     ("Kd 0.2 0.4 0.6\nd -halo 1", [51, 102, 153, 255], ""),
-    ("Kd 0.2 0.4 0.6\nd 0", [51, 102, 153, 255], "a.mtl: 'wood' would not be seen at all: taken for opaque"),
+    ("Kd 0.2 0.4 0.6\nTr 1", [51, 102, 153, 255], ""),
     ("Kd 0 0 0\nmap_Kd a.png", [255] * 4, "a.mtl: 'wood' would paint its picture black: its colour is not used"),
     ("map_Kd a.png", [255] * 4, ""),
     ("Kd 1 1 1\nmap_d a.png", [255] * 4, "a.mtl: pictures of transparency (map_d of wood) are not read"),
@@ -98,14 +113,26 @@ MATERIALS = [
 def test_materials_of_objs(tmp_path: Path, lines: str, colour: list[int], says: str) -> None:
     Image.new("RGB", (2, 2), (200, 100, 0)).save(tmp_path / "a.png")
     (tmp_path / "a.mtl").write_text(f"newmtl wood\nKs 0 0 0\n{lines}\n")
-    (tmp_path / "a.obj").write_text(
-        f"mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0 0\nusemtl wood\n{TETRAHEDRON}"
-    )
-    (mesh,), lost = load_meshes(tmp_path / "a.obj", tmp_path)
+    (tmp_path / "a.obj").write_text(f"mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0 0\nusemtl wood\n{PLACED}")
+    (mesh,), lost = read(tmp_path / "a.obj", tmp_path)
     material = mesh.visual.material.to_pbr()
     assert material.baseColorFactor.tolist() == colour
     assert (material.baseColorTexture is not None) == ("map_Kd" in lines)
     assert lost == [says] * bool(says)
+
+
+def test_pictures_that_no_face_places_and_shapes_that_are_no_triangles_are_told(tmp_path: Path) -> None:
+    Image.new("RGB", (2, 2)).save(tmp_path / "a.png")
+    (tmp_path / "a.mtl").write_text("newmtl wood\nKd 1 0 0\nmap_Kd a.png\n")
+    corners = "v\t0 0 0\nv\t1 0 0\nv\t0 1 0\nv\t0 0 1\nvt 0 0\n"
+    (tmp_path / "a.obj").write_text(f"mtllib a.mtl\n{corners}usemtl wood\nf\t1/1 2/1 3/1\nf 1 2 4\n")
+    (mesh,), lost = read(tmp_path / "a.obj", tmp_path)
+    assert mesh.visual.material.to_pbr().baseColorFactor.tolist() == [255, 0, 0, 255]
+    assert not has_texture(mesh)
+    assert lost == ["a.obj is shown without a picture that it places nowhere"]
+    (tmp_path / "a.obj").write_text(f"{corners}cstype bspline\nsurf 0 1 0 1 1 2 3 4\n")
+    with refused("E-MESH-BROKEN", "no triangles that have an area: a.obj: its free-form surfaces are not read"):
+        read(tmp_path / "a.obj", tmp_path)
 
 
 def test_pictures_of_objs_are_scaled_and_shifted(tmp_path: Path) -> None:
@@ -113,7 +140,7 @@ def test_pictures_of_objs_are_scaled_and_shifted(tmp_path: Path) -> None:
     (tmp_path / "a.mtl").write_text("newmtl wood\nmap_Kd -blendu on -s 2 3 1 -o 0.5 -bm 1.0 my wood.png\n")
     corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n"
     (tmp_path / "a.obj").write_text(f"mtllib a.mtl\n{corners}usemtl wood\nf 1/1 2/2 3/3\n")
-    (mesh,), lost = load_meshes(tmp_path / "a.obj", tmp_path)
+    (mesh,), lost = read(tmp_path / "a.obj", tmp_path)
     assert has_texture(mesh) and not lost
     assert sorted(mesh.visual.uv.tolist()) == [[0.5, 0], [0.5, 3], [2.5, 0]]
 
@@ -123,7 +150,7 @@ def test_several_material_files_and_materials_in_none(tmp_path: Path) -> None:
     (tmp_path / "b.mtl").write_text("newmtl two\nKd 0 1 0\n")
     faces = "usemtl one\nf 1 2 3\nusemtl two\nf 1 2 4\nusemtl three\nf 2 3 4\n"
     (tmp_path / "a.obj").write_text(f"mtllib a.mtl b.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n{faces}l 1 2\n")
-    meshes, lost = load_meshes(tmp_path / "a.obj", tmp_path)
+    meshes, lost = read(tmp_path / "a.obj", tmp_path)
     assert len(meshes) == 3
     assert lost == [
         "a.obj: 1 of its materials ('three') are in no material file: shown grey",
@@ -158,7 +185,7 @@ def dae(shape: str, unit: str = '<unit meter="0.0254"/>', up: str = "<up_axis>Z_
 @pytest.mark.parametrize("shape", ["polylist", "polygons"])
 def test_collada_is_in_metres_and_its_polygons_stay_open(tmp_path: Path, shape: str) -> None:
     (tmp_path / "a.dae").write_text(dae(shape))
-    (mesh,), lost = load_meshes(tmp_path / "a.dae", tmp_path)
+    (mesh,), lost = read(tmp_path / "a.dae", tmp_path)
     assert mesh.bounds / 0.0254 == pytest.approx(np.array([[10, 0, 0], [13, 3, 1]]))
     assert mesh.area / 0.0254**2 == pytest.approx(30)
     assert not lost
@@ -189,9 +216,14 @@ def test_skins_of_collada_are_shown_as_they_were_bound(tmp_path: Path) -> None:
     matrix = "<bind_shape_matrix>2 0 0 0 0 2 0 0 0 0 2 5 0 0 0 1</bind_shape_matrix>"
     skin = f'<library_controllers><controller id="c"><skin source="#g">{matrix}</skin></controller>'
     (tmp_path / "a.dae").write_text(dae("polylist", unit="", more=f"{skin}</library_controllers><library_animations/>"))
-    (mesh,), lost = load_meshes(tmp_path / "a.dae", tmp_path)
+    (mesh,), lost = read(tmp_path / "a.dae", tmp_path)
     assert mesh.bounds == pytest.approx(np.array([[0, 0, 5], [6, 6, 7]]))
     assert lost == ["a.dae is shown as its skins were bound"]
+    text = (tmp_path / "a.dae").read_text()
+    for source in ("#c", "#gone"):
+        (tmp_path / "a.dae").write_text(text.replace('source="#g"', f'source="{source}"'))
+        with refused("E-MESH-BROKEN", "its skin holds no mesh ('#c')"):
+            read(tmp_path / "a.dae", tmp_path)
 
 
 @pytest.mark.parametrize(
@@ -201,9 +233,92 @@ def test_skins_of_collada_are_shown_as_they_were_bound(tmp_path: Path) -> None:
         ("<COLLADA", "<!DOCTYPE a><COLLADA", "declares a DOCTYPE"),
         ("<vcount>8", "<vcount>80", "counts 120 corners and has 48"),
         ("</scene>", "", "it is no XML"),
+        ("<instance_visual_scene", "<instance_physics_scene", "it shows no scene"),
     ],
 )
 def test_broken_collada_is_one_line(tmp_path: Path, old: str, new: str, says: str) -> None:
     (tmp_path / "a.dae").write_text(dae("polylist").replace(old, new))
     with refused("E-MESH-BROKEN", says):
-        load_meshes(tmp_path / "a.dae", tmp_path)
+        read(tmp_path / "a.dae", tmp_path)
+
+
+def ply(colours: str) -> str:
+    """A U-shaped board, coloured by corner or by face."""
+    corners = np.concatenate([np.c_[U_SHAPE, np.zeros(8)], np.c_[U_SHAPE, np.ones(8)]])
+    faces = [[*range(8, 16)], [*range(7, -1, -1)], *([k, (k + 1) % 8, (k + 1) % 8 + 8, k + 8] for k in range(8))]
+    shades = "".join(f"property uchar {name}\n" for name in ("red", "green", "blue"))
+    shade = " 200 100 50"
+    of_corners, of_faces = (colours == "corners", colours == "faces")
+    header = "ply\nformat ascii 1.0\nelement vertex 16\nproperty float x\nproperty float y\nproperty float z\n"
+    header += f"{shades * of_corners}element face 10\nproperty list uchar int vertex_indices\n{shades * of_faces}"
+    rows = [f"{x:g} {y:g} {z:g}{shade * of_corners}" for x, y, z in corners]
+    rows += [f"{len(face)} {' '.join(map(str, face))}{shade * of_faces}" for face in faces]
+    return header + "end_header\n" + "\n".join(rows) + "\n"
+
+
+@pytest.mark.parametrize("colours", ["corners", "faces", "none"])
+def test_plys_are_filled_and_painted(tmp_path: Path, colours: str) -> None:
+    (tmp_path / "a.ply").write_text(ply(colours))
+    (mesh,), _ = read(tmp_path / "a.ply", tmp_path)
+    assert (mesh.area, mesh.volume) == pytest.approx((30, 7))
+    if colours != "none":
+        shown = mesh.visual.vertex_colors if colours == "corners" else mesh.visual.face_colors
+        assert np.unique(shown, axis=0).tolist() == [[200, 100, 50, 255]]
+
+
+@pytest.mark.parametrize(("head", "of_corner", "of_face"), [
+    ("OFF", "", ""), ("OFF", "", " 200 100 50"), ("OFF", "", " 0.784 0.392 0.196 1"),
+    ("COFF", " 200 100 50 255", ""), ("NOFF", " 0 0 1", ""), ("CNOFF", " 0 0 1 200 100 50 255", ""),
+])  # fmt: skip
+def test_offs_are_filled_and_painted(tmp_path: Path, head: str, of_corner: str, of_face: str) -> None:
+    body = ply("none").split("end_header\n")[1].splitlines()
+    lines = [f"{line}{of_corner}" for line in body[:16]] + [f"{line}{of_face}" for line in body[16:]]
+    (tmp_path / "a.off").write_text("\n".join([f"{head}  # a board", "16 10 0", *lines]))
+    (mesh,), _ = read(tmp_path / "a.off", tmp_path)
+    assert (mesh.area, mesh.volume) == pytest.approx((30, 7))
+    if "200" in of_corner + of_face or "0.784" in of_face:
+        shown = mesh.visual.vertex_colors if "C" in head else mesh.visual.face_colors
+        assert np.unique(shown, axis=0).tolist() == [[200, 100, 50, 255]]
+
+
+@pytest.mark.parametrize(("old", "new"), [("OFF", "4OFF"), ("16 10 0", "16 11 0"), ("8 8 9", "8 8 99")])
+def test_broken_offs_are_one_line(tmp_path: Path, old: str, new: str) -> None:
+    body = ply("none").split("end_header\n")[1]
+    (tmp_path / "a.off").write_text(f"OFF\n16 10 0\n{body}".replace(old, new))
+    with refused("E-MESH-BROKEN"):
+        read(tmp_path / "a.off", tmp_path)
+
+
+def test_one_scale_is_that_of_all_axes(tmp_path: Path) -> None:
+    (tmp_path / "a.obj").write_text(u_obj())
+    text = '<robot name="r"><link name="a"><visual><geometry><mesh filename="a.obj" scale="{}"/></geometry>'
+    for scale, factors in (("0.5", (0.5, 0.5, 0.5)), (" 1 2 3 ", (1, 2, 3)), ("1 2 3 4", (1, 2, 3))):
+        (tmp_path / "a.urdf").write_text(f"{text.format(scale)}</visual></link></robot>")
+        robot = read_urdf(tmp_path / "a.urdf", tmp_path)
+        assert robot.links["a"].visuals[0].mesh.extents == pytest.approx(np.array([3, 3, 1]) * factors)
+    said = "link 'a', <visual>: scale=\"1 2 3 4\" is more than 3 numbers: the first 3 count"
+    assert robot.remarks == (said,)
+
+
+def test_colours_of_stls_are_told(tmp_path: Path) -> None:
+    data = bytearray(trimesh.creation.box().export(file_type="stl"))
+    for painted, flag, head in (
+        (False, 0, b"binary"),
+        (True, 128, b"binary"),
+        (False, 128, b"COLOR="),
+        (True, 0, b"COLOR="),
+    ):
+        data[:6] = head
+        data[84 + 49 :: 50] = bytes([flag]) * 12
+        (tmp_path / "a.stl").write_bytes(data)
+        assert read(tmp_path / "a.stl", tmp_path)[1] == ["a.stl: its colours are not read"] * painted
+
+
+def test_names_in_other_alphabets_are_read(tmp_path: Path) -> None:
+    (tmp_path / "a.mtl").write_bytes("newmtl höl\nKd 1 0 0\n".encode("latin-1"))
+    (tmp_path / "a.obj").write_bytes(
+        f"mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nusemtl höl\n{TETRAHEDRON}".encode("latin-1")
+    )
+    (mesh,), lost = read(tmp_path / "a.obj", tmp_path)
+    assert mesh.visual.material.to_pbr().baseColorFactor.tolist() == [255, 0, 0, 255]
+    assert not lost

@@ -168,6 +168,13 @@ def test_sets_that_trials_chose_are_pooled_and_said_to_be(tmp_path: Path) -> Non
     assert pd.read_csv(tmp_path / "assets.csv")["mean"].tolist() == [15 / 32, 15 / 32]
 
 
+def test_two_checkpoints_of_a_policy_are_no_two_runs() -> None:
+    rows = [*rolled("twin", "lite"), *rolled("twin", "lite", checkpoint="last")]
+    with refused("E-CHECKPOINTS-MIXED", "best and last of the policy door/twin/lite/0"):
+        by_method(frame(rows), {})
+    by_method(frame([*rows[:32], *rolled("twin", "lite", checkpoint="last", seed=1)]), {})  # each seed its own
+
+
 def test_of_the_first_set_the_row_is_though_another_came_first() -> None:
     rows = frame([row for row in both() if row.run == "mine"])
     known = {"door": PolicyRow(runs=["lite", "mine"])}

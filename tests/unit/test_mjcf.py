@@ -139,3 +139,27 @@ def test_textures_of_meshes_stay_upright(tmp_path: Path) -> None:
     top = visual.mesh.vertices[:, 2] > 0.9
     assert top.any()
     assert (colours[top, 0] > 200).all() and (colours[~top, 2] > 200).all()
+
+
+def test_a_geoms_own_colour_beats_its_materials_and_textures_without_a_place_are_told(tmp_path: Path) -> None:
+    Image.fromarray(np.kron([[0, 255], [255, 0]], np.ones((2, 2))).astype(np.uint8)).save(tmp_path / "t.png")
+    (tmp_path / "t.xml").write_text(
+        '<mujoco><asset><texture name="t" type="2d" file="t.png"/><texture name="f" type="2d" builtin="flat" width="4" '
+        'height="4" rgb1="1 0 0"/><material name="checked" texture="t"/><material name="even" texture="f"/>'
+        '<material name="blue" rgba="0 0 1 1"/></asset><worldbody><body>'
+        '<geom size="1" material="blue"/><geom size="1" material="blue" rgba="0 1 0 1"/><geom size="1"/>'
+        '<geom size="1" material="even"/><geom size="1" material="checked"/></body></worldbody></mujoco>'
+    )
+    robot = read_mjcf(tmp_path / "t.xml", tmp_path)
+    colours = [visual.colour for visual in robot.links["body_1"].visuals]
+    assert colours[:4] == [(0, 0, 1, 1), (0, 1, 0, 1), (0.5, 0.5, 0.5, 1), (1, 0, 0, 1)]
+    assert robot.remarks == ("shown in the mean colour of their textures, which no mesh places: materials 'checked'",)
+
+
+def test_what_is_fixed_or_left_out_is_named(folder: Path) -> None:
+    path = folder / "bottom_cabinet/oak.xml"
+    path.write_text(CABINET.replace("</mujoco>", '<equality><weld body1="door"/></equality></mujoco>'))
+    assert read_mjcf(path, folder).remarks == (
+        "fixed: 1 joints ('turn'), which have no limits or turn as balls do",
+        "has what is not read: 1 equality constraints",
+    )

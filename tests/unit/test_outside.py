@@ -137,6 +137,16 @@ def test_models_that_are_attached_are_read_from_the_folder(mine: Path) -> None:
     assert robot.links["p_b"].visuals[0].mesh.extents == pytest.approx((0.3, 0.2, 0.1))
 
 
+def test_textures_that_a_viewer_would_open_are_read(mine: Path) -> None:
+    Image.new("RGB", (8, 8), "red").save(mine / "t.png")
+    for how, embed in (('<compiler passthrough="textures"/>', ""), ("", ' embed="false"')):
+        texture = f'<texture name="t" type="2d" file="t.png"{embed}/>'
+        looks = f'<asset>{texture}<material name="m" texture="t"/></asset>'
+        shown = BOX.replace("/>", ' material="m"/>')
+        (mine / "m.xml").write_text(f"<mujoco>{how}{looks}<worldbody>{shown}</worldbody></mujoco>")
+        assert read_mjcf(mine / "m.xml", mine).links["world"].visuals[0].colour == (1, 0, 0, 1)
+
+
 MESHES = {
     "a.obj": (".mtl", "mtllib {file}\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 2 3 4\nf 1 3 4\n"),
     "b.obj": (".png", "mtllib b.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n"),
@@ -201,3 +211,16 @@ def test_links_in_a_folder_of_models_lead_nowhere(mine: Path, tmp_path: Path) ->
         assets, left_out = import_models(named_models([mine], kinds), kinds, tmp_path / "out")
     assert [asset.id for asset in assets] == ["zz_zz"], left_out
     assert all("link out of mine/" in line for line in left_out) and len(left_out) > 4
+
+
+def test_no_picture_runs_a_program(mine: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    script = mine / "gs"
+    script.write_text(f"#!/bin/sh\ntouch {mine}/ran\n")
+    script.chmod(0o755)
+    monkeypatch.setenv("PATH", str(mine), prepend=":")
+    (mine / "t.png").write_bytes(b"%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 4 4\n%%EndComments\nshowpage\n%%EOF\n")
+    (mine / "b.mtl").write_text("newmtl m\nmap_Kd t.png\n")
+    (mine / "b.obj").write_text(MESHES["b.obj"][1])
+    _, lost = load_meshes(mine / "b.obj", mine)
+    assert lost == ["b.obj is shown without 't.png', which is no whole picture (OSError)"]
+    assert not (mine / "ran").exists()

@@ -1,5 +1,6 @@
 """The page over all scenes: a row for each, what failed and why, in order; a thousand of them."""
 
+import json
 import re
 from pathlib import Path
 from typing import Any
@@ -45,6 +46,15 @@ def test_a_scene_tells_what_failed_and_what_is_doubtful(layout: Layout) -> None:
     assert found.ranks == len(list(layout.results.glob("generation/b/room_1/scene_*.json")))
     assert ("vase_1", "extraction") in {(failure.about, failure.stage) for failure in found.failures}
     assert all(failure.reason for failure in found.failures) and found.doubts
+
+
+def test_a_camera_higher_than_anybody_holds_it_is_doubted_first(layout: Layout) -> None:
+    path = layout.results / "extraction/room_1/objects.json"
+    said = json.loads(path.read_text())
+    said["floor_from_camera"][2][3] = 5.74
+    path.write_text(json.dumps(said))
+    about, doubt = row("room_1", layout).doubts[0]
+    assert about == "camera" and "depth in feet (1.75 m)" in doubt
 
 
 def test_a_scene_that_stopped_is_told_by_the_last_line_of_its_log(layout: Layout) -> None:

@@ -2,7 +2,6 @@
 
 import json
 import os
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
@@ -233,30 +232,6 @@ def test_depth_files(tmp_path: Path, room: tuple, suffix: str) -> None:
     else:
         cv2.imwrite(str(path), stored)
     assert np.array_equal(read_raw(path), stored)
-
-
-def test_exr_is_read_by_openexr(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    path, pixels = tmp_path / "0.exr", np.full((20, 30), 1.25, np.float32)
-    path.write_bytes(b"v/1\x01")
-
-    class File:
-        def __init__(self, name: str, separate_channels: bool) -> None:
-            assert name == str(path) and separate_channels
-
-        def __enter__(self) -> "File":
-            return self
-
-        def __exit__(self, *_: object) -> None:
-            pass
-
-        def channels(self) -> dict[str, SimpleNamespace]:
-            return {"R": SimpleNamespace(pixels=pixels)}
-
-    monkeypatch.setitem(sys.modules, "OpenEXR", SimpleNamespace(File=File))
-    assert np.array_equal(read_raw(path), pixels)
-    monkeypatch.setitem(sys.modules, "OpenEXR", None)
-    with refused("E-LIBRARY-MISSING"):
-        read_raw(path)
 
 
 def test_a_picture_of_depth_is_refused(tmp_path: Path, room: tuple) -> None:

@@ -7,16 +7,20 @@ from typing import Any
 import numpy as np
 import pytest
 
+from stages.config.demonstrations import DemonstrationsConfig
 from stages.contracts.task_options import TaskConfig
 from stages.geometry.frames import inverse
 from stages.planning import rollout
-from stages.planning.articulation import approaches
+from stages.planning.articulation import approaches, open_enough, opened_to
 from stages.planning.clearance import Surroundings
 from stages.planning.handle_grasp import FROM_ABOVE, Grasp, grasp_pose, grasps
 from stages.planning.path import distance, straight
 from stages.planning.rollout import Stretch, can_be_held, first_feasible, roll_out
 from stages.simulation.kinematics import Chain, track
 from stages.simulation.robot import REST
+from stages.skills import FAR, Outcome
+from stages.skills.motion import OPEN_STEPS, Motion
+from stages.skills.open import OpenSkill
 from stages.tasks.api import TaskEnv
 from tests.unit.demo_assets import cabinet
 
@@ -128,3 +132,56 @@ def test_a_bar_is_held_from_above_only_on_a_drawer_and_last(door: TaskEnv, tmp_p
     over = grasp_pose(handle, Grasp(0.0, 0.5, 1.0, 0.0), np.eye(4))
     assert over[:3, 2] == pytest.approx([-np.cos(0.5), 0.0, -np.sin(0.5)])
     drawer.close()
+
+
+def test_a_door_of_a_wide_range_need_not_be_moved_much_further_than_is_enough(door: TaskEnv) -> None:
+    door.place(0)
+    for degrees, opening, goals, let_go in (
+        (90, 0.5, [63.0, 55.8, 50.4], [54.0, 54.0, 48.6]),
+        (180, 1 / 3, [96.0, 81.6, 70.8], [78.0, 78.0, 67.2]),
+    ):
+        target = replace(door.env.target, lower=0.1, upper=0.1 + np.deg2rad(degrees))
+        values = opened_to(target, opening, 0.2)
+        assert np.rad2deg(np.subtract(values, 0.1)) == pytest.approx(goals)
+        assert [degrees * open_enough(target, opening, 0.2, value) for value in values] == pytest.approx(let_go)
+        assert all(opening * degrees < some < goal for some, goal in zip(let_go, goals, strict=True))
+
+
+def test_a_grasp_that_missed_twice_gives_way_to_another(door: TaskEnv, monkeypatch: pytest.MonkeyPatch) -> None:
+    taken: list[Grasp] = []
+
+    def miss(self: OpenSkill, motion: Motion, plan: Any) -> str:
+        taken.append(plan.grasp)
+        return "converge"
+
+    monkeypatch.setattr(OpenSkill, "_approach", miss)
+    skill = OpenSkill(door, DemonstrationsConfig())
+    motion = Motion(door, lambda action, noisy, ahead=0.0: None)
+    door.place(0)
+    for number in (0, 1, 2, 3, 4, 0):
+        assert skill.attempt(motion, number) == "converge"
+    first, again, other, other_again, third, anew = taken
+    assert first == again == anew and other == other_again
+    assert len({first, other, third}) == 3
+    every = list(grasps(door.env.target, door.env.target.handle))  # type: ignore[arg-type]
+    skill.missed += 2 * [(grasp, "converge") for grasp in every]
+    assert skill.attempt(motion, 1) == "converge" and taken[-1] in every, "where none is left any will do"
+
+
+def test_a_door_that_is_open_is_let_go_while_there_is_time(door: TaskEnv, monkeypatch: pytest.MonkeyPatch) -> None:
+    opened: list[float] = []
+
+    def act(action: np.ndarray, noisy: bool, ahead: float = FAR) -> None:
+        door.act(action)
+        opened.append(door.opened)
+
+    def attempt() -> Outcome:
+        opened.clear()
+        door.place(1)
+        return OpenSkill(door, DemonstrationsConfig()).run(act)
+
+    assert attempt().success
+    first = 1 + next(step for step, value in enumerate(opened) if value >= door.success_opening)
+    assert first + OPEN_STEPS < len(opened), "it is opened further while there is time for that"
+    monkeypatch.setattr(door, "max_steps", first + OPEN_STEPS)
+    assert attempt() == Outcome(True, "success") and len(opened) == door.max_steps

@@ -1,19 +1,25 @@
 """The robot stands where it always does, unless its arm can follow a door's handle from another place alone."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import pytest
 
+from stages.assets import reach
 from stages.assets.library import make
 from stages.assets.reach import out_of_reach, undisturbed
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
+from stages.planning.articulation import opened_to
 from stages.planning.clearance import Surroundings
 from stages.simulation.robot import REST
+from stages.skills import FAR
+from stages.skills.open import OpenSkill
 from stages.tasks.api import TaskEnv
-from stages.tasks.base_placement import NEARBY, reachable_base
-from stages.tasks.initial_state import base_pose, nominal_root, sample_initial_state
+from stages.tasks.base_placement import MOTION, NEARBY, can_follow, reachable_base
+from stages.tasks.initial_state import base_pose, nominal_root, sample_initial_state, sampled_scale
 from tests.unit.own_models import import_model
 from tests.unit.test_sense import box, joint
 
@@ -34,6 +40,22 @@ def fridge(folder: Path, width: float) -> Path:
     (folder / "theirs/fridge/f.urdf").write_text(text)
     import_model(folder / "theirs/fridge/f.urdf", folder / "theirs", folder / "library")
     return folder / "library/fridge_f"
+
+
+def cupboard(folder: Path, width: float) -> Path:
+    """The asset of a low cupboard with one light door that turns by 143 degrees, its handle an upright bar."""
+    at = width - 0.05
+    bar = "".join(box("0.04 0.015 0.015", f"0.04 {at} {z}") for z in (0.09, -0.09))
+    bar = box("0.015 0.015 0.2", f"0.062 {at} 0") + bar
+    text = (
+        f'<robot name="c"><link name="body">{box(f"0.5 {width} 0.7", "-0.254 0 0.35")}</link>'
+        f'<link name="door">{box(f"0.02 {width} 0.7", f"0.01 {width / 2} 0") + bar}</link>'
+        f"{joint('hinge', 'revolute', 'door', '0 0 -1', 2.5, f'0 {-width / 2} 0.35')}</robot>"
+    )
+    (folder / "theirs/cupboard").mkdir(parents=True)
+    (folder / "theirs/cupboard/c.urdf").write_text(text)
+    import_model(folder / "theirs/cupboard/c.urdf", folder / "theirs", folder / "library")
+    return folder / "library/cupboard_c"
 
 
 def world(folder: Path, name: str) -> TaskEnv:
@@ -73,9 +95,35 @@ def test_before_a_wide_door_it_stands_where_it_can_open_it(tmp_path: Path) -> No
     env.close()
 
 
-def test_a_door_that_is_followed_from_nowhere_is_told(tmp_path: Path) -> None:
+def test_a_door_is_tried_from_several_starts_of_the_skill(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder, tried = fridge(tmp_path, 0.8), list[tuple[float, ...]]()
+
+    def followed(*given: Any) -> list[str]:
+        _, _, names, _, scale, _ = given
+        tried.append(tuple(scale))
+        return list(names) if len(tried) == 3 else []
+
+    monkeypatch.setattr(reach, "_followed", followed)
+    assert out_of_reach(folder) == []
+    usual_scales = [tuple(sampled_scale(seed, OPTIONS, OPTIONS.scale_range)) for seed in range(2)]
+    assert tried == [(1, 1, 1), *usual_scales], "first at its own size, then as in episodes 0 and 1"
+
+
+def test_a_wide_door_that_can_be_opened_no_further_than_is_enough_is_opened(tmp_path: Path) -> None:
+    env = world(cupboard(tmp_path, 1.02), "hinge")
+    env.place(0)
+    where, around = env.env.base_from_asset(), env.env.around()
+    goals = opened_to(around.target, env.success_opening, MOTION.goal_margin)
+    assert [can_follow(where, env.joints()[:7], around, goal) for goal in goals] == [False, False, True]
+    outcome = OpenSkill(env, DemonstrationsConfig()).run(lambda action, noisy, ahead=FAR: env.act(action))
+    assert outcome.success and env.success_opening < env.opened < 0.5
+    env.close()
+
+
+def test_a_door_that_is_followed_from_nowhere_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     folder = fridge(tmp_path, 1.5)
-    assert out_of_reach(folder) == ["door 'hinge' is not opened: the arm can follow it from no place"]
+    monkeypatch.setattr(reach, "STARTS", 1)  # seconds each
+    assert out_of_reach(folder) == ["door 'hinge' is not opened: in none of 2 starts can the arm follow it"]
     env = world(folder, "hinge")
     env.reset(0)
     target = env.env.target

@@ -277,3 +277,27 @@ def test_a_drawer_behind_a_door_has_no_handle_to_hold(tmp_path: Path) -> None:
     door = f'<link name="door">{box("0.02 0.5 0.6", "0 0.25 0")}</link>'
     assert handle("") == "bar"
     assert handle(door + joint("hinge", "revolute", "door", "0 0 -1", 1.5, "0.02 -0.25 0.3")) is None
+
+
+@pytest.mark.parametrize(
+    ("size", "mass", "says"),
+    [
+        ("0.35 0.6 0.7", 0.45, "weighs 0.45 kg in its file"),
+        ("0.35 0.6 0.7", 15, ""),
+        ("0.35 0.6 0.7", 2000, "weighs 2e+03 kg in its file"),
+        ("1 1 1.6", 5, "weighs 5 kg, less than anything of its size"),
+        ("6 6 2.5", 900, "is 6 by 6 m: a whole room is no model"),
+    ],
+)
+def test_masses_and_sizes_that_no_thing_has_are_doubted(tmp_path: Path, size: str, mass: float, says: str) -> None:
+    text = f'<link name="a">{box(size)}<inertial><mass value="{mass}"/></inertial></link>'
+    lines = weighed_sanely(read_urdf(urdf(tmp_path / "a.urdf", text), tmp_path))[1]
+    assert [line.startswith(says) for line in lines] == [True] * bool(says)
+
+
+def test_a_frame_that_weighs_less_than_anything_is_doubted(tmp_path: Path) -> None:
+    bars = "".join(
+        box("1 0.01 0.01", f"0 {y} {z}") + box("0.01 0.01 1", f"0.5 {y} 0.5") for y in (0, 1) for z in (0, 1)
+    )
+    lines = weighed_sanely(read_urdf(urdf(tmp_path / "a.urdf", f'<link name="a">{bars}</link>'), tmp_path))[1]
+    assert [line.partition(",")[2] for line in lines] == [" less than anything of its size (asset.json: mass)"]

@@ -67,6 +67,52 @@ def test_the_log_of_a_training_is_named(tmp_path: Path) -> None:
         logbook.write({"step": 1, "loss": 0.123456789})
 
 
+@contextmanager
+def disk(folder: Path, options: str) -> Iterator[Path]:
+    """A filesystem in memory, mounted on a folder."""
+    folder.mkdir()
+    if subprocess.run(["mount", "-t", "tmpfs", "-o", options, "tmpfs", folder], capture_output=True).returncode:
+        pytest.skip("needs to mount a filesystem")
+    try:
+        yield folder
+    finally:
+        subprocess.run(["umount", "-l", folder], check=True)
+
+
+FILL = """
+import sys
+from pathlib import Path
+import numpy as np
+from stages.contracts.features import FeatureIndex
+from stages.contracts.system import line_of
+from stages.matching.store import write_store
+index = FeatureIndex(encoder="x", settings="0" * 12, upright=True, assets=["a"], yaws=[0.0], starts=[0, 9000, 9001])
+rows = [np.ones((9000, 50), np.float16), np.ones((1, 50), np.float16)]
+try:
+    write_store(Path(sys.argv[1]), index, rows, [np.ones(3, np.float16)] * 2, None)
+except OSError as error:
+    print(line_of(error))
+"""
+
+
+def test_features_on_a_full_disk_are_a_line_and_leave_nothing(tmp_path: Path) -> None:
+    with disk(tmp_path / "small", "size=400k") as small:
+        command = [sys.executable, "-c", FILL, str(small / "shard.npy")]
+        done = subprocess.run(command, capture_output=True, text=True)  # by itself: SIGBUS ends the process
+        assert done.returncode == 0, (done.returncode, done.stderr)
+        assert done.stdout.startswith(f"{small / 'shard.npy'}: No space left on device. Fix: make room")
+        assert not list(small.iterdir())
+
+
+@pytest.mark.parametrize("name", list(WRITERS))
+def test_a_disk_that_cannot_be_written_says_so(tmp_path: Path, name: str) -> None:
+    mounted = disk(tmp_path / "fixed", "ro")
+    with mounted as fixed, pytest.raises(OSError) as caught, atomic(fixed / name) as temporary:
+        WRITERS[name](temporary)
+    line = f"{fixed / name}: Read-only file system. Fix: choose a folder that can be written [E-SYSTEM]"
+    assert line_of(caught.value) == line
+
+
 @pytest.mark.parametrize(
     ("error", "line"),
     [
@@ -80,6 +126,11 @@ def test_the_log_of_a_training_is_named(tmp_path: Path) -> None:
 )
 def test_lines(error: Exception, line: str) -> None:
     assert str(line_of(error)).startswith(line)
+
+
+def test_lines_have_codes() -> None:
+    assert str(line_of(MemoryError())).endswith(" [E-SYSTEM-MEMORY]")
+    assert str(line_of(OSError(errno.EACCES, "x", "a"))).endswith(" [E-SYSTEM]")
 
 
 def test_other_errors_are_ours() -> None:

@@ -110,3 +110,12 @@ def test_a_server_that_puts_off_for_days_is_not_waited_for(tmp_path: Path, monke
         with busy as server, pytest.raises(NoAnswerError, match=late):
             ask(asker(tmp_path / pause, server.url, pauses))
         assert not pauses
+
+
+def test_what_a_server_says_steers_no_terminal(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("no_proxy", "127.0.0.1")
+    evil = "\x1b]0;pwned\x07\x1b[2J\u202e"
+    for place in ("a field", "an error", "an error without JSON", "a refusal", "no status line"):
+        with serving(places(evil)[place]) as server, pytest.raises((NoAnswerError, InputError)) as caught:
+            ask(asker(tmp_path / place, server.url))
+        assert str(caught.value).isprintable() and "pwned" in str(caught.value), place

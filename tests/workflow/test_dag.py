@@ -106,6 +106,16 @@ def test_a_row_may_share_the_assets_and_demonstrations_of_another(folder: Path) 
     assert exported["export_demonstrations"] == 3 * 4 and exported["export_policy"] == 4
 
 
+def test_two_policies_are_trained_on_the_same_and_both_are_shown(folder: Path) -> None:
+    (folder / "two.yaml").write_text("experiment: {seeds: [0, 1], training_sets: [twin]}")
+    done = dry_run(folder, "all", "-p", "--configfile", "config/swaps/diffusion.yaml", "two.yaml")
+    jobs = planned(done.stdout)
+    assert done.returncode == 0 and jobs["train"] == jobs["rollout"] == 3 * 2 and jobs["demonstrate"] == 1, done.stdout
+    (page,) = re.findall(r"tables report --files (.*)", done.stdout)
+    shown = re.findall(r"results/training/(\S+)/metrics.jsonl", page)
+    assert shown == ["door/twin/lite/seed_0", "door/twin/diffusion/seed_0", "door_handle/twin/lite_handle/seed_0"]
+
+
 def test_the_study_is_the_protocol_of_the_paper(folder: Path) -> None:
     study = ("--configfile", "config/study/table3.yaml")
     jobs = planned(dry_run(folder, "evaluation", *study).stdout)

@@ -34,6 +34,8 @@ def header_of(data: bytes) -> tuple[Header, bytes]:
         raise ValueError(f"its header is broken ({error})") from None
     if not isinstance(header, dict):
         raise ValueError("its header is no object")
+    if not str(version := header.get("asset", {}).get("version", "2")).startswith("2"):
+        raise ValueError(f"it is glTF {version}, and 2.0 is read")
     return header, binary
 
 
@@ -130,8 +132,10 @@ def _buffer(buffer: Header, binary: bytes, files: Beside) -> bytes:
         data = binary
     elif name.startswith("data:"):
         data = b64decode(name.partition(",")[2])
+    elif (file := files.find(name)) is None:
+        raise ValueError(f"its buffer '{name[:200]}' is not in {files.folder.name}/")
     else:
-        data = files.get(name)
+        data = file.read_bytes()
     if len(data) < length:
         raise ValueError(f"a buffer holds {len(data)} bytes of {length}")
     return data[:length]

@@ -19,6 +19,7 @@ UNREAD = {
     "linestrips": "lines",
 }  # by their tags
 LARGEST = 1e6  # metres that a unit may be
+DEEPEST = 8  # controllers that hold one another
 
 
 def read_dae(path: Path, files: Beside) -> tuple[Scene, list[str]]:
@@ -30,6 +31,8 @@ def read_dae(path: Path, files: Beside) -> tuple[Scene, list[str]]:
     root = _parsed(path)
     named = {f"#{element.get('id')}": element for element in root.iter() if "id" in element.attrib}
     found = {element.tag for element in root.iter()}
+    if "instance_visual_scene" not in found:
+        raise ValueError("it shows no scene")
     lines = sorted({name for tag, name in UNREAD.items() if tag in found})
     lines = [f"{path.name} has what is not read: {', '.join(lines)}"] if lines else []
     if _show_bound(root, named):
@@ -128,18 +131,25 @@ def _show_bound(root: ET.Element, named: dict[str, ET.Element]) -> bool:
         for parent in list(scene.iter("node")):
             for instance in parent.findall("instance_controller"):
                 parent.remove(instance)
-                controller = named.get(instance.get("url", ""), instance)
-                matrices = list[str]()
-                while controller.tag == "controller" and len(controller):
-                    bound = controller[0] if controller[0].tag != "asset" else controller[1]
-                    matrices.append(bound.findtext("bind_shape_matrix") or "")
-                    url = bound.get("source", "")
-                    controller = named.get(url, instance)
-                if controller.tag != "geometry":
-                    raise ValueError(f"its skin names no mesh ('{instance.get('url')}')")
+                url, matrices = _bound(instance.get("url", ""), named)
                 node = ET.SubElement(scene, "node")
-                for text in filter(str.strip, matrices):
+                for text in matrices:
                     ET.SubElement(node, "matrix").text = text
                 ET.SubElement(node, "instance_geometry", url=url).extend(instance.findall("bind_material"))
                 found = True
     return found
+
+
+def _bound(url: str, named: dict[str, ET.Element]) -> tuple[str, list[str]]:
+    """The mesh that a controller holds, and the matrices at which it was bound, the outermost first."""
+    matrices, first = list[str](), url
+    for _ in range(DEEPEST):
+        controller = named.get(url)
+        if controller is None or controller.tag != "controller":
+            break
+        holds = next((child for child in controller if child.tag in ("skin", "morph")), controller)
+        matrices += [text for text in [holds.findtext("bind_shape_matrix")] if text]
+        url = holds.get("source", "")
+    if (mesh := named.get(url)) is None or mesh.tag != "geometry":
+        raise ValueError(f"its skin holds no mesh ('{first[:60]}')")
+    return url, matrices

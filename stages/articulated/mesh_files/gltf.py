@@ -13,6 +13,7 @@ from stages.articulated.beside import PICTURES, Beside, fault_of
 from stages.articulated.mesh_files.accessors import Accessors, Header, header_of
 from stages.articulated.mesh_files.gltf_nodes import INSTANCES, VISIBILITY, placed
 from stages.articulated.mesh_files.gltf_parts import DRACO, GLOSSY, MOVED, Parts
+from stages.articulated.urdf_tree import MOST_SHAPES
 from stages.contracts.errors import InputError
 
 PACKED = ("EXT_meshopt_compression", "KHR_meshopt_compression")
@@ -32,19 +33,21 @@ def read_gltf(path: Path, files: Beside) -> tuple[Scene, list[str]]:
     """
     header, binary = header_of(path.read_bytes())
     _check_extensions(path, header)
+    if isinstance(nodes := header.get("nodes"), list) and len(nodes) > MOST_SHAPES:
+        raise InputError(path, f"has {len(nodes)} nodes.", f"at most {MOST_SHAPES}", code="E-MODEL-PARTS")
     accessors = Accessors(header, binary, files)
     lost = [f"is shown {line}" for line in _lost_pictures(header, accessors, files)]
-    parts, nodes, meshes = Parts(header, accessors), list[Header](), list[Header]()
+    parts, placings, meshes = Parts(header, accessors), list[Header](), list[Header]()
     made = dict[tuple[int, tuple[float, ...]], int]()
     for one in placed(header, accessors):
         key = (one.mesh, one.weights)
         if one.joints is not None or key not in made:
             made[key] = len(meshes)
             meshes.append({"primitives": parts.plain(one)})
-        nodes.append({"mesh": made[key], "matrix": one.transform.T.ravel().tolist()})
+        placings.append({"mesh": made[key], "matrix": one.transform.T.ravel().tolist()})
     left_out = _left_out(header, parts)
-    header.update(meshes=meshes, nodes=nodes, materials=parts.materials, scene=0)
-    header["scenes"] = [{"nodes": list(range(len(nodes)))}]
+    header.update(meshes=meshes, nodes=placings, materials=parts.materials, scene=0)
+    header["scenes"] = [{"nodes": list(range(len(placings)))}]
     plain = {key: value for key, value in header.items() if key not in UNUSED}
     accessors.header = plain
     scene = trimesh.load_scene(io.BytesIO(accessors.packed()), file_type="glb", resolver=files)

@@ -32,6 +32,14 @@ class Material:
         return "\n".join(lines) + "\n"
 
 
+def decoded(data: bytes) -> str:
+    """The text of a file, which older programs wrote in their own alphabet."""
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return data.decode("latin-1")
+
+
 def materials_in(text: str, file: str) -> tuple[dict[str, Material], list[str]]:
     """The materials of a library by name, and what of it is not read or taken otherwise, a line each."""
     materials, lines, masks = dict[str, Material](), list[str](), list[str]()
@@ -56,9 +64,8 @@ def materials_in(text: str, file: str) -> tuple[dict[str, Material], list[str]]:
         elif key == "map_d":
             masks.append(material.name)
     for one in materials.values():
-        if one.opacity <= 0:  # some programs mean the opposite
+        if one.opacity <= 0:  # programs that mean the opposite: nobody draws what cannot be seen
             one.opacity = 1.0
-            lines.append(f"{file}: '{one.name}' would not be seen at all: taken for opaque")
         if one.picture and one.colour is not None and max(one.colour) < BLACK:
             one.colour = None
             lines.append(f"{file}: '{one.name}' would paint its picture black: its colour is not used")

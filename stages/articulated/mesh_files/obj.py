@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from trimesh import Scene
 
 from stages.articulated.beside import Beside, With
-from stages.articulated.mesh_files.mtl import Material, materials_in
+from stages.articulated.mesh_files.mtl import Material, decoded, materials_in
 from stages.articulated.mesh_files.polygons import triangles_of
 
 FACES = re.compile(
@@ -28,7 +28,7 @@ OTHER = re.compile(rf"^[ \t]*({'|'.join(OTHERS)})[ \t]", re.MULTILINE)
 
 def read_obj(path: Path, files: Beside) -> tuple[Scene, list[str]]:
     """The meshes of a file, one per material, and what was not read of it, a line each."""
-    text = path.read_bytes().decode("utf-8", errors="replace").replace("\\\r\n", " ").replace("\\\n", " ")
+    text = decoded(path.read_bytes()).replace("\t", " ").replace("\\\r\n", " ").replace("\\\n", " ")
     materials, lines = _materials(text, path, files)
     coloured = COLOURED.search(text) is not None and not any(one.picture for one in materials.values())
     if coloured:
@@ -55,7 +55,7 @@ def _materials(text: str, path: Path, files: Beside) -> tuple[dict[str, Material
         whole = named.strip()
         for name in [whole] if files.find(whole) or ".mtl " not in whole.lower() else whole.split():
             try:
-                more, said = materials_in(files.get(name).decode("utf-8", errors="replace"), Path(name).name)
+                more, said = materials_in(decoded(files.get(name)), Path(name).name)
             except FileNotFoundError:
                 missing = True
                 continue

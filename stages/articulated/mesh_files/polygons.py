@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable
 
-import mapbox_earcut
 import numpy as np
 from numpy.typing import NDArray
 
@@ -22,11 +21,13 @@ def triangles_of(corners: Corners) -> Triangles:
     least = NEARLY * float(np.ptp(corners, axis=0).max()) ** 2
     if np.linalg.norm(normal) <= least or (_facing(corners, fan, normal) >= -least).all():
         return fan
+    import mapbox_earcut  # not where models are read that were imported before: they are of triangles
+
     flat = np.ascontiguousarray(np.delete(centred, np.argmax(np.abs(normal)), axis=1))
-    ears = mapbox_earcut.triangulate_float64(flat, np.array([len(corners)], dtype=np.uint32))
-    if not len(ears):
+    cut = mapbox_earcut.triangulate_float64(flat, np.array([len(corners)], dtype=np.uint32))
+    if not len(cut):
         return fan
-    ears = ears.reshape(-1, 3).astype(np.int64)
+    ears = cut.reshape(-1, 3).astype(np.int64)
     return ears if _facing(corners, ears, normal).sum() > 0 else ears[:, ::-1]
 
 

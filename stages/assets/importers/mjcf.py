@@ -7,7 +7,7 @@ from typing import Any
 import mujoco
 import numpy as np
 import trimesh
-from mujoco import mjtGeom, mjtJoint, mjtTexture, mjtTextureRole
+from mujoco import mjtEq, mjtGeom, mjtJoint, mjtTexture, mjtTextureRole
 from PIL import Image
 from scipy.spatial.transform import Rotation
 from trimesh import Trimesh
@@ -15,7 +15,7 @@ from trimesh import Trimesh
 from stages.articulated.mesh_reader import convex_pieces
 from stages.articulated.model import RGBA, JointModel, Link, Matrix, RobotModel, Visual, moved
 from stages.articulated.urdf_reader import closed_at_lower
-from stages.articulated.urdf_tree import FIXED_RANGE, MOST_LINKS
+from stages.articulated.urdf_tree import FIXED_RANGE, MOST_LINKS, MOST_SHAPES
 from stages.assets.importers import Importer
 from stages.assets.mjcf_file import compiled
 from stages.contracts.errors import InputError
@@ -32,14 +32,23 @@ def read_mjcf(path: Path, folder: Path) -> RobotModel:
     spec, model = compiled(path, folder)
     if model.nbody > MOST_LINKS:
         raise InputError(path, f"has {model.nbody} bodies.", f"at most {MOST_LINKS}", code="E-MODEL-PARTS")
+    if model.ngeom > MOST_SHAPES:
+        raise InputError(path, f"has {model.ngeom} shapes.", f"at most {MOST_SHAPES}", code="E-MODEL-PARTS")
     if (free := int((model.jnt_type == mjtJoint.mjJNT_FREE).sum())) > 1:
         raise InputError(
             path, f"holds {free} free bodies: a scene, not a model.", "one file per model", code="E-MJCF-SCENE"
         )
-    links, joints = _Reader(spec, model).tree()
+    reader = _Reader(spec, model)
+    links, joints = reader.tree()
     if not any(link.visuals for link in links.values()):
         raise InputError(path, "shows nothing: no body has geometry.", code="E-MODEL-UNSEEN")
-    return RobotModel(path.stem, links, joints)
+    return RobotModel(path.stem, links, joints, remarks=tuple(reader.remarks()))
+
+
+USUAL_RGBA = (0.5, 0.5, 0.5, 1.0)  # of a geom that says nothing: MuJoCo paints it as its material is
+PLAIN = 8  # of 255, by which the texels of a picture of one colour differ
+FREE = mjtJoint.mjJNT_FREE
+UNSEEN = {mjtGeom.mjGEOM_HFIELD: "height fields", mjtGeom.mjGEOM_SDF: "signed distance fields"}
 
 
 class _Reader:
@@ -48,9 +57,13 @@ class _Reader:
 
     def __init__(self, spec: Any, model: Any) -> None:
         self.model = model
+        self.pairs = self._pairs()
         self.told = {body.id: mass for body in spec.bodies if (mass := _told_mass(body)) is not None}
         collides = (model.geom_contype | model.geom_conaffinity) != 0
-        shown = (mujoco.MjvOption().geomgroup[model.geom_group] > 0) & (model.geom_rgba[:, 3] > 0)  # as a viewer shows
+        own = (model.geom_rgba != USUAL_RGBA).any(axis=1) | (model.geom_matid < 0)  # its colour beats its material's
+        self.rgba = np.where(own[:, None], model.geom_rgba, model.mat_rgba[model.geom_matid] if model.nmat else 0.0)
+        self.averaged = set[str]()
+        shown = (mujoco.MjvOption().geomgroup[model.geom_group] > 0) & (self.rgba[:, 3] > 0)  # as a viewer shows
         self.collides, self.shown = collides, shown if shown.any() else np.ones_like(shown)
         # Models with looks of their own have them in other groups than what collides.
         own = self.shown & ~collides
@@ -81,6 +94,27 @@ class _Reader:
             links[names[body]] = self._link(body, names[body], anchors[body])
         return links, joints
 
+    def remarks(self) -> list[str]:
+        """What of the file is shown otherwise, fixed or left out, in lines; to be asked when all has been read."""
+        model, lines = self.model, list[str]()
+        if self.averaged:
+            names = ", ".join(f"'{name}'" for name in sorted(self.averaged)[:5])
+            lines.append(f"shown in the mean colour of their textures, which no mesh places: materials {names}")
+        still = [joint for joint in range(model.njnt) if not self._moves(joint) and model.jnt_type[joint] != FREE]
+        if still:
+            names = ", ".join(f"'{model.joint(joint).name or joint}'" for joint in still[:5])
+            lines.append(f"fixed: {len(still)} joints ({names}), which have no limits or turn as balls do")
+        counts = {
+            "equality constraints": model.neq - len(self.pairs),
+            "tendons": model.ntendon,
+            "soft bodies": model.nflex,
+            "skins": model.nskin,
+            **{name: int((model.geom_type == kind).sum()) for kind, name in UNSEEN.items()},
+        }
+        if left := [f"{count} {name}" for name, count in counts.items() if count]:
+            lines.append(f"has what is not read: {', '.join(left)}")
+        return lines
+
     def _moves(self, joint: int) -> bool:
         model = self.model
         ends = np.abs(model.jnt_range[joint])  # a door's or drawer's, closed at one, may not hold in the simulation
@@ -101,8 +135,26 @@ class _Reader:
             model.jnt_axis[joint].copy(),
             low,
             high,
+            follows=self.pairs.get(joint),
         )
         return closed_at_lower(made)
+
+    def _pairs(self) -> dict[int, str]:
+        """The joints that an equality makes stand like another of the same body and type, and the names of those."""
+        model, pairs = self.model, dict[int, str]()
+        for number in np.flatnonzero((model.eq_type == mjtEq.mjEQ_JOINT) & model.eq_active0.astype(bool)):
+            one, other, told = model.eq_obj1id[number], model.eq_obj2id[number], model.eq_data[number]
+            sign = float(np.sign(told[1]))
+            if other < 0 or not np.allclose(told[:5], (0, sign, 0, 0, 0), atol=1e-3):
+                continue
+            parents = model.body_parentid[model.jnt_bodyid[[one, other]]]
+            alike = model.jnt_type[one] == model.jnt_type[other] and parents[0] == parents[1]
+            low, high = model.jnt_range[other]
+            alike = alike and np.allclose(model.jnt_range[one], sorted([sign * low, sign * high]), atol=1e-3)
+            alike = alike and (sign > 0 or abs(low) != abs(high))  # else both may open to one side
+            if alike and self._moves(one) and self._moves(other):
+                pairs[int(one)] = model.joint(other).name or f"joint_{other}"
+        return pairs
 
     def _link(self, body: int, name: str, anchor: Matrix) -> Link:
         model, first = self.model, int(self.model.body_geomadr[body])
@@ -151,8 +203,8 @@ class _Reader:
 
     def _visuals(self, geom: int) -> Iterator[Visual]:
         model, material = self.model, int(self.model.geom_matid[geom])
-        colour = (model.geom_rgba[geom] if material < 0 else model.mat_rgba[material]).clip(0, 1).astype(float)
-        image = None if material < 0 else self._image(int(model.mat_texid[material][mjtTextureRole.mjTEXROLE_RGB]))
+        colour = self.rgba[geom].clip(0, 1).astype(float)
+        image = None if material < 0 else self._image(self._texture(material))
         for mesh in self._meshes(geom):
             uv = self._uv(geom) if image is not None and image.width > 1 else None
             if uv is not None:
@@ -165,7 +217,10 @@ class _Reader:
             mesh.merge_vertices()
             plain = colour.copy()
             if image is not None:
-                plain[:3] *= (np.asarray(image, dtype=float).reshape(-1, 3).mean(axis=0) / 255) ** 2.2
+                texels = np.asarray(image, dtype=float).reshape(-1, 3)
+                plain[:3] *= (texels.mean(axis=0) / 255) ** 2.2
+                if np.ptp(texels, axis=0).max() > PLAIN:
+                    self.averaged.add(model.mat(material).name)
             red, green, blue, alpha = plain.round(4).tolist()
             rgba: RGBA = (red, green, blue, alpha)
             yield Visual(mesh, rgba, flat=model.geom_type[geom] == mjtGeom.mjGEOM_BOX)
@@ -175,14 +230,16 @@ class _Reader:
         model, mesh = self.model, int(self.model.geom_dataid[geom])
         if model.geom_type[geom] != mjtGeom.mjGEOM_MESH or model.mesh_texcoordadr[mesh] < 0:
             return None
-        if (
-            model.tex_type[model.mat_texid[model.geom_matid[geom]][mjtTextureRole.mjTEXROLE_RGB]]
-            != mjtTexture.mjTEXTURE_2D
-        ):
+        if model.tex_type[self._texture(int(model.geom_matid[geom]))] != mjtTexture.mjTEXTURE_2D:
             return None
         face, faces = int(model.mesh_faceadr[mesh]), int(model.mesh_facenum[mesh])
         corners = int(model.mesh_texcoordadr[mesh]) + model.mesh_facetexcoord[face : face + faces].ravel()
         return np.asarray(model.mesh_texcoord[corners] * [1, -1] + [0, 1], dtype=float)
+
+    def _texture(self, material: int) -> int:
+        """Number of the texture that colours a material; -1: none does."""
+        roles = self.model.mat_texid[material]
+        return int(max(roles[mjtTextureRole.mjTEXROLE_RGB], roles[mjtTextureRole.mjTEXROLE_RGBA]))
 
     def _image(self, texture: int) -> Image.Image | None:
         if texture < 0:

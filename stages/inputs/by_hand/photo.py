@@ -11,13 +11,12 @@ from PIL import Image
 from PIL.ExifTags import IFD, Base
 
 from stages.contracts.errors import InputError
-from stages.contracts.images import read_rgb
+from stages.contracts.images import check_shown, read_rgb
 from stages.inputs.rgbd.cameras import resized
 from stages.inputs.rgbd.frame import LONGEST
 from stages.inputs.rgbd.lens import read_lens, straightened
 
 WIDEST = 2.4  # of a picture's sides: a panorama has no single perspective
-FLAT = 2.0  # standard deviation of the brightness below which nothing is to be seen
 FILM = np.hypot(36, 24)  # millimetres: diagonal that "35 mm equivalent" focal lengths refer to
 MILLIMETRES = {2: 25.4, 3: 10.0}  # of EXIF's units of resolution: inch, centimetre
 HEIF_BRANDS = (b"heic", b"heix", b"hevc", b"hevx", b"heim", b"heis", b"mif1", b"msf1")
@@ -112,10 +111,7 @@ def read_photo(path: Path, lens: Path | None = None) -> Photo:
     if shrunk > 1:
         size = round(width / shrunk), round(height / shrunk)
         rgb = np.asarray(cv2.resize(rgb, size, interpolation=cv2.INTER_AREA), dtype=np.uint8)
-    if float(rgb.std(axis=(0, 1)).max()) < FLAT:
-        raise InputError(
-            path, "shows nothing: it is all of one colour.", "take another photograph", code="E-PICTURE-BLANK"
-        )
+    check_shown(path, rgb)
     focal = None if focal is None else focal / shrunk
     if lens is not None:
         known = read_lens(lens, width, height)

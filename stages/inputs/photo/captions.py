@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, create_model, model_validator
 
+from stages.contracts.errors import plain
 from stages.inputs.numbered import numbered
 from stages.vlm.ask import Asker, NoAnswerError
 from stages.vlm.boxed import boxed
@@ -76,7 +77,7 @@ def listed(asker: Asker, rgb: NDArray[np.uint8]) -> list[str]:
         NoAnswerError: there is no answer that can be used.
     """
     answer = asker.ask(Prompt(SYSTEM, [rgb, LIST]), Listed, "what is in the picture")
-    labels = [" ".join(label.lower().replace(".", " ").split())[:60] for label in answer.labels]
+    labels = [plain(" ".join(label.lower().replace(".", " ").split())[:60]) for label in answer.labels]
     labels = [label for label in dict.fromkeys(labels) if label and label != NONE]
     if not labels:
         raise NoAnswerError("it lists nothing")

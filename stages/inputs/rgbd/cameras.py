@@ -1,23 +1,22 @@
 """Intrinsics of a frame: from a file, by the camera's name, or from a field of view."""
 
-import json
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import yaml
 from numpy.typing import NDArray
 
 from stages.config.cameras import FIELD_OF_VIEW, FIELDS_OF_VIEW
 from stages.contracts import InputError
-from stages.contracts.arrays import readable
 from stages.contracts.types import check_view
+from stages.inputs.rgbd.camera_files import ANGLE, CORNER, FOCAL, KNOWS, MATRICES, contents, first, matrix_of
 from stages.inputs.rgbd.frame import is_stretched
 
 Matrix = NDArray[np.float64]
 
-DEEPER = ("color", "rgb", "color_intrinsics", "rgb_intrinsics", "intrinsic", "intrinsics", "camera", "cam0")
-KNOWS = "a file with fx, fy, cx, cy or a 3x3 matrix (JSON, YAML, text, NPY), see docs/your-data.md"
+DOWN = ("fy", "fycolor", "fyrgb", "focallengthy")
+SIZES = ("resolution", "imagesize", "imgsize", "size")  # [width, height]
+NO_PINHOLE = {"omni", "ds", "eucm", "mei", "fov", "equirectangular", "spherical", "panorama", "orthographic", "unread"}
 
 
 def matrix(fx: float, fy: float, cx: float, cy: float) -> Matrix:
@@ -42,7 +41,10 @@ def of_field_of_view(degrees: float, width: int, height: int) -> Matrix:
 
 
 def of_camera(name: str, width: int, height: int) -> Matrix:
-    """K of a camera by its name, as its maker describes it: about 2 % off, as single cameras differ."""
+    """K of a camera by its name, as its maker describes it: about 2 % off, as single cameras differ.
+
+    A picture that is higher than wide is one of a camera that was held upright.
+    """
     if name not in FIELDS_OF_VIEW:
         raise InputError(
             "--camera",
@@ -50,27 +52,36 @@ def of_camera(name: str, width: int, height: int) -> Matrix:
             f"one of {', '.join(FIELDS_OF_VIEW)}; or --intrinsics: {KNOWS}",
             code="E-CAMERA-NAME",
         )
-    across, up = np.tan(np.deg2rad(FIELDS_OF_VIEW[name]) / 2)
+    across, up = np.tan(np.deg2rad(FIELDS_OF_VIEW[name]) / 2)[:: -1 if height > width else 1]
     focal = max(width / 2 / across, height / 2 / up)
     return matrix(focal, focal, (width - 1) / 2, (height - 1) / 2)
 
 
-def read_intrinsics(path: Path, width: int, height: int) -> Matrix:
-    """K for a picture of this size, from a file of any usual layout.
+def read_intrinsics(path: Path, width: int, height: int, picture: str = "") -> Matrix:
+    """K for a picture of this size, from a file of any usual layout (docs/your-data.md).
 
-    Known: `fx fy cx cy` or nine numbers as text; JSON or YAML with fx, fy, cx, cy (ppx, x_offset), with `intrinsics`,
-    `K`, `camera_matrix` or `intrinsic_matrix` as rows, as nine numbers in either order, or as {data: nine numbers}.
-    Where the file says width and height, K is scaled to the picture.
+    Where the file says another width and height of the same proportions, K is scaled to the picture, which is printed.
+
+    Args:
+        path: the file.
+        width: of the picture, in pixels.
+        height: of it.
+        picture: its file name, for files of many cameras.
 
     Raises:
         InputError: nothing of the kind, or a camera that cannot have taken a picture of this size.
     """
-    told = contents(path)
-    found, size = of_mapping(path, told) if isinstance(told, dict) else (told, None)
+    told = contents(path, picture)
+    try:
+        found, size = of_mapping(path, told, width, height) if isinstance(told, dict) else matrix_of(np.array(told))
+    except (ValueError, TypeError, KeyError) as error:
+        what = f"holds intrinsics that cannot be read ({error})."
+        raise InputError(path, what, KNOWS, code="E-CAMERA-INTRINSICS") from None
     if size is not None and size != (width, height):
         if is_stretched(size, (width, height)):
             what = f"is of {size[0]:g}x{size[1]:g} pixels, the picture has {width}x{height}: other proportions."
             raise InputError(path, what, "intrinsics of this very camera and its proportions", code="E-CAMERA-SIZE")
+        print(f"{path}: is of {size[0]:g}x{size[1]:g} pixels, scaled to the picture's {width}x{height}")
         found = resized(found, width / size[0], height / size[1])
     return checked(path, found, width, height)
 
@@ -88,76 +99,53 @@ def checked(where: object, intrinsics: Matrix, width: int, height: int) -> Matri
     return intrinsics
 
 
-def contents(path: Path) -> Matrix | dict[str, Any]:
-    """What a file of intrinsics says: K in plain numbers, or names (in small letters) and their values.
+def of_mapping(path: Path, known: dict[str, Any], width: int, height: int) -> tuple[Matrix, tuple[float, float] | None]:
+    """K and the size of its picture, if it is told, from plain names; width, height: of our picture, if it is not.
 
     Raises:
-        InputError: neither.
+        InputError: it holds none, one that is no pinhole camera's, or one of a part of the picture.
+        ValueError, TypeError, KeyError: its values are no numbers.
     """
-    if path.suffix.lower() == ".npy":
-        with readable(path, "file of intrinsics", KNOWS):
-            return _matrix_of(np.load(path, allow_pickle=False).astype(float).ravel().tolist())
-    with readable(path, "file of intrinsics", KNOWS):
-        text = path.read_text(encoding="utf-8-sig")
-    words = text.replace(",", " ").replace(";", " ").replace("[", " ").replace("]", " ").split()
-    try:
-        return _matrix_of([float(word) for word in words])
-    except (ValueError, TypeError):
-        pass
-    with readable(path, "file of intrinsics", KNOWS):
-        data = json.loads(text) if text.lstrip().startswith("{") else yaml.safe_load(text.replace("%YAML:1.0", ""))
-    if not isinstance(data, dict):
-        raise InputError(path, "holds no intrinsics.", KNOWS, code="E-CAMERA-INTRINSICS")
-    return flat(data)
-
-
-def flat(data: dict[str, Any]) -> dict[str, Any]:
-    """Names in small letters; what is said of the colour camera one level deeper, too."""
-    known = {str(key).lower(): value for key, value in data.items()}
-    for key in DEEPER:
-        if isinstance(known.get(key), dict):
-            known = {str(name).lower(): value for name, value in known[key].items()} | known
-    return known
-
-
-def of_mapping(path: Path, data: dict[str, Any]) -> tuple[Matrix, tuple[float, float] | None]:
-    """K and the size of the picture, if it is told, from the contents of a JSON or YAML file.
-
-    Raises:
-        InputError: it holds none.
-    """
-    known = flat(data)
-    width, height = (_first(known, name, f"image_{name}", f"img_{name}", name[0]) for name in ("width", "height"))
-    size = (float(width), float(height)) if width and height else None
-    try:
-        if "fx" in known:
-            fx, fy = known["fx"], known["fy"]
-            cx, cy = (_first(known, f"c{axis}", f"pp{axis}", f"{axis}_offset") for axis in "xy")
-            if cx is None or cy is None:
-                raise InputError(path, "says fx, but not cx and cy.", KNOWS, code="E-CAMERA-INTRINSICS")
-            return matrix(float(fx), float(fy), float(cx), float(cy)), size
-        for name in ("intrinsics", "k", "camera_matrix", "intrinsic_matrix", "cam_k"):
-            if name in known:
-                value = known[name]["data"] if isinstance(known[name], dict) else known[name]
-                return _matrix_of(np.asarray(value, dtype=float).ravel().tolist()), size
-    except (ValueError, TypeError, KeyError) as error:
+    model = str(first(known, "cameramodel", "cameratype", "projection") or "").lower()
+    if set(model.replace("_", " ").replace("-", " ").split()) & NO_PINHOLE:
+        model = str(known.get("distortionmodel") or model) if model == "unread" else model
+        raise InputError(path, f"has the camera model '{model}', which is not read.", KNOWS, code="E-LENS-MODEL")
+    roi = known.get("roi")
+    if isinstance(roi, dict) and (roi.get("x_offset") or roi.get("y_offset")):
         raise InputError(
-            path, f"holds intrinsics that cannot be read ({error}).", KNOWS, code="E-CAMERA-INTRINSICS"
-        ) from None
+            path, "is of a part of the picture (roi).", "give K of this very picture", code="E-CAMERA-SIZE"
+        )
+    size = _size(known)
+    if (focal := first(known, *FOCAL)) is not None and "flx" not in known:
+        cx, cy = (first(known, f"c{axis}", f"pp{axis}", f"{axis}offset", f"m{axis}color") for axis in "xy")
+        if cx is None or cy is None:
+            raise InputError(path, "says fx, but not cx and cy.", KNOWS, code="E-CAMERA-INTRINSICS")
+        return matrix(float(focal), float(first(known, *DOWN)), float(cx), float(cy)), size
+    if focal is not None or first(known, *ANGLE) is not None:
+        return _of_nerf(known, *(size or (width, height))), size
+    for name in MATRICES:
+        value = known.get(name)
+        value = value.get("data") if isinstance(value, dict) else value
+        if value is not None:
+            numbers = value.replace(",", " ").split() if isinstance(value, str) else value
+            found, inside = matrix_of(np.asarray(numbers, dtype=float).ravel())
+            return found, size or inside
     raise InputError(path, "holds no intrinsics.", KNOWS, code="E-CAMERA-INTRINSICS")
 
 
-def _first(known: dict[str, Any], *names: str) -> Any:
-    """What stands under the first of the names that is there."""
-    return next((known[name] for name in names if name in known), None)
+def _of_nerf(known: dict[str, Any], width: float, height: float) -> Matrix:
+    """K of a transforms.json, whose focal length may be an angle, with the axis in the middle if nothing is said."""
+    radians = known["cameraanglex"] if "cameraanglex" in known else np.deg2rad(float(first(known, *ANGLE) or 0))
+    across = float(known["flx"]) if "flx" in known else width / 2 / np.tan(float(radians) / 2)
+    cx, cy = float(known.get("cx", width / 2)), float(known.get("cy", height / 2))
+    return matrix(across, float(known.get("fly", across)), cx - CORNER, cy - CORNER)
 
 
-def _matrix_of(numbers: list[float]) -> Matrix:
-    """Four numbers (fx, fy, cx, cy), or nine, row by row or column by column."""
-    if len(numbers) == 4:
-        return matrix(*numbers)
-    square = np.array(numbers).reshape(3, 3)
-    square = square.T if square[2, 0] > 1 else square
-    if square[2].tolist() != [0.0, 0.0, 1.0]:
-        raise ValueError("the last row is not 0 0 1")
-    return matrix(square[0, 0], square[1, 1], square[0, 2], square[1, 2])
+def _size(known: dict[str, Any]) -> tuple[float, float] | None:
+    """Width and height of the picture that plain names are of."""
+    names = (("{}", "image{}", "img{}", "color{}", "rgb{}", "sensor{}"), ("width", "height"))
+    width, height = (first(known, *(name.format(side) for name in names[0]), side[0]) for side in names[1])
+    if width is None or height is None:
+        both = first(known, *SIZES)
+        width, height = both if isinstance(both, (list, tuple)) and len(both) == 2 else (None, None)
+    return (float(width), float(height)) if width and height else None

@@ -1,16 +1,20 @@
 """Read depth from PNG, TIFF, PGM, EXR, NPZ and NPY, and find out whether it is in metres or millimetres."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
+from PIL import Image, ImageOps
 
 from stages.contracts import InputError
 from stages.contracts.arrays import read_npz, readable
-from stages.contracts.depth import NEAREST, SKY, check_depth
+from stages.contracts.depth import BYTE, NEAREST, SKY, check_depth
 from stages.contracts.types import LARGEST
+from stages.geometry.depth_marks import marks_of, range_of, without
+from stages.inputs.rgbd.depth_scale import Stated, scale_of
+from stages.inputs.rgbd.exr import read_exr
 
 MEASURED = 6.0  # metres: the median depth of frames of cameras is less; more in millimetres is another unit, mostly
 IMAGES = (".png", ".tif", ".tiff", ".pgm")
@@ -32,15 +36,15 @@ def read_raw(path: Path) -> NDArray[Any]:
         if path.suffix.lower() in IMAGES:
             array = _from_image(path)
         elif path.suffix.lower() == ".exr":
-            array = _from_exr(path)
+            array = read_exr(path)
         else:
             array = _from_numpy(path)
     array = array[..., 0] if array.ndim == 3 and array.shape[2] == 1 else array
-    if array.ndim != 2 or 0 in array.shape or array.dtype.kind not in "fiu":
+    if array.ndim != 2 or 0 in array.shape or array.dtype.kind not in "fiu" or array.dtype.itemsize == 1:
         raise InputError(
             path,
             f"has shape {array.shape} and type {array.dtype}: it is no depth image.",
-            "store one array (height, width) of numbers, called depth",
+            "store one array (height, width) of numbers with 16 bits or more, called depth",
             code="E-DEPTH-FORMAT",
         )
     return array
@@ -48,23 +52,13 @@ def read_raw(path: Path) -> NDArray[Any]:
 
 def _from_image(path: Path) -> NDArray[Any]:
     with Image.open(path, formats=("PNG", "TIFF", "PPM")) as image:
+        if getattr(image, "n_frames", 1) > 1:
+            what = f"has {image.n_frames} pages: which of them is depth?"
+            raise InputError(path, what, "save the one of depth alone", code="E-DEPTH-FORMAT")
         if image.mode not in ("I;16", "I;16B", "I;16L", "I;16N", "I", "F"):
             what = f"has {8 * len(image.getbands())} bits per pixel ({image.mode}): a picture of depth, not depth."
             raise InputError(path, what, "export depth with 16 bits per pixel, or as floats", code="E-DEPTH-FORMAT")
-        return np.asarray(image)
-
-
-def _from_exr(path: Path) -> NDArray[Any]:
-    try:
-        import OpenEXR
-    except ImportError:
-        raise InputError(
-            path, "is an EXR file, which nothing installed here reads.", "pip install OpenEXR", code="E-LIBRARY-MISSING"
-        ) from None
-    with OpenEXR.File(str(path), separate_channels=True) as file:
-        channels = file.channels()
-        name = next((name for name in ("Z", "depth.Z", "R", "Y", "V") if name in channels), None) or min(channels)
-        return np.array(channels[name].pixels)
+        return np.asarray(ImageOps.exif_transpose(image))
 
 
 def _from_numpy(path: Path) -> NDArray[Any]:
@@ -81,24 +75,39 @@ def _from_numpy(path: Path) -> NDArray[Any]:
     )
 
 
-def in_metres(path: Path, raw: NDArray[Any], unit: str = "auto") -> tuple[NDArray[np.float32], str]:
-    """Depth in metres (h, w), 0: unknown, and a line that says which unit was found.
+def in_metres(
+    path: Path, raw: NDArray[Any], unit: str = "auto", stated: Sequence[Stated] = (), usual: float | None = None
+) -> tuple[NDArray[np.float32], str]:
+    """Depth in metres (h, w), 0: unknown, and a line that says which unit was found, and by what.
 
     Args:
         path: for errors.
-        raw: numbers as stored; what is negative, not finite or beyond 100 m is unknown.
+        raw: numbers as stored; what is negative, not finite, beyond 100 m or a mark of `depth_marks` is unknown.
         unit: auto, m, mm, or the number that stands for one metre, e.g. 5000 (TUM).
+        stated: what files say of the unit.
+        usual: what stands for one metre if nobody says anything, if it is known; else the median tells.
 
     Raises:
         InputError: no pixel is known, or the numbers are no depth of a room in this unit, or in any.
     """
+    marks = marks_of(raw)
+    raw = without(raw, marks)
     known = raw[np.isfinite(raw) & (raw > 0)]
     if not known.size:
         raise InputError(
             path, "no pixel has a depth above 0.", "check how the camera saves depth", code="E-DEPTH-EMPTY"
         )
     median = float(np.median(known))
-    per_metre = _guessed(path, median, raw.dtype.kind in "iu") if unit == "auto" else _given(unit)
+    if unit != "auto":
+        per_metre, how = _given(unit), "as told"
+        if stated and not any(np.isclose(per_metre, scale) for one in stated for scale in one.per_metre):
+            how += f", though {stated[0]}"
+    elif stated:
+        per_metre, how = scale_of(path, stated, median)
+    elif usual is not None:
+        per_metre, how = usual, "as such recordings have it"
+    else:
+        per_metre, how = _guessed(path, known, median), "found by its median"
     if not NEAREST <= median / per_metre <= LARGEST:
         what = f"has the median {median:g}, which would be {median / per_metre:.3g} m: no room."
         raise InputError(
@@ -106,30 +115,31 @@ def in_metres(path: Path, raw: NDArray[Any], unit: str = "auto") -> tuple[NDArra
         )
     metres = np.where(np.isfinite(raw), raw, 0).astype(np.float64) / per_metre
     metres[(metres < 0) | (metres > SKY)] = 0
+    if (cut := range_of(metres)) is not None:
+        metres[metres == cut] = 0
+        marks.append(cut * per_metre)
     check_depth(path, metres)
     name = next((name for name, number in UNITS.items() if number == per_metre), f"1/{per_metre:g} m")
-    how = "found by its median" if unit == "auto" else "as told"
     line = f"depth in {name} ({how}, {median / per_metre:.2f} m), known on {100 * (metres > 0).mean():.0f} % of it"
+    if marks:
+        line += f", {' and '.join(f'{mark:g}' for mark in marks)} taken for unknown"
     return metres.astype(np.float32), line
 
 
-def _guessed(path: Path, median: float, whole: bool) -> float:
+def _guessed(path: Path, known: NDArray[Any], median: float) -> float:
+    whole = known.dtype.kind in "iu"
     if not whole and NEAREST <= median <= LARGEST:
         return UNITS["m"]
+    fix = "say the unit with --unit: m, mm, or the number that stands for one metre"
+    if LARGEST < known.max() <= BYTE:
+        raise InputError(path, f"has no value above {known.max():g}: bytes, not millimetres.", fix, code="E-DEPTH-UNIT")
     if 1000 * NEAREST <= median <= 1000 * MEASURED:
         return UNITS["mm"]
+    what = f"has the median {median:.3g}, which is neither metres nor millimetres of a room."
     if 1000 * MEASURED < median <= 1000 * LARGEST:
         what = f"has the median {median:g}: {median / 1000:.3g} m in millimetres, {median / 5000:.3g} m in 1/5000 m."
-        raise InputError(
-            path,
-            what,
-            "say which it is: --unit mm, --unit 5000, or the number that stands for one metre",
-            code="E-DEPTH-UNIT",
-        )
-    what = f"has the median {median:.3g}, which is neither metres nor millimetres of a room."
-    raise InputError(
-        path, what, "say the unit with --unit: m, mm, or the number that stands for one metre", code="E-DEPTH-UNIT"
-    )
+        fix = "say which it is: --unit mm, --unit 5000, or the number that stands for one metre"
+    raise InputError(path, what, fix, code="E-DEPTH-UNIT")
 
 
 def _given(unit: str) -> float:

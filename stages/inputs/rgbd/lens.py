@@ -1,7 +1,7 @@
 """Lens distortion: read it from a calibration file, and remove it from pictures."""
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -10,12 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.contracts import InputError
-from stages.inputs.rgbd.cameras import Matrix, contents, matrix, read_intrinsics
+from stages.inputs.rgbd.camera_files import contents, first
+from stages.inputs.rgbd.cameras import Matrix, matrix, read_intrinsics
 from stages.inputs.rgbd.frame import Frame, Labelled
 
 NAMES = ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6")  # in OpenCV's order
-LISTS = ("distortion_coefficients", "distortion_coeffs", "dist_coeffs", "distortion", "coeffs", "dist", "d")
-MODELS = {"plumb_bob", "rational_polynomial", "brown_conrady", "radtan", "opencv", "pinhole", ""}
+LISTS = ("distortioncoefficients", "distortioncoeffs", "distcoeffs", "distortionparameters", "distortionparams",
+         "distortion", "coeffs", "dist", "d")  # fmt: skip
+BENDS = ("distort", "radial", "tangential", "thinprism")  # what is called so says something of the lens, too
+MODELS = {"plumb_bob", "rational_polynomial", "brown_conrady", "radtan", "opencv", "full_opencv", "radial",
+          "simple_radial", "pinhole", "perspective", ""}  # fmt: skip
+COUNTS = (5, 8, 12, 14)  # of OpenCV's coefficients
 INVERSE = "inverse_brown_conrady"  # RealSense: from bent to straight
 FISHEYE = ("fisheye", "equidistant", "kannala", "kb4")  # k1 to k4 of Kannala and Brandt, as in cv2.fisheye
 WIDEST = np.deg2rad(110)  # of a straightened fisheye picture: beyond, little is left of its middle
@@ -26,7 +31,7 @@ CALIBRATION = (
 
 @dataclass(frozen=True)
 class Lens:
-    """K and OpenCV's coefficients (5 or 8), or (4) those of a fisheye lens."""
+    """K and OpenCV's coefficients (5 to 14), or (4) those of a fisheye lens."""
 
     intrinsics: Matrix
     distortion: NDArray[np.float64]
@@ -50,27 +55,44 @@ def read_lens(path: Path, width: int, height: int) -> Lens:
     return Lens(intrinsics, distortion)
 
 
-def find_distortion(path: Path, intrinsics: Matrix, width: int, height: int) -> NDArray[np.float64] | None:
-    """OpenCV's coefficients (5 or 8; 4: of a fisheye lens) in a file of intrinsics; None if it names none.
+def find_distortion(
+    path: Path, intrinsics: Matrix, width: int, height: int, picture: str = ""
+) -> NDArray[np.float64] | None:
+    """OpenCV's coefficients (5, 8, 12 or 14; 4: of a fisheye lens) in a file of intrinsics; None if it names none.
+
+    `picture`: its file name, for files of many cameras.
 
     Raises:
         InputError: they are of a model that is not read, or broken.
     """
-    known = contents(path)
+    known = contents(path, picture)
     if not isinstance(known, dict):
         return None
-    model = str(known.get("distortion_model") or (known.get("model") if "coeffs" in known else "") or "").lower()
-    model = re.sub(r"\W+", "_", model).removeprefix("rs2_").removeprefix("distortion_")
-    if any(word in model for word in FISHEYE):
+    model = known.get("distortionmodel") or (known.get("model") if "coeffs" in known else "")
+    model = re.sub(r"\W+", "_", str(model or "").lower()).removeprefix("rs2_").removeprefix("distortion_")
+    camera = f"{model} {first(known, 'cameramodel', 'cameratype')}".lower()
+    if any(word in camera for word in FISHEYE) or known.get("isfisheye"):
         return _fisheye(path, known)
     if model == "none" or all(known.get(name) in (None, []) for name in ("k1", *LISTS)):
+        bends = [name for name in known if any(word in name for word in BENDS) and _says_number(known[name])]
+        if bends and model != "none":
+            raise InputError(path, f"has '{bends[0]}', which is not read.", CALIBRATION, code="E-LENS-MODEL")
         return None
     found = _coefficients(path, known)
+    if "flx" in known and float(known.get("k4") or 0):
+        model = "with k4 of nerfstudio"
     if found.any() and model not in MODELS | {INVERSE}:
         raise InputError(
             path, f"has the distortion model '{model}', which is not read.", CALIBRATION, code="E-LENS-MODEL"
         )
     return _turned_round(found, intrinsics, width, height) if model == INVERSE else found
+
+
+def _says_number(value: Any) -> bool:
+    """Whether there is a number other than 0 in a value."""
+    if isinstance(value, (list, dict)):
+        return any(_says_number(one) for one in (value.values() if isinstance(value, dict) else value))
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and value != 0
 
 
 def _turned_round(inverse: NDArray[np.float64], intrinsics: Matrix, width: int, height: int) -> NDArray[np.float64]:
@@ -93,16 +115,20 @@ def _fisheye(path: Path, known: dict[str, Any]) -> NDArray[np.float64]:
 
 
 def _coefficients(path: Path, known: dict[str, Any]) -> NDArray[np.float64]:
+    """OpenCV's, made up to one of its counts by zeros; zeros beyond say nothing."""
     found = _numbers(known, NAMES)
-    if len(found) not in (4, 5, 8) or not np.isfinite(found).all():
+    used = len(found) if np.isnan(found).any() else len(np.trim_zeros(found, "b"))
+    count = next((count for count in COUNTS if count >= used), 0)
+    if not count or not np.isfinite(found).all() or (used and len(found) < 4):
         raise InputError(path, "holds no distortion.", CALIBRATION, code="E-LENS-MISSING")
-    return np.pad(found, (0, 1)) if len(found) == 4 else found
+    return np.pad(found[:count], (0, max(0, count - len(found))))
 
 
 def _numbers(known: dict[str, Any], names: tuple[str, ...]) -> NDArray[np.float64]:
     """Coefficients from a list, or by their names; nan: none."""
     values = next((known[name] for name in LISTS if name in known), None)
     values = values.get("data") if isinstance(values, dict) and "data" in values else values
+    values = values.replace(",", " ").split() if isinstance(values, str) else values
     named = values if isinstance(values, dict) else known
     if not isinstance(values, list):
         values = [named.get(name, 0) for name in names] if "k1" in named else None
@@ -137,12 +163,14 @@ def straight_frame(frame: Frame) -> Frame:
         return frame
     target = _pinhole(lens, frame.rgb.shape[1], frame.rgb.shape[0], "intrinsics")
     masks = frame.masks and Labelled(_seen_by(target, frame.masks.values, lens, cv2.INTER_NEAREST), frame.masks.labels)
-    return Frame(
-        _seen_by(target, frame.rgb, lens, cv2.INTER_LINEAR),
-        _seen_by(target, frame.depth, lens, cv2.INTER_NEAREST),
-        target,
-        masks,
-        [*frame.notes, "the lens's distortion is taken out"],
+    return replace(
+        frame,
+        rgb=_seen_by(target, frame.rgb, lens, cv2.INTER_LINEAR),
+        depth=_seen_by(target, frame.depth, lens, cv2.INTER_NEAREST),
+        intrinsics=target,
+        masks=masks,
+        notes=[*frame.notes, "the lens's distortion is taken out"],
+        distortion=None,
     )
 
 

@@ -14,11 +14,10 @@ from stages.contracts.scene_input import write_scene_input
 from stages.contracts.scenes import Annotation
 from stages.inputs.rgbd.cameras import resized
 from stages.inputs.rgbd.clusters import TILT
-from stages.inputs.rgbd.frame import LONGEST, Frame, Labelled, is_stretched
+from stages.inputs.rgbd.frame import LONGEST, Frame, Labelled, is_nothing, is_stretched
 
 TRIM = 0.005  # of a thing's points left out at either end: strays are fewer than in estimated depth
 FLOOR, WALL = {"floor", "ground", "carpet"}, {"wall", "walls"}
-NOTHING = {"", "background", "ceiling", "unknown", "unlabeled", "unlabelled", "void"}
 OPENS = {
     "cabinet", "cabinets", "chest", "closet", "cupboard", "dishwasher", "drawer", "drawers", "dresser", "fridge",
     "microwave", "nightstand", "oven", "refrigerator", "sideboard", "wardrobe",
@@ -61,13 +60,13 @@ def annotated(masks: Labelled) -> tuple[NDArray[np.uint16], Annotations]:
     kinds = {value: label.strip().lower() for value, label in masks.labels.items() if value in shown}
     floors = [value for value, label in kinds.items() if label in FLOOR]
     values[np.isin(values, floors[1:])] = floors[0] if floors else 0
-    values[np.isin(values, [value for value, label in kinds.items() if label in NOTHING])] = 0
+    values[np.isin(values, [value for value, label in kinds.items() if is_nothing(label)])] = 0
     objects = [
         Annotation(
             mask=value, label=masks.labels[value].strip(), articulated=bool(OPENS & set(re.split(r"\W+", label)))
         )
         for value, label in kinds.items()
-        if label not in FLOOR | WALL | NOTHING
+        if label not in FLOOR | WALL and not is_nothing(label)
     ]
     if not objects:
         raise InputError(
@@ -77,12 +76,15 @@ def annotated(masks: Labelled) -> tuple[NDArray[np.uint16], Annotations]:
     return values, Annotations(objects=objects, floor=floors[0] if floors else None, walls=walls)
 
 
-def write_frame(folder: Path, frame: Frame) -> Annotations | None:
-    """Write the input folder, and `config.yaml` if it is whole; without masks the first three files alone."""
+def write_frame(folder: Path, frame: Frame, doubt: str = "") -> Annotations | None:
+    """Write the input folder, and `config.yaml` if it is whole; without masks the first three files alone.
+
+    `doubt`: of the camera or its depth, for the scene's page.
+    """
     frame = fitted(frame)
     height, width = frame.rgb.shape[:2]
     masks, annotations = (None, None) if frame.masks is None else annotated(frame.masks)
-    camera = Camera(width=width, height=height, intrinsics=frame.intrinsics.tolist())
+    camera = Camera(width=width, height=height, intrinsics=frame.intrinsics.tolist(), note=doubt)
     write_scene_input(folder, frame.rgb, frame.depth, camera, masks, annotations)
     if annotations is not None:
         # Depth is good up to the border, few points stray, and what is held in a hand looks down steeply.

@@ -11,7 +11,7 @@ class CloseSkill(ArticulateSkill):
     def goals(self, target: Target) -> tuple[float, ...]:
         return (target.lower,)
 
-    def enough(self) -> bool:
+    def enough(self, goal: float) -> bool:
         return self.task.opened <= AJAR / 2
 
     def done(self) -> bool:

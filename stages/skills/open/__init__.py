@@ -1,6 +1,6 @@
 """The Open skill: Approach, Converge, Grasp, Articulate, Ungrasp (paper A.4)."""
 
-from stages.planning.articulation import opened_to
+from stages.planning.articulation import open_enough, opened_to
 from stages.simulation.target import Target
 from stages.skills.articulate import ArticulateSkill
 
@@ -16,8 +16,9 @@ class OpenSkill(ArticulateSkill):
     def goals(self, target: Target) -> tuple[float, ...]:
         return opened_to(target, self.task.success_opening, self.options.goal_margin)
 
-    def enough(self) -> bool:
-        return self.task.opened >= self.task.success_opening + self.options.goal_margin / 2
+    def enough(self, goal: float) -> bool:
+        target, options = self.task.env.target, self.options
+        return self.task.opened >= open_enough(target, self.task.success_opening, options.goal_margin, goal)
 
     def done(self) -> bool:
         return self.task.opened >= self.task.success_opening

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from stages.contracts.cousins import Cousins, ObjectCousins
-from stages.contracts.doubts import doubts
+from stages.contracts.doubts import doubts, height_doubt
 from stages.contracts.files import read_json
 from stages.contracts.generated import GeneratedScene, PlacedObject
 from stages.contracts.objects import Objects, SceneObject
@@ -56,10 +56,16 @@ class Findings:
                     found.setdefault(item.id, (stage, item.reason or "no reason given"))
         return found
 
+    @property
+    def camera_doubt(self) -> str:
+        """What is odd about the camera's height; empty: nothing."""
+        return height_doubt(self.objects.floor_from_camera[2][3]) if self.objects else ""
+
     def doubts(self) -> list[tuple[str, str]]:
-        """Object and what is uncertain about it."""
+        """Object, or the camera, and what is uncertain about it."""
         if self.objects is None:
             return []
         placed, objects = self.placed, self.objects
-        found = {entry.id: doubts(entry, item, placed.get(entry.id), objects) for entry, item in self.matched}
+        found = {"camera": [self.camera_doubt]} if self.camera_doubt else {}
+        found |= {entry.id: doubts(entry, item, placed.get(entry.id), objects) for entry, item in self.matched}
         return [(name, doubt) for name, each in found.items() for doubt in each]

@@ -1,6 +1,7 @@
 """The results of the policies: charts of success with intervals, and the verdict on the paper's main claim."""
 
 from dataclasses import dataclass
+from textwrap import fill
 from typing import Any
 
 import pandas as pd
@@ -48,7 +49,7 @@ def over_assets(table: pd.DataFrame | None, claims: pd.DataFrame | None, kinds: 
         split = policies["test_asset"].iloc[0]
         policies = policies[policies["test_asset"] == split]
         skill = mine[(mine["training_set"] == SKILL) & (mine["test_asset"] == split)]["mean"]
-        rows = {task: kind(task, kinds) for task in policies["task"].unique()}
+        rows = {task: fill(kind(task, kinds), 24) for task in policies["task"].unique()}
         about = f"success over {policies['assets'].iloc[0]} {title(split)} of families that no policy was trained on"
         label = f"{title(group)}: {about}, by kind of policy and training set; the numbers are in the table of assets"
         chart = success_chart(policies, label, rows, "task", float(skill.iloc[0]) if len(skill) else None)

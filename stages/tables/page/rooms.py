@@ -61,7 +61,8 @@ class Reconstruction:
 
 @dataclass(frozen=True)
 class RoomPart:
-    """A room and all that was made of it; `failures`: object -> (stage, reason); `origins`: file -> its provenance."""
+    """A room and all that was made of it; `failures`: object -> (stage, reason); `origins`: file -> its provenance;
+    `camera_doubt`: what is odd about the camera's height, empty: nothing."""
 
     name: str
     title: str
@@ -71,6 +72,7 @@ class RoomPart:
     failures: dict[str, tuple[str, str]]
     reconstructions: list[Reconstruction]
     origins: dict[str, Made]
+    camera_doubt: str
 
 
 def _scene(scene: GeneratedScene, picture: Picture | None) -> RebuiltScene:
@@ -177,6 +179,7 @@ def _room(files: RunFiles, name: str, album: Album, snapshots: Snapshots) -> Roo
             _reconstruction(files, name, variant, found[variant], album, snapshots) for variant in variants
         ],
         origins=origins(files, name),
+        camera_doubt=next(iter(found.values())).camera_doubt,
     )
 
 

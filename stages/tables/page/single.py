@@ -82,7 +82,8 @@ def links(files: RunFiles, name: str, page: Path) -> dict[str, str]:
 def doubts(room: RoomPart, made: Reconstruction | None) -> list[tuple[str, str, str]]:
     """What is uncertain: the object or scene, the doubt, the command that opens the page to correct it (or nothing)."""
     correct = made.correct if made else ""
-    found = [
+    found = [("camera", room.camera_doubt, "")] if room.camera_doubt else []
+    found += [
         (f"{one} failed in {stage}", reason, correct and correct + one)
         for one, (stage, reason) in room.failures.items()
     ]

@@ -1,0 +1,39 @@
+"""Distance along the ray of a pixel, as many simulators give it, in the place of depth along the optical axis."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stages.geometry.inverse_depth import planar
+
+SAMPLED = 3000
+OFF, MORE = 0.01, 1.3  # share of its value by which a point may be off a plane; times as many are on planes
+
+
+def ray_lengths(shape: tuple[int, int], intrinsics: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Length (H, W) of each pixel's ray from the camera to the plane z = 1, for K (3, 3)."""
+    v, u = np.mgrid[: shape[0], : shape[1]].astype(np.float64)
+    x, y = (u - intrinsics[0, 2]) / intrinsics[0, 0], (v - intrinsics[1, 2]) / intrinsics[1, 1]
+    return np.asarray(np.sqrt(x**2 + y**2 + 1))
+
+
+def along_axis(distance: NDArray[np.float32], intrinsics: NDArray[np.float64]) -> NDArray[np.float32]:
+    """Depth (H, W) along the optical axis of distances (H, W) along the rays of K (3, 3)."""
+    return (distance / ray_lengths(distance.shape, intrinsics)).astype(np.float32)
+
+
+def flatter_along(depth: NDArray[np.floating], intrinsics: NDArray[np.float64]) -> str:
+    """Whether floor and walls are flat if depth (H, W; 0: unknown) is taken `ray` by ray, or back along the `axis`,
+    and not as it is; empty: neither is flatter. K (3, 3). On a plane 1 / z is linear in the pixel.
+    """
+    rows, columns = np.nonzero(depth > 0)
+    if len(rows) < SAMPLED:
+        return ""
+    chosen = np.random.default_rng(0).choice(len(rows), SAMPLED, replace=False)
+    rows, columns = rows[chosen], columns[chosen]
+    inverse = 1 / depth[rows, columns].astype(np.float64)
+    lengths = ray_lengths(depth.shape, intrinsics)[rows, columns]
+    pixels = np.column_stack([columns, rows, np.ones(SAMPLED)]).astype(np.float64)
+    kinds = {"": inverse, "ray": inverse * lengths, "axis": inverse / lengths}
+    flat = {kind: planar(values, pixels, np.random.default_rng(0), OFF) for kind, values in kinds.items()}
+    best = max(flat, key=lambda kind: flat[kind])
+    return best if flat[best] > MORE * flat[""] else ""

@@ -1,0 +1,55 @@
+"""Every verb refuses the seeds that config would, in one line, before it reads or writes anything."""
+
+import importlib
+import inspect
+import re
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from stages import cli
+from stages.contracts.section import Seed
+from tests.refusals import refused
+
+
+def seeded() -> list[Callable[..., None]]:
+    """The verbs with a seed among their flags."""
+    files = [path for path in Path(cli.__file__).parent.glob("*/*.py") if "\ndef run(" in path.read_text("utf-8")]
+    verbs = (path for path in files if re.search(r"\bseed: int", path.read_text("utf-8")))
+    runs = [importlib.import_module(f"stages.{path.parent.name}.{path.stem}").run for path in verbs]
+    return [run for run in runs if any(name.endswith("seed") for name in inspect.signature(run).parameters)]
+
+
+def test_seeds_are_those_of_config() -> None:
+    (bounds,) = Seed.__metadata__
+    assert [bound.lt for bound in bounds.metadata if hasattr(bound, "lt")] == [cli.SEEDS]
+
+
+@pytest.mark.parametrize("seed", [-1, 2**53, 2**63, 10**30])
+def test_every_verb_refuses_them(seed: int) -> None:
+    verbs = seeded()
+    assert len(verbs) >= 8
+    for run in verbs:
+        for name in (name for name in inspect.signature(run).parameters if name.endswith("seed")):
+            with refused("E-SEED", f"--{name.replace('_', '-')}: {seed} is no seed"):
+                cli.with_seeds_checked(run)(**{name: seed})
+
+
+def test_good_ones_pass(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    said: list[dict[str, Any]] = []
+
+    def run(*, seed: int = 0, layout_seed: int | None = None) -> None:
+        said.append({"seed": seed, "layout_seed": layout_seed})
+
+    cli.with_seeds_checked(run)(seed=2**53 - 1, layout_seed=None)
+    cli.with_seeds_checked(run)()
+    assert said == [{"seed": 2**53 - 1, "layout_seed": None}, {"seed": 0, "layout_seed": None}]
+    for seed in ("-1", str(2**63)):
+        monkeypatch.setattr(sys, "argv", ["stages.assets", "library", "--out", "none/library.json", "--seed", seed])
+        with pytest.raises(SystemExit) as ended:
+            cli.main("assets", {"library": ""})
+        assert ended.value.code == 1
+        assert capsys.readouterr().err == f"error: --seed: {seed} is no seed. Fix: 0 to {2**53 - 1} [E-SEED]\n"
