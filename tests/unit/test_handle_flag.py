@@ -226,3 +226,13 @@ def test_of_two_sights_of_as_much_of_the_handle_the_later_counts() -> None:
     seen = torch.tensor([[0.5, 0.0, 0.4, 3.0], [0.6, 0.1, 0.4, 3.0], [0.7, 0.2, 0.4, 2.0]])  # it moves with the door
     way = to_handle(seen, torch.zeros(3, 3))
     assert way[:, :2].tolist() == [pytest.approx(each) for each in ([5.0, 0.0], [6.0, 1.0], [6.0, 1.0])]
+
+
+def test_an_actor_that_sees_few_points_sees_all_of_the_handle() -> None:
+    cloud = mark_proud(cabinet())[0][0].numpy()
+    counts = {}
+    for handle in (False, True):
+        policy = make_policy(TrainingRun(network=NetworkConfig(points=40, rnn_hidden=8, mlp=[8]), handle=handle))
+        kept = policy.thinned(cloud, np.random.default_rng(0))  # type: ignore[operator]
+        counts[handle] = (len(kept), int((kept[:, 3] == -1).sum()))
+    assert counts[True] == (40, 12) and counts[False][0] == 40 and counts[False][1] < 12
