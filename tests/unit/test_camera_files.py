@@ -132,6 +132,7 @@ def test_of_many_cameras_the_picture_s_own_is_taken(tmp_path: Path) -> None:
         ("1 FOV 640 480 600 610 320 240 0.9", "LENS-MODEL", "fov"),
         ("1 THIN_PRISM_FISHEYE 640 480 600 610 320 240 0 0 0 0 0 0 0 0", "LENS-MODEL", "thin_prism_fisheye"),
         ("[LEFT_CAM_HD]\nfx=600\nfy=610\ncx=320\ncy=240\n", "FILE-UNREADABLE", ""),
+        ("camera: &a\n  camera: *a\n", "FILE-UNREADABLE", ""),
         ("fx = 600\nfx = 700\nfy = 610\ncx = 320\ncy = 240\n", "CAMERA-INTRINSICS", "no intrinsics"),
     ],
 )
