@@ -51,6 +51,8 @@ def contents(path: Path, picture: str = "") -> list[float] | dict[str, Any]:
             return data
         chosen = _of_picture(path, data, picture)
         if isinstance(chosen, dict):
+            if {"cam0", "cam1"} <= set(chosen):
+                print(f"{path}: of its cameras cam0 is taken")
             return flat(chosen)
     raise InputError(path, "holds no intrinsics.", KNOWS, code="E-CAMERA-INTRINSICS")
 
