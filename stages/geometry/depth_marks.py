@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 FEW = 20  # pixels: what fewer share may be a distance
 VARIED = 100  # different other values: depth with fewer is drawn or made of planes
 APART = 2.0  # times as far as everything else, or as near
-OFTEN, SHARE = 20, 0.01  # times as many pixels as any other value has, and of all pixels, that are cut off at a range
+OFTEN, SHARE = 20, 0.002  # times as many pixels as any value close by has, and of all pixels, that are cut off
+CLOSE = 0.9  # share of the range from which on values are close by
 NEAREST_CUT = 2.0  # metres: no camera's range is shorter
 
 
@@ -32,14 +33,15 @@ def marks_of(values: NDArray[Any]) -> list[float]:
 
 def range_of(metres: NDArray[np.floating]) -> float | None:
     """The distance at which depth (h, w) in metres is cut off: the largest, of whole half metres, and many times as
-    common as any other. A wall that is exactly so far, and seen exactly straight on, is taken for it.
+    common as any a little nearer. A wall that is exactly so far, and seen exactly straight on, is taken for it.
     """
     found, counts = _counted(metres)
     if len(found) <= VARIED:
         return None
     last, number = float(found[-1]), int(counts[-1])
     whole = last >= NEAREST_CUT and abs(2 * last - round(2 * last)) < 1e-4
-    many = number >= SHARE * metres.size and number >= OFTEN * int(counts[:-1].max())
+    beside = int(counts[:-1][found[:-1] >= CLOSE * last].max(initial=1))
+    many = number >= max(FEW, SHARE * metres.size, OFTEN * beside)
     return last if whole and many else None
 
 

@@ -47,12 +47,14 @@ def contents(path: Path, picture: str = "") -> list[float] | dict[str, Any]:
     """
     with readable(path, "file of intrinsics", KNOWS):
         data = load(path)
-    if isinstance(data, list) and data and all(isinstance(one, float) for one in data):
-        return data
-    chosen = _of_picture(path, data, picture)
-    if not isinstance(chosen, dict):
-        raise InputError(path, "holds no intrinsics.", KNOWS, code="E-CAMERA-INTRINSICS")
-    return flat(chosen)
+        if isinstance(data, list) and data and all(isinstance(one, float) for one in data):
+            return data
+        chosen = _of_picture(path, data, picture)
+        if isinstance(chosen, dict):
+            if {"cam0", "cam1"} <= set(chosen):
+                print(f"{path}: of its cameras cam0 is taken")
+            return flat(chosen)
+    raise InputError(path, "holds no intrinsics.", KNOWS, code="E-CAMERA-INTRINSICS")
 
 
 def load(path: Path) -> Any:
