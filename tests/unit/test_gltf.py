@@ -289,3 +289,36 @@ def test_mirrored_nodes_keep_their_outside_outside(tmp_path: Path) -> None:
     file = Gltf()
     (mesh,) = read(file.show(file.box(), scale=[-1, 1, 1]), tmp_path)[0]
     assert mesh.volume > 0
+
+
+def test_numbers_of_one_buffer_may_take_turns(tmp_path: Path) -> None:
+    """Place and direction of a corner lie side by side, as most programs write them."""
+    file = Gltf()
+    primitive = file.box()
+    rows = np.hstack([BOX.vertices, BOX.vertex_normals]).astype("<f4")
+    both = file.view(rows.tobytes())
+    file.header["bufferViews"][both]["byteStride"] = rows.strides[0]
+    about = {"bufferView": both, "componentType": 5126, "count": len(rows), "type": "VEC3"}
+    first = len(file.header["accessors"])
+    file.header["accessors"] += [about, about | {"byteOffset": 12}]
+    primitive["attributes"] = {"POSITION": first, "NORMAL": first + 1}
+    (mesh,) = read(file.show(primitive), tmp_path)[0]
+    assert mesh.bounds == pytest.approx(np.array([np.array(SIZE) / -2, np.array(SIZE) / 2]))
+    assert mesh.vertex_normals == pytest.approx(BOX.vertex_normals, abs=1e-6)
+
+
+def test_skins_are_bound_where_their_joints_were(tmp_path: Path) -> None:
+    """A bone that lay along x at (2, 0, 0) when it was bound stands at (1, 2, 3) and points along y."""
+    file = Gltf()
+    joints, weights = file.add([[0, 0, 0, 0]] * 8, "uint8"), file.add([[1, 0, 0, 0]] * 8)
+    bound = np.eye(4)
+    bound[0, 3] = -2.0
+    primitive = file.box(JOINTS_0=joints, WEIGHTS_0=weights)
+    primitive["attributes"]["POSITION"] = file.add(np.add(BOX.vertices, [2.5, 0, 0]))
+    file.show(primitive, skin=0)
+    file.header["nodes"].append({"rotation": [0, 0, np.sqrt(0.5), np.sqrt(0.5)], "translation": [1, 2, 3]})
+    file.header["skins"] = [{"joints": [1], "inverseBindMatrices": file.add([bound.T.ravel()])}]
+    file.header["scenes"][0]["nodes"].append(1)
+    (mesh,) = read(file, tmp_path)[0]
+    assert mesh.extents == pytest.approx((0.4, 0.2, 0.6))
+    assert mesh.bounds.mean(axis=0) == pytest.approx((1, 2.5, 3))
