@@ -86,6 +86,7 @@ def frame_flags(wildcards, input):
         "--labels": input.get("labels"),
         "--intrinsics": input.get("camera"),
         "--unit": frame.unit,
+        "--depth-is": None if frame.depth_is == "z" else frame.depth_is,
         "--number": None if frame.depth else frame.number,
         "--camera": None if input.get("camera") else frame.camera or None,
         "--fov": frame.fov or None,

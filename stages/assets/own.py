@@ -26,8 +26,12 @@ def run(*, folder: Path, models: tuple[str, ...], out: Path, options: str = "{}"
     for name, _, file in (model.partition("=") for model in models):
         places = [place.absolute() for place in (folder / file, Path(file))]
         if not (here := [found[place] for place in places if place in found]):
-            what, fix = f"holds no model '{file}'.", "each of --models is <id>=<file>, a model's file below --folder"
-            raise InputError(folder, what, fix, code="E-MODELS-NONE")
+            raise InputError(
+                folder,
+                f"holds no model '{file}'.",
+                "each of --models is <id>=<file>, the file of a model below --folder",
+                code="E-MODELS-NONE",
+            )
         wanted[name] = here[0]
     with TemporaryDirectory(prefix="acdc-own-") as made:
         _, left_out = import_models(wanted, kinds, Path(made))

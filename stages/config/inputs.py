@@ -4,7 +4,7 @@ import csv
 import re
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
@@ -25,6 +25,7 @@ class Input(Section):
     image: str = Field("", description="the picture; without `depth` networks find what it shows (section `photo`)")
     depth: str = Field("", description="its depth, aligned to it")
     unit: str = Field("auto", description="of the depth: auto, m, mm, or the number that stands for one metre")
+    depth_is: Literal["z", "ray"] = Field("z", description="along the optical axis, or along the ray of each pixel")
     recording: str = Field("", description="in the place of both: a recording ...")
     number: int = Field(0, ge=0, description="... and which of its frames, from 0")
     camera: str = Field("", description="file of its intrinsics (camera.json, JSON, YAML, text), or the camera's name")

@@ -1,6 +1,7 @@
 """Read the pictures that a stage is given, in one way everywhere: upright as a viewer shows them, 8-bit RGB."""
 
 import warnings
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -82,12 +83,13 @@ def read_rgb(path: Path) -> NDArray[np.uint8]:
 
 
 def orientation_of(path: Path) -> int:
-    """How EXIF data turn a picture that can be read: 1 (not at all) to 8."""
-    with warnings.catch_warnings():
+    """How EXIF data turn a picture: 1 (not at all, as one of another format) to 8."""
+    with warnings.catch_warnings(), suppress(OSError):
         warnings.simplefilter("ignore")
         with Image.open(path, formats=FORMATS) as image:
             found = image.getexif().get(ORIENTATION, 1)
-    return found if found in range(1, 9) else 1
+            return found if found in range(1, 9) else 1
+    return 1
 
 
 def check_shown(path: Path, rgb: NDArray[np.uint8]) -> None:

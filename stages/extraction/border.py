@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from stages.extraction.masks import OUTLINE
 
 RIDGE = 0.1  # pixels squared, added to the fits' variances: a core one pixel wide says nothing across it
+BLOCK = 32  # pixels
 MAX_CHANGE = 0.05  # largest relative change of depth from the core's local mean
 
 
@@ -31,9 +32,28 @@ def continued_depth(
         core: pixels with trusted depth.
         border: pixels whose depth is to be found.
     """
+    continued = np.zeros(depth.shape)
+    rows, columns = np.nonzero(core | border)
+    if len(rows):
+        reach = int(5 * OUTLINE) + 1  # of the weights
+        # Whole blocks of pixels, which the processor takes together: the same bits as in the whole picture.
+        ends = ((max(0, at.min() - reach) // BLOCK, (at.max() + reach) // BLOCK + 1) for at in (rows, columns))
+        window = tuple(slice(BLOCK * first, BLOCK * last) for first, last in ends)
+        height, width = depth.shape
+        v, u = np.meshgrid(np.arange(height) - height / 2, np.arange(width) - width / 2, indexing="ij")
+        continued[window] = _continued(depth[window], core[window], border[window], u[window], v[window])
+    return continued
+
+
+def _continued(
+    depth: NDArray[np.floating],
+    core: NDArray[np.bool_],
+    border: NDArray[np.bool_],
+    u: NDArray[np.float64],
+    v: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """The same in the part of the picture that holds core and border; u and v are its pixels."""
     known = core & (depth > 0)
-    height, width = depth.shape
-    v, u = np.meshgrid(np.arange(height) - height / 2, np.arange(width) - width / 2, indexing="ij")
     weight = known.astype(np.float64)
     inverse = np.where(known, 1 / np.maximum(depth, 1e-6), 0.0)
     total = np.maximum(_blur(weight), 1e-12)

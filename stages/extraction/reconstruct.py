@@ -4,9 +4,11 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import ValidationError
 
 from stages.config.extraction import ExtractionConfig
-from stages.contracts import Objects
+from stages.contracts import InputError, Objects
+from stages.contracts.files import first_error
 from stages.contracts.objects import Box, DepthError, Mounting, SceneObject, Wall, object_ids
 from stages.contracts.scenes import Annotation
 from stages.contracts.types import LARGEST
@@ -63,8 +65,8 @@ def reconstruct(
     """Floor frame, walls, and per object cloud, box and mounting.
 
     Raises:
-        InputError: depth is noise, or no floor can be found. Anything wrong with one object only marks that object as
-            failed.
+        InputError: depth is noise, no floor can be found, or no room comes out. Anything wrong with one object only
+            marks that object as failed.
     """
     check_smooth(image.depth)
     crop = masks.central_crop(image.depth.shape, options.crop)
@@ -91,16 +93,22 @@ def reconstruct(
     for one in found:
         if one.box is not None:
             clean[one.mask] = one.object.mask
-    objects = Objects(
-        scene=scene,
-        width=width,
-        height=height,
-        intrinsics=image.intrinsics.tolist(),
-        floor_from_camera=floor_from_camera.tolist(),
-        depth_error=error,
-        walls=walls,
-        objects=[one.object for one in found],
-    )
+    try:
+        objects = Objects(
+            scene=scene,
+            width=width,
+            height=height,
+            intrinsics=image.intrinsics.tolist(),
+            floor_from_camera=floor_from_camera.tolist(),
+            depth_error=error,
+            walls=walls,
+            objects=[one.object for one in found],
+        )
+    except ValidationError as fault:
+        what = f"gives a room that cannot be: {first_error(fault)}."
+        raise InputError(
+            "depth.npz", what, "check depth (metres), intrinsics and masks", code="E-ROOM-BROKEN"
+        ) from None
     clouds = {one.object.id: one.cloud.astype(np.float32) for one in found if one.box is not None}
     levels = {one.object.id: one.heights[0] for one in found if one.heights}
     return ExtractedScene(objects, clean, image.depth, clouds, levels)

@@ -9,6 +9,7 @@ from stages.config.inputs import scene_of
 from stages.contracts import Camera, InputError, Library, read_json
 from stages.contracts.corrections import CORRECTIONS
 from stages.contracts.depth import read_depth
+from stages.contracts.images import orientation_of
 from stages.inputs.by_hand.correcting import Correcting
 from stages.inputs.by_hand.photo import Photo, read_photo
 from stages.inputs.by_hand.project import PROJECT
@@ -116,6 +117,8 @@ def _drawn(
     if camera is not None:
         known = read_json(Camera, camera)
         photo = replace(photo, focal=known.intrinsics[0][0] * width / known.width)
+    if depth is not None and (turned := orientation_of(image)) > 1:
+        print(f"{image}: is turned by its EXIF data ({turned}); {depth} is taken to be upright")
     given = None if depth is None else at_size(read_depth(depth)[0], width, height)
     session = Session(photo, image.name, _folder(out or image.with_suffix("")), _categories(library), given)
     session.opened()

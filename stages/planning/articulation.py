@@ -8,7 +8,7 @@ import numpy as np
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.geometry.frames import inverse
 from stages.planning.clearance import Surroundings
-from stages.planning.handle_grasp import Grasp, from_the_hinge, grasp_pose, grasps
+from stages.planning.handle_grasp import Grasp, grasp_pose, grasps, last_resorts
 from stages.planning.path import along, distance, handle_path, straight
 from stages.planning.rollout import ON_THE_WAY, Stretch, first_feasible, homing
 from stages.simulation.kinematics import Array, Chain
@@ -53,7 +53,7 @@ def plan_articulation(
     """
     target = surroundings.target
     assert target.handle is not None
-    for offered in (grasps(target, target.handle), from_the_hinge(target, target.handle)):
+    for offered in (grasps(target, target.handle), last_resorts(target, target.handle)):
         choice = [grasp for grasp in offered if grasp not in without]
         plans = list(_plans(chain, joints, base_from_asset, target, choice, start, goal, options))
         candidates = [

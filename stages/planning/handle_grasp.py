@@ -50,13 +50,17 @@ def grasps(target: Target, handle: Handle) -> Iterator[Grasp]:
         yield from (Grasp(tilt, 0.0, follow, over=True) for follow in follows for tilt in (0.0, 0.35, -0.35, 0.7, -0.7))
 
 
-def from_the_hinge(target: Target, handle: Handle) -> Iterator[Grasp]:
+def last_resorts(target: Target, handle: Handle) -> Iterator[Grasp]:
     """Candidates for a wide door that no other grasp opens: the hand comes from the side of the hinge, where the front
-    stays near the robot as it turns."""
+    stays near the robot as it turns; to a horizontal bar from above, so that the arm need not turn with the front."""
     upright = not (handle.elongated and abs(handle.axis[2]) < 0.5)
-    for follow in (0.5, 1.0, 0.0) if target.side and upright else ():
-        for swing in (0.35, 0.7):
-            yield from (Grasp(tilt, 0.0, follow, swing=-target.side * swing) for tilt in (0.7, 0.35, 1.0, 0.0))
+    for follow in (0.5, 1.0, 0.0) if target.side else ():
+        if upright:
+            for swing in (0.35, 0.7):
+                yield from (Grasp(tilt, 0.0, follow, swing=-target.side * swing) for tilt in (0.7, 0.35, 1.0, 0.0))
+        else:
+            for pitch in (0.35, 0.7):
+                yield from (Grasp(tilt, pitch, follow) for tilt in (0.0, 0.35, -0.35, 0.7, -0.7))
 
 
 def grasp_pose(handle: Handle, grasp: Grasp, hand: Array) -> Array:

@@ -121,6 +121,7 @@ def test_of_many_cameras_the_picture_s_own_is_taken(tmp_path: Path) -> None:
     [
         (rows(np.array([[600.0, 5, 320], [0, 610, 240], [0, 0, 1]])), "CAMERA-INTRINSICS", "skew"),
         ({"K": [600, 5, 320, 0, 610, 240, 0, 0, 1]}, "CAMERA-INTRINSICS", "skew"),
+        ({**FLAT, "skew": 3.0}, "CAMERA-INTRINSICS", "skew"),
         ({"K": [0] * 9}, "CAMERA-INTRINSICS", ""),
         ({"K": list(range(1, 17))}, "CAMERA-INTRINSICS", "a matrix that is no"),
         ({"K": [1, 2, 3, 40, 5, 6]}, "CAMERA-INTRINSICS", "six numbers"),
@@ -132,6 +133,7 @@ def test_of_many_cameras_the_picture_s_own_is_taken(tmp_path: Path) -> None:
         ("1 FOV 640 480 600 610 320 240 0.9", "LENS-MODEL", "fov"),
         ("1 THIN_PRISM_FISHEYE 640 480 600 610 320 240 0 0 0 0 0 0 0 0", "LENS-MODEL", "thin_prism_fisheye"),
         ("[LEFT_CAM_HD]\nfx=600\nfy=610\ncx=320\ncy=240\n", "FILE-UNREADABLE", ""),
+        ("camera: &a\n  camera: *a\n", "FILE-UNREADABLE", ""),
         ("fx = 600\nfx = 700\nfy = 610\ncx = 320\ncy = 240\n", "CAMERA-INTRINSICS", "no intrinsics"),
     ],
 )
@@ -185,6 +187,8 @@ def lens(tmp_path: Path, said: object) -> list[float] | None:
         ("1 SIMPLE_RADIAL_FISHEYE 640 480 600 320 240 0.1", [0.1, 0, 0, 0]),
         ({"fl_x": 600, "camera_model": "OPENCV_FISHEYE", "k1": 0.1, "k2": 0.2, "k3": 0, "k4": 0}, [0.1, 0.2, 0, 0]),
         ("1 PINHOLE 640 480 600 610 320 240", None),
+        ({**FLAT, "depth_camera": {"fx": 300, "k1": 0.3}}, None),
+        ({**FLAT, "dist_coeff": [[0.1, 0, 0, 0]]}, [0.1, 0, 0, 0, 0]),
         ({**FLAT, "camera_model": "D435i, left", "coeffs": [0.1, *[0] * 4], "model": "brown_conrady"}, [0.1, *[0] * 4]),
     ],
 )  # fmt: skip
@@ -198,6 +202,7 @@ def test_lenses_of_other_tools(tmp_path: Path, said: object, found: list[float] 
     [
         ({**FLAT, "radial_distortion": [0.1, 0.2]}, "MODEL", "radialdistortion"),
         ({**FLAT, "RadialDistortion": [0.1, 0.2], "TangentialDistortion": [0, 0]}, "MODEL", "radialdistortion"),
+        ({**FLAT, "lens": {"k1": 0.1}}, "MODEL", "lens"),
         ({"fl_x": 600, "k1": 0.1, "k4": 0.3}, "MODEL", "nerfstudio"),
         ({**FLAT, "k1": 0.1, "distortion_model": "division"}, "MODEL", "division"),
         ({"D": [0.1] * 15}, "MISSING", ""),
@@ -207,6 +212,12 @@ def test_lenses_of_other_tools(tmp_path: Path, said: object, found: list[float] 
 def test_lenses_that_are_not_read_are_refused(tmp_path: Path, said: object, code: str, says: str) -> None:
     with refused(f"E-LENS-{code}", says):
         lens(tmp_path, said)
+
+
+def test_the_first_of_kalibr_s_cameras_is_taken_and_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    said = {"cam0": {"intrinsics": [600, 610, 320, 240]}, "cam1": {"intrinsics": [500, 500, 320, 240]}}
+    np.testing.assert_allclose(camera(tmp_path, said), K)
+    assert "cam0 is taken" in capsys.readouterr().out
 
 
 def test_a_camera_that_was_held_upright() -> None:

@@ -59,6 +59,7 @@ def median_by(folder: Path, about: object, raw: NDArray[Any], name: str = "K.jso
         (1 / 0.3048, {"depth_units": "feet"}),
         (4000, {"param-depthunits": "250"}),  # of RealSense's viewer, micrometres
         (1000, "m_colorWidth = 480\nm_depthShift = 1000.000000\n"),
+        (1000, {"depth_scale": 0.0010000000474974513, "depth_units": "mm"}),
         (5000, {"fl_x": 400.0, "integer_depth_scale": 0.0002}),
     ],
 )
@@ -139,6 +140,16 @@ def test_depth_that_is_cut_off_at_a_range(room: tuple[Any, Any]) -> None:
     depth = np.minimum(np.where(trace([BOX], wall=False)[0] > 0, trace([BOX], wall=False)[0], 50), 5.0)
     metres, line = in_metres(Path("d"), np.rint(1000 * depth).astype(np.uint16))
     assert not metres[depth == 5].any() and metres[depth < 4.99].all() and "5000 taken for unknown" in line
+
+
+def test_depth_that_is_cut_off_is_told_beside_a_wall_of_a_sensor() -> None:
+    """A wall at two metres, in millimetres, has many equal values, too."""
+    rng = np.random.default_rng(0)
+    depth = np.tile(np.linspace(1, 9.9, 400), (300, 1)) * (1 + 0.002 * rng.standard_normal((300, 400)))
+    depth[100:, :300] = 2 + 0.003 * rng.standard_normal((200, 300))
+    depth[:50, 350:] = 10
+    metres, line = in_metres(Path("d"), np.rint(1000 * np.minimum(depth, 10)).astype(np.uint16))
+    assert not metres[:50, 350:].any() and (metres[100:, :300] > 0).all() and "10000 taken for unknown" in line
 
 
 def test_walls_and_fronts_that_are_seen_straight_on_stay(room: tuple[Any, Any]) -> None:

@@ -77,6 +77,13 @@ def test_a_floor_above_the_camera_is_none() -> None:
         extracted(None, np.where(ceiling < 15, ceiling, 0).astype(np.float32))
 
 
+def test_a_room_that_cannot_be_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    behind = (np.array([-1.0, 0, 0]), 1.0, 100)  # the camera is behind this wall
+    monkeypatch.setattr("stages.extraction.room.fit_wall", lambda *_: behind)
+    with refused("E-ROOM-BROKEN", "the camera is behind 'wall_1'"):
+        extracted(None)
+
+
 @pytest.mark.parametrize(
     ("height", "words"),
     [

@@ -2,13 +2,17 @@
 
 import io
 import json
+import sys
+from importlib.machinery import ModuleSpec
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numpy as np
 import pytest
 import trimesh
 from PIL import Image
+from trimesh.exchange.gltf import extensions
 
 from stages.articulated.mesh_reader import has_texture, load_meshes, texture_of
 from stages.articulated.mesh_writer import write_glb
@@ -252,6 +256,33 @@ def test_buffers_that_are_missing_and_old_files_are_one_line(tmp_path: Path) -> 
     path.write_text(json.dumps(text | {"asset": {"version": "1.0"}}))
     with refused("E-MESH-BROKEN", "it is glTF 1.0, and 2.0 is read"):
         load_meshes(path, tmp_path)
+
+
+def test_compressed_meshes_are_left_to_trimesh_with_their_material(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "DracoPy", ModuleType("DracoPy"))
+    monkeypatch.setattr(sys.modules["DracoPy"], "__spec__", ModuleSpec("DracoPy", None), raising=False)
+    draco, told = "KHR_draco_mesh_compression", {}
+
+    def decoded(context: dict[str, Any]) -> None:
+        told.update(context["data"])
+        context["accessors"][context["primitive"]["attributes"]["POSITION"]] = BOX.vertices
+        context["accessors"][context["primitive"]["indices"]] = BOX.faces
+
+    monkeypatch.setitem(extensions._handlers["primitive_preprocess"], draco, decoded)
+    file = Gltf(extensionsRequired=[draco], materials=[{}, {"pbrMetallicRoughness": {"baseColorFactor": [1, 0, 0, 1]}}])
+    primitive = file.box(COLOR_0=file.add([[1, 1, 1]] * 8)) | {"material": 1}
+    primitive["extensions"] = {draco: {"bufferView": file.view(b"packed"), "attributes": {"POSITION": 0}}}
+    for accessor in file.header["accessors"]:
+        accessor.pop("bufferView")
+    (mesh,), lost = read(file.show(primitive), tmp_path)
+    assert mesh.extents == pytest.approx(SIZE)
+    assert mesh.visual.material.baseColorFactor.tolist() == [255, 0, 0, 255]
+    assert told["attributes"] == {"POSITION": 0} and not lost
+    primitive["targets"] = [{"POSITION": 0}]
+    with refused("E-MESH-BROKEN", "and compressed", "export it uncompressed"):
+        read(file, tmp_path)
 
 
 def test_mirrored_nodes_keep_their_outside_outside(tmp_path: Path) -> None:

@@ -94,7 +94,7 @@ def test_a_model_tells_the_unit_in_which_it_is_as_large_as_its_category() -> Non
     ("name", "size", "unit", "size_in_cm"),
     [
         ("wheel", (65.0, 65.0, 1.5), "millimetres", "6.5 cm wide, 6.5 deep, 0.15 high"),
-        ("chair", (80.0, 80.0, 300.0), "millimetres", "8 cm wide, 8 deep, 30 high"),
+        ("chair", (80.0, 80.0, 300.0), "centimetres", "80 cm wide, 80 deep, 300 high"),
         ("table", (40.0, 40.0, 40.0), "inches", "102 cm wide, 102 deep, 102 high"),
     ],
 )

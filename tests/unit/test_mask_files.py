@@ -14,6 +14,7 @@ from PIL import Image
 
 from stages.inputs.rgbd.frame import Labelled
 from stages.inputs.rgbd.mask_files import read_labelled
+from stages.inputs.rgbd.write import annotated
 from tests.refusals import refused
 
 WIDTH, HEIGHT = 64, 48
@@ -280,6 +281,14 @@ def test_value_0_is_nothing_and_cannot_be_an_object(tmp_path: Path) -> None:
 def test_packed_run_lengths_that_never_end_are_refused(tmp_path: Path) -> None:
     with refused("E-MASKS-SHAPE"):
         read(tmp_path, coco({"segmentation": {"counts": "o" * 1000}}))
+
+
+@pytest.mark.parametrize("label", ["x" * 300, "\x1b[31mred", "two\nlines"])
+def test_labels_are_words(tmp_path: Path, label: str) -> None:
+    found = read(tmp_path, labelme(shape(label, "polygon", CORNERS)))
+    with refused("E-MASKS-NAMES") as caught:
+        annotated(found)
+    assert str(caught.value).isprintable()
 
 
 def test_a_polygon_covers_what_opencv_draws() -> None:

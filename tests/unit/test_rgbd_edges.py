@@ -54,7 +54,7 @@ def test_nothing_above_the_camera_is_the_ground() -> None:
 
 def frame_of(folder: Path, depth: np.ndarray, masks: np.ndarray, names: dict[int, str]) -> Path:
     """The input folder of a frame with masks."""
-    cv2.imwrite(str(folder / "rgb.png"), np.zeros((HEIGHT, WIDTH, 3), np.uint8))
+    cv2.imwrite(str(folder / "rgb.png"), np.dstack([20 * masks] * 3).astype(np.uint8))
     cv2.imwrite(str(folder / "masks.png"), masks)
     np.savez(folder / "depth.npz", depth=depth)
     (folder / "K.txt").write_text(" ".join(map(str, INTRINSICS.ravel())))

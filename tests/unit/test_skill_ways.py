@@ -13,7 +13,7 @@ from stages.geometry.frames import inverse
 from stages.planning import rollout
 from stages.planning.articulation import approaches, open_enough, opened_to
 from stages.planning.clearance import Surroundings
-from stages.planning.handle_grasp import FROM_ABOVE, Grasp, grasp_pose, grasps
+from stages.planning.handle_grasp import FROM_ABOVE, Grasp, grasp_pose, grasps, last_resorts
 from stages.planning.path import distance, straight
 from stages.planning.rollout import Stretch, can_be_held, first_feasible, roll_out
 from stages.simulation.kinematics import Chain, track
@@ -185,3 +185,17 @@ def test_a_door_that_is_open_is_let_go_while_there_is_time(door: TaskEnv, monkey
     assert first + OPEN_STEPS < len(opened), "it is opened further while there is time for that"
     monkeypatch.setattr(door, "max_steps", first + OPEN_STEPS)
     assert attempt() == Outcome(True, "success") and len(opened) == door.max_steps
+
+
+def test_where_no_other_grasp_opens_a_door_a_level_bar_is_held_from_above(door: TaskEnv) -> None:
+    door.place(0)
+    target = door.env.target
+    assert target.handle is not None
+    level = replace(target.handle, axis=np.array([0.0, 1.0, 0.0]), length=0.2, width=0.01)
+    above = list(last_resorts(target, level))
+    assert all(grasp.pitch > 0 and not grasp.swing for grasp in above) and {g.follow for g in above} == {0.0, 0.5, 1.0}
+    assert not set(above) & set(grasps(target, level))
+    assert all(grasp_pose(level, grasp, np.eye(4))[2, 2] < -0.2 for grasp in above), "it comes down to the bar"
+    from_the_hinge = list(last_resorts(target, target.handle))
+    assert from_the_hinge and all(grasp.swing * target.side < 0 and not grasp.pitch for grasp in from_the_hinge)
+    assert not list(last_resorts(replace(target, revolute=False), level)), "a drawer has its own"

@@ -50,7 +50,9 @@ class Parts:
         if DRACO in primitive.get("extensions", {}):
             if placed.joints is not None or primitive.get("targets"):
                 raise ValueError(f"it is moved by a skin or targets, and compressed ({DRACO}): export it uncompressed")
-            return {**primitive, **self._looks(primitive, {})}
+            if "material" not in primitive:
+                return primitive
+            return {**primitive, "material": self._number(self.header["materials"][primitive["material"]])}
         attributes, read = primitive["attributes"], self.accessors.read
         points = read(attributes["POSITION"])
         faces = self._faces(primitive, mode, len(points))

@@ -47,12 +47,14 @@ def contents(path: Path, picture: str = "") -> list[float] | dict[str, Any]:
     """
     with readable(path, "file of intrinsics", KNOWS):
         data = load(path)
-    if isinstance(data, list) and data and all(isinstance(one, float) for one in data):
-        return data
-    chosen = _of_picture(path, data, picture)
-    if not isinstance(chosen, dict):
-        raise InputError(path, "holds no intrinsics.", KNOWS, code="E-CAMERA-INTRINSICS")
-    return flat(chosen)
+        if isinstance(data, list) and data and all(isinstance(one, float) for one in data):
+            return data
+        chosen = _of_picture(path, data, picture)
+        if isinstance(chosen, dict):
+            if {"cam0", "cam1"} <= set(chosen):
+                print(f"{path}: of its cameras cam0 is taken")
+            return flat(chosen)
+    raise InputError(path, "holds no intrinsics.", KNOWS, code="E-CAMERA-INTRINSICS")
 
 
 def load(path: Path) -> Any:
@@ -70,8 +72,8 @@ def load(path: Path) -> Any:
     if lines and all(re.match(r"\d+ [A-Z_]+ \d+ \d+ ", line) for line in lines):
         return {"cameras": [_colmap(line) for line in lines]}
     if lines and all(re.match(r"[\w.]+\s*=", line) for line in lines):
-        pairs = [tuple(part.strip() for part in line.split("=", 1)) for line in lines]
-        return dict(pairs) if len({name for name, _ in pairs}) == len(pairs) else None
+        values = {name.strip(): value.strip() for name, _, value in (line.partition("=") for line in lines)}
+        return values if len(values) == len(lines) else None
     if text.lstrip().startswith(("{", "[")):
         return json.loads(text)
     if ":" not in text:
@@ -125,7 +127,7 @@ def _of_picture(path: Path, data: Any, picture: str) -> Any:
     known = {plain(str(key)): value for key, value in data.items()} if isinstance(data, dict) else {}
     above: dict[str, Any] = {}
     if isinstance(data, list):
-        entries = [(str(number), one) for number, one in enumerate(data)]
+        entries: list[tuple[Any, Any]] = list(enumerate(data))
     elif all(isinstance(one, dict) for one in data.values()) and all(str(key).isdecimal() for key in data):
         entries = list(data.items())  # BOP's scene_camera.json
     elif not has_camera(flat(data)) and isinstance(several := known.get("cameras", known.get("frames")), (list, dict)):

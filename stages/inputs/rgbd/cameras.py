@@ -115,6 +115,8 @@ def of_mapping(path: Path, known: dict[str, Any], width: int, height: int) -> tu
         raise InputError(
             path, "is of a part of the picture (roi).", "give K of this very picture", code="E-CAMERA-SIZE"
         )
+    if float(first(known, "skew", "s") or 0):
+        raise ValueError(f"a skew of {first(known, 'skew', 's')}, which is not read")
     size = _size(known)
     if (focal := first(known, *FOCAL)) is not None and "flx" not in known:
         cx, cy = (first(known, f"c{axis}", f"pp{axis}", f"{axis}offset", f"m{axis}color") for axis in "xy")

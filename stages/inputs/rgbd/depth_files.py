@@ -52,8 +52,8 @@ def read_raw(path: Path) -> NDArray[Any]:
 
 def _from_image(path: Path) -> NDArray[Any]:
     with Image.open(path, formats=("PNG", "TIFF", "PPM")) as image:
-        if getattr(image, "n_frames", 1) > 1:
-            what = f"has {image.n_frames} pages: which of them is depth?"
+        if (pages := getattr(image, "n_frames", 1)) > 1:
+            what = f"has {pages} pages: which of them is depth?"
             raise InputError(path, what, "save the one of depth alone", code="E-DEPTH-FORMAT")
         if image.mode not in ("I;16", "I;16B", "I;16L", "I;16N", "I", "F"):
             what = f"has {8 * len(image.getbands())} bits per pixel ({image.mode}): a picture of depth, not depth."

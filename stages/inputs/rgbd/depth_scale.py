@@ -68,15 +68,17 @@ def scale_of(path: Path, stated: Sequence[Stated], median: float) -> tuple[float
         InputError: there is none, or several.
     """
     said = ", ".join(map(str, stated[:3]))
-    fitting = {
-        round(scale, 6): one for one in stated for scale in one.per_metre if NEAREST <= median / scale <= LARGEST
-    }
+    fitting: dict[str, tuple[float, Stated]] = {}
+    for one in stated:
+        for scale in one.per_metre:
+            if NEAREST <= median / scale <= LARGEST:
+                fitting.setdefault(f"{scale:.3g}", (scale, one))
     if len(fitting) == 1:
-        return next((scale, str(one)) for scale, one in fitting.items())
+        return next((scale, str(one)) for scale, one in fitting.values())
     if not fitting:
         what = f"has the median {median:g}, which is no depth of a room by {said}."
         raise InputError(path, what, "correct it there, or say --unit", code="E-DEPTH-UNIT")
-    could = " or ".join(f"{median / scale:.3g} m (--unit {scale:g})" for scale in fitting)
+    could = " or ".join(f"{median / scale:.3g} m (--unit {scale:g})" for scale, _ in fitting.values())
     raise InputError(path, f"has the median {median:g}, by {said}: {could}.", "say which it is", code="E-DEPTH-UNIT")
 
 

@@ -10,14 +10,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.contracts import InputError
-from stages.inputs.rgbd.camera_files import contents, first
+from stages.inputs.rgbd.camera_files import contents, first, has_camera, plain
 from stages.inputs.rgbd.cameras import Matrix, matrix, read_intrinsics
 from stages.inputs.rgbd.frame import Frame, Labelled
 
 NAMES = ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6")  # in OpenCV's order
-LISTS = ("distortioncoefficients", "distortioncoeffs", "distcoeffs", "distortionparameters", "distortionparams",
-         "distortion", "coeffs", "dist", "d")  # fmt: skip
-BENDS = ("distort", "radial", "tangential", "thinprism")  # what is called so says something of the lens, too
+LISTS = ("distortioncoefficients", "distortioncoeffs", "distcoeffs", "distcoeff", "distcoefs", "distcoef",
+         "distortionparameters", "distortionparams", "distortion", "coeffs", "dist", "d")  # fmt: skip
+BENDS = (
+    "distort",
+    "distcoef",
+    "radial",
+    "tangential",
+    "thinprism",
+)  # what is called so says something of the lens, too
 MODELS = {"plumb_bob", "rational_polynomial", "brown_conrady", "radtan", "opencv", "full_opencv", "radial",
           "simple_radial", "pinhole", "perspective", ""}  # fmt: skip
 COUNTS = (5, 8, 12, 14)  # of OpenCV's coefficients
@@ -74,7 +80,7 @@ def find_distortion(
     if any(word in camera for word in FISHEYE) or known.get("isfisheye"):
         return _fisheye(path, known)
     if model == "none" or all(known.get(name) in (None, []) for name in ("k1", *LISTS)):
-        bends = [name for name in known if any(word in name for word in BENDS) and _says_number(known[name])]
+        bends = [name for name, value in known.items() if _bends(name, value)]
         if bends and model != "none":
             raise InputError(path, f"has '{bends[0]}', which is not read.", CALIBRATION, code="E-LENS-MODEL")
         return None
@@ -86,6 +92,13 @@ def find_distortion(
             path, f"has the distortion model '{model}', which is not read.", CALIBRATION, code="E-LENS-MODEL"
         )
     return _turned_round(found, intrinsics, width, height) if model == INVERSE else found
+
+
+def _bends(name: str, value: Any) -> bool:
+    """Whether what stands under a name says something of the lens: by the name, or as a list of its coefficients."""
+    inner = {plain(str(key)) for key in value} if isinstance(value, dict) else set()
+    told = bool(inner & {*NAMES, *LISTS}) and not has_camera(dict.fromkeys(inner))
+    return (told or any(word in name for word in BENDS)) and _says_number(value)
 
 
 def _says_number(value: Any) -> bool:

@@ -53,7 +53,7 @@ def laid_over(path: Path, shapes: Sequence[Shape], kind: str) -> Labelled:
         remarks += [(shape.label, EMPTY if empty else shape.remark)] if empty or shape.remark else []
         if shape.mask is None or empty:
             continue
-        key = number if shape.group is None else (shape.label, shape.group)
+        key: Hashable = number if shape.group is None else (shape.label, shape.group)
         objects[key] = shape.mask | objects[key] if key in objects else shape.mask
         members.setdefault(key, []).append(shape)
     if not objects:

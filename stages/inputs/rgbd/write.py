@@ -16,6 +16,7 @@ from stages.inputs.rgbd.cameras import resized
 from stages.inputs.rgbd.clusters import TILT
 from stages.inputs.rgbd.frame import LONGEST, Frame, Labelled, is_nothing, is_stretched
 
+LONGEST_LABEL = 200  # characters
 TRIM = 0.005  # of a thing's points left out at either end: strays are fewer than in estimated depth
 FLOOR, WALL = {"floor", "ground", "carpet"}, {"wall", "walls"}
 OPENS = {
@@ -53,8 +54,12 @@ def annotated(masks: Labelled) -> tuple[NDArray[np.uint16], Annotations]:
     """masks.png and annotations.json; floor and walls are told by their names, all floors are one.
 
     Raises:
-        InputError: there is nothing but floor and walls.
+        InputError: there is nothing but floor and walls, or a label is no word.
     """
+    for label in masks.labels.values():
+        if len(label) > LONGEST_LABEL or not label.isprintable():
+            what = f"have the label {label[:40]!r}, which cannot be printed or is too long."
+            raise InputError("masks", what, f"a word or two, at most {LONGEST_LABEL} characters", code="E-MASKS-NAMES")
     values = masks.values.copy()
     shown = set(np.unique(values).tolist())
     kinds = {value: label.strip().lower() for value, label in masks.labels.items() if value in shown}
