@@ -64,6 +64,16 @@ def test_an_offset_turns_the_zero_of_what_follows(tmp_path: Path) -> None:
     assert joint.origin[:3, :3] @ [1, 0, 0] == pytest.approx([np.cos(0.3), -np.sin(0.3), 0])
 
 
+def test_an_offset_is_about_the_axis_that_the_file_says(tmp_path: Path) -> None:
+    """A leaf that turns the other way: its own value is 0.3 less the leader's."""
+    mirrored = '<mimic joint="leads" multiplier="-1" offset="0.3"/>'
+    robot = read(tmp_path, PAIR.replace('"0 0 -1"', '"0 0 1"').replace('<mimic joint="leads"/>', mirrored))
+    joint = robot.joints[1]
+    for leads in (0.0, 0.5):
+        turn = 0.3 - leads
+        assert (joint.origin @ joint.motion(leads))[:3, 0] == pytest.approx([np.cos(turn), np.sin(turn), 0])
+
+
 @pytest.mark.parametrize(
     ("old", "new", "says"),
     [

@@ -16,7 +16,7 @@ from stages.contracts import Camera, read_json
 from stages.contracts.depth import read_depth
 from stages.contracts.scene_input import read_scene_input
 from stages.geometry.boxes import UprightBox
-from stages.geometry.depth_marks import marks_of
+from stages.geometry.depth_marks import marks_of, range_of
 from stages.geometry.ray_depth import along_axis, flatter_along, ray_lengths
 from stages.inputs import from_rgbd
 from stages.inputs.rgbd.depth_files import in_metres, read_raw
@@ -159,6 +159,14 @@ def test_walls_and_fronts_that_are_seen_straight_on_stay(room: tuple[Any, Any]) 
     wall = np.minimum(trace([BOX], wall=False)[0], np.float32(3.8713))
     wall[wall == 0] = np.float32(3.8713)
     assert (in_metres(Path("d"), wall)[0] > 0).all()
+
+
+@pytest.mark.parametrize(("pixels", "found"), [(30, None), (150, None), (250, 10.0)])
+def test_a_few_pixels_at_one_distance_are_no_range(pixels: int, found: float | None) -> None:
+    """Of 100,000 pixels: what is cut off is seen in more than a patch."""
+    depth = np.linspace(1, 6, 100_000).reshape(250, 400).astype(np.float32)
+    depth.ravel()[:pixels] = 10.0
+    assert range_of(depth) == found
 
 
 def test_bytes_are_no_millimetres(tmp_path: Path, room: tuple[Any, Any]) -> None:

@@ -3,7 +3,15 @@
 import numpy as np
 import pytest
 
-from stages.geometry.boxes import UprightBox, axis_aligned_iou, bounds, corners, footprint, oriented_iou
+from stages.geometry.boxes import (
+    UprightBox,
+    axis_aligned_iou,
+    bounds,
+    corners,
+    distances_along,
+    footprint,
+    oriented_iou,
+)
 from stages.geometry.cameras import back_project, intrinsics_from_fov, look_at, project
 from stages.geometry.clouds import dbscan, farthest_points, statistical_inliers
 from stages.geometry.frames import (
@@ -189,3 +197,10 @@ def test_farthest_points_are_those_of_the_definition() -> None:
     np.testing.assert_array_equal(farthest_points(points, 20), points[np.sort(chosen)])
     assert farthest_points(np.ones((2, 3), np.float32), 5).shape == (5, 3)
     assert not farthest_points(np.zeros((0, 3), np.float32), 5).any()
+
+
+def test_rays_meet_boxes_before_them_alone() -> None:
+    box, eye = UprightBox([3.0, 0, 1], [1, 2, 1], np.pi / 2), np.array([0.0, 0, 1])  # turned: 2 m along x
+    rays = np.array([[1.0, 0, 0], [0.5, 0, 0], [-1, 0, 0], [1, 1, 0], [1, 0.2, 0], [0, 0, 1]])
+    assert distances_along(eye, rays, box) == pytest.approx([2, 4, np.inf, np.inf, 2, np.inf])
+    assert np.isinf(distances_along(box.center, rays, box)).all()  # whoever is in it does not see it

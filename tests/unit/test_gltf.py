@@ -322,3 +322,16 @@ def test_skins_are_bound_where_their_joints_were(tmp_path: Path) -> None:
     (mesh,) = read(file, tmp_path)[0]
     assert mesh.extents == pytest.approx((0.4, 0.2, 0.6))
     assert mesh.bounds.mean(axis=0) == pytest.approx((1, 2.5, 3))
+
+
+def test_every_face_is_painted_in_its_own_colour(tmp_path: Path) -> None:
+    box = trimesh.creation.box(SIZE)
+    shades = np.column_stack([20 * np.arange(12), 255 - 20 * np.arange(12), np.full(12, 7), np.full(12, 255)])
+    box.visual.face_colors = shades.astype(np.uint8)
+    write_glb(tmp_path / "a.glb", [box])
+    (mesh,), _ = load_meshes(tmp_path / "a.glb", tmp_path)
+    middles = np.asarray(mesh.visual.uv)[mesh.faces].mean(axis=1)
+    shown = trimesh.visual.color.uv_to_color(middles, texture_of(mesh))
+    which = np.linalg.norm(mesh.triangles_center[:, None] - box.triangles_center[None], axis=2).argmin(axis=1)
+    np.testing.assert_array_equal(shown, shades[which])
+    assert sorted(which) == list(range(12))

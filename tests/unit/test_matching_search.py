@@ -99,4 +99,5 @@ def test_worst_tenth_is_left_out() -> None:
     table = np.arange(1, 21, dtype=float)[:, None]
     assert embedding_distance(table, 0.10)[0] == np.mean(np.arange(1, 19))
     assert embedding_distance(table, 0.0)[0] == np.mean(np.arange(1, 21))
+    assert embedding_distance(table[:17], 0.10)[0] == np.mean(np.sort(table[:17, 0])[:16])  # 1.7 patches are one
     assert embedding_distance(table[:1], 0.10)[0] == 1.0

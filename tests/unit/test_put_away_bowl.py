@@ -48,6 +48,8 @@ def test_the_floor_of_a_drawer_is_between_its_walls() -> None:
     lid = trimesh.creation.box((0.5, 0.5, 0.02)).apply_translation((0, 0, 0.13))
     assert headroom(region, lid) == pytest.approx(0.11, abs=1e-3)
     assert headroom(region, lid.copy().apply_translation((1, 0, 0)), most=0.5) == 0.5
+    beam = trimesh.creation.box((0.5, 0.02, 0.04)).apply_translation((0, 0.1, 0.1))
+    assert headroom(region, trimesh.util.concatenate([lid, beam])) == pytest.approx(0.07, abs=1e-3)  # the lowest part
 
 
 def test_a_mesh_without_a_level_surface_has_none_worth_standing_on() -> None:

@@ -16,7 +16,7 @@ from stages.geometry.boxes import UprightBox, corners, footprint
 from stages.geometry.cameras import look_at, project
 from stages.geometry.frames import apply, inverse
 from stages.scenes.casting import CastRoom, cast
-from stages.scenes.chance import all_seen, draw_room
+from stages.scenes.chance import EYE, all_seen, draw_room, redrawn
 from stages.scenes.framing import frame
 from stages.scenes.layout import arrange, scale_of
 from tests.refusals import refused
@@ -57,11 +57,33 @@ def test_a_room_drawn_by_chance_keeps_its_scale_and_hides_nothing(room: Room) ->
         assert [asset.category for asset in one.assets.values()] == [item.category for item in room.items]
 
 
+def test_a_room_that_is_not_moved_is_itself_or_its_mirror_image() -> None:
+    sizes = {item.name: (0.4, 0.5, 0.6) for room in ROOMS for item in room.items}
+    arranged = [(room, stands) for room in ROOMS if (stands := arrange(room, sizes)) is not None]
+    assert any(isinstance(item.place, Beside) for room, _ in arranged for item in room.items)
+    for room, stands in arranged:
+        seen, heights = set(), set()
+        for seed in range(8):
+            drawn = redrawn(room, np.random.default_rng(seed), 0.0)
+            side = np.sign(drawn.camera.azimuth * room.camera.azimuth)
+            placed = arrange(drawn, sizes)
+            assert placed is not None
+            for name, item in placed.standing.items():
+                assert item.box.center == pytest.approx(stands.standing[name].box.center * [1, side, 1])
+            seen.add(side)
+            heights.add(drawn.camera.height)
+        assert seen == {-1, 1} and len(heights) == 8
+        assert max(abs(height - room.camera.height) for height in heights) <= EYE
+
+
 def test_what_stands_behind_something_is_not_seen() -> None:
     camera = np.diag([400.0, 400.0, 1.0]), look_at([4.0, 0.0, 1.0], [0.0, 0.0, 1.0])
     camera[0][:2, 2] = 400, 300
     front, back = (UprightBox((x, 0, 1.0), (0.2, 1.0, 1.0), 0.0) for x in (1.0, -1.0))
     assert all_seen([back], *camera, 800, 600) and not all_seen([front, back], *camera, 800, 600)
+    for beside, seen in ((-0.4, False), (-0.6, True)):  # a third of it shows, or two thirds
+        before = UprightBox((1.0, beside, 1.0), (0.2, 1.0, 1.0), 0.0)
+        assert all_seen([before, back], *camera, 800, 600) == seen
 
 
 def test_no_model_stands_in_two_rooms(cast_rooms: dict[str, CastRoom]) -> None:

@@ -6,7 +6,10 @@ import shutil
 from html import unescape
 from html.parser import HTMLParser
 from pathlib import Path
+from typing import Any
 
+import numpy as np
+import pandas as pd
 import pytest
 import yaml
 from PIL import Image
@@ -16,6 +19,7 @@ from stages.contracts.archives import pack
 from stages.contracts.ledgers import read_attempts
 from stages.contracts.snapshot_pictures import Snapshots
 from stages.tables import policies, report, scenes
+from stages.tables.page import charts
 from stages.tables.page.benchmarks import by_stage, duration, longest_table, read_jobs, times_table
 from stages.tables.page.charts import line_chart
 from stages.tables.page.files import RunFiles
@@ -321,3 +325,16 @@ def test_attempts_of_an_empty_ledger(tmp_path: Path) -> None:
     (tmp_path / "attempts.jsonl").write_text("")
     with refused("E-FILE-EMPTY"):
         read_attempts(tmp_path / "attempts.jsonl")
+
+
+def test_bars_of_success_reach_from_the_low_end_to_the_high_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(charts, "_drawn", lambda figure, alt: figure)
+    about = {"training_set": "twin", "successes": 12, "episodes": 20}
+    rows = [
+        {**about, "test_asset": "twin", "mean": 0.6, "low": 0.2, "high": 0.7},
+        {**about, "test_asset": "dissimilar", "mean": 0.1, "low": 0.05, "high": 0.4},
+    ]
+    figure: Any = charts.success_chart(pd.DataFrame(rows), "", {"twin": "twin", "dissimilar": "other"}, "test_asset")
+    (bars,) = figure.axes[0].containers[0].lines[2]
+    ends = [(start[0], end[0]) for start, end in bars.get_segments()]
+    assert np.ravel(ends) == pytest.approx([20, 70, 5, 40])

@@ -17,7 +17,8 @@ from stages.simulation.robot import REST, panda_chain
 from stages.simulation.target import Target
 from stages.tasks import api
 from stages.tasks.cameras import WRIST, jitter, other_shoulder, shoulder
-from stages.tasks.initial_state import base_pose, object_motion, sample_initial_state, variant_scale
+from stages.tasks.initial_state import base_pose, nominal_root, object_motion, sample_initial_state, variant_scale
+from tests.unit.generation_scenes import asset
 
 STILL = TaskConfig(base_xy=0, base_z=0, base_yaw=0, object_xy=0, object_yaw=0, qpos_noise=0, camera_jitter=(0, 0))
 
@@ -201,3 +202,9 @@ def test_what_garbage_collection_leaves_out_is_freed_at_the_end(monkeypatch: pyt
     api._freeze_imports.__wrapped__()
     assert at_the_end == [gc.unfreeze] and gc.get_freeze_count() > 0
     gc.unfreeze()
+
+
+def test_an_asset_stands_on_the_floor_in_the_middle_whatever_its_origin() -> None:
+    one = asset((0.4, 0.4, 0.8)).model_copy(update={"box_min": (-0.1, -0.2, 0.1), "box_max": (0.3, 0.2, 0.9)})
+    assert nominal_root(one, np.ones(3)) == pytest.approx([-0.1, 0, -0.1])
+    assert nominal_root(one, np.array([1, 1, 2])) == pytest.approx([-0.1, 0, -0.2])

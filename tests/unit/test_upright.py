@@ -164,3 +164,22 @@ def test_a_fridge_with_y_up_stands_and_its_door_opens(tmp_path: Path, capsys: py
     said = capsys.readouterr().out
     assert "70 cm wide, 68 deep, 180 high" in said and "up +y by its hinges and size" in said
     assert re.search(r"door 'door_hinge': 86 degrees, hinge left, handle: \w+", said)
+
+
+def test_what_turns_about_its_own_middle_tells_nothing_of_what_is_up(tmp_path: Path) -> None:
+    """A wheel at a cabinet's side, and a swivelling plate; a door tells."""
+    plate = box("0.5 0.5 0.03", "0 0.03 0")  # not quite in the middle
+    for panel, axis, at, count in (
+        (box("0.4 0.03 0.4"), "0 1 0", "0 0.27 0.4", 0),
+        (plate, "1 0 0", "0 0 0.83", 0),
+        (box("0.02 0.5 0.4", "0 0.25 0"), UPRIGHT, "0.26 -0.25 0.4", 1),
+    ):
+        told = evidence(model(tmp_path, turning(box("0.5 0.5 0.8", "0 0 0.4"), "part", panel, axis, at)))
+        assert len(told.hinges) == count
+
+
+def test_a_drawer_that_is_cut_stays_where_it_is_closed(tmp_path: Path) -> None:
+    robot = model(tmp_path, DRAWERS.replace('lower="0" upper="0.25"', 'lower="0.1" upper="2"'))
+    ((slide,), lines) = doors_and_drawers(robot)[0].joints, doors_and_drawers(robot)[1]
+    assert slide.lower == 0.1 and slide.upper - slide.lower == pytest.approx(np.ptp(closed_box(robot), axis=0)[0])
+    assert len(lines) == 1 and "slides 190 cm in its file, cut to" in lines[0]
