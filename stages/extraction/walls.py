@@ -14,7 +14,7 @@ from stages.contracts.objects import Wall
 from stages.extraction.masks import OUTLINE
 from stages.extraction.visibility import DepthView, cell_centres
 from stages.geometry.boxes import UprightBox, corners
-from stages.geometry.frames import wrap_angle, yaw_matrix
+from stages.geometry.frames import yaw_matrix
 
 BLOCKED = 0.3  # share of the gap that another object fills, from which on that one stands at the wall instead
 
@@ -101,8 +101,7 @@ def filled_to(box: UprightBox, wall: Wall) -> UprightBox:
     axis = int(np.argmax(np.abs(turn.T[:2] @ normal)))
     outward = turn[:, axis] * np.sign(turn[:, axis] @ normal)
     front = float(box.center @ outward + box.size[axis] / 2)
-    aligned = abs(wrap_angle(np.arctan2(outward[1], outward[0]) - np.arctan2(normal[1], normal[0]))) < np.pi / 4
-    if not aligned or front <= wall.offset:
+    if front <= wall.offset:
         return box
     center, size = np.array(box.center, dtype=float), np.array(box.size, dtype=float)
     size[axis] = front - wall.offset
