@@ -155,8 +155,8 @@ def test_a_job_that_starts_after_its_workflow_ended_ends_at_once() -> None:
 
 
 @pytest.mark.parametrize("known", ["", "1\t0", FAR.text, "nonsense"])
-def test_a_job_without_its_workflow_here_runs_on(known: str) -> None:
-    job = start(sys.executable, "-c", WATCH, env=os.environ | {WORKFLOW: known})
+def test_a_job_without_its_workflow_here_runs_on(known: str, tmp_path: Path) -> None:
+    job = start(sys.executable, "-c", WATCH, cwd=tmp_path, env=os.environ | {WORKFLOW: known})
     says(job, "on")
     assert not gone(job.pid, 0.3)
     job.kill()
