@@ -15,7 +15,8 @@ from stages.contracts.types import FARTHEST
 from stages.geometry.frames import yaw_matrix
 
 AGAIN = "extraction writes it beside objects.json"
-BESIDE = 0.1  # metres around its box, within which a tenth of a cloud lies: of a cluttered table most may be higher
+BESIDE = 0.1  # metres by which half of a cloud may be outside its box
+WITHIN = 0.1  # share of it that is no farther above: clutter on a table may show more points than the table
 
 
 def read_object_masks(path: Path, objects: Objects) -> NDArray[np.uint16]:
@@ -72,9 +73,15 @@ def read_clouds(path: Path, objects: Objects) -> dict[str, NDArray[np.float32]]:
             what = f"{item.id}: has {len(cloud)} points, {path.name} says {item.points}."
             raise InputError(file, what, AGAIN, code="E-CLOUD-BROKEN")
         check_within(file, item.id, cloud, -FARTHEST, FARTHEST)
-        if item.box is not None and not item.whole and np.quantile(outside(item.box, cloud), 0.1) > BESIDE:
+        if item.box is not None and not item.whole and is_elsewhere(item.box, cloud):
             raise InputError(file, f"{item.id}: is not where its box of {path.name} is.", AGAIN, code="E-CLOUD-BROKEN")
     return {item.id: clouds[item.id].astype(np.float32) for item in wanted}
+
+
+def is_elsewhere(box: Box, cloud: NDArray[np.floating]) -> bool:
+    """Whether half of a cloud (N, 3) lies beside or below its box, or all but `WITHIN` of it above."""
+    level = np.minimum(cloud, [np.inf, np.inf, box.center[2] + box.size[2] / 2])
+    return bool(np.median(outside(box, level)) > BESIDE or np.quantile(outside(box, cloud), WITHIN) > BESIDE)
 
 
 def outside(box: Box, cloud: NDArray[np.floating]) -> NDArray[np.float64]:

@@ -34,6 +34,7 @@ CLOUDS = {
     "infinite": ({"cabinet_1": with_value(CLOUD, np.inf), "bowl_1": CLOUD}, "cabinet_1: holds NaN or infinity"),
     "millimetres": ({"cabinet_1": with_value(CLOUD, 2500), "bowl_1": CLOUD}, "cabinet_1: holds 2500"),
     "elsewhere": ({"cabinet_1": CLOUD + np.float32([0, 1, 0]), "bowl_1": CLOUD}, "cabinet_1: is not where its box"),
+    "above": ({"cabinet_1": CLOUD + np.float32([0, 0, 2]), "bowl_1": CLOUD}, "cabinet_1: is not where its box"),
 }
 
 
