@@ -62,3 +62,37 @@ def forecast(task: str, unseen: Sequence[TaskAsset], shown: Sequence[TaskAsset])
 def forecast_mean(task: str, unseen: Sequence[TaskAsset], shown: Sequence[TaskAsset]) -> float:
     """The mean of `forecast` over the unseen assets, of which there is one at least."""
     return float(forecast(task, unseen, shown).mean())
+
+
+def covered(assets: Sequence[TaskAsset], shown: Sequence[TaskAsset], reach: float) -> float:
+    """The share of the assets that lie within a distance of one that is shown."""
+    return float((nearest(assets, shown) <= reach).mean())
+
+
+class Most(NamedTuple):
+    """Shares of assets: what a set picked greedily covers, and more than what no set of that size does."""
+
+    greedy: float
+    bound: float
+
+
+def most_covered(assets: Sequence[TaskAsset], count: int, reach: float) -> Most:
+    """What `count` of the assets can cover of all of them.
+
+    A set covers at most what another covers, and beside that what each of its members alone would add: so after every
+    step of the greedy choice there is a bound, and the least of them is told.
+    """
+    near = distances(assets, assets) <= reach
+    found, bound = np.zeros(len(assets), dtype=bool), float(len(assets))
+    for _ in range(count + 1):
+        gains = (near & ~found[:, None]).sum(axis=0)
+        bound = min(bound, found.sum() + np.sort(gains)[-count:].sum())
+        greedy, found = found.sum(), found | near[:, gains.argmax()]
+    return Most(float(greedy) / len(assets), float(bound) / len(assets))
+
+
+def alone(assets: Sequence[TaskAsset], reach: float) -> list[TaskAsset]:
+    """The assets with none of another family within a distance: nothing but their own family shows them."""
+    families = np.array([asset.family for asset in assets])
+    others = (distances(assets, assets) <= reach) & (families[:, None] != families[None])
+    return [asset for asset, seen in zip(assets, others.any(axis=1), strict=True) if not seen]
