@@ -34,11 +34,11 @@ def read_pairs(results: Path, assets: Path, task: str) -> pd.DataFrame:
     pairs = []
     for file in sorted(assets.glob(f"{task}_room_*.json")):
         plan, room = read_json(TaskAssets, file), file.stem
-        experiment = ExperimentConfig(held_out=plan.held_out)
+        experiment = ExperimentConfig(held_out=plan.held_out, draws=plan.draws)
         for folder in sorted((results / "evaluation/policies" / room).glob("*/lite")):
             rows = pd.concat([pd.read_csv(path) for path in sorted(folder.glob("seed_*/rollouts.csv"))])
             success = rows[rows.test_asset == "test"].groupby("asset").success.mean()
-            shown = demonstrated_assets(plan, experiment.roles(folder.parent.name))
+            shown = demonstrated_assets(plan, experiment.roles(folder.parent.name, 0))
             unseen = [asset for asset in plan.test_assets if asset.asset in success.index]
             about = {"room": room, "training_set": folder.parent.name, "family": [asset.family for asset in unseen]}
             met = success[[asset.asset for asset in unseen]].to_numpy()
@@ -123,9 +123,9 @@ def error(sets: pd.DataFrame) -> float:
 def elsewhere(task: str) -> Iterator[list[str]]:
     """The training sets of Table 3, a study of another library and another twin: success measured and forecast."""
     plan = read_json(TaskAssets, Path(f"config/study/assets/{task}.json"))
-    experiment, rows = ExperimentConfig(held_out=plan.held_out), pd.read_csv("docs/results/assets.csv")
+    experiment, rows = ExperimentConfig(held_out=plan.held_out, draws=plan.draws), pd.read_csv("docs/results/assets.csv")
     for row in rows[(rows.task == task) & (rows.training_set != SKILL)].itertuples():
-        shown = demonstrated_assets(plan, experiment.roles(str(row.training_set)))
+        shown = demonstrated_assets(plan, experiment.roles(str(row.training_set), 0))
         yield [str(row.training_set), percent(row.mean), percent(forecast_mean(task, plan.test_assets, shown))]
 
 
