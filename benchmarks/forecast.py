@@ -123,7 +123,8 @@ def error(sets: pd.DataFrame) -> float:
 def elsewhere(task: str) -> Iterator[list[str]]:
     """The training sets of Table 3, a study of another library and another twin: success measured and forecast."""
     plan = read_json(TaskAssets, Path(f"config/study/assets/{task}.json"))
-    experiment, rows = ExperimentConfig(held_out=plan.held_out, draws=plan.draws), pd.read_csv("docs/results/assets.csv")
+    experiment = ExperimentConfig(held_out=plan.held_out, draws=plan.draws)
+    rows = pd.read_csv("docs/results/assets.csv")
     for row in rows[(rows.task == task) & (rows.training_set != SKILL)].itertuples():
         shown = demonstrated_assets(plan, experiment.roles(str(row.training_set), 0))
         yield [str(row.training_set), percent(row.mean), percent(forecast_mean(task, plan.test_assets, shown))]
