@@ -13,7 +13,7 @@ STUDY := -$(BIN)/snakemake --cores $(CORES) --keep-going --configfile config.yam
 UNSEEN := $(BIN)/snakemake --cores $(CORES) --keep-going --configfile config.yaml config/study/table3.yaml config/study/over_assets.yaml --
 cells = $(foreach task,$(1),$(foreach set,$(2),results/evaluation/policies/$(task)/$(set)/rollouts.csv))
 
-.PHONY: help setup site demo all study unseen registered table2 photo test slurm test-cluster lint types config reference lock containers clean
+.PHONY: help setup site demo all study unseen registered second table2 photo test slurm test-cluster lint types config reference lock containers clean
 help: ## list the verbs
 	@grep -hE '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 14
 
@@ -45,6 +45,9 @@ unseen: setup ## success over unseen assets as docs/results has it, in an hour o
 
 registered: setup ## the registered study of docs/results/design.md: two nights of two cores; it goes on where it stopped
 	PATH=$(CURDIR)/$(BIN):$$PATH CORES=$(CORES) bash config/study/registered.sh
+
+second: setup ## the second study of docs/results/design-second.md: a night of two cores for the first run; it goes on where it stopped
+	PATH=$(CURDIR)/$(BIN):$$PATH CORES=$(CORES) bash config/study/second.sh
 
 table2: setup ## Table 2 and Figure 6 with every row, on the eight rooms and their robustness variants
 	$(BIN)/snakemake --cores $(CORES) --keep-going --configfile config.yaml config/study/table2.yaml -- table2

@@ -1,5 +1,5 @@
 # The paper's tables and figures with ours beside them.
-# Reads:  evaluation rows, the published values in report/published, pictures of the generated scenes.
+# Reads:  evaluation rows, how trainings ended, the published values in report/published, pictures of the generated scenes.
 # Writes: results/tables/{table2,table2_robustness,assets,table3}.{csv,html,tex}, results/figures/figure{4,6,9}.{svg,png}.
 
 ROLLOUTS = [*cells(rules.gather.output.rollouts), *demonstrated(rules.skill.output.rollouts)]
@@ -48,6 +48,7 @@ rule table3:
     """Success over unseen assets; Table 3: every cell with its n, seeds and interval; Figures 4 and 9."""
     input:
         rollouts=ROLLOUTS,
+        trainings=rules.trainings.output.csv,
     output:
         csv="results/tables/table3.csv",
         more=expand("results/tables/table3_{what}.csv", what=["cells", "differences", "claims", "stability"]),
@@ -76,13 +77,14 @@ rule table3:
         out=subpath(output.csv, parent=True),
         figures=subpath(output.figure4, parent=True),
     shell:
-        '{params.command} --rollouts {input.rollouts:q} --published "$ACDC_PAPER" --options {params.options:q} '
+        '{params.command} --rollouts {input.rollouts:q} --trainings {input.trainings:q} --published "$ACDC_PAPER" --options {params.options:q} '
         "--figures {params.figures:q} --out {params.out:q} 2>&1 | tee {log:q}"
 
 
 rule tables:
-    """Tables 2 and 3, Figures 4, 6 and 9."""
+    """Tables 2 and 3, Figures 4, 6 and 9, how trainings ended."""
     input:
+        rules.trainings.output,
         rules.table2.output,
         rules.table3.output,
     localrule: True

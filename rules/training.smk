@@ -1,7 +1,7 @@
 # Policies: BC-RNN-GMM on point clouds (paper B.3).
 # Reads:  the demonstrations of a training set.
 # Writes: results/training/<task>/<training set>/<run>/seed_<n>/{policy,last}.safetensors,
-#         .../{checkpoints.zip,config.json,metrics.jsonl}.
+#         .../{checkpoints.zip,config.json,metrics.jsonl}; results/tables/trainings.{csv,html,tex}.
 
 
 rule train:
@@ -42,8 +42,33 @@ rule train:
         "{params.check}) 2>&1 | tee {log:q}"
 
 
+rule trainings:
+    """How every training ended, and which failed, before any rollout."""
+    input:
+        configs=policies(rules.train.output.config),
+    output:
+        csv="results/tables/trainings.csv",
+        html=in_report("results/tables/trainings.html", "tables"),
+        tex="results/tables/trainings.tex",
+    log:
+        "logs/tables/trainings.log",
+    localrule: True
+    container:
+        CONFIG.containers.report
+    threads: 1
+    resources:
+        **needs(1000, 10),
+    params:
+        command=command("tables", "trainings"),
+        code=code("tables", "trainings"),
+        out=subpath(output.csv, parent=True),
+    shell:
+        "{params.command} --policies {input.configs:q} --out {params.out:q} 2>&1 | tee {log:q}"
+
+
 rule training:
-    """All policies of this run."""
+    """All policies of this run, and how their trainings ended."""
     input:
         policies(rules.train.output.policy),
+        rules.trainings.output.csv,
     localrule: True

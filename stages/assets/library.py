@@ -41,13 +41,13 @@ def run(*, out: Path, shard: int = 0, shards: int = 1, options: str = "{}", seed
         raise InputError("--shard", f"{shard} is not below --shards {shards}.", code="E-SHARD-NUMBER")
     with TemporaryDirectory(prefix="acdc-library-") as folder:
         for category, k in progress(wanted[shard::shards], "models", len(wanted[shard::shards])):
-            make(category, k, seed, Path(folder))
+            make(category, k, seed, Path(folder), config.variations)
         write_part(out, Path(folder))
 
 
-def make(category: str, index: int, seed: int, folder: Path) -> Asset:
-    """Build the `index`-th procedural model of a category."""
-    recipe = sample(category, index, seed)
+def make(category: str, index: int, seed: int, folder: Path, variations: bool = True) -> Asset:
+    """Build the `index`-th procedural model of a category; without `variations` it is a founder."""
+    recipe = sample(category, index, seed, variations)
     name = model_name(category, index)
     provenance = f"procedural: {recipe.generator}, seed {seed}"
     return build(recipe, None, folder / name, name, category, provenance)

@@ -17,6 +17,11 @@ class LibraryOptions(Section):
         COUNTS,
         description="Procedural models per category; 0 leaves one out. The paper's BEHAVIOR-1K has over 10,000 assets.",
     )
+    variations: bool = Field(
+        True,
+        description="false: no model is a variation of another, each is sampled freely and a family of its own "
+        "(docs/assets.md)",
+    )
 
 
 class OwnOptions(Section):

@@ -34,9 +34,18 @@ class TrainedPolicy(Document):
     parameters: Count = Field(description="learned numbers of the network")
     best_step: Count
     best_loss: Finite | None = Field(description="validation loss of policy.safetensors; null: no validation")
+    best_error: Finite | None = Field(None, description="RMS error of its actions on the validation episodes")
+    constant_error: Finite | None = Field(
+        None, description="the same of one constant action, the mean of the training episodes"
+    )
     checkpoints: list[RelativePath] = Field(
         [], description="weights kept for selection by rollouts, in checkpoints.zip"
     )
+
+    @property
+    def learned(self) -> bool:
+        """Whether its actions are nearer than a constant one, as far as it is known."""
+        return self.best_error is None or self.constant_error is None or self.best_error < self.constant_error
 
 
 class MetricsLine(RootModel[dict[Text, Finite | None]]):

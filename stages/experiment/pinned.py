@@ -8,7 +8,7 @@ from stages.contracts.policies import TaskAsset
 from stages.plugins import load
 from stages.tasks.task import Task
 
-MEND = "set assets.counts and seed as when the file was written, or choose anew: experiment.tasks.<task>.assets: null"
+MEND = "set seed and section assets as when the file was written, or choose anew: experiment.tasks.<task>.assets: null"
 
 
 def run(*, assets: Path, task: str, library: Path, out: Path) -> None:

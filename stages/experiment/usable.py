@@ -12,7 +12,11 @@ from stages.tasks.task import Task
 
 
 def usable_assets(
-    kind: Task, folders: Mapping[str, Path], like: Affordance | None, distances: Mapping[str, float], size: Vector
+    kind: Task,
+    folders: Mapping[str, Path],
+    like: Affordance | None,
+    distances: Mapping[str, float],
+    size: Vector | None,
 ) -> dict[str, TaskAsset]:
     """The assets with a joint for the task, by id, each at the joint most like the twin's; their roles are open.
 
@@ -21,15 +25,16 @@ def usable_assets(
         folders: asset folders by id.
         like: the twin's joint.
         distances: embedding distance of every asset to the twin.
-        size: the box (x, y, z) in which all are loaded, metres.
+        size: the box (x, y, z) in which all are loaded, metres; None: each at its own size.
     """
     fronts = {asset: kind.target_joint(folders[asset], like) for asset in distances if asset in folders}
     return {asset: described(folders[asset], front, distances[asset], size) for asset, front in fronts.items() if front}
 
 
-def described(folder: Path, front: Affordance, distance: float, size: Vector) -> TaskAsset:
+def described(folder: Path, front: Affordance, distance: float, size: Vector | None) -> TaskAsset:
     """One asset in the box `size`, opened at `front`."""
     asset = read_asset(folder)
+    size = size or asset.size
     low, high = handle_extents(folder, asset, front.joint)
     _, wide, tall = ((high - low) / asset.size * size).tolist()
     middle = ((low + high)[2] / 2 - asset.box_min[2]) / asset.size[2]

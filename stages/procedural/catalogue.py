@@ -24,19 +24,26 @@ GENERATORS: dict[str, type[Generator]] = {
 }
 
 
-def sample(category: str, index: int, seed: int) -> Recipe:
-    """The recipe of the `index`-th model of a category; it does not depend on how many others there are."""
-    sampled, founder = _sampled(category, index, seed)
+def sample(category: str, index: int, seed: int, variations: bool = True) -> Recipe:
+    """The recipe of the `index`-th model of a category; it does not depend on how many others there are.
+
+    Args:
+        category: one of `CATEGORIES`.
+        index: number of the model.
+        seed: of the library.
+        variations: whether models after the category's founders are variations of them; else each is a founder.
+    """
+    sampled, founder = _sampled(category, index, seed, variations)
     generator = next(name for name, kind in GENERATORS.items() if kind is type(sampled.recipe))
     parameters = {"size": list(sampled.size), **sampled.recipe.parameters()}
     variation_of = None if founder is None else model_name(category, founder)
     return Recipe(generator=generator, parameters=parameters, variation_of=variation_of)
 
 
-def _sampled(category: str, index: int, seed: int) -> tuple[Sampled, int | None]:
+def _sampled(category: str, index: int, seed: int, variations: bool = True) -> tuple[Sampled, int | None]:
     """A model of a category, and the number of its founder; None: it is one."""
     record, rng = CATEGORIES[category], _generator(category, index, seed)
-    if index < record.founders:
+    if index < record.founders or not variations:
         return record.sample(rng, index), None
     in_turn, founder = families.in_turn(record, index), index % record.founders
     if not in_turn:

@@ -14,6 +14,7 @@ from stages.tables.methods import Kinds, kinds_of, read_rollouts
 from stages.tables.policy_figures import figure4, figure9
 from stages.tables.policy_notes import policy_notes
 from stages.tables.rows import published_policies, published_runs
+from stages.tables.trainings import failed_note, read_trainings
 from stages.tables.writing import write, write_csv
 
 
@@ -43,19 +44,21 @@ def collect(rollouts: pd.DataFrame, asked: pd.DataFrame, published: Path, option
     )
 
 
-def asset_tables(found: PolicyResults, options: PolicyTables, kinds: Kinds) -> list[Table]:
+def asset_tables(found: PolicyResults, options: PolicyTables, kinds: Kinds, notes: list[str]) -> list[Table]:
     """The tables over sets of unseen assets; none if there are no such rows."""
     if found.assets.empty:
         return []
     return [
-        policy_tables.assets_table(found.assets, options, kinds, policy_notes(options)),
+        policy_tables.assets_table(found.assets, options, kinds, notes),
         policy_tables.by_handle_table(found.by_handle, options),
     ]
 
 
-def role_tables(found: PolicyResults, paper: pd.DataFrame, options: PolicyTables, kinds: Kinds) -> list[Table]:
+def role_tables(
+    found: PolicyResults, paper: pd.DataFrame, options: PolicyTables, kinds: Kinds, notes: list[str]
+) -> list[Table]:
     """Table 3, the claims, the stability of training."""
-    tables = [policy_tables.policies_table(found.cells, paper, options, kinds, policy_notes(options))]
+    tables = [policy_tables.policies_table(found.cells, paper, options, kinds, notes)]
     tables += [policy_tables.claims_table(found.claims, options)] if len(found.claims) else []
     return tables + ([policy_tables.stability_table(found.stability)] if len(found.stability) else [])
 
@@ -76,6 +79,7 @@ def run(
     out: Path,
     figures: Path | None = None,
     rollouts: tuple[Path, ...] = (),
+    trainings: Path | None = None,
     published: Path = Path("report/published"),
     options: str = "",
 ) -> None:
@@ -87,6 +91,7 @@ def run(
         out: folder to write the tables into.
         figures: folder to write the figures into; that of the tables if left out.
         rollouts: rollouts.csv files of policies and of the skill.
+        trainings: trainings.csv, to name below the tables which trainings failed.
         published: folder with the paper's values, table3.csv.
         options: JSON of the config section `tables`, and of which policies are one method: without `rows` every
             hyper-parameter set is a row of its own.
@@ -94,9 +99,10 @@ def run(
     settings = read_options(PolicyTables, options)
     episodes, paper = read_rollouts(rollouts, settings), published_policies(published)
     found, kinds = collect(episodes, paper, published, settings), kinds_of(settings)
-    tables = asset_tables(found, settings, kinds) or [policy_tables.assets_table(found.assets, settings)]
+    notes = [*policy_notes(settings), *failed_note(read_trainings(trainings))]
+    tables = asset_tables(found, settings, kinds, notes) or [policy_tables.assets_table(found.assets, settings)]
     write(out, "assets", found.assets, tables)
-    write(out, "table3", found.runs, role_tables(found, paper, settings, kinds))
+    write(out, "table3", found.runs, role_tables(found, paper, settings, kinds, notes))
     write_csv(out / "assets_by_handle.csv", found.by_handle)
     for what in ("cells", "differences", "claims", "stability"):
         write_csv(out / f"table3_{what}.csv", getattr(found, what))

@@ -25,6 +25,7 @@ from stages.tables.policy_notes import policy_notes
 from stages.tables.rows import published_policies, read_table
 from stages.tables.scenes import named
 from stages.tables.text import number
+from stages.tables.trainings import failed, failed_note, read_trainings, trainings_table
 
 TIMES_PAGE, CONFIG_PAGE = "times.html", "config.yaml"
 STAGES = ["assets", "scenes", "extraction", "matching", "generation", "experiment"]
@@ -70,7 +71,9 @@ def _frames(files: RunFiles) -> dict[str, pd.DataFrame]:
 
 def _page(files: RunFiles, published: Path, facts: dict[str, Any], options: PolicyTables, viewer: str) -> str:
     album, frames = Album(options.picture_width, options.picture_quality), _frames(files)
-    kinds, notes = kinds_of(options), policy_notes(options)
+    kinds, trainings = kinds_of(options), read_trainings(files.one("tables/trainings.csv"))
+    notes = [*policy_notes(options), *failed_note(trainings)]
+    trained = [trainings_table(trainings)] if len(trainings) else []
 
     def table(form: Callable[..., Table], name: str, *more: Any) -> list[Table]:
         return [form(frames[name], *more)] if name in frames else []
@@ -94,10 +97,14 @@ def _page(files: RunFiles, published: Path, facts: dict[str, Any], options: Poli
             library=models,
             tasks=tasks,
             of_policies=[
+                *(trained if failed(trainings) else []),
                 *table(policy_tables.assets_table, "assets", options, kinds, notes),
                 *table(policy_tables.claims_table, "table3_claims", options),
             ],
-            folded=table(policy_tables.by_handle_table, "assets_by_handle", options),
+            folded=[
+                *table(policy_tables.by_handle_table, "assets_by_handle", options),
+                *([] if failed(trainings) else trained),
+            ],
             tables=[
                 *table(scene_tables.scenes_table, "table2", options),
                 *table(scene_tables.robustness_table, "table2_robustness"),

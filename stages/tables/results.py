@@ -14,7 +14,7 @@ from stages.contracts.files import read_json, write_text
 from stages.contracts.library import Library
 from stages.contracts.policies import ChosenRuns, SceneScore, TaskAssets
 from stages.contracts.training_sets import is_randomised
-from stages.tables import assets, conditions, robustness, table2, table3
+from stages.tables import assets, conditions, robustness, table2, table3, trainings
 from stages.tables.assets import of_splits
 from stages.tables.associations import Shown, associations_table, traits
 from stages.tables.associations import build as associate
@@ -23,6 +23,7 @@ from stages.tables.markup import Table, markdown
 from stages.tables.methods import kinds_of, read_rollouts, row_of
 from stages.tables.order import SKILL, SPLITS, title
 from stages.tables.policies import asset_tables, collect, role_tables, write_figures
+from stages.tables.policy_notes import policy_notes
 from stages.tables.policy_tables import assets_table
 from stages.tables.pooling import pooled, pools
 from stages.tables.progress import policy_file, progress_table, runs_that_count
@@ -47,19 +48,31 @@ class StudyResults(NamedTuple):
     figures: dict[str, str]
 
 
+def policies_of(config: Config, results: Path, task: str) -> Iterator[tuple[str, str, int]]:
+    """Training set, hyper-parameters and seed of the policies of a row."""
+    plan = config.experiment.plan(task)
+    for name in plan.training_sets:
+        for run in runs_that_count(config, results, task, name):
+            yield from ((name, run, seed) for seed in plan.seeds)
+
+
 def rollout_files(config: Config, results: Path, condition: str = "") -> Iterator[Path]:
     """The rollouts of the study's policies, and of the skill on the same assets, as far as they are there."""
     skills = f"conditions/{condition}/{{}}/skill" if condition else "skill/{}"
     for task in config.experiment.tasks:
-        plan = config.experiment.plan(task)
         paths = [results / "evaluation" / skills.format(task) / "rollouts.csv"]
-        paths += [
-            policy_file(results, condition, task, name, run, seed)
-            for name in plan.training_sets
-            for run in runs_that_count(config, results, task, name)
-            for seed in plan.seeds
-        ]
+        paths += [policy_file(results, condition, task, *policy) for policy in policies_of(config, results, task)]
         yield from filter(Path.is_file, paths)
+
+
+def _trainings(config: Config, results: Path) -> pd.DataFrame:
+    """How the trainings of the study ended, as far as they are there."""
+    paths = [
+        results / f"training/{task}/{name}/{run}/seed_{seed}/config.json"
+        for task in config.experiment.tasks
+        for name, run, seed in policies_of(config, results, task)
+    ]
+    return trainings.collect([path for path in paths if path.is_file()])
 
 
 def asked_cells(config: Config) -> pd.DataFrame:
@@ -150,7 +163,11 @@ def _policies(config: Config, results: Path, published: Path, out: Path) -> Stud
     found = collect(episodes, pd.concat([asked, paper[table3.CELL]]).drop_duplicates(), published, options)
     kinds = kinds_of(options)
     pooled_kinds = {names[row]: text for row, text in kinds.items()}
-    tables = [*asset_tables(found, options, pooled_kinds), *role_tables(found, paper, options, pooled_kinds)]
+    trained = _trainings(config, results)
+    notes = [*policy_notes(options), *trainings.failed_note(trained)]
+    tables = asset_tables(found, options, pooled_kinds, notes)
+    tables += role_tables(found, paper, options, pooled_kinds, notes)
+    tables += [trainings.trainings_table(trained)] if len(trained) else []
     if set(rows["task"]) - set(episodes["task"]):
         alone = assets_table(assets.build(rows[rows["task"] != rows["task"].map(names)], options), options, kinds)
         tables.append(replace(alone, name="assets_by_room", caption=f"{alone.caption[:-1]}, room by room."))

@@ -134,6 +134,24 @@ def split_episodes(data: DemonstrationSet, fraction: float, seed: int) -> tuple[
     return [i for i in range(len(data.lengths)) if i not in set(validation)], sorted(validation)
 
 
+def frames_of(data: DemonstrationSet, episodes: Sequence[int]) -> Tensor:
+    """Rows of the frames of some episodes."""
+    ends = torch.tensor(data.lengths).cumsum(0)
+    return torch.cat([torch.arange(int(ends[i]) - data.lengths[i], int(ends[i])) for i in episodes])
+
+
+def constant_error(data: DemonstrationSet, training: Sequence[int], validation: Sequence[int]) -> float | None:
+    """RMS error, on the validation episodes, of the mean action of the training episodes; None without any of them.
+
+    What a policy reaches that looks at nothing: one that is not below it has learned nothing.
+    """
+    if not validation:
+        return None
+    action = data.actions[frames_of(data, training)].mean(0)
+    error = (data.actions[frames_of(data, validation)] - action).square().mean().sqrt()
+    return round(error.item(), 5)
+
+
 def windows(data: DemonstrationSet, episodes: Sequence[int], horizon: int, stride: int) -> tuple[Indices, Mask]:
     """Frame indices (W, T) of the sequences that start at every `stride`-th step, and (W, T) which steps are real.
 

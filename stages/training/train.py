@@ -19,7 +19,7 @@ from stages.contracts.training_run import TrainingRun
 from stages.plugins import qualified
 from stages.policies import make_policy
 from stages.policies.checkpoint import FILES, save_weights
-from stages.training.dataset import DemonstrationSet, read_demonstrations, split_episodes
+from stages.training.dataset import DemonstrationSet, constant_error, frames_of, read_demonstrations, split_episodes
 from stages.training.logbook import Logbook
 from stages.training.loop import Setting, optimise
 from stages.training.state import TrainingState
@@ -84,23 +84,25 @@ def run(
     save_weights(out / FILES["last"], policy.state_dict())
     save_weights(out / FILES["best"], state.best)
     write_text(out / "metrics.jsonl", metrics.read_text(encoding="utf-8"))
-    write_json(
-        out / "config.json",
-        TrainedPolicy(
-            task=data.task,
-            task_options=data.task_options,
-            run=hyper,
-            seed=seed,
-            stores=data.stores,
-            data_digest=data.digest,
-            training_episodes=len(training),
-            validation_episodes=len(validation),
-            parameters=sum(parameter.numel() for parameter in policy.parameters()),
-            best_step=state.best_step,
-            best_loss=state.best_loss,
-            checkpoints=[f"checkpoints/{path.name}" for path in kept],
-        ),
+    found = TrainedPolicy(
+        task=data.task,
+        task_options=data.task_options,
+        run=hyper,
+        seed=seed,
+        stores=data.stores,
+        data_digest=data.digest,
+        training_episodes=len(training),
+        validation_episodes=len(validation),
+        parameters=sum(parameter.numel() for parameter in policy.parameters()),
+        best_step=state.best_step,
+        best_loss=state.best_loss,
+        best_error=next(line for line in state.lines if line["step"] == state.best_step).get("validation_error"),
+        constant_error=constant_error(data, training, validation),
+        checkpoints=[f"checkpoints/{path.name}" for path in kept],
     )
+    write_json(out / "config.json", found)
+    if found.best_loss is not None:
+        print(f"training: {outcome(found)}", file=sys.stderr)
     shutil.rmtree(setting.work / "checkpoints", ignore_errors=True)
     for path in setting.work.iterdir():
         if path.suffix != ".refused":  # a state that was set aside is the user's to look at
@@ -109,10 +111,13 @@ def run(
         setting.work.rmdir()
 
 
-def frames_of(data: DemonstrationSet, episodes: list[int]) -> torch.Tensor:
-    """Rows of the frames of some episodes."""
-    ends = torch.tensor(data.lengths).cumsum(0)
-    return torch.cat([torch.arange(int(ends[i]) - data.lengths[i], int(ends[i])) for i in episodes])
+def outcome(policy: TrainedPolicy) -> str:
+    """How a training with validation episodes ended, in a line."""
+    text = f"validation loss {policy.best_loss:.2f} at step {policy.best_step}"
+    if policy.best_error is None or policy.constant_error is None:
+        return text
+    text += f"; its actions are off by {policy.best_error:.2f}, one constant action by {policy.constant_error:.2f}"
+    return text if policy.learned else f"seed {policy.seed} did not learn: {text}"
 
 
 def fingerprint(data: DemonstrationSet, run: TrainingRun, seed: int) -> str:

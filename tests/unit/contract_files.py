@@ -33,6 +33,7 @@ FILES = {  # kind of file: where it lies
     "distances": "matching/distances.json",
     "generated": "generation/scene_1.json",
     "task": "experiment/assets.json",
+    "choice": "experiment/choice.json",
     "library": "library/library.json",
     "library_part": "library/own_0.json",
     "asset": "library/models/cabinet_0/asset.json",
@@ -170,6 +171,11 @@ def _policies(root: Path) -> None:
     roles = [("twin", "cabinet_0", 0.0), ("cousin_1", "cabinet_1", 1.0), ("cousin_2", "cabinet_2", 2.0)]
     assets = [{"role": role, "asset": asset, "family": asset, "distance": far, **sizes} for role, asset, far in roles]
     _json(root / FILES["task"], task="door", scene="room", object="cabinet_1", encoder="hog", assets=assets)
+    front = {name: value for name, value in sizes.items() if name != "panel_height"}
+    models = [{"asset": asset, "family": asset, **front} for asset in ("cabinet_0", "cabinet_1")]
+    within = {"within_1": 0.75, "within_2": 1.0, "greedy_within_1": 0.8, "most_within_1": 0.85}
+    about = {"task": "door", "rule": "chance", "seed": 0, "like": None, "box": None, "usable": 20, "families": 12}
+    _json(root / FILES["choice"], **about, models=models, **within, forecast=0.7, alone=["cabinet_9"])
     folder = root / "demonstrations"
     folder.mkdir()
     lines = [
@@ -229,7 +235,8 @@ def _policies(root: Path) -> None:
     store = {"file": "episodes.h5", "asset": "cabinet_0", "episodes": 2, "frames": 12}
     _json(folder / "config.json", task="door", task_options=options.model_dump(mode="json"),
           run=TrainingRun().model_dump(mode="json"), seed=0, stores=[store], data_digest="d", training_episodes=2,
-          validation_episodes=0, parameters=24, best_step=100, best_loss=-1.0, checkpoints=[])  # fmt: skip
+          validation_episodes=0, parameters=24, best_step=100, best_loss=-1.0, best_error=0.2,
+          constant_error=0.5, checkpoints=[])  # fmt: skip
     for name in ("policy", "last"):
         save_file(weights(), folder / f"{name}.safetensors")
     rows = [{"step": step, "loss": 1.0 / step, "learning_rate": 1e-3} for step in (100, 200)]

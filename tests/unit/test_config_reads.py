@@ -16,6 +16,7 @@ from stages.config.reads import READS, options_of, section_name, stores
 ROOT = Path(__file__).resolve().parents[2]
 LISTED = {  # keys that do not simply run the one verb of their section again
     "assets.counts": {"library"},
+    "assets.variations": {"library"},
     "assets.folders": set(),  # parameters of a shard's own
     "assets.importers": {"own"},
     "assets.shards": set(),  # the number of jobs is a parameter of its own

@@ -114,6 +114,14 @@ def test_relatives_of_plain_things_are_of_their_founders_style() -> None:
     assert founder.parameters["size"] != relative.parameters["size"]
 
 
+def test_without_variations_every_model_is_a_founder() -> None:
+    founders = CATEGORIES["sideboard"].founders
+    free = [sample("sideboard", index, 3, variations=False) for index in range(3 * founders)]
+    assert free[:founders] == [sample("sideboard", index, 3) for index in range(founders)]
+    assert all(recipe.variation_of is None for recipe in free)
+    assert len({str(recipe.parameters["size"]) for recipe in free}) == len(free)
+
+
 def layout_counts(recipe: Recipe) -> tuple[int, int]:
     cells = [cell for line in recipe.parameters["layout"] for cell in line]  # type: ignore[union-attr]
     return cells.count("door") + cells.count("flap"), cells.count("drawer")

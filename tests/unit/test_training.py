@@ -19,9 +19,8 @@ from stages.policies import make_policy
 from stages.policies.checkpoint import load_policy
 from stages.training import loop
 from stages.training.augment import augment
-from stages.training.dataset import gather, read_demonstrations, split_episodes, windows
+from stages.training.dataset import constant_error, frames_of, gather, read_demonstrations, split_episodes, windows
 from stages.training.state import TrainingState, copy_weights
-from stages.training.train import frames_of
 from stages.training.train import run as train
 from tests.refusals import refused
 from tests.toy_reach import ToyReach, write_store
@@ -57,7 +56,9 @@ def options(**changes: object) -> str:
     return json.dumps(SMALL | changes)
 
 
-def test_learns_to_reach_what_the_cloud_shows(store: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_learns_to_reach_what_the_cloud_shows(
+    store: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     """Closed loop on unseen goals: the hand ends within 3 cm; before training it does not."""
     monkeypatch.setattr(NetworkConfig, "flag_embedding", 8)  # with 128 so small a network learns in thousands of steps
     train(episodes=(store,), per_store=60, options=options(steps=800, log_every=200), out=tmp_path / "policy")
@@ -74,6 +75,8 @@ def test_learns_to_reach_what_the_cloud_shows(store: Path, tmp_path: Path, monke
     lines = [json.loads(line) for line in (tmp_path / "policy" / "metrics.jsonl").read_text().splitlines()]
     assert [line["step"] for line in lines] == [200, 400, 600, 800]
     assert lines[-1]["validation_loss"] < lines[0]["validation_loss"]
+    said = capsys.readouterr().err
+    assert "training: validation loss" in said and "did not learn" not in said
 
 
 def test_interrupted_equals_uninterrupted(store: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -305,3 +308,36 @@ def test_batches_are_put_together_where_the_frames_are(store: Path) -> None:
     clouds, proprio = augment(batch.clouds, batch.proprio, varied(jitter_probability=1), random)
     assert clouds.device.type == proprio.device.type == batch.actions.device.type == batch.weights.device.type == "meta"
     assert clouds.shape == (len(frames), 5, 20, 4)
+
+
+def test_a_training_that_learned_nothing_is_told(
+    store: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run = options(learning_rate=1e-9)
+    train(episodes=(store,), per_store=60, options=run, out=tmp_path / "policy", seed=2)
+    config = read_config(tmp_path / "policy")
+    lines = [json.loads(line) for line in (tmp_path / "policy" / "metrics.jsonl").read_text().splitlines()]
+    best = next(line for line in lines if line["step"] == config.best_step)
+    assert (config.best_loss, config.best_error) == (best["validation_loss"], best["validation_error"])
+    assert config.best_error and config.constant_error and config.best_error > config.constant_error > 0.3
+    assert "training: seed 2 did not learn: validation loss" in capsys.readouterr().err
+
+
+def test_the_constant_action_is_the_mean_of_training_held_against_validation(store: Path) -> None:
+    data = read_demonstrations([store], 3)
+    actions = torch.zeros_like(data.actions)
+    first, second, _ = torch.arange(len(actions)).split(data.lengths)
+    actions[first], actions[second] = 1.0, 0.5
+    data = replace(data, actions=actions)
+    assert constant_error(data, [0, 1], [2]) == pytest.approx(0.75)
+    assert constant_error(data, [0, 2], [1, 2]) == pytest.approx(np.sqrt((0 + 0.25) / 2), abs=1e-5)
+    assert constant_error(data, [0, 1, 2], []) is None
+
+
+def test_without_validation_episodes_nothing_is_said(
+    store: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    train(episodes=(store,), per_store=1, options=options(), out=tmp_path / "policy")
+    config = read_config(tmp_path / "policy")
+    assert (config.best_loss, config.best_error, config.constant_error, config.learned) == (None, None, None, True)
+    assert "validation loss" not in capsys.readouterr().err

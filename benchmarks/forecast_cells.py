@@ -1,0 +1,59 @@
+"""What the forecast expects of every policy of a study, before any of them is rolled out, in seconds:
+
+    python -m benchmarks.forecast_cells --configs config.yaml config/study/second.yaml --out forecast.csv
+
+Written is a row per policy: the mean distance of its unseen assets to the nearest that its training shows, and the mean
+of the success to be expected of them (`stages.experiment.coverage`). Printed are the means by task and training set.
+"""
+
+import argparse
+from collections.abc import Iterator
+from pathlib import Path
+
+import pandas as pd
+
+from benchmarks.tables import table
+from stages.config.model import Config
+from stages.contracts import TaskAssets, read_json
+from stages.experiment.coverage import forecast_mean, nearest
+from stages.tables.forecasts import FORECAST
+from stages.tables.study import read_config
+from stages.tables.writing import write_csv
+
+
+def expected(config: Config) -> pd.DataFrame:
+    """A policy a row, `FORECAST` and `distance`; the rows of the experiment have committed files of assets."""
+    return pd.DataFrame(_rows(config), columns=[*FORECAST, "distance"])
+
+
+def _rows(config: Config) -> Iterator[tuple[object, ...]]:
+    experiment, tests = config.experiment, config.evaluation
+    for row, target in experiment.tasks.items():
+        file = Path(target.assets or "")
+        chosen, plan = read_json(TaskAssets, file), experiment.plan(row)
+        unseen = chosen.split(tests.split, tests.assets)
+        for name in plan.training_sets:
+            for seed in plan.seeds:
+                shown = [asset for role in experiment.roles(name, seed) for asset in chosen.assets_of(role, file)]
+                told = forecast_mean(plan.task, unseen, shown)
+                yield plan.task, row, name, seed, told, float(nearest(unseen, shown).mean())
+
+
+def main() -> None:
+    """Write the file and print the means."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--configs", type=Path, nargs="+", required=True)
+    parser.add_argument("--out", type=Path, required=True)
+    given = parser.parse_args()
+    cells = expected(read_config(tuple(given.configs)))
+    write_csv(given.out, cells)
+    means = cells.groupby(["task", "training_set"], sort=False)[["forecast", "distance"]].mean()
+    rows = (
+        [*key, f"{100 * told:.0f} %", f"{gap:.2f}"]
+        for key, (told, gap) in zip(means.index, means.to_numpy(), strict=True)
+    )
+    table(["task", "training set", "forecast", "distance"], rows)
+
+
+if __name__ == "__main__":
+    main()

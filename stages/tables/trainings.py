@@ -1,0 +1,140 @@
+"""Verb `trainings`: how every training ended, and which failed: told before any rollout."""
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from stages.contracts.policy_folder import read_config
+from stages.tables.markup import Table
+from stages.tables.order import set_key, task_key, title
+from stages.tables.rows import read_table, records
+from stages.tables.text import NOTHING, cell, count, number
+from stages.tables.writing import write
+
+ALIKE = ["task", "run"]  # trainings whose losses can be compared: one row's assets, one method
+COLUMNS = [
+    *("task", "run", "training_set", "seed", "best_step", "validation_loss", "validation_error", "constant_error"),
+    *("others", "others_loss", "outcome"),
+]
+LEARNED, BEHIND, STUCK = "learned", "stayed behind", "did not learn"
+FEWEST = 3  # seeds that tell by themselves how seeds differ
+FAR = 3.0  # robust standard deviations of the others
+PART = 0.1  # of the others' loss
+
+
+def collect(configs: Sequence[Path]) -> pd.DataFrame:
+    """A row per policy with `COLUMNS`; `configs`: .../<task>/<training set>/<run>/seed_<n>/config.json.
+
+    others, others_loss: how many other seeds of its training set learned (or, without any, other trainings of its
+    row), and their median loss. Without validation episodes losses and outcome are missing.
+    """
+    rows: list[dict[str, Any]] = []
+    for path in configs:
+        policy, (task, name, run) = read_config(path.parent), path.parts[-5:-2]
+        learned = None if policy.best_loss is None else LEARNED if policy.learned else STUCK
+        about = {"task": task, "run": run, "training_set": name, "seed": policy.seed, "best_step": policy.best_step}
+        losses = {"validation_loss": policy.best_loss, "validation_error": policy.best_error}
+        rows.append(about | losses | {"constant_error": policy.constant_error, "outcome": learned})
+    rows.sort(key=lambda row: (task_key(row["task"]), row["run"], set_key(row["training_set"]), row["seed"]))
+    table = pd.DataFrame(rows, columns=COLUMNS).astype({"validation_loss": float, "others": "Int64"})
+    for index, row in table.dropna(subset="validation_loss").iterrows():
+        known = table.drop(index).dropna(subset="validation_loss")
+        alike = known[(known[ALIKE] == row[ALIKE]).all(axis=1) & (known["outcome"] != STUCK)]  # those are no measure
+        of_set = alike.loc[alike["training_set"] == row["training_set"], "validation_loss"]
+        of_row = alike["validation_loss"]
+        others = of_set if len(of_set) else of_row
+        table.loc[index, ["others", "others_loss"]] = len(others), others.median()
+        if row["outcome"] == LEARNED and is_behind(row["validation_loss"], of_set, of_row):
+            table.loc[index, "outcome"] = BEHIND
+    return table
+
+
+def is_behind(loss: float, of_set: pd.Series, of_row: pd.Series) -> bool:
+    """Whether a loss lies far above those of the other seeds, and, if these are few, of the whole row, too.
+
+    A lone seed is not held against other sets: their demonstrations may be easier.
+    """
+    if not len(of_set) or len(of_row) < FEWEST:
+        return False
+    return is_far(loss, of_set) and (len(of_set) >= FEWEST or is_far(loss, of_row))
+
+
+def is_far(loss: float, others: pd.Series) -> bool:
+    """Whether a loss lies far above those of the others, by how they differ and by what they reached."""
+    median = others.median()
+    spread = 1.4826 * (others - median).abs().median()
+    return bool(loss - median > max(FAR * spread, PART * abs(median)))
+
+
+def read_trainings(path: Path | None) -> pd.DataFrame:
+    """The frame that `collect` gave, from its file; without one no rows."""
+    if path is None:
+        return collect([])
+    return read_table(path, COLUMNS, ["task", "run", "training_set", "outcome"]).convert_dtypes(convert_floating=False)
+
+
+def failed(table: pd.DataFrame) -> list[str]:
+    """A phrase for every training that did not learn or stayed behind; `table` as `collect` gives."""
+    return [
+        f"{title(row['task'])}, {title(row['training_set'])}, {row['run']}: {_phrase(row)}"
+        for row in records(table[table["outcome"].isin([BEHIND, STUCK])])
+    ]
+
+
+def _phrase(row: dict[str, Any]) -> str:
+    text = f"seed {row['seed']} {row['outcome']}: validation loss {number(row['validation_loss'], 1)}"
+    return f"{text}, others {number(row['others_loss'], 1)}" if row["others"] else text
+
+
+def failed_note(table: pd.DataFrame) -> list[str]:
+    """The note about failed trainings below a table of rollouts; none without any."""
+    phrases = failed(table)
+    return [f"Of the trainings these failed, and count like all others: {'; '.join(phrases)}."] if phrases else []
+
+
+def _cells(group: pd.DataFrame) -> list[str]:
+    """What a training set's trainings reached, over its seeds, and which of them failed."""
+    losses, phrases = group["validation_loss"].dropna(), [_phrase(row) for row in records(group)]
+    if losses.empty:
+        return [cell(NOTHING, count(len(group), "training")), NOTHING, NOTHING, ""]
+    ends = f"{number(losses.min(), 2)} to {number(losses.max(), 2)}, {count(len(losses), 'training')}"
+    bad = [phrase for phrase, outcome in zip(phrases, group["outcome"], strict=True) if outcome in (BEHIND, STUCK)]
+    errors = (number(group[name].median(), 2) for name in ("validation_error", "constant_error"))
+    return [cell(number(losses.median(), 2), ends), *errors, "\n".join(bad)]
+
+
+def trainings_table(table: pd.DataFrame) -> Table:
+    """A row per training set and hyper-parameter set; `table` as `collect` gives."""
+    groups = table.groupby([*ALIKE, "training_set"], sort=False)
+    return Table(
+        name="trainings",
+        caption="Trainings: what they reached on validation episodes, and which failed.",
+        columns=["Task", "Hyper-parameters", "Training set", "Validation loss", "Error", "Constant action", "Failed"],
+        rows=[[title(str(task)), str(run), title(str(name)), *_cells(group)] for (task, run, name), group in groups],
+        headers=3,
+        notes=[
+            "Medians over seeds, of the weights that are rolled out. Error: root mean square of what actions are off "
+            "by, on demonstrations that training did not see; constant action: the same if the mean action of the "
+            "training episodes is taken whatever is seen. A training did not learn if its error is no smaller. It "
+            f"stayed behind if its loss lies above the median of the other seeds that learned by more than "
+            f"{100 * PART:g} % and {FAR:g} robust standard deviations; with fewer than {FEWEST} such seeds, also above "
+            "that of all trainings of its row and hyper-parameters. Failed trainings count in all other tables."
+        ],
+    )
+
+
+def run(*, out: Path, policies: tuple[Path, ...]) -> None:
+    """Write trainings (.csv, .html, .tex), and name those that failed.
+
+    Args:
+        out: folder to write into.
+        policies: config.json of the policies, in the fixed layout of results/training.
+    """
+    table = collect(policies)
+    write(out, "trainings", table, [trainings_table(table)])
+    print(f"tables: {count(len(table), 'training')}, {len(failed(table)) or 'none'} failed", file=sys.stderr)
+    for phrase in failed(table):
+        print(f"tables: {phrase}", file=sys.stderr)
