@@ -34,6 +34,11 @@ class NetworkConfig(Section):
         gt=0,
         description="added to every standard deviation (official: 1e-4); docs/results/policies.md says why so large",
     )
+    start_at_actions: bool = Field(
+        True,
+        description="training starts at the mean and the deviation of the demonstrated actions (official: at random); "
+        "without it some trainings get stuck (docs/results/policies.md)",
+    )
 
 
 class TrainingRun(Section):
@@ -50,6 +55,9 @@ class TrainingRun(Section):
     schedule: Literal["linear", "cosine", "constant"] = Field(
         "cosine",
         description="cosine: to zero at the last step; linear: to a tenth over 10000 steps, then flat (official)",
+    )
+    warmup: int = Field(
+        100, ge=0, description="first updates, over which the learning rate rises to its schedule; official code: 0"
     )
     weight_decay: float = Field(1e-4, ge=0, description="of AdamW; official code: 0")
     # Largest norm of the gradient; official code: none

@@ -41,8 +41,8 @@ class TrainablePolicy(nn.Module, ABC):
         super().__init__()
         self.run = run
 
-    def fit(self, clouds: Tensor, proprio: Tensor, frames: Tensor) -> None:
-        """Fit the normaliser before training; `frames` are the rows of clouds and proprioception to be trained on."""
+    def fit(self, clouds: Tensor, proprio: Tensor, actions: Tensor, frames: Tensor) -> None:
+        """Fit normaliser and start before training; `frames` are the rows of the three that are to be trained on."""
 
     @abstractmethod
     def loss(self, clouds: Tensor, proprio: Tensor, actions: Tensor, weights: Tensor) -> tuple[Tensor, Tensor]:

@@ -71,7 +71,7 @@ class SeeingPolicy(TrainablePolicy):
         encoded, hand, seen = encoded.split([encoded.shape[-1] - 7, 3, 4], dim=-1)
         return torch.cat([encoded, to_handle(seen, hand)], dim=-1)
 
-    def fit(self, clouds: Tensor, proprio: Tensor, frames: Tensor) -> None:
+    def fit(self, clouds: Tensor, proprio: Tensor, actions: Tensor, frames: Tensor) -> None:
         """Mean and spread of proprioception, and of the clouds where `standardise` asks for it."""
         used = proprio[frames]
         self.proprio_mean.copy_(used.mean(0))

@@ -34,11 +34,12 @@ class Setting:
 
 def learning_rate(step: int, run: TrainingRun) -> float:
     """Learning rate of update `step` (from 0)."""
+    peak = run.learning_rate * min(1.0, (step + 1) / max(1, run.warmup))
     if run.schedule == "cosine":
-        return run.learning_rate * 0.5 * (1 + math.cos(math.pi * step / run.steps))
+        return peak * 0.5 * (1 + math.cos(math.pi * step / run.steps))
     if run.schedule == "linear":
-        return run.learning_rate * (1 - (1 - LINEAR_FLOOR) * min(1.0, step / LINEAR_STEPS))
-    return run.learning_rate
+        return peak * (1 - (1 - LINEAR_FLOOR) * min(1.0, step / LINEAR_STEPS))
+    return peak
 
 
 def generator(*key: int) -> torch.Generator:

@@ -67,7 +67,7 @@ def run(
     setting = Setting(hyper, data.on(device), seed, work=out.parent / f"{out.name}.work")
     training, validation = split_episodes(data, hyper.validation_fraction, seed)
     policy = make_policy(hyper)
-    policy.fit(data.clouds, data.proprio, frames_of(data, training))
+    policy.fit(data.clouds, data.proprio, data.actions, frames_of(data, training))
     policy.to(device)
     optimiser = torch.optim.AdamW(policy.parameters(), weight_decay=hyper.weight_decay, fused=True)
     state = TrainingState(optimiser, fingerprint(data, hyper, seed))

@@ -109,6 +109,21 @@ def test_mixture_density_and_choices() -> None:
     assert torch.allclose(mixture.sample(torch.tensor([0.019]), power=2.0), torch.full((1, 7), -0.4))
 
 
+@pytest.mark.parametrize("asked", [True, False])
+def test_training_starts_at_the_mean_and_deviation_of_the_actions(asked: bool) -> None:
+    torch.manual_seed(0)
+    network = NetworkConfig(points=64, start_at_actions=asked)
+    policy = Policy(TrainingRun(network=network))
+    actions = torch.tensor([0.1, -0.2, 0.3, 0, 0, 0, 1.0]) + 0.3 * torch.randn(200, 7) * torch.tensor([1.0] * 6 + [0])
+    seen, felt = clouds(200, 64), torch.randn(200, 9)
+    policy.fit(seen, felt, torch.cat([actions, actions.new_full((1, 7), 50)]), torch.arange(200))  # the last is not used
+    start = policy(seen[None, :10], felt[None, :10])
+    means, stds = start.means.mean((0, 1, 2)), start.stds.mean((0, 1, 2))
+    near = (means - actions.mean(0).clamp(-0.9, 0.9)).abs().max() < 0.1 and (stds[:6] - 0.3).abs().max() < 0.05
+    assert bool(near) == asked
+    assert not asked or stds[6] < network.gmm_min_std + 0.02
+
+
 def test_paper_sizes() -> None:
     """B.3: 2-layer 512 PointNet, 128-d flag embedding, LSTM 512; 3.01 M parameters with MLP 512, 512 and 5 modes."""
     sizes = {"pointnet_width": 512, "pointnet_layers": 2, "rnn_hidden": 512, "mlp": [512, 512], "gmm_modes": 5}

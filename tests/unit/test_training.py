@@ -211,9 +211,9 @@ def test_jitter_is_clipped() -> None:
 
 
 def test_learning_rates() -> None:
-    cosine = TrainingRun(steps=100, learning_rate=1.0, schedule="cosine")
+    cosine = TrainingRun(steps=100, learning_rate=1.0, schedule="cosine", warmup=0)
     assert [loop.learning_rate(step, cosine) for step in (0, 50, 100)] == pytest.approx([1, 0.5, 0])
-    linear = TrainingRun(steps=50_000, learning_rate=1.0, schedule="linear")
+    linear = TrainingRun(steps=50_000, learning_rate=1.0, schedule="linear", warmup=0)
     assert [loop.learning_rate(step, linear) for step in (0, 10_000, 40_000)] == pytest.approx([1, 0.1, 0.1])
 
 
@@ -271,12 +271,17 @@ def test_a_policy_is_fitted_to_its_training_episodes(
     assert torch.allclose(mean, own, atol=1e-5) and not torch.allclose(mean, whole, atol=1e-5)
 
 
+def test_the_learning_rate_rises_to_its_schedule() -> None:
+    run = TrainingRun(steps=100, learning_rate=1.0, schedule="constant", warmup=4)
+    assert [loop.learning_rate(step, run) for step in range(6)] == pytest.approx([0.25, 0.5, 0.75, 1, 1, 1])
+
+
 def test_gradients_are_clipped(store: Path, tmp_path: Path) -> None:
     """Adam's step has the size of the learning rate, unless the whole gradient is far below its epsilon of 1e-8."""
     data = read_demonstrations([store], 4)
 
     def largest_change(clip: float) -> float:
-        run = TrainingRun.model_validate_json(options(steps=1, weight_decay=0.0))
+        run = TrainingRun.model_validate_json(options(steps=1, weight_decay=0.0, warmup=0))
         run = run.model_copy(update={"gradient_clip": clip})
         torch.manual_seed(0)
         policy = make_policy(run)
@@ -292,7 +297,7 @@ def test_gradients_are_clipped(store: Path, tmp_path: Path) -> None:
 def test_the_normaliser_knows_training_episodes_alone(store: Path) -> None:
     data = read_demonstrations([store], 4)
     policy = make_policy(TrainingRun.model_validate(json.loads(options())))
-    policy.fit(data.clouds, data.proprio, frames_of(data, [0, 2]))
+    policy.fit(data.clouds, data.proprio, data.actions, frames_of(data, [0, 2]))
     frames = torch.arange(len(data.proprio)).split(data.lengths)
     used = data.proprio[torch.cat([frames[0], frames[2]])]
     torch.testing.assert_close(policy.proprio_mean, used.mean(0))

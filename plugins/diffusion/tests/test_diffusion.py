@@ -95,7 +95,7 @@ def policy_of(store: Path, **options: object) -> Policy:
     torch.manual_seed(0)
     policy = Policy(TrainingRun.model_validate(SMALL | options))
     data = read_demonstrations((store,), 8)
-    policy.fit(data.clouds, data.proprio, torch.arange(len(data.clouds)))
+    policy.fit(data.clouds, data.proprio, data.actions, torch.arange(len(data.clouds)))
     return policy.eval()
 
 

@@ -2,6 +2,7 @@
 
 from itertools import pairwise
 
+import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
@@ -13,6 +14,7 @@ from stages.policies.bc_rnn_gmm.mixture import Mixture
 from stages.policies.seeing import SeeingPolicy
 
 State = tuple[Tensor, Tensor]
+MOST, LEAST = 0.9, 0.01  # bounds of the mean (before tanh) and of the deviation at which a mode starts
 
 
 class BcRnnGmm(SeeingPolicy):
@@ -25,6 +27,26 @@ class BcRnnGmm(SeeingPolicy):
         sizes = [network.rnn_hidden, *network.mlp]
         self.mlp = nn.Sequential(*(nn.Sequential(nn.Linear(a, b), nn.ReLU()) for a, b in pairwise(sizes)))
         self.head = nn.Linear(sizes[-1], network.gmm_modes * (1 + 2 * ACTION))
+
+    def fit(self, clouds: Tensor, proprio: Tensor, actions: Tensor, frames: Tensor) -> None:
+        """Fit the normaliser; with `start_at_actions` every mode starts near the mean and deviation of the actions."""
+        super().fit(clouds, proprio, actions, frames)
+        if self.network.start_at_actions:
+            self.start_at(actions[frames])
+
+    @torch.no_grad()
+    def start_at(self, actions: Tensor) -> None:
+        """Let every mode be about the mean and deviation of `actions` (F, 7), whatever is seen.
+
+        From a start at random all weights first move together to make the deviations smaller. In fifty updates that
+        saturates a third of the LSTM and silences half of the MLP, and some trainings never recover.
+        """
+        modes = self.network.gmm_modes
+        means = actions.mean(0).clamp(-MOST, MOST).atanh()
+        stds = (actions.std(0) - self.network.gmm_min_std).clamp_min(LEAST)
+        _, mean_bias, std_bias = self.head.bias.split([modes, modes * ACTION, modes * ACTION])
+        mean_bias.add_(means.repeat(modes))
+        std_bias.copy_(stds.expm1().log().repeat(modes))  # softplus of it is the deviation
 
     def decode(self, encoded: Tensor, state: State | None = None) -> tuple[Mixture, State]:
         """Mixtures (B, T, ...) of encoded observations (B, T, F), and the LSTM's state behind the last one."""
