@@ -2,6 +2,7 @@
 # The cells of config/study/registered.yaml in the order of docs/results/design.md; what is there is not made again.
 cd "$(dirname "$0")/../.." || exit
 CELLS=results/evaluation
+CONFIGS=(config.yaml config/study/registered.yaml)
 
 # run FOLDER ENDING SETS RUN SEEDS: the rollouts of the six rows with that ending; lists are separated by blanks.
 run() {
@@ -13,7 +14,7 @@ run() {
 }
 
 workflow() {
-    snakemake --cores "${CORES:-2}" --keep-going --configfile config.yaml config/study/registered.yaml -- "$@"
+    snakemake --cores "${CORES:-2}" --keep-going --configfile "${CONFIGS[@]}" -- "$@"
 }
 
 SEEDS="0 1 2 3 4"
@@ -28,5 +29,9 @@ for condition in own_size as_on_a_robot; do run conditions/$condition "" "$PRIMA
 run policies _object "$PRIMARY twin" lite "0 1 2"
 run policies _blind "cousins_8 twin" lite_blind "0 1 2"
 run policies _diffusion "$PRIMARY twin" diffusion "0 1 2"
+for set in random_8 all cousins_4 cousins_2; do run policies "" "$set" lite "$SEEDS"; done
 workflow table3
-python -m stages.tables results --configs config.yaml config/study/registered.yaml --out docs/results/registered
+python -m stages.tables results --configs "${CONFIGS[@]}" --out docs/results/registered
+CONFIGS+=(config/study/registered_addendum.yaml)
+for seed in $SEEDS; do run policies _warm "twin_randomised cousins_8 cousins_8_randomised twin" lite_warm "$seed"; done
+python -m stages.tables results --configs "${CONFIGS[@]}" --out docs/results/registered_addendum
