@@ -25,6 +25,7 @@ from stages.config.reads import options_of, stores
 from stages.config.sizes import sized
 from stages.contracts.corrections import CORRECTIONS, corrections_of
 from stages.contracts.errors import InputError
+from stages.contracts.training_sets import ROLE_NAME, SET_NAME
 from stages.plugins import qualified
 from stages.config.room_files import series
 from stages.guard import hold_folder, makes_files
@@ -98,8 +99,8 @@ wildcard_constraints:
     task="|".join(TASKS) or "-",
     condition="|".join(CONFIG.evaluation.conditions) or "-",
     object=r"[^/]+",
-    role=r"twin|twin_randomised|cousin_\d+|random_\d+|all",
-    training_set=r"twin|twin_randomised|cousins_\d+|random_\d+|all",
+    role=ROLE_NAME,
+    training_set=SET_NAME,
     run=r"[A-Za-z0-9_-]+",
     seed=r"\d+",
     shard=r"\d+|own_\w+",

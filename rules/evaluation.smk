@@ -43,7 +43,7 @@ rule rollout:
         seed=CONFIG.seed,
         device=CONFIG.device,
         folder=subpath(input.policy, parent=True),
-        roles=lambda wildcards: EXPERIMENT.roles(wildcards.training_set),
+        roles=lambda wildcards: EXPERIMENT.roles(wildcards.training_set, int(wildcards.seed)),
         source=lambda wildcards: EXPERIMENT.source(wildcards.task),
     shell:
         "({params.command} --policy {params.folder:q} --assets {input.assets:q} --library {input.library:q} "

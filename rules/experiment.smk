@@ -37,12 +37,13 @@ rule select:
         held_out=EXPERIMENT.held_out,
         truth=truth_flags,
         test_assets=max(40, CONFIG.evaluation.assets),
+        draws=EXPERIMENT.draws,
         seed=CONFIG.seed,
     shell:
         "({params.command} --cousins {input.cousins:q} --scene-file {input.scene:q} --object {params.object:q} "
         "--task {params.task} --library {input.library:q} --distances {input.distances:q} "
         "--count {params.cousins} --held-out {params.held_out} {params.truth} "
-        "--test-assets {params.test_assets} --seed {params.seed} --out {output.assets:q} && "
+        "--test-assets {params.test_assets} --draws {params.draws} --seed {params.seed} --out {output.assets:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
 
 

@@ -10,7 +10,7 @@ rule train:
         episodes=lambda wildcards: files(
             rules.demonstrate.output.episodes,
             task=EXPERIMENT.source(wildcards.task),
-            role=EXPERIMENT.roles(wildcards.training_set),
+            role=EXPERIMENT.roles(wildcards.training_set, int(wildcards.seed)),
         ),
     output:
         policy="results/training/{task}/{training_set}/{run}/seed_{seed}/policy.safetensors",

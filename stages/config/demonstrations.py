@@ -24,9 +24,9 @@ class MotionOptions(Section):
 
 
 class RandomiseOptions(Section):
-    """What is drawn anew per attempt for the training set twin_randomised (its physics after OpenAI et al. 2018)."""
+    """What training sets that end in _randomised draw anew per attempt (the physics after OpenAI et al. 2018)."""
 
-    extents: Range = Field((0.6, 1.5), description="factor per axis on the twin's size, in place of task.scale_range")
+    extents: Range = Field((0.6, 1.5), description="factor per axis on the asset's size, in place of task.scale_range")
     friction: Range = Field(
         (0.7, 1.3), description="factor on the friction of its surfaces, so of handle and fingers (OpenAI: 0.7 to 1.3)"
     )
@@ -59,8 +59,8 @@ class DemonstrationsConfig(MotionOptions):
     )
     randomise: RandomiseOptions = Field(
         RandomiseOptions(),
-        description="Ranges of the training set twin_randomised, log-uniform but for the extents; after OpenAI et al., "
-        "Learning Dexterous In-Hand Manipulation, Table 1.",
+        description="Ranges of training sets that end in _randomised, log-uniform but for the extents; after OpenAI et "
+        "al., Learning Dexterous In-Hand Manipulation, Table 1.",
     )
     max_attempts_factor: float = Field(3.0, ge=1, description="attempts allowed per wanted episode")
     # Successes that are filmed

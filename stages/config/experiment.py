@@ -1,15 +1,16 @@
 """Config section `experiment`: which cells of the paper's tables this run computes."""
 
 import fnmatch
-from itertools import chain
+from itertools import chain, product
 from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import Field
 
 from stages.config.inputs import Input
 from stages.contracts.section import Rank, Section, Seed
+from stages.contracts.training_sets import DRAWN, RANDOMISED, RULES, SET_NAME, drawn_role, read_set
 
-TrainingSet = Annotated[str, Field(pattern=r"^(twin|twin_randomised|all|(cousins|random)_[1-9]\d*)$")]
+TrainingSet = Annotated[str, Field(pattern=f"^{SET_NAME}$")]
 
 
 class TaskTarget(Section):
@@ -136,9 +137,17 @@ class ExperimentConfig(Section):
     )
     training_sets: list[TrainingSet] = Field(
         ["twin", "cousins_4"],
-        description="Training sets to compare; []: no policies. cousins_n: the n nearest cousins not held out; "
-        "twin_randomised: the twin stretched, its friction and mass drawn anew; random_n: n assets that open alike, "
-        "drawn by chance; all: every asset of the object's three nearest categories that may be trained on.",
+        description="Training sets to compare; []: no policies. twin: the object's own model; cousins_n: the n nearest "
+        "cousins not held out; random_n: n assets that open alike, drawn by chance; cover_n: n drawn by chance that "
+        "are spread over widths of fronts and heights of handles; all: every asset of the object's three nearest "
+        "categories that may be trained on. Each may end in _randomised (twin_randomised): stretched, friction and "
+        "mass drawn anew in every attempt.",
+    )
+    draws: int = Field(
+        5,
+        ge=1,
+        description="How often random_n and cover_n are drawn: the policies of seed s learn from draw s modulo this; "
+        "1: all of them from the same assets.",
     )
     held_out: list[Rank] = Field([2, 6], description="Cousins kept out of every training set (paper: 2nd and 6th).")
     cousins: int = Field(10, ge=1, description="How many cousins the policy experiment knows.")
@@ -228,30 +237,28 @@ class ExperimentConfig(Section):
         """Whether a task has more hyper-parameter sets than are trained with all seeds."""
         return len(self.plan(name).runs) > self.best_runs
 
-    def roles(self, training_set: str) -> list[str]:
-        """Roles whose demonstrations make up a training set, in order of rank; one store each.
+    def roles(self, training_set: str, seed: int) -> list[str]:
+        """Roles whose demonstrations the policies of a training set and seed learn from, in order; one store each.
 
-        They are twin, twin_randomised, cousin_i, random_i, all.
+        They are twin, cousin_i, random_i, cover_i, all; of a set that is randomised they end as it does.
         """
-        if training_set in ("twin", "twin_randomised", "all"):
-            return [training_set]
-        if training_set.startswith("random_"):
-            return [f"random_{number}" for number in range(1, int(training_set.removeprefix("random_")) + 1)]
-        return [f"cousin_{rank}" for rank in self.training_ranks[: self.size_of(training_set)]]
+        rule, count, randomised = read_set(training_set)
+        if rule in DRAWN:
+            roles = [drawn_role(rule, seed % self.draws, place) for place in range(count)]
+        elif rule in RULES:
+            roles = [f"{RULES[rule]}_{rank}" for rank in self.training_ranks[:count]]
+        else:
+            roles = [rule]
+        return [role + RANDOMISED * randomised for role in roles]
 
     @property
     def training_ranks(self) -> list[int]:
         """Cousins that training may use."""
         return [rank for rank in range(1, self.cousins + 1) if rank not in self.held_out]
 
-    @staticmethod
-    def size_of(training_set: str) -> int:
-        """Cousins that a training set asks for."""
-        return int(training_set.removeprefix("cousins_")) if training_set.startswith("cousins_") else 0
-
     def share(self, task: str, training_set: str) -> int:
         """Demonstrations that each store gives to a training set."""
-        return self.plan(task).episodes // len(self.roles(training_set))
+        return self.plan(task).episodes // read_set(training_set).count
 
     def sets_of(self, task: str) -> list[str]:
         """The training sets of all rows that use a row's demonstrations."""
@@ -259,8 +266,17 @@ class ExperimentConfig(Section):
 
     def trained_roles(self, task: str) -> list[str]:
         """Roles on which a task's demonstrations are collected; none where they are another row's."""
-        return sorted({role for name in self.sets_of(task) for role in self.roles(name)})
+        return sorted(self._shares(task))
 
     def episodes_of(self, task: str, role: str) -> int:
         """Demonstrations to collect for a role: the largest share that any training set of any row asks of it."""
-        return max((self.share(task, name) for name in self.sets_of(task) if role in self.roles(name)), default=0)
+        return self._shares(task).get(role, 0)
+
+    def _shares(self, task: str) -> dict[str, int]:
+        """The largest share that any training set and seed of any row asks of each role."""
+        found: dict[str, int] = {}
+        for plan in map(self.plan, self.sharing(task)):
+            for name, seed in product(plan.training_sets, plan.seeds):
+                share = self.share(task, name)
+                found |= {role: max(share, found.get(role, 0)) for role in self.roles(name, seed)}
+        return found

@@ -8,6 +8,7 @@ from stages.config.mistakes import Mistake
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json
 from stages.contracts.policies import TaskAssets
+from stages.contracts.training_sets import DRAWN, read_set
 
 if TYPE_CHECKING:
     from stages.config.model import Config
@@ -39,3 +40,12 @@ def pinned_assets(config: "Config") -> Iterator[Mistake]:
         if sorted(plan.held_out) != sorted(experiment.held_out):
             what = f"{experiment.held_out}, but {file} holds out {plan.held_out}"
             yield Mistake("experiment.held_out", what, "set it so, or choose the assets anew")
+        drawn = [name for name in experiment.sets_of(name) if read_set(name).rule in DRAWN]
+        if drawn and plan.draws < experiment.draws:
+            what = f"{experiment.draws}, but {file} has {plan.draws} for {', '.join(drawn)}"
+            yield Mistake("experiment.draws", what, "lower it, or choose the assets anew")
+        for training_set in drawn:
+            rule, count, _ = read_set(training_set)
+            if count > plan.length(rule):
+                what = f"{training_set} needs {count} assets, {file} has {plan.length(rule)} in a draw"
+                yield Mistake(f"{key}.training_sets", what, "leave it out, or choose the assets anew")

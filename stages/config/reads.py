@@ -16,6 +16,7 @@ from stages.config.scenes import ScenesConfig
 from stages.config.tables import MethodTables, PolicyTables, TablesConfig
 from stages.contracts.section import Section
 from stages.contracts.training_run import TrainingRun
+from stages.contracts.training_sets import is_randomised
 from stages.plugins import short
 
 READS: dict[tuple[str, str], type[Section]] = {
@@ -79,8 +80,8 @@ def options_of(config: Config, stage: str, verb: str, wildcards: dict[str, str])
         kinds = [field for field in reads.model_fields if kind_of(reads, field)]
         used = {short(name) for field in kinds for name in _names(getattr(section, field))}
         kept["own"] = {name: options for name, options in kept["own"].items() if name in used}
-    if wildcards.get("role") != "twin_randomised":
-        kept.pop("randomise", None)  # of that role's demonstrations alone
+    if not is_randomised(wildcards.get("role", "")):
+        kept.pop("randomise", None)  # of such roles' demonstrations alone
     return kept
 
 

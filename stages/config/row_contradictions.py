@@ -8,6 +8,7 @@ from stages.config import places
 from stages.config.experiment import TaskPlan, TaskTarget
 from stages.config.mistakes import Mistake
 from stages.contracts.errors import InputError
+from stages.contracts.training_sets import DRAW, DRAWN, read_set
 from stages.plugins import find
 
 if TYPE_CHECKING:
@@ -84,14 +85,16 @@ def training_sets(config: "Config") -> Iterator[Mistake]:
     }
     for key, names in asked.items():
         for name in names:
-            needed = experiment.size_of(name)
-            if needed > len(left):
+            rule, needed, _ = read_set(name)
+            if rule == "cousins" and needed > len(left):
                 what = f"{name} needs {needed} cousins, experiment.cousins = {experiment.cousins} leaves {len(left)}"
                 yield Mistake(key, what, "raise experiment.cousins or hold fewer out")
+            if rule in DRAWN and needed > DRAW:
+                yield Mistake(key, f"{name} needs {needed} assets, {DRAW} are drawn", f"{rule}_{DRAW} or fewer")
     uneven: dict[str, Mistake] = {}
     for task in experiment.tasks:
         plan, source = experiment.plan(task), experiment.source(task)
-        numbers = {name: len(experiment.roles(name)) or 1 for name in plan.training_sets}
+        numbers = {name: read_set(name).count for name in plan.training_sets}
         odd = [name for name, number in numbers.items() if plan.episodes % number]
         if odd:
             key = "experiment.episodes" if plan.target.episodes is None else f"experiment.tasks.{source}.episodes"

@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 from stages.contracts.errors import InputError
 from stages.contracts.files import Contract, Document
 from stages.contracts.library import HandleKind, HingeSide
+from stages.contracts.training_sets import DRAWN, drawn_role, plain
 from stages.contracts.types import Count, Extent, Finite, Id, NonNegative, Rank, Seed, Size, Text, check_unique
 
 
@@ -15,7 +16,8 @@ class TaskAsset(Contract):
     """One asset in the policy experiment, and what a policy and a gripper meet there."""
 
     role: Id = Field(
-        description="twin, matched, cousin_1, cousin_2, ... or dissimilar; of the lists: all, random, validation, test"
+        description="twin, matched, cousin_1, cousin_2, ... or dissimilar; of the lists: all, random, cover, "
+        "validation, test"
     )
     asset: Id
     category: Id
@@ -53,9 +55,16 @@ class TaskAssets(Document):
         description="what the training set `all` is collected on, each in the role all, nearest to the twin first: "
         "every usable asset of the object's three nearest categories whose family may be trained on",
     )
+    draws: Rank = Field(1, description="so many draws, all as long, stand end to end in each of the next two lists")
     random_assets: list[TaskAsset] = Field(
         [],
-        description="what the training sets `random_n` take the first n of: assets that may be trained on, by chance",
+        description="of each draw the training sets `random_n` take the first n: assets that may be trained on, by "
+        "chance",
+    )
+    cover_assets: list[TaskAsset] = Field(
+        [],
+        description="likewise for `cover_n`: the first n, for any n, are spread over widths of fronts and heights of "
+        "handles on them",
     )
     validation_assets: list[TaskAsset] = Field([], description="every choice is made on these")
     test_assets: list[TaskAsset] = Field([], description="seen once, at the end: no choice is made on them")
@@ -82,7 +91,8 @@ class TaskAssets(Document):
         hidden = self.hidden_roles
         sides = {
             "training": [
-                *(asset for asset in self.assets if asset.role not in hidden), *self.all_assets, *self.random_assets
+                *(asset for asset in self.assets if asset.role not in hidden), *self.all_assets, *self.random_assets,
+                *self.cover_assets,
             ],
             "the held-out and dissimilar assets": [asset for asset in self.assets if asset.role in hidden],
             "validation_assets": self.validation_assets,
@@ -95,9 +105,35 @@ class TaskAssets(Document):
                     raise ValueError(
                         f"{asset.asset}: its family '{asset.family}' is in {found[asset.family]} and in {side}"
                     )
-        for name in ("all_assets", "random_assets", "validation_assets", "test_assets"):
+        for name in ("all_assets", "validation_assets", "test_assets"):
             check_unique(name, [asset.asset for asset in getattr(self, name)])
         return self
+
+    @model_validator(mode="after")
+    def _draws(self) -> "TaskAssets":
+        for rule in DRAWN:
+            drawn, length = self.drawn(rule), self.length(rule)
+            if len(drawn) % self.draws:
+                raise ValueError(f"{rule}_assets: {len(drawn)} are not {self.draws} draws of one length")
+            for start in range(0, len(drawn), length or 1):
+                check_unique(f"{rule}_assets of one draw", [item.asset for item in drawn[start : start + length]])
+        return self
+
+    def drawn(self, rule: str) -> list[TaskAsset]:
+        """The assets of all draws of a rule, `random` or `cover`."""
+        return {"random": self.random_assets, "cover": self.cover_assets}[rule]
+
+    def length(self, rule: str) -> int:
+        """How many assets a draw of a rule has."""
+        return len(self.drawn(rule)) // self.draws
+
+    def drawn_roles(self) -> dict[str, TaskAsset]:
+        """The assets of all draws by role: random_1, ..., cover_1, ..."""
+        return {
+            drawn_role(rule, *divmod(number, self.length(rule))): asset
+            for rule in DRAWN
+            for number, asset in enumerate(self.drawn(rule))
+        }
 
     @property
     def hidden_roles(self) -> set[str]:
@@ -120,21 +156,25 @@ class TaskAssets(Document):
         )
 
     def assets_of(self, role: str, where: Path) -> list[TaskAsset]:
-        """The assets whose demonstrations make up the store of a role: one, or for `all` many.
+        """The assets whose demonstrations make up the store of a role, randomised or not: one, or for `all` many.
 
         Raises:
             InputError: there are none in the file `where`.
         """
-        if role == "twin_randomised":
-            return [self.asset_of("twin", where)]
-        if role.startswith("random_"):
-            number = int(role.removeprefix("random_"))
-            if number > len(self.random_assets):
-                what = f"has {len(self.random_assets)} assets drawn by chance, not {number}."
-                raise InputError(where, what, "use a smaller training set random_n", code="E-ROLE-MISSING")
-            return [self.random_assets[number - 1]]
-        if role != "all":
-            return [self.asset_of(role, where)]
+        name = plain(role)
+        rule = name.partition("_")[0]
+        if rule in DRAWN:
+            drawn = self.drawn_roles()
+            if name not in drawn:
+                raise InputError(
+                    where,
+                    f"has no '{name}': {self.draws} x {self.length(rule)} assets were drawn for {rule}_n.",
+                    "use a smaller training set, or run `experiment select` again",
+                    code="E-ROLE-MISSING",
+                )
+            return [drawn[name]]
+        if name != "all":
+            return [self.asset_of(name, where)]
         if not self.all_assets:
             raise InputError(
                 where,

@@ -13,6 +13,7 @@ from stages.contracts import InputError, TaskAssets, read_json, read_options, wr
 from stages.contracts.library_folder import AssetFolders
 from stages.contracts.policies import Attempt, TaskAsset
 from stages.contracts.task_options import TaskConfig
+from stages.contracts.training_sets import is_randomised
 from stages.demonstrations.attempt import Recorder
 from stages.demonstrations.film import write_demonstration_films
 from stages.demonstrations.store import RecordedEpisode, StoreHeader, write_episodes
@@ -42,8 +43,9 @@ def run(
     Args:
         assets: the experiment's assets (contract TaskAssets).
         library: library.json that they come from.
-        role: twin, cousin_1, ...; random_1, ...: of `random_assets`; twin_randomised: the twin, its extents, friction
-            and mass drawn per attempt; all: the assets of `all_assets` take turns, nearest to the twin first.
+        role: twin, cousin_1, ...; random_1, ..., cover_1, ...: of the assets that were drawn; all: the assets of
+            `all_assets` take turns, nearest to the twin first. If it ends in _randomised, extents, friction and mass
+            are drawn per attempt.
         episodes: successes to collect.
         out: episodes.h5 to write.
         options: the `demonstrations` section as JSON.
@@ -59,7 +61,7 @@ def run(
         raise InputError(library, f"has no asset {gone[0]!r}.", fix, code="E-LIBRARY-ASSET")
     chosen = [(models[entry.asset], entry) for entry in wanted]
     folder, entry = chosen[0]
-    randomise = settings.randomise if role == "twin_randomised" else None
+    randomise = settings.randomise if is_randomised(role) else None
     task = TaskEnv(plan.task, folder, entry.joint, entry.size, world, randomise=randomise)
     recorder = Recorder(task, settings, film=settings.film_episodes)
     seeds = list(attempt_seeds(seed, role, int(np.ceil(episodes * settings.max_attempts_factor))))

@@ -28,8 +28,8 @@ def run(*, assets: Path, task: str, library: Path, out: Path) -> None:
     kind: Task = load("tasks", task)
     plan = read_json(TaskAssets, assets)
     models = AssetFolders(library)
-    lists = (plan.assets, plan.all_assets, plan.random_assets, plan.validation_assets, plan.test_assets)
-    for item in {item.asset: item for each in lists for item in each}.values():
+    lists = (plan.all_assets, plan.random_assets, plan.cover_assets, plan.validation_assets, plan.test_assets)
+    for item in {item.asset: item for each in (plan.assets, *lists) for item in each}.values():
         if what := difference(item, models.asset(item.asset) if item.asset in models else None, kind):
             raise InputError(library, f"{what} in {assets}.", MEND, code="E-ASSETS-CHANGED")
     write_json(out, plan.model_copy(update={"task": task}))

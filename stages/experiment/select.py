@@ -32,6 +32,7 @@ def run(
     count: int = 10,
     held_out: tuple[int, ...] = (),
     test_assets: int = 40,
+    draws: int = 1,
     seed: int = 0,
 ) -> None:
     """Write the TaskAssets of a named object: its roles, and the assets of training, validation and test.
@@ -57,6 +58,7 @@ def run(
         count: number of cousins.
         held_out: numbers of the cousins that no policy is trained on.
         test_assets: at most so many assets in the lists of validation and of test each.
+        draws: how often assets are drawn for the training sets random_n and cover_n.
         seed: of the deal and of the assets drawn by chance.
     """
     kind: Task = load("tasks", task)
@@ -96,7 +98,7 @@ def run(
         held_out=[number for number in held_out if number <= count],
     )
     nearest = [category.category for category in item.categories[:ALL_CATEGORIES]]
-    write_json(out, with_lists(plan, usable.values(), nearest, test_assets, seed))
+    write_json(out, with_lists(plan, usable.values(), nearest, test_assets, seed, draws))
 
 
 def read_distances(path: Path, matched: Cousins, object: str) -> Distances:

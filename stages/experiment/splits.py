@@ -3,19 +3,20 @@
 import sys
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from itertools import zip_longest
 from statistics import median
 from typing import NamedTuple, TypeVar, get_args
 
 import numpy as np
 
 from stages.contracts.policies import TaskAsset, TaskAssets
+from stages.contracts.training_sets import DRAW
 
 T = TypeVar("T")
 Handle = tuple[str, float, float]  # kind, length in metres, height on the front
 Stratum = tuple[str, bool, bool]  # kind, longer and higher than most of this kind
 # To whom families go in turns. Four in seven to test: of the default library's doors that makes 20 families.
 DEALT = ("test", "validation", "test", "train", "test", "validation", "test")
-RANDOM = 16  # assets drawn by chance for the training sets `random_n`
 
 
 class Splits(NamedTuple):
@@ -27,7 +28,7 @@ class Splits(NamedTuple):
 
 
 def with_lists(
-    plan: TaskAssets, usable: Collection[TaskAsset], nearest: Collection[str], count: int, seed: int
+    plan: TaskAssets, usable: Collection[TaskAsset], nearest: Collection[str], count: int, seed: int, draws: int = 1
 ) -> TaskAssets:
     """The plan, which has its roles alone, with the lists of training, validation and test assets.
 
@@ -37,6 +38,7 @@ def with_lists(
         nearest: categories that the training set `all` is of.
         count: at most so many assets in the lists of validation and of test each.
         seed: of the deal and of the assets drawn by chance.
+        draws: how often assets are drawn for the training sets `random_n` and `cover_n`.
     """
     rng = np.random.default_rng(seed)
     hidden = {asset.family for asset in plan.assets if asset.role in plan.hidden_roles}
@@ -50,12 +52,20 @@ def with_lists(
     everything = (asset for asset in usable if asset.category in nearest and asset.family not in apart)
     for name, assets in {"train": train, "validation": splits.validation, "test": splits.test}.items():
         print(census(name, assets), file=sys.stderr)
+    pool = [asset for asset in train if asset.family not in twins]
+    # in this order, which published assets were drawn in: what is added draws from the generator last
+    first = by_chance(pool, rng)[:DRAW]
+    validation, test = balanced(splits.validation, rng)[:count], balanced(splits.test, rng)[:count]
+    others = [asset for _ in range(draws - 1) for asset in by_chance(pool, rng)[:DRAW]]
+    covering = [asset for _ in range(draws) for asset in cover(pool, DRAW, rng)]
     return plan.model_copy(
         update={
             "all_assets": _as("all", sorted(everything, key=lambda asset: (asset.distance, asset.asset))),
-            "random_assets": _as("random", by_chance((a for a in train if a.family not in twins), rng)[:RANDOM]),
-            "validation_assets": _as("validation", balanced(splits.validation, rng)[:count]),
-            "test_assets": _as("test", balanced(splits.test, rng)[:count]),
+            "draws": draws,
+            "random_assets": _as("random", [*first, *others]),
+            "cover_assets": _as("cover", covering),
+            "validation_assets": _as("validation", validation),
+            "test_assets": _as("test", test),
         }
     )
 
@@ -87,6 +97,16 @@ def balanced(assets: Iterable[TaskAsset], rng: np.random.Generator) -> list[Task
 def by_chance(assets: Iterable[TaskAsset], rng: np.random.Generator) -> list[TaskAsset]:
     """The assets in an order by chance, families different from one another first."""
     return [asset for turn in _turns(assets, rng) for asset in turn]
+
+
+def cover(pool: Iterable[TaskAsset], count: int, rng: np.random.Generator) -> list[TaskAsset]:
+    """So many assets in an order by chance whose first n, for any n, are spread over widths of fronts and heights of
+    handles on them; families different from one another first.
+
+    A family is there by one asset, by chance. Of n = 2, 4, 8, ... assets each lies in a cell of its own, which holds
+    the n-th part of the families: halves by width, of those halves by height, of those by width again.
+    """
+    return [asset for turn in _turns(pool, rng) for asset in _over_cells(turn, rng)][:count]
 
 
 def census(name: str, assets: Sequence[TaskAsset]) -> str:
@@ -137,6 +157,22 @@ def _strata(handles: Mapping[str, Handle]) -> dict[str, Stratum]:
     return {
         name: (kind, length > lengths[kind], height > heights[kind]) for name, (kind, length, height) in handles.items()
     }
+
+
+def _over_cells(assets: list[TaskAsset], rng: np.random.Generator, axis: int = 0) -> list[TaskAsset]:
+    """The assets in an order that takes turns between the lower and the upper half of them along an axis of `_place`,
+    within each between its halves along the other axis, and so on; which half begins is by chance."""
+    if len(assets) < 2:
+        return assets
+    ordered = sorted(assets, key=lambda asset: _place(asset)[axis])
+    middle = (len(ordered) + int(rng.integers(2))) // 2  # of an odd number either half may be the larger
+    lower, upper = (_over_cells(half, rng, 1 - axis) for half in (ordered[:middle], ordered[middle:]))
+    turns = zip_longest(*((lower, upper) if rng.integers(2) else (upper, lower)))
+    return [asset for turn in turns for asset in turn if asset]
+
+
+def _place(asset: TaskAsset) -> tuple[float, float]:
+    return asset.panel_size[0], asset.handle_height
 
 
 def _spread(assets: list[TaskAsset], strata: Mapping[str, Stratum], level: int = 0) -> list[TaskAsset]:

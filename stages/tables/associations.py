@@ -46,16 +46,20 @@ class Shown(NamedTuple):
         return float(((own >= least) & (own <= most)).mean())
 
 
-def traits(tested: Sequence[TaskAsset], sets: Mapping[str, Shown]) -> pd.DataFrame:
-    """A row per training set and unseen asset with what no row of `Rollout` tells: `handle_height`, `coverage`."""
+def traits(tested: Sequence[TaskAsset], sets: Mapping[tuple[str, int], Shown]) -> pd.DataFrame:
+    """A row per training set, seed and unseen asset with what no row of `Rollout` tells: `handle_height`, `coverage`.
+
+    Args:
+        sets: by name and seed, as sets that are drawn by chance are others for every seed.
+    """
     return pd.DataFrame(
         [
-            {"training_set": name, "asset": asset.asset, "handle_height": asset.handle_height}
+            {"training_set": name, "seed": seed, "asset": asset.asset, "handle_height": asset.handle_height}
             | {"coverage": shown.coverage(asset)}
-            for name, shown in sets.items()
+            for (name, seed), shown in sets.items()
             for asset in tested
         ],
-        columns=["training_set", "asset", "handle_height", "coverage"],
+        columns=["training_set", "seed", "asset", "handle_height", "coverage"],
     )
 
 
@@ -71,7 +75,9 @@ def build(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
     policies = policies[policies["training_set"] != SKILL]
     rows = []
     for (task, name), part in policies.groupby(["task", "training_set"]):
-        each = part.groupby(["family", "asset"]).agg(success=("success", "mean"), **{t: (t, "first") for t in TRAITS})
+        # what is known of an asset is the same in all its rows, but for the coverage by sets that differ with the seed
+        known = {trait: (trait, "mean" if trait == "coverage" else "first") for trait in TRAITS}
+        each = part.groupby(["family", "asset"]).agg(success=("success", "mean"), **known)
         places = pd.MultiIndex.from_tuples([(*key, 0) for key in each.index], names=PLACE)
         weights = place_weights(places, options.bootstrap_samples, np.random.default_rng(options.seed))
         ranks = each.rank().to_numpy()

@@ -34,7 +34,7 @@ def rates(rollouts: pd.DataFrame, by: Sequence[str], options: TablesConfig) -> p
     rows: list[dict[str, Any]] = []
     for key, group in rollouts.groupby(list(by)):
         side = side_of(group)
-        low, high = rate_interval(side.dropna(axis="columns"), options)
+        low, high = rate_interval(side, options)
         rows.append(
             dict(zip(by, key, strict=True))
             | {"assets_of": group["assets_of"].iloc[0], "cloud": group["cloud"].iloc[0]}

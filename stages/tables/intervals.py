@@ -93,11 +93,19 @@ def wider(one: Interval, other: Interval, least: float) -> Interval:
 
 
 def rate_interval(side: Side, options: TablesConfig) -> Interval:
-    """Interval of `rate_of`: the bootstrap, never narrower than Wilson's over the units (24 of 24 is no point)."""
+    """Interval of `rate_of`: the bootstrap, never narrower than Wilson's over the units (24 of 24 is no point).
+
+    It is about the places where all policies were tested. If there are none, as for assets that every seed draws anew,
+    it is Wilson's over the units of all.
+    """
     if side.empty:
         return Interval(float("nan"), float("nan"))
-    ((rates,),) = resampled([[side]], options)
-    score = wilson_of_rate(rate_of(side), len(unit_rates(side)), options.confidence)
+    shared = side.dropna(axis="columns")
+    units = side if shared.empty else shared
+    score = wilson_of_rate(rate_of(units), len(unit_rates(units)), options.confidence)
+    if shared.empty:
+        return score
+    ((rates,),) = resampled([[shared]], options)
     return wider(quantiles(rates.mean(axis=1), options), score, 0.0)
 
 

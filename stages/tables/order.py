@@ -2,14 +2,17 @@
 
 import re
 
+from stages.contracts.training_sets import DRAW, DRAWN, SetName, is_randomised, is_set, plain, read_set
+
 TASKS = {"door": "Door opening", "drawer": "Drawer opening", "bowl": "Putting away bowl"}
 TASKS |= {"door_object": "Door, whole object", "drawer_object": "Drawer, whole object"}  # of config/study
 ENDINGS = ["", "_handle", "_diffusion", "_blind"]  # rows of one task by their names, in this order
 SPLITS = ("test", "validation")  # test assets that are sets of unseen assets
 SKILL = "skill"  # training set of the scripted skill's rows
-NAMES = {"all": "all assets", "trained": "training assets", "twin_randomised": "twin, randomised"}
+NAMES = {"all": "all assets", "trained": "training assets"}
 NAMES |= {"test": "unseen assets", "validation": "unseen assets (validation)", "unseen": "held-out roles"}
 NAMES |= {SKILL: "scripted skill", "matched": "matched by the run"}
+SETS = {"cousins": "cousins", "random": "random assets", "cover": "covering assets"}  # training sets by their rules
 CLOUDS = {"target_link": "cloud of the target link", "object": "cloud of the whole object"}
 VARIANTS = {  # as the paper has them; what decided in a run stands in cousins.json
     "a": "encoder model, VLM orientation",
@@ -40,12 +43,13 @@ def task_key(task: str) -> tuple[int, str, int, str]:
 
 def set_key(name: str) -> tuple[int, tuple[tuple[int, int, str], ...]]:
     """Sort key of a training set or test asset: twin, by number, 'all', 'dissimilar', 'trained', sets, the skill."""
-    first = {"twin": 0, "twin_randomised": 0, "all": 2, "dissimilar": 2, "trained": 3, "unseen": 4}
-    return ((first | dict.fromkeys(SPLITS, 5) | {SKILL: 6}).get(name, 1), natural(name))
+    first = {"twin": 0, "all": 2, "dissimilar": 2, "trained": 3, "unseen": 4}
+    return ((first | dict.fromkeys(SPLITS, 5) | {SKILL: 6}).get(plain(name), 1), natural(name))
 
 
 def title(name: str) -> str:
-    """A name for people: cousins_4 -> '4 cousins', cousin_2 -> 'cousin 2', door_handle -> 'Door opening, handle'.
+    """A name for people: cousins_4 -> '4 cousins', cousin_2 -> 'cousin 2', door_handle -> 'Door opening, handle',
+    cover_8_randomised -> '8 covering assets, randomised'.
 
     A row's name is no word about its policies: what they are, the config says (`methods.kind`).
     """
@@ -56,11 +60,17 @@ def title(name: str) -> str:
         return TASKS[name]
     if task := next((task for task in TASKS if name.startswith(f"{task}_")), None):
         return f"{TASKS[task]}, {name.removeprefix(f'{task}_').replace('_', ' ')}"
-    if match := re.fullmatch(r"(cousins|random)_(\d+)", name):
-        return f"{match[2]} cousins" if match[1] == "cousins" else f"{match[2]} random assets"
+    if is_randomised(name):
+        return f"{title(plain(name))}, randomised"
+    if is_set(name) and (read := read_set(name)).rule in SETS:
+        return f"{read.count} {SETS[read.rule]}"
     return NAMES.get(name, name.replace("_", " "))
 
 
 def role_title(role: str) -> str:
-    """A role for people; random_3 is one asset, as a training set it is three."""
-    return role.replace("_", " ") if role.startswith("random_") else title(role)
+    """A role for people; random_3 is one asset, as a training set it is three; random_19 is the third of draw 2."""
+    rule, number, randomised = read_set(role) if is_set(role) else SetName(role, 1, False)
+    if rule not in DRAWN:
+        return title(role)
+    draw, place = divmod(number - 1, DRAW)
+    return f"{rule} {place + 1}" + f" of draw {draw + 1}" * (draw > 0) + ", randomised" * randomised

@@ -13,6 +13,7 @@ from stages.config.policy_rows import policy_tables
 from stages.contracts.files import read_json, write_text
 from stages.contracts.library import Library
 from stages.contracts.policies import ChosenRuns, SceneScore, TaskAssets
+from stages.contracts.training_sets import is_randomised
 from stages.tables import assets, conditions, robustness, table2, table3
 from stages.tables.assets import of_splits
 from stages.tables.associations import Shown, associations_table, traits
@@ -93,13 +94,15 @@ def _with_traits(config: Config, results: Path, rollouts: pd.DataFrame) -> pd.Da
         path = results / f"experiment/{experiment.policy_variant}/{experiment.source(str(task))}/assets.json"
         if path.is_file():
             chosen, stretch = read_json(TaskAssets, path), config.task_of(str(task)).scale_range
-            wider = {"twin_randomised": config.demonstrations.randomise.extents}
+            wider, policies = config.demonstrations.randomise.extents, part[part["training_set"] != SKILL]
             sets = {
-                name: Shown(demonstrated_assets(chosen, experiment.roles(name)), wider.get(name, stretch))
-                for name in set(part["training_set"]) - {SKILL}
+                (name, seed): Shown(
+                    demonstrated_assets(chosen, experiment.roles(name, seed)), wider if is_randomised(name) else stretch
+                )
+                for name, seed in policies[["training_set", "seed"]].drop_duplicates().itertuples(index=False)
             }
             known = traits([*chosen.test_assets, *chosen.validation_assets], sets)
-            parts.append(part.merge(known, on=["training_set", "asset"]))
+            parts.append(part.merge(known, on=["training_set", "seed", "asset"]))
     return pd.concat(parts, ignore_index=True) if parts else rollouts[:0]
 
 

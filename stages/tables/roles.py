@@ -4,6 +4,7 @@ from collections import Counter
 from collections.abc import Iterable
 
 from stages.contracts.policies import TaskAsset, TaskAssets
+from stages.contracts.training_sets import RANDOMISED, plain
 from stages.tables.markup import Table
 from stages.tables.order import role_title
 from stages.tables.text import cell, number
@@ -15,14 +16,19 @@ def handle_kind(asset: TaskAsset) -> str:
 
 
 def by_role(chosen: TaskAssets) -> dict[str, TaskAsset]:
-    """Role -> asset; random assets are random_1, random_2, ... as in training sets."""
-    sampled = {f"random_{number}": asset for number, asset in enumerate(chosen.random_assets, start=1)}
-    return {asset.role: asset for asset in chosen.assets} | sampled
+    """Role -> asset; those that were drawn are random_1, ..., cover_1, ..., as in demonstrations."""
+    return {asset.role: asset for asset in chosen.assets} | chosen.drawn_roles()
+
+
+def used_roles(chosen: TaskAssets, demonstrated: Iterable[str]) -> dict[str, TaskAsset]:
+    """`by_role` without what was drawn and is not demonstrated on."""
+    used = set(map(plain, demonstrated))
+    return {role: asset for role, asset in by_role(chosen).items() if role in used or role not in chosen.drawn_roles()}
 
 
 def demonstrated_assets(chosen: TaskAssets, roles: Iterable[str]) -> list[TaskAsset]:
-    """The assets on which the demonstrations of some roles are collected; of twin_randomised it is the twin."""
-    known, names = by_role(chosen), [role.removesuffix("_randomised") for role in roles]
+    """The assets on which the demonstrations of some roles are collected, randomised or not."""
+    known, names = by_role(chosen), list(dict.fromkeys(map(plain, roles)))
     return [*(known[name] for name in names if name in known), *(chosen.all_assets if "all" in names else [])]
 
 
@@ -30,15 +36,13 @@ def roles_table(chosen: TaskAssets, demonstrated: Iterable[str], name: str, capt
     """A row per role; `demonstrated`: roles on which demonstrations are collected, `all` for all of `all_assets`."""
     roles = set(demonstrated)
     handles = {handle_kind(asset) for asset in demonstrated_assets(chosen, roles)}
-    in_all = {asset.asset for asset in chosen.all_assets} if "all" in roles else set()
+    in_all = {asset.asset for asset in chosen.all_assets} if "all" in map(plain, roles) else set()
     rows = []
-    for role, asset in by_role(chosen).items():
-        if role.startswith("random_") and role not in roles:
-            continue
+    for role, asset in used_roles(chosen, roles).items():
         length = f"{100 * asset.handle_length:.0f} cm, at {100 * asset.handle_height:.0f} % of the front"
         panel = " x ".join(f"{side:.2f}" for side in asset.panel_size)
         used = ["yes"] if role in roles else ["in all assets"] if asset.asset in in_all else []
-        used += ["randomised"] if f"{role}_randomised" in roles else []
+        used += ["randomised"] if role + RANDOMISED in roles else []
         rows.append(
             [
                 role_title(role), asset.asset, asset.family, number(asset.distance, 2),
@@ -65,6 +69,7 @@ def lists_table(chosen: TaskAssets, name: str, caption: str) -> list[Table]:
     lists = {
         "all assets": chosen.all_assets,
         "random assets": chosen.random_assets,
+        "covering assets": chosen.cover_assets,
         "validation": chosen.validation_assets,
         "test": chosen.test_assets,
     }

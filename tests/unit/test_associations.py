@@ -33,7 +33,7 @@ def test_coverage_is_the_share_of_figures_within_what_was_shown() -> None:
     for height in (0.4, 0.6):  # which no demonstration stretches
         assert Shown([twin], (0.75, 1.25)).coverage(asset("e", (0.4, 0.4), 0.1, height)) == 0.75
     assert Shown([twin, cousin], (1.0, 1.0)).coverage(asset("d", (0.6, 0.4), 0.15, 0.6)) == 0.75
-    found = traits([small], {"twin": Shown([twin], (0.75, 1.25)), "cousins_2": Shown([cousin], (0.75, 1.25))})
+    found = traits([small], {("twin", 0): Shown([twin], (0.75, 1.25)), ("cousins_2", 0): Shown([cousin], (0.75, 1.25))})
     assert found.set_index("training_set")["coverage"].to_dict() == {"twin": 1, "cousins_2": 0.5}
     assert set(found["handle_height"]) == {0.5}
 

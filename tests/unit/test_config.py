@@ -17,9 +17,9 @@ ROOT = Path(__file__).resolve().parents[2]
 
 def test_training_sets_leave_out_held_out_cousins() -> None:
     experiment = ExperimentConfig(cousins=10, held_out=[2, 6], episodes=80)
-    assert experiment.roles("twin") == ["twin"]
-    assert experiment.roles("cousins_4") == ["cousin_1", "cousin_3", "cousin_4", "cousin_5"]
-    assert experiment.roles("all") == ["all"]  # one store of its own
+    assert experiment.roles("twin", 0) == ["twin"]
+    assert experiment.roles("cousins_4", 3) == ["cousin_1", "cousin_3", "cousin_4", "cousin_5"]
+    assert experiment.roles("all", 0) == ["all"]  # one store of its own
     assert experiment.share("door", "cousins_4") == 20 and experiment.share("door", "all") == 80
 
 
@@ -34,10 +34,42 @@ def test_an_asset_gives_as_many_episodes_as_the_neediest_set_asks() -> None:
 
 def test_training_sets_without_cousins_have_stores_of_their_own() -> None:
     experiment = ExperimentConfig(training_sets=["twin_randomised", "random_2", "random_4"], episodes=80)
-    assert experiment.roles("twin_randomised") == ["twin_randomised"]
+    assert experiment.roles("twin_randomised", 0) == ["twin_randomised"]
     assert experiment.trained_roles("door") == ["random_1", "random_2", "random_3", "random_4", "twin_randomised"]
     assert [experiment.episodes_of("door", f"random_{number}") for number in (1, 3)] == [40, 20]
     assert experiment.episodes_of("door", "twin_randomised") == 80
+
+
+def test_every_seed_learns_from_a_draw_of_its_own() -> None:
+    experiment = ExperimentConfig(training_sets=["random_2", "cover_1"], seeds=[0, 1, 3], draws=3, episodes=80)
+    assert [experiment.roles("random_2", seed) for seed in (0, 1, 3)] == [
+        ["random_1", "random_2"], ["random_17", "random_18"], ["random_1", "random_2"],
+    ]  # fmt: skip
+    assert experiment.roles("cover_1", 2) == ["cover_33"]
+    assert experiment.trained_roles("door") == ["cover_1", "cover_17", "random_1", "random_17", "random_18", "random_2"]
+    assert experiment.episodes_of("door", "random_18") == 40 and experiment.episodes_of("door", "cover_33") == 0
+    once = ExperimentConfig(draws=1)
+    assert once.roles("random_8", 4) == once.roles("random_8", 0) == [f"random_{number}" for number in range(1, 9)]
+
+
+def test_any_set_may_be_randomised() -> None:
+    sets = ["cousins_2", "cousins_2_randomised", "all_randomised", "cover_1_randomised"]
+    experiment = ExperimentConfig(training_sets=sets, held_out=[2], episodes=80)
+    assert experiment.roles("cousins_2_randomised", 0) == ["cousin_1_randomised", "cousin_3_randomised"]
+    assert experiment.roles("all_randomised", 0) == ["all_randomised"]
+    assert experiment.roles("cover_1_randomised", 1) == ["cover_17_randomised"]
+    assert experiment.share("door", "cousins_2_randomised") == 40
+    assert experiment.trained_roles("door") == [
+        "all_randomised", "cousin_1", "cousin_1_randomised", "cousin_3", "cousin_3_randomised", "cover_1_randomised",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "name", ["twin_2", "random", "random_0", "cover_8_wide", "skill", "near_8", "twin_randomised_2"]
+)
+def test_a_set_that_no_rule_makes_is_refused(name: str) -> None:
+    with refused("E-CONFIG-VALUE", "experiment.training_sets.0"):
+        load({"experiment": {"training_sets": [name]}})
 
 
 def test_rows_that_share_assets_share_demonstrations_and_options() -> None:

@@ -169,7 +169,7 @@ def test_an_asset_that_was_drawn_by_chance_has_a_store_of_its_own(tmp_path: Path
     out = tmp_path / "random_1" / "episodes.h5"
     run(**experiment(tmp_path), role="random_1", episodes=1, out=out, task_options=json.dumps(TASK))
     assert read_episodes(out).assets == ["narrow"]
-    with pytest.raises(InputError, match="has 1 assets drawn by chance, not 2"):
+    with pytest.raises(InputError, match="has no 'random_2': 1 x 1 assets were drawn"):
         run(**experiment(tmp_path), role="random_2", episodes=1, out=out)
 
 

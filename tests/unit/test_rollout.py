@@ -373,7 +373,7 @@ def test_bad_input_is_one_line(folder: Path, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="has no assets for the training set `all`"):
         plan = read_json(TaskAssets, folder / "task.json").model_copy(update={"all_assets": []})
         plan.assets_of("all", tmp_path)
-    with pytest.raises(InputError, match="has 0 assets drawn by chance, not 2"):
+    with pytest.raises(InputError, match="has no 'random_2': 1 x 0 assets were drawn for random_n"):
         plan.assets_of("random_2", tmp_path)
     with pytest.raises(InputError, match=r"has no role 'cousin_9' \(it has twin, cousin_2\)"):
         evaluate(folder, tmp_path / "rollouts.csv", test_assets=["cousin_9"])

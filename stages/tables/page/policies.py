@@ -18,7 +18,7 @@ from stages.tables.page.charts import Points, line_chart
 from stages.tables.page.files import RunFiles
 from stages.tables.page.films import FilmedAsset, read_films
 from stages.tables.page.pictures import Album, Picture
-from stages.tables.roles import by_role, lists_table, roles_table
+from stages.tables.roles import lists_table, roles_table, used_roles
 from stages.tables.statistics import wilson
 from stages.tables.text import NOTHING, cell, percent, span
 
@@ -107,9 +107,8 @@ def _not_in_scenes(path: Path | None) -> dict[str, str]:
 
 
 def _pictures(assets: TaskAssets | None, used: set[str], album: Album, snapshots: Snapshots) -> list[Picture]:
-    """The assets of the roles that are not random or are used."""
-    roles = by_role(assets).items() if assets else ()
-    kept = [(role, asset.asset) for role, asset in roles if role in used or not role.startswith("random_")]
+    """The assets of the roles that were not drawn or are used."""
+    kept = [(role, asset.asset) for role, asset in used_roles(assets, used).items()] if assets else []
     made = [
         album.thumbnail(snapshots.picture(asset), f"{role_title(role)}: {asset.replace('_', ' ')}")
         for role, asset in kept
