@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from benchmarks.tables import table
 from stages.config.experiment import ExperimentConfig
 from stages.contracts import TaskAssets, read_json
+from stages.contracts.policies import TaskAsset
 from stages.experiment.coverage import CURVES, Curve, forecast_mean, nearest
 from stages.tables.order import SKILL
 from stages.tables.roles import demonstrated_assets
@@ -30,20 +31,27 @@ Numbers = NDArray[np.float64]
 
 
 def read_pairs(results: Path, assets: Path, task: str) -> pd.DataFrame:
-    """A row per room, training set and unseen asset: family, distance to the nearest training asset, success."""
-    pairs = []
+    """A row per room, training set and unseen asset: family, distance to the nearest training asset, success.
+
+    Seeds that learned from the same assets are pooled; where every seed has a draw of its own, each has a row.
+    """
+    runs = []
     for file in sorted(assets.glob(f"{task}_room_*.json")):
         plan, room = read_json(TaskAssets, file), file.stem
-        experiment = ExperimentConfig(held_out=plan.held_out, draws=plan.draws)
-        for folder in sorted((results / "evaluation/policies" / room).glob("*/lite")):
-            rows = pd.concat([pd.read_csv(path) for path in sorted(folder.glob("seed_*/rollouts.csv"))])
-            success = rows[rows.test_asset == "test"].groupby("asset").success.mean()
-            shown = demonstrated_assets(plan, experiment.roles(folder.parent.name, 0))
-            unseen = [asset for asset in plan.test_assets if asset.asset in success.index]
-            about = {"room": room, "training_set": folder.parent.name, "family": [asset.family for asset in unseen]}
-            met = success[[asset.asset for asset in unseen]].to_numpy()
-            pairs.append(pd.DataFrame(about | {"distance": nearest(unseen, shown), "success": met}))
-    return pd.concat(pairs, ignore_index=True)
+        for path in sorted((results / "evaluation/policies" / room).glob("*/lite/seed_*/rollouts.csv")):
+            rows = pd.read_csv(path, usecols=["training_set", "seed", "test_asset", "asset", "family", "success"])
+            rows = rows[rows.test_asset == "test"].assign(room=room)
+            shown = assets_shown(plan, rows.training_set.iat[0], rows.seed.iat[0])
+            away = zip(plan.test_assets, nearest(plan.test_assets, shown), strict=True)
+            runs.append(rows.assign(distance=rows.asset.map({asset.asset: far for asset, far in away})))
+    key = ["room", "training_set", "family", "asset", "distance"]
+    return pd.concat(runs).groupby(key, sort=False).success.mean().reset_index()
+
+
+def assets_shown(plan: TaskAssets, training_set: str, seed: int) -> list[TaskAsset]:
+    """The assets that the policies of a training set and seed learn from."""
+    experiment = ExperimentConfig(held_out=plan.held_out, draws=plan.draws)
+    return demonstrated_assets(plan, experiment.roles(training_set, seed))
 
 
 def fit_curve(distances: Numbers, shares: Numbers) -> Curve:
@@ -123,10 +131,9 @@ def error(sets: pd.DataFrame) -> float:
 def elsewhere(task: str) -> Iterator[list[str]]:
     """The training sets of Table 3, a study of another library and another twin: success measured and forecast."""
     plan = read_json(TaskAssets, Path(f"config/study/assets/{task}.json"))
-    experiment = ExperimentConfig(held_out=plan.held_out, draws=plan.draws)
     rows = pd.read_csv("docs/results/assets.csv")
     for row in rows[(rows.task == task) & (rows.training_set != SKILL)].itertuples():
-        shown = demonstrated_assets(plan, experiment.roles(str(row.training_set), 0))
+        shown = assets_shown(plan, str(row.training_set), 0)
         yield [str(row.training_set), percent(row.mean), percent(forecast_mean(task, plan.test_assets, shown))]
 
 

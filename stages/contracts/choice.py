@@ -33,7 +33,7 @@ class Choice(Document):
     """
 
     task: Id
-    rule: Id = Field(description="by which they were chosen: chance or nearest")
+    rule: Id = Field(description="by which they were chosen: chance, cover or nearest")
     seed: Seed = Field(description="of the draw")
     like: Id | None = Field(description="model of the object that policies are for; null: none was named")
     box: Size | None = Field(description="box of that object, in which all are loaded, metres; null: own sizes")

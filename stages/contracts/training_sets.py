@@ -15,7 +15,7 @@ class SetName(NamedTuple):
     """What the name of a training set says: `cousins_8_randomised` is eight cousins, randomised."""
 
     rule: str
-    count: int  # stores of demonstrations: one per asset; `all` is one store of many assets
+    size: int  # stores of demonstrations: one per asset; `all` is one store of many assets
     randomised: bool
 
 

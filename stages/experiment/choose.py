@@ -17,12 +17,12 @@ from stages.contracts.policies import TaskAsset
 from stages.contracts.types import LARGEST
 from stages.experiment.choice_report import report
 from stages.experiment.coverage import CURVES, alone, covered, forecast_mean, most_covered
-from stages.experiment.splits import by_chance
+from stages.experiment.splits import by_chance, cover
 from stages.experiment.usable import usable_assets
 from stages.plugins import load
 from stages.tasks.task import Task
 
-Rule = Literal["chance", "nearest"]
+Rule = Literal["chance", "cover", "nearest"]
 BEST: Rule = "chance"  # by the studies so far: choice_report.WHY
 
 
@@ -51,7 +51,8 @@ def run(
         like: model of the object that the policy is for. All are loaded in its box and opened at the joint most like
             its own; of its family none is chosen. Without it they open to the side to which most do.
         box: extents (x, y, z) of the object in metres, instead of those of `--like`. Without either, own sizes.
-        rule: chance; nearest: those that look most like `--like`, by `--distances`. The default has done best so far.
+        rule: chance; cover: by chance, spread over widths and heights; nearest: those that look most like `--like`, by
+            `--distances`. The default has done best so far.
         distances: distances/<object>.json of matching, for the rule nearest.
         snapshots: shards (.h5), for pictures of the models in choice.png.
         seed: of the draw.
@@ -111,13 +112,12 @@ def read_pool(
 
 def by_rule(rule: Rule, pool: Sequence[TaskAsset], count: int, seed: int) -> list[TaskAsset]:
     """So many models of the pool, each of another family."""
-    first: dict[str, TaskAsset] = {}
-    ordered = (
-        by_chance(pool, np.random.default_rng(seed))
-        if rule == "chance"
-        else sorted(pool, key=lambda asset: (asset.distance, asset.asset))
-    )
-    for asset in ordered:
+    rng, first = np.random.default_rng(seed), dict[str, TaskAsset]()
+    if rule == "chance":
+        return by_chance(pool, rng)[:count]
+    if rule == "cover":
+        return cover(pool, count, rng)
+    for asset in sorted(pool, key=lambda asset: (asset.distance, asset.asset)):
         first.setdefault(asset.family, asset)
     return list(first.values())[:count]
 

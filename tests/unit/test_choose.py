@@ -76,11 +76,14 @@ def test_like_gives_the_box_and_the_side_and_its_family_is_left_out(library: Pat
         choose(library=library, task="door", count=1, like="left")
 
 
-def test_chance_draws_families_by_the_seed_and_the_nearest_are_nearest() -> None:
+def test_rules_draw_families_by_the_seed_and_the_nearest_are_nearest() -> None:
     pool = [an_asset(f"f{family}_{member}", 10 * member + family) for family in range(9) for member in range(3)]
     draws = [[asset.asset for asset in by_rule("chance", pool, 8, seed)] for seed in (0, 0, 1)]
     assert draws[0] == draws[1] != draws[2]
     assert all(len({name.split("_")[0] for name in draw}) == 8 for draw in draws)
+    wide = [asset.model_copy(update={"panel_size": (0.2 + asset.distance / 20, 0.5)}) for asset in pool]
+    spread = [by_rule("cover", wide, 8, seed) for seed in (0, 0, 1)]
+    assert spread[0] == spread[1] != spread[2] and len({asset.family for asset in spread[0]}) == 8
     assert [asset.asset for asset in by_rule("nearest", pool, 3, 0)] == ["f0_0", "f1_0", "f2_0"]
 
 
