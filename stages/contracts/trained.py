@@ -7,7 +7,7 @@ from stages.contracts.task_options import TaskConfig
 from stages.contracts.training_run import TrainingRun
 from stages.contracts.types import Count, Finite, Id, RelativePath, Seed, Text
 
-LATE = 0.25  # of the steps; healthy trainings took at most 0.16 (of 40, with and without a warm-up)
+LATE = 0.25  # of the steps; healthy trainings took at most 0.16 (of 83)
 
 
 class TrainingStore(Contract):
