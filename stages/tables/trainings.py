@@ -132,7 +132,7 @@ def trainings_table(table: pd.DataFrame) -> Table:
     )
 
 
-def run(*, out: Path, policies: tuple[Path, ...]) -> None:
+def run(*, out: Path, policies: tuple[Path, ...] = ()) -> None:
     """Write trainings (.csv, .html, .tex), and name those that failed.
 
     Args:

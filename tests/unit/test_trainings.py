@@ -161,3 +161,9 @@ def test_the_page_of_a_study_names_them(tmp_path: Path) -> None:
     text = (tmp_path / "out/table3.md").read_text()
     assert f"count like all others: {STUCK}." in text
     assert "| Door opening | lite | 4 cousins | -7.05<br>-7.10 to -3.50, 4 trainings |" in text
+
+
+def test_a_run_without_policies_has_an_empty_table(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    trainings.run(out=tmp_path)
+    assert capsys.readouterr().err == "tables: 0 trainings, none failed\n"
+    assert len(trainings.read_trainings(tmp_path / "trainings.csv")) == 0
