@@ -7,6 +7,8 @@ from stages.contracts.task_options import TaskConfig
 from stages.contracts.training_run import TrainingRun
 from stages.contracts.types import Count, Finite, Id, RelativePath, Seed, Text
 
+LATE = 0.25  # of the steps; healthy trainings took at most 0.16 (of 83)
+
 
 class TrainingStore(Contract):
     """What was used of one episode store."""
@@ -38,6 +40,9 @@ class TrainedPolicy(Document):
     constant_error: Finite | None = Field(
         None, description="the same of one constant action, the mean of the training episodes"
     )
+    plateau: Count | None = Field(
+        None, description="last step of metrics.jsonl before its error fell below that for the first time; 0: none"
+    )
     checkpoints: list[RelativePath] = Field(
         [], description="weights kept for selection by rollouts, in checkpoints.zip"
     )
@@ -46,6 +51,11 @@ class TrainedPolicy(Document):
     def learned(self) -> bool:
         """Whether its actions are nearer than a constant one, as far as it is known."""
         return self.best_error is None or self.constant_error is None or self.best_error < self.constant_error
+
+    @property
+    def late(self) -> bool:
+        """Whether much of its training passed before it learned anything."""
+        return self.learned and self.plateau is not None and self.plateau > LATE * self.run.steps
 
 
 class MetricsLine(RootModel[dict[Text, Finite | None]]):

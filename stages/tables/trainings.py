@@ -7,6 +7,7 @@ from typing import Any
 
 import pandas as pd
 
+from stages.contracts import trained
 from stages.contracts.policy_folder import read_config
 from stages.tables.markup import Table
 from stages.tables.order import set_key, task_key, title
@@ -17,9 +18,10 @@ from stages.tables.writing import write
 ALIKE = ["task", "run"]  # trainings whose losses can be compared: one row's assets, one method
 COLUMNS = [
     *("task", "run", "training_set", "seed", "best_step", "validation_loss", "validation_error", "constant_error"),
-    *("others", "others_loss", "outcome"),
+    *("plateau", "others", "others_loss", "outcome"),
 ]
-LEARNED, BEHIND, STUCK = "learned", "stayed behind", "did not learn"
+LEARNED, LATE, BEHIND, STUCK = "learned", "learned late", "stayed behind", "did not learn"
+FAILED = (LATE, BEHIND, STUCK)
 FEWEST = 3  # seeds that tell by themselves how seeds differ
 FAR = 3.0  # robust standard deviations of the others
 PART = 0.1  # of the others' loss
@@ -34,15 +36,18 @@ def collect(configs: Sequence[Path]) -> pd.DataFrame:
     rows: list[dict[str, Any]] = []
     for path in configs:
         policy, (task, name, run) = read_config(path.parent), path.parts[-5:-2]
-        learned = None if policy.best_loss is None else LEARNED if policy.learned else STUCK
+        outcome = LATE if policy.late else LEARNED if policy.learned else STUCK
         about = {"task": task, "run": run, "training_set": name, "seed": policy.seed, "best_step": policy.best_step}
         losses = {"validation_loss": policy.best_loss, "validation_error": policy.best_error}
-        rows.append(about | losses | {"constant_error": policy.constant_error, "outcome": learned})
+        known = {"constant_error": policy.constant_error, "plateau": policy.plateau}
+        rows.append(about | losses | known | {"outcome": None if policy.best_loss is None else outcome})
     rows.sort(key=lambda row: (task_key(row["task"]), row["run"], set_key(row["training_set"]), row["seed"]))
-    table = pd.DataFrame(rows, columns=COLUMNS).astype({"validation_loss": float, "others": "Int64"})
+    table = pd.DataFrame(rows, columns=COLUMNS).astype(
+        {"validation_loss": float, "plateau": "Int64", "others": "Int64"}
+    )
     for index, row in table.dropna(subset="validation_loss").iterrows():
         known = table.drop(index).dropna(subset="validation_loss")
-        alike = known[(known[ALIKE] == row[ALIKE]).all(axis=1) & (known["outcome"] != STUCK)]  # those are no measure
+        alike = known[(known[ALIKE] == row[ALIKE]).all(axis=1) & ~known["outcome"].isin([LATE, STUCK])]  # no measure
         of_set = alike.loc[alike["training_set"] == row["training_set"], "validation_loss"]
         of_row = alike["validation_loss"]
         others = of_set if len(of_set) else of_row
@@ -77,10 +82,10 @@ def read_trainings(path: Path | None) -> pd.DataFrame:
 
 
 def failed(table: pd.DataFrame) -> list[str]:
-    """A phrase for every training that did not learn or stayed behind; `table` as `collect` gives."""
+    """A phrase for every training that failed; `table` as `collect` gives."""
     return [
         f"{title(row['task'])}, {title(row['training_set'])}, {row['run']}: {_phrase(row)}"
-        for row in records(table[table["outcome"].isin([BEHIND, STUCK])])
+        for row in records(table[table["outcome"].isin(FAILED)])
     ]
 
 
@@ -101,7 +106,7 @@ def _cells(group: pd.DataFrame) -> list[str]:
     if losses.empty:
         return [cell(NOTHING, count(len(group), "training")), NOTHING, NOTHING, ""]
     ends = f"{number(losses.min(), 2)} to {number(losses.max(), 2)}, {count(len(losses), 'training')}"
-    bad = [phrase for phrase, outcome in zip(phrases, group["outcome"], strict=True) if outcome in (BEHIND, STUCK)]
+    bad = [phrase for phrase, outcome in zip(phrases, group["outcome"], strict=True) if outcome in FAILED]
     errors = (number(group[name].median(), 2) for name in ("validation_error", "constant_error"))
     return [cell(number(losses.median(), 2), ends), *errors, "\n".join(bad)]
 
@@ -118,7 +123,8 @@ def trainings_table(table: pd.DataFrame) -> Table:
         notes=[
             "Medians over seeds, of the weights that are rolled out. Error: root mean square of what actions are off "
             "by, on demonstrations that training did not see; constant action: the same if the mean action of the "
-            "training episodes is taken whatever is seen. A training did not learn if its error is no smaller. It "
+            "training episodes is taken whatever is seen. A training did not learn if its error is no smaller; it "
+            f"learned late if that was so for more than {100 * trained.LATE:g} % of its steps. It "
             f"stayed behind if its loss lies above the median of the other seeds that learned by more than "
             f"{100 * PART:g} % and {FAR:g} robust standard deviations; with fewer than {FEWEST} such seeds, also above "
             "that of all trainings of its row and hyper-parameters. Failed trainings count in all other tables."
@@ -126,7 +132,7 @@ def trainings_table(table: pd.DataFrame) -> Table:
     )
 
 
-def run(*, out: Path, policies: tuple[Path, ...]) -> None:
+def run(*, out: Path, policies: tuple[Path, ...] = ()) -> None:
     """Write trainings (.csv, .html, .tex), and name those that failed.
 
     Args:

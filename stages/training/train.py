@@ -4,6 +4,8 @@ import hashlib
 import json
 import shutil
 import sys
+from collections.abc import Sequence
+from itertools import takewhile
 from pathlib import Path
 from typing import Literal
 
@@ -20,7 +22,7 @@ from stages.plugins import qualified
 from stages.policies import make_policy
 from stages.policies.checkpoint import FILES, save_weights
 from stages.training.dataset import DemonstrationSet, constant_error, frames_of, read_demonstrations, split_episodes
-from stages.training.logbook import Logbook
+from stages.training.logbook import Line, Logbook
 from stages.training.loop import Setting, optimise
 from stages.training.state import TrainingState
 
@@ -84,6 +86,7 @@ def run(
     save_weights(out / FILES["last"], policy.state_dict())
     save_weights(out / FILES["best"], state.best)
     write_text(out / "metrics.jsonl", metrics.read_text(encoding="utf-8"))
+    constant = constant_error(data, training, validation)
     found = TrainedPolicy(
         task=data.task,
         task_options=data.task_options,
@@ -97,7 +100,8 @@ def run(
         best_step=state.best_step,
         best_loss=state.best_loss,
         best_error=next(line for line in state.lines if line["step"] == state.best_step).get("validation_error"),
-        constant_error=constant_error(data, training, validation),
+        constant_error=constant,
+        plateau=plateau(state.lines, constant),
         checkpoints=[f"checkpoints/{path.name}" for path in kept],
     )
     write_json(out / "config.json", found)
@@ -111,13 +115,23 @@ def run(
         setting.work.rmdir()
 
 
+def plateau(lines: Sequence[Line], constant: float | None) -> int | None:
+    """The last logged step before the validation error first fell below that of a constant action; 0: none."""
+    if constant is None:
+        return None
+    steps = takewhile(lambda line: (line.get("validation_error") or 0.0) >= constant, lines)
+    return max((int(line["step"] or 0) for line in steps), default=0)
+
+
 def outcome(policy: TrainedPolicy) -> str:
     """How a training with validation episodes ended, in a line."""
     text = f"validation loss {policy.best_loss:.2f} at step {policy.best_step}"
     if policy.best_error is None or policy.constant_error is None:
         return text
     text += f"; its actions are off by {policy.best_error:.2f}, one constant action by {policy.constant_error:.2f}"
-    return text if policy.learned else f"seed {policy.seed} did not learn: {text}"
+    if not policy.learned:
+        return f"seed {policy.seed} did not learn: {text}"
+    return f"seed {policy.seed} learned late, after step {policy.plateau}: {text}" if policy.late else text
 
 
 def fingerprint(data: DemonstrationSet, run: TrainingRun, seed: int) -> str:

@@ -236,7 +236,7 @@ def _policies(root: Path) -> None:
     _json(folder / "config.json", task="door", task_options=options.model_dump(mode="json"),
           run=TrainingRun().model_dump(mode="json"), seed=0, stores=[store], data_digest="d", training_episodes=2,
           validation_episodes=0, parameters=24, best_step=100, best_loss=-1.0, best_error=0.2,
-          constant_error=0.5, checkpoints=[])  # fmt: skip
+          constant_error=0.5, plateau=0, checkpoints=[])  # fmt: skip
     for name in ("policy", "last"):
         save_file(weights(), folder / f"{name}.safetensors")
     rows = [{"step": step, "loss": 1.0 / step, "learning_rate": 1e-3} for step in (100, 200)]

@@ -20,7 +20,9 @@ from stages.policies.checkpoint import load_policy
 from stages.training import loop
 from stages.training.augment import augment
 from stages.training.dataset import constant_error, frames_of, gather, read_demonstrations, split_episodes, windows
+from stages.training.logbook import Line
 from stages.training.state import TrainingState, copy_weights
+from stages.training.train import outcome, plateau
 from stages.training.train import run as train
 from tests.refusals import refused
 from tests.toy_reach import ToyReach, write_store
@@ -325,7 +327,28 @@ def test_a_training_that_learned_nothing_is_told(
     best = next(line for line in lines if line["step"] == config.best_step)
     assert (config.best_loss, config.best_error) == (best["validation_loss"], best["validation_error"])
     assert config.best_error and config.constant_error and config.best_error > config.constant_error > 0.3
+    assert config.plateau == 6 and not config.late
     assert "training: seed 2 did not learn: validation loss" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("errors", "step"), [([0.3, 0.5, 0.2], 0), ([0.6, 0.4, 0.7, 0.2], 10), ([0.6, 0.5, 0.4], 20), ([0.6, 0.7], 20)]
+)
+def test_the_plateau_ends_where_the_error_first_falls_below_a_constant_action_s(errors: list[float], step: int) -> None:
+    lines: list[Line] = [{"step": 10 * n, "validation_error": error} for n, error in enumerate(errors, 1)]
+    assert plateau(lines, 0.5) == step
+    assert plateau(lines, None) is None
+
+
+def test_a_training_that_learned_late_is_told(store: Path, tmp_path: Path) -> None:
+    train(episodes=(store,), per_store=60, options=options(steps=8), out=tmp_path / "policy", seed=5)
+    config = read_config(tmp_path / "policy").model_copy(update={"best_error": 0.3, "constant_error": 0.5})
+    early, late = (config.model_copy(update={"plateau": step}) for step in (2, 3))
+    assert (early.late, late.late) == (False, True)
+    assert outcome(early).startswith("validation loss") and outcome(late).startswith(
+        "seed 5 learned late, after step 3"
+    )
+    assert not late.model_copy(update={"best_error": 0.6}).late  # it did not learn at all
 
 
 def test_the_constant_action_is_the_mean_of_training_held_against_validation(store: Path) -> None:
@@ -344,5 +367,6 @@ def test_without_validation_episodes_nothing_is_said(
 ) -> None:
     train(episodes=(store,), per_store=1, options=options(), out=tmp_path / "policy")
     config = read_config(tmp_path / "policy")
-    assert (config.best_loss, config.best_error, config.constant_error, config.learned) == (None, None, None, True)
+    assert (config.best_loss, config.best_error, config.constant_error, config.plateau) == (None, None, None, None)
+    assert config.learned and not config.late
     assert "validation loss" not in capsys.readouterr().err

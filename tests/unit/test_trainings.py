@@ -20,11 +20,18 @@ STUCK = "Door opening, 4 cousins, lite: seed 1 did not learn: validation loss -3
 
 
 def trained(
-    root: Path, name: str, seed: int, loss: float | None, error: float = 0.2, task: str = "door", run: str = "lite"
+    root: Path,
+    name: str,
+    seed: int,
+    loss: float | None,
+    error: float = 0.2,
+    task: str = "door",
+    run: str = "lite",
+    plateau: int = 200,
 ) -> Path:
     """A policy's config.json, whose constant action is off by 0.46."""
     path = root / "results" / "training" / task / name / run / f"seed_{seed}" / "config.json"
-    known = {} if loss is None else {"best_error": error, "constant_error": 0.46}
+    known = {} if loss is None else {"best_error": error, "constant_error": 0.46, "plateau": plateau}
     write_json(
         path,
         TrainedPolicy(
@@ -48,6 +55,14 @@ def outcomes(paths: list[Path]) -> list[str]:
 def test_a_policy_no_better_than_a_constant_action_did_not_learn_also_alone(tmp_path: Path) -> None:
     assert outcomes([trained(tmp_path, "twin", 0, -3.5, error=0.46)]) == ["did not learn"]
     assert outcomes([trained(tmp_path, "twin", 0, -3.5, error=0.45)]) == []
+
+
+def test_a_policy_that_learned_late_is_told_and_no_measure_for_others(tmp_path: Path) -> None:
+    paths = [trained(tmp_path, "twin", seed, -7.5, plateau=500) for seed in range(3)]
+    paths += [trained(tmp_path, "twin", 3, -6.1, plateau=900)]
+    table = collect(paths)
+    assert failed(table) == ["Door opening, twin, lite: seed 3 learned late: validation loss -6.1, others -7.5"]
+    assert table["others"].tolist() == [2, 2, 2, 3]
 
 
 def test_a_loss_far_above_those_of_the_other_seeds_is_told(tmp_path: Path) -> None:
@@ -146,3 +161,9 @@ def test_the_page_of_a_study_names_them(tmp_path: Path) -> None:
     text = (tmp_path / "out/table3.md").read_text()
     assert f"count like all others: {STUCK}." in text
     assert "| Door opening | lite | 4 cousins | -7.05<br>-7.10 to -3.50, 4 trainings |" in text
+
+
+def test_a_run_without_policies_has_an_empty_table(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    trainings.run(out=tmp_path)
+    assert capsys.readouterr().err == "tables: 0 trainings, none failed\n"
+    assert len(trainings.read_trainings(tmp_path / "trainings.csv")) == 0

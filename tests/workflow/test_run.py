@@ -64,6 +64,7 @@ def test_another_seed_of_training_keeps_everything_before_it(run: Path, tmp_path
     then = {
         "all",
         "train",
+        "trainings",
         "trial",
         "choose",
         "rollout",  # of the row that has nothing to choose
