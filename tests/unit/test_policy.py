@@ -116,7 +116,7 @@ def test_training_starts_at_the_mean_and_deviation_of_the_actions(asked: bool) -
     policy = Policy(TrainingRun(network=network))
     actions = torch.tensor([0.1, -0.2, 0.3, 0, 0, 0, 1.0]) + 0.3 * torch.randn(200, 7) * torch.tensor([1.0] * 6 + [0])
     seen, felt = clouds(200, 64), torch.randn(200, 9)
-    policy.fit(seen, felt, torch.cat([actions, actions.new_full((1, 7), 50)]), torch.arange(200))  # the last is not used
+    policy.fit(seen, felt, torch.cat([actions, torch.full((1, 7), 50.0)]), torch.arange(200))  # the last is unused
     start = policy(seen[None, :10], felt[None, :10])
     means, stds = start.means.mean((0, 1, 2)), start.stds.mean((0, 1, 2))
     near = (means - actions.mean(0).clamp(-0.9, 0.9)).abs().max() < 0.1 and (stds[:6] - 0.3).abs().max() < 0.05
