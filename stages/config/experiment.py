@@ -258,7 +258,7 @@ class ExperimentConfig(Section):
 
     def share(self, task: str, training_set: str) -> int:
         """Demonstrations that each store gives to a training set."""
-        return self.plan(task).episodes // read_set(training_set).count
+        return self.plan(task).episodes // read_set(training_set).size
 
     def sets_of(self, task: str) -> list[str]:
         """The training sets of all rows that use a row's demonstrations."""

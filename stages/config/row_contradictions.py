@@ -94,7 +94,7 @@ def training_sets(config: "Config") -> Iterator[Mistake]:
     uneven: dict[str, Mistake] = {}
     for task in experiment.tasks:
         plan, source = experiment.plan(task), experiment.source(task)
-        numbers = {name: read_set(name).count for name in plan.training_sets}
+        numbers = {name: read_set(name).size for name in plan.training_sets}
         odd = [name for name, number in numbers.items() if plan.episodes % number]
         if odd:
             key = "experiment.episodes" if plan.target.episodes is None else f"experiment.tasks.{source}.episodes"

@@ -15,14 +15,14 @@ class SetName(NamedTuple):
     """What the name of a training set says: `cousins_8_randomised` is eight cousins, randomised."""
 
     rule: str
-    count: int  # stores of demonstrations: one per asset; `all` is one store of many assets
+    size: int  # stores of demonstrations: one per asset; `all` is one store of many assets
     randomised: bool
 
 
 def read_set(name: str) -> SetName:
     """What the name of a training set says; it matches `SET_NAME`."""
-    rule, _, count = plain(name).partition("_")
-    return SetName(rule, int(count or 1), is_randomised(name))
+    rule, _, size = plain(name).partition("_")
+    return SetName(rule, int(size or 1), is_randomised(name))
 
 
 def is_set(name: str) -> bool:

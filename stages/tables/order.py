@@ -63,7 +63,7 @@ def title(name: str) -> str:
     if is_randomised(name):
         return f"{title(plain(name))}, randomised"
     if is_set(name) and (read := read_set(name)).rule in SETS:
-        return f"{read.count} {SETS[read.rule]}"
+        return f"{read.size} {SETS[read.rule]}"
     return NAMES.get(name, name.replace("_", " "))
 
 
