@@ -16,8 +16,7 @@ class TaskAsset(Contract):
     """One asset in the policy experiment, and what a policy and a gripper meet there."""
 
     role: Id = Field(
-        description="twin, matched, cousin_1, cousin_2, ... or dissimilar; of the lists: all, random, cover, "
-        "validation, test"
+        description="twin, matched, cousin_1, ... or dissimilar; of the lists: all, random, cover, validation, test"
     )
     asset: Id
     category: Id
@@ -57,14 +56,10 @@ class TaskAssets(Document):
     )
     draws: Rank = Field(1, description="so many draws, all as long, stand end to end in each of the next two lists")
     random_assets: list[TaskAsset] = Field(
-        [],
-        description="of each draw the training sets `random_n` take the first n: assets that may be trained on, by "
-        "chance",
+        [], description="the training sets `random_n` take the first n of a draw: assets to train on, by chance"
     )
     cover_assets: list[TaskAsset] = Field(
-        [],
-        description="likewise for `cover_n`: the first n, for any n, are spread over widths of fronts and heights of "
-        "handles on them",
+        [], description="`cover_n` likewise: the first n, for any n, are spread over fronts' widths, handles' heights"
     )
     validation_assets: list[TaskAsset] = Field([], description="every choice is made on these")
     test_assets: list[TaskAsset] = Field([], description="seen once, at the end: no choice is made on them")
@@ -177,10 +172,7 @@ class TaskAssets(Document):
             return [self.asset_of(name, where)]
         if not self.all_assets:
             raise InputError(
-                where,
-                "has no assets for the training set `all`.",
-                "run `experiment select` again",
-                code="E-ROLE-MISSING",
+                where, "has no assets for the training set `all`.", "run `experiment select`", code="E-ROLE-MISSING"
             )
         return self.all_assets
 

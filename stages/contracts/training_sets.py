@@ -21,8 +21,8 @@ class SetName(NamedTuple):
 
 def read_set(name: str) -> SetName:
     """What the name of a training set says; it matches `SET_NAME`."""
-    rule, _, count = plain(name).partition("_")
-    return SetName(rule, int(count or 1), is_randomised(name))
+    rule, _, size = plain(name).partition("_")
+    return SetName(rule, int(size or 1), is_randomised(name))
 
 
 def is_set(name: str) -> bool:
