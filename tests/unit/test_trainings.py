@@ -115,6 +115,10 @@ def test_without_validation_episodes_nothing_is_said(tmp_path: Path) -> None:
     table = collect(paths)
     assert failed(table) == [] and table["outcome"].isna().tolist() == [True] * 4 + [False] * 3
     assert "| Door opening | lite | twin | –<br>4 trainings | – | – |  |" in markdown(trainings_table(table))
+    some = collect([*paths, trained(tmp_path, "twin", 4, -3.5, error=0.6)])
+    assert "| -3.50<br>-3.50 to -3.50, 1 training | 0.60 | 0.46 | seed 4 did not learn" in markdown(
+        trainings_table(some)
+    )
 
 
 def stuck(root: Path) -> tuple[Path, ...]:
