@@ -30,10 +30,14 @@ rule export_scenes:
 
 
 rule export_demonstrations:
-    """The demonstrations of a training set in another tool's format."""
+    """The demonstrations of a training set, if it was drawn by chance of all draws, in another tool's format."""
     input:
         **LIBRARY,
-        episodes=rules.train.input.episodes,
+        episodes=lambda wildcards: files(
+            rules.demonstrate.output.episodes,
+            task=EXPERIMENT.source(wildcards.task),
+            role=EXPERIMENT.roles_of(EXPERIMENT.source(wildcards.task), wildcards.training_set),
+        ),
     output:
         folder=directory("results/exports/demonstrations/{format}/{task}/{training_set}"),
     log:

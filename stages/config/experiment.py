@@ -1,7 +1,7 @@
 """Config section `experiment`: which cells of the paper's tables this run computes."""
 
 import fnmatch
-from itertools import chain, product
+from itertools import chain
 from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import Field
@@ -266,17 +266,14 @@ class ExperimentConfig(Section):
 
     def trained_roles(self, task: str) -> list[str]:
         """Roles on which a task's demonstrations are collected; none where they are another row's."""
-        return sorted(self._shares(task))
+        return sorted({role for name in self.sets_of(task) for role in self.roles_of(task, name)})
+
+    def roles_of(self, task: str, training_set: str) -> list[str]:
+        """`roles` of all seeds of the rows that use a row's demonstrations for a training set."""
+        plans = [plan for plan in map(self.plan, self.sharing(task)) if training_set in plan.training_sets]
+        seeds = sorted({seed for plan in plans for seed in plan.seeds})
+        return list(dict.fromkeys(role for seed in seeds for role in self.roles(training_set, seed)))
 
     def episodes_of(self, task: str, role: str) -> int:
         """Demonstrations to collect for a role: the largest share that any training set of any row asks of it."""
-        return self._shares(task).get(role, 0)
-
-    def _shares(self, task: str) -> dict[str, int]:
-        """The largest share that any training set and seed of any row asks of each role."""
-        found: dict[str, int] = {}
-        for plan in map(self.plan, self.sharing(task)):
-            for name, seed in product(plan.training_sets, plan.seeds):
-                share = self.share(task, name)
-                found |= {role: max(share, found.get(role, 0)) for role in self.roles(name, seed)}
-        return found
+        return max((self.share(task, n) for n in self.sets_of(task) if role in self.roles_of(task, n)), default=0)

@@ -53,19 +53,19 @@ def with_lists(
     for name, assets in {"train": train, "validation": splits.validation, "test": splits.test}.items():
         print(census(name, assets), file=sys.stderr)
     pool = [asset for asset in train if asset.family not in twins]
-    # in this order, which published assets were drawn in: what is added draws from the generator last
-    first = by_chance(pool, rng)[:DRAW]
-    validation, test = balanced(splits.validation, rng)[:count], balanced(splits.test, rng)[:count]
-    others = [asset for _ in range(draws - 1) for asset in by_chance(pool, rng)[:DRAW]]
-    covering = [asset for _ in range(draws) for asset in cover(pool, DRAW, rng)]
+    first = by_chance(pool, rng)  # of the same generator and in its turn, as published assets were drawn
+    validation, test = balanced(splits.validation, rng), balanced(splits.test, rng)
+    own = np.random.default_rng((seed, *f"{plan.scene} {plan.object} {plan.task}".encode()))  # other draws per object
+    by_draw = [first, *(by_chance(pool, own) for _ in range(draws - 1))]
+    covering = [cover(pool, DRAW, own) for _ in range(draws)]
     return plan.model_copy(
         update={
             "all_assets": _as("all", sorted(everything, key=lambda asset: (asset.distance, asset.asset))),
             "draws": draws,
-            "random_assets": _as("random", [*first, *others]),
-            "cover_assets": _as("cover", covering),
-            "validation_assets": _as("validation", validation),
-            "test_assets": _as("test", test),
+            "random_assets": _as("random", [asset for draw in by_draw for asset in draw[:DRAW]]),
+            "cover_assets": _as("cover", [asset for draw in covering for asset in draw]),
+            "validation_assets": _as("validation", validation[:count]),
+            "test_assets": _as("test", test[:count]),
         }
     )
 

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from stages.config.tables import TablesConfig
 from stages.tables.assets import judged_over, of_splits
 from stages.tables.cells import rates
-from stages.tables.drawing import MARKERS, colour, draw_rates, mark_not_run, rate_axis
+from stages.tables.drawing import colour, draw_rates, mark_not_run, marker, rate_axis
 from stages.tables.order import SKILL, set_key, title
 
 AXES = {"dino_distance": "distance from the twin", "handle_length": "length of the handle (m)"}
@@ -64,7 +64,7 @@ def _draw(panel: Axes, axis: str, points: pd.DataFrame, thirds: pd.DataFrame) ->
         mine = points[points["training_set"] == name]
         panel.scatter(
             mine[axis] + beside, 100 * mine["mean"], s=13, alpha=0.35, linewidths=0.6, color=colour(name),
-            marker=MARKERS.get(name, "x"),
+            marker=marker(name),
         )  # fmt: skip
         line = thirds[thirds["training_set"] == name].sort_values("place")
         draw_rates(panel, line["place"] + beside, line, name)

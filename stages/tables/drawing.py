@@ -14,19 +14,21 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from stages.contracts.files import atomic
+from stages.contracts.training_sets import is_randomised, plain
 from stages.tables.order import title
 from stages.tables.text import NOT_RUN
 
-# Okabe and Ito's palette: colour-blind readers can distinguish its colours
+# Okabe and Ito's palette, and a brown darker than its orange: colour-blind readers can distinguish them
 COLOURS = {
     "twin": "#D55E00",
     "twin_randomised": "#E69F00",
     "cousins_2": "#56B4E9",
     "cousins_4": "#0072B2",
     "cousins_8": "#009E73",
+    "cover_8": "#8C510A",
     "all": "#CC79A7",
 }
-MARKERS = {"twin": "s", "twin_randomised": "P", "cousins_2": "v", "cousins_4": "o", "cousins_8": "^", "all": "D"}
+MARKERS = {"twin": "s", "cousins_2": "v", "cousins_4": "o", "cousins_8": "^", "cover_8": "*", "all": "D"}
 GREY = "#6a6d70"  # as in figures.mplstyle
 
 
@@ -36,8 +38,13 @@ def style() -> AbstractContextManager[None]:
 
 
 def colour(training_set: str) -> str:
-    """Colour of a training set; grey for one that the paper does not have."""
-    return COLOURS.get(training_set, "#444444")
+    """Colour of a training set, randomised or not; grey for others, as sets by chance."""
+    return COLOURS.get(training_set, COLOURS.get(plain(training_set), "#444444"))
+
+
+def marker(training_set: str) -> str:
+    """Marker of a training set: a plus for those that are randomised."""
+    return "P" if is_randomised(training_set) else MARKERS.get(training_set, "x")
 
 
 def rate_axis(axes: Axes, label: bool) -> None:
@@ -58,7 +65,7 @@ def draw_rates(axes: Axes, places: Any, rates: pd.DataFrame, training_set: str) 
     mean = rates["mean"].to_numpy()
     bars = 100 * np.clip([mean - rates["low"].to_numpy(), rates["high"].to_numpy() - mean], 0, None)
     axes.errorbar(
-        places, 100 * mean, yerr=bars, color=colour(training_set), marker=MARKERS.get(training_set, "x"), markersize=5,
+        places, 100 * mean, yerr=bars, color=colour(training_set), marker=marker(training_set), markersize=5,
         linewidth=1.8, elinewidth=1, capsize=2.5, label=f"trained on {title(training_set)}",
     )  # fmt: skip
 

@@ -36,6 +36,9 @@ def test_coverage_is_the_share_of_figures_within_what_was_shown() -> None:
     found = traits([small], {("twin", 0): Shown([twin], (0.75, 1.25)), ("cousins_2", 0): Shown([cousin], (0.75, 1.25))})
     assert found.set_index("training_set")["coverage"].to_dict() == {"twin": 1, "cousins_2": 0.5}
     assert set(found["handle_height"]) == {0.5}
+    by_seed = {("random_1", seed): Shown([shown], (0.75, 1.25)) for seed, shown in enumerate((twin, cousin))}
+    drawn = traits([small], by_seed)
+    assert drawn.set_index("seed")["coverage"].to_dict() == {0: 1, 1: 0.5}, "each seed was shown what it drew"
 
 
 def test_success_follows_what_decides_it_and_nothing_else() -> None:

@@ -182,6 +182,15 @@ CASES = [
         "experiment: {tasks: {door: {training_sets: [random_3], episodes: 4}, door_handle: null}}",
         "experiment.tasks.door.episodes: 4 cannot be shared evenly by the assets of random_3",
     ),
+    (
+        "experiment: {training_sets: [cousins_9_randomised], episodes: 9}",
+        "experiment.training_sets: cousins_9_randomised needs 9 cousins, experiment.cousins = 10 leaves 8",
+    ),
+    (
+        "experiment: {training_sets: [cover_17], episodes: 17}",
+        "experiment.training_sets: cover_17 needs 17 assets, 16 are drawn. Fix: cover_16 or fewer",
+    ),
+    ("experiment: {draws: 0}", "experiment.draws: Input should be greater than or equal to 1"),
     ("experiment: {seeds: [-1]}", "experiment.seeds.0: Input should be greater than or equal to 0"),
     ("matching: {encoder: dinov2}", "matching.dinov2.path: no config.json in ''"),
     ("evaluation: {conditions: {'a/b': {own_size: true}}}", "evaluation.conditions: 'a/b' is no name"),

@@ -121,10 +121,12 @@ def test_a_verb_can_read_nothing_else(stage: str, verb: str) -> None:
     assert READS[stage, verb].__name__ in models
 
 
-def test_ranges_of_the_randomised_twin_run_its_demonstrations_alone_again() -> None:
-    for role, told_of_it in (("twin", False), ("twin_randomised", True)):
+def test_ranges_of_what_is_randomised_run_its_demonstrations_alone_again() -> None:
+    for role in ("twin", "cousin_1", "cover_17", "all"):
         told = options_of(CONFIG, "demonstrations", "collect", {"task": "door", "role": role})
-        assert ("randomise" in told) == told_of_it, role
+        assert "randomise" not in told, role
+        told = options_of(CONFIG, "demonstrations", "collect", {"task": "door", "role": f"{role}_randomised"})
+        assert "randomise" in told, role
 
 
 def test_rules_ask_for_the_options_of_their_own_verb() -> None:

@@ -169,6 +169,12 @@ def test_an_asset_that_was_drawn_by_chance_has_a_store_of_its_own(tmp_path: Path
     out = tmp_path / "random_1" / "episodes.h5"
     run(**experiment(tmp_path), role="random_1", episodes=1, out=out, task_options=json.dumps(TASK))
     assert read_episodes(out).assets == ["narrow"]
+    wider = tmp_path / "wider" / "episodes.h5"
+    run(**experiment(tmp_path), role="random_1_randomised", episodes=1, out=wider, task_options=json.dumps(TASK))
+    assert read_episodes(wider).assets == ["narrow"]
+    for path, randomised in ((out, False), (wider, True)):
+        with h5py.File(path) as file:
+            assert ("randomise" in file["data"].attrs) == randomised
     with pytest.raises(InputError, match="has no 'random_2': 1 x 1 assets were drawn"):
         run(**experiment(tmp_path), role="random_2", episodes=1, out=out)
 

@@ -114,6 +114,14 @@ def test_only_places_where_all_were_tested_are_compared() -> None:
     assert np.isnan(rate_interval(side(np.ones((1, 0, 2))), OPTIONS).low)
 
 
+def test_runs_that_share_no_asset_have_an_interval_over_all_of_them() -> None:
+    """The assets of a training set that every seed draws anew."""
+    apart = side(np.ones((2, 8, 1)))
+    apart.iloc[0, :4] = apart.iloc[1, 4:] = np.nan
+    apart.iloc[0, 4] = 0
+    assert rate_interval(apart, OPTIONS) == pytest.approx(wilson(7, 8, 0.95))
+
+
 def drawn(rng: np.random.Generator, runs: int, effect: float) -> tuple[Side, Side]:
     """Two sides on 24 assets, twice each: most assets are opened always or never, some by one side alone."""
     asset, sides, training = rng.normal(0, 4, 24), [], 0.5 if runs > 1 else 0.0

@@ -10,7 +10,7 @@ from stages.contracts.policies import Rollout, TaskAsset, TaskAssets
 from stages.tables import asset_panels, assets, table3
 from stages.tables.markup import Table, markdown
 from stages.tables.methods import kind
-from stages.tables.order import set_key, task_key, title
+from stages.tables.order import role_title, set_key, task_key, title
 from stages.tables.policy_figures import figure4
 from stages.tables.policy_tables import assets_table, by_handle_table
 from stages.tables.roles import lists_table, roles_table
@@ -110,9 +110,16 @@ def test_names_of_rows_and_sets() -> None:
     ]  # fmt: skip
     tasks = ["own", "drawer", "door_blind", "door", "door_handle"]
     assert sorted(tasks, key=task_key) == ["door", "door_handle", "door_blind", "drawer", "own"]
-    sets = ["skill", "all", "random_8", "cousins_8", "twin_randomised", "twin"]
-    assert sorted(sets, key=set_key) == ["twin", "twin_randomised", "cousins_8", "random_8", "all", "skill"]
-    assert [title(name) for name in sets[2:5]] == ["8 random assets", "8 cousins", "twin, randomised"]
+    sets = ["skill", "all", "random_8", "cover_8", "cousins_8_randomised", "cousins_8", "twin_randomised", "twin"]
+    assert sorted(sets, key=set_key) == sets[::-1]
+    assert [title(name) for name in sets[2:7]] == [
+        "8 random assets", "8 covering assets", "8 cousins, randomised", "8 cousins", "twin, randomised",
+    ]  # fmt: skip
+    roles = ["random_3", "cover_19", "random_17_randomised", "cousin_2_randomised", "twin", "all_randomised"]
+    assert [role_title(role) for role in roles] == [
+        "random 3", "cover 3 of draw 2", "random 1 of draw 2, randomised", "cousin 2, randomised", "twin",
+        "all assets, randomised",
+    ]  # fmt: skip
     assert [kind(name, KINDS) for name in ("door_handle", "door_handle/mine", "door_long")] == [
         "handle flagged", "mine", "Door opening, long",
     ]  # fmt: skip
@@ -134,20 +141,24 @@ def chosen() -> TaskAssets:
     return TaskAssets(
         task="door", scene="room_1", object="cabinet_1", encoder="hog",
         assets=[asset("twin", 0), asset("cousin_1", 1), asset("dissimilar", 9, handle="edge", family="f_9")],
+        draws=2,
         random_assets=[asset("random", 2, handle="knob"), asset("random", 3)],
+        cover_assets=[asset("cover", 3), asset("cover", 2)],
         test_assets=[asset("test", n, handle=handle, handle_length=n / 100, family=f"f_{n // 2}")
                      for n, handle in ((4, "knob"), (5, "bar"), (6, "knob"))],
     )  # fmt: skip
 
 
 def test_roles_tell_families_handles_and_what_was_demonstrated() -> None:
-    shown = roles_table(chosen(), ["twin", "twin_randomised", "random_1"], "roles", "")
+    demonstrated = ["twin", "twin_randomised", "random_1", "cover_17_randomised"]
+    shown = roles_table(chosen(), demonstrated, "roles", "")
     assert [[row[0], row[6], row[7]] for row in texts(shown)] == [
         ["twin", "yes, randomised", "yes"], ["cousin 1", "no", "yes"], ["dissimilar", "no", "no"],
-        ["random 1", "yes", "yes"],
+        ["random 1", "yes", "yes"], ["cover 1 of draw 2", "randomised", "yes"],
     ]  # fmt: skip
     assert shown.rows[0][2] == "cabinet_00"
     assert shown.rows[0][4].endswith("\n12 cm, at 50 % of the front")
     (lists,) = lists_table(chosen(), "lists", "")
     assert texts(lists) == [["random assets", "2", "1", "bar 1, knob 1", "12-12 cm"],
+                            ["covering assets", "2", "1", "bar 2", "12-12 cm"],
                             ["test", "3", "2", "bar 1, knob 2", "4-6 cm"]]  # fmt: skip

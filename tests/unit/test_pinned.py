@@ -41,6 +41,27 @@ def test_a_file_is_taken_over_for_its_task(study: dict[str, Path], tmp_path: Pat
     assert not (tmp_path / "bowl.json").exists()
 
 
+def test_a_file_of_fewer_draws_than_seeds_need_is_refused(study: dict[str, Path], tmp_path: Path) -> None:
+    plan, file = read_json(TaskAssets, study["assets"]), tmp_path / "door.json"
+    cousins = [an_asset(f"near{number}_1", 1.0, role=f"cousin_{number}") for number in range(1, 11)]
+    named = {"object": "hanging_cabinet_1", "assets": [*plan.assets, *cousins], "held_out": [2, 6]}
+    chance = [an_asset(f"chance{number}_1", role="random") for number in range(8)]
+    write_json(file, plan.model_copy(update=named | {"random_assets": chance}))
+    default = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
+
+    def read(sets: list[str], **asked: Any) -> None:
+        load(merged(default, {"experiment": {"tasks": {"door": {"assets": str(file)}}, "training_sets": sets} | asked}))
+
+    read(["twin", "cousins_8", "twin_randomised"])
+    read(["random_8"], draws=1)
+    with refused("E-CONFIG-CLASH", f"experiment.draws: 5, but {file} has 1 for random_8. Fix: lower it"):
+        read(["random_8"])
+    with refused("E-CONFIG-CLASH", f"tasks.door.training_sets: cover_8 needs 8 assets, {file} has 0 in a draw"):
+        read(["cover_8"], draws=1)
+    with refused("E-CONFIG-CLASH", "random_10_randomised needs 10 assets"):
+        read(["random_10_randomised"], draws=1)
+
+
 def test_a_changed_or_lost_model_is_refused(study: dict[str, Path], tmp_path: Path) -> None:
     plan = read_json(TaskAssets, study["assets"])
     changed = [plan.test_assets[0].model_copy(update={"digest": "c0ffee"})]
@@ -50,7 +71,7 @@ def test_a_changed_or_lost_model_is_refused(study: dict[str, Path], tmp_path: Pa
         InputError, match=r"library.json: has another lone_1 .* than the one \(digest c0ffee\) in .*Fix"
     ):
         pinned(**files, task="door")
-    write_json(tmp_path / "door.json", plan.model_copy(update={"test_assets": [an_asset("gone_1")]}))
+    write_json(tmp_path / "door.json", plan.model_copy(update={"cover_assets": [an_asset("gone_1")]}))
     with refused("E-ASSETS-CHANGED"):
         pinned(**files, task="door")
 

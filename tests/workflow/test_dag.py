@@ -80,7 +80,7 @@ def test_a_task_may_have_rows_with_training_sets_and_options_of_their_own(folder
 
 def test_a_row_may_share_the_assets_and_demonstrations_of_another(folder: Path) -> None:
     rows = """
-    flag: {assets_of: door, training_sets: [cousins_2, random_2, twin_randomised], seeds: [5]}
+    flag: {assets_of: door, training_sets: [cousins_2_randomised, random_2, twin_randomised], seeds: [5, 6]}
     door_handle: null
     """
     (folder / "shared.yaml").write_text(
@@ -90,20 +90,26 @@ def test_a_row_may_share_the_assets_and_demonstrations_of_another(folder: Path) 
     jobs = planned(done.stdout)
     assert done.returncode == 0, done.stdout
     assert jobs["select"] == jobs["skill"] == jobs["draw_roles"] == jobs["demonstrate_in_scene"] == 1
-    assert jobs["demonstrate"] == 1 + 2 + 2 + 1 and jobs["train"] == jobs["rollout"] == 1 + 3
-    trained = re.search(
-        r"training train --episodes (.*?) --per-store 4 .*--out results/training/flag/random_2", done.stdout
-    )
-    assert trained and trained[1].split() == [
-        f"results/demonstrations/door/random_{number}/episodes.h5" for number in (1, 2)
-    ]
+    assert jobs["demonstrate"] == 1 + 2 + 2 * 2 + 1 and jobs["train"] == jobs["rollout"] == 1 + 2 * 3
+    for seed, numbers in ((5, (1, 2)), (6, (17, 18))):  # each learns from a draw of its own
+        ours = rf".*--out results/training/flag/random_2/lite/seed_{seed}"
+        trained = re.search(rf"training train --episodes (\S+) (\S+) --per-store 4 {ours}", done.stdout)
+        assert trained and list(trained.groups()) == [
+            f"results/demonstrations/door/random_{number}/episodes.h5" for number in numbers
+        ]
+        told = (
+            f"--trained-roles {' '.join(f'random_{number}' for number in numbers)} .*/flag/random_2/lite/seed_{seed}/"
+        )
+        assert re.search(told, done.stdout)
+    assert re.search(r'collect .*--role cousin_1_randomised .*--options .*"randomise"', done.stdout)
     rolled = re.findall(r"--assets (\S+) .*--task-name flag --training-set (\w+) .*--assets-of door ", done.stdout)
     assert set(rolled) == {
-        ("results/experiment/b/door/assets.json", name) for name in ("cousins_2", "random_2", "twin_randomised")
+        ("results/experiment/b/door/assets.json", name)
+        for name in ("cousins_2_randomised", "random_2", "twin_randomised")
     }
     assert "results/experiment/b/flag" not in done.stdout and "results/demonstrations/flag" not in done.stdout
     exported = planned(dry_run(folder, "exports", "--configfile", "shared.yaml").stdout)
-    assert exported["export_demonstrations"] == 3 * 4 and exported["export_policy"] == 4
+    assert exported["export_demonstrations"] == 3 * 4 and exported["export_policy"] == 7
 
 
 def test_two_policies_are_trained_on_the_same_and_both_are_shown(folder: Path) -> None:

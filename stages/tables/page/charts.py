@@ -10,7 +10,7 @@ from matplotlib import pyplot as plt
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, PercentFormatter
 
-from stages.tables.drawing import GREY, MARKERS, colour, style
+from stages.tables.drawing import GREY, colour, marker, style
 from stages.tables.order import SKILL, set_key, title
 
 Points = list[tuple[float, float]]
@@ -71,7 +71,7 @@ def success_chart(cells: pd.DataFrame, alt: str, rows: dict[str, str], by: str, 
             places = mine[by].map(names.index) + step * (index - (len(sets) - 1) / 2)
             bars = [100 * (mine["mean"] - mine["low"]).clip(0), 100 * (mine["high"] - mine["mean"]).clip(0)]
             axes.errorbar(
-                100 * mine["mean"], places, xerr=bars, fmt=MARKERS.get(name, "x"), color=colour(name), markersize=5.5,
+                100 * mine["mean"], places, xerr=bars, fmt=marker(name), color=colour(name), markersize=5.5,
                 elinewidth=2, capsize=0, clip_on=False, label=f"trained on {title(name)}",
             )  # fmt: skip
             for place, successes, episodes in zip(places, mine["successes"], mine["episodes"], strict=True):
