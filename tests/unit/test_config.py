@@ -158,6 +158,7 @@ FOR_PEOPLE = {
     "from-rgbd",
     "import",
     "results",
+    "sets",
 }  # pages and helpers that no rule calls: there is nothing to replace
 
 
