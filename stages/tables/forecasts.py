@@ -7,6 +7,7 @@ import pandas as pd
 
 from stages.tables.markup import Table
 from stages.tables.order import title
+from stages.tables.rows import records
 from stages.tables.statistics import NAN
 from stages.tables.text import NOT_RUN, number, percent, points
 
@@ -49,12 +50,12 @@ def _fit(cells: pd.DataFrame) -> dict[str, Any]:
 def agreement_table(table: pd.DataFrame) -> Table:
     """The rows as text."""
     rows = []
-    for row in table.itertuples():
-        cells = [str(row.cells)] if row.cells else [NOT_RUN]
-        if row.cells:
-            cells += [percent(row.measured), percent(row.forecast), points(row.error).lstrip("+")]
-            cells += [number(row.correlation, 2), number(row.slope, 2)]
-        rows.append([title(row.task), title(row.condition), row.bin, *cells, *[""] * (6 - len(cells))])
+    for row in records(table):
+        cells = [str(row["cells"])] if row["cells"] else [NOT_RUN]
+        if row["cells"]:
+            cells += [percent(row["measured"]), percent(row["forecast"]), points(row["error"]).lstrip("+")]
+            cells += [number(row["correlation"], 2), number(row["slope"], 2)]
+        rows.append([title(row["task"]), title(row["condition"]), row["bin"], *cells, *[""] * (6 - len(cells))])
     return Table(
         "agreement",
         "Measured success and forecast, policy by policy.",

@@ -127,7 +127,7 @@ def of_sets(cells: pd.DataFrame, rollouts: pd.DataFrame, options: TablesConfig) 
         ran = part[part["status"] == "run"]
         row = dict(zip([*PART, "training_set"], key, strict=True)) | {"policies": len(ran), "policies_asked": len(part)}
         row |= {"status": "run" if len(ran) else "not run", "forecast": over_objects(ran, "forecast")}
-        rows.append(row | numbers(estimate(_part(rollouts, *key), options)))
+        rows.append(row | numbers(estimate(_part(rollouts, *map(str, key)), options)))
     return pd.DataFrame(rows, columns=SETS)
 
 
@@ -138,7 +138,8 @@ def compare(cells: pd.DataFrame, rollouts: pd.DataFrame, options: TablesConfig) 
     without the pairs of which a training did not learn or stayed behind.
     """
     rows = []
-    for (condition, task), part in cells.groupby(PART, sort=False):
+    for key, part in cells.groupby(PART, sort=False):
+        condition, task = map(str, key)
         policies = {
             str(name): of.set_index(["object", "seed"]) for name, of in part.groupby("training_set", sort=False)
         }
@@ -150,7 +151,7 @@ def compare(cells: pd.DataFrame, rollouts: pd.DataFrame, options: TablesConfig) 
             kept = ~pd.MultiIndex.from_frame(pairs[["object", "seed"]]).isin(bad[0].union(bad[1]))
             told = (ours["forecast"] - theirs["forecast"]).loc[ran].reset_index()
             found, learned = estimate(pairs, options), estimate(pairs[kept], options)
-            row = {"condition": condition, "task": task, "training_set": name, "baseline": baseline}
+            row: dict[str, Any] = {"condition": condition, "task": task, "training_set": name, "baseline": baseline}
             row |= {"objects_asked": part["object"].nunique(), "preliminary": len(ran) < len(ours), **numbers(found)}
             row |= {"forecast": over_objects(told, "forecast"), "verdict": verdict(found)}
             row |= {"learned_mean": learned.mean, "learned_low": learned.low, "learned_high": learned.high}
