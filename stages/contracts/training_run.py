@@ -20,7 +20,7 @@ class NetworkConfig(Section):
         0.0,
         ge=0,
         description="of the median spread of pooled features: those that vary by less are scaled as if they varied by "
-        "so much; 0.5 keeps long tasks from collapsing (docs/policies.md)",
+        "so much; 0.5 kept long tasks from collapsing (docs/results/policies.md)",
     )
     pointnet_width: int = Field(64, ge=8, description="paper: 512")
     pointnet_layers: int = Field(2, ge=2, description="linear layers before the max-pool; paper: 2, official code: 3")

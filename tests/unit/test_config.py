@@ -153,20 +153,21 @@ def test_only_verbs_that_exist_are_replaced(stages: dict, message: str) -> None:
     assert message in str(caught.value)
 
 
-FOR_PEOPLE = {
-    "annotate",
-    "from-rgbd",
-    "import",
-    "results",
-    "sets",
-}  # pages and helpers that no rule calls: there is nothing to replace
+FOR_PEOPLE = {  # pages and helpers that no rule calls: there is nothing to replace
+    "assets import",
+    "experiment choose",
+    "inputs annotate",
+    "inputs from-rgbd",
+    "tables results",
+    "tables sets",
+}
 
 
 @pytest.mark.parametrize("stage", VERBS)
 def test_every_verb_can_be_replaced(stage: str) -> None:
     tree = ast.parse((ROOT / "stages" / stage / "__main__.py").read_text())
     offered = next(node for node in ast.walk(tree) if isinstance(node, ast.Dict))
-    called_by_rules = [verb for verb in ast.literal_eval(offered) if verb not in FOR_PEOPLE]
+    called_by_rules = [verb for verb in ast.literal_eval(offered) if f"{stage} {verb}" not in FOR_PEOPLE]
     assert tuple(called_by_rules) == VERBS[stage]
 
 
