@@ -7,8 +7,8 @@ from typing import Any
 
 import pandas as pd
 
-from stages.contracts import trained
-from stages.contracts.policy_folder import read_config
+from stages.contracts import read_json, trained
+from stages.contracts.trained import TrainedPolicy
 from stages.tables.markup import Table
 from stages.tables.order import set_key, task_key, title
 from stages.tables.rows import read_table, records
@@ -22,6 +22,7 @@ COLUMNS = [
 ]
 LEARNED, LATE, BEHIND, STUCK = "learned", "learned late", "stayed behind", "did not learn"
 FAILED = (LATE, BEHIND, STUCK)
+AGAIN = "train the policy again"
 FEWEST = 3  # seeds that tell by themselves how seeds differ
 FAR = 3.0  # robust standard deviations of the others
 PART = 0.25  # of the others' loss; which episodes a seed validates on moved it by up to 0.15 (of 83 trainings)
@@ -35,7 +36,7 @@ def collect(configs: Sequence[Path]) -> pd.DataFrame:
     """
     rows: list[dict[str, Any]] = []
     for path in configs:
-        policy, (task, name, run) = read_config(path.parent), path.absolute().parts[-5:-2]
+        policy, (task, name, run) = read_json(TrainedPolicy, path, AGAIN), path.absolute().parts[-5:-2]
         outcome = LATE if policy.late else LEARNED if policy.learned else STUCK
         about = {"task": task, "run": run, "training_set": name, "seed": policy.seed, "best_step": policy.best_step}
         losses = {"validation_loss": policy.best_loss, "validation_error": policy.best_error}
