@@ -6,7 +6,7 @@ from stages.contracts.choice import Choice, ChosenModel
 from stages.contracts.policies import TaskAsset
 from stages.experiment.coverage import ERRORS
 
-SEEN = "in six of six comparisons policies opened more unseen models after eight by chance than after the eight nearest"
+SEEN = "in eight of eight comparisons policies opened more unseen models after eight by chance than after the nearest"
 WHY = {
     "chance": SEEN,
     "cover": f"you asked for it; at two objects it opened about as many as chance; {SEEN}",
