@@ -6,7 +6,9 @@ from stages.contracts.choice import Choice, ChosenModel
 from stages.contracts.policies import TaskAsset
 from stages.experiment.coverage import ERRORS
 
-SEEN = "in eight of eight comparisons policies opened more unseen models after eight by chance than after the nearest"
+SEEN = (
+    "at eleven of twelve objects policies opened more after eight by chance than after the nearest, often hardly more"
+)
 WHY = {
     "chance": SEEN,
     "cover": f"you asked for it; at two objects it opened about as many as chance; {SEEN}",

@@ -52,7 +52,7 @@ def test_it_tells_the_models_and_what_they_cover(
     assert all(model.size[1] == MODELS[model.asset]["size"][1] for model in choice.models), "at their own size"
     assert 0.5 <= choice.within_1 <= choice.within_2 <= 1 and choice.forecast is not None
     assert said.startswith(
-        "door: 2 of 4 models in 4 families (hinge right), by chance, seed 0\n  why: in eight of eight"
+        "door: 2 of 4 models in 4 families (hinge right), by chance, seed 0\n  why: at eleven of twelve objects"
     )
     for what in (*names, "shows: fronts", "covers: ", "a set of 2 picked for that alone covers", "expects: "):
         assert what in said
