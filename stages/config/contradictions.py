@@ -1,5 +1,6 @@
 """What a config asks for that cannot be: found before anything runs, all at once, each with its mend."""
 
+import os
 import shlex
 from collections import Counter
 from collections.abc import Iterable, Iterator
@@ -197,11 +198,14 @@ def _of_environment(config: "Config", key: str, task: TaskConfig) -> Iterator[Mi
 
 
 def _stages(config: "Config") -> Iterator[Mistake]:
-    """Files of replaced verbs that exist."""
+    """Replaced verbs: scripts that can be executed, files that exist."""
     for stage, commands in config.stages.items():
         for verb, own in commands.items():
+            key, script = f"stages.{stage}.{verb}", own.command.partition(" ")[0]
+            here = script.startswith(".") or Path(script).is_file()  # else it may be in an image alone
+            if "/" in script and here and not os.access(script, os.X_OK):
+                mend = f"chmod +x {script}, or correct the path"
+                yield Mistake(f"{key}.command", f"{script} cannot be executed", mend, "E-CONFIG-FILE")
             for name in own.code:
                 if not Path(name).exists():
-                    yield Mistake(
-                        f"stages.{stage}.{verb}.code", f"no file or folder {name}", "correct the path", "E-CONFIG-FILE"
-                    )
+                    yield Mistake(f"{key}.code", f"no file or folder {name}", "correct the path", "E-CONFIG-FILE")

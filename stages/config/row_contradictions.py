@@ -49,7 +49,8 @@ def tasks(config: "Config") -> Iterator[Mistake]:
             what = f"'{target.object}' of {target.scene} has no {task}"
         else:
             continue
-        yield Mistake(f"{key}.object", what, f"one of {', '.join(able)}", "E-CONFIG-UNKNOWN")
+        mend = f"one of {', '.join(able)}" if able else f"no object there has one; remove the task: `{name}: null`"
+        yield Mistake(f"{key}.object", what, mend, "E-CONFIG-UNKNOWN")
 
 
 def shared_rows(config: "Config") -> Iterator[Mistake]:

@@ -42,11 +42,18 @@ class TrainablePolicy(nn.Module, ABC):
         self.run = run
 
     def fit(self, clouds: Tensor, proprio: Tensor, actions: Tensor, frames: Tensor) -> None:
-        """Fit normaliser and start before training; `frames` are the rows of the three that are to be trained on."""
+        """Fit normaliser and start before training; `frames` are the rows of the three that are to be trained on.
+
+        What is kept goes into buffers that `__init__` registered at their size. A policy without parameters is fitted
+        alone: `steps: 1`.
+        """
 
     @abstractmethod
     def loss(self, clouds: Tensor, proprio: Tensor, actions: Tensor, weights: Tensor) -> tuple[Tensor, Tensor]:
-        """Loss of sequences (B, T, ...), and the RMS error of the actions; steps with weight 0 do not count."""
+        """Loss of sequences (B, T, ...), and the RMS error of the actions; steps with weight 0 do not count.
+
+        `self.training` is false when validation episodes are looked at.
+        """
 
     @abstractmethod
     def actor(self, slots: int, choose: Choice) -> ActorProtocol:

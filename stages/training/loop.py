@@ -65,7 +65,8 @@ def optimise(policy: TrainablePolicy, state: TrainingState, setting: Setting, lo
         clouds, proprio = augment(batch.clouds, batch.proprio, run, random)
         loss, _ = policy.loss(clouds, proprio, batch.actions, batch.weights)
         state.optimiser.zero_grad()
-        loss.backward()
+        if loss.requires_grad:
+            loss.backward()
         torch.nn.utils.clip_grad_norm_(policy.parameters(), run.gradient_clip)
         state.optimiser.step()
         losses.append(loss.detach())
@@ -103,7 +104,9 @@ def validate(policy: TrainablePolicy, batches: list[Batch]) -> dict[str, float]:
     """Loss and action error on the validation episodes; empty without any."""
     if not batches:
         return {}
+    policy.eval()  # dropout and the like are for training
     results = [torch.stack(policy.loss(batch.clouds, batch.proprio, batch.actions, batch.weights)) for batch in batches]
+    policy.train()
     weights = torch.stack([batch.weights.sum() for batch in batches])
     loss, error = (torch.stack(results) * weights[:, None]).sum(0) / weights.sum()
     return {"validation_loss": round(loss.item(), 5), "validation_error": round(error.item(), 5)}

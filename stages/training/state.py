@@ -64,7 +64,7 @@ class TrainingState:
         if not path.is_file():
             return False
         try:
-            content = torch.load(path, weights_only=True, map_location=next(policy.parameters()).device)
+            content = torch.load(path, weights_only=True, map_location="cpu")
             reason = self._fault(content, policy)
         except Exception as error:  # torch, zipfile and pickle raise many kinds for a broken file
             reason = f"cannot be read ({error.__class__.__name__})"

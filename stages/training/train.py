@@ -71,7 +71,8 @@ def run(
     policy = make_policy(hyper)
     policy.fit(data.clouds, data.proprio, data.actions, frames_of(data, training))
     policy.to(device)
-    optimiser = torch.optim.AdamW(policy.parameters(), weight_decay=hyper.weight_decay, fused=True)
+    learned = [*policy.parameters()] or [torch.nn.Parameter(torch.zeros(0))]  # a policy may be fitted alone
+    optimiser = torch.optim.AdamW(learned, weight_decay=hyper.weight_decay, fused=True)
     state = TrainingState(optimiser, fingerprint(data, hyper, seed))
     if state.resume(policy, setting.work):
         print(f"training: goes on from step {state.step}", file=sys.stderr)

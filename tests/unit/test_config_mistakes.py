@@ -208,6 +208,14 @@ CASES = [
         "stages: {matching: {match: {command: x, code: [gone.sh]}}}",
         "stages.matching.match.code: no file or folder gone.sh",
     ),
+    (
+        "stages: {matching: {match: {command: ./gone.sh --fast}}}",
+        "stages.matching.match.command: ./gone.sh cannot be executed",
+    ),
+    (
+        f"stages: {{matching: {{match: {{command: {__file__}}}}}}}",
+        f"stages.matching.match.command: {__file__} cannot be executed. Fix: chmod +x",
+    ),
     ("maching: {encoder: hog}", "maching: unknown key. Fix: did you mean 'matching'?"),
 ]
 
@@ -326,6 +334,8 @@ def test_objects_of_an_own_scene_are_known_by_its_annotations(tmp_path: Path) ->
     assert lines(text.format(tmp_path, "tall_cabinet_1")) == []
     assert "has no 'cabinet_1'. Fix: one of tall_cabinet_1" in lines(text.format(tmp_path, "cabinet_1"))[0]
     assert "'bowl_1' of mine has no door" in lines(text.format(tmp_path, "bowl_1"))[0]
+    (said,) = lines(text.format(tmp_path, "tall_cabinet_1").replace("door:", "door: null, drawer:"))
+    assert "has no drawer. Fix: no object there has one; remove the task: `drawer: null`" in said
     (tmp_path / "depth.npz").unlink()
     assert f"experiment.inputs.mine: {tmp_path} has no depth.npz" in lines(text.format(tmp_path, "tall_cabinet_1"))[0]
 

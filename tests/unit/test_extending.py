@@ -10,6 +10,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+import torch
 import trimesh
 import yaml
 
@@ -21,7 +22,9 @@ from stages.config.demonstrations import DemonstrationsConfig
 from stages.config.model import load, merged
 from stages.config.room_files import read_room, room_files
 from stages.contracts import InputError, LibraryPart, Objects, read_json
+from stages.contracts.policy_folder import read_config
 from stages.contracts.task_options import TaskConfig
+from stages.contracts.training_run import TrainingRun
 from stages.demonstrations.attempt import Recorder
 from stages.extraction.extract import run as extract
 from stages.geometry.boxes import UprightBox
@@ -31,6 +34,7 @@ from stages.policies.checkpoint import load_policy
 from stages.scenes.layout import arrange
 from stages.tasks.api import TaskEnv
 from stages.tasks.base_placement import AJAR
+from stages.training.logbook import Logbook
 from stages.training.train import run as train
 from tests.refusals import refused
 from tests.toy_reach import write_store
@@ -270,6 +274,66 @@ def test_policy(package: Path, tmp_path: Path) -> None:
     policy.actor(2, "most_likely").reset(0, 0)
     action = policy.actor(2, "most_likely").act([0, 1], [], [])
     assert action.shape == (2, 7) and 0.1 < action[0, 0] < 1.0  # the objects of the toy are ahead
+
+
+def stop(self: object) -> None:
+    raise KeyboardInterrupt
+
+
+FITTED = """\
+import torch
+
+from stages.policies import TrainablePolicy
+
+
+class Policy(TrainablePolicy):
+    def __init__(self, run):
+        super().__init__(run)
+        self.register_buffer("hands", torch.zeros(64, 3))
+        self.register_buffer("actions", torch.zeros(64, 7))
+
+    def fit(self, clouds, proprio, actions, frames):
+        some = frames[torch.linspace(0, len(frames) - 1, 64).long()]
+        self.hands.copy_(proprio[some, :3])
+        self.actions.copy_(actions[some])
+
+    def nearest(self, proprio):
+        return self.actions[torch.cdist(proprio[..., :3], self.hands).argmin(-1)]
+
+    def loss(self, clouds, proprio, actions, weights):
+        assert self.training == torch.is_grad_enabled()
+        squared = (actions - self.nearest(proprio)).square().mean(-1)
+        mean = (squared * weights).sum() / weights.sum()
+        return mean, mean.sqrt()
+
+    def actor(self, slots, choose):
+        raise NotImplementedError
+"""
+
+
+def test_a_policy_without_parameters_is_fitted_alone(
+    package: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A run that stopped at a saved step goes on, too."""
+    (package / "policies" / "fitted.py").write_text(FITTED)
+    store = write_store(tmp_path / "episodes.h5", 8)
+    options = {"policy": "my_package.policies.fitted", "steps": 3, "log_every": 1, "network": {"points": 16}}
+
+    def fitted(out: str) -> dict[str, torch.Tensor]:
+        train(episodes=(store,), per_store=8, options=json.dumps(options), out=tmp_path / out)
+        assert read_config(tmp_path / out).parameters == 0 and read_config(tmp_path / out).learned
+        return dict(load_policy(tmp_path / out, "best").state_dict())
+
+    monkeypatch.setattr(TrainingRun, "save_every", 1)
+    whole = fitted("whole")
+    assert whole["hands"].std(0).min() > 0
+    with monkeypatch.context() as patch:
+        patch.setattr(Logbook, "close", stop)
+        with pytest.raises(KeyboardInterrupt):
+            fitted("stopped")
+    stopped = fitted("stopped")
+    assert all(torch.equal(whole[name], stopped[name]) for name in whole)
+    (package / "policies" / "fitted.py").unlink()
 
 
 def test_a_run_with_plugins_has_a_dag(tmp_path: Path) -> None:

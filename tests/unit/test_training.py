@@ -4,7 +4,6 @@ import json
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 
 import h5py
 import numpy as np
@@ -250,13 +249,21 @@ def test_the_best_weights_are_those_of_the_lowest_validation_loss(select: str, k
     assert (state.best["head.bias"] == kept).all()
 
 
-def test_the_validation_loss_is_the_mean_over_steps_not_over_batches(store: Path) -> None:
+def test_the_validation_loss_is_the_mean_over_steps_and_is_no_training(
+    store: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     data = read_demonstrations([store], 3)
     frames, real = windows(data, [0, 1, 2], 5, 5)
     one = gather(data, frames[:2], real[:2], 64, loop.generator(0))
     batches = [replace(one, weights=torch.ones(2, 5)), replace(one, weights=torch.full((2, 5), 0.1))]
-    policy = SimpleNamespace(loss=lambda *each: (10 * each[3].mean(), 20 * each[3].mean()))
+    policy = torch.nn.Module()
+
+    def losses(*each: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
+        return 10 * each[3].mean(), (40 if policy.training else 20) * each[3].mean()
+
+    monkeypatch.setattr(policy, "loss", losses, raising=False)
     found = loop.validate(policy, batches)  # type: ignore[arg-type]
+    assert policy.training
     assert found["validation_loss"] == pytest.approx((10 * 10 + 1 * 1) / 11, abs=1e-4)
     assert found["validation_error"] == pytest.approx(2 * found["validation_loss"], abs=1e-4)
 

@@ -79,7 +79,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     weights = [f"weights/dinov2_small/{name}" for name in ("config.json", "model.safetensors")]
     for name in ("my/assets/chair/one.urdf", "mine.sh", "lib/part.sh", "my_matching.py", *weights):
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
-        (folder / name).touch()
+        (folder / name).touch(mode=0o755)
     (folder / "mine.yaml").write_text("experiment: {tasks: {door: null}}")
     for block in blocks("yaml"):
         if block.text.startswith("# attic.yaml"):
