@@ -1,6 +1,7 @@
 """Demonstrations in formats of other people. Their readers run where `envs/readers.sh` has made their environment."""
 
 import json
+import shutil
 import os
 import subprocess
 from itertools import islice
@@ -195,11 +196,17 @@ def test_maniskill_gets_trajectories_of_its_own_kind(done_again: Path) -> None:
 
 
 @pytest.mark.parametrize("states", [False, True])
-def test_maniskill_replays_them(done_again: Path, capsys: pytest.CaptureFixture[str], states: bool) -> None:
+def test_maniskill_replays_them_where_they_were_sent(
+    done_again: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], states: bool
+) -> None:
     """From seeds and actions alone, and from the states."""
     from mani_skill.trajectory.replay_trajectory import Args, main
 
-    main(Args(traj_path=str(done_again / "out" / "cab.h5"), use_env_states=states))
+    monkeypatch.chdir(shutil.copytree(done_again / "out", tmp_path / "sent"))
+    for name in ("cab", "narrow"):
+        kwargs = json.loads(Path(f"{name}.json").read_text())["env_info"]["env_kwargs"]
+        assert Path(kwargs["asset_folder"]).parent == Path("assets")
+    main(Args(traj_path="cab.h5", use_env_states=states))
     assert "2/2=100.00% demos saved" in capsys.readouterr().out
 
 

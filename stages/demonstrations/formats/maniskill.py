@@ -43,7 +43,10 @@ class Subject(NamedTuple):
 
 
 def write(stores: Sequence[Path], out: Path, library: Path | None) -> None:
-    """Write `<asset>.h5` and `<asset>.json` per asset into the folder `out`; the assets lie in `out/assets`."""
+    """Write `<asset>.h5` and `<asset>.json` per asset into the folder `out`; the assets lie in `out/assets`.
+
+    The tools are run in `out`: there the files name their assets.
+    """
     if library is None:
         what = "is missing: ManiSkill trajectories name the asset's folder."
         raise InputError("--library", what, code="E-OPTION-MISSING")
@@ -108,7 +111,9 @@ def record(out: Path, folder: Path, subject: Subject, store: EpisodeStore, episo
     about = json.loads(path.read_text(encoding="utf-8"))
     about.pop("commit_info", None)
     about["env_info"]["env_id"] = name
+    arguments = about["env_info"]["env_kwargs"]
+    arguments["asset_folder"] = folder.relative_to(out).as_posix()  # so that what was exported can be sent elsewhere
     for key in UNSAVED:
-        about["env_info"]["env_kwargs"].pop(key, None)
+        arguments.pop(key, None)
     write_json(path, about)
     return kept
