@@ -125,6 +125,8 @@ def test_two_policies_are_trained_on_the_same_and_both_are_shown(folder: Path) -
     (page,) = re.findall(r"tables report --files (.*)", done.stdout)
     shown = re.findall(r"results/training/(\S+)/metrics.jsonl", page)
     assert shown == ["door/twin/lite/seed_0", "door/twin/diffusion/seed_0", "door_handle/twin/lite_handle/seed_0"]
+    exported = dry_run(folder, "exports", "-p", "--configfile", "config/swaps/diffusion.yaml", "two.yaml").stdout
+    assert set(re.findall(r"training export --policy \S+/(\w+)/seed_", exported)) == {"lite", "lite_handle"}
 
 
 def test_the_study_is_the_protocol_of_the_paper(folder: Path) -> None:
