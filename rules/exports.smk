@@ -86,7 +86,9 @@ rule export_policy:
 def portable_policies(wildcards):
     """The folders of the policies that have a portable form."""
     runs = {name for name, run in CONFIG.training.runs.items() if has_portable_form(run)}
-    return [folder for folder in policies(rules.export_policy.output.folder)(wildcards) if Path(folder).parent.name in runs]
+    return [
+        folder for folder in policies(rules.export_policy.output.folder)(wildcards) if Path(folder).parent.name in runs
+    ]
 
 
 rule exports:

@@ -1,8 +1,8 @@
 """Demonstrations in formats of other people. Their readers run where `envs/readers.sh` has made their environment."""
 
 import json
-import shutil
 import os
+import shutil
 import subprocess
 from itertools import islice
 from pathlib import Path
