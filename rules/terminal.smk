@@ -24,7 +24,7 @@ class Brief(DefaultFormatter):
 
     def __init__(self, like):
         super().__init__(like.quiet, like.show_failed_logs)
-        self.names, self.outputs, self.ended = {}, {}, []
+        self.jobs, self.ended = {}, []
 
     def format_workflow_started(self, told):
         files = ", ".join(map(str, told["configfiles"]))
@@ -33,25 +33,22 @@ class Brief(DefaultFormatter):
     def format_job_info(self, told):
         if workflow.output_settings.dryrun:
             return "\n" + super().format_job_info(told)
-        name = self.names[told["jobid"]] = f"{told['rule_name']} {format_wildcards(told['wildcards'])}".rstrip()
-        self.outputs[told["jobid"]] = os.path.commonpath(told["output"]) if told["output"] else ""
+        name = f"{told['rule_name']} {format_wildcards(told['wildcards'])}".rstrip()
+        written = os.path.commonpath(told["output"]) if told["output"] else ""
+        self.jobs[told["jobid"]] = f"{name} -> {written}" if written else name
         reasons = [each for each in str(told["reason"]).split("; ") if not each.startswith(EVERY_JOB)]
         because = f", because: {' '.join('; '.join(reasons).split())[:200]}" if any(reasons) and told["output"] else ""
         log = f", log: {', '.join(told['log'])}" if told["log"] else ""
         return f"{'    ' * bool(told.get('indent'))}{now()} {name}{log}{because}"
 
     def format_job_finished(self, told):
-        self.ended.append(told["job_id"])
+        self.ended.append(self.jobs.get(told["job_id"], told["msg"]))
         return ""  # the next message says how far the run is
 
     def format_progress(self, told):
-        ended = [
-            f"{self.names.get(job, '')} -> {self.outputs[job]}" if self.outputs.get(job) else self.names.get(job, "")
-            for job in self.ended
-        ]
-        self.ended.clear()
+        ended, self.ended = "; ".join(self.ended), []
         percent = format_percentage(told["done"], told["total"])
-        return f"{now()} {told['done']} of {told['total']} steps ({percent}) done: {'; '.join(ended)}"
+        return f"{now()} {told['done']} of {told['total']} steps ({percent}) done: {ended}"
 
 
 class Lines(ColorizingTextHandler):

@@ -19,7 +19,7 @@ SECONDS = 5.0  # from one line of progress to the next
 
 def main(stage: str, verbs: dict[str, str]) -> None:
     """Run the verb named by `sys.argv[1]`; an `InputError` or what the system refuses becomes one line, exit code 1."""
-    from stages.contracts.errors import InputError
+    from stages.contracts.errors import InputError, nearest
     from stages.contracts.system import line_of
 
     usage = f"usage: python -m stages.{stage} VERB --help\n" + "".join(
@@ -28,6 +28,8 @@ def main(stage: str, verbs: dict[str, str]) -> None:
     argv = sys.argv[1:]
     if not argv or argv[0] not in verbs:
         asked_for_help = bool(argv) and argv[0] in ("-h", "--help")
+        if argv and not asked_for_help:
+            print(f"error: {stage} has no verb '{argv[0]}'. Fix: {nearest(argv[0], verbs)}", file=sys.stderr)
         print(usage, file=sys.stdout if asked_for_help else sys.stderr)
         sys.exit(0 if asked_for_help else 2)
 

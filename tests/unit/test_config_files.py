@@ -1,10 +1,13 @@
 """A config that is missing or broken, and a target that an option swallowed: one line with file and line."""
 
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
+from stages.cli import main
 from stages.config.files import check, given, read_file
 from tests.refusals import refused
 from tests.workflow.workspace import ROOT, dry_run, make
@@ -101,3 +104,19 @@ def test_snakemake_says_so_in_a_line(tmp_path: Path, words: tuple[str, ...], say
     done = dry_run(folder, *words)
     assert done.returncode == 1 and says in done.stdout, done.stdout
     assert "Traceback" not in done.stdout and len(done.stdout.splitlines()) <= 5, done.stdout
+
+
+def test_a_snakemake_that_does_not_find_the_package_says_how_to(tmp_path: Path) -> None:
+    code = "import sys; sys.modules['stages'] = None; from snakemake.cli import main; main(['-n'])"
+    folder = make(tmp_path / "clone")
+    done = subprocess.run([sys.executable, "-c", code], cwd=folder, capture_output=True, text=True)
+    assert done.returncode == 1 and "Fix: source .venv/bin/activate" in done.stderr.splitlines()[-1], done.stderr
+
+
+def test_an_unknown_verb_is_told_with_the_nearest(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["tables", "resluts"])
+    with pytest.raises(SystemExit):
+        main("tables", {"results": "...", "report": "..."})
+    assert capsys.readouterr().err.startswith("error: tables has no verb 'resluts'. Fix: did you mean 'results'?\n")
