@@ -16,6 +16,7 @@ SAYS_NOTHING = (
     "Rules claiming more threads",
     "Singularity cont",
 )
+PADDING = "Union of exclusive params before and now across all output: "
 EVERY_JOB = ("Missing output files", "Input files updated by another job")  # reasons that each job of a first run has
 
 
@@ -37,9 +38,10 @@ class Brief(DefaultFormatter):
         written = os.path.commonpath(told["output"]) if told["output"] else ""
         self.jobs[told["jobid"]] = f"{name} -> {written}" if written else name
         reasons = [each for each in str(told["reason"]).split("; ") if not each.startswith(EVERY_JOB)]
-        because = f", because: {' '.join('; '.join(reasons).split())[:200]}" if any(reasons) and told["output"] else ""
+        because = " ".join("; ".join(reasons).replace(PADDING, "").split())[:200] if told["output"] else ""
         log = f", log: {', '.join(told['log'])}" if told["log"] else ""
-        return f"{'    ' * bool(told.get('indent'))}{now()} {name}{log}{because}"
+        why = f", because: {because}" if because else ""
+        return f"{'    ' * bool(told.get('indent'))}{now()} {name}{log}{why}"
 
     def format_job_finished(self, told):
         self.ended.append(self.jobs.get(told["job_id"], told["msg"]))
