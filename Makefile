@@ -13,7 +13,7 @@ STUDY := -$(BIN)/snakemake --cores $(CORES) --keep-going --configfile config.yam
 UNSEEN := $(BIN)/snakemake --cores $(CORES) --keep-going --configfile config.yaml config/study/table3.yaml config/study/over_assets.yaml --
 cells = $(foreach task,$(1),$(foreach set,$(2),results/evaluation/policies/$(task)/$(set)/rollouts.csv))
 
-.PHONY: help setup site demo all study unseen registered second table2 photo test slurm test-cluster lint types config reference lock containers clean
+.PHONY: help setup site wheel demo all study unseen registered second table2 photo test slurm test-cluster lint types config reference lock containers clean
 help: ## list the verbs
 	@grep -hE '^[a-z0-9-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:[^#]*## /\t/' | expand -t 14
 
@@ -62,6 +62,9 @@ test: setup lint types ## lint, types and all tests; Chromium for those of the r
 
 site: $(STAMP) ## the documentation as a site, with every link checked: site/index.html
 	bash envs/docs.sh
+
+wheel: $(STAMP) ## the package for pip, and its source: dist/
+	$(BIN)/uv build --quiet --offline --no-build-isolation --python $(BIN)/python --out-dir dist
 
 slurm: $(STAMP) ## the executor plugin that profiles/slurm needs
 	VIRTUAL_ENV=.venv $(BIN)/uv pip install --quiet --require-hashes -r envs/slurm.txt

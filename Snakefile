@@ -17,6 +17,7 @@ configfile: next(filter(Path.exists, map(Path, ["config.yaml", "config/config.ya
 report: "report/workflow.rst"
 
 
+include: "rules/terminal.smk"
 include: "rules/common.smk"
 include: "rules/needs.smk"
 include: "rules/protocols.smk"
@@ -72,8 +73,4 @@ if workflow.remote_exec:
     run_in_this_process()
 elif has_shells():
     ungroup()
-
-# Snakemake asks for a function's parameters with every job: they are looked up once.
-for each in workflow.rules:
-    for told in filter(inspect.isfunction, [*each.input, *each.params, each.group]):
-        told.__signature__ = inspect.signature(told)
+look_up_once()

@@ -68,3 +68,10 @@ def run_in_this_process():
     """Let this Snakemake, which a node runs, run the jobs of its submission itself, not one more Snakemake for each."""
     ungroup()
     workflow.localrules(*(each.name for each in workflow.rules))
+
+
+def look_up_once():
+    """Look a function's parameters up once: Snakemake asks for them with every job."""
+    for each in workflow.rules:
+        for told in filter(inspect.isfunction, [*each.input, *each.params, each.group]):
+            told.__signature__ = inspect.signature(told)

@@ -8,16 +8,18 @@ import functools
 import importlib
 import keyword
 import sys
+import time
 from collections.abc import Callable, Iterable, Iterator
 from typing import Any, TypeVar
 
 T = TypeVar("T")
 SEEDS = 2**53  # as in config: JSON holds no larger ones exactly
+SECONDS = 5.0  # from one line of progress to the next
 
 
 def main(stage: str, verbs: dict[str, str]) -> None:
     """Run the verb named by `sys.argv[1]`; an `InputError` or what the system refuses becomes one line, exit code 1."""
-    from stages.contracts.errors import InputError
+    from stages.contracts.errors import InputError, nearest
     from stages.contracts.system import line_of
 
     usage = f"usage: python -m stages.{stage} VERB --help\n" + "".join(
@@ -26,6 +28,8 @@ def main(stage: str, verbs: dict[str, str]) -> None:
     argv = sys.argv[1:]
     if not argv or argv[0] not in verbs:
         asked_for_help = bool(argv) and argv[0] in ("-h", "--help")
+        if argv and not asked_for_help:
+            print(f"error: {stage} has no verb '{argv[0]}'. Fix: {nearest(argv[0], verbs)}", file=sys.stderr)
         print(usage, file=sys.stdout if asked_for_help else sys.stderr)
         sys.exit(0 if asked_for_help else 2)
 
@@ -66,8 +70,25 @@ def with_seeds_checked(run: Callable[..., None]) -> Callable[..., None]:
 
 
 def progress(items: Iterable[T], what: str, total: int | None = None) -> Iterator[T]:
-    """Iterate with a progress line on stderr every few seconds (readable in a log as well)."""
+    """Iterate, with a line on stderr every five seconds that says how far it is; what takes less time says nothing."""
     from tqdm import tqdm
 
-    bar = "{desc}: {n_fmt}/{total_fmt} [{elapsed}<{remaining}, {rate_fmt}]" + ("" if sys.stderr.isatty() else "\n")
-    return iter(tqdm(items, desc=what, total=total, mininterval=5, bar_format=bar, dynamic_ncols=True))
+    started, due = time.monotonic(), pacer()
+    for count, item in enumerate(items, 1):
+        yield item
+        if due():
+            bar, seconds = "{desc}: {n_fmt}/{total_fmt} [{elapsed}<{remaining}, {rate_fmt}]", time.monotonic() - started
+            print(tqdm.format_meter(count, total, seconds, prefix=what, bar_format=bar), file=sys.stderr)
+
+
+def pacer() -> Callable[[], bool]:
+    """A question that is answered with yes once in `SECONDS`, first when so many have gone by."""
+    told = [time.monotonic()]
+
+    def due() -> bool:
+        if (now := time.monotonic()) - told[0] < SECONDS:
+            return False
+        told[0] = now
+        return True
+
+    return due

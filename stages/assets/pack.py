@@ -9,7 +9,8 @@ from pydantic import ValidationError
 from stages.assets.evidence import Shared
 from stages.assets.guess import Guess
 from stages.contracts.errors import InputError
-from stages.contracts.files import write_text
+from stages.contracts.files import read_text, write_text
+from stages.contracts.yaml_files import fault_of, line_of
 from stages.procedural.catalogue import CATEGORIES
 
 HEAD = """\
@@ -34,16 +35,15 @@ def read_pack(path: Path) -> Pack:
     if not path.is_file():
         return Pack()
     try:
-        return Pack.model_validate(yaml.safe_load(path.read_text(encoding="utf-8")) or {})
+        return Pack.model_validate(yaml.safe_load(read_text(path, "or delete it")) or {})
     except ValidationError as error:
         first = error.errors()[0]
         raise InputError(
             path, f"{'.'.join(map(str, first['loc']))}: {first['msg']}.", "or delete it", code="E-PACK-BROKEN"
         ) from None
-    except (UnicodeDecodeError, yaml.YAMLError) as error:
-        raise InputError(
-            path, f"is no YAML: {' '.join(str(error).split())[:150]}.", "or delete it", code="E-PACK-BROKEN"
-        ) from None
+    except yaml.YAMLError as error:
+        where, what = line_of(path, error), f"is no YAML: {fault_of(error)}."
+        raise InputError(where, what, "or delete it", code="E-PACK-BROKEN") from None
 
 
 def completed(pack: Pack, proposed: Mapping[str, Shared], categories: Iterable[str]) -> Pack:

@@ -9,6 +9,7 @@ from pydantic import ValidationError
 from stages.config.room_recipe import Room
 from stages.contracts.errors import InputError
 from stages.contracts.files import first_error, read_text
+from stages.contracts.yaml_files import fault_of, line_of
 from stages.plugins import KINDS, available, data_file, folder
 
 Loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # five times as fast where it is there
@@ -51,7 +52,7 @@ def read_room(path: Path) -> Room:
     try:
         content = yaml.load(read_text(path, fix), Loader)
     except yaml.YAMLError as error:
-        raise InputError(path, f"is no YAML ({' '.join(str(error).split())}).", fix, code="E-ROOM-FILE") from None
+        raise InputError(line_of(path, error), f"is no YAML: {fault_of(error)}.", fix, code="E-ROOM-FILE") from None
     if not isinstance(content, dict) or "name" in content:
         raise InputError(
             path,

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from stages.cli import pacer
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.contracts import InputError, TaskAssets, read_json, read_options, write_text
 from stages.contracts.library_folder import AssetFolders
@@ -93,6 +94,7 @@ def take_turns(
     """Attempts on the chosen assets in turn, until there are as many successes as asked or no seeds left."""
     kept: list[RecordedEpisode] = []
     ledger: list[Attempt] = []
+    due = pacer()
     for folder, entry in cycle(chosen):
         recorder.task.turn_to(folder, entry.joint, entry.size)
         for attempt_seed in seeds[len(ledger) : len(ledger) + TRIES]:
@@ -113,7 +115,8 @@ def take_turns(
             )
             if outcome.success:
                 kept.append(episode)
-                print(f"demonstrations: {len(kept)}/{episodes} from {len(ledger)} attempts", file=sys.stderr)
+                if due() or len(kept) == episodes:
+                    print(f"demonstrations: {len(kept)}/{episodes} from {len(ledger)} attempts", file=sys.stderr)
                 break
         if len(kept) == episodes or len(ledger) == len(seeds):
             break

@@ -4,29 +4,16 @@ import os
 from collections.abc import Iterable
 from functools import reduce
 from pathlib import Path
-from typing import Any
 
-import yaml
-
+from stages.config.files import read_file
 from stages.config.model import Config, load, merged
-from stages.contracts.errors import InputError
-from stages.contracts.files import read_text
 from stages.tables.markup import Table
 from stages.tables.page.benchmarks import by_stage, read_jobs, times_table
 
 
 def read_config(paths: tuple[Path, ...]) -> Config:
     """The config of a run, later files over earlier ones."""
-    parts: list[dict[str, Any]] = []
-    for path in paths:
-        try:
-            content = yaml.safe_load(read_text(path))
-        except yaml.YAMLError as error:
-            raise InputError(path, f"is not YAML ({str(error).splitlines()[0]}).", code="E-CONFIG-YAML") from None
-        if not isinstance(content, dict):
-            raise InputError(path, "holds no mapping of sections.", code="E-CONFIG-YAML")
-        parts.append(content)
-    return load(reduce(merged, parts, {}))
+    return load(reduce(merged, map(read_file, paths), {}))
 
 
 def cost(benchmarks: Path, stages: list[str]) -> Table:

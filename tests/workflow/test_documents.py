@@ -20,7 +20,8 @@ from tests.workflow.workspace import ROOT, dry_run, make
 
 GUIDES = [path for folder in ("docs", "docs/tutorial") for path in sorted((ROOT / folder).glob("*.md"))]
 REFERENCE = {
-    f"{name}.md" for name in ("architecture", "benchmarks", "commands", "config", "contracts", "errors", "tables")
+    f"{name}.md"
+    for name in ("architecture", "benchmarks", "commands", "config", "contracts", "errors", "glossary", "tables")
 }
 PAGES = [ROOT / "README.md", ROOT / "config/README.md", *GUIDES]
 FENCE = re.compile(
