@@ -38,7 +38,7 @@ function walls(handles) {
 }
 
 function objects() {
-  const parts = [];
+  const parts = [], names = []; // names lie over all boxes
   const boxes = Object.entries(state.solved.boxes).sort(([, one], [, other]) => other.distance - one.distance);
   for (const [id, solid] of boxes) {
     const kind = id === 'draft' ? 'draft quiet' : carrying(id) ? 'under' : state.chosen === id ? 'chosen' : '';
@@ -47,9 +47,10 @@ function objects() {
     const item = find(id);
     if (item?.label && solid.faces.length) {
       const [x, y] = solid.faces[0][0];
-      parts.push(element('text', { x, y, 'font-size': 13 * unit() }, [nameOf(item)]));
+      names.push(element('text', { x, y, 'font-size': 13 * unit(), 'text-anchor': x > 0.8 * state.project.width ? 'end' : 'start' }, [nameOf(item)]));
     }
   }
+  parts.push(...names);
   const item = state.chosen && !isWall(state.chosen) ? find(state.chosen) : null;
   if (item && state.step === 'objects') {
     if (item.outline?.length > 2) parts.push(area(item.outline, 'outline quiet'));
