@@ -446,6 +446,20 @@ def test_a_camera_height_that_nobody_gave_is_doubted_if_most_things_are_wrong_by
     assert solve(one).factor is None, "one thing may be drawn wrongly"
 
 
+def test_a_guessed_depth_ends_at_the_wall_behind() -> None:
+    """Walls are pixels, a guess is metres: a height of the camera that is taken later must not part them."""
+    drawing = _drawing()
+    cabinet = drawing.objects[0]
+    cabinet.points = cabinet.points[:3]
+    for metres, depth in ((1.5, 0.6), (1.2, 0.48), (2.0, 0.6)):
+        drawing.scale.metres = metres
+        solved = solve(drawing)
+        assert solved.boxes["cabinet"].size[1] == pytest.approx(depth, abs=0.01) and "cabinet" in solved.guessed
+    cabinet.depth = 0.6
+    drawing.scale.metres = 1.2
+    assert solve(drawing).boxes["cabinet"].size[1] == 0.6, "what was typed stays"
+
+
 def test_what_the_picture_does_not_show_is_told_at_once(tmp_path: Path) -> None:
     Image.fromarray(_noise()).save(tmp_path / "a.png")
     session = Session(read_photo(tmp_path / "a.png"), "a.png", tmp_path / "a")

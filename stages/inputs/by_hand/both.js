@@ -30,7 +30,7 @@ export function bindFrame() {
   for (const button of document.querySelectorAll('[data-key]')) { // where there is no keyboard
     button.addEventListener('click', () => get('view').dispatchEvent(new KeyboardEvent('keydown', { key: button.dataset.key, bubbles: true })));
   }
-  onChange(() => { get('drafting').hidden = !state.draft; });
+  onChange(() => { get('drafting').hidden = !state.draft || state.draft.kind === 'frame'; });
   get('object').addEventListener('submit', (event) => event.preventDefault());
   get('write').addEventListener('click', write);
   get('close').addEventListener('click', async () => {

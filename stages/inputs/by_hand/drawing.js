@@ -1,5 +1,5 @@
 // What lies over the picture, as SVG.
-import { area, element, line, unit } from './canvas.js';
+import { area, element, line, name, unit } from './canvas.js';
 import { find, isWall, nameOf, state } from './state.js';
 
 // A handle is named `kind/which/point`; what it moves is found in tools.js.
@@ -45,10 +45,7 @@ function objects() {
     const faces = solid.faces.map((face) => area(face, 'face'));
     parts.push(element('g', { class: kind, 'data-object': id }, faces));
     const item = find(id);
-    if (item?.label && solid.faces.length) {
-      const [x, y] = solid.faces[0][0];
-      names.push(element('text', { x, y, 'font-size': 13 * unit(), 'text-anchor': x > 0.8 * state.project.width ? 'end' : 'start' }, [nameOf(item)]));
-    }
+    if (item?.label && solid.faces.length) names.push(name(nameOf(item), solid.faces[0][0]));
   }
   parts.push(...names);
   const item = state.chosen && !isWall(state.chosen) ? find(state.chosen) : null;

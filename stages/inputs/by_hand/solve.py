@@ -138,6 +138,8 @@ class _Room:
                 seen = item.points[: 2 if item.on in self.walls else 3]
                 self.boxes[item.id] = self._box(item, seen, above)
                 self.notes[item.id] = f"{error}; its depth is guessed"
+            if item.id in self.guessed and item.on not in self.walls:
+                self.boxes[item.id] = self._before_walls(self.boxes[item.id])
             if item.on in self.boxes:
                 self._onto(item, self.boxes[item.on], above)
         except MetrologyError as error:
@@ -152,6 +154,19 @@ class _Room:
         if item.round:
             return round_box(self.view, ground, points, sizes)
         return standing_box(self.view, ground, points, sizes, item.free)
+
+    def _before_walls(self, box: UprightBox) -> UprightBox:
+        """The box as deep as to the wall behind its front, if it would go through it."""
+        inward = yaw_matrix(box.yaw) @ [0.0, 1.0, 0.0]
+        width, depth, height = box.size
+        front = box.center - inward * depth / 2
+        for wall in self.walls.values():
+            towards = float(inward @ wall.normal)
+            gap = (wall.offset - float(front @ wall.normal)) / towards if towards < -0.5 else np.inf
+            low, high = wall.ends
+            if THINNEST < gap < depth and low <= float((front + gap * inward) @ wall.along) <= high:
+                depth = gap
+        return UprightBox(front + inward * depth / 2, [width, depth, height], box.yaw)
 
     def _onto(self, item: DrawnObject, carrier: UprightBox, above: tuple[str, ...]) -> None:
         """Nearer along the line of sight, and smaller by as much, until its rear is over what carries it.

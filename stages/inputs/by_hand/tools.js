@@ -101,9 +101,9 @@ const clicked = (at, shift) => { clicks = clicks.then(() => click(at, shift)); }
 // Keep the first `count` points of the draft as what the tool draws.
 function finish(count) {
   const { tool, draft } = state;
+  const least = tool === 'outline' || (draft.kind === 'box' && !isWall(draft.on)) ? 3 : 2;
+  if (count < least) return; // more is to come, or Esc
   draft.points.length = count;
-  if (draft.kind === 'box' && count < (isWall(draft.on) ? 2 : 3)) { cancel(); return; }
-  if (tool === 'outline' ? count < 3 : count < 2) { cancel(); return; }
   state.draft = null;
   edit((project) => {
     if (draft.kind === 'box') {
