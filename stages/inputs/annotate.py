@@ -104,7 +104,8 @@ def run(
     written = folder / "annotations.json"
     if written.is_file():
         count = len(json.loads(written.read_text(encoding="utf-8"))["objects"])
-        print(f"{folder}: an input folder with {count} objects; {folder / 'config.yaml'} names it as a scene")
+        many = "1 object" if count == 1 else f"{count} objects"
+        print(f"{folder}: an input folder with {many}; {folder / 'config.yaml'} names it as a scene")
 
 
 def _drawn(

@@ -1,6 +1,7 @@
 """The page of `annotate` in headless Chromium: a rendered room whose truth is known is drawn by its own controls."""
 
 import json
+import os
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
@@ -17,6 +18,12 @@ from stages.inputs.by_hand.project import PROJECT, Project
 from stages.inputs.by_hand.session import Session
 from tests.unit.annotate_page import Hand, TrueRoom, watched
 from tests.unit.test_report_browser import CONTRAST, FLAGS
+
+WIDE = """
+() => [...document.querySelectorAll('main *, header *')]
+  .filter((e) => e.checkVisibility() && !e.closest('svg, pre') && e.getBoundingClientRect().right > innerWidth + 1)
+  .map((e) => e.outerHTML.slice(0, 80))
+"""
 
 ROOM = Path(__file__).parents[1] / "data" / "photographed_room"
 NOISE = 1.5  # pixels: how far clicks are beside the truth
@@ -160,6 +167,110 @@ def test_what_a_click_stands_on_is_said_before_it_and_a_changed_support_keeps_th
     page.locator("#on").select_option("object_1")
     again = _saved(page, session).objects[1]
     assert again.points[0] == pytest.approx(before[0], abs=3) and len(again.points) == len(before)
+
+
+def test_a_choice_of_what_the_next_one_is_on_is_for_that_one_alone(opened: tuple[Any, Session]) -> None:
+    page, session = opened
+    room = TrueRoom(ROOM)
+    hand = Hand(page, room, 0)
+    table, bowl = room.truth.objects[3], room.truth.objects[4]
+    hand.wall([0, -0.6, 0], [0, 0.6, 0])
+    hand.key("3")
+    page.locator("#next-on").select_option("wall_1")
+    hand.key("Escape")
+    assert page.locator("#next-on").input_value() == "wall_1"  # nothing was drawn yet
+    page.locator("#next-on").select_option("floor")
+    hand.object(table, "floor")
+    assert page.locator("#next-on").input_value() == "auto"
+    hand.object(bowl, "auto")
+    assert _saved(page, session).objects[1].on == "object_1"
+    hand.fill("What it is", "mug")
+    page.locator("#objects button", has_text="dining table").click()
+    page.get_by_role("button", name="Delete", exact=True).click()  # what carried that carries it now
+    assert [item.on for item in _saved(page, session).objects] == ["floor"]
+    page.locator("#objects button", has_text="mug").click()
+    page.locator("#on").select_option("wall_1")
+    assert len(_saved(page, session).objects[0].points) == 3  # corners of its front, and a rear one
+    hand.key("Escape", "2")
+    page.locator("#walls button").click()
+    hand.key("Delete")
+    mug = _saved(page, session).objects[0]
+    assert mug.on == "floor" and mug.points[0][1] == pytest.approx(mug.points[1][1], abs=20)  # its foot again
+
+
+def test_an_absurd_size_and_a_camera_that_nobody_measured_are_mended_by_a_click(opened: tuple[Any, Session]) -> None:
+    page, session = opened
+    room = TrueRoom(ROOM)
+    hand = Hand(page, room, 0)
+    cabinet, table = room.truth.objects[0], room.truth.objects[3]
+    for item in (cabinet, table):
+        hand.object(item, "floor")
+    hand.key("1")
+    hand.fill("Metres", 3.5)  # too high, but a person said it
+    page.wait_for_function("() => document.getElementById('camera-facts').textContent.includes('3.50 m above')")
+    assert page.locator("#camera-doubt").is_hidden()
+    hand.key("Control+z")
+    assert _saved(page, session).scale.metres is None
+
+    hand.key("3")
+    page.locator("#depth").fill("0.006")
+    hand.key("Enter")
+    page.wait_for_selector("#usual:not([hidden])")
+    assert "usual are" in page.locator("#object-doubt").text_content()
+    page.locator("#usual").click()
+    taken = _saved(page, session).objects[1]
+    assert taken.depth > 0.5 and (taken.width, taken.height) == (None, None)
+    page.wait_for_selector("#usual", state="hidden")
+    assert "usual are" not in page.locator("#object-doubt").text_content()
+    hand.key("Control+z")
+    assert _saved(page, session).objects[1].depth == 0.006
+    hand.key("Control+z")
+
+    for name in ("wardrobe", "wardrobe"):  # what is drawn here is far lower than that
+        page.locator("#label").fill(name)
+        hand.key("Enter")
+        hand.key("n")
+    page.wait_for_selector("#camera-doubt:not([hidden])")
+    if shots := os.environ.get("ACDC_SCREENSHOTS"):
+        page.screenshot(path=f"{shots}/annotate_doubt.png")
+    assert "times too low: is the camera" in page.locator("#camera-doubt").text_content()
+    page.locator("#take-height").click()
+    taken = _saved(page, session).scale
+    assert taken.kind == "camera" and taken.metres > 1.65
+    page.wait_for_selector("#camera-doubt", state="hidden")
+    hand.key("Control+z")
+    page.wait_for_selector("#camera-doubt:not([hidden])")
+    page.locator("#keep-height").click()
+    assert _saved(page, session).scale.metres == 1.5
+    page.wait_for_selector("#camera-doubt", state="hidden")
+    hand.key("1")
+    page.locator("#scale-kind").select_option("object")
+    height = _saved(page, session).scale.metres
+    page.locator("#scale-side").select_option("width")  # the known length is that side's by now, so nothing jumps
+    scale = _saved(page, session).scale
+    assert scale.metres != height
+    page.wait_for_function("() => document.getElementById('camera-facts').textContent.includes('1.50 m above')")
+
+
+def test_a_narrow_screen_shows_all_and_needs_no_keyboard(opened: tuple[Any, Session]) -> None:
+    page, session = opened
+    page.set_viewport_size({"width": 390, "height": 844})
+    room = TrueRoom(ROOM)
+    for tab in ("1 Camera", "2 Walls", "3 Objects"):
+        page.get_by_role("tab", name=tab).click()
+        assert page.evaluate(WIDE) == [], tab
+    hand = Hand(page, room, 0)
+    points, left, right = room.front(room.truth.objects[0])
+    page.get_by_role("button", name="Object (B)").click()
+    assert page.locator("#drafting").is_hidden()
+    hand.click(points[left])
+    hand.click(points[right])
+    page.get_by_role("button", name="Enough (Enter)").click()  # not yet: nothing is lost by it
+    hand.click((points[left + 4] + points[right + 4]) / 2)
+    page.get_by_role("button", name="Enough (Enter)").click()
+    page.wait_for_function("() => document.activeElement.id === 'label'")
+    assert len(_saved(page, session).objects[0].points) == 3 and page.locator("#drafting").is_hidden()
+    assert page.evaluate(WIDE) == []
 
 
 def test_outlines_walls_camera_and_what_is_wrong(opened: tuple[Any, Session]) -> None:

@@ -25,8 +25,10 @@ from stages.inputs.by_hand.photo import LONGEST, read_photo
 from stages.inputs.by_hand.project import PROJECT, DrawnObject, DrawnWall, Guide, Perspective, Project, Scale
 from stages.inputs.by_hand.server import PageServer
 from stages.inputs.by_hand.session import Session, described
-from stages.inputs.by_hand.solve import solve, support_at
+from stages.inputs.by_hand.solve import solve
+from stages.inputs.by_hand.support import support_at
 from stages.inputs.by_hand.write import at_size, write_folder
+from stages.procedural.sizes import sizes_of
 from tests.refusals import refused
 from tests.unit.annotate_page import serve
 
@@ -225,10 +227,10 @@ def test_what_stands_at_the_rear_edge_of_a_top_is_on_it_not_on_the_wall() -> Non
     drawing = _drawing()
     solved = solve(drawing)
     rear = _pixels([[-0.8, 3.5, 0.9]])[0]
-    for beside in (-3, 3):
+    for beside in (-8, -3, 3):  # a worktop is 5 cm thick, 4 pixels here
         assert support_at(drawing, solved, (rear[0], rear[1] + beside)) == "cabinet"
     assert support_at(drawing, solved, (rear[0], rear[1] - 30)) == "back"
-    assert support_at(drawing, solved, (rear[0], rear[1] - 10)) == "back"
+    assert support_at(drawing, solved, (rear[0], rear[1] - 11)) == "back"
     assert support_at(drawing, solved, (rear[0], rear[1] - 10), stands=True) == "cabinet", "a jar hangs nowhere"
     assert support_at(drawing, solved, (rear[0], rear[1] - 30), stands=True) == "floor"
 
@@ -377,6 +379,102 @@ def test_a_foot_marked_too_high_is_put_onto_what_carries_it() -> None:
     assert np.linalg.norm(np.subtract(box.center, BOXES["mug"].center)) < 0.1 * away
     mug.points = [(u + 150, v) for u, v in mug.points]  # beside it
     assert "is that deep enough" in solve(drawing).notes["mug"]
+
+
+def test_a_rear_corner_beyond_what_carries_it_does_not_spoil_the_rest() -> None:
+    """Just below the eye a pixel is many centimetres: the corner then lies metres behind."""
+    cabinet = UprightBox([-0.5, 3.2, 0.7], [0.8, 0.6, 1.4], 0.0)
+    box = UprightBox([-0.5, 3.15, 1.55], [0.5, 0.4, 0.3], 0.0)
+    marks = {name: _pixels(corners(solid)) for name, solid in (("cabinet", cabinet), ("oven", box))}
+    drawing = _drawing(
+        objects=[
+            DrawnObject(id=name, label=name, on=on, points=[marks[name][k] for k in (0, 1, 4, 6)])
+            for name, on in (("cabinet", "floor"), ("oven", "cabinet"))
+        ]
+    )
+    assert solve(drawing).boxes["oven"].size == pytest.approx(box.size, abs=0.02)
+    oven = drawing.objects[1]
+    (u, v), exact = oven.points[3], oven.points[:3]
+    for corner in ((u - 20, v), (u + 10, v)):  # both would be more than a metre deep
+        oven.points = [*exact, corner]
+        solved = solve(drawing)
+        assert solved.notes["oven"].startswith("its rear corner lay beyond what it stands on")
+        assert "oven" in solved.guessed and solved.boxes["oven"].size == pytest.approx([0.5, 0.5, 0.3], abs=0.02)
+
+
+def test_an_absurd_size_is_told_with_the_usual_one_which_can_be_taken() -> None:
+    drawing = _drawing()
+    cabinet = drawing.objects[0]
+    cabinet.label, cabinet.points = "cabinet", cabinet.points[:3]
+    assert solve(drawing).usual == {}
+    cabinet.depth = 0.006
+    solved = solve(drawing)
+    assert "usual are" in solved.notes["cabinet"]
+    width, depth, height = solved.usual["cabinet"]
+    assert (width, height) == (None, None), "what is as usual stays as it was drawn"
+    assert depth == pytest.approx(np.median(sizes_of("bottom_cabinet")[:, 0]), abs=0.01)
+    cabinet.depth = depth
+    solved = solve(drawing)
+    assert solved.usual == {} and "usual" not in solved.notes.get("cabinet", "")
+    cabinet.label, cabinet.depth = "gearbox", 0.006
+    assert solve(drawing).usual == {}, "nobody knows how large such things are"
+
+
+@pytest.mark.parametrize("times", [1.0, 1.4, 0.6])
+def test_a_camera_height_that_nobody_gave_is_doubted_if_most_things_are_wrong_by_one_factor(times: float) -> None:
+    def room(scale: Scale) -> Project:
+        drawing = _drawing(scale=scale)
+        for name, size in (("table", [0.9, 0.9, 0.73]), ("chair", [0.5, 0.5, 0.93])):
+            box = UprightBox([0.8 if name == "chair" else -0.6, 3, size[2] / 2], size, 0.0)
+            points = [_pixels(corners(box), 1.5 / times)[k] for k in (0, 1, 4)]
+            drawing.objects.append(DrawnObject(id=name, label=name, points=points))
+        drawing.objects = drawing.objects[3:]
+        return drawing
+
+    solved = solve(room(Scale()))
+    assert solved.boxes["table"].size[2] == pytest.approx(0.73 * times, rel=0.02)
+    if times == 1:
+        assert solved.factor is None
+    else:
+        assert solved.factor == pytest.approx(1 / times, rel=0.05)
+        assert solved.usual == {} and not any("usual" in note for note in solved.notes.values()), "it is told once"
+        taken = solve(room(Scale(metres=1.5 * solved.factor)))
+        assert taken.factor is None and taken.boxes["table"].size[2] == pytest.approx(0.73, rel=0.05)
+    assert solve(room(Scale(metres=1.5))).factor is None, "who gave a height is not asked"
+    one = room(Scale())
+    one.objects = one.objects[:1]
+    assert solve(one).factor is None, "one thing may be drawn wrongly"
+
+
+def test_a_guessed_depth_ends_at_the_wall_behind() -> None:
+    """Walls are pixels, a guess is metres: a height of the camera that is taken later must not part them."""
+    drawing = _drawing()
+    cabinet = drawing.objects[0]
+    cabinet.points = cabinet.points[:3]
+    for metres, depth in ((1.5, 0.6), (1.2, 0.48), (2.0, 0.6)):
+        drawing.scale.metres = metres
+        solved = solve(drawing)
+        assert solved.boxes["cabinet"].size[1] == pytest.approx(depth, abs=0.01) and "cabinet" in solved.guessed
+    cabinet.depth = 0.6
+    drawing.scale.metres = 1.2
+    assert solve(drawing).boxes["cabinet"].size[1] == 0.6, "what was typed stays"
+
+
+def test_what_the_picture_does_not_show_is_told_at_once(tmp_path: Path) -> None:
+    Image.fromarray(_noise()).save(tmp_path / "a.png")
+    session = Session(read_photo(tmp_path / "a.png"), "a.png", tmp_path / "a")
+    drawing = _drawing()
+    assert not any("nothing of it" in note for note in session.solve(drawing.model_dump(mode="json"))["notes"].values())
+    behind = UprightBox([-0.5, 4.2, 0.3], [0.3, 0.3, 0.3], 0.0)  # the wall is nearer
+    points = [_pixels(corners(behind))[k] for k in (0, 1, 4, 6)]
+    drawing.objects.append(DrawnObject(id="far", label="box", points=points))
+    assert "nothing of it would be seen" in session.solve(drawing.model_dump(mode="json"))["notes"]["far"]
+
+
+def test_a_picture_is_not_said_to_be_one_times_smaller(tmp_path: Path) -> None:
+    Image.fromarray(_noise(1612, 907)).save(tmp_path / "a.png")
+    told = Session(read_photo(tmp_path / "a.png"), "a.png", tmp_path / "a").start()["notes"]
+    assert told == ["The picture was made smaller, to 1600 x 900 pixels."]
 
 
 # the server

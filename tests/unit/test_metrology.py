@@ -23,7 +23,8 @@ from stages.inputs.by_hand.metrology import (
 from stages.inputs.by_hand.perspective import fit_view, horizon, vanishing_point
 from stages.inputs.by_hand.project import DrawnObject, DrawnWall, Guide, Perspective, Project, Scale
 from stages.inputs.by_hand.segments import propose, usual_focal
-from stages.inputs.by_hand.solve import solve, support_at
+from stages.inputs.by_hand.solve import solve
+from stages.inputs.by_hand.support import support_at
 
 ROOM = Path(__file__).parents[1] / "data" / "photographed_room"  # room_1 of the default run, as JPEG, and its truth
 YAW, PITCH, ROLL = np.deg2rad([12.0, -15.0, 1.5])

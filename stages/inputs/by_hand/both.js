@@ -1,6 +1,6 @@
 // What both pages have: buttons above the picture, writing and closing, and keys that are the same on both.
 import { fit, zoom } from './canvas.js';
-import { ask, changed, redo, save, state, undo } from './state.js';
+import { ask, changed, onChange, redo, save, state, undo } from './state.js';
 
 const get = (id) => document.getElementById(id);
 function whole() { fit(); changed(); }
@@ -27,6 +27,10 @@ export function bindFrame() {
   get('closer').addEventListener('click', () => zoom(0.8));
   get('farther').addEventListener('click', () => zoom(1.25));
   get('fit').addEventListener('click', whole);
+  for (const button of document.querySelectorAll('[data-key]')) { // where there is no keyboard
+    button.addEventListener('click', () => get('view').dispatchEvent(new KeyboardEvent('keydown', { key: button.dataset.key, bubbles: true })));
+  }
+  onChange(() => { get('drafting').hidden = !state.draft || state.draft.kind === 'frame'; });
   get('object').addEventListener('submit', (event) => event.preventDefault());
   get('write').addEventListener('click', write);
   get('close').addEventListener('click', async () => {

@@ -13,6 +13,11 @@ export function element(name, attributes, children = []) {
 }
 export const line = ([a, b], kind) => element('line', { x1: a[0], y1: a[1], x2: b[0], y2: b[1], class: kind });
 export const area = (points, kind) => element('polygon', { points: points.map((p) => p.join()).join(' '), class: kind });
+// A name in the picture; at its right border it ends there, else it would be cut off.
+export function name(text, [x, y]) {
+  const anchor = x > 0.8 * state.project.width ? 'end' : 'start';
+  return element('text', { x: anchor === 'end' ? state.project.width : x, y, 'font-size': 13 * unit(), 'text-anchor': anchor }, [text]);
+}
 export const unit = () => box.width / Math.max(1, Math.min(svg.clientWidth, (svg.clientHeight * box.width) / box.height));
 
 export function begin() {

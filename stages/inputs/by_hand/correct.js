@@ -1,6 +1,6 @@
 // The page that corrects what was found and chosen: what a click, a drag or a key does, and the panel.
 import { bindFrame, frameKey, keyOf } from './both.js';
-import { area, begin, element, move, pixel, unit, zoom } from './canvas.js';
+import { area, begin, element, move, name, pixel, unit, zoom } from './canvas.js';
 import { bindFront, closed, front, typed } from './fronts.js';
 import { bindPlacement, made, placement } from './models.js';
 import { ask, changed, edit, find, nameOf, onChange, remember, solve, state, touch, undoable } from './state.js';
@@ -32,7 +32,7 @@ function draw() {
     const kind = ['region', ROOM.includes(item.label) ? 'room' : '', state.chosen === item.id ? 'chosen' : ''].join(' ').trim();
     parts.push(element('g', { class: kind, 'data-object': item.id }, region.outlines.map((points) => area(points, 'face'))));
     const box = boxOf(item);
-    if (item.label && box) parts.push(element('text', { x: box[0][0], y: box[0][1] + 13 * unit(), 'font-size': 13 * unit() }, [nameOf(item)]));
+    if (item.label && box) parts.push(name(nameOf(item), [box[0][0], box[0][1] + 13 * unit()]));
   }
   const item = chosen();
   const faces = state.solved.regions[item?.id]?.faces ?? []; // as it stands in the scene of rank 1, or will; its front stronger

@@ -1,5 +1,5 @@
 // What lies over the picture, as SVG.
-import { area, element, line, unit } from './canvas.js';
+import { area, element, line, name, unit } from './canvas.js';
 import { find, isWall, nameOf, state } from './state.js';
 
 // A handle is named `kind/which/point`; what it moves is found in tools.js.
@@ -38,18 +38,16 @@ function walls(handles) {
 }
 
 function objects() {
-  const parts = [];
+  const parts = [], names = []; // names lie over all boxes
   const boxes = Object.entries(state.solved.boxes).sort(([, one], [, other]) => other.distance - one.distance);
   for (const [id, solid] of boxes) {
     const kind = id === 'draft' ? 'draft quiet' : carrying(id) ? 'under' : state.chosen === id ? 'chosen' : '';
     const faces = solid.faces.map((face) => area(face, 'face'));
     parts.push(element('g', { class: kind, 'data-object': id }, faces));
     const item = find(id);
-    if (item?.label && solid.faces.length) {
-      const [x, y] = solid.faces[0][0];
-      parts.push(element('text', { x, y, 'font-size': 13 * unit() }, [nameOf(item)]));
-    }
+    if (item?.label && solid.faces.length) names.push(name(nameOf(item), solid.faces[0][0]));
   }
+  parts.push(...names);
   const item = state.chosen && !isWall(state.chosen) ? find(state.chosen) : null;
   if (item && state.step === 'objects') {
     if (item.outline?.length > 2) parts.push(area(item.outline, 'outline quiet'));

@@ -37,6 +37,7 @@ function moved(item) {
 function choose(item, asset) {
   edit(() => {
     item.model = item.model === asset ? null : asset;
+    item.pinned &&= Boolean(item.model);
     item.banned = item.banned.filter((name) => name !== asset);
     item.like = null;
   });
@@ -45,7 +46,7 @@ function ban(item, asset) {
   edit(() => {
     const banned = item.banned.includes(asset);
     item.banned = banned ? item.banned.filter((name) => name !== asset) : [...item.banned, asset];
-    if (item.model === asset) item.model = null;
+    if (item.model === asset) Object.assign(item, { model: null, pinned: false });
   });
 }
 
@@ -95,6 +96,7 @@ export function placement(item, others, nameOf) {
   get('like').replaceChildren(new Option('its own', ''), ...others.map((other) => new Option(nameOf(other), other.mask)));
   get('like').value = item.like ?? '';
   get('pinned').checked = item.pinned;
+  get('pinned').disabled = !item.model;
   const now = JSON.stringify([item.mask, item.model, item.banned, item.like, models.length]);
   if (now === drawn) return;
   drawn = now;
@@ -112,6 +114,6 @@ export function bindPlacement(chosen) {
   get('like').addEventListener('change', ({ target }) => edit(() => {
     const item = chosen();
     item.like = target.value ? Number(target.value) : null;
-    if (item.like) item.model = null;
+    if (item.like) Object.assign(item, { model: null, pinned: false });
   }));
 }

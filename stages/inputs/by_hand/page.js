@@ -1,6 +1,6 @@
 // The panel beside the picture, and the start.
 import { bindFrame } from './both.js';
-import { ask, changed, copy, edit, find, freeId, isWall, nameOf, onChange, remove, solve, state, undoable } from './state.js';
+import { ask, carried, changed, copy, edit, find, freeId, isWall, nameOf, onChange, remove, solve, state, undoable } from './state.js';
 import { begin } from './canvas.js';
 import { bindFront, closed, front, typed } from './fronts.js';
 import { draw } from './drawing.js';
@@ -8,6 +8,8 @@ import { choose, hint, step } from './tools.js';
 
 const get = (id) => document.getElementById(id);
 const metres = (value) => `${value < 0.995 ? `${(100 * value).toFixed(value < 0.1 ? 1 : 0)} cm` : `${value.toFixed(2)} m`}`;
+// Width, depth and height in place of those that are absurd; what the picture tells well stays.
+const usualOf = (item) => state.solved?.usual[item.id]?.map((side, k) => side ?? state.solved.boxes[item.id].size[k]);
 const chosen = () => (state.chosen && !isWall(state.chosen) ? find(state.chosen) : null);
 
 function options(select, entries, value) {
@@ -30,7 +32,7 @@ function list(parent, items, text) {
     button.setAttribute('aria-pressed', String(state.chosen === item.id));
     button.addEventListener('click', () => { state.chosen = item.id; state.handle = isWall(item.id) ? `wall/${item.id}/a` : null; changed(); });
     note.className = 'note';
-    note.textContent = state.solved?.notes[item.id] ?? '';
+    note.textContent = item === chosen() ? '' : state.solved?.notes[item.id] ?? ''; // the chosen one's stands below
     entry.append(button, note);
     return entry;
   }));
@@ -55,7 +57,15 @@ function panel() {
   fill('across', project.perspective.focal ? (2 * Math.atan(project.width / 2 / project.perspective.focal) * 180 / Math.PI).toFixed(1) : '');
   get('scale-kind').querySelector('[value=depth]').hidden = !state.depth;
   fill('scale-kind', project.scale.kind);
-  fill('scale-metres', project.scale.kind === 'depth' ? '' : project.scale.metres);
+  fill('scale-metres', project.scale.kind === 'depth' ? '' : project.scale.metres, 'nobody said it: 1.5');
+  const { factor } = camera;
+  get('camera-doubt').hidden = !factor;
+  if (factor) {
+    const height = (camera.above * factor).toFixed(2), times = Math.max(factor, 1 / factor).toFixed(2);
+    get('camera-doubt').querySelector('span').textContent = `Most things come out ${times} times too ${factor < 1 ? 'high' : 'low'}: is the camera ${height} m above the floor, and not ${camera.above} m?`;
+    get('take-height').textContent = `Take ${height} m`;
+    get('keep-height').textContent = `It is ${camera.above} m`;
+  }
   get('scale-metres').disabled = project.scale.kind === 'depth';
 
   get('scale-which').hidden = project.scale.kind !== 'object';
@@ -71,7 +81,8 @@ function panel() {
   });
   const carriers = [['floor', 'the floor'], ...project.walls.map((item) => [item.id, item.id.replace('_', ' ')])];
   const others = project.objects.map((item) => [item.id, nameOf(item)]);
-  options(get('next-on'), [['auto', 'what is there'], ...carriers, ...others], get('next-on').value || 'auto');
+  if (state.next !== 'auto' && state.next !== 'floor' && !find(state.next)) state.next = 'auto';
+  options(get('next-on'), [['auto', 'what is there'], ...carriers, ...others], state.next);
 
   const item = chosen();
   get('object').hidden = !item;
@@ -87,26 +98,22 @@ function panel() {
   const box = solved.boxes[item.id];
   ['width', 'depth', 'height'].forEach((side, k) => fill(side, item[side], box ? box.size[k].toFixed(3) : ''));
   get('boxed').hidden = !item.outline?.length;
-  get('object-facts').textContent = [box && `${metres(box.distance)} away`, solved.notes[item.id]].filter(Boolean).join('; ');
+  get('object-doubt').textContent = solved.notes[item.id] ?? '';
+  get('object-facts').textContent = box ? `${metres(box.distance)} away` : '';
+  const usual = usualOf(item);
+  get('usual').hidden = !usual;
+  if (usual) get('usual').textContent = `Use the usual size: ${usual.map(metres).join(' × ')}`;
+}
+
+// A side that is now the known length is as long as it was, until another length is typed.
+function asDrawn(scale) {
+  const size = scale.kind === 'object' && state.solved.boxes[scale.object]?.size;
+  if (size) scale.metres = size[['width', 'depth', 'height'].indexOf(scale.side)];
 }
 
 const number = (field) => (field.value === '' || !field.checkValidity() ? null : Number(field.value));
 function field(id, change) {
   get(id).addEventListener('change', (event) => { const target = event.target; edit((project) => change(project, target, chosen())); });
-}
-
-// A box on a wall is marked by two opposite corners of its front, one that stands by its foot and its top: what changes
-// from one to the other keeps the corners that it has in the picture.
-function carried(item, on) {
-  const hung = isWall(item.on), hangs = isWall(on), [a, b, c, d] = item.points;
-  const seen = item.round ? [] : state.solved.boxes[item.id]?.corners ?? [];
-  item.on = on;
-  item.round &&= !hangs;
-  if (hung === hangs) return;
-  if (hangs && seen[0] && seen[5]) item.points = [seen[0], seen[5], ...(d ? [d] : [])];
-  else if (hangs) item.points = [a, [b[0], (c ?? b)[1]], ...(d ? [d] : [])];
-  else if (seen[0] && seen[1] && seen[5]) item.points = [seen[0], seen[1], seen[5], ...(c ? [c] : [])];
-  else item.points = [[a[0], Math.max(a[1], b[1])], [b[0], Math.max(a[1], b[1])], [b[0], Math.min(a[1], b[1])], ...(c ? [c] : [])];
 }
 
 function bind() {
@@ -122,12 +129,21 @@ function bind() {
   get('propose').addEventListener('click', () => edit((project) => { project.perspective = copy(state.fresh.perspective); }));
   field('scale-kind', ({ scale }, target, item) => {
     if (target.value === 'camera') scale.metres = state.solved.camera.above;
+    if ('floor upright'.includes(target.value) && target.value !== scale.kind) scale.points = null; // another line
     scale.kind = target.value;
     scale.object ??= (item ?? state.project.objects[0])?.id ?? null;
+    asDrawn(scale);
   });
-  field('scale-object', ({ scale }, target) => { scale.object = target.value; });
-  field('scale-side', ({ scale }, target) => { scale.side = target.value; });
-  field('scale-metres', ({ scale }, target) => { scale.metres = number(target) ?? scale.metres; });
+  field('scale-object', ({ scale }, target) => { scale.object = target.value; asDrawn(scale); });
+  field('scale-side', ({ scale }, target) => { scale.side = target.value; asDrawn(scale); });
+  field('scale-metres', ({ scale }, target) => { scale.metres = number(target) ?? (scale.kind === 'camera' ? null : scale.metres); });
+  get('take-height').addEventListener('click', () => edit(({ scale }) => { scale.metres = Number((state.solved.camera.above * state.solved.camera.factor).toFixed(2)); }));
+  get('keep-height').addEventListener('click', () => edit(({ scale }) => { scale.metres = state.solved.camera.above; }));
+  get('usual').addEventListener('click', () => edit(() => {
+    const sides = state.solved.usual[state.chosen] ?? [];
+    ['width', 'depth', 'height'].forEach((side, k) => { if (sides[k]) chosen()[side] = sides[k]; });
+  }));
+  get('next-on').addEventListener('change', ({ target }) => { state.next = target.value; });
   get('behind').addEventListener('click', () => {
     const foot = state.solved.boxes[state.chosen]?.foot;
     if (foot) edit((project) => project.walls.push({ id: freeId('wall'), a: foot[0], b: foot[1], free: Boolean(chosen().free) }));

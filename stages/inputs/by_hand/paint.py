@@ -9,10 +9,11 @@ from stages.contracts.types import LARGEST
 from stages.geometry.boxes import UprightBox, corners, distances_along
 from stages.geometry.frames import yaw_matrix
 from stages.geometry.masks import polygon
-from stages.inputs.by_hand.metrology import View
+from stages.inputs.by_hand.metrology import THINNEST, View
 from stages.inputs.by_hand.project import DrawnObject, Project
 from stages.inputs.by_hand.solve import Solved
 
+SPARSE = 4  # every so many pixels tell what is seen of a drawing: it is asked for with every movement
 Depth = NDArray[np.float64]
 
 
@@ -92,6 +93,17 @@ def paint(project: Project, solved: Solved, stride: int = 1) -> Painted:
     _paint_outlined(outlines, solved, rays, depth, masks, values)
     unseen = depth > LARGEST
     return Painted(np.where(unseen, 0, depth).astype(np.float32), np.where(unseen, 0, masks).astype(np.uint16), values)
+
+
+def hidden(project: Project, solved: Solved) -> list[str]:
+    """Objects of which the picture shows nothing: all pixels are looked at only if every `SPARSE`-th shows nothing."""
+    left = {name for name, box in solved.boxes.items() if box.size.min() > THINNEST}  # else it is not all drawn yet
+    for stride in (SPARSE, 1):
+        if left:
+            painted = paint(project, solved, stride)
+            shown = set(np.unique(painted.masks).tolist())
+            left = {name for name in left if painted.values[name] not in shown}
+    return sorted(left)
 
 
 def _paint_outlined(

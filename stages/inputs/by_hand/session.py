@@ -14,14 +14,16 @@ from stages.contracts import InputError, read_json, write_json
 from stages.geometry.boxes import UprightBox, corners
 from stages.inputs.by_hand.fronts import FACES, extents, front_corners, jpeg, straight_on
 from stages.inputs.by_hand.metrology import View, WallPlane
-from stages.inputs.by_hand.paint import paint
+from stages.inputs.by_hand.paint import hidden, paint
 from stages.inputs.by_hand.perspective import horizon, vanishing_point, weak
 from stages.inputs.by_hand.photo import Photo
 from stages.inputs.by_hand.project import PROJECT, Pixel, Project
 from stages.inputs.by_hand.segments import propose, usual_focal
-from stages.inputs.by_hand.solve import Solved, support_at
+from stages.inputs.by_hand.solve import Solved
+from stages.inputs.by_hand.support import support_at
 from stages.inputs.by_hand.write import finished, side_angle, tinted, write_folder
 
+UNSEEN = "nothing of it would be seen in the picture: it lies behind something, or outside; it is left out"
 GRID, REACH = 0.5, 8.0  # metres: spacing of the floor's grid, and how far it goes
 Answer = dict[str, Any]
 
@@ -83,7 +85,7 @@ class Session:
         height, width = self.photo.rgb.shape[:2]
         notes = []
         if self.photo.shrunk > 1:
-            notes.append(f"The picture was made {self.photo.shrunk:.2g} times smaller, to {width} x {height} pixels.")
+            notes.append(f"The picture was made smaller, to {width} x {height} pixels.")
         if self.photo.focal:
             notes.append("The focal length is known from the photograph's EXIF data.")
         return {
@@ -115,6 +117,8 @@ class Session:
     def solve(self, body: Any) -> Answer:
         """Where everything is, in metres and in pixels."""
         project, solved = finished(self._project(body), self.depth)
+        for name in hidden(project, solved):
+            solved.notes[name] = "; ".join(filter(None, [solved.notes.get(name), UNSEEN]))
         return described(project, solved)
 
     def save(self, body: Any) -> Answer:
@@ -218,6 +222,7 @@ def described(project: Project, solved: Solved) -> Answer:
             "pitch": round(float(np.rad2deg(np.arcsin(np.clip(forward[2], -1, 1)))), 2),
             "roll": round(float(np.rad2deg(np.arctan2(up[0], -up[1]))), 2),
             "above": round(view.above, 3),
+            "factor": solved.factor,
         },
         "horizon": horizon(view),
         "vanishing": {name: vanishing_point(view, axis) for axis, name in enumerate("xyz")},
@@ -226,4 +231,5 @@ def described(project: Project, solved: Solved) -> Answer:
         "walls": {name: _wall(view, wall) for name, wall in solved.walls.items()},
         "boxes": {name: _box(view, box) for name, box in solved.boxes.items()},
         "notes": solved.notes,
+        "usual": solved.usual,
     }

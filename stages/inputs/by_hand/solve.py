@@ -2,16 +2,14 @@
 
 from dataclasses import dataclass, field, replace
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from stages.contracts.depth import NEAREST
 from stages.contracts.types import LARGEST
-from stages.geometry.boxes import UprightBox, corners
+from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import yaw_matrix
 from stages.inputs.by_hand.metrology import (
-    CLICK,
     THINNEST,
     MetrologyError,
     RearCornerError,
@@ -24,10 +22,10 @@ from stages.inputs.by_hand.metrology import (
 )
 from stages.inputs.by_hand.perspective import fit_view
 from stages.inputs.by_hand.project import DrawnObject, Pixel, Project, Scale
+from stages.inputs.by_hand.usual import STANDING, Sides, camera_factor, usual_size
 from stages.procedural.naming import category_in
 from stages.procedural.sizes import sizes_of, unusual
 
-BEHIND = 0.05  # of the picture's height, that the foot of what stands may be marked above the top that it stands on
 NEARER = 0.7  # of its distance at least, at which something that was marked too high is put onto what carries it
 WITHIN = 0.25  # of the length that was drawn of a wall, by which another one may cut it off
 FLAT = 0.03  # metres: how deep something on a wall is of which nobody said what it is
@@ -36,7 +34,9 @@ FLAT = 0.03  # metres: how deep something on a wall is of which nobody said what
 @dataclass(frozen=True)
 class Solved:
     """The room in metres; `notes`: by id of an object or wall, or `scale`, what is wrong with it or was guessed;
-    `guessed`: objects of which nobody drew or typed how deep they are.
+    `guessed`: objects of which nobody drew or typed how deep they are; `usual`: of what is absurdly large, thin or
+    small, the width, depth and height to take instead; `factor`: by which nearly all heights are wrong, with the
+    height of a camera that nobody gave.
     """
 
     view: View
@@ -44,6 +44,8 @@ class Solved:
     boxes: dict[str, UprightBox]
     notes: dict[str, str] = field(default_factory=dict)
     guessed: set[str] = field(default_factory=set)
+    usual: dict[str, Sides] = field(default_factory=dict)
+    factor: float | None = None
 
 
 def _depth_guessed(item: DrawnObject, hangs: bool) -> bool:
@@ -60,12 +62,12 @@ def _guessed(item: DrawnObject, hangs: bool) -> str:
     return ""
 
 
-def _unusual(item: DrawnObject, box: UprightBox) -> str:
-    """What is wrong with the size of a box, by the usual sizes of its label."""
+def _unusual(item: DrawnObject, box: UprightBox, factor: float) -> str:
+    """What is wrong with the size of a box, by the usual sizes of its label, if it were `factor` times as large."""
     size = box.size
     if size.min() < THINNEST:
         return f"would be {1000 * size.min():.1f} mm thin: draw it anew"
-    return unusual(category_in(item.label), size)
+    return unusual(category_in(item.label), factor * size) and unusual(category_in(item.label), size)
 
 
 def _usual_depth(label: str) -> float:
@@ -136,8 +138,10 @@ class _Room:
                 seen = item.points[: 2 if item.on in self.walls else 3]
                 self.boxes[item.id] = self._box(item, seen, above)
                 self.notes[item.id] = f"{error}; its depth is guessed"
+            if item.id in self.guessed and item.on not in self.walls:
+                self.boxes[item.id] = self._before_walls(self.boxes[item.id])
             if item.on in self.boxes:
-                self._onto(item, self.boxes[item.on])
+                self._onto(item, self.boxes[item.on], above)
         except MetrologyError as error:
             self.notes.setdefault(item.id, str(error))
 
@@ -151,11 +155,40 @@ class _Room:
             return round_box(self.view, ground, points, sizes)
         return standing_box(self.view, ground, points, sizes, item.free)
 
-    def _onto(self, item: DrawnObject, carrier: UprightBox) -> None:
+    def _before_walls(self, box: UprightBox) -> UprightBox:
+        """The box as deep as to the wall behind its front, if it would go through it."""
+        inward = yaw_matrix(box.yaw) @ [0.0, 1.0, 0.0]
+        width, depth, height = box.size
+        front = box.center - inward * depth / 2
+        for wall in self.walls.values():
+            towards = float(inward @ wall.normal)
+            gap = (wall.offset - float(front @ wall.normal)) / towards if towards < -0.5 else np.inf
+            low, high = wall.ends
+            if THINNEST < gap < depth and low <= float((front + gap * inward) @ wall.along) <= high:
+                depth = gap
+        return UprightBox(front + inward * depth / 2, [width, depth, height], box.yaw)
+
+    def _onto(self, item: DrawnObject, carrier: UprightBox, above: tuple[str, ...]) -> None:
         """Nearer along the line of sight, and smaller by as much, until its rear is over what carries it.
 
-        On a level just below the eye a pixel is many centimetres: a foot that was marked little too high is far beyond.
+        On a level just below the eye a pixel is many centimetres: a foot that was marked little too high is far beyond,
+        and its rear corner farther still. What is deeper than all that carries it says so of its rear corner.
         """
+        box = self.boxes[item.id]
+        c, s = np.cos(box.yaw - carrier.yaw), np.sin(box.yaw - carrier.yaw)
+        marked = len(item.points) > 3 and item.depth is None and not item.round
+        beyond = marked and box.size[1] > abs(c) * carrier.size[1] + abs(s) * carrier.size[0]
+        if beyond:
+            self.boxes[item.id] = self._box(item, item.points[:3], above)
+            self.guessed.add(item.id)
+        if not self._nearer(item, carrier):
+            what = "stands beside what it should stand on: is that deep enough, and drawn up to its worktop?"
+            self.notes.setdefault(item.id, what)
+        elif beyond:
+            self.notes[item.id] = "its rear corner lay beyond what it stands on; its depth is guessed"
+
+    def _nearer(self, item: DrawnObject, carrier: UprightBox) -> bool:
+        """Whether its rear could be put over what carries it."""
         box, eye = self.boxes[item.id], np.array([0, 0, self.view.above])
         for share in np.linspace(1, NEARER, 31):
             sizes = zip(item.sizes if self.typed else (None,) * 3, box.size, strict=True)
@@ -164,14 +197,14 @@ class _Room:
             if _over(carrier, center + yaw_matrix(box.yaw) @ [0, size[1] / 2, 0]):
                 break
         else:
-            self.notes.setdefault(item.id, "stands beside what it should stand on: is that deep enough?")
-            return
+            return False
         if share < 1:
             if item.height is None:
                 size[2] = max(center[2] + size[2] / 2 - carrier.top, size[2] / 2)
             center[2] = carrier.top + size[2] / 2
             self.boxes[item.id] = UprightBox(center, size, box.yaw)
             self.notes.setdefault(item.id, f"its foot lay beyond what it stands on: {1 - share:.0%} nearer")
+        return True
 
     def _ground(self, item: DrawnObject, above: tuple[str, ...]) -> float:
         if item.on == "floor":
@@ -191,16 +224,17 @@ def _height(project: Project, view: View) -> float:
         MetrologyError: the known length cannot be measured in the picture.
     """
     scale = project.scale
+    metres = scale.metres or STANDING
     if scale.kind in ("camera", "depth"):
-        return scale.metres
+        return metres
     if scale.kind == "object":
         boxes = _Room(project, view, typed=False).boxes
         if scale.object not in boxes:
             raise MetrologyError("the object whose size is known has no place yet")
-        return scale.metres / float(boxes[scale.object].size[("width", "depth", "height").index(scale.side)])
+        return metres / float(boxes[scale.object].size[("width", "depth", "height").index(scale.side)])
     if scale.points is None:
         raise MetrologyError("draw the line whose length is known")
-    return scale.metres / _length(view, scale)
+    return metres / _length(view, scale)
 
 
 def _length(view: View, scale: Scale) -> float:
@@ -225,52 +259,22 @@ def solve(project: Project) -> Solved:
         if not NEAREST <= above <= LARGEST:
             raise MetrologyError(f"the camera would be {above:.3g} m above the floor")
     except MetrologyError as error:
-        notes["scale"] = f"{error}; the camera is taken to be 1.5 m above the floor"
-        above = 1.5
+        notes["scale"] = f"{error}; the camera is taken to be {STANDING} m above the floor"
+        above = STANDING
     room = _Room(project, replace(view, above=above), typed=True)
+    factor, usual = camera_factor(project, room.boxes), {}
     for item in project.objects:
         box = room.boxes.get(item.id)
         if box is not None and max(box.size) > LARGEST:
             room.notes[item.id] = f"would be {max(box.size):.0f} m large"
             del room.boxes[item.id]
         elif box is not None:
-            told = [room.notes.get(item.id, _guessed(item, item.on in room.walls)), _unusual(item, box)]
+            odd = _unusual(item, box, factor or 1.0)
+            if odd and (instead := usual_size(item, box)):
+                usual[item.id] = instead
+            told = [room.notes.get(item.id, _guessed(item, item.on in room.walls)), odd]
             room.notes |= {item.id: "; ".join(filter(None, told))} if any(told) else {}
-    return Solved(room.view, room.walls, room.boxes, {**room.notes, **notes}, room.guessed)
-
-
-def support_at(project: Project, solved: Solved, pixel: tuple[float, float], stands: bool = False) -> str:
-    """What a pixel shows that something may stand or hang on: the top of an object, a wall, else the floor.
-
-    What `stands` hangs on no wall: on a counter a little too shallow its foot seems to be on the wall behind it.
-
-    What stands at the front edge of a top has its lower corners there, and is easily marked some pixels below it; at
-    its rear edge, some pixels up the wall.
-    """
-    ray, eye = solved.view.rays(pixel), np.array([0, 0, solved.view.above])
-    best, nearest = "floor", np.inf
-    beside: dict[str, float] = {}  # pixels from the tops that the pixel is not on
-    for name, box in solved.boxes.items():
-        top = solved.view.project(corners(box)[4:])
-        if ray[2] >= 0 or box.top >= eye[2] or not np.isfinite(top).all():
-            continue
-        reach = (box.top - eye[2]) / ray[2]
-        inside = cv2.pointPolygonTest(top.astype(np.float32), pixel, True)
-        if inside <= -2 * CLICK:
-            beside[name] = -inside
-        elif reach < nearest:
-            best, nearest = name, reach
-    if best != "floor":
-        return best
-    if ray[2] < 0:
-        nearest = -eye[2] / ray[2]
-    for name, wall in solved.walls.items():
-        if (reach := float(wall.reach(ray))) < nearest:
-            best, nearest = name, reach
-    if stands and best != "floor":
-        best = min(beside, key=lambda name: beside[name], default="floor")
-        return best if beside.get(best, np.inf) < BEHIND * solved.view.height else "floor"
-    return best
+    return Solved(room.view, room.walls, room.boxes, {**room.notes, **notes}, room.guessed, usual, factor)
 
 
 def _over(box: UprightBox, point: NDArray[np.float64]) -> bool:

@@ -2,7 +2,7 @@
 
 export const state = {
   project: null, fresh: null, solved: null, depth: false,
-  step: 'camera', tool: 'select', draft: null, chosen: null, handle: null, grid: true, trouble: '', under: null,
+  step: 'camera', tool: 'select', draft: null, chosen: null, handle: null, grid: true, trouble: '', under: null, next: 'auto',
 };
 const listeners = [];
 const past = [];
@@ -88,6 +88,7 @@ function travel(from, to) {
   to.push(JSON.stringify(state.project));
   state.project = JSON.parse(from.pop());
   state.draft = state.handle = null;
+  state.tool = 'select';
   if (state.chosen && !find(state.chosen)) state.chosen = null;
   touch();
 }
@@ -110,11 +111,27 @@ export function freeId(kind) {
   for (let n = 1; ; n += 1) if (!find(`${kind}_${n}`)) return `${kind}_${n}`;
 }
 
+// A box on a wall is marked by two opposite corners of its front, one that stands by its foot and its top: what changes
+// from one to the other keeps the corners that it has in the picture.
+export function carried(item, on) {
+  const hung = isWall(item.on), hangs = isWall(on), [a, b, c, d] = item.points;
+  const seen = item.round ? [] : state.solved.boxes[item.id]?.corners ?? [];
+  item.on = on;
+  item.round &&= !hangs;
+  if (hung === hangs) return;
+  if (hangs && seen[0] && seen[5]) item.points = [seen[0], seen[5], ...(d ? [d] : [])];
+  else if (hangs) item.points = [a, [b[0], (c ?? b)[1]], ...(d ? [d] : [])];
+  else if (seen[0] && seen[1] && seen[5]) item.points = [seen[0], seen[1], seen[5], ...(c ? [c] : [])];
+  else item.points = [[a[0], Math.max(a[1], b[1])], [b[0], Math.max(a[1], b[1])], [b[0], Math.min(a[1], b[1])], ...(c ? [c] : [])];
+}
+
+// What stood on it stands on what carried that.
 export function remove(id) {
   edit((project) => {
+    const on = isWall(id) ? 'floor' : find(id).on;
+    for (const item of project.objects) if (item.on === id) carried(item, isWall(on) ? 'floor' : on);
     project.objects = project.objects.filter((item) => item.id !== id);
     project.walls = project.walls.filter((item) => item.id !== id);
-    for (const item of project.objects) if (item.on === id) item.on = 'floor';
     if (project.scale.object === id) project.scale = { ...project.scale, kind: 'camera', metres: state.solved.camera.above, object: null };
   });
   state.chosen = state.handle = null;

@@ -8,7 +8,7 @@ const svg = document.getElementById('view');
 const STEPS = { x: 'camera', y: 'camera', z: 'camera', measure: 'camera', wall: 'walls', box: 'objects', round: 'objects', outline: 'objects' };
 const FAR = 8; // screen pixels: a press that moves farther is a drag, whose end counts as a second click
 const STANDING = ['Click the lower left corner of its front.', 'Click the lower right corner of its front (Shift: not along the walls).',
-  'Click the upper edge of its front.', 'Click any rear corner that you see (Enter: guess its depth).'];
+  'Click its upper edge in front; of a counter that of the worktop, not of the doors.', 'Click any rear corner that you see (Enter: guess its depth).'];
 const HANGING = ['', 'Click the opposite corner of its front.', 'Click a rear corner, where it meets the wall (Enter: flat).'];
 const ROUND = ['Click the left end of its foot.', 'Click the right end of its foot.', 'Click its top: in the middle, or its left or right end if it is wider there than its foot.'];
 const HINTS = {
@@ -27,7 +27,10 @@ function onto() {
   const on = state.draft?.on ?? state.under;
   if (!on) return '';
   const item = find(on);
-  return isWall(on) ? `It hangs on ${on.replace('_', ' ')}. ` : `It stands on ${item ? nameOf(item) : 'the floor'}. `;
+  if (isWall(on)) return `It hangs on ${on.replace('_', ' ')}. `;
+  if (!item) return 'It stands on the floor. ';
+  const first = (state.draft?.points.length ?? 1) < 2;
+  return `It stands on ${nameOf(item)}. ${first ? 'Its yellow top must be the surface that is touched, as of the worktop. ' : ''}`;
 }
 
 export function hint() {
@@ -60,7 +63,7 @@ async function click(at, shift) {
   const free = state.draft?.free || (shift && state.draft?.points.length === 2);
   if (!state.draft) {
     const kind = { x: 'line', y: 'line', z: 'line', round: 'box' }[state.tool] ?? state.tool;
-    const draft = { kind, points: [at, at], free: false, round: state.tool === 'round', on: document.getElementById('next-on').value };
+    const draft = { kind, points: [at, at], free: false, round: state.tool === 'round', on: state.next };
     state.draft = draft;
     if (kind === 'box' && draft.on === 'auto') {
       draft.on = 'floor';
@@ -83,7 +86,7 @@ let looking = false, later = null;
 async function look(at) {
   if (looking) { later = at; return; }
   looking = true;
-  const on = document.getElementById('next-on').value;
+  const on = state.next;
   try {
     const under = on === 'auto' ? (await ask('support', { project: state.project, pixel: at, stands: state.tool === 'round' })).on : on;
     if (state.under !== under && !state.draft && ['box', 'round'].includes(state.tool)) { state.under = under; changed(); }
@@ -98,15 +101,16 @@ const clicked = (at, shift) => { clicks = clicks.then(() => click(at, shift)); }
 // Keep the first `count` points of the draft as what the tool draws.
 function finish(count) {
   const { tool, draft } = state;
+  const least = tool === 'outline' || (draft.kind === 'box' && !isWall(draft.on)) ? 3 : 2;
+  if (count < least) return; // more is to come, or Esc
   draft.points.length = count;
-  if (draft.kind === 'box' && count < (isWall(draft.on) ? 2 : 3)) { cancel(); return; }
-  if (tool === 'outline' ? count < 3 : count < 2) { cancel(); return; }
   state.draft = null;
   edit((project) => {
     if (draft.kind === 'box') {
       const id = freeId('object');
       project.objects.push({ ...object(id, draft), label: '', articulated: false, doors: 0, drawers: 0, outline: [] });
       state.chosen = id;
+      state.next = 'auto';
     } else if (tool === 'wall') project.walls.push(wall(freeId('wall'), draft));
     else if (tool === 'measure') project.scale = { ...project.scale, kind: project.scale.kind === 'floor' ? 'floor' : 'upright', points: draft.points };
     else if (tool === 'outline') find(state.chosen).outline = draft.points;
@@ -115,7 +119,7 @@ function finish(count) {
   state.tool = 'select';
   changed();
   if (draft.kind === 'box') document.getElementById('label').focus();
-  if (tool === 'measure') document.getElementById('scale-metres').focus();
+  if (tool === 'measure') { const field = document.getElementById('scale-metres'); field.focus(); field.select(); }
 }
 
 export function cancel() { state.draft = null; state.tool = 'select'; changed(); solve(); }

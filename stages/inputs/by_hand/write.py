@@ -18,12 +18,11 @@ from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import apply, inverse, rounded, wrap_angle, yaw_of_matrix
 from stages.geometry.planes import Plane
 from stages.inputs.by_hand.metrology import View
-from stages.inputs.by_hand.paint import paint
+from stages.inputs.by_hand.paint import SPARSE, paint
 from stages.inputs.by_hand.project import DrawnObject, Project
 from stages.inputs.by_hand.solve import Solved, solve
 from stages.inputs.rgbd.frame import is_stretched
 
-SPARSE = 4  # every so many pixels tell the scale of given depth: it is asked for with every movement
 SIDES = ("right", "rear", "left", "front")  # of a drawn box, counter-clockwise from its x axis
 
 
