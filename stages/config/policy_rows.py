@@ -18,7 +18,7 @@ def described(run: TrainingRun) -> str:
     traits = [] if run.policy == "bc_rnn_gmm" else [short(run.policy)]
     traits += ["handle flagged"] if run.handle else []
     traits += [] if run.network.cloud else ["no cloud"]
-    return ", ".join(traits) or "paper's kind of network"
+    return ", ".join(traits) or f"{run.network.pointnet_width}-wide network of the paper's kind"
 
 
 def policy_rows(config: "Config") -> dict[str, PolicyRow]:
@@ -30,7 +30,7 @@ def policy_rows(config: "Config") -> dict[str, PolicyRow]:
 
 def policy_tables(config: "Config") -> PolicyTables:
     """The section `tables`, and what its verbs about policies read of the others."""
-    rows = policy_rows(config)
+    rows, experiment = policy_rows(config), config.experiment
     tasks = [config.task_of(name) for name in rows]
     runs = dict.fromkeys(run for row in rows.values() for run in row.runs)
     met = {key: getattr(config.evaluation, key) for key in TOLD}
@@ -38,6 +38,7 @@ def policy_tables(config: "Config") -> PolicyTables:
         **dict(config.tables),
         rows=rows,
         kinds={run: described(config.training.runs[run]) for run in runs},
+        encoder=short(config.matching_of(experiment.policy_variant).encoder),
         met=SensingOptions.model_construct(**met),
         starts=sorted({(task.base_xy, task.base_z) for task in tasks}),
     )

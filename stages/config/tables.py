@@ -54,10 +54,12 @@ class MethodTables(TablesConfig):
 class PolicyTables(MethodTables):
     """What tables say of the policies, as far as it is known.
 
-    kinds: hyper-parameter set -> its kind of policy in words. met: how policies see the test assets. starts: of the
-    rows, how far off its place before the handle the robot stands, along and up, metres.
+    kinds: hyper-parameter set -> its kind of policy in words. encoder: by whose features assets are near the twin.
+    met: how policies see the test assets. starts: of the rows, how far off its place before the handle the robot
+    stands, along and up, metres.
     """
 
     kinds: dict[str, str] = {}
+    encoder: str = ""
     met: SensingOptions | None = None
     starts: list[tuple[float, float]] = []

@@ -226,7 +226,7 @@ class Rollout(Contract):
     family: Id = Field(description="of the asset")
     handle: HandleKind
     handle_length: NonNegative = Field(description="longest extent of the handle, metres")
-    dino_distance: NonNegative
+    feature_distance: NonNegative = Field(description="from the twin, between features that the encoder finds")
     episode: Count
     initial_state: Seed = Field(description="seed of the initial state; the same for every policy (paired)")
     success: bool = Field(description="the task's own, as section `task` sets it")

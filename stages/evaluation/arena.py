@@ -147,7 +147,7 @@ class Arena:
                     "family": episode.asset.family,
                     "handle": episode.asset.handle,
                     "handle_length": episode.asset.handle_length,
-                    "dino_distance": episode.asset.distance,
+                    "feature_distance": episode.asset.distance,
                     "episode": number,
                     "initial_state": episode.seed,
                     "success": episode.success,

@@ -11,8 +11,9 @@ from stages.tables.assets import judged_over, of_splits
 from stages.tables.cells import rates
 from stages.tables.drawing import colour, draw_rates, mark_not_run, marker, rate_axis
 from stages.tables.order import SKILL, set_key, title
+from stages.tables.text import distance_from_twin
 
-AXES = {"dino_distance": "distance from the twin", "handle_length": "length of the handle (m)"}
+AXES = ["feature_distance", "handle_length"]
 
 
 def _judged(rollouts: pd.DataFrame) -> pd.DataFrame:
@@ -41,9 +42,10 @@ def thirds(rollouts: pd.DataFrame, options: TablesConfig) -> pd.DataFrame:
     return pd.concat(rows) if rows else pd.DataFrame(columns=["task"])
 
 
-def draw(panels: Any, points: pd.DataFrame, thirds: pd.DataFrame) -> None:
+def draw(panels: Any, points: pd.DataFrame, thirds: pd.DataFrame, encoder: str) -> None:
     """The panels of one task."""
-    for panel, (axis, label) in zip(panels, AXES.items(), strict=True):
+    labels = [distance_from_twin(encoder), "length of the handle (m)"]
+    for panel, axis, label in zip(panels, AXES, labels, strict=True):
         rate_axis(panel, False)
         panel.set_xlabel(f"{label}, {points['asset'].nunique()} assets" if len(points) else label)
         panel.grid(False, axis="x")

@@ -1,7 +1,7 @@
 """Success over sets of unseen assets: tables `assets` and `assets_by_handle`.
 
-Rows of the experiment that share their assets (`assets_of`) are a group: the paper's network, and other policies on
-the same demonstrations, assets and states.
+Rows of the experiment that share their assets (`assets_of`) are a group: its own policies, and others on the
+same demonstrations, assets and states.
 """
 
 from typing import get_args

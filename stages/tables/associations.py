@@ -19,7 +19,7 @@ from stages.tables.rows import records
 from stages.tables.text import cell, count
 
 TRAITS = {
-    "dino_distance": "distance to the twin",
+    "feature_distance": "distance to the twin",
     "handle_length": "length of the handle",
     "handle_height": "height of the handle on the front",
     "coverage": "coverage by the training set",

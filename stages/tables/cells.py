@@ -12,7 +12,7 @@ from stages.tables.statistics import std
 
 CELL = ["task", "test_asset", "training_set"]
 RATE = [
-    "assets_of", "cloud", "dino_distance", "assets", "families", "places", "runs", "episodes", "successes",
+    "assets_of", "cloud", "feature_distance", "assets", "families", "places", "runs", "episodes", "successes",
     "official_successes", "mean", "std", "low", "high",
 ]  # fmt: skip
 GAIN = ["assets", "places", "runs", "baseline_runs", "difference", "low", "high"]
@@ -38,7 +38,7 @@ def rates(rollouts: pd.DataFrame, by: Sequence[str], options: TablesConfig) -> p
         rows.append(
             dict(zip(by, key, strict=True))
             | {"assets_of": group["assets_of"].iloc[0], "cloud": group["cloud"].iloc[0]}
-            | {"dino_distance": float(group["dino_distance"].mean()), "places": side.shape[1], "runs": len(side)}
+            | {"feature_distance": float(group["feature_distance"].mean()), "places": side.shape[1], "runs": len(side)}
             | {"assets": group["asset"].nunique(), "families": group["family"].nunique(), "episodes": len(group)}
             | {"successes": int(group["success"].sum()), "official_successes": int(group["official_success"].sum())}
             | {"mean": rate_of(side), "std": std(side.mean(axis=1)), "low": low, "high": high}

@@ -64,13 +64,13 @@ def role_tables(
 
 
 def write_figures(
-    out: Path, rollouts: pd.DataFrame, cells: pd.DataFrame, paper: pd.DataFrame, options: TablesConfig
+    out: Path, rollouts: pd.DataFrame, cells: pd.DataFrame, paper: pd.DataFrame, options: PolicyTables
 ) -> None:
     """Write figure4 and figure9 (.svg, .png); `cells` as `table3.cells` gives, `paper` as `published_policies`."""
     points = asset_panels.points(rollouts)
     over_assets = (points, asset_panels.thirds(rollouts, options)) if len(points) else None
     with style():
-        save(figure4(cells, paper, over_assets), out, "figure4")
+        save(figure4(cells, paper, over_assets, options.encoder), out, "figure4")
         save(figure9(cells, paper), out, "figure9")
 
 

@@ -13,6 +13,7 @@ from stages.tables import asset_panels
 from stages.tables.drawing import GREY, colour, draw_rates, mark_not_run, rate_axis
 from stages.tables.order import set_key, task_key, title
 from stages.tables.table3 import TRAINED
+from stages.tables.text import distance_from_twin
 
 
 def _of(table: pd.DataFrame, task: str, training_set: str | None = None) -> pd.DataFrame:
@@ -46,13 +47,16 @@ def _legend(figure: Figure, columns: int) -> None:
 
 
 def figure4(
-    cells: pd.DataFrame, published: pd.DataFrame, over: tuple[pd.DataFrame, pd.DataFrame] | None = None
+    cells: pd.DataFrame,
+    published: pd.DataFrame,
+    over: tuple[pd.DataFrame, pd.DataFrame] | None = None,
+    encoder: str = "",
 ) -> Figure:
     """Success against what tells a test asset from the twin: a row per task that was run, a colour per set.
 
     From the left, of `over` (as `asset_panels.points` and `.thirds` give): success on unseen assets against distance
     and against the length of the handle; on the roles of Table 3, with our intervals; the paper's figure, its bars the
-    standard deviation over runs; its distances are under another encoder.
+    standard deviation over runs. `encoder` is ours, by whose features distances are.
     """
     cells = _tested(cells)
     tasks = _tasks(cells if over is None else pd.concat([cells, over[0]]), published)
@@ -64,17 +68,18 @@ def figure4(
     )
     for panels, task in zip(axes, tasks, strict=True):
         if over is not None:
-            asset_panels.draw(panels[:first], _of(over[0], task), _of(over[1], task))
+            asset_panels.draw(panels[:first], _of(over[0], task), _of(over[1], task), encoder)
         name = f"{title(task)}{', roles' if first else ''}"
-        _distances(panels[first], _of(cells, task), name, "not run")
+        _distances(panels[first], _of(cells, task), name, "not run", encoder)
         if columns == first + 2:
-            _distances(panels[-1], _with_deviation(_of(published, task)), f"{title(task)}, paper", "not in the paper")
+            paper = _with_deviation(_of(published, task))
+            _distances(panels[-1], paper, f"{title(task)}, paper", "not in the paper", "DINOv2")
         panels[0].set_ylabel("success (%)")
     _legend(figure, int(width / 2.2))
     return figure
 
 
-def _distances(panel: Axes, cells: pd.DataFrame, name: str, missing: str) -> None:
+def _distances(panel: Axes, cells: pd.DataFrame, name: str, missing: str, encoder: str) -> None:
     """One panel of Figure 4."""
     rate_axis(panel, False)
     panel.set_title(name, loc="left")
@@ -82,15 +87,15 @@ def _distances(panel: Axes, cells: pd.DataFrame, name: str, missing: str) -> Non
         mark_not_run(panel, missing)
         panel.set_xticks([])
         return
-    cells = cells.sort_values("dino_distance")
+    cells = cells.sort_values("feature_distance")
     sets = sorted(cells["training_set"].unique(), key=set_key)
-    step = 0.015 * (cells["dino_distance"].max() - cells["dino_distance"].min() or 1.0)
+    step = 0.015 * (cells["feature_distance"].max() - cells["feature_distance"].min() or 1.0)
     for index, training_set in enumerate(sets):
         line = cells[cells["training_set"] == training_set]
         beside = step * (index - (len(sets) - 1) / 2)  # keeps the bars of different sets apart
-        draw_rates(panel, line["dino_distance"] + beside, line, training_set)
+        draw_rates(panel, line["feature_distance"] + beside, line, training_set)
     names = ", ".join(title(asset) for asset in cells["test_asset"].unique())
-    panel.set_xlabel(f"distance from the twin\n({names})", size=7.5)
+    panel.set_xlabel(f"{distance_from_twin(encoder)}\n{names}", size=7.5)
 
 
 def figure9(cells: pd.DataFrame, published: pd.DataFrame) -> Figure:

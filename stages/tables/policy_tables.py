@@ -152,7 +152,7 @@ def policies_table(
         first = next(iter(ran.values()), None)
         about = [(kinds or {}).get(task, ""), CLOUDS[first["cloud"]]] if first else []
         line = [cell(title(task), "\n".join(filter(None, about))), title(asset)]
-        line.append(number(first["dino_distance"], 2) if first else "")
+        line.append(number(first["feature_distance"], 2) if first else "")
         for name in sets:
             paper = theirs.get((task, asset, name))
             missing = (NOT_RUN if paper or ran else "", "")

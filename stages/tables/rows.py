@@ -84,8 +84,8 @@ def published_runs(folder: Path) -> pd.DataFrame:
 def published_policies(folder: Path) -> pd.DataFrame:
     """Table 3 of the paper: one row per cell (task, test_asset, training_set) with mean and std over its runs.
 
-    Columns: the three keys, `dino_distance`, `runs`, `mean` and `std` (sample) of the success rate in [0, 1].
+    Columns: the three keys, `feature_distance`, `runs`, `mean` and `std` (sample) of the success rate in [0, 1].
     """
     cells = published_runs(folder).groupby(["task", "test_asset", "training_set"], sort=False)
-    columns = {"dino_distance": ("dino_distance", "first"), "runs": ("rate", "count")}
+    columns = {"feature_distance": ("dino_distance", "first"), "runs": ("rate", "count")}
     return cells.agg(**columns, mean=("rate", "mean"), std=("rate", "std")).reset_index()

@@ -10,7 +10,7 @@ from stages.tables.order import SKILL, SPLITS, set_key, task_key
 from stages.tables.statistics import wilson
 
 COLUMNS = [
-    "task", "cloud", "test_asset", "dino_distance", "training_set", "run", "seed", "episodes", "successes",
+    "task", "cloud", "test_asset", "feature_distance", "training_set", "run", "seed", "episodes", "successes",
     "official_successes", "success_rate", "wilson_low", "wilson_high",
 ]  # fmt: skip
 ALL_COLUMNS = [*COLUMNS, "checkpoint", "asset", "status"]
@@ -44,7 +44,7 @@ def build(rollouts: pd.DataFrame, published: pd.DataFrame, options: TablesConfig
         low, high = wilson(successes, episodes, options.confidence)
         rows.append(
             dict(zip(keys, key, strict=True))
-            | {"dino_distance": float(group["dino_distance"].mean()), "asset": _assets(group["asset"])}
+            | {"feature_distance": float(group["feature_distance"].mean()), "asset": _assets(group["asset"])}
             | {"cloud": group["cloud"].iloc[0], "official_successes": int(group["official_success"].sum())}
             | {"episodes": episodes, "successes": successes, "success_rate": successes / episodes}
             | {"wilson_low": low, "wilson_high": high, "status": "run"}

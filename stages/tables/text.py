@@ -46,6 +46,11 @@ def count(number: int, noun: str) -> str:
     return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
+def distance_from_twin(encoder: str) -> str:
+    """'distance from the twin (hog features)'; without an encoder, as it is known."""
+    return "distance from the twin" + f" ({encoder} features)" * bool(encoder)
+
+
 def cell(value: str, remark: str = "", published: str = "") -> str:
     """A table cell, a line each: our value, a remark (its interval, its n), the paper's value."""
     return "\n".join(part for part in (value, remark, published and f"paper {published}") if part)

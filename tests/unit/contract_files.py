@@ -255,7 +255,7 @@ def _evaluation(root: Path) -> None:
     folder.mkdir()
     (folder / "rollouts.csv").write_text(
         "task,assets_of,cloud,training_set,run,seed,checkpoint,test_asset,asset,family,handle,handle_length,"
-        "dino_distance,episode,initial_state,success,official_success,steps,opened\n"
+        "feature_distance,episode,initial_state,success,official_success,steps,opened\n"
         "door,door,target_link,twin,lite,0,best,twin,cabinet_0,cabinet_0,bar,0.2,0.0,0,2147483648,True,True,60,0.9\n"
         "door,door,target_link,twin,lite,0,best,twin,cabinet_0,cabinet_0,bar,0.2,0.0,1,2147483649,False,True,99,0.2\n"
     )

@@ -112,7 +112,7 @@ def rollout(episode: int = 0, success: bool = True, **changes: object) -> Rollou
     values = {
         "task": "door", "assets_of": changes.get("task", "door"), "cloud": "target_link", "training_set": "twin",
         "run": "lite", "seed": 0, "checkpoint": "best", "test_asset": "twin", "asset": asset, "family": asset,
-        "handle": "bar", "handle_length": 0.12, "dino_distance": 0.0, "episode": episode,
+        "handle": "bar", "handle_length": 0.12, "feature_distance": 0.0, "episode": episode,
         "initial_state": 1000 + episode, "success": success, "official_success": success, "steps": 80, "opened": 0.9,
     }  # fmt: skip
     return Rollout.model_validate(values | changes)
@@ -126,7 +126,7 @@ def rollouts() -> list[BaseModel]:
     for name, rates in chance.items():
         for seed in (0, 1):
             for role, rate in zip(["twin", "cousin_2", "cousin_6", "dissimilar"], rates, strict=True):
-                same = {"training_set": name, "seed": seed, "test_asset": role, "dino_distance": ROLES[role]}
+                same = {"training_set": name, "seed": seed, "test_asset": role, "feature_distance": ROLES[role]}
                 rows += [rollout(episode, bool(rng.random() < rate), **same) for episode in range(10)]
             same = {"training_set": name, "seed": seed, "test_asset": "trained"}
             rows += [rollout(episode, episode < 9, **same) for episode in range(10)]
@@ -151,7 +151,7 @@ def over_assets(policies: dict[tuple[str, str], float], assets: int = 24, split:
             for number in range(assets):
                 handle, extent = HANDLES[number % 4]
                 at = {"asset": f"wall_cabinet_{number:02d}", "family": f"wall_cabinet_{number // 2:02d}"}
-                at |= {"handle": handle, "handle_length": extent, "dino_distance": 2 + number % 7}
+                at |= {"handle": handle, "handle_length": extent, "feature_distance": 2 + number % 7}
                 opened = extent > length or (number + seed) % 3 == 0
                 rows += [rollout(2 * number + n, opened, initial_state=5000 + n, **of, **at) for n in (0, 1)]
     return rows

@@ -48,7 +48,7 @@ def rolled(name: str, run: str, **changes: Any) -> list[Rollout]:
     twin, unseen = OPENED[run]
     of = {"training_set": name, "run": run} | changes
     on_assets = [
-        rollout(n, n < unseen, test_asset="test", asset=f"a_{n}", dino_distance=1.0 + n, **of) for n in range(16)
+        rollout(n, n < unseen, test_asset="test", asset=f"a_{n}", feature_distance=1.0 + n, **of) for n in range(16)
     ]
     return [*(rollout(n, n < twin, **of) for n in range(16)), *on_assets]
 
@@ -131,7 +131,7 @@ def test_no_file_of_a_study_mixes_two_methods(tmp_path: Path, drawn: list[Any]) 
     text = (tmp_path / "out/table3.md").read_text()
     for words in (
         "| Door opening, mine | usual | 1 of 1 | 1 of 1 |",
-        "paper's kind of network (mine), minus paper's kind of network (lite)",
+        "32-wide network of the paper's kind (mine), minus 64-wide network of the paper's kind (lite)",
     ):
         assert words in text, words
 
@@ -209,8 +209,8 @@ def test_what_policies_are_is_told_by_the_config_and_by_no_name() -> None:
     """)
     assert kinds_of(policy_tables(config)) == {
         "door": "diffusion", "door_handle": "handle flagged (lite_handle)",
-        "fridge_handle": "paper's kind of network (lite)",
-        "door_long": "paper's kind of network (long)", "door_long/blind": "no cloud (blind)",
+        "fridge_handle": "64-wide network of the paper's kind (lite)",
+        "door_long": "64-wide network of the paper's kind (long)", "door_long/blind": "no cloud (blind)",
     }  # fmt: skip
     assert [title(name) for name in ("fridge_handle", "door_long/blind")] == [
         "fridge handle",

@@ -19,7 +19,7 @@ from tests.unit.tables_results import ABOUT, UNSEEN, over_assets, rollout
 
 PUBLISHED = Path(__file__).parents[2] / "report" / "published"
 OPTIONS = TablesConfig(bootstrap_samples=400)
-KINDS = {"door": "paper's network", "door_handle": "handle flagged"}
+KINDS = {"door": "64-wide network", "door_handle": "handle flagged"}
 
 
 def frame(rows: list[Rollout]) -> pd.DataFrame:
@@ -60,11 +60,11 @@ def test_table_of_assets(table: pd.DataFrame) -> None:
     assert shown.columns[2:] == ["twin", "4 cousins"]
     assert {row[0] for row in texts(shown)} == {"Door opening, unseen assets"}
     assert [row[1:] for row in texts(shown)] == [
-        ["paper's network", "50 ± 0 %", "67 ± 0 %"],
+        ["64-wide network", "50 ± 0 %", "67 ± 0 %"],
         ["handle flagged", "83 ± 0 %", "83 ± 0 %"],
-        ["paper's network, minus the twin's", "", "+17 points"],
+        ["64-wide network, minus the twin's", "", "+17 points"],
         ["handle flagged, minus the twin's", "", "0 points"],
-        ["handle flagged, minus paper's network", "+33 points", "+17 points"],
+        ["handle flagged, minus 64-wide network", "+33 points", "+17 points"],
         ["scripted skill: 100 %", "", ""],
     ]
     assert shown.rows[0][0].endswith("\n24 assets of 12 families, 48 initial states")

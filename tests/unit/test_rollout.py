@@ -214,7 +214,7 @@ def test_rows_are_paired_and_repeatable(folder: Path, tmp_path: Path) -> None:
     assert [row["initial_state"] for row in rows[:5]] == [row["initial_state"] for row in rows[5:]]
     assert min(int(row["initial_state"]) for row in rows) >= 2**31  # demonstrations stay below
     assert {row["seed"] for row in rows} == {"4"} and {row["task"] for row in rows} == {"my_door"}
-    assert {row["dino_distance"] for row in rows[5:]} == {"7.25"}
+    assert {row["feature_distance"] for row in rows[5:]} == {"7.25"}
     evaluate(folder, tmp_path / "b" / "rollouts.csv")
     assert sorted(path.name for path in (tmp_path / "a").iterdir()) == ["film.png", "films.zip", "rollouts.csv"]
     folder = unpack(tmp_path / "a" / "films.zip", "")
@@ -236,7 +236,7 @@ def test_the_assets_of_the_training_take_turns(folder: Path, tmp_path: Path, rol
     ]
     states = [int(row["initial_state"]) for row in rows]
     assert states == sorted(set(states))
-    assert {row["dino_distance"] for row in rows} == {"0.0", "7.25"}
+    assert {row["feature_distance"] for row in rows} == {"0.0", "7.25"}
     films = read_json(Films, unpack(tmp_path / "films.zip", "") / "films.json").films
     assert {film.role for film in films} == {"trained"}
 
