@@ -36,16 +36,20 @@ class Usual(NamedTuple):
 
 
 @cache
-def sizes_of(category: str) -> Array:
-    """Depth, width and height (N, 3) of the first models of a category of ours, metres; (0, 3): there is no such."""
-    count = SAMPLES if category in CATEGORIES else 0
-    sizes = [sample(category, k, 0).parameters["size"] for k in range(count)]
+def sizes_of(category: str, further: bool = False) -> Array:
+    """Depth, width and height (N, 3) of the first models of a category of ours, metres; (0, 3): there is no such.
+
+    `further`: and of those in further styles.
+    """
+    record = CATEGORIES.get(category)
+    numbers = [*range(SAMPLES), *(record.further if further else ())] if record else []
+    sizes = [sample(category, k, 0).parameters["size"] for k in numbers]
     return np.array(sizes, dtype=float).reshape(-1, 3)
 
 
-def usual(category: str | None) -> Usual | None:
-    """The sizes of a category of ours; None: there is no such category."""
-    sizes = sizes_of(category or "")
+def usual(category: str | None, further: bool = False) -> Usual | None:
+    """The sizes of a category of ours, with its further styles or without; None: there is no such category."""
+    sizes = sizes_of(category or "", further)
     if not len(sizes):
         return None
     extents = np.log(np.c_[np.sort(sizes[:, :2], axis=1), sizes[:, 2]])
@@ -57,7 +61,7 @@ def unusual(category: str | None, size: Array) -> str:
 
     Which of depth and width is which does not matter.
     """
-    known = usual(category)
+    known = usual(category, further=True)
     if known is None or known.misfit(size) == 0:
         return ""
     shorter, longer = np.sort(size[:2])
