@@ -19,10 +19,10 @@ class Usual(NamedTuple):
     low: Array
     high: Array
 
-    def misfit(self, size: Array) -> float:
+    def misfit(self, size: Array, spread: float = SPREAD) -> float:
         """Sum of the logarithms of how far extents (3,), metres, z up, lie beyond the usual; 0: they are usual."""
         extents = np.log([*np.sort(size[:2]), size[2]])
-        return float(np.maximum(0, np.maximum(self.low - SPREAD - extents, extents - self.high - SPREAD)).sum())
+        return float(np.maximum(0, np.maximum(self.low - spread - extents, extents - self.high - spread)).sum())
 
     def factor(self, size: Array) -> float:
         """What would make it as large as usual, two digits."""
@@ -56,13 +56,13 @@ def usual(category: str | None, further: bool = False) -> Usual | None:
     return Usual(extents.min(axis=0), extents.max(axis=0))
 
 
-def unusual(category: str | None, size: Array) -> str:
+def unusual(category: str | None, size: Array, spread: float = SPREAD) -> str:
     """What is odd about extents (depth, width, height), metres, of a thing of a category of ours; empty: nothing.
 
-    Which of depth and width is which does not matter.
+    Which of depth and width is which does not matter. `spread`: as `SPREAD`.
     """
     known = usual(category, further=True)
-    if known is None or known.misfit(size) == 0:
+    if known is None or known.misfit(size, spread) == 0:
         return ""
     shorter, longer = np.sort(size[:2])
     return f"is {100 * shorter:.0f} by {100 * longer:.0f} cm, {100 * size[2]:.0f} cm high; usual are {known}"
