@@ -1,6 +1,5 @@
 """What came out against the truth: a row per object and rank, and the tables of docs/results/open.md."""
 
-import re
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
@@ -16,6 +15,7 @@ from scipy.spatial import cKDTree
 
 from benchmarks.open_rooms import packs, pictures
 from stages.contracts import Cousins, GeneratedScene, Objects, read_json
+from stages.contracts.doubt import Doubt
 from stages.contracts.doubts import doubts
 from stages.contracts.generated import PlacedObject
 from stages.contracts.library import Asset, HingeSide
@@ -30,7 +30,6 @@ SIZE_SHARE, SIZE_LEAST = 0.10, 0.03  # what an extent may be off: a share of it,
 PLACE = 0.05  # metres between true and found centre
 YAW = np.deg2rad(15)
 FLOATS, BEHIND, TOO_LARGE = 0.03, 0.10, 2.0  # metres, metres, times the largest of its category
-OF_SIZE = re.compile(r"size|depth or width|large|tall|cm")
 
 
 @dataclass(frozen=True)
@@ -162,7 +161,7 @@ def _measured(
     objects: Objects,
     ids: dict[int, str],
     folders: AssetFolders,
-    said: list[str],
+    said: list[Doubt],
 ) -> dict[str, object]:
     box = box_in_world(item, world_from_floor(truth.pose, scene.floor_from_camera))
     errors = size_errors(thing, item.size, box.yaw)
@@ -200,7 +199,7 @@ def _measured(
         "floats": level is not None and bottom > level + FLOATS,
         "behind": outside(box, truth.size) > BEHIND,
         "too_large": known is not None and bool((plan > known.high + np.log(TOO_LARGE)).any()),
-        "doubt_of_size": any(OF_SIZE.search(doubt) for doubt in said),
+        "doubt_of_size": any(doubt.cause == "size" for doubt in said),
     }
 
 

@@ -1,8 +1,8 @@
 """Config section `assets`: the library and its snapshots (paper A.1)."""
 
-from typing import ClassVar
+from typing import Any, ClassVar
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from stages.config.categories import CATEGORIES
 from stages.contracts.section import Count, Section
@@ -57,9 +57,17 @@ class AssetsConfig(SnapshotOptions, OwnOptions, LibraryOptions):
         description="Folders with your own models, <folder>/<category>/<model>, each a URDF, GLB or OBJ file or a "
         "folder that holds one (docs/your-models.md).",
     )
+    own_only: bool = Field(
+        False, description="true: the models of `folders` alone, for pictures of yours; `counts` are none then."
+    )
     shards: int | None = Field(
         None,
         ge=1,
         description="Jobs that the procedural models are made, photographed and encoded in, and archives that hold "
         "them. null: two, and one more per 300 models beyond 600.",
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _none_of_ours(cls, said: Any) -> Any:
+        return {**said, "counts": {}} if isinstance(said, dict) and said.get("own_only") is True else said

@@ -117,6 +117,9 @@ def _scenes(config: "Config") -> Iterator[Mistake]:
             yield Mistake(key, "is the name of a room", "give your scene another name")
         elif name in run and not config.image:
             yield from given.mistakes(key)
+    if config.assets.own_only and (ours := [name for name in experiment.rooms if name in rooms]):
+        what = f"{ours[0]} is furnished with procedural models"
+        yield Mistake("assets.own_only", what, "name pictures of yours in experiment.rooms, or leave own_only out")
     if config.assets.folders:
         return  # what the user's folders hold is seen when they are read
     last = max((rooms.index(name) for name in experiment.rooms if name in rooms), default=-1)
@@ -149,7 +152,10 @@ def _library(config: "Config") -> Iterator[Mistake]:
             yield Mistake(
                 "assets.folders", f"{folder} has no models", "see docs/your-models.md for the layout", "E-CONFIG-FILE"
             )
-    if not any(config.assets.counts.values()) and not config.assets.folders:
+    if config.assets.own_only and not config.assets.folders:
+        what = "there are no models of yours"
+        yield Mistake("assets.own_only", what, "name their folder in assets.folders (docs/your-models.md)")
+    elif not any(config.assets.counts.values()) and not config.assets.folders:
         yield Mistake("assets", "the library would be empty", "set assets.counts or assets.folders")
 
 

@@ -5,6 +5,7 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
+from stages.contracts.doubt import Doubt
 from stages.contracts.files import Contract, Document
 from stages.contracts.made import Made
 from stages.contracts.objects import check_status
@@ -58,6 +59,7 @@ class Cousin(Judged):
     votes: Count | None
     orientation: Orientation
     orientations: list[Orientation] = Field(description="the k_ori nearest views, best first")
+    differs: str = Field("", description="doors and drawers as stated and as it has them; empty: it has them so")
 
 
 class ObjectCousins(Contract):
@@ -67,6 +69,7 @@ class ObjectCousins(Contract):
     label: Text
     status: Literal["ok", "failed"] = "ok"
     reason: str = ""
+    doubts: list[Doubt] = Field([], description="what may be wrong and a person can mend: a name that is not known")
     note: str = Field("", description="what was relaxed, which judge abstained, what shares its order; empty: nothing")
     categories: list[CategoryMatch] = []
     by_votes: list[Candidate] = Field([], description="top k_model by iterated voting, in order of selection")

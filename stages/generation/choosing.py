@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 
 from stages.contracts import Asset, InputError
 from stages.contracts.cousins import Cousin
+from stages.contracts.doubt import Doubt
 from stages.generation.inputs import MatchedObject
 from stages.generation.placed import Placed
 from stages.geometry.boxes import UprightBox
@@ -46,7 +47,7 @@ def by_hand(asset: str, one: MatchedObject, place: Callable[[Cousin], Placed], w
     """Any model: as matching turned it, or as it turned the nearest cousin, for all models face +x."""
     found = next((cousin for cousin in one.cousins if cousin.asset == asset), None)
     placed = place(found or one.cousins[0].model_copy(update={"asset": asset}))
-    return replace(placed, chosen=True, steps=(why, *placed.steps))
+    return replace(placed, chosen=True, doubts=(), steps=(why, *placed.steps))
 
 
 def meant(distances: Mapping[str, float], category: str) -> set[str]:
@@ -59,7 +60,7 @@ def chosen(placed: Iterable[Placed], rank: int, limit: float | None, categories:
 
     Those come first that are what the object is called and have the doors and drawers of the nearest: that was stated,
     a size is but measured. Then those with others; what is called otherwise never stands for it. Where fewer fit, the
-    last of them stands again; where none of the first does, the one that is stretched least. It says so.
+    last of them stands again; where none of the first does, the one that is stretched least. Its steps say so.
 
     Args:
         placed: the cousins at their places, best first.
@@ -84,14 +85,16 @@ def chosen(placed: Iterable[Placed], rank: int, limit: float | None, categories:
     if not alike:
         least = min(passed, key=lambda one: one[0])
         passed.remove(least)
-        alike = [replace(least[1], doubts=(f"no cousin has its size: this one is stretched {least[0]:.1f} times",))]
+        what = f"no cousin has its size: this one is stretched {least[0]:.1f} times"
+        alike = [replace(least[1], doubts=(*least[1].doubts, Doubt(cause="size", what=what)))]
     fitting = alike + akin
     one = fitting[min(rank, len(fitting)) - 1]
-    if len(fitting) < rank and not one.doubts:
-        doubt = f"only {len(fitting)} of its cousins have its size: the last of them stands here again"
-        one = replace(one, doubts=(doubt,))
+    steps: tuple[str, ...] = ()
+    if len(fitting) < rank:
+        steps = (f"only {len(fitting)} of its cousins have its size: the last of them stands here again",)
     over = ", ".join(f"{each.cousin} ({times:.1f})" for times, each in passed)
-    steps = (f"passed over, for so many times they would be stretched: cousins {over}",) if over else ()
+    if over:
+        steps = (*steps, f"passed over, for so many times they would be stretched: cousins {over}")
     return replace(one, steps=(*steps, *one.steps))
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stages.contracts import Asset
+from stages.contracts.doubt import Doubt
 from stages.contracts.objects import Mounting
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import rigid, wrap_angle, yaw_matrix
@@ -34,7 +35,7 @@ class Placed:
     folder: of the model. prisms: of its collision shapes, in the asset frame. support: 'floor', 'wall', the id of the
     object beneath, or 'unnamed': it stands on something that is no object of the scene; as extraction saw it until it
     is stacked. cousin: its rank in cousins.json. chosen: by a person. steps: what each step changed so far. doubts:
-    what should not be taken for certain.
+    what may be wrong.
     """
 
     id: str
@@ -49,7 +50,7 @@ class Placed:
     cousin: int | None = None
     chosen: bool = False
     steps: tuple[str, ...] = ()
-    doubts: tuple[str, ...] = ()
+    doubts: tuple[Doubt, ...] = ()
 
     @property
     def center(self) -> NDArray[np.float64]:

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from stages.config.generation import GenerationConfig
 from stages.contracts import Asset, read_json
 from stages.contracts.cousins import Cousin
+from stages.contracts.doubt import Doubt
 from stages.contracts.objects import DepthError, Mounting, Wall
 from stages.generation.inputs import Inputs, MatchedObject
 from stages.generation.models import beyond_front, visual_meshes
@@ -45,7 +46,10 @@ def place(one: MatchedObject, cousin: Cousin, inputs: Inputs, options: Generatio
     reached = touched if reaches_walls(mounting, box, is_round) else []
     sight = Sight(one.cloud.astype(float), camera, (scene.depth_error if native else DepthError(0, 0)).at)
     rank = next((each.rank for each in one.cousins if each.asset == cousin.asset), None)
-    placed = Placed(item.id, item.label, asset, folder, box, mounting, item.measured_support or FLOOR, cousin=rank)
+    support = item.measured_support or FLOOR
+    placed = Placed(item.id, item.label, asset, folder, box, mounting, support, cousin=rank)
+    if cousin.differs:
+        placed = replace(placed, doubts=(Doubt(cause="affordance", what=cousin.differs),))
     if item.whole:
         placed = placed.changed("as the input tells it", told_box(box, yaw, reached, options.min_extent))
     elif is_round and not reached:

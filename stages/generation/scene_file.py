@@ -5,6 +5,7 @@ from pathlib import Path
 
 from stages.articulated.asset_folder import read_asset
 from stages.contracts import GeneratedScene, InputError, Objects
+from stages.contracts.doubt import gravest_first
 from stages.contracts.generated import PlacedObject
 from stages.contracts.objects import Mounting
 from stages.generation.placed import Placed
@@ -39,7 +40,7 @@ def scene_of(
                 cousin=item.cousin,
                 chosen=item.chosen,
                 steps=list(item.steps),
-                doubts=list(item.doubts),
+                doubts=gravest_first(list(item.doubts)),
                 moved=round(item.moved, 6),
                 settled_shift=settled.shifts[item.id],
             )
@@ -68,7 +69,7 @@ def summary(scene: GeneratedScene, left: list[tuple[str, str]]) -> str:
     if check is not None:
         parts.append("stable" if check.stable else f"NOT stable: {check.wrong}")
         parts.append(f"penetration {1000 * check.max_penetration:.1f} mm")
-    parts += [f"{item.id}: {what}" for item in scene.objects for what in item.doubts]
+    parts += [f"{item.id}: {doubt.what}" for item in scene.objects for doubt in item.doubts]
     parts += [f"{a} and {b} still collide" for a, b in left]
     return "; ".join(parts)
 

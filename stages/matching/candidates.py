@@ -11,11 +11,13 @@ from stages.matching.text_encoders import TextEncoder, doubt_of, nearest_categor
 
 
 class Candidates(NamedTuple):
-    """Assets to compare, the categories they come from, and what had to be relaxed to find enough."""
+    """Assets to compare, the categories they come from, what had to be relaxed to find enough, and what of the label
+    was not understood."""
 
     assets: list[LibraryEntry]
     categories: list[CategoryMatch]
     note: str
+    doubt: str = ""
 
 
 def count_gap(item: SceneObject, entry: LibraryEntry) -> int:
@@ -37,14 +39,14 @@ def find_candidates(item: SceneObject, library: Library, text: TextEncoder, opti
     ordered = [CategoryMatch(category=name, distance=distance) for name, distance in near]
     categories = ordered[: options.k_cat]
     if pool and not categories:
-        note = doubt or f"label '{item.label}' resembles no category, so all were searched"
+        doubt = doubt or f"label '{item.label}' resembles no category, so all were searched"
         assets, notes = _with_counts(item, pool, options) if by_counts else (pool, [])
-        return Candidates(assets, categories, "; ".join([note, *notes]))
+        return Candidates(assets, categories, "; ".join(notes), doubt)
     while len(_of(pool, categories)) < options.least_candidates and len(categories) < len(ordered):
         categories = ordered[: len(categories) + 1]
     more = [f"categories widened from {options.k_cat} to {len(categories)}"] if len(categories) > options.k_cat else []
     assets, notes = _with_counts(item, _of(pool, categories), options) if by_counts else (_of(pool, categories), [])
-    return Candidates(assets, categories, "; ".join([*filter(None, [doubt]), *more, *notes]))
+    return Candidates(assets, categories, "; ".join([*more, *notes]), doubt)
 
 
 def _of(pool: list[LibraryEntry], categories: list[CategoryMatch]) -> list[LibraryEntry]:

@@ -1,5 +1,6 @@
 """Verb `match`: rank the digital cousins of every object of one scene (paper 2.1, A.6, A.7, B.1)."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -10,7 +11,9 @@ from stages.config.made import made
 from stages.config.matching import MatchingConfig
 from stages.contracts import Cousins, InputError, LeftOut, Library, read_json, read_options, write_json
 from stages.contracts.cousins import ObjectCousins, Orientation
+from stages.contracts.doubt import MEND
 from stages.contracts.objects import SceneObject
+from stages.matching.affordances import compared
 from stages.matching.alike import agreed
 from stages.matching.candidates import find_candidates
 from stages.matching.encoders import PatchEncoder, make_encoder, settings_digest
@@ -63,7 +66,8 @@ def run(
         for item in progress(scene.objects.objects, "objects matched", len(scene.objects.objects))
     ]
     encoder = settings.encoder if stored else "none"
-    entries = agreed(entries, scene.objects.objects)
+    items = scene.objects.objects
+    entries = [compared(entry, item, assets) for entry, item in zip(agreed(entries, items), items, strict=True)]
     looks = [path.with_suffix(".npz") for path in features]  # of every view as a whole: a store has a gigabyte
     seen = [image, *looks] if settings.compares_pictures else []
     asked = settings.model_copy(update={"vlm": settings.vlm.asked()})
@@ -71,8 +75,16 @@ def run(
     origin = made("stages.matching.match", asked, [objects, *seen, library, *without], seed)
     result = Cousins(scene=scene.objects.scene, encoder=encoder, objects=entries, made=origin)
     write_json(out, result)
-    for line in judges.summaries():
+    for line in (*judges.summaries(), *doubtful(entries)):
         print(line)
+
+
+def doubtful(entries: list[ObjectCousins]) -> Iterator[str]:
+    """A line for every object whose nearest cousin opens otherwise than was stated, or whose name is not known."""
+    for entry in entries:
+        if entry.cousins and entry.cousins[0].differs:
+            yield f"{entry.id} {entry.cousins[0].differs}: {MEND['affordance']}"
+        yield from (f"{entry.id}: {doubt}" for doubt in entry.doubts)
 
 
 def open_pictures(features: tuple[Path, ...], options: MatchingConfig) -> Pictures:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from stages.config.matching import ComparisonOptions, MatchingConfig
 from stages.contracts.cousins import Candidate, Cousin, ObjectCousins, Orientation
+from stages.contracts.doubt import Doubt
 from stages.contracts.objects import SceneObject
 from stages.matching.candidates import Candidates
 from stages.matching.crop import View
@@ -228,6 +229,7 @@ def rank_cousins(
     return ObjectCousins(
         id=item.id,
         label=item.label,
+        doubts=[Doubt(cause="name", what=candidates.doubt)] if candidates.doubt else [],
         note="; ".join(notes),
         categories=candidates.categories,
         by_votes=by_votes,

@@ -43,9 +43,12 @@ def sample(category: str, index: int, seed: int, variations: bool = True) -> Rec
 def _sampled(category: str, index: int, seed: int, variations: bool = True) -> tuple[Sampled, int | None]:
     """A model of a category, and the number of its founder; None: it is one."""
     record, rng = CATEGORIES[category], _generator(category, index, seed)
+    founder = index % record.founders
     if index < record.founders or not variations:
         return record.sample(rng, index), None
-    in_turn, founder = families.in_turn(record, index), index % record.founders
+    if index in record.further:
+        return record.sample(rng, index), founder
+    in_turn = families.in_turn(record, index)
     if not in_turn:
         founder = families.fewest([_fronts(category, k, seed) for k in range(index)], record.founders)
     if not record.varied:

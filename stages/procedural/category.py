@@ -22,6 +22,8 @@ class Category:
         names: what else it is called: file names and labels that say so mean it.
         like: words for similar things: a label that says so is nearest to it.
         kin: kinds of things that it is one of: a label of no category is nearest to its kin.
+        further: numbers of later models that are sampled freely as well, in styles that founders lack: those before
+            them stay as they were drawn, and rooms are not furnished with them.
         varied: later models vary a founder's recipe (cabinets) in place of being sampled anew in its style.
         fronts: layouts that a variation may have; none: one cell more or less than its founder.
         growth: exponents of the ratios of cells side by side and one above the other, by which a variation with other
@@ -36,6 +38,7 @@ class Category:
     names: str = ""
     like: str = ""
     kin: str = ""
+    further: range = range(0)
     varied: bool = False
     fronts: tuple[Fronts, ...] = ()
     growth: tuple[float, float] = (1.0, 0.0)

@@ -19,10 +19,10 @@ class Usual(NamedTuple):
     low: Array
     high: Array
 
-    def misfit(self, size: Array) -> float:
+    def misfit(self, size: Array, spread: float = SPREAD) -> float:
         """Sum of the logarithms of how far extents (3,), metres, z up, lie beyond the usual; 0: they are usual."""
         extents = np.log([*np.sort(size[:2]), size[2]])
-        return float(np.maximum(0, np.maximum(self.low - SPREAD - extents, extents - self.high - SPREAD)).sum())
+        return float(np.maximum(0, np.maximum(self.low - spread - extents, extents - self.high - spread)).sum())
 
     def factor(self, size: Array) -> float:
         """What would make it as large as usual, two digits."""
@@ -36,29 +36,33 @@ class Usual(NamedTuple):
 
 
 @cache
-def sizes_of(category: str) -> Array:
-    """Depth, width and height (N, 3) of the first models of a category of ours, metres; (0, 3): there is no such."""
-    count = SAMPLES if category in CATEGORIES else 0
-    sizes = [sample(category, k, 0).parameters["size"] for k in range(count)]
+def sizes_of(category: str, further: bool = False) -> Array:
+    """Depth, width and height (N, 3) of the first models of a category of ours, metres; (0, 3): there is no such.
+
+    `further`: and of those in further styles.
+    """
+    record = CATEGORIES.get(category)
+    numbers = [*range(SAMPLES), *(record.further if further else ())] if record else []
+    sizes = [sample(category, k, 0).parameters["size"] for k in numbers]
     return np.array(sizes, dtype=float).reshape(-1, 3)
 
 
-def usual(category: str | None) -> Usual | None:
-    """The sizes of a category of ours; None: there is no such category."""
-    sizes = sizes_of(category or "")
+def usual(category: str | None, further: bool = False) -> Usual | None:
+    """The sizes of a category of ours, with its further styles or without; None: there is no such category."""
+    sizes = sizes_of(category or "", further)
     if not len(sizes):
         return None
     extents = np.log(np.c_[np.sort(sizes[:, :2], axis=1), sizes[:, 2]])
     return Usual(extents.min(axis=0), extents.max(axis=0))
 
 
-def unusual(category: str | None, size: Array) -> str:
+def unusual(category: str | None, size: Array, spread: float = SPREAD) -> str:
     """What is odd about extents (depth, width, height), metres, of a thing of a category of ours; empty: nothing.
 
-    Which of depth and width is which does not matter.
+    Which of depth and width is which does not matter. `spread`: as `SPREAD`.
     """
-    known = usual(category)
-    if known is None or known.misfit(size) == 0:
+    known = usual(category, further=True)
+    if known is None or known.misfit(size, spread) == 0:
         return ""
     shorter, longer = np.sort(size[:2])
     return f"is {100 * shorter:.0f} by {100 * longer:.0f} cm, {100 * size[2]:.0f} cm high; usual are {known}"

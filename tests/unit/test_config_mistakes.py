@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from stages.config import categories
-from stages.config.assets import COUNTS
+from stages.config.assets import COUNTS, AssetsConfig
 from stages.config.inputs import INPUT_FILES
 from stages.config.mistakes import GONE, check_keys
 from stages.config.model import load, merged
@@ -76,6 +76,8 @@ CASES = [
     ("assets: {counts: {mug: -1}}", "assets.counts.mug: Input should be greater than or equal to 0"),
     ("assets: {counts: {mugs: 1}}", "assets.counts: no category 'mugs'"),
     ("assets: {counts: {fridge: 0}}", "assets.counts.fridge: the rooms up to room_3 need 1"),
+    ("assets: {own_only: true}", "assets.own_only: there are no models of yours"),
+    ("assets: {own_only: true, folders: [stages]}", "assets.own_only: room_1 is furnished with procedural models"),
     ("assets: {folders: [nowhere]}", "assets.folders: no folder nowhere"),
     ("matching: {k_ori: 25}", "matching.k_ori: 25 views of assets.n_snap = 24"),
     ("experiment: {variants: {far: {views: 25}}}", "experiment.variants.far.views: 25 views of assets.n_snap = 24"),
@@ -355,3 +357,10 @@ def test_rooms_of_the_users_are_known(tmp_path: Path) -> None:
 
 def test_what_is_known_here_is_what_the_stages_do() -> None:
     assert categories.FILE.read_text() == categories.generated(), "python -m stages.config"
+
+
+def test_own_models_alone_leave_none_of_ours() -> None:
+    ours = load(merged(DEFAULT, yaml.safe_load("assets: {counts: {mug: 3}}"))).assets
+    own = {"own_only": True, "folders": ["mine"], "counts": {"mug": 3}}
+    assert sum(ours.counts.values()) > 3 and AssetsConfig.model_validate(own).counts == {}
+    assert AssetsConfig.model_validate(own | {"own_only": False}).counts == {"mug": 3}

@@ -29,13 +29,14 @@ def test_a_cousin_that_would_be_squeezed_is_passed_over_at_every_rank() -> None:
     first, second = _standing(small, fits), _standing(small, fits, rank=2)
     assert (first.cousin, first.doubts) == (2, ())
     assert first.steps == ("passed over, for so many times they would be stretched: cousins 1 (4.0)",)
-    assert second.cousin == 2 and second.doubts[0].startswith("only 1 of its cousins have its size")
+    assert second.cousin == 2 and second.steps[0].startswith("only 1 of its cousins have its size")
     assert _standing(small, fits, limit=None).cousin == 1
 
 
 def test_where_no_cousin_fits_the_one_that_is_stretched_least_stands() -> None:
     least = _standing(("chest", 3, 5.0), ("chest", 3, 4.0))
-    assert least.cousin == 2 and least.doubts == ("no cousin has its size: this one is stretched 4.0 times",)
+    assert least.cousin == 2 and [one.cause for one in least.doubts] == ["size"]
+    assert least.doubts[0].what == "no cousin has its size: this one is stretched 4.0 times"
 
 
 def test_other_categories_and_other_counts_do_not_stand_for_what_does_not_fit() -> None:

@@ -19,6 +19,7 @@ from stages.generation.draw import run as draw
 from stages.generation.generate import build, run
 from stages.generation.inputs import Inputs, read_inputs
 from stages.generation.models import beyond_front, collision_pieces, visual_meshes
+from stages.generation.placed import Placed
 from stages.generation.scene_file import scene_of, summary
 from stages.generation.settling import load_items, physics_check, reaching_behind, settle
 from stages.geometry.cameras import intrinsics_from_fov, look_at
@@ -279,18 +280,26 @@ def test_the_story_of_a_place_is_told(made: Path) -> None:
     assert mug.steps == ["measured along the model's axes: turned +180.0°, 0.077 x 0.097 x 0.100 m"]
 
 
+def whats(item: Placed, walls: list[Wall], seen: SceneObject) -> list[str]:
+    """Its doubts in words."""
+    return [doubt.what for doubt in doubts(item, walls, seen)]
+
+
 def test_what_is_too_large_or_behind_a_wall_is_doubted() -> None:
     back = Wall(id="wall_1", normal=(-1, 0, 0), offset=-4.0, points=100)  # seen from x < 4
     mirror = thing("mirror", (4.2, 0, 1.5), (0.6, 2.2, 2.65))
     seen = SceneObject(id="mirror_1", label="mirror", mask=1)
-    assert doubts(mirror, [back], seen) == [
-        "is 60 by 220 cm, 265 cm high; usual are 3 to 4 by 35 to 63 cm, 77 to 128 cm high",
+    assert whats(mirror, [back], seen) == [
         "reaches 50 cm behind wall_1",
+        "is 60 by 220 cm, 265 cm high; usual are 3 to 4 by 35 to 63 cm, 77 to 128 cm high",
     ]
-    assert doubts(thing("mirror", (3.9, 0, 1.5), (0.04, 0.6, 0.9)), [back], seen) == []
+    assert whats(thing("mirror", (3.9, 0, 1.5), (0.04, 0.6, 0.9)), [back], seen) == []
     sized = seen.model_copy(update={"told": ["size"]})
-    assert doubts(mirror, [back], sized) == ["reaches 50 cm behind wall_1"]  # a person says how large it is
-    assert len(doubts(thing("gizmo", (0, 0, 1.5), (9, 9, 9), support="unnamed"), [], seen)) == 1
+    assert whats(mirror, [back], sized) == ["reaches 50 cm behind wall_1"]  # a person says how large it is
+    assert len(whats(thing("gizmo", (0, 0, 1.5), (9, 9, 9), support="unnamed"), [], seen)) == 1
+    fridge = SceneObject(id="fridge_1", label="fridge", mask=1)  # of a photograph whose camera is taken too high
+    assert "243 cm high" in whats(thing("fridge", (2, 0, 1.2), (0.8, 0.9, 2.43)), [], fridge)[0]
+    assert whats(thing("fridge", (2, 0, 0.9), (0.7, 0.9, 1.9)), [], fridge) == []
 
 
 def test_a_wall_ends_before_what_is_seen_beyond_it() -> None:
@@ -298,17 +307,17 @@ def test_a_wall_ends_before_what_is_seen_beyond_it() -> None:
     back = Wall(id="wall_1", normal=(-1, 0, 0), offset=-4.0, points=100)
     beyond, half = thing("gizmo", (7.0, 0, 0.4), (0.8, 1.2, 0.7)), thing("gizmo", (4.2, 0, 0.4), (0.8, 1.2, 0.7))
     seen = SceneObject(id="gizmo_1", label="gizmo", mask=1)
-    assert doubts(beyond, [back], seen) == [
+    assert whats(beyond, [back], seen) == [
         "is seen beyond wall_1: past its end or through an opening, else in a mirror"
     ]
-    assert doubts(half, [back], seen) == ["reaches 60 cm behind wall_1"]
+    assert whats(half, [back], seen) == ["reaches 60 cm behind wall_1"]
     assert reaching_behind([beyond, half], [back]) == [half.id]
 
 
 @pytest.mark.parametrize(("known", "doubted"), [(None, False), (0.9, False), (0.03, True)])
 def test_the_place_of_what_has_hardly_any_depth_is_doubted(known: float | None, doubted: bool) -> None:
     seen = SceneObject(id="gizmo_1", label="gizmo", mask=1, depth_known=known)
-    found = doubts(thing("gizmo", (2, 0, 0.4), (0.8, 1.2, 0.7)), [], seen)
+    found = whats(thing("gizmo", (2, 0, 0.4), (0.8, 1.2, 0.7)), [], seen)
     assert found == (["depth is known on 3 % of its pixels: its place is not certain"] if doubted else [])
 
 

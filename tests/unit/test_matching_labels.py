@@ -186,7 +186,7 @@ def test_a_threshold_without_candidates_is_widened_visibly_but_never_to_assets_w
     many = found({"articulated": True, "doors": 0, "drawers": 7}, count_threshold=1)
     assert names(many) == ["cabinet_1"] and many.note == "count_threshold widened from 1 to 5"
     table = found({"label": "table", "articulated": True, "drawers": 1})
-    assert "table_0" not in names(table) and "no category is called 'table'" in table.note
+    assert "table_0" not in names(table) and "no category is called 'table'" in table.doubt
 
 
 def test_candidates_that_are_too_few_grow_by_counts_and_by_categories_in_order() -> None:
@@ -203,4 +203,4 @@ def test_candidates_that_are_too_few_grow_by_counts_and_by_categories_in_order()
 def test_unknown_label_searches_everything_and_says_so() -> None:
     result = found({"label": "xyzzy"})
     assert len(result.assets) == len(LIBRARY.assets) and result.categories == []
-    assert result.note == "the word 'xyzzy' is not known: taken by picture and size alone"
+    assert result.doubt == "the word 'xyzzy' is not known: taken by picture and size alone" and result.note == ""

@@ -53,8 +53,10 @@ def test_a_camera_higher_than_anybody_holds_it_is_doubted_first(layout: Layout) 
     said = json.loads(path.read_text())
     said["floor_from_camera"][2][3] = 5.74
     path.write_text(json.dumps(said))
-    about, doubt = row("room_1", layout).doubts[0]
-    assert about == "camera" and "depth in feet (1.75 m)" in doubt
+    found = row("room_1", layout)
+    ((about, doubt),) = found.doubts[0].items
+    assert about == "camera" and "depth in feet (1.75 m)" in doubt and "known length" in found.doubts[0].mend
+    assert found.doubted >= 1
 
 
 def test_a_scene_that_stopped_is_told_by_the_last_line_of_its_log(layout: Layout) -> None:

@@ -22,6 +22,7 @@ from stages.procedural.front_cells import cells
 from stages.procedural.model import bounds
 from stages.procedural.robot import mass_properties
 from stages.procedural.shapes import bounds_of, cushion, rod, shell_pieces, slab
+from stages.procedural.sizes import unusual, usual
 from tests.refusals import refused
 from tests.unit.demo_assets import PARAMETERS
 
@@ -88,7 +89,7 @@ def test_default_library_is_as_large_as_promised() -> None:
 def test_the_studys_libraries_are_as_large_as_promised(overlay: str) -> None:
     study = yaml.safe_load((Path(__file__).parents[2] / f"config/{overlay}.yaml").read_text())
     counts = COUNTS | study["assets"]["counts"]
-    assert all(count >= COUNTS[category] for category, count in counts.items())
+    assert all(count >= (CATEGORIES[name].further or [COUNTS[name]])[0] for name, count in counts.items())
     assert sum(counts.values()) >= 600
     doors, drawers = fronts(counts)
     assert doors >= 190 and drawers >= 120
@@ -327,3 +328,21 @@ def test_thick_doors_swing_clear_of_each_other_and_a_top_leaves_room_above_edges
     assert high[0] - low[1] > farthest - width
     flush, bare = (recipe.changed(handle="edge", top=top).build((0.5, 0.75, 0.8)) for top in (0.03, 0.0))
     assert len(flush.base) == len(bare.base)
+
+
+def test_further_styles_come_after_the_others_and_furnish_no_room() -> None:
+    """French doors above a freezer drawer, four doors, a double oven: the models before them are as they were."""
+    for name, record in CATEGORIES.items():
+        assert not record.further or record.founders <= record.further[0] <= record.further[-1] < record.count, name
+    styles = {name: [sample(name, k, 0) for k in CATEGORIES[name].further] for name in ("fridge", "oven")}
+    assert {layout_counts(recipe) for recipe in styles["fridge"]} == {(2, 1), (2, 2), (4, 0), (1, 0)}
+    assert {layout_counts(recipe) for recipe in styles["oven"]} == {(2, 0)}
+    assert all(recipe.variation_of is not None for each in styles.values() for recipe in each)
+    assert [sample("fridge", k, 0, variations=False).variation_of for k in CATEGORIES["fridge"].further] == [None] * 7
+
+
+def test_a_low_fridge_is_usual_though_a_fridge_is_guessed_to_be_high() -> None:
+    low = np.array((0.6, 0.55, 0.85))
+    assert unusual("fridge", low) == "" and unusual("oven", np.array((0.6, 0.6, 2.1)))
+    known = usual("fridge")
+    assert known is not None and known.misfit(low) > 0

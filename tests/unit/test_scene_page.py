@@ -56,7 +56,7 @@ def test_every_doubt_has_the_command_that_opens_the_page_to_put_it_right(made: P
     text = (made / "room_1.html").read_text()
     opens = f"annotate {made}/results/scenes/room_1/input --scene room_1 --variant b --choose"
     section = text[text.index('<section id="doubts">') : text.index('<section id="found">')]
-    doubts = re.findall(r"<li><b>(.*?)</b>: .*?(?:<code>(.*?)</code>|</li>)", section, re.DOTALL)
+    doubts = re.findall(r'<li class="doubt"><b>(.*?)</b>: .*?(?:<code>(.*?)</code>|</li>)', section, re.DOTALL)
     assert len(doubts) > 1
     for about, command in doubts:
         if not about.startswith("scene of"):

@@ -9,7 +9,7 @@ import trimesh
 import yaml
 
 from stages.assets.shards import own_shards
-from stages.config.assets import COUNTS, AssetsConfig
+from stages.config.assets import AssetsConfig
 from stages.config.model import load, merged
 from stages.config.reads import stores
 from tests.workflow.workspace import MICRO, ROOT, copy, dry_run, make, overlay, planned, snakemake
@@ -28,7 +28,7 @@ def write_models(folder: Path, *names: str) -> None:
 def asked(folder: Path, *folders: str) -> tuple[str, ...]:
     """Arguments for library and features of the models in `folders` alone."""
     changes = {
-        "assets": {"counts": dict.fromkeys(COUNTS, 0), "folders": list(folders), "n_snap": 4, "image_size": 96},
+        "assets": {"own_only": True, "folders": list(folders), "n_snap": 4, "image_size": 96},
         "matching": {"encoder": "hog", "views": 4, "hog": {"image_size": 96, "grid": 12}},
     }
     (folder / "own.yaml").write_text(json.dumps(changes))

@@ -2,6 +2,7 @@
 
 import base64
 import io
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from stages.contracts import Cousins, GeneratedScene, Library, Objects, read_json
 from stages.contracts.corrections import Correction
 from stages.contracts.cousins import ObjectCousins
+from stages.contracts.doubt import Doubt
 from stages.contracts.doubts import doubts
 from stages.contracts.generated import PlacedObject
 from stages.contracts.objects import SceneObject
@@ -21,6 +23,7 @@ from stages.geometry.cameras import project
 from stages.geometry.frames import apply, inverse
 from stages.inputs.by_hand.fronts import FACES, extents, front_corners
 
+GRAVE = ("affordance", "place", "size")  # causes of doubts that are listed before the others
 SHOWN = 24  # models that can be chosen, nearest first
 
 
@@ -45,8 +48,9 @@ class Made:
 
     def _about(self, item: SceneObject) -> dict[str, Any]:
         entry, placed = self.cousins.get(item.mask), self.placed.get(item.mask)
-        grave = len(placed.doubts) if placed is not None else 0
-        about: dict[str, Any] = {"id": item.id, "doubts": self._doubts(item, entry, placed), "grave": grave}
+        found = self._doubts(item, entry, placed)
+        grave = sum(isinstance(one, Doubt) and one.cause in GRAVE for one in found)
+        about: dict[str, Any] = {"id": item.id, "doubts": [str(one) for one in found], "grave": grave}
         if placed is None or placed.status == "failed":
             return about
         depth, width, height = placed.size
@@ -57,15 +61,17 @@ class Made:
             "model": placed.asset,
         }
 
-    def _doubts(self, item: SceneObject, entry: ObjectCousins | None, placed: PlacedObject | None) -> list[str]:
+    def _doubts(
+        self, item: SceneObject, entry: ObjectCousins | None, placed: PlacedObject | None
+    ) -> Sequence[Doubt | str]:
+        """Gravest first."""
         if item.status == "failed":
             return [f"not found: {item.reason}"]
         if entry is None or self.objects is None:
             return []
         if entry.status == "failed":
             return [f"no cousins: {entry.reason}"]
-        first = placed.doubts if placed is not None else []
-        return [*first, *(one for one in doubts(entry, item, placed, self.objects) if one not in first)]
+        return doubts(entry, item, placed, self.objects)
 
     def faces(self, said: Correction, before: tuple[float, float]) -> list[list[list[float]]]:
         """The sides of what stands in the scene of rank 1 as pixels, its front last; none if one is behind us.

@@ -29,10 +29,14 @@ def _appliance(rng: Rng, layout: Layout, **changes: Any) -> Cabinet:
     return cabinet_of(rng, layout, **(plain | changes))
 
 
+FURTHER_FRIDGES = range(12, 19)
+
+
 @category(
     "fridge",
     founders=4,
-    count=12,
+    count=19,
+    further=FURTHER_FRIDGES,
     names="refrigerator",
     like="freezer, icebox",
     kin="appliance",
@@ -40,7 +44,9 @@ def _appliance(rng: Rng, layout: Layout, **changes: Any) -> Cabinet:
     appliance=True,
 )
 def sample_fridge(rng: Rng, index: int) -> Sampled:
-    """One tall door, a freezer above or below, or two doors side by side."""
+    """One tall door, a freezer above or below, or two doors side by side; and further styles."""
+    if index in FURTHER_FRIDGES:
+        return _further_fridge(rng, FURTHER_FRIDGES.index(index))
     layout = [[["door"]], [["door", "door"]], [["door"], ["door"]], [["door", "drawer"]]][index % 4]
     at = -0.5 if index % 4 == 1 else 0.2
     wide = 0.85 if len(layout) == 2 else 0.6
@@ -51,6 +57,28 @@ def sample_fridge(rng: Rng, index: int) -> Sampled:
     )  # fmt: skip
     if index % 4 == 1:  # the freezer's door is the smaller one
         p = p.changed(layout=[["door"], ["door"]], major="rows", handle_at=0.0, handle_length=0.35)
+    return Sampled(size, p)
+
+
+def _further_fridge(rng: Rng, number: int) -> Sampled:
+    """Two doors above one or two freezer drawers (French doors), four doors, a low one for a counter.
+
+    The kinds of buying guides (kitchens.com, consumersearch.com, kitchensbycountryside.com) and of RoboCasa's fridges
+    that founders lack; widths and heights of those guides.
+    """
+    pair: list[str] = ["door", "door"]
+    kinds: list[Layout] = [[pair, ["drawer"]], [pair, ["drawer"], ["drawer"]], [pair, pair], [["door"]]]
+    layout = kinds[(0, 1, 0, 2, 0, 1, 3)[number]]
+    low, drawers = len(layout) == 1, layout.count(["drawer"])
+    size = (
+        box_of(rng, (0.62, 0.74), (0.5, 0.6), (0.82, 0.9))
+        if low
+        else box_of(rng, (0.65, 0.76), (0.72, 0.94), (1.7, 1.85))
+    )
+    p = _appliance(
+        rng, layout, major="rows", front_thickness=0.05, base="plinth", base_height=0.05, handle_length=0.3, shelves=2,
+        drawer_weight=(0.5, 0.5, 0.28)[drawers], board=0.04, density=130.0, handle_at=0.2 if low else -0.4,
+    )  # fmt: skip
     return Sampled(size, p)
 
 
@@ -66,14 +94,29 @@ def sample_microwave(rng: Rng, index: int) -> Sampled:
     return Sampled(size, p)
 
 
-@category("oven", founders=3, count=12, kin="appliance", varied=True, appliance=True)
+FURTHER_OVENS = range(12, 15)
+
+
+@category("oven", founders=3, count=15, further=FURTHER_OVENS, kin="appliance", varied=True, appliance=True)
 def sample_oven(rng: Rng, index: int) -> Sampled:
-    """A glazed flap below a control panel; the large ones have a drawer beneath."""
+    """A glazed flap below a control panel; the large ones have a drawer beneath. Further ones have two flaps."""
+    if index in FURTHER_OVENS:
+        return _double_oven(rng, high=index == FURTHER_OVENS[-1])
     layout = [["panel"], ["flap"], ["drawer"]] if index % 2 else [["panel"], ["flap"]]
     size = box_of(rng, (0.55, 0.65), (0.55, 0.68), (0.85, 0.95) if index % 2 else (0.55, 0.65))
     p = _appliance(
         rng, layout, major="rows", window=True, handle_length=0.75, base="plinth", base_height=0.03, shelves=0,
         panel_weight=uniform(rng, 0.16, 0.28), drawer_weight=0.4,
+    )  # fmt: skip
+    return Sampled(size, p)
+
+
+def _double_oven(rng: Rng, high: bool) -> Sampled:
+    """Two ovens one above the other: as high as a counter, or built into a wall."""
+    size = box_of(rng, (0.56, 0.65), (0.56, 0.74), (1.15, 1.3) if high else (0.86, 0.94))
+    p = _appliance(
+        rng, [["panel"], ["flap"], ["flap"]], major="rows", window=True, handle_length=0.75, base="plinth",
+        base_height=0.03, shelves=0, panel_weight=uniform(rng, 0.16, 0.24),
     )  # fmt: skip
     return Sampled(size, p)
 

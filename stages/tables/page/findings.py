@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from stages.contracts.cousins import Cousins, ObjectCousins
+from stages.contracts.doubt import Doubt
 from stages.contracts.doubts import doubts, height_doubt
 from stages.contracts.files import read_json
 from stages.contracts.generated import GeneratedScene, PlacedObject
@@ -57,15 +58,16 @@ class Findings:
         return found
 
     @property
-    def camera_doubt(self) -> str:
-        """What is odd about the camera's height; empty: nothing."""
-        return height_doubt(self.objects.floor_from_camera[2][3]) if self.objects else ""
+    def camera_doubt(self) -> Doubt | None:
+        """What is odd about the camera's height; None: nothing."""
+        what = height_doubt(self.objects.floor_from_camera[2][3]) if self.objects else ""
+        return Doubt(cause="camera", what=what) if what else None
 
-    def doubts(self) -> list[tuple[str, str]]:
-        """Object, or the camera, and what is uncertain about it."""
+    def doubts(self) -> list[tuple[str, Doubt]]:
+        """Object, or the camera, and what may be wrong with it."""
         if self.objects is None:
             return []
         placed, objects = self.placed, self.objects
-        found = {"camera": [self.camera_doubt]} if self.camera_doubt else {}
+        found = {"camera": [self.camera_doubt] if self.camera_doubt else []}
         found |= {entry.id: doubts(entry, item, placed.get(entry.id), objects) for entry, item in self.matched}
         return [(name, doubt) for name, each in found.items() for doubt in each]

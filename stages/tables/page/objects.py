@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 from stages.contracts.cousins import Candidate, Cousin, ObjectCousins
-from stages.contracts.doubts import agree, doubts, held_as
+from stages.contracts.doubt import Doubt
+from stages.contracts.doubts import agree, doubts, held_as, notes
 from stages.contracts.generated import PlacedObject
 from stages.contracts.objects import Objects, SceneObject
 from stages.contracts.snapshot_pictures import Snapshots
@@ -56,7 +57,8 @@ class Match:
     pictures: list[tuple[Picture, str]]
     facts: list[tuple[str, str]]
     rivals: list[Rival]
-    doubts: list[str]
+    doubts: list[Doubt]
+    notes: list[str]
 
 
 @dataclass(frozen=True)
@@ -90,6 +92,7 @@ def match(entry: ObjectCousins, item: SceneObject, evidence: Evidence, album: Al
         facts=_facts(entry, item, placed),
         rivals=[_rival(one, entry, album, snapshots) for one in entry.by_distance[:LISTED]],
         doubts=doubts(entry, item, placed, evidence.objects),
+        notes=notes(entry, item, placed),
     )
 
 

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from stages.contracts.doubts import Group, grouped
 from stages.tables.order import natural
 from stages.tables.page.findings import Findings
 from stages.tables.text import NOT_RUN
@@ -34,7 +35,12 @@ class SceneRow:
     ranks: int
     stable: int | None
     failures: list[Failure]
-    doubts: list[tuple[str, str]]
+    doubts: list[Group]
+
+    @property
+    def doubted(self) -> int:
+        """How many things are in doubt."""
+        return len({about for group in self.doubts for about, _ in group.items})
 
     @property
     def stopped(self) -> Failure | None:
@@ -89,7 +95,7 @@ def row(scene: str, layout: Layout) -> SceneRow:
         ranks=len(found.scenes),
         stable=sum(check.stable for check in checks) if checks else None,
         failures=failures,
-        doubts=found.doubts(),
+        doubts=grouped(found.doubts()),
     )
 
 

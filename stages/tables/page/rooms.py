@@ -9,6 +9,7 @@ from pathlib import Path
 import pandas as pd
 
 from stages.contracts.cousins import Cousins
+from stages.contracts.doubt import Doubt
 from stages.contracts.extracted import read_clouds, read_object_masks
 from stages.contracts.files import read_json
 from stages.contracts.generated import GeneratedScene
@@ -62,7 +63,7 @@ class Reconstruction:
 @dataclass(frozen=True)
 class RoomPart:
     """A room and all that was made of it; `failures`: object -> (stage, reason); `origins`: file -> its provenance;
-    `camera_doubt`: what is odd about the camera's height, empty: nothing."""
+    `camera_doubt`: what is odd about the camera's height, None: nothing."""
 
     name: str
     title: str
@@ -72,7 +73,7 @@ class RoomPart:
     failures: dict[str, tuple[str, str]]
     reconstructions: list[Reconstruction]
     origins: dict[str, Made]
-    camera_doubt: str
+    camera_doubt: Doubt | None
 
 
 def _scene(scene: GeneratedScene, picture: Picture | None) -> RebuiltScene:

@@ -3,6 +3,7 @@
 import os
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 from urllib.parse import quote
 
 import cv2
@@ -10,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from stages.contracts.doubt import Doubt
+from stages.contracts.doubts import grouped
 from stages.contracts.extracted import read_metres
 from stages.contracts.files import read_json
 from stages.contracts.objects import Objects
@@ -79,16 +82,38 @@ def links(files: RunFiles, name: str, page: Path) -> dict[str, str]:
     return {"/".join(path.parts[-4:]): quote(os.path.relpath(path, page.parent)) for path in paths}
 
 
-def doubts(room: RoomPart, made: Reconstruction | None) -> list[tuple[str, str, str]]:
-    """What is uncertain: the object or scene, the doubt, the command that opens the page to correct it (or nothing)."""
+class Listed(NamedTuple):
+    """Doubts of one cause: what helps, and things, what may be wrong, and the command that opens each (or nothing)."""
+
+    title: str
+    mend: str
+    entries: list[tuple[str, str, str]]
+
+
+def doubts(room: RoomPart, made: Reconstruction | None) -> list[Listed]:
+    """What may be wrong and a person can mend, gravest first."""
     correct = made.correct if made else ""
-    found = [("camera", room.camera_doubt, "")] if room.camera_doubt else []
-    found += [
+    failed = [
         (f"{one} failed in {stage}", reason, correct and correct + one)
         for one, (stage, reason) in room.failures.items()
     ]
-    for match in made.matches if made else []:
-        command = correct and correct + match.entry.id
-        found += [(match.entry.id.replace("_", " "), doubt, command) for doubt in match.doubts]
-    scenes = made.scenes if made else []
-    return found + [(f"scene of rank {scene.rank}", scene.physics, "") for scene in scenes if scene.stable is False]
+    found = [("camera", room.camera_doubt)] if room.camera_doubt else []
+    found += [(match.entry.id, doubt) for match in (made.matches if made else []) for doubt in match.doubts]
+    scenes = [scene for scene in (made.scenes if made else []) if scene.stable is False]
+    found += [(f"scene of rank {scene.rank}", Doubt(cause="place", what=scene.physics)) for scene in scenes]
+    objects = {match.entry.id for match in made.matches} if made else set()
+    listed = [Listed("Failed", "name or draw it again on the correction page", failed)] if failed else []
+    for group in grouped(found):
+        entries = [
+            (about.replace("_", " "), what, correct + about if correct and about in objects else "")
+            for about, what in group.items
+        ]
+        listed.append(Listed(group.cause.capitalize(), group.mend, entries))
+    return listed
+
+
+def notes(made: Reconstruction | None) -> list[tuple[str, str]]:
+    """Thing by thing what is worth knowing, with nothing to do about it."""
+    return [
+        (match.entry.id.replace("_", " "), note) for match in (made.matches if made else []) for note in match.notes
+    ]

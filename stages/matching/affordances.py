@@ -1,0 +1,38 @@
+"""Whether cousins open as the object was said to: as many doors, as many drawers."""
+
+from stages.contracts import Library
+from stages.contracts.cousins import Cousin, ObjectCousins
+from stages.contracts.objects import SceneObject
+from stages.matching.candidates import count_gap
+
+
+def counted(doors: int, drawers: int) -> str:
+    """In words, e.g. `2 doors and no drawer`."""
+    parts = ((doors, "door"), (drawers, "drawer"))
+    return " and ".join(f"{number or 'no'} {noun}{'s' * (number > 1)}" for number, noun in parts)
+
+
+def compared(entry: ObjectCousins, item: SceneObject, library: Library) -> ObjectCousins:
+    """The entry, where each cousin with other doors or drawers than were stated says so, and which model has them."""
+    if item.doors + item.drawers == 0:
+        return entry
+    models = {one.id: one for one in library.assets}
+    said = counted(item.doors, item.drawers)
+    alike = [one.rank for one in entry.cousins if count_gap(item, models[one.asset]) == 0]
+
+    def differs(one: Cousin) -> str:
+        model = models[one.asset]
+        if count_gap(item, model) == 0:
+            return ""
+        kind = one.category.replace("_", " ")
+        if alike:
+            better = f"cousin {alike[0]} has that"
+        elif any(other.category == one.category and count_gap(item, other) == 0 for other in library.assets):
+            better = f"another {kind} of the library has that"
+        else:
+            better = f"no {kind} of the library has that"
+        return f"was said to have {said}, the model has {counted(model.doors, model.drawers)}; {better}"
+
+    return entry.model_copy(
+        update={"cousins": [one.model_copy(update={"differs": differs(one)}) for one in entry.cousins]}
+    )

@@ -1,0 +1,55 @@
+"""Cousins that open otherwise than was stated say so, and a scene of them doubts it first."""
+
+from stages.contracts.cousins import Cousin, ObjectCousins, Orientation
+from stages.contracts.library import Library
+from stages.contracts.objects import SceneObject
+from stages.matching.affordances import compared, counted
+from stages.matching.match import doubtful
+from tests.unit.test_matching_labels import entry
+
+VIEW = Orientation(yaw=0.0, distance=0.0)
+SAID = SceneObject(id="fridge_1", label="fridge", mask=1, articulated=True, doors=2, drawers=1)
+
+
+def cousins(*assets: str) -> ObjectCousins:
+    ranked = [
+        Cousin(rank=rank, asset=asset, category=asset.rsplit("_", 1)[0], distance=1.0, votes=None, orientation=VIEW,
+               orientations=[VIEW]) for rank, asset in enumerate(assets, 1)
+    ]  # fmt: skip
+    return ObjectCousins(id="fridge_1", label="fridge", decided_by="geometry", cousins=ranked)
+
+
+def library(*counts: tuple[int, int], other: int = 0) -> Library:
+    assets = [entry(f"fridge_{number}", *each) for number, each in enumerate(counts)]
+    return Library(assets=[*assets, *([entry("oven_0", 2, 1)] if other else [])])
+
+
+def test_counts_in_words() -> None:
+    assert [counted(2, 1), counted(0, 4), counted(1, 0)] == [
+        "2 doors and 1 drawer",
+        "no door and 4 drawers",
+        "1 door and no drawer",
+    ]
+
+
+def test_every_cousin_with_other_counts_says_so() -> None:
+    found = compared(cousins("fridge_0", "fridge_1"), SAID, library((2, 0), (2, 2), other=1))
+    assert [one.differs for one in found.cousins] == [
+        "was said to have 2 doors and 1 drawer, the model has 2 doors and no drawer; no fridge of the library has that",
+        "was said to have 2 doors and 1 drawer, the model has 2 doors and 2 drawers; no fridge of the library has that",
+    ]
+    (line,) = doubtful([found])
+    assert line.startswith("fridge_1 was said to have") and line.endswith("or bring one (docs/your-models.md)")
+
+
+def test_it_says_which_model_has_them() -> None:
+    first, second = compared(cousins("fridge_0", "fridge_1"), SAID, library((2, 0), (2, 1))).cousins
+    assert first.differs.endswith("; cousin 2 has that") and second.differs == ""
+    (only,) = compared(cousins("fridge_0"), SAID, library((2, 0), (2, 1))).cousins
+    assert only.differs.endswith("; another fridge of the library has that")
+
+
+def test_what_was_not_counted_does_not_differ() -> None:
+    plain = SceneObject(id="fridge_1", label="fridge", mask=1, articulated=True)
+    assert compared(cousins("fridge_0"), plain, library((2, 0))).cousins[0].differs == ""
+    assert list(doubtful([compared(cousins("fridge_0"), plain, library((2, 0)))])) == []
