@@ -47,5 +47,5 @@ def support_at(project: Project, solved: Solved, pixel: tuple[float, float], sta
         return top if beside.get(top, np.inf) < BEHIND * solved.view.height else "floor"
     if top == "floor":
         return best
-    away = float(np.linalg.norm(solved.boxes[top].center - eye))
+    away = float(np.linalg.norm(solved.boxes[top].center - eye)) * (solved.factor or 1.0)
     return top if beside[top] < solved.view.focal * WORKTOP / away + 2 * CLICK else best
