@@ -150,6 +150,7 @@ def test_what_a_click_stands_on_is_said_before_it_and_a_changed_support_keeps_th
     up = np.array([0, 0, table.size[2] / 2])
     over(table.position + up)
     page.wait_for_function("() => document.getElementById('hint').textContent.startsWith('It stands on dining table.')")
+    assert "Its yellow top must be the surface" in page.locator("#hint").text_content()
     page.wait_for_selector("#view .under", state="attached")  # once the server has placed the table's box
     assert page.locator("#view .under").count() == 1
     over(table.position - up - [0.9, 0, 0])
@@ -287,6 +288,7 @@ def test_a_narrow_screen_shows_all_and_needs_no_keyboard(opened: tuple[Any, Sess
     assert page.locator("#drafting").is_hidden()
     hand.click(points[left])
     hand.click(points[right])
+    page.wait_for_function("() => document.getElementById('hint').textContent.includes('that of the worktop')")
     page.get_by_role("button", name="Enough (Enter)").click()  # not yet: nothing is lost by it
     hand.click((points[left + 4] + points[right + 4]) / 2)
     page.get_by_role("button", name="Enough (Enter)").click()
