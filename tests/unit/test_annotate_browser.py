@@ -150,6 +150,7 @@ def test_what_a_click_stands_on_is_said_before_it_and_a_changed_support_keeps_th
     up = np.array([0, 0, table.size[2] / 2])
     over(table.position + up)
     page.wait_for_function("() => document.getElementById('hint').textContent.startsWith('It stands on dining table.')")
+    assert "Its yellow top must be the surface" in page.locator("#hint").text_content()
     page.wait_for_selector("#view .under", state="attached")  # once the server has placed the table's box
     assert page.locator("#view .under").count() == 1
     over(table.position - up - [0.9, 0, 0])
@@ -252,6 +253,28 @@ def test_an_absurd_size_and_a_camera_that_nobody_measured_are_mended_by_a_click(
     page.wait_for_function("() => document.getElementById('camera-facts').textContent.includes('1.50 m above')")
 
 
+def test_what_was_marked_as_standing_but_taken_for_hanging_is_put_right_by_its_support(
+    opened: tuple[Any, Session],
+) -> None:
+    page, session = opened
+    room = TrueRoom(ROOM)
+    hand = Hand(page, room, 0)
+    table = room.truth.objects[3]
+    hand.wall([0, -0.6, 0], [0, 0.6, 0])
+    hand.key("b")
+    page.locator("#next-on").select_option("wall_1")
+    page.locator("#view").focus()
+    points, left, right = room.front(table)
+    for point in (points[left], points[right], (points[left + 4] + points[right + 4]) / 2):
+        hand.click(point)  # foot, foot, top
+    page.wait_for_function("() => document.activeElement.id === 'label'")
+    drawn = _saved(page, session).objects[0]
+    page.locator("#on").select_option("floor")
+    mended = _saved(page, session).objects[0]
+    assert drawn.on == "wall_1" and mended.on == "floor" and mended.points == drawn.points
+    page.wait_for_function(f"() => document.querySelector('#height').placeholder > {0.7 * table.size[2]}")
+
+
 def test_a_narrow_screen_shows_all_and_needs_no_keyboard(opened: tuple[Any, Session]) -> None:
     page, session = opened
     page.set_viewport_size({"width": 390, "height": 844})
@@ -265,6 +288,7 @@ def test_a_narrow_screen_shows_all_and_needs_no_keyboard(opened: tuple[Any, Sess
     assert page.locator("#drafting").is_hidden()
     hand.click(points[left])
     hand.click(points[right])
+    page.wait_for_function("() => document.getElementById('hint').textContent.includes('that of the worktop')")
     page.get_by_role("button", name="Enough (Enter)").click()  # not yet: nothing is lost by it
     hand.click((points[left + 4] + points[right + 4]) / 2)
     page.get_by_role("button", name="Enough (Enter)").click()

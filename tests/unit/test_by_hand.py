@@ -411,11 +411,18 @@ def test_an_absurd_size_is_told_with_the_usual_one_which_can_be_taken() -> None:
     solved = solve(drawing)
     assert "usual are" in solved.notes["cabinet"]
     width, depth, height = solved.usual["cabinet"]
+    assert "worktop" not in solved.notes["cabinet"] and "hang" not in solved.notes["cabinet"]
     assert (width, height) == (None, None), "what is as usual stays as it was drawn"
     assert depth == pytest.approx(np.median(sizes_of("bottom_cabinet")[:, 0]), abs=0.01)
     cabinet.depth = depth
     solved = solve(drawing)
     assert solved.usual == {} and "usual" not in solved.notes.get("cabinet", "")
+    mug, shelf = drawing.objects[1:]
+    mug.height, shelf.label = 0.7, "microwave"
+    solved = solve(drawing)
+    assert solved.notes["mug"].endswith("is what it stands on drawn up to its worktop?")
+    assert solved.notes["shelf"].endswith("does it hang on that wall?") and {"mug", "shelf"} == set(solved.usual)
+    shelf.label, mug.height = "shelf", None
     cabinet.label, cabinet.depth = "gearbox", 0.006
     assert solve(drawing).usual == {}, "nobody knows how large such things are"
 

@@ -13,10 +13,10 @@ export function element(name, attributes, children = []) {
 }
 export const line = ([a, b], kind) => element('line', { x1: a[0], y1: a[1], x2: b[0], y2: b[1], class: kind });
 export const area = (points, kind) => element('polygon', { points: points.map((p) => p.join()).join(' '), class: kind });
-// A name in the picture; at its right border it ends there, else it would be cut off.
+// A name in the picture, before its right border, which would cut it off.
 export function name(text, [x, y]) {
-  const anchor = x > 0.8 * state.project.width ? 'end' : 'start';
-  return element('text', { x: anchor === 'end' ? state.project.width : x, y, 'font-size': 13 * unit(), 'text-anchor': anchor }, [text]);
+  const size = 13 * unit(), room = state.project.width - 0.6 * size * text.length;
+  return element('text', { x: Math.max(0, Math.min(x, room)), y, 'font-size': size }, [text]);
 }
 export const unit = () => box.width / Math.max(1, Math.min(svg.clientWidth, (svg.clientHeight * box.width) / box.height));
 

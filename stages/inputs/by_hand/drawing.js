@@ -37,6 +37,8 @@ function walls(handles) {
   return parts;
 }
 
+const lowerLeft = (points) => points.reduce((one, other) => (other[0] - other[1] < one[0] - one[1] ? other : one));
+
 function objects() {
   const parts = [], names = []; // names lie over all boxes
   const boxes = Object.entries(state.solved.boxes).sort(([, one], [, other]) => other.distance - one.distance);
@@ -45,7 +47,7 @@ function objects() {
     const faces = solid.faces.map((face) => area(face, 'face'));
     parts.push(element('g', { class: kind, 'data-object': id }, faces));
     const item = find(id);
-    if (item?.label && solid.faces.length) names.push(name(nameOf(item), solid.faces[0][0]));
+    if (item?.label && solid.faces.length) names.push(name(nameOf(item), lowerLeft(solid.faces.flat())));
   }
   parts.push(...names);
   const item = state.chosen && !isWall(state.chosen) ? find(state.chosen) : null;

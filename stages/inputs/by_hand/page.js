@@ -102,7 +102,7 @@ function panel() {
   get('object-facts').textContent = box ? `${metres(box.distance)} away` : '';
   const usual = usualOf(item);
   get('usual').hidden = !usual;
-  if (usual) get('usual').textContent = `Use the usual size: ${usual.map(metres).join(' × ')}`;
+  if (usual) get('usual').textContent = `Use the usual size: ${usual.map((side) => Math.round(100 * side)).join(' × ')} cm`;
 }
 
 // A side that is now the known length is as long as it was, until another length is typed.

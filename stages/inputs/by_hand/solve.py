@@ -217,6 +217,13 @@ class _Room:
         return self.boxes[item.on].top
 
 
+def _cause(item: DrawnObject, room: _Room) -> str:
+    """What may be behind an absurd size, as a question."""
+    if item.on in room.walls:
+        return "; does it hang on that wall?"
+    return "; is what it stands on drawn up to its worktop?" if item.on in room.boxes else ""
+
+
 def _height(project: Project, view: View) -> float:
     """Height of the camera in metres, from the known length; `view` is one metre above the floor.
 
@@ -272,6 +279,7 @@ def solve(project: Project) -> Solved:
             odd = _unusual(item, box, factor or 1.0)
             if odd and (instead := usual_size(item, box)):
                 usual[item.id] = instead
+                odd += _cause(item, room)
             told = [room.notes.get(item.id, _guessed(item, item.on in room.walls)), odd]
             room.notes |= {item.id: "; ".join(filter(None, told))} if any(told) else {}
     return Solved(room.view, room.walls, room.boxes, {**room.notes, **notes}, room.guessed, usual, factor)

@@ -119,6 +119,7 @@ export function carried(item, on) {
   item.on = on;
   item.round &&= !hangs;
   if (hung === hangs) return;
+  if (hung && c && Math.abs(a[1] - b[1]) < Math.min(a[1], b[1]) - c[1]) return; // it was marked as what stands: foot, foot, top
   if (hangs && seen[0] && seen[5]) item.points = [seen[0], seen[5], ...(d ? [d] : [])];
   else if (hangs) item.points = [a, [b[0], (c ?? b)[1]], ...(d ? [d] : [])];
   else if (seen[0] && seen[1] && seen[5]) item.points = [seen[0], seen[1], seen[5], ...(c ? [c] : [])];

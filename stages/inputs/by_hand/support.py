@@ -42,10 +42,10 @@ def support_at(project: Project, solved: Solved, pixel: tuple[float, float], sta
             best, nearest = name, reach
     if best == "floor":
         return best
-    top = min(beside, key=lambda name: beside[name], default="floor")
+    close = min(beside, key=lambda name: beside[name], default="floor")
     if stands:
-        return top if beside.get(top, np.inf) < BEHIND * solved.view.height else "floor"
-    if top == "floor":
+        return close if beside.get(close, np.inf) < BEHIND * solved.view.height else "floor"
+    if close == "floor":
         return best
-    away = float(np.linalg.norm(solved.boxes[top].center - eye))
-    return top if beside[top] < solved.view.focal * WORKTOP / away + 2 * CLICK else best
+    away = float(np.linalg.norm(solved.boxes[close].center - eye)) * (solved.factor or 1.0)
+    return close if beside[close] < solved.view.focal * WORKTOP / away + 2 * CLICK else best

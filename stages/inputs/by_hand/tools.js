@@ -8,7 +8,7 @@ const svg = document.getElementById('view');
 const STEPS = { x: 'camera', y: 'camera', z: 'camera', measure: 'camera', wall: 'walls', box: 'objects', round: 'objects', outline: 'objects' };
 const FAR = 8; // screen pixels: a press that moves farther is a drag, whose end counts as a second click
 const STANDING = ['Click the lower left corner of its front.', 'Click the lower right corner of its front (Shift: not along the walls).',
-  'Click its upper edge in front; of a counter that of the worktop, not of the doors.', 'Click any rear corner that you see (Enter: guess its depth).'];
+  'Click its upper edge in front.', 'Click any rear corner that you see (Enter: guess its depth).'];
 const HANGING = ['', 'Click the opposite corner of its front.', 'Click a rear corner, where it meets the wall (Enter: flat).'];
 const ROUND = ['Click the left end of its foot.', 'Click the right end of its foot.', 'Click its top: in the middle, or its left or right end if it is wider there than its foot.'];
 const HINTS = {
@@ -37,7 +37,8 @@ export function hint() {
   if (state.tool === 'select') return IDLE[state.step];
   const drawn = (state.draft?.points.length ?? 1) - 1;
   if (state.tool === 'round') return onto() + (ROUND[drawn] ?? '');
-  if (state.tool === 'box') return onto() + ((state.draft && isWall(state.draft.on) ? HANGING : STANDING)[drawn] ?? '');
+  const worktop = drawn === 2 && state.draft?.on === 'floor' ? ' Of a counter: that of the worktop, not of the doors.' : '';
+  if (state.tool === 'box') return onto() + ((state.draft && isWall(state.draft.on) ? HANGING : STANDING)[drawn] ?? '') + worktop;
   const known = HINTS[state.tool] ?? HINTS.line;
   return known[Math.min(drawn, known.length - 1)];
 }

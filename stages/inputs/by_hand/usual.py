@@ -34,7 +34,8 @@ def camera_factor(project: Project, boxes: Mapping[str, UprightBox]) -> float | 
     """By what the height of a camera that nobody gave should be multiplied; None: nothing speaks against it.
 
     Each thing whose height is read off the picture allows the factors that make it as high as a model of its category.
-    It is doubted where more than half of at least two things are unusual as they are, and usual with one factor.
+    It is doubted where more than half of at least two things are as high as no model, and would be usual with the
+    median of what would make each as high as its category is.
     What stands on another thing says nothing: it errs with that.
     """
     if project.scale.kind != "camera" or project.scale.metres is not None:
@@ -44,7 +45,7 @@ def camera_factor(project: Project, boxes: Mapping[str, UprightBox]) -> float | 
         return None
     factor = float(np.median([(low + high) / 2 for low, high in ranges]))
     unusual = sum(not low <= 0 <= high for low, high in ranges)
-    fitting = sum(low <= factor <= high for low, high in ranges)
+    fitting = sum(low - SPREAD <= factor <= high + SPREAD for low, high in ranges)
     wrong = 2 * min(unusual, fitting) > len(ranges) and abs(factor) > SURE
     return float(np.exp(factor)) if wrong else None
 
