@@ -10,6 +10,7 @@ rule overview_page:
         cousins=files(rules.match.output.cousins, scene=ROOMS),
         scenes=files(rules.generate.output.scenes, scene=ROOMS),
         thumbnails=files(rules.draw_scenes.output.thumbnail, scene=ROOMS),
+        pages=lambda wildcards: own_pages(ROOMS),
     output:
         page=in_report("results/report/overview/{variant}.html", "report"),
     log:
@@ -27,6 +28,7 @@ rule overview_page:
         scenes=ROOMS,
     shell:
         "{params.command} --scenes {params.scenes} --variant {wildcards.variant} --results {params.results:q} "
+        "--pages {input.pages:q} "
         "--out {output.page:q} 2>&1 | tee {log:q}"
 
 

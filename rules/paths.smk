@@ -126,6 +126,12 @@ def scene_image(wildcards):
     return scene_inputs(wildcards)["rgb"]
 
 
+def own_pages(scenes):
+    """The scenes' own pages that are there, or are asked for: other pages link to them."""
+    asked, paths = "pages" in workflow.dag_settings.targets, files(rules.scene_page.output.page, scene=scenes)
+    return [path for path in paths if asked or Path(str(path)).is_file()]
+
+
 def in_report(path, kind):
     """A file that Snakemake's own report shows as well."""
     caption = f"../report/captions/{kind}.rst"

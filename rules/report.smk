@@ -82,6 +82,7 @@ rule report_page:
         attempts=trained(rules.demonstrate.output.attempts),
         metrics=policies(rules.train.output.metrics, first=True),
         tables=rules.tables.input,
+        pages=lambda wildcards: own_pages(SHOWN),
     output:
         page=in_report("results/report/index.html", "report"),
         times="results/report/times.html",

@@ -6,12 +6,18 @@ from stages.contracts.files import write_text
 from stages.tables.markup import environment
 from stages.tables.order import natural
 from stages.tables.page.overview import Layout, common, row
-from stages.tables.report import script
+from stages.tables.report import link_there_and_back, script
 from stages.tables.text import NOT_RUN
 
 
 def run(
-    *, scenes: tuple[str, ...], variant: str, out: Path, results: Path = Path("results"), logs: Path = Path("logs")
+    *,
+    scenes: tuple[str, ...],
+    variant: str,
+    out: Path,
+    pages: tuple[Path, ...] = (),
+    results: Path = Path("results"),
+    logs: Path = Path("logs"),
 ) -> None:
     """Write the page: pictures of input and rank 1, what failed and why, doubts. The page is one file.
 
@@ -21,16 +27,24 @@ def run(
         scenes: their names.
         variant: the variant of matching that is shown.
         out: the HTML file.
+        pages: pages of scenes, <scene>.html, to which rows link.
         results: folder of the stages' results, in the fixed layout.
         logs: folder of the logs; a scene that stopped shows the last line of its log.
     """
     layout = Layout(results, logs, variant)
-    rows = [row(scene, layout) for scene in sorted(scenes, key=natural)]
+    links = {path.stem: link_there_and_back(path, out) for path in pages}
+    rows = [row(scene, layout, links.get(scene, "")) for scene in sorted(scenes, key=natural)]
     page = environment().get_template("page/overview.html.jinja")
     waiting = sum(one.stopped is not None and one.stopped.reason == NOT_RUN for one in rows)
     stopped = sum(one.stopped is not None for one in rows) - waiting
     text = page.render(
-        rows=rows, variant=variant, stopped=stopped, waiting=waiting, common=common(rows), script=script("sort.js")
+        rows=rows,
+        variant=variant,
+        stopped=stopped,
+        waiting=waiting,
+        common=common(rows),
+        furnished=any((results / "scenes" / scene / "input").is_dir() for scene in scenes),
+        script=script("sort.js", "back.js"),
     )
     write_text(out, text)
     out.with_suffix(".failed.html").unlink(missing_ok=True)

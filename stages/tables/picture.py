@@ -47,7 +47,7 @@ def run(
         doubts=[(single.doubts(room, one), single.notes(one)) for one in room.reconstructions or [None]],
         links=single.links(declared, room.name, out),
         first=room.reconstructions[0] if room.reconstructions else None,
-        script=script("page.js", "viewer.js"),
+        script=script("page.js", "viewer.js", "back.js"),
         viewer=link_to(viewer, out),
         number=number,
     )

@@ -208,7 +208,7 @@ def too_few_runs(row: dict[str, Any]) -> str:
     """How many runs are lacking to judge a claim; empty: none."""
     needed = MIN_SPREAD_RUNS if row["claim"] == "steady" else MIN_RUNS
     few = min(row["runs"], row["baseline_runs"])
-    return "" if few >= needed else f"{count(few, 'run')} a side, {needed} needed"
+    return "" if few >= needed else f"{count(few, 'run')} a side, {needed} needed to judge"
 
 
 def evidence(row: dict[str, Any]) -> str:
@@ -226,8 +226,9 @@ def claims_table(table: pd.DataFrame, options: TablesConfig) -> Table:
         if pd.notna(row["published_ours"]):
             sides = _sides(row["claim"], row["published_ours"], row["published_theirs"])
             paper = f"{points(row['published_difference'])}, {sides}"
-        difference = cell(evidence(row), _sides(row["claim"], row["ours"], row["theirs"]), paper)
-        verdict, runs = cell(row["verdict"], too_few_runs(row)), f"{row['runs']} against {row['baseline_runs']}"
+        few, sides = too_few_runs(row), _sides(row["claim"], row["ours"], row["theirs"])
+        difference = cell(evidence(row), sides + ", of these policies" * bool(few and sides), paper)
+        verdict, runs = cell(row["verdict"], few), f"{row['runs']} against {row['baseline_runs']}"
         rows.append([title(row["task"]), claim_sentence(row), verdict, difference, _judged_over(row), runs])
     return Table(
         name="table3_claims",
@@ -239,7 +240,8 @@ def claims_table(table: pd.DataFrame, options: TablesConfig) -> Table:
             f"A claim holds if the {100 * options.confidence:g} % interval of the difference lies on its side, and "
             "does not hold if it lies on the other side; if it contains zero, it cannot be said. To do as well "
             f"is to be at most {100 * MARGIN:g} points worse. A claim needs {MIN_RUNS} runs a side, one about "
-            f"differences from run to run {MIN_SPREAD_RUNS}. Runs are training seeds of one method (of each of the "
+            f"differences from run to run {MIN_SPREAD_RUNS}; with one run a side the interval is about these policies "
+            "only, not about training again. Runs are training seeds of one method (of each of the "
             "hyper-parameter sets that trials chose): policies of another method are another row.",
             "Unseen assets: the set of unseen assets where policies were rolled out on one, else the three held-out "
             "roles of Table 3, which are too few for most claims. Intervals: bootstrap over assets, their initial "

@@ -57,6 +57,11 @@ def link_to(viewer: Path | None, page: Path) -> str:
     return os.path.relpath(viewer, page.parent) if viewer else ""
 
 
+def link_there_and_back(other: Path, page: Path) -> str:
+    """The link from a page to another, which leads back (back.js)."""
+    return f"{os.path.relpath(other, page.parent)}?from={os.path.relpath(page, other.parent)}"
+
+
 def _frames(files: RunFiles) -> dict[str, pd.DataFrame]:
     """The CSV tables of the run that have rows, by name; integers with missing values stay integers."""
     found = {}
@@ -69,7 +74,7 @@ def _frames(files: RunFiles) -> dict[str, pd.DataFrame]:
     return {name: table for name, table in found.items() if len(table)}
 
 
-def _page(files: RunFiles, published: Path, facts: dict[str, Any], options: PolicyTables, viewer: str) -> str:
+def _page(files: RunFiles, published: Path, facts: dict[str, Any], options: PolicyTables) -> str:
     album, frames = Album(options.picture_width, options.picture_quality), _frames(files)
     kinds, trainings = kinds_of(options), read_trainings(files.one("tables/trainings.csv"))
     notes = [*policy_notes(options), *failed_note(trainings)]
@@ -92,6 +97,7 @@ def _page(files: RunFiles, published: Path, facts: dict[str, Any], options: Poli
             **facts,
             first=next(iter([*of_tasks, *shown]), None),
             results=first,
+            came_out=result.came_out(shown, models.models if models else 0, first, len(trainings)),
             roles=[each for each in by_role if each not in first],
             rooms=shown,
             library=models,
@@ -118,7 +124,6 @@ def _page(files: RunFiles, published: Path, facts: dict[str, Any], options: Poli
                 for name, (path, alt) in drawings.items()
             },
             script=script("page.js", "viewer.js"),
-            viewer=viewer,
             times_page=TIMES_PAGE,
             number=number,
             role_title=role_title,
@@ -162,7 +167,9 @@ def run(
     settings = read_options(PolicyTables, options)
     declared = RunFiles(files, {room: path for (room, _), path in named(images, "--images").items()})
     facts = {"title": title, "config_page": CONFIG_PAGE if config else "", "seed": seed, "more": more}
-    page = _page(declared, published, facts, settings, link_to(viewer, out))
+    facts |= {"viewer": link_to(viewer, out)}
+    facts |= {"pages": {path.stem: link_there_and_back(path, out) for path in declared.all("report/scenes/*.html")}}
+    page = _page(declared, published, facts, settings)
     jobs = read_jobs(benchmarks, benchmarks_root)
     tables = [times_table(by_stage(jobs, STAGES)), longest_table(jobs)] if len(jobs) else []
     times = environment().get_template("page/times.html.jinja").render(page=out.name, more=more, tables=tables)

@@ -95,15 +95,17 @@ def test_the_page_needs_nothing_else(results: Path, layout: Layout, tmp_path: Pa
     page, failed = tmp_path / "b.html", tmp_path / "b.failed.html"
     failed.touch()
     overview.run(
-        scenes=("room_2", "room_10", "lost", "room_1"), variant="b", out=page, results=results, logs=layout.logs
-    )
+        scenes=("room_2", "room_10", "lost", "room_1"), variant="b", out=page, results=results, logs=layout.logs,
+        pages=(tmp_path / "scenes" / "room_2.html",),
+    )  # fmt: skip
     assert not failed.exists()
     text = page.read_text()
     checker = Checker()
     checker.feed(text)
     assert checker.open == [] and checker.unnamed == []
-    assert not [one for one in (*checker.links, *checker.sources) if not one.startswith("data:")]
-    assert re.findall(r'<th scope="row">(\w+)</th>', text) == ["lost", "room_1", "room_2", "room_10"]
+    outside = [one for one in (*checker.links, *checker.sources) if not one.startswith("data:")]
+    assert outside == ["scenes/room_2.html?from=../b.html"]
+    assert re.findall(r'<th scope="row">(?:<a [^>]*>)?(\w+)<', text) == ["lost", "room_1", "room_2", "room_10"]
     assert "rgb.png: &lt;b&gt;broken&lt;/b&gt;" in text and "2 were made" in text and "1 stopped" in text
 
 

@@ -173,10 +173,13 @@ def test_claims_stand_with_their_verdicts_where_policies_begin(opened: tuple[Any
 def test_ranks_and_slider_by_keyboard(opened: tuple[Any, list[str]]) -> None:
     page, complaints = opened
     compare = page.locator("#compare-first")
-    compare.locator("input[type=radio]").first.focus()
-    page.keyboard.press("ArrowRight")
-    assert compare.locator("[data-rank='2']").is_visible() and not compare.locator("[data-rank='1']").is_visible()
-    assert compare.locator(".rank").text_content() == "2"
+    for rank, other, key in (("2", "1", "ArrowLeft"), ("1", "2", "ArrowRight"), ("2", "1", "")):  # first: no twins
+        assert compare.locator(f"[data-rank='{rank}']").is_visible()
+        assert not compare.locator(f"[data-rank='{other}']").is_visible()
+        assert compare.locator(".rank").text_content() == rank
+        compare.locator("input[type=radio]:checked").focus()
+        if key:
+            page.keyboard.press(key)
     compare.locator(".mode").focus()
     page.keyboard.press("Enter")
     assert compare.get_attribute("data-mode") == "over"
@@ -189,6 +192,16 @@ def test_ranks_and_slider_by_keyboard(opened: tuple[Any, list[str]]) -> None:
     page.mouse.up()
     assert compare.locator("input[type=range]").input_value() == "25"
     assert complaints == []
+
+
+def test_an_open_story_stretches_no_neighbour(opened: tuple[Any, list[str]]) -> None:
+    page, _ = opened
+    cards = page.locator(".matches").first.locator(".match")
+    before = [card.bounding_box()["height"] for card in cards.all()]
+    cards.nth(1).locator("details.story > summary").click()
+    after = [card.bounding_box()["height"] for card in cards.all()]
+    assert len(after) > 2 and after[1] > before[1] + 50
+    assert all(abs(now - then) < 60 for place, (now, then) in enumerate(zip(after, before, strict=True)) if place != 1)
 
 
 def test_colours_films_and_large_pictures_by_keyboard(opened: tuple[Any, list[str]]) -> None:

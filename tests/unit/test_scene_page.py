@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from stages.contracts import Camera, write_json
-from stages.tables import picture
+from stages.tables import picture, report
 from stages.tables.page.single import coloured
 from tests.refusals import refused
 from tests.unit.tables_results import CAMERA, VIEWER, declared, write_run
@@ -98,3 +98,23 @@ def test_it_is_readable_and_nothing_overflows(made: Path, browser: Any, width: i
     page.get_by_role("button", name="Turn the scene").click()
     page.wait_for_selector("#turntable[open] canvas")
     context.close()
+
+
+def test_the_report_links_to_it_and_it_leads_back(made: Path, browser: Any) -> None:  # noqa: F811
+    own, whole = made / "results/report/scenes/room_1.html", made / "results/report/index.html"
+    page(made, "room_1", own)
+    report.run(out=whole, **declared(made) | {"files": (*declared(made)["files"], own)})  # type: ignore[arg-type, misc]
+    shown = browser.new_page()
+    shown.goto(own.as_uri())
+    assert not shown.locator("#back").is_visible()  # nobody led here
+    shown.goto(whole.as_uri())
+    links = shown.get_by_role("link", name="Its own page")
+    assert links.count() == 1  # room_2 has none
+    links.click()
+    assert shown.url.startswith(own.as_uri())
+    shown.locator("#back").click()
+    assert shown.url == whole.as_uri()
+    for elsewhere in ("javascript:alert(1)", "//a.html", "../a.html:b", "https://a.html"):
+        shown.goto(f"{own.as_uri()}?from={elsewhere}")
+        assert not shown.locator("#back").is_visible(), elsewhere
+    shown.close()

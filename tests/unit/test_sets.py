@@ -85,14 +85,8 @@ tables: {bootstrap_samples: 200}
 def roll_out(results: Path, row: str, name: str, seed: int, opened: int) -> None:
     """Rollouts of one policy on ten unseen assets, the first of which it opens."""
     about = {"task": row, "assets_of": row, "cloud": "target_link", "training_set": name, "run": "lite", "seed": seed}
-    about |= {
-        "checkpoint": "best",
-        "test_asset": "test",
-        "handle": "bar",
-        "handle_length": 0.1,
-        "feature_distance": 1.0,
-    }
-    about |= {"official_success": True, "steps": 9, "opened": 0.5}
+    about |= {"checkpoint": "best", "test_asset": "test", "handle": "bar", "handle_length": 0.1}
+    about |= {"feature_distance": 1.0, "official_success": True, "steps": 9, "opened": 0.5}
     rows = [
         Rollout(**about, asset=f"a{k}", family=f"f{k}", episode=k, initial_state=k, success=k < opened)  # type: ignore[arg-type]
         for k in range(10)

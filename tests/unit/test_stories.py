@@ -102,6 +102,27 @@ OTHERWISE = "was said to have 2 doors and 1 drawer, the model has 2 doors and no
 
 
 @pytest.mark.parametrize(
+    ("decided_by", "scores", "measure", "numbers"),
+    [
+        ("distance", (None, None), "distance of features, less is better", ["1.00", "2.00"]),
+        ("votes", (None, None), "votes, more is better", ["7", "7"]),
+        ("geometry", (1.5, 1.25), "score of geometry, more is better", ["1.50", "1.25"]),
+        ("geometry", (1.25, 1.5), "score of geometry, more is better; alike objects are ordered by its mean",
+         ["1.25", "1.50"]),
+        ("vlm", (None, None), "", ["", ""]),
+    ],
+)  # fmt: skip
+def test_cousins_have_the_number_that_put_them_in_their_order(
+    decided_by: str, scores: tuple[float | None, float | None], measure: str, numbers: list[str]
+) -> None:
+    entry = matched(decided_by=decided_by)
+    for cousin, score in zip(entry.cousins, scores, strict=True):
+        cousin.score = score
+    made = told(entry, thing())
+    assert (made.measure, [one.number for one in made.cousins]) == (measure, numbers)
+
+
+@pytest.mark.parametrize(
     ("entry", "item", "there", "cause", "words"),
     [
         ({}, {"points": 40}, {}, "size", "only 40 points"),

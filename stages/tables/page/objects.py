@@ -16,7 +16,7 @@ from stages.contracts.snapshot_pictures import Snapshots
 from stages.geometry.cameras import project
 from stages.geometry.frames import apply, inverse, wrap_angle, yaw_matrix
 from stages.tables.page.pictures import THUMBNAIL, Album, Picture
-from stages.tables.text import count
+from stages.tables.text import NOTHING, count
 
 LISTED = 5  # cousins, models compared and categories of an object that are listed
 PLACES = {"floor": "on the floor", "wall": "on the wall", "unnamed": "where it was seen, above the floor"}
@@ -25,10 +25,10 @@ Pixels = NDArray[np.uint8]
 
 @dataclass(frozen=True)
 class Relative:
-    """A cousin: `part` is its distance as a part of the largest one listed, for its bar."""
+    """A cousin, and the number that put it in its place (empty: there is none)."""
 
     cousin: Cousin
-    part: float
+    number: str
     picture: Picture | None
 
 
@@ -46,12 +46,14 @@ class Rival:
 class Match:
     """One object of the picture and the cousins found for it.
 
-    pictures: mask and cloud, with captions; facts: (what, how it is); rivals: the nearest models.
+    measure: what the numbers of its cousins are; empty: they have none. pictures: mask and cloud, with captions; facts:
+    (what, how it is); rivals: the nearest models.
     """
 
     entry: ObjectCousins
     about: str
     decided_by: str
+    measure: str
     picture: Picture | None
     cousins: list[Relative]
     pictures: list[tuple[Picture, str]]
@@ -75,25 +77,39 @@ class Evidence:
 def match(entry: ObjectCousins, item: SceneObject, evidence: Evidence, album: Album, snapshots: Snapshots) -> Match:
     """An object that has cousins."""
     placed, listed = evidence.placed.get(entry.id), entry.cousins[:LISTED]
-    largest = max((cousin.distance for cousin in listed), default=0.0) or 1.0
+    measure, numbers = ordered_by(entry.decided_by, listed)
     seen = Image.fromarray(cropped(evidence.rgb, item)) if evidence.rgb is not None else None
 
-    def relative(cousin: Cousin) -> Relative:
+    def relative(cousin: Cousin, number: str) -> Relative:
         view, alt = snapshots.picture(cousin.asset, cousin.orientation.yaw), f"{cousin.asset}, cousin of {entry.id}"
-        return Relative(cousin, cousin.distance / largest, album.thumbnail(view, alt))
+        return Relative(cousin, number, album.thumbnail(view, alt))
 
     return Match(
         entry=entry,
         about=", ".join(_about(item)),
         decided_by=" / ".join(dict.fromkeys(filter(None, (entry.decided_by, entry.orientation_decided_by)))),
+        measure=measure,
         picture=album.thumbnail(seen, f"{entry.id} in the input"),
-        cousins=[relative(cousin) for cousin in listed],
+        cousins=[relative(*each) for each in zip(listed, numbers, strict=True)],
         pictures=list(_pictures(item, evidence, album)),
         facts=_facts(entry, item, placed),
         rivals=[_rival(one, entry, album, snapshots) for one in entry.by_distance[:LISTED]],
         doubts=doubts(entry, item, placed, evidence.objects),
         notes=notes(entry, item, placed),
     )
+
+
+def ordered_by(decided_by: str, cousins: list[Cousin]) -> tuple[str, list[str]]:
+    """What put cousins in their order, in words, and the number of each."""
+    if cousins and all(cousin.score is not None for cousin in cousins):
+        scores = [cousin.score or 0.0 for cousin in cousins]
+        alike = "" if scores == sorted(scores, reverse=True) else "; alike objects are ordered by its mean"
+        return f"score of {decided_by}, more is better{alike}", [f"{score:.2f}" for score in scores]
+    if decided_by == "votes":
+        return "votes, more is better", [NOTHING if cousin.votes is None else str(cousin.votes) for cousin in cousins]
+    if decided_by == "distance":
+        return "distance of features, less is better", [f"{cousin.distance:.2f}" for cousin in cousins]
+    return "", [""] * len(cousins)
 
 
 def _about(item: SceneObject) -> Iterator[str]:

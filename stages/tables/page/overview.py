@@ -26,9 +26,14 @@ class Failure:
 
 @dataclass(frozen=True)
 class SceneRow:
-    """A scene: `picture` of input and rank 1 as a data URI; `stable` of `ranks` scenes, None: not checked."""
+    """A scene.
+
+    page: link to its own; empty: none. picture: of input and rank 1, a data URI. stable: of `ranks` scenes; None: not
+    checked.
+    """
 
     name: str
+    page: str
     picture: str
     objects: int
     placed: int
@@ -73,8 +78,11 @@ class Layout:
         return self.logs / f"{name}.log"
 
 
-def row(scene: str, layout: Layout) -> SceneRow:
-    """The row of a scene. Where a stage has stopped, files of later stages are of an earlier run and do not count."""
+def row(scene: str, layout: Layout, page: str = "") -> SceneRow:
+    """The row of a scene; `page`: link to its own.
+
+    Where a stage has stopped, files of later stages are of an earlier run and do not count.
+    """
     done: dict[str, Path] = {}
     failures: list[Failure] = []
     for stage, path, logs in layout.steps(scene):
@@ -89,6 +97,7 @@ def row(scene: str, layout: Layout) -> SceneRow:
     checks = [made.plausibility for made in found.scenes if made.plausibility]
     return SceneRow(
         name=scene,
+        page=page,
         picture=_embedded(done.get("drawing")),
         objects=len(found.seen),
         placed=sum(item.status == "ok" for item in found.placed.values()),

@@ -43,6 +43,7 @@ class Reconstruction:
 
     judge: who decided on models and orientations. view: the scene of the first rank to turn, binary glTF, gzip in
     base64; empty: none. correct: the command, up to an object's id, that opens the page to correct it; empty: none.
+    furnished: the room was furnished from the library, so that models of rank 1 may be those of the picture.
     """
 
     variant: str
@@ -52,6 +53,13 @@ class Reconstruction:
     matches: list[Match]
     view: str
     correct: str
+    furnished: bool
+
+    @property
+    def shown(self) -> int:
+        """The rank whose picture is seen first: of cousins that are no twins, where there is one."""
+        ranks = [scene.rank for scene in self.scenes if scene.picture]
+        return ranks[1] if self.furnished and len(ranks) > 1 else ranks[0]
 
     @property
     def title(self) -> str:
@@ -157,6 +165,7 @@ def _reconstruction(
         matches=matches,
         view=base64.b64encode(gzip.compress(view.read_bytes(), 9, mtime=0)).decode("ascii") if view else "",
         correct=_correct(image, name, variant),
+        furnished=image is not None and image.match(f"scenes/{name}/input/*"),
     )
 
 
