@@ -117,10 +117,11 @@ def _scenes(config: "Config") -> Iterator[Mistake]:
             yield Mistake(key, "is the name of a room", "give your scene another name")
         elif name in run and not config.image:
             yield from given.mistakes(key)
-    if config.assets.own_only and (ours := [name for name in experiment.rooms if name in rooms]):
+    ours = [name for name in experiment.rooms if name in rooms]
+    if config.assets.own_only and config.assets.folders and ours:
         what = f"{ours[0]} is furnished with procedural models"
         yield Mistake("assets.own_only", what, "name pictures of yours in experiment.rooms, or leave own_only out")
-    if config.assets.folders:
+    if config.assets.folders or config.assets.own_only:
         return  # what the user's folders hold is seen when they are read
     last = max((rooms.index(name) for name in experiment.rooms if name in rooms), default=-1)
     furnished = {rooms[last]: [files[name] for name in rooms[: last + 1]]} if last >= 0 else {}

@@ -56,7 +56,7 @@ def _cabinet(p: CabinetRecipe, size: Size) -> Model:
         inner_y, inner_z = (-half + board, half - board), (z[0] + board, z[1] - board)
     weights: dict[CellKind, float] = {"door": 1.0, "flap": 1.0, "drawer": p.drawer_weight}
     weights |= {"open": p.open_weight, "panel": p.panel_weight}
-    grid = cells(p.layout, p.major, inner_y, inner_z, weights, p.hinge, p.column_weights)
+    grid = cells(p.layout, p.major, inner_y, inner_z, weights, p.hinge, p.column_weights, p.row_weights)
     moving: list[Moving] = []
     for cell in grid:
         parts += _dividers(cell, (x_back, x_body), inner_y, inner_z, board, p)

@@ -54,5 +54,6 @@ class CabinetRecipe(Generator):
     panel_colour: Coating = fixed([0.20, 0.20, 0.22])
     placement: Placement = fixed("floor")
     column_weights: list[Weight] | None = None  # shares of the width; default: alike
+    row_weights: list[Weight] | None = None  # shares of the height, of rows; default: by the kinds of their cells
     density: float = Field(WOOD, gt=0, le=20000)  # of the fronts, kg / m^3
     protrusion: float = Field(ge=0, le=1)  # how far handles stick out

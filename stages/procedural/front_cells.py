@@ -23,6 +23,7 @@ def cells(
     weights: dict[CellKind, float],
     hinge: int,
     column_weights: list[float] | None = None,
+    row_weights: list[float] | None = None,
 ) -> list[FrontCell]:
     """Cells of the rectangle y x z.
 
@@ -40,7 +41,7 @@ def cells(
             for kind, (top, bottom) in zip(column, heights, strict=True):
                 found.append(FrontCell(kind, across, (bottom, top), _hinge(doors, index, hinge)))
         return found
-    heights = _split((z[1], z[0]), [max(weights[kind] for kind in row) for row in layout])
+    heights = _split((z[1], z[0]), row_weights or [max(weights[kind] for kind in row) for row in layout])
     for row, (top, bottom) in zip(layout, heights, strict=True):
         for index, (kind, across) in enumerate(zip(row, _split(y, [1.0] * len(row)), strict=True)):
             found.append(FrontCell(kind, across, (bottom, top), _hinge([k == "door" for k in row], index, hinge)))

@@ -18,7 +18,7 @@ LISTED = {  # keys that do not simply run the one verb of their section again
     "assets.counts": {"library"},
     "assets.variations": {"library"},
     "assets.folders": set(),  # parameters of a shard's own
-    "assets.own_only": {"library"},  # as counts that are none
+    "assets.own_only": set(),  # the counts are none then
     "assets.importers": {"own"},
     "assets.shards": set(),  # the number of jobs is a parameter of its own
     "matching.encoder": {"features", "match", "distances"},

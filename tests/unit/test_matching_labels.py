@@ -93,9 +93,9 @@ def test_words_of_households_are_understood(label: str, expected: str) -> None:
         *((word, None, f"the word '{word}' is not known") for word in ("skateboard", "globe", "telephone", "door")),
         ("coffee maker", None, "the word 'maker' is not known"),  # no coffee table
         ("table phone", None, "the word 'phone' is not known"),  # no table
-        ("keyboard", "clock", "no category is called 'keyboard'"),  # flat, as a clock is; no sideboard
-        ("desk keyboard", "clock", "no category is called 'keyboard'"),
-        ("kitchen counter", "coffee_table", "no category is called 'counter'"),
+        ("keyboard", "clock", "no category of the library is called 'keyboard'"),  # flat, as a clock is; no sideboard
+        ("desk keyboard", "clock", "no category of the library is called 'keyboard'"),
+        ("kitchen counter", "coffee_table", "no category of the library is called 'counter'"),
         ("Cabnet", "wall_cabinet", "the word 'cabnet' is not known: taken for 'cabinet'"),
         ("!?", None, "is no word"),
     ],
@@ -186,7 +186,7 @@ def test_a_threshold_without_candidates_is_widened_visibly_but_never_to_assets_w
     many = found({"articulated": True, "doors": 0, "drawers": 7}, count_threshold=1)
     assert names(many) == ["cabinet_1"] and many.note == "count_threshold widened from 1 to 5"
     table = found({"label": "table", "articulated": True, "drawers": 1})
-    assert "table_0" not in names(table) and "no category is called 'table'" in table.doubt
+    assert "table_0" not in names(table) and "no category of the library is called 'table'" in table.doubt
 
 
 def test_candidates_that_are_too_few_grow_by_counts_and_by_categories_in_order() -> None:

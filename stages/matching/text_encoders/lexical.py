@@ -109,7 +109,7 @@ def heard(label: str, categories: Sequence[str]) -> Heard:
         shared = {CANONICAL.get(word, word) for word in named}.union(map("".join, map(words, categories)))
         if CANONICAL.get(last, last) in shared:
             return Heard(tokens, "")
-        return Heard([last], f"no category is called '{last}': taken by its kind, picture and size")
+        return Heard([last], f"no category of the library is called '{last}': taken by its kind, picture and size")
     if near := get_close_matches(last, sorted(known), n=1, cutoff=CLOSE):
         return Heard([*tokens[:-1], near[0]], f"the word '{last}' is not known: taken for '{near[0]}'")
     return Heard([], f"the word '{last}' is not known: taken by picture and size alone")

@@ -29,13 +29,23 @@ def _appliance(rng: Rng, layout: Layout, **changes: Any) -> Cabinet:
     return cabinet_of(rng, layout, **(plain | changes))
 
 
-FURTHER_FRIDGES = range(12, 19)
+PAIR, DOOR, DRAWER = ["door", "door"], ["door"], ["drawer"]
+# Rows from the top down, shares of the height, widths and heights in metres.
+FRENCH = ([PAIR, DRAWER], [1.0, 0.5], (0.72, 0.94), (1.7, 1.85))
+FRENCH_2 = ([PAIR, DRAWER, DRAWER], [1.0, 0.28, 0.28], *FRENCH[2:])
+FRIDGES: list[tuple[Layout, list[float], tuple[float, float], tuple[float, float]]] = [
+    FRENCH, FRENCH_2, FRENCH, ([PAIR, PAIR], [1.0, 1.0], *FRENCH[2:]), FRENCH, FRENCH_2,
+    ([DOOR], [1.0], (0.5, 0.6), (0.82, 0.9)),
+    ([DOOR, DOOR], [0.42, 1.0], (0.6, 0.75), (1.5, 1.75)),
+    ([DOOR, DOOR], [1.0, 0.5], (0.6, 0.75), (1.65, 1.8)),
+]  # fmt: skip
+FURTHER_FRIDGES = range(12, 12 + len(FRIDGES))
 
 
 @category(
     "fridge",
     founders=4,
-    count=19,
+    count=21,
     further=FURTHER_FRIDGES,
     names="refrigerator",
     like="freezer, icebox",
@@ -61,23 +71,17 @@ def sample_fridge(rng: Rng, index: int) -> Sampled:
 
 
 def _further_fridge(rng: Rng, number: int) -> Sampled:
-    """Two doors above one or two freezer drawers (French doors), four doors, a low one for a counter.
+    """Two doors above one or two freezer drawers (French doors), four doors, a low one for a counter, a small freezer
+    above or below.
 
     The kinds of buying guides (kitchens.com, consumersearch.com, kitchensbycountryside.com) and of RoboCasa's fridges
     that founders lack; widths and heights of those guides.
     """
-    pair: list[str] = ["door", "door"]
-    kinds: list[Layout] = [[pair, ["drawer"]], [pair, ["drawer"], ["drawer"]], [pair, pair], [["door"]]]
-    layout = kinds[(0, 1, 0, 2, 0, 1, 3)[number]]
-    low, drawers = len(layout) == 1, layout.count(["drawer"])
-    size = (
-        box_of(rng, (0.62, 0.74), (0.5, 0.6), (0.82, 0.9))
-        if low
-        else box_of(rng, (0.65, 0.76), (0.72, 0.94), (1.7, 1.85))
-    )
+    layout, shares, widths, heights = FRIDGES[number]
+    size = box_of(rng, (0.62, 0.74) if len(layout[0]) == 1 else (0.65, 0.76), widths, heights)
     p = _appliance(
-        rng, layout, major="rows", front_thickness=0.05, base="plinth", base_height=0.05, handle_length=0.3, shelves=2,
-        drawer_weight=(0.5, 0.5, 0.28)[drawers], board=0.04, density=130.0, handle_at=0.2 if low else -0.4,
+        rng, layout, major="rows", row_weights=shares, front_thickness=0.05, base="plinth", base_height=0.05,
+        handle_length=0.3, shelves=2, board=0.04, density=130.0, handle_at=-0.4 if len(layout[0]) == 2 else 0.2,
     )  # fmt: skip
     return Sampled(size, p)
 
