@@ -4,13 +4,13 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, ImageDraw
+from PIL import Image, ImageDraw, ImageFont
 
 from stages.contracts.arrays import readable
 from stages.contracts.files import atomic
 from stages.contracts.snapshot_file import AGAIN, open_snapshots
 
-COLUMNS, TILE = 10, 128  # pictures in a row, pixels of a side
+COLUMNS, TILE, LETTERS = 8, 160, 16  # pictures in a row; pixels of a side, and of a name
 
 
 def run(*, snapshots: tuple[Path, ...]) -> None:
@@ -31,10 +31,10 @@ def contact_sheet(rgb: NDArray[np.uint8], ids: list[str]) -> Image.Image:
     """Sheet of `rgb` (A, V, H, W, 3), whose last view is the representative."""
     rows = max(1, -(-len(ids) // COLUMNS))  # a shard may be of broken models alone
     sheet = Image.new("RGB", (COLUMNS * TILE, rows * TILE), "white")
-    draw = ImageDraw.Draw(sheet)
+    draw, font = ImageDraw.Draw(sheet), ImageFont.load_default(LETTERS)
     for index, name in enumerate(ids):
         corner = index % COLUMNS * TILE, index // COLUMNS * TILE
         tile = Image.fromarray(rgb[index, -1]).resize((TILE, TILE), Image.Resampling.LANCZOS)
         sheet.paste(tile, corner)
-        draw.text(corner, name, fill="black")
+        draw.text(corner, name, fill="black", font=font)
     return sheet

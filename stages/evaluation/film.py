@@ -11,6 +11,8 @@ from stages.evaluation.episodes import RolloutEpisode
 from stages.simulation.films import strip
 from stages.simulation.studio import Image, Studio
 
+CAPTION = 40  # pixels of the line above a strip: read where the strip is shown at half its size
+
 
 @dataclass(frozen=True)
 class Filmed:
@@ -48,8 +50,8 @@ def take(studio: Studio, episodes: Sequence[RolloutEpisode], role: str, frames: 
 def captioned(filmed: Filmed) -> Image:
     """(H, W, 3): pictures of the episode in a row, below a line of text."""
     film, row = filmed.film, strip(filmed.pictures)
-    line = np.full((24, row.shape[1], 3), 255, np.uint8)
+    line = np.full((CAPTION, row.shape[1], 3), 255, np.uint8)
     outcome = "success" if film.success else "failure"
     text = f"{film.role} ({film.asset}): {outcome} after {film.steps} steps, opened {max(0.0, film.opened):.0%}"
-    cv2.putText(line, text, (6, 17), cv2.FONT_HERSHEY_SIMPLEX, 0.5, (0, 0, 0), 1, cv2.LINE_AA)
+    cv2.putText(line, text, (8, 28), cv2.FONT_HERSHEY_SIMPLEX, 0.8, (0, 0, 0), 1, cv2.LINE_AA)
     return np.concatenate([line, row])

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, ImageDraw
+from PIL import Image, ImageDraw, ImageFont
 
 from stages.contracts import TaskAssets, read_json
 from stages.contracts.arrays import readable
@@ -12,7 +12,7 @@ from stages.contracts.files import atomic
 from stages.contracts.policies import TaskAsset
 from stages.contracts.snapshot_file import AGAIN, open_snapshots
 
-COLUMNS, TILE = 6, 192  # pictures in a row, and their side in pixels
+COLUMNS, TILE, LETTERS = 6, 192, 16  # pictures in a row; pixels of their side, and of letters
 INK, PAPER = "#282828", "white"
 
 
@@ -35,22 +35,22 @@ def run(*, assets: Path, snapshots: tuple[Path, ...], out: Path, splits: Path) -
 
 def sheet_of(items: list[TaskAsset], views: dict[str, NDArray[np.uint8]]) -> Image.Image:
     """The assets in rows, each with its caption; an asset without a view leaves its place empty."""
-    rows, height = max(1, -(-len(items) // COLUMNS)), TILE + TILE // 4  # with three lines of text
+    rows, height = max(1, -(-len(items) // COLUMNS)), TILE + 6 * LETTERS  # with four lines of text
     sheet = Image.new("RGB", (COLUMNS * TILE, rows * height), PAPER)
-    pen = ImageDraw.Draw(sheet)
+    pen, font = ImageDraw.Draw(sheet), ImageFont.load_default(LETTERS)
     for number, item in enumerate(items):
         x, y = number % COLUMNS * TILE, number // COLUMNS * height
         if item.asset in views:
             sheet.paste(Image.fromarray(views[item.asset]).resize((TILE, TILE), Image.Resampling.LANCZOS), (x, y))
-        pen.text((x + 4, y + TILE + 2), caption(item), fill=INK, spacing=2)
+        pen.text((x + 4, y + TILE + 2), caption(item), INK, font, spacing=2)
     return sheet
 
 
 def caption(item: TaskAsset) -> str:
-    """Role, model, handle and hinge, in three lines."""
+    """Role, model, handle and hinge, in four lines."""
     distance = f", {item.distance:.2f} away" if item.distance else ""
     hinge = "slides" if item.hinge == "slide" else f"hinge {item.hinge}"
-    meets = f"{item.handle} {item.handle_length:.2f} m, {hinge}, front at {item.panel_height:.2f} m"
+    meets = f"{item.handle} {item.handle_length:.2f} m, {hinge}\nfront at {item.panel_height:.2f} m"
     return f"{item.role.replace('_', ' ')}{distance}\n{item.asset}\n{meets}"
 
 

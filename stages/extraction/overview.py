@@ -13,8 +13,8 @@ from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.cameras import project
 from stages.geometry.frames import apply, inverse
 
-SCALE = 2  # drawn larger, so that lines and letters are smooth
-LETTERS = 22  # pixels
+WIDTH = 1280  # pixels to which every picture is drawn: pages show it at about half of that, whatever its own size
+LETTERS, LINE, MARGIN = 26, 3, 5  # pixels
 GOLDEN = 0.618034  # steps of hue that keep neighbours apart
 Colour = tuple[int, int, int]
 
@@ -25,40 +25,43 @@ def colour_of(index: int) -> Colour:
     return round(255 * red), round(255 * green), round(255 * blue)
 
 
-def _tinted(rgb: NDArray[np.uint8], masks: NDArray[np.uint16], colours: dict[int, Colour]) -> NDArray[Any]:
-    image = cv2.resize(rgb, None, fx=SCALE, fy=SCALE, interpolation=cv2.INTER_CUBIC)
+def _tinted(
+    rgb: NDArray[np.uint8], masks: NDArray[np.uint16], colours: dict[int, Colour], scale: float
+) -> NDArray[Any]:
+    size, finest = (WIDTH, round(scale * rgb.shape[0])), cv2.INTER_AREA if scale < 1 else cv2.INTER_CUBIC
+    image = cv2.resize(rgb, size, interpolation=finest)
     for value, colour in colours.items():
-        mask = cv2.resize((masks == value).astype(np.uint8), (image.shape[1], image.shape[0]))
+        mask = cv2.resize((masks == value).astype(np.uint8), size)
         image[mask > 0] = (0.75 * image[mask > 0] + 0.25 * np.array(colour)).astype(np.uint8)
         outline, _ = cv2.findContours(mask, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-        cv2.drawContours(image, outline, -1, colour, 2, cv2.LINE_AA)
+        cv2.drawContours(image, outline, -1, colour, LINE, cv2.LINE_AA)
     return image
 
 
-def _wireframe(canvas: ImageDraw.ImageDraw, item: SceneObject, objects: Objects, colour: Colour) -> None:
+def _wireframe(canvas: ImageDraw.ImageDraw, item: SceneObject, objects: Objects, colour: Colour, scale: float) -> None:
     if item.box is None:
         return
     box = UprightBox(item.box.center, item.box.size, item.box.yaw)
     in_camera = apply(inverse(np.array(objects.floor_from_camera)), corners(box))
-    pixels = project(in_camera, np.array(objects.intrinsics)) * SCALE
+    pixels = project(in_camera, np.array(objects.intrinsics)) * scale
     ring = [(k, (k + 1) % 4) for k in range(4)]  # of its foot; its top is 4 corners on
     for a, b in [*ring, *((a + 4, b + 4) for a, b in ring), *((a, a + 4) for a, _ in ring)]:
         if np.isfinite(pixels[[a, b]]).all():
-            canvas.line([*map(tuple, pixels[[a, b]])], fill=colour, width=2)
+            canvas.line([*map(tuple, pixels[[a, b]])], fill=colour, width=LINE)
 
 
 def _caption(item: SceneObject) -> str:
-    parts = [item.id]
+    parts = []
     if item.mounting is not None:
         parts.append(f"mount {item.mounting.type}")
         parts += [wall.replace("wall_", "w") for wall in item.mounting.walls]
     if item.doors or item.drawers:
         parts.append(f"{item.doors}d {item.drawers}dr")
-    return "  ".join(parts)
+    return "\n".join([item.id, "  ".join(parts)]) if parts else item.id
 
 
 class _Captions:
-    """Captions that do not cover each other: one that would is moved up."""
+    """Captions that lie in the picture and do not cover each other."""
 
     def __init__(self, canvas: ImageDraw.ImageDraw) -> None:
         self.canvas = canvas
@@ -66,33 +69,39 @@ class _Captions:
         self.taken: list[tuple[float, float, float, float]] = []
 
     def write(self, text: str, at: tuple[float, float], colour: Colour) -> None:
-        """Write `text` centred above the point."""
-        x0, y0, x1, y1 = self.canvas.textbbox(at, text, font=self.font, anchor="mb")
-        half, height = (x1 - x0) / 2 + 5, y1 - y0 + 8
-        x = min(max(at[0], half), self.canvas.im.size[0] - half)
-        y = max(at[1], height)
-        for left, top, right, bottom in sorted(self.taken, key=lambda box: -box[3]):
-            if x - half < right and x + half > left and y - height < bottom and y > top:
-                y = top
-        self.taken.append((x - half, y - height, x + half, y))
+        """Write `text` centred above the point, or at the nearest free place above or below."""
+        x0, y0, x1, y1 = self.canvas.textbbox((0, 0), text, font=self.font)
+        width, height = x1 - x0 + 2 * MARGIN, y1 - y0 + 2 * MARGIN
+        across, down = self.canvas.im.size
+        left, wanted = min(max(at[0] - width / 2, 0), across - width), max(at[1] - height, 0)
+        beside = [box for box in self.taken if left < box[2] and left + width > box[0]]
+        tops = [wanted, *(box[1] - height for box in beside), *(box[3] for box in beside)]
+        free = [
+            top
+            for top in tops
+            if 0 <= top <= down - height and all(top >= box[3] or top + height <= box[1] for box in beside)
+        ]
+        top = min(free, key=lambda one: (one > wanted, abs(one - wanted)), default=wanted)
+        self.taken.append((left, top, left + width, top + height))
         self.canvas.rectangle(self.taken[-1], fill=(20, 20, 20), outline=colour)
-        self.canvas.text((x, y - 4), text, fill=(255, 255, 255), font=self.font, anchor="mb")
+        self.canvas.text((left + MARGIN - x0, top + MARGIN - y0), text, fill=(255, 255, 255), font=self.font)
 
 
 def draw_overview(rgb: NDArray[np.uint8], masks: NDArray[np.uint16], objects: Objects) -> Image.Image:
-    """The picture at twice its size; objects that failed are listed at the bottom with their reason."""
+    """The picture, `WIDTH` pixels wide; objects that failed are listed at the bottom with their reason."""
     good = [item for item in objects.objects if item.status == "ok"]
     colours = {item.mask: colour_of(k) for k, item in enumerate(good)}
-    image = Image.fromarray(_tinted(rgb, masks, colours))
+    scale = WIDTH / rgb.shape[1]
+    image = Image.fromarray(_tinted(rgb, masks, colours, scale))
     canvas = ImageDraw.Draw(image)
     for item in good:
-        _wireframe(canvas, item, objects, colours[item.mask])
+        _wireframe(canvas, item, objects, colours[item.mask], scale)
     captions = _Captions(canvas)
     for item in sorted(good, key=lambda item: -item.mask):
         if item.pixels is not None:
             x0, y0, x1, _ = item.pixels
-            captions.write(_caption(item), ((x0 + x1) * SCALE / 2, y0 * SCALE), colours[item.mask])
+            captions.write(_caption(item), ((x0 + x1) * scale / 2, y0 * scale), colours[item.mask])
     failed = [f"{item.id}: {item.reason}" for item in objects.objects if item.status == "failed"]
-    for k, line in enumerate(failed):
-        captions.write(line, (image.width / 2, image.height - 8 - 36 * k), (255, 80, 80))
+    for line in failed:  # one above the other
+        captions.write(line, (image.width / 2, image.height - 8), (255, 80, 80))
     return image

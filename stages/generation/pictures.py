@@ -8,7 +8,7 @@ from PIL import Image, ImageDraw, ImageFont
 from stages.contracts import GeneratedScene
 from stages.simulation.rendering import RenderCamera
 
-TITLE, COLUMNS = 34, 3  # pixels of a title's line; pictures in a row
+TITLE, COLUMNS = 12, 3  # a title's line is such a part of a picture's width; pictures in a row
 THUMBNAIL = 144  # pixels across each
 SMOOTHING = 2  # rendered so many times larger and averaged
 
@@ -32,15 +32,15 @@ def resized_to(rgb: NDArray[np.uint8], width: int) -> NDArray[np.uint8]:
 def side_by_side(pictures: list[tuple[str, NDArray[np.uint8]]]) -> Image.Image:
     """Pictures of one size with their titles above, three to a row."""
     height, width = pictures[0][1].shape[:2]
-    columns, gap = min(COLUMNS, len(pictures)), TITLE // 6
+    columns, title_height, gap = min(COLUMNS, len(pictures)), width // TITLE, width // 100
     rows = -(-len(pictures) // columns)
-    cell_width, cell_height = width + gap, height + TITLE + gap
+    cell_width, cell_height = width + gap, height + title_height + gap
     sheet = Image.new("RGB", (columns * cell_width - gap, rows * cell_height - gap), "white")
-    canvas = ImageDraw.Draw(sheet)
+    canvas, font = ImageDraw.Draw(sheet), ImageFont.load_default(title_height * 2 / 3)
     for index, (title, picture) in enumerate(pictures):
         x, y = index % columns * cell_width, index // columns * cell_height
-        canvas.text((x + width / 2, y + TITLE / 2), title, fill="black", font=ImageFont.load_default(20), anchor="mm")
-        sheet.paste(Image.fromarray(picture).resize((width, height)), (x, y + TITLE))
+        canvas.text((x + width / 2, y + title_height / 2), title, fill="black", font=font, anchor="mm")
+        sheet.paste(Image.fromarray(picture).resize((width, height)), (x, y + title_height))
     return sheet
 
 

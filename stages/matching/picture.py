@@ -14,7 +14,7 @@ from stages.matching.scene import Scene
 from stages.matching.snapshots import Snapshots
 from stages.matching.synthesis.in_place import InPlace
 
-TILE, LINE = 128, 15  # pixels across each picture, and of a line of its caption
+TILE, LINE, LETTERS = 160, 20, 16  # pixels across each picture, of a line of its caption, of letters
 Picture = NDArray[np.uint8]
 
 
@@ -32,7 +32,7 @@ def write_picture(
     below = TILE + 2 * LINE + margin  # a caption has two lines, that of what is in place three
     step_x, step_y = TILE + margin, below + (TILE + 3 * LINE + margin if in_place else 0)
     page = Image.new("RGB", (columns * step_x + margin, rows * step_y + margin), "white")
-    draw, font = ImageDraw.Draw(page), ImageFont.load_default(size=11)
+    draw, font = ImageDraw.Draw(page), ImageFont.load_default(LETTERS)
     shards = Snapshots(snapshots)
     items = {item.id: item for item in scene.objects.objects}
     for row, entry in enumerate(result.objects):

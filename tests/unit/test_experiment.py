@@ -17,7 +17,7 @@ from stages.contracts.library import FrontPanel, Joint
 from stages.contracts.policies import TaskAsset
 from stages.contracts.scenes import TrueObject
 from stages.experiment.cousins import choose_cousins, choose_dissimilar
-from stages.experiment.draw import COLUMNS, TILE, caption
+from stages.experiment.draw import COLUMNS, LETTERS, TILE, caption
 from stages.experiment.draw import run as draw
 from stages.experiment.select import run as select
 from stages.geometry.frames import rigid
@@ -195,11 +195,11 @@ def test_roles_are_drawn_with_what_a_gripper_meets(world: World, experiment: dic
     draw(assets=tmp_path / "task.json", snapshots=tuple(world.snapshots), **pictures)
     assert np.ptp(np.asarray(Image.open(tmp_path / "splits.png"))[:TILE, :TILE]) > 50, "the test asset is drawn"
     sheet = np.asarray(Image.open(tmp_path / "task.png"))
-    assert sheet.shape == (TILE + TILE // 4, COLUMNS * TILE, 3)
+    assert sheet.shape == (TILE + 6 * LETTERS, COLUMNS * TILE, 3)
     tiles = [sheet[:TILE, k * TILE : (k + 1) * TILE] for k in range(COLUMNS)]
     assert [np.ptp(tile) > 50 for tile in tiles] == [True] * 5 + [False], "five assets and an empty place"
     cousin = read_json(TaskAssets, tmp_path / "task.json").assets[1]
-    assert caption(cousin).splitlines()[1:] == [cousin.asset, "bar 0.09 m, hinge left, front at 0.45 m"]
+    assert caption(cousin).splitlines()[1:] == [cousin.asset, "bar 0.09 m, hinge left", "front at 0.45 m"]
 
 
 def test_all_assets_leave_out_what_is_held_out_and_dissimilar(

@@ -128,8 +128,11 @@ def test_the_page_saves_the_pack_that_is_chosen_on_it(tmp_path: Path) -> None:
     run(written(tmp_path / "theirs", stools(2)), out=tmp_path / "mine")
     playwright = pytest.importorskip("playwright.sync_api")
     with playwright.sync_playwright() as started:
-        page = started.chromium.launch(executable_path=browser, args=FLAGS).new_page()
+        page = started.chromium.launch(executable_path=browser, args=FLAGS).new_page(
+            viewport={"width": 390, "height": 844}
+        )
         page.goto((tmp_path / "mine/index.html").as_uri())
+        assert page.evaluate("() => document.documentElement.scrollWidth") == 390  # as a phone shows it
         page.select_option('[data-kind=".urdf"] [name=up]', "+y")
         page.select_option('[data-kind=".urdf"] [name=unit]', label="centimetres")
         page.fill('[data-said="stool"] input', "footstool")

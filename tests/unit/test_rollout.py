@@ -123,7 +123,7 @@ def test_film_shows_a_success_and_a_failure() -> None:
     filmed = take(ToyStudio(), episodes, "twin", 4)  # type: ignore[arg-type]
     assert {item.film.asset for item in filmed} == {"cab"}
     assert [(item.film.seed, item.film.file) for item in filmed] == [(1, "twin_failure.webp"), (2, "twin_success.webp")]
-    assert captioned(filmed[0]).shape == (24 + 192 * 4 // 5, 8 * 192, 3)
+    assert captioned(filmed[0]).shape == (40 + 192 * 4 // 5, 8 * 192, 3)
     assert [len(take(ToyStudio(), part, "twin", 4)) for part in (episodes[4:], [])] == [1, 0]  # type: ignore[arg-type]
 
 

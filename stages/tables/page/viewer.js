@@ -14,7 +14,9 @@ if (table) {
     document.head.append(script);
   });
 
-  // Doors and drawers stand open by a part (0 to 1) of their range; walls between camera and room are hidden.
+  const EDGE_ON = 0.1; // sine of the angle to a wall below which it shows nothing of itself
+
+  // Doors and drawers stand open by a part (0 to 1) of their range; walls seen from behind or edge-on are hidden.
   const draw = () => {
     if (!stage || !table.open) return;
     const { THREE, renderer, scene, camera, joints, walls } = stage;
@@ -32,8 +34,9 @@ if (table) {
       node.matrix.multiplyMatrices(closed, motion);
     }
     for (const wall of walls) { // its x axis points into the room
-      const [inward, at] = [new THREE.Vector3().setFromMatrixColumn(wall.matrixWorld, 0), new THREE.Vector3().setFromMatrixPosition(wall.matrixWorld)];
-      wall.visible = inward.dot(at.sub(camera.position)) <= 0;
+      const inward = new THREE.Vector3().setFromMatrixColumn(wall.matrixWorld, 0);
+      const eye = camera.position.clone().sub(new THREE.Vector3().setFromMatrixPosition(wall.matrixWorld));
+      wall.visible = inward.dot(eye) > EDGE_ON * eye.length();
     }
     renderer.render(scene, camera);
   };
