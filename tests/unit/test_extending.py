@@ -27,7 +27,7 @@ from stages.extraction.extract import run as extract
 from stages.geometry.boxes import UprightBox
 from stages.plugins import KINDS, available, find
 from stages.plugins import load as implementation
-from stages.policies.checkpoint import load_policy
+from stages.policies.checkpoint import load_network
 from stages.scenes.layout import arrange
 from stages.tasks.api import TaskEnv
 from stages.tasks.base_placement import AJAR
@@ -266,7 +266,7 @@ def test_policy(package: Path, tmp_path: Path) -> None:
     store = write_store(tmp_path / "episodes.h5", 4)
     options = {"policy": "my_package.policies.mean_action", "steps": 60, "batch_size": 8, "learning_rate": 0.05}
     train(episodes=(store,), per_store=4, options=json.dumps(options | {"network": {"points": 16}}), out=tmp_path / "p")
-    policy = load_policy(tmp_path / "p", "best")
+    policy = load_network(tmp_path / "p", "best")
     policy.actor(2, "most_likely").reset(0, 0)
     action = policy.actor(2, "most_likely").act([0, 1], [], [])
     assert action.shape == (2, 7) and 0.1 < action[0, 0] < 1.0  # the objects of the toy are ahead
