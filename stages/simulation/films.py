@@ -34,7 +34,7 @@ def write_films(out: Path, films: Sequence[tuple[Film, Sequence[Image]]], contro
         pack(Path(folder), out)
 
 
-def write_film(path: str | Path, pictures: Iterable[Any], frequency: float) -> None:
+def write_film(path: str | Path, pictures: Iterable[Any], frequency: float, quality: int = 60) -> None:
     """Write an animated WebP that runs for ever and stays at its last picture for a while.
 
     Args:
@@ -46,7 +46,7 @@ def write_film(path: str | Path, pictures: Iterable[Any], frequency: float) -> N
     step = max(round(1000 / frequency), 20)  # milliseconds; what is faster browsers show slowly
     with atomic(Path(path)) as temporary:
         images[0].save(
-            temporary, "WEBP", save_all=True, append_images=images[1:], quality=60, method=4, loop=0,
+            temporary, "WEBP", save_all=True, append_images=images[1:], quality=quality, method=4, loop=0,
             duration=[step] * (len(images) - 1) + [LAST],
         )  # fmt: skip
 

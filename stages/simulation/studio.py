@@ -30,13 +30,12 @@ Array = NDArray[np.float64]
 Image = NDArray[np.uint8]
 T = TypeVar("T")
 
-WIDTH, HEIGHT = 480, 360
+WIDTH, ASPECT = 480, 0.75  # pixels; height by width
 FINER = 1.5  # pixels that are rendered for one, each way
-GLANCE = 4  # pictures by which a view is chosen are so many times smaller
+GLANCE = 120  # pixels: width of the pictures by which a view is chosen
 HAND = ("panda_hand", "panda_leftfinger", "panda_rightfinger")
 ENOUGH = 0.8  # of the parts of the hand are seen
 BEHIND = 0.08  # metres from what is seen to the middle of a part of the hand, if that is what is seen
-AROUND = 0.2  # metres of a room that are shown about robot and asset
 LIT = 2.2  # metres about robot and asset that cast shadows
 FLOOR, WALL, SKIRTING = (0.42, 0.29, 0.19), (0.36, 0.47, 0.52), (0.75, 0.74, 0.72)  # linear RGB
 PLINTH = (0.62, 0.60, 0.57)
@@ -79,9 +78,10 @@ class Studio:
 
     Args:
         light: direction in which the key light shines; usually onto the front of the asset, which faces +x.
+        width: of the pictures, pixels.
     """
 
-    def __init__(self, light: Sequence[float] = (-0.8, -0.45, -1.0)) -> None:
+    def __init__(self, light: Sequence[float] = (-0.8, -0.45, -1.0), width: int = WIDTH) -> None:
         self.scene = make_scene(light=light)
         parts = [part for entity in self.scene.entities for part in entity.components]
         self.key = next(part for part in parts if isinstance(part, DirectionalLight) and part.shadow)
@@ -89,13 +89,14 @@ class Studio:
         loader = self.scene.create_urdf_loader()
         loader.fix_root_link = True
         self.robot: PhysxArticulation = loader.load(str(PANDA))
-        size = round(WIDTH * FINER), round(HEIGHT * FINER)
+        self.size = width, round(width * ASPECT)
+        size = round(self.size[0] * FINER), round(self.size[1] * FINER)
         self.camera = RenderCamera(self.scene, intrinsics_of(*size), *size, pack="minimal")
-        self.glance = (WIDTH // GLANCE, HEIGHT // GLANCE)
+        self.glance = GLANCE, round(GLANCE * ASPECT)
         self.finder = RenderCamera(self.scene, intrinsics_of(*self.glance), *self.glance, pack="minimal")
 
     def film(self, recording: Recording, frames: int) -> list[Image]:
-        """`frames` pictures (HEIGHT, WIDTH, 3), evenly over the recording, from a camera that sees all of it; one per
+        """`frames` pictures (H, W, 3), evenly over the recording, from a camera that sees all of it; one per
         moment if there are fewer."""
         moments = evenly(recording.moments, min(frames, len(recording.moments)))
         shot = Shot(self, recording, moments)
@@ -132,10 +133,10 @@ class Shot:
         self.world_from_camera = self._view(recording, points, evenly(moments, 3)[1:])
 
     def picture(self, moment: Moment) -> Image:
-        """(HEIGHT, WIDTH, 3) RGB of a moment."""
+        """(H, W, 3) RGB of a moment."""
         self._put(moment)
         large = self.studio.camera.render(self.world_from_camera).rgb
-        return np.asarray(cv2.resize(large, (WIDTH, HEIGHT), interpolation=cv2.INTER_AREA), np.uint8)
+        return np.asarray(cv2.resize(large, self.studio.size, interpolation=cv2.INTER_AREA), np.uint8)
 
     def close(self) -> None:
         """Take all but the robot out of the studio."""
@@ -148,13 +149,9 @@ class Shot:
         The asset's front, and so its opening, is always before the camera.
         """
         turn = recording.room.world_from_nominal[:3, :3] if recording.room else np.eye(3)
-        if recording.room:
-            around = np.stack([points.min(axis=0) - AROUND, points.max(axis=0) + AROUND])
-            around[0, 2] = max(around[0, 2], 0.0)
-            points = corners(around)
         best, most = np.eye(4), -1.0
         for direction in directions(recording.side):
-            view, shares = frame_all(points, turn @ direction, HEIGHT / WIDTH), []
+            view, shares = frame_all(points, turn @ direction, ASPECT), []
             for moment in moments:
                 self._put(moment)
                 shares.append(self._hand_seen(view))

@@ -8,7 +8,7 @@ import pytest
 
 from stages.contracts.task_options import TaskConfig
 from stages.simulation.framing import FIELD_OF_VIEW, MARGIN, frame_all
-from stages.simulation.studio import ENOUGH, HEIGHT, WIDTH, Shot, Studio, directions, evenly
+from stages.simulation.studio import ENOUGH, Shot, Studio, directions, evenly
 from stages.tasks.api import TaskEnv
 from tests.unit.demo_assets import cabinet
 
@@ -46,7 +46,7 @@ def test_the_hand_is_seen_and_the_room_stands_about(tmp_path: Path) -> None:
         shot = Shot(studio, task.recording([each]), [each])
         assert shot._hand_seen(shot.world_from_camera) > ENOUGH
         picture = shot.picture(each)
-        assert picture.shape == (HEIGHT, WIDTH, 3)
+        assert picture.shape == (360, 480, 3)
         assert (studio.camera.render(shot.world_from_camera).depth > 0).all(), "floor and wall fill the picture"
         shot.close()
     again = studio.film(task.recording([turned[-1]]), 1)[0]
