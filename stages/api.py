@@ -5,19 +5,25 @@ differs from config.yaml, e.g. {"assets": {"counts": {"fridge": 12}}}.
 """
 
 import json
+import shutil
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stages.contracts.library_folder import AssetFolders
 from stages.policies.loaded import load_policy
 from stages.simulation.films import write_film
+
+if TYPE_CHECKING:
+    from stages.config.model import Config
 
 __all__ = ["load_policy", "make_library", "make_room", "make_scenes", "models_of", "write_film"]
 
 
 def make_library(out: str | Path, config: Mapping[str, Any] | None = None) -> Path:
     """Make the models, import those of `assets.folders`, and photograph all of them, into the folder `out`.
+
+    A library that was there is replaced.
 
     Returns:
         library.json.
@@ -29,6 +35,9 @@ def make_library(out: str | Path, config: Mapping[str, Any] | None = None) -> Pa
     folder, settings = Path(out), _settings(config)
     counts, theirs = settings.assets.counts, own_shards(settings.assets) if settings.assets.folders else {}
     settings = sized(settings, sum(counts.values()) + sum(len(shard.models) for shard in theirs.values()))
+    for old in (*folder.glob("shard_*"), *folder.glob("snapshots/shard_*")):
+        old.unlink()
+    shutil.rmtree(folder / "features", ignore_errors=True)  # of another library's models
     shards = (settings.assets.shards or 1) if any(counts.values()) else 0
     ours = [folder / f"shard_{number}.json" for number in range(shards)]
     for number, part in enumerate(ours):
@@ -60,7 +69,8 @@ def make_room(name: str, library: str | Path, out: str | Path, config: Mapping[s
     from stages.scenes import render
 
     settings, folder = _settings(config), Path(out) / name
-    parts = tuple(part for part in _parts(Path(library)) if not part.stem.startswith("shard_own"))
+    ours = [part for part in _parts(Path(library)) if not part.stem.startswith("shard_own")]
+    parts = tuple(ours) or (Path(library),)
     render.run(
         library=parts, scene=name, out=folder, options=_options(settings, "scenes", "render"), seed=settings.seed
     )
@@ -119,13 +129,17 @@ def models_of(library: str | Path) -> AssetFolders:
     return AssetFolders(Path(library))
 
 
-def _settings(config: Mapping[str, Any] | None) -> Any:
+def _settings(config: Mapping[str, Any] | None) -> "Config":
     from stages.config.model import Config, load, merged
 
-    return load(merged(Config().model_dump(mode="json"), dict(config or {})))
+    given, usual = dict(config or {}), Config().model_dump(mode="json")
+    own = "experiment" in given
+    if not own:  # the usual rooms and tasks would want models that a library need not have
+        usual["experiment"] |= {"rooms": ["*"], "tasks": {}}
+    return load(merged(usual, given), rooms_named=own)
 
 
-def _options(settings: Any, stage: str, verb: str, **wildcards: str) -> str:
+def _options(settings: "Config", stage: str, verb: str, **wildcards: str) -> str:
     """The --options that the workflow passes to a verb."""
     from stages.config.reads import options_of
 
@@ -148,7 +162,7 @@ def _snapshots(library: Path) -> tuple[Path, ...]:
     return tuple(library.parent / "snapshots" / f"{part.stem}.h5" for part in _parts(library))
 
 
-def _features(settings: Any, variant: str, snapshots: Path) -> Path:
+def _features(settings: "Config", variant: str, snapshots: Path) -> Path:
     """The features of a shard, made if they are not there yet."""
     from stages.matching import features
 
