@@ -36,6 +36,7 @@ GLANCE = 120  # pixels: width of the pictures by which a view is chosen
 HAND = ("panda_hand", "panda_leftfinger", "panda_rightfinger")
 ENOUGH = 0.8  # of the parts of the hand are seen
 BEHIND = 0.08  # metres from what is seen to the middle of a part of the hand, if that is what is seen
+AROUND = 0.15  # metres of a room that are shown about robot and asset
 LIT = 2.2  # metres about robot and asset that cast shadows
 FLOOR, WALL, SKIRTING = (0.42, 0.29, 0.19), (0.36, 0.47, 0.52), (0.75, 0.74, 0.72)  # linear RGB
 PLINTH = (0.62, 0.60, 0.57)
@@ -150,7 +151,12 @@ class Shot:
         """
         turn = recording.room.world_from_nominal[:3, :3] if recording.room else np.eye(3)
         best, most = np.eye(4), -1.0
-        for direction in directions(recording.side):
+        if recording.room:
+            points = np.concatenate([points + offset for offset in corners([[-AROUND] * 3, [AROUND] * 3])])
+        places = directions(recording.side)
+        if recording.side and not recording.room:  # nothing stands on the side to which a door opens
+            places = places[: len(places) // 2]
+        for direction in places:
             view, shares = frame_all(points, turn @ direction, ASPECT), []
             for moment in moments:
                 self._put(moment)
