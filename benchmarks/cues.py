@@ -17,7 +17,7 @@ import torch
 from torch import Tensor
 
 from stages.policies.bc_rnn_gmm.network import BcRnnGmm
-from stages.policies.checkpoint import load_policy
+from stages.policies.checkpoint import load_network
 from stages.policies.proud import mark_proud
 from stages.training.dataset import read_demonstrations
 
@@ -76,7 +76,7 @@ def main() -> None:
     starts = np.cumsum([0, *data.lengths[:-1]])
     rows = []
     for folder in given.policies:
-        policy = load_policy(folder, "last", "cpu")
+        policy = load_network(folder, "last", "cpu")
         assert isinstance(policy, BcRnnGmm), f"{folder}: only bc_rnn_gmm is looked into"
         found = []
         for start, length in zip(starts, data.lengths, strict=True):

@@ -22,7 +22,7 @@ from stages.assets.library import make  # noqa: E402
 from stages.config.training import TrainingConfig  # noqa: E402
 from stages.contracts.task_options import TaskConfig  # noqa: E402
 from stages.policies import TrainablePolicy, make_policy  # noqa: E402
-from stages.policies.checkpoint import load_policy  # noqa: E402
+from stages.policies.checkpoint import load_network  # noqa: E402
 from stages.tasks.api import TaskEnv  # noqa: E402
 
 
@@ -55,7 +55,7 @@ def main(steps: int, folder: Path | None) -> None:
     """Print a line per figure."""
     torch.set_num_threads(1)
     print(f"imports                        {(time.process_time() - START) * 1e3:8.0f} ms")
-    policy = load_policy(folder, "best") if folder else make_policy(TrainingConfig().runs["lite"]).eval()
+    policy = load_network(folder, "best") if folder else make_policy(TrainingConfig().runs["lite"]).eval()
     options = TaskConfig()
     with tempfile.TemporaryDirectory() as temporary:
         models = Path(temporary)

@@ -10,10 +10,11 @@ from sapien.physx import PhysxArticulation
 
 from stages.articulated.asset_folder import read_asset, read_model
 from stages.articulated.forward_kinematics import link_frames, visual_bounds
+from stages.simulation.framing import frame_all, intrinsics_of
 from stages.simulation.loading import load_looks, remove
 from stages.simulation.rendering import RenderCamera, make_scene
-from stages.simulation.studio import FIELD_OF_VIEW, HEIGHT, WIDTH, frame_all
 
+WIDTH, HEIGHT = 360, 288
 OPEN = 0.6  # of its range
 FROM = np.array([0.8, 0.5, 0.45])  # before it, from its left
 ARROW = (200, 40, 30)
@@ -24,8 +25,7 @@ class Portraits:
 
     def __init__(self) -> None:
         self.scene = make_scene(light=(-0.65, -0.35, -1.0))
-        focal = WIDTH / 2 / np.tan(FIELD_OF_VIEW / 2)
-        self.intrinsics = np.array([[focal, 0, (WIDTH - 1) / 2], [0, focal, (HEIGHT - 1) / 2], [0, 0, 1]])
+        self.intrinsics = intrinsics_of(WIDTH, HEIGHT)
         self.camera = RenderCamera(self.scene, self.intrinsics, WIDTH, HEIGHT)
 
     def take(self, folder: Path) -> Image.Image:
@@ -42,7 +42,7 @@ class Portraits:
         foot[0] = max(foot[0], opened[1, 0] + 0.1 * reach)
         tip = foot + np.array([[reach, -0.3 * reach, 0], [reach, 0.3 * reach, 0]])
         shown = np.concatenate([_corners(opened), tip])
-        view = frame_all(shown, FROM / np.linalg.norm(FROM))
+        view = frame_all(shown, FROM, HEIGHT / WIDTH)
         picture = Image.fromarray(self.camera.render(view).rgb)
         remove(self.scene, body)
         self._arrow(picture, view, foot, reach)

@@ -113,8 +113,11 @@ def _mappings(*values: Any) -> bool:
     return all(isinstance(value, dict) for value in values)
 
 
-def load(config: dict[str, Any]) -> Config:
+def load(config: dict[str, Any], rooms_named: bool = True) -> Config:
     """Validate a merged config.
+
+    Args:
+        rooms_named: False: `experiment.rooms` names none, as stages are called by hand (stages/api.py).
 
     Raises:
         InputError: names all mistakes, a line each, with key and mend.
@@ -130,6 +133,8 @@ def load(config: dict[str, Any]) -> Config:
     of_run = of_picture(valid) if valid.image and not mistakes else rooms
     valid = valid.model_copy(update={"experiment": of_run})
     mistakes += [each for each in contradictions(valid) if not any(_overlap(each.key, key) for key in wrong)]
+    if not rooms_named:
+        mistakes = [each for each in mistakes if each.key != "experiment.rooms"]
     if mistakes:
         lines = [str(mistake) for mistake in mistakes]
         heading = f"{len(lines)} mistakes:\n  " if len(lines) > 1 else ""

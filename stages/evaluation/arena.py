@@ -22,7 +22,7 @@ from stages.contracts.task_options import TaskConfig
 from stages.evaluation.episodes import RolloutEpisode, roll_out
 from stages.evaluation.states import Start
 from stages.policies import TrainablePolicy, closed_loop
-from stages.policies.checkpoint import load_policy
+from stages.policies.checkpoint import load_network
 from stages.simulation.studio import Studio
 from stages.tasks.api import TaskEnv
 from stages.tasks.observation import Sensing
@@ -179,7 +179,7 @@ class PolicyArena(Arena):
 
     def network(self, checkpoint: str) -> TrainablePolicy:
         """The policy with the weights of a checkpoint."""
-        return load_policy(self.policy, checkpoint, self.device)
+        return load_network(self.policy, checkpoint, self.device)
 
     def episodes(self, network: TrainablePolicy, starts: Sequence[Start], record: bool = False) -> list[RolloutEpisode]:
         """The episodes, in the order of their starts."""

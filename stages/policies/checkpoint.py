@@ -19,7 +19,7 @@ def save_weights(path: Path, weights: dict[str, Tensor]) -> None:
         temporary.write_bytes(save({name: tensor.detach().cpu().contiguous() for name, tensor in weights.items()}))
 
 
-def load_policy(folder: Path, checkpoint: str, device: str = "cpu") -> TrainablePolicy:
+def load_network(folder: Path, checkpoint: str, device: str = "cpu") -> TrainablePolicy:
     """The policy of a training folder, ready for inference.
 
     Args:

@@ -1,11 +1,13 @@
 """films.zip, films.json and animated WebP files, for every stage that films episodes."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import cv2
 import numpy as np
+import torch
 from PIL import Image as Pillow
 
 from stages.contracts.archives import pack
@@ -14,6 +16,7 @@ from stages.contracts.films import Film, Films
 from stages.simulation.studio import Image, evenly
 
 FRAMES, SIZE = 8, 192  # pictures on a strip, and their width in pixels
+LAST = 1200  # milliseconds that the last picture of a film stays
 
 
 def write_films(out: Path, films: Sequence[tuple[Film, Sequence[Image]]], control_frequency: float) -> None:
@@ -26,14 +29,26 @@ def write_films(out: Path, films: Sequence[tuple[Film, Sequence[Image]]], contro
     """
     with TemporaryDirectory(prefix="acdc-films-") as folder:
         for film, pictures in films:
-            images = [Pillow.fromarray(picture) for picture in pictures]
-            step = round(1000 * film.steps / control_frequency / max(len(images) - 1, 1))
-            images[0].save(
-                Path(folder, film.file), "WEBP", save_all=True, append_images=images[1:], quality=75, method=4,
-                loop=0, duration=[max(step, 20)] * (len(images) - 1) + [1200],  # milliseconds
-            )  # fmt: skip
+            write_film(Path(folder, film.file), pictures, control_frequency * max(len(pictures) - 1, 1) / film.steps)
         write_json(Path(folder, "films.json"), Films(films=[film for film, _ in films]))
         pack(Path(folder), out)
+
+
+def write_film(path: str | Path, pictures: Iterable[Any], frequency: float, quality: int = 60) -> None:
+    """Write an animated WebP that runs for ever and stays at its last picture for a while.
+
+    Args:
+        pictures: of one size, (H, W, 3) uint8 RGB of numpy or torch; (N, H, W, 3): of N environments, side by side.
+        frequency: of the pictures, in the episode: an environment's control frequency if there is one for each step.
+    """
+    arrays = [np.asarray(torch.as_tensor(picture).cpu()) for picture in pictures]
+    images = [Pillow.fromarray(np.concatenate([*each], axis=1) if each.ndim == 4 else each) for each in arrays]
+    step = max(round(1000 / frequency), 20)  # milliseconds; what is faster browsers show slowly
+    with atomic(Path(path)) as temporary:
+        images[0].save(
+            temporary, "WEBP", save_all=True, append_images=images[1:], quality=quality, method=4, loop=0,
+            duration=[step] * (len(images) - 1) + [LAST],
+        )  # fmt: skip
 
 
 def strip(pictures: Sequence[Image]) -> Image:

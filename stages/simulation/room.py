@@ -22,6 +22,7 @@ from stages.contracts.files import read_json
 from stages.contracts.generated import GeneratedScene, PlacedObject
 from stages.contracts.library import Asset
 from stages.contracts.library_folder import AssetFolders
+from stages.contracts.look import Look
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import apply, inverse, rigid, yaw_matrix
 from stages.procedural.resize import resized
@@ -49,12 +50,14 @@ class Room:
     """A generated scene; `target` is the object that a task is about, `others` is what else stands in it.
 
     shift: of the robot from its usual place before the target, x and y in the target's frame, metres.
+    look: colours and bounds of floor and walls; None: usual ones.
     """
 
     scene: GeneratedScene
     target: Furniture
     others: list[Furniture]
     shift: tuple[float, float] = (0.0, 0.0)
+    look: Look | None = None
 
     @property
     def world_from_nominal(self) -> Array:
@@ -72,7 +75,9 @@ class Room:
         """Add floor, walls and all furniture but the target, which stays where it is; by name."""
         boxes = [item.box for item in (self.target, *self.others)]
         camera = np.array(self.scene.floor_from_camera)[:3, 3]
-        bodies: dict[str, Body] = {block.name: block for block in add_backdrop(scene, boxes, self.scene.walls, camera)}
+        bodies: dict[str, Body] = {
+            block.name: block for block in add_backdrop(scene, boxes, self.scene.walls, camera, self.look)
+        }
         for item in self.others:
             pose = root_pose(item.asset, item.box.center.tolist(), item.box.yaw)
             bodies[item.id] = load_asset(scene, item.folder, pose, True, item.id)

@@ -1,7 +1,8 @@
-"""Films of episodes after the event: a lit room with a floor, the robot in its own colours, everything in the frame.
+"""Pictures of a robot at work for people: a lit room with a floor, the robot in its own colours, all in the frame.
 
-Episodes are recorded as poses and joint values, which costs nothing, and only those that are shown are rendered: the
-stock Panda has 135,000 triangles, too many for the policy's camera, which sees the low-poly one.
+What policies see has nothing of it: a studio is a scene of its own. Episodes are recorded as poses and joint values,
+which costs nothing, and only those that are shown are rendered: the stock Panda has 135,000 triangles, too many for
+the policy's camera, which sees the low-poly one.
 """
 
 from collections.abc import Mapping, Sequence
@@ -9,15 +10,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
+import cv2
 import numpy as np
 import sapien
 from numpy.typing import NDArray
 from sapien.physx import PhysxArticulation
 from sapien.physx import PhysxArticulationLinkComponent as Link
+from sapien.render import RenderDirectionalLightComponent as DirectionalLight
 from trimesh.bounds import corners
 
-from stages.geometry.frames import rigid
-from stages.simulation.backdrop import FLOOR_COLOUR, WALL_COLOUR
+from stages.geometry.frames import apply, inverse
+from stages.simulation.framing import frame_all, intrinsics_of
 from stages.simulation.loading import load_asset, move, remove
 from stages.simulation.rendering import RenderCamera, add_block, instance_id, make_scene
 from stages.simulation.robot import PANDA
@@ -27,10 +30,16 @@ Array = NDArray[np.float64]
 Image = NDArray[np.uint8]
 T = TypeVar("T")
 
-WIDTH, HEIGHT = 360, 288
-FIELD_OF_VIEW = 0.7  # radians, across
-MARGIN = 1.06  # room around what moves
-AROUND = 0.2  # metres of a room that are shown about robot and asset
+WIDTH, ASPECT = 480, 0.75  # pixels; height by width
+FINER = 1.5  # pixels that are rendered for one, each way
+GLANCE = 120  # pixels: width of the pictures by which a view is chosen
+HAND = ("panda_hand", "panda_leftfinger", "panda_rightfinger")
+ENOUGH = 0.8  # of the parts of the hand are seen
+BEHIND = 0.08  # metres from what is seen to the middle of a part of the hand, if that is what is seen
+AROUND = 0.15  # metres of a room that are shown about robot and asset
+LIT = 2.2  # metres about robot and asset that cast shadows
+FLOOR, WALL, SKIRTING = (0.42, 0.29, 0.19), (0.36, 0.47, 0.52), (0.75, 0.74, 0.72)  # linear RGB
+PLINTH = (0.62, 0.60, 0.57)
 
 
 @dataclass(frozen=True)
@@ -66,84 +75,116 @@ class Recording:
 
 
 class Studio:
-    """Renders recordings; made once per process, as the first picture of a scene takes seconds.
+    """Makes shots; made once per process, as the first picture of a scene takes seconds.
 
     Args:
         light: direction in which the key light shines; usually onto the front of the asset, which faces +x.
+        width: of the pictures, pixels.
     """
 
-    def __init__(self, light: Sequence[float] = (-0.65, -0.35, -1.0)) -> None:
+    def __init__(self, light: Sequence[float] = (-0.8, -0.45, -1.0), width: int = WIDTH) -> None:
         self.scene = make_scene(light=light)
+        parts = [part for entity in self.scene.entities for part in entity.components]
+        self.key = next(part for part in parts if isinstance(part, DirectionalLight) and part.shadow)
+        self.key.shadow_half_size, self.key.shadow_near, self.key.shadow_far = LIT, -2 * LIT, 2 * LIT
         loader = self.scene.create_urdf_loader()
         loader.fix_root_link = True
         self.robot: PhysxArticulation = loader.load(str(PANDA))
-        focal = WIDTH / 2 / np.tan(FIELD_OF_VIEW / 2)
-        intrinsics = [[focal, 0, (WIDTH - 1) / 2], [0, focal, (HEIGHT - 1) / 2], [0, 0, 1]]
-        self.camera = RenderCamera(self.scene, intrinsics, WIDTH, HEIGHT)
+        self.size = width, round(width * ASPECT)
+        size = round(self.size[0] * FINER), round(self.size[1] * FINER)
+        self.camera = RenderCamera(self.scene, intrinsics_of(*size), *size, pack="minimal")
+        self.glance = GLANCE, round(GLANCE * ASPECT)
+        self.finder = RenderCamera(self.scene, intrinsics_of(*self.glance), *self.glance, pack="minimal")
 
     def film(self, recording: Recording, frames: int) -> list[Image]:
-        """`frames` pictures (HEIGHT, WIDTH, 3), evenly over the recording, from a camera that sees all of it; one per
+        """`frames` pictures (H, W, 3), evenly over the recording, from a camera that sees all of it; one per
         moment if there are fewer."""
         moments = evenly(recording.moments, min(frames, len(recording.moments)))
-        asset = load_asset(self.scene, recording.folder, sapien.Pose(moments[0].asset), True, "asset", recording.scale)
-        props = [
-            load_asset(self.scene, prop.folder, sapien.Pose(pose), True, f"prop_{number}", prop.scale)
-            for number, (prop, pose) in enumerate(zip(recording.props, moments[0].props, strict=True))
-        ]
-        self._put(asset, props, moments[0])
-        feet = [_bounds(asset.links), _bounds(self.robot.links[:1])]
-        low = min(bounds[0, 2] for bounds in feet)
-        about = self._in_room(recording.room, feet[1]) if recording.room else self._alone(feet, low)
-        seen = [] if recording.room else [corners(np.array([[*box[0, :2], low], box[1]])) for box in feet]
-        for moment in moments:
-            self._put(asset, props, moment)
-            seen += [corners(_bounds([link])) for body in (asset, self.robot) for link in _solid(body.links)]
-        world_from_camera = self._view(recording, asset, np.concatenate(seen))
-        pictures = []
-        for moment in moments:
-            self._put(asset, props, moment)
-            pictures.append(self.camera.render(world_from_camera).rgb)
-        for body in (asset, *props, *about):
-            remove(self.scene, body)
+        shot = Shot(self, recording, moments)
+        pictures = [shot.picture(moment) for moment in moments]
+        shot.close()
         return pictures
 
-    def _alone(self, feet: Sequence[Array], low: float) -> list[sapien.Entity]:
-        """Floor, wall, and plinths beneath what does not reach the floor."""
-        blocks = [_plinth(self.scene, bounds, low) for bounds in feet if bounds[0, 2] - low > 0.005]
-        back = feet[0][0, 0] - 0.03
-        blocks.append(add_block(self.scene, [0, 0, low - 0.05], [24, 24, 0.1], FLOOR_COLOUR, "floor"))
-        blocks.append(add_block(self.scene, [back - 0.05, 0, low + 2], [0.1, 24, 4], WALL_COLOUR, "wall"))
-        return blocks
 
-    def _in_room(self, room: Room, base: Array) -> list[Body]:
-        """The room, and a plinth beneath the robot."""
-        plinth = [_plinth(self.scene, base, 0.0)] if base[0, 2] > 0.005 else []
-        return [*room.load(self.scene).values(), *plinth]
+class Shot:
+    """An episode in a studio, seen by a camera that stays; one at a time, to be closed before the next.
 
-    def _view(self, recording: Recording, asset: PhysxArticulation, points: Array) -> Array:
-        """(4, 4) world_from_camera that shows all points (N, 3); in a room, where most is seen of asset and robot.
+    Args:
+        moments: what happens in it, for the camera to show: some moments, or those that are to be expected.
+    """
 
-        The robot counts less: it may hide the asset.
+    def __init__(self, studio: Studio, recording: Recording, moments: Sequence[Moment]) -> None:
+        self.studio, self.scene, first = studio, studio.scene, moments[0]
+        pose = sapien.Pose(first.asset)
+        self.asset = load_asset(self.scene, recording.folder, pose, True, "asset", recording.scale)
+        self.props = [
+            load_asset(self.scene, prop.folder, sapien.Pose(pose), True, f"prop_{number}", prop.scale)
+            for number, (prop, pose) in enumerate(zip(recording.props, first.props, strict=True))
+        ]
+        self._put(first)
+        feet = [_bounds(self.asset.links), _bounds(studio.robot.links[:1])]
+        low = min(bounds[0, 2] for bounds in feet)
+        self.about = _in_room(self.scene, recording.room, feet[1]) if recording.room else _alone(self.scene, feet, low)
+        seen = [] if recording.room else [corners(np.array([[*box[0, :2], low], box[1]])) for box in feet]
+        for moment in moments:
+            self._put(moment)
+            seen += [corners(_bounds([link])) for body in (self.asset, studio.robot) for link in _solid(body.links)]
+        points = np.concatenate(seen)
+        studio.key.entity.set_pose(sapien.Pose((points.min(axis=0) + points.max(axis=0)) / 2, studio.key.entity.pose.q))
+        self.world_from_camera = self._view(recording, points, evenly(moments, 3)[1:])
+
+    def picture(self, moment: Moment) -> Image:
+        """(H, W, 3) RGB of a moment."""
+        self._put(moment)
+        large = self.studio.camera.render(self.world_from_camera).rgb
+        return np.asarray(cv2.resize(large, self.studio.size, interpolation=cv2.INTER_AREA), np.uint8)
+
+    def close(self) -> None:
+        """Take all but the robot out of the studio."""
+        for body in (self.asset, *self.props, *self.about):
+            remove(self.scene, body)
+
+    def _view(self, recording: Recording, points: Array, moments: Sequence[Moment]) -> Array:
+        """(4, 4) world_from_camera that shows all points (N, 3), the first that shows enough of the hand, or most.
+
+        The asset's front, and so its opening, is always before the camera.
         """
-        if recording.room is None:
-            return frame_all(points, view_direction(recording.side))
-        around = np.stack([points.min(axis=0) - AROUND, points.max(axis=0) + AROUND])
-        around[0, 2] = max(around[0, 2], 0.0)
+        turn = recording.room.world_from_nominal[:3, :3] if recording.room else np.eye(3)
+        best, most = np.eye(4), -1.0
+        if recording.room:
+            points = np.concatenate([points + offset for offset in corners([[-AROUND] * 3, [AROUND] * 3])])
+        places = directions(recording.side)
+        if recording.side and not recording.room:  # nothing stands on the side to which a door opens
+            places = places[: len(places) // 2]
+        for direction in places:
+            view, shares = frame_all(points, turn @ direction, ASPECT), []
+            for moment in moments:
+                self._put(moment)
+                shares.append(self._hand_seen(view))
+            if np.mean(shares) > most:
+                best, most = view, float(np.mean(shares))
+            if most > ENOUGH:
+                break
+        return best
 
-        def seen(view: Array) -> int:
-            shown = self.camera.render(view).segmentation
-            return 4 * int((shown == instance_id(asset)).sum()) + int((shown == instance_id(self.robot)).sum())
+    def _hand_seen(self, view: Array) -> float:
+        """The share of the hand's parts that are seen, if anything is of the asset."""
+        shown, (width, height) = self.studio.finder.render(view), self.studio.glance
+        links = [link for link in self.studio.robot.links if link.name in HAND]
+        points = apply(inverse(view), np.array([link.pose.p for link in links], float))
+        columns, rows = np.rint((points @ intrinsics_of(width, height).T)[:, :2] / points[:, 2:]).astype(int).T
+        depths = shown.depth[rows.clip(0, height - 1), columns.clip(0, width - 1)]
+        asset = (shown.segmentation == instance_id(self.asset)).any()
+        return float(asset * np.mean((depths == 0) | (depths > points[:, 2] - BEHIND)))
 
-        turn = recording.room.world_from_nominal[:3, :3]
-        scales = [np.array([x, y, z]) for z in (1.0, 1.8) for y in (1, -1) for x in (1, 2.5)]
-        directions = [turn @ (view_direction(recording.side) * scale) for scale in scales]
-        return max((frame_all(corners(around), each / np.linalg.norm(each)) for each in directions), key=seen)
-
-    def _put(self, asset: PhysxArticulation, props: Sequence[Body], moment: Moment) -> None:
-        for prop, place in zip(props, moment.props, strict=True):
+    def _put(self, moment: Moment) -> None:
+        for prop, place in zip(self.props, moment.props, strict=True):
             move(prop, sapien.Pose(place))
-        poses = (asset, moment.asset, moment.asset_joints), (self.robot, moment.robot, moment.robot_joints)
-        for body, pose, joints in poses:
+        robot = self.studio.robot
+        for body, pose, joints in (
+            (self.asset, moment.asset, moment.asset_joints),
+            (robot, moment.robot, moment.robot_joints),
+        ):
             body.set_root_pose(sapien.Pose(pose))
             body.set_qpos(np.array([joints[joint.name] for joint in body.active_joints], np.float32))
 
@@ -153,32 +194,28 @@ def evenly(items: Sequence[T], count: int) -> list[T]:
     return [items[i] for i in np.linspace(0, len(items) - 1, count).round().astype(int)]
 
 
-def view_direction(side: float) -> Array:
-    """(3,) unit vector from the scene to the camera: beside the robot, where no opened door is in the way."""
-    direction = np.array([0.75, 1.0 if side >= 0 else -1.0, 0.5])
-    return np.asarray(direction / np.linalg.norm(direction))
+def directions(side: float) -> list[Array]:
+    """Unit vectors (3,) from the scene to where a camera may stand, in the asset's frame, the best guess first: beside
+    the robot, where no opened door is in the way; nearer to the front and higher, where more is seen into things."""
+    first = 1.0 if side >= 0 else -1.0
+    found = [np.array([x, y, z]) for y in (first, -first) for z in (0.45, 0.9) for x in (0.75, 1.5)]
+    return [each / np.linalg.norm(each) for each in found]
 
 
-def frame_all(points: Array, direction: Array) -> Array:
-    """(4, 4) world_from_camera, OpenCV axes: looks against `direction`, as near as all points (N, 3) stay in the frame.
+def _alone(scene: sapien.Scene, feet: Sequence[Array], low: float) -> list[sapien.Entity]:
+    """Floor, wall, and plinths beneath what does not reach the floor."""
+    blocks = [_plinth(scene, bounds, low) for bounds in feet if bounds[0, 2] - low > 0.005]
+    back = feet[0][0, 0] - 0.03
+    blocks.append(add_block(scene, [0, 0, low - 0.05], [24, 24, 0.1], FLOOR, "floor"))
+    blocks.append(add_block(scene, [back - 0.05, 0, low + 2], [0.1, 24, 4], WALL, "wall"))
+    blocks.append(add_block(scene, [back + 0.005, 0, low + 0.045], [0.02, 24, 0.09], SKIRTING, "skirting"))
+    return blocks
 
-    A point is in the frame if its offsets from the axis stay below its depth times the tangents of the half angles;
-    for one viewing direction that is linear in the camera's place, so the nearest place is found directly.
-    """
-    forward = -direction
-    right = np.cross(forward, [0.0, 0.0, 1.0])
-    right /= np.linalg.norm(right)
-    down = np.cross(forward, right)
-    tangent = np.tan(FIELD_OF_VIEW / 2) / MARGIN
-    place = np.zeros(3)
-    needed = []
-    depth = points @ forward
-    for axis, limit in ((right, tangent), (down, tangent * HEIGHT / WIDTH)):
-        offset = points @ axis
-        high, low = (offset - limit * depth).max(), (offset + limit * depth).min()
-        place += axis * (high + low) / 2
-        needed.append((high - low) / (2 * limit))
-    return rigid(np.stack([right, down, forward], axis=1), place - max(needed) * forward)
+
+def _in_room(scene: sapien.Scene, room: Room, base: Array) -> list[Body]:
+    """The room, and a plinth beneath the robot."""
+    plinth = [_plinth(scene, base, 0.0)] if base[0, 2] > 0.005 else []
+    return [*room.load(scene).values(), *plinth]
 
 
 def _solid(links: Sequence[Link]) -> list[Link]:
@@ -196,4 +233,4 @@ def _plinth(scene: sapien.Scene, bounds: Array, floor: float) -> sapien.Entity:
     size = bounds[1] - bounds[0]
     width = np.minimum(0.92 * size[:2], 0.6)
     center = [*(bounds[0, :2] + bounds[1, :2]) / 2, (bounds[0, 2] + floor) / 2]
-    return add_block(scene, center, [*width, bounds[0, 2] - floor], FLOOR_COLOUR, "plinth")
+    return add_block(scene, center, [*width, bounds[0, 2] - floor], PLINTH, "plinth")

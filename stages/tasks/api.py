@@ -178,20 +178,11 @@ class TaskEnv:
 
     def moment(self) -> Moment:
         """Poses and joints of robot, asset and props, for a film."""
-        env = self.env
-        poses = [body.pose[0].sp.to_transformation_matrix() for body in (env.agent.robot, env.object)]
-        joints = [
-            dict(zip((joint.name for joint in body.active_joints), body.get_qpos()[0].tolist(), strict=True))
-            for body in (env.agent.robot, env.object)
-        ]
-        return Moment(poses[0], joints[0], poses[1], joints[1], [pose for _, pose in env.props()])
+        return self.env.moment()
 
     def recording(self, moments: Sequence[Moment]) -> Recording:
         """Moments of this episode with the asset at its size; to be filmed before `close`."""
-        env = self.env
-        props = [prop for prop, _ in env.props()]
-        side = -1.0 if props else env.target.side  # what stands to the robot's left is seen from there
-        return Recording(env.asset_folder, env.scales[0], side, moments, self.room, props)
+        return self.env.recording(moments)
 
     def close(self) -> None:
         """Free the simulator."""

@@ -1,11 +1,10 @@
 """The depth cameras of a task (paper B.3): on the robot's base or on its hand, jittered by episode."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 import sapien
-from mani_skill.render import PREBUILT_SHADER_CONFIGS
 from mani_skill.sensors.camera import CameraConfig
 from scipy.spatial.transform import Rotation
 
@@ -14,7 +13,6 @@ from stages.geometry.frames import rigid
 from stages.simulation.depth_shaders import depth_shaders
 from stages.simulation.kinematics import Array
 from stages.simulation.robot import AcdcPanda
-from stages.simulation.shaders import skyless
 
 Place = tuple[float, float, float]
 
@@ -84,19 +82,3 @@ def displaced(pose: Array, seed: int, number: int, error: tuple[float, float]) -
     moved[:3, 3] += error[0] * shift / np.linalg.norm(shift)
     moved[:3, :3] = Rotation.from_rotvec(error[1] * axis / np.linalg.norm(axis)).as_matrix() @ pose[:3, :3]
     return moved
-
-
-def film_camera(robot: AcdcPanda) -> CameraConfig:
-    """The camera of `render`: robot and asset from the side."""
-    pose = Camera("film", (-0.1, -1.15, 0.95), (0.45, 0.0, 0.42)).pose()
-    return CameraConfig(
-        uid="film",
-        pose=sapien.Pose(pose),
-        width=320,
-        height=320,
-        fov=1.0,
-        near=0.05,
-        far=10.0,
-        mount=robot.robot.root,
-        shader_config=replace(PREBUILT_SHADER_CONFIGS["default"], shader_pack=skyless("default")),
-    )

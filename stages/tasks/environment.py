@@ -8,7 +8,6 @@ from typing import Any, ClassVar
 import numpy as np
 import sapien
 import torch
-from mani_skill.envs.sapien_env import BaseEnv
 from mani_skill.sensors.camera import CameraConfig
 from mani_skill.utils.structs import Articulation
 from mani_skill.utils.structs.types import SceneConfig, SimConfig
@@ -24,10 +23,10 @@ from stages.simulation.poses import to_poses
 from stages.simulation.rendering import render_backend
 from stages.simulation.robot import GRIPPER_OPEN, REST, AcdcPanda, ActionScale
 from stages.simulation.room import Room
-from stages.simulation.studio import Prop
 from stages.simulation.target import Target, descends, read_target
 from stages.tasks.base_placement import AJAR, placed, success_opening
-from stages.tasks.cameras import Camera, film_camera, shoulder
+from stages.tasks.cameras import Camera, shoulder
+from stages.tasks.filmed import FilmedEnv
 from stages.tasks.initial_state import nominal_root, sample_initial_state, sampled_scale
 from stages.tasks.movable import Movable
 from stages.tasks.observation import CameraRig, Observation, Sensing
@@ -37,7 +36,7 @@ from stages.tasks.task import Task
 LARGEST_ID = 30_000  # of an entity: a picture holds 16 bits of it, and every change of scale takes new ones
 
 
-class OpenTaskEnv(BaseEnv):
+class OpenTaskEnv(FilmedEnv):
     """Open one joint of one asset with a fixed-base Panda.
 
     The robot stands in front of the handle, at a height relative to it. There is no floor: nothing falls.
@@ -113,10 +112,6 @@ class OpenTaskEnv(BaseEnv):
     def cameras(self) -> Sequence[Camera]:
         """The depth cameras whose points make up the cloud."""
         return [shoulder(self.options)]
-
-    @property
-    def _default_human_render_camera_configs(self) -> list[CameraConfig]:
-        return [film_camera(self.agent)]
 
     def _load_agent(self, options: dict[str, Any], *args: Any, **kwargs: Any) -> None:
         task = self.options
@@ -208,6 +203,7 @@ class OpenTaskEnv(BaseEnv):
             if self.randomise or (scales != self.scales).any() or self._loaded != (self.asset_folder, self.joint_name):
                 self._exchange_object(scales)
         bases, roots, qpos = [], [], []
+        self.cut(indices)
         for index, seed in zip(indices, seeds, strict=True):
             setup, target = sample_initial_state(seed, self.options), self.targets[index]
             nominal = nominal_root(self.asset, self.scales[index])
@@ -281,10 +277,6 @@ class OpenTaskEnv(BaseEnv):
     def movable(self) -> Movable | None:
         """What Pick and Place move, in the first environment; None if the task has nothing of the kind."""
         return None
-
-    def props(self) -> list[tuple[Prop, Array]]:
-        """What films show besides robot and asset, with its pose (4, 4) in the world."""
-        return []
 
     def obstacles(self) -> Array:
         """(N, 3) points on what stands about besides the object, in the robot base frame: a skill keeps clear of it."""

@@ -10,7 +10,7 @@ from stages.contracts.files import atomic, write_json
 from stages.contracts.policy_folder import read_config
 from stages.plugins import qualified
 from stages.policies import Choice, proud
-from stages.policies.checkpoint import load_policy, save_weights
+from stages.policies.checkpoint import load_network, save_weights
 
 LAYOUT = {
     "point_cloud": "(P, 4) float32: x, y, z in metres in the robot base frame, then 1 on the fingers and 0 elsewhere",
@@ -40,7 +40,7 @@ def run(*, policy: Path, out: Path, checkpoint: str = "best", action: Choice = "
         what = "sees no cloud: it is a baseline for rollouts."
         raise InputError(policy, what, "export one with network.cloud: true", code="E-POLICY-PORTABLE")
     code = importlib.import_module(f"{module}.portable")
-    weights, about = code.portable(load_policy(policy, checkpoint), action)
+    weights, about = code.portable(load_network(policy, checkpoint), action)
     options = config.task_options
     about |= {
         "layout": LAYOUT,

@@ -30,7 +30,7 @@ from stages.extraction.extract import run as extract
 from stages.geometry.boxes import UprightBox
 from stages.plugins import KINDS, available, find
 from stages.plugins import load as implementation
-from stages.policies.checkpoint import load_policy
+from stages.policies.checkpoint import load_network
 from stages.scenes.layout import arrange
 from stages.tasks.api import TaskEnv
 from stages.tasks.base_placement import AJAR
@@ -270,7 +270,7 @@ def test_policy(package: Path, tmp_path: Path) -> None:
     store = write_store(tmp_path / "episodes.h5", 4)
     options = {"policy": "my_package.policies.mean_action", "steps": 60, "batch_size": 8, "learning_rate": 0.05}
     train(episodes=(store,), per_store=4, options=json.dumps(options | {"network": {"points": 16}}), out=tmp_path / "p")
-    policy = load_policy(tmp_path / "p", "best")
+    policy = load_network(tmp_path / "p", "best")
     policy.actor(2, "most_likely").reset(0, 0)
     action = policy.actor(2, "most_likely").act([0, 1], [], [])
     assert action.shape == (2, 7) and 0.1 < action[0, 0] < 1.0  # the objects of the toy are ahead
@@ -322,7 +322,7 @@ def test_a_policy_without_parameters_is_fitted_alone(
     def fitted(out: str) -> dict[str, torch.Tensor]:
         train(episodes=(store,), per_store=8, options=json.dumps(options), out=tmp_path / out)
         assert read_config(tmp_path / out).parameters == 0 and read_config(tmp_path / out).learned
-        return dict(load_policy(tmp_path / out, "best").state_dict())
+        return dict(load_network(tmp_path / out, "best").state_dict())
 
     monkeypatch.setattr(TrainingRun, "save_every", 1)
     whole = fitted("whole")

@@ -11,7 +11,7 @@ from stages.demonstrations.collect import run as collect
 from stages.evaluation.episodes import roll_out
 from stages.evaluation.states import FIRST_STATE
 from stages.policies import TrainablePolicy, make_policy
-from stages.policies.checkpoint import load_policy
+from stages.policies.checkpoint import load_network
 from stages.tasks.api import TaskEnv
 from stages.training.train import run as train
 from tests.unit.demo_assets import an_asset
@@ -37,7 +37,7 @@ def test_a_policy_opens_the_asset_that_it_was_trained_on(tmp_path: Path, monkeyp
     collect(**inputs, role="twin", episodes=16, out=store, task_options=WORLD.model_dump_json())
     options = {"network": {"points": 96}, "steps": 800, "log_every": 400}
     train(episodes=(store,), per_store=16, options=json.dumps(options), out=out)
-    policy = load_policy(out, "last")
+    policy = load_network(out, "last")
     task = TaskEnv("door", tmp_path / "models" / "cab", "door_0_joint", None, WORLD, vary_scale=False)
     try:
         assert opened(make_policy(policy.run), task, states=2) == 0

@@ -8,7 +8,7 @@ ORDER = (
     *("geometry", "contracts", "articulated", "procedural", "plugins", "config", "slurm", "guard", "cli", "pretrained"),
     *("vlm", "simulation", "planning", "tasks", "skills", "assets", "policies", "scenes", "extraction", "inputs"),
     *("matching", "generation", "demonstrations", "training", "experiment", "evaluation"),
-    *("tables", "doctor"),
+    *("tables", "doctor", "api"),
 )
 
 

@@ -16,7 +16,7 @@ from stages.contracts import InputError
 from stages.contracts.__main__ import main
 from stages.contracts.training_run import NetworkConfig, TrainingRun
 from stages.policies import TrainablePolicy, make_policy
-from stages.policies.checkpoint import load_policy, save_weights
+from stages.policies.checkpoint import load_network, save_weights
 from stages.training.dataset import read_demonstrations
 from stages.training.state import TrainingState
 from tests.refusals import refused
@@ -128,7 +128,7 @@ def test_weights_of_another_network(bench: Bench) -> None:
     save_file(changed(**{"head.weight": np.ones((6, 4), np.float32)}), bench.root / "training/last.safetensors")
     bench.refused("policy", "last.safetensors", "has other weights than policy.safetensors")
     with refused("E-POLICY-WEIGHTS"):
-        load_policy(bench.root / "training", "best")
+        load_network(bench.root / "training", "best")
 
 
 def test_weights_of_a_policy_of_ones_own_are_its_own(bench: Bench) -> None:

@@ -211,7 +211,7 @@ def test_lstm_is_the_only_memory() -> None:
 
 
 def test_missing_policy_is_an_input_error(tmp_path) -> None:  # type: ignore[no-untyped-def]
-    from stages.policies.checkpoint import load_policy
+    from stages.policies.checkpoint import load_network
 
     with pytest.raises(InputError, match=r"config\.json"):
-        load_policy(tmp_path, "best")
+        load_network(tmp_path, "best")

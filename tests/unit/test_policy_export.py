@@ -16,7 +16,7 @@ from stages.contracts.training_run import NetworkConfig, TrainingRun
 from stages.policies import closed_loop
 from stages.policies.bc_rnn_gmm import Policy
 from stages.policies.bc_rnn_gmm.loader import PortablePolicy
-from stages.policies.checkpoint import load_policy, save_weights
+from stages.policies.checkpoint import load_network, save_weights
 from stages.policies.proud import mark_proud
 from stages.training.export import run
 from tests.refusals import refused
@@ -80,7 +80,7 @@ def test_the_loader_acts_as_our_actor(tmp_path: Path) -> None:
         folder = trained(tmp_path / f"policy_{number}", setting)
         exported.append(tmp_path / f"out_{number}")
         run(policy=folder, out=exported[-1], action="most_likely")
-        actor = closed_loop(load_policy(folder, "best"), 1, "most_likely")
+        actor = closed_loop(load_network(folder, "best"), 1, "most_likely")
         actor.reset(0, 0)
         ours.append([actor.act([0], [cloud], [own])[0] for cloud, own in zip(clouds, proprio, strict=True)])
     words = [sys.executable, "-I", "-c", STRANGER, *map(str, [tmp_path, *exported])]
@@ -95,7 +95,7 @@ def test_modes_are_drawn_by_the_square_of_their_weight_unless_told_otherwise(tmp
     folder = trained(tmp_path / "policy", TrainingRun(network=network))
     cloud, proprio = torch.rand(40, 4).round(decimals=1), torch.zeros(9)
     with torch.no_grad():
-        mixture = load_policy(folder, "best")(cloud[None, None], proprio[None, None])  # type: ignore[operator]
+        mixture = load_network(folder, "best")(cloud[None, None], proprio[None, None])  # type: ignore[operator]
     torch.manual_seed(0)
     for action, power in (("sharpened", 2.0), ("sample", 1.0)):
         run(policy=folder, out=tmp_path / action, **({} if power == 2.0 else {"action": action}))  # type: ignore[arg-type]

@@ -1,20 +1,27 @@
-"""The camera of films: everything in the frame, and as near as that allows."""
+"""The camera of films: everything in the frame, as near as that allows, from where the hand is seen."""
+
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from stages.simulation.studio import FIELD_OF_VIEW, HEIGHT, MARGIN, WIDTH, evenly, frame_all, view_direction
+from stages.contracts.task_options import TaskConfig
+from stages.simulation.framing import FIELD_OF_VIEW, MARGIN, frame_all
+from stages.simulation.studio import ENOUGH, Shot, Studio, directions, evenly
+from stages.tasks.api import TaskEnv
+from tests.unit.demo_assets import cabinet
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0, 0.0])
 def test_everything_is_in_the_frame_and_something_touches_its_edge(side: float) -> None:
     points = np.random.default_rng(3).uniform([-0.4, -0.5, -0.2], [1.1, 0.6, 1.3], (400, 3))
-    direction = view_direction(side)
-    camera_from_world = np.linalg.inv(frame_all(points, direction))
+    direction = directions(side)[0]
+    camera_from_world = np.linalg.inv(frame_all(points, direction, 0.8))
     x, y, depth = (points @ camera_from_world[:3, :3].T + camera_from_world[:3, 3]).T
     assert (depth > 0).all() and camera_from_world[1, 2] < 0  # y points down
     limit = np.tan(FIELD_OF_VIEW / 2)
-    reach = np.abs(x / depth) / limit, np.abs(y / depth) / (limit * HEIGHT / WIDTH)
+    reach = np.abs(x / depth) / limit, np.abs(y / depth) / (limit * 0.8)
     assert max(values.max() for values in reach) == pytest.approx(1 / MARGIN)
     assert direction @ camera_from_world[2, :3] == pytest.approx(-1) and direction[2] > 0
     assert np.sign(direction[1]) == (side or 1.0)
@@ -23,3 +30,25 @@ def test_everything_is_in_the_frame_and_something_touches_its_edge(side: float) 
 def test_moments_are_spread_evenly_with_both_ends() -> None:
     assert evenly(range(101), 5) == [0, 25, 50, 75, 100]
     assert evenly([7, 8], 4) == [7, 7, 8, 8]
+
+
+def test_the_hand_is_seen_and_the_room_stands_about(tmp_path: Path) -> None:
+    """Wherever the arm is turned: a view that shows hand and asset is taken."""
+    cabinet(tmp_path / "cabinet")
+    task = TaskEnv("door", tmp_path / "cabinet", "door_0_joint", None, TaskConfig())
+    task.place(3)
+    moment = task.moment()
+    studio = Studio()
+    turned = [
+        replace(moment, robot_joints={**moment.robot_joints, "panda_joint1": angle}) for angle in (0.0, 1.2, -1.2)
+    ]
+    for each in turned:
+        shot = Shot(studio, task.recording([each]), [each])
+        assert shot._hand_seen(shot.world_from_camera) > ENOUGH
+        picture = shot.picture(each)
+        assert picture.shape == (360, 480, 3)
+        assert (studio.camera.render(shot.world_from_camera).depth > 0).all(), "floor and wall fill the picture"
+        shot.close()
+    again = studio.film(task.recording([turned[-1]]), 1)[0]
+    assert np.array_equal(again, picture)
+    task.close()

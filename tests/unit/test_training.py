@@ -15,7 +15,7 @@ from stages.contracts.errors import InputError
 from stages.contracts.policy_folder import read_config, weights_of
 from stages.contracts.training_run import NetworkConfig, TrainingRun
 from stages.policies import make_policy
-from stages.policies.checkpoint import load_policy
+from stages.policies.checkpoint import load_network
 from stages.training import loop
 from stages.training.augment import augment
 from stages.training.dataset import constant_error, frames_of, gather, read_demonstrations, split_episodes, windows
@@ -63,7 +63,7 @@ def test_learns_to_reach_what_the_cloud_shows(
     """Closed loop on unseen goals: the hand ends within 3 cm; before training it does not."""
     monkeypatch.setattr(NetworkConfig, "flag_embedding", 8)  # with 128 so small a network learns in thousands of steps
     train(episodes=(store,), per_store=60, options=options(steps=800, log_every=200), out=tmp_path / "policy")
-    policy = load_policy(tmp_path / "policy", "last")
+    policy = load_network(tmp_path / "policy", "last")
     reached = []
     for seed in range(1000, 1020):
         toy, actor = ToyReach(seed), policy.actor(slots=1, choose="most_likely")
@@ -134,7 +134,7 @@ def test_writes_what_the_contract_says(store: Path, tmp_path: Path) -> None:
     kept = load_file(weights_of(tmp_path / "policy", config.checkpoints[-1]))
     last = load_file(tmp_path / "policy" / "last.safetensors")
     assert all(torch.equal(kept[name], last[name]) for name in last)
-    policy = load_policy(tmp_path / "policy", "checkpoints/step_3.safetensors")
+    policy = load_network(tmp_path / "policy", "checkpoints/step_3.safetensors")
     assert policy.proprio_std[3:7].min() >= 1e-3  # constant entries do not blow up
 
 

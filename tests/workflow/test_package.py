@@ -22,23 +22,18 @@ from pathlib import Path
 
 sys.modules["snakemake"] = None  # an import of it fails
 import gymnasium
-import stages.tasks
+import stages
+from stages.api import load_policy, models_of
 from stages.contracts import TaskAssets, read_json
-from stages.contracts.library_folder import AssetFolders
-from stages.policies.checkpoint import load_policy
-from stages.contracts.policy_folder import read_config
 
 results = Path(sys.argv[1])
 plan = read_json(TaskAssets, next(results.glob("experiment/*/door/assets.json")))
-folder = AssetFolders(results / "assets/library/library.json")[plan.assets[0].asset]
-trained = next(results.glob("training/door/twin/*/seed_0"))
-options = read_config(trained).task_options
-env = gymnasium.make("ACDC-OpenDoor-v1", asset_folder=folder, options=options, obs_mode="pointcloud")
+model = models_of(results / "assets/library/library.json")[plan.assets[0].asset]
+policy = load_policy(next(results.glob("training/door/twin/*/seed_0")), action="most_likely")
+env = gymnasium.make(policy.env_id, asset_folder=model, options=policy.task_options)
 seen, _ = env.reset(seed=1)
-actor = load_policy(trained, "best").actor(1, "most_likely")
-actor.reset(0, seed=1)
-action = actor.act([0], [seen["point_cloud"][0].numpy()], [seen["proprio"][0].numpy()])
-env.step(action[0])
+policy.reset(seed=1)
+env.step(policy.act(seen))
 print(Path(stages.__file__).parent)
 """
 

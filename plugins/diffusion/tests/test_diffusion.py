@@ -12,7 +12,7 @@ from plugins.diffusion.policies.diffusion import Policy, signal_levels
 from stages.contracts.training_run import NetworkConfig, TrainingRun
 from stages.plugins import find
 from stages.policies import Choice, TrainablePolicy
-from stages.policies.checkpoint import load_policy
+from stages.policies.checkpoint import load_network
 from stages.training.dataset import gather, read_demonstrations, windows
 from stages.training.state import TrainingState
 from stages.training.train import run as train
@@ -47,7 +47,7 @@ def test_loss_and_error_of_the_sampled_actions_fall(tmp_path: Path, store: Path)
     folder = trained(tmp_path / "p", store, steps=60, warmup=0, batch_size=8, log_every=15, translation=0.0)
     lines = [json.loads(line) for line in (folder / "metrics.jsonl").read_text().splitlines()]
     assert lines[-1]["loss"] < 0.5 * lines[0]["loss"]
-    before, after = (error_of(policy, store) for policy in (policy_of(store), load_policy(folder, "last")))
+    before, after = (error_of(policy, store) for policy in (policy_of(store), load_network(folder, "last")))
     assert after < 0.5 * before
 
 
@@ -75,7 +75,7 @@ def test_a_resumed_run_equals_a_whole_one(tmp_path: Path, store: Path, monkeypat
         trained(broken, store, **options)
     monkeypatch.setattr(TrainingState, "save", save)
     trained(broken, store, **options)
-    one, two = (load_policy(folder, "last") for folder in (whole, broken))
+    one, two = (load_network(folder, "last") for folder in (whole, broken))
     assert int(one.get_buffer("updates")) == 4
     assert np.array_equal(actions(one, seed=3), actions(two, seed=3))
 

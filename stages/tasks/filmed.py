@@ -1,0 +1,84 @@
+"""What people see of a task: `render` and films, in a studio of its own, so that policies see nothing of it."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+import torch
+from mani_skill.envs.sapien_env import BaseEnv
+from mani_skill.utils.structs import Articulation
+
+from stages.simulation.kinematics import Array
+from stages.simulation.robot import AcdcPanda
+from stages.simulation.room import Room
+from stages.simulation.studio import Moment, Prop, Recording, Shot, Studio
+from stages.simulation.target import Target
+
+
+class FilmedEnv(BaseEnv):
+    """A ManiSkill environment with an asset that can be filmed."""
+
+    agent: AcdcPanda
+    asset_folder: Path
+    joint_name: str
+    object: Articulation
+    room: Room | None
+    scales: Array
+    targets: list[Target]
+
+    def success_opening(self, index: int = 0) -> float:
+        """The fraction of the range that counts as open."""
+        raise NotImplementedError
+
+    def props(self) -> list[tuple[Prop, Array]]:
+        """What is shown besides robot and asset, with its pose (4, 4) in the world."""
+        return []
+
+    def moment(self, index: int = 0) -> Moment:
+        """Poses and joints of robot, asset and props in environment `index`, for a film."""
+        bodies = (self.agent.robot, self.object)
+        poses = [body.pose[index].sp.to_transformation_matrix() for body in bodies]
+        joints = [
+            dict(zip((joint.name for joint in body.active_joints), body.get_qpos()[index].tolist(), strict=True))
+            for body in bodies
+        ]
+        return Moment(poses[0], joints[0], poses[1], joints[1], [pose for _, pose in self.props()])
+
+    def recording(self, moments: Sequence[Moment], index: int = 0) -> Recording:
+        """Moments of this episode with the asset at its size; to be filmed before `close`."""
+        props = [prop for prop, _ in self.props()]
+        side = -1.0 if props else self.targets[index].side  # what stands to the robot's left is seen from there
+        return Recording(self.asset_folder, self.scales[index], side, moments, self.room, props)
+
+    def render_rgb_array(self, camera_name: str | None = None) -> torch.Tensor:
+        """(N, H, W, 3) uint8: each environment in a studio of its own, by a camera that sees hand and door or drawer,
+        closed and open."""
+        return torch.from_numpy(np.stack([self._shot(i).picture(self.moment(i)) for i in range(self.num_envs)]))
+
+    def cut(self, indices: Iterable[int]) -> None:
+        """The next pictures of these environments are of another episode."""
+        for index in indices:
+            if shot := self._shots.pop(index, None):
+                shot.close()
+
+    @cached_property
+    def _studios(self) -> dict[int, Studio]:
+        """By environment, once it is rendered."""
+        return {}
+
+    @cached_property
+    def _shots(self) -> dict[int, Shot]:
+        """By environment, those of the present episodes."""
+        return {}
+
+    def _shot(self, index: int) -> Shot:
+        if index not in self._shots:
+            target, now = self.targets[index], self.moment(index)
+            opened = target.lower + self.success_opening(index) * (target.upper - target.lower)
+            then = replace(now, asset_joints={**now.asset_joints, self.joint_name: opened})
+            if index not in self._studios:
+                self._studios[index] = Studio()
+            self._shots[index] = Shot(self._studios[index], self.recording([now, then], index), [now, then])
+        return self._shots[index]

@@ -1,0 +1,87 @@
+"""`stages.api` gives what the workflow gives, byte for byte, and the lines of the pages run."""
+
+import json
+import re
+import shutil
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from PIL import Image
+
+from stages import api
+from stages.api import make_library, make_room, make_scenes
+from tests.workflow.workspace import ROOT
+
+FENCE = re.compile(r"^```python\n(.*?)^```", re.DOTALL | re.MULTILINE)
+SMALL = yaml.safe_load((ROOT / "config/test/micro.yaml").read_text(encoding="utf-8"))
+
+
+def blocks(page: str) -> list[str]:
+    return FENCE.findall((ROOT / page).read_text(encoding="utf-8"))
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A library, a room and its scenes, by the config of the micro run."""
+    folder = tmp_path_factory.mktemp("made")
+    library = make_library(folder / "library", SMALL)
+    picture = make_room("room_1", library, folder / "rooms", SMALL)
+    scenes = make_scenes(picture, library, folder / "scenes", SMALL)
+    assert scenes == [folder / f"scenes/scene_{rank}.json" for rank in (1, 2)]
+    return folder
+
+
+PAIRS = {
+    "library": "assets/library",
+    "library/snapshots": "assets/snapshots",
+    "rooms/room_1/input": "scenes/room_1/input",
+    "scenes": ("extraction/room_1", "matching/b/room_1", "generation/b/room_1"),
+}
+
+
+@pytest.mark.parametrize("ours", [*PAIRS, "library/features"])
+def test_the_same_config_gives_the_same_bytes(run: Path, made: Path, ours: str) -> None:
+    theirs = PAIRS.get(ours) or f"matching/features/{next((made / ours).iterdir()).name}"
+    folders = [run / "results" / each for each in ([theirs] if isinstance(theirs, str) else theirs)]
+    here = made / ours if ours != "library/features" else next((made / ours).iterdir())
+    files = [path for path in here.iterdir() if path.is_file()]
+    assert len(files) > 3
+    for path in files:
+        (known,) = [folder / path.name for folder in folders if (folder / path.name).is_file()]
+        assert path.read_bytes() == known.read_bytes(), path.name
+
+
+def test_twelve_lines_load_a_policy_and_film_it(run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    text, _ = blocks("docs/load-policy.md")
+    assert len([line for line in text.splitlines() if line and "import " not in line]) <= 12
+    policy = tmp_path / "results/training/door/cousins_4/lite/seed_0"
+    shutil.copytree(next((run / "results/training/door/twin").iterdir()) / "seed_0", policy)
+    config = json.loads((policy / "config.json").read_text())
+    config["task_options"]["max_steps"] = 12
+    (policy / "config.json").write_text(json.dumps(config))
+    (tmp_path / "results/assets").symlink_to(run / "results/assets")
+    monkeypatch.chdir(tmp_path)
+    said: dict[str, Any] = {}
+    exec(text, said)
+    assert said["env"].observation_space.contains({name: seen.numpy() for name, seen in said["observation"].items()})
+    with Image.open(tmp_path / "film.webp") as film:
+        assert film.n_frames > 10 and film.size == (480, 360)  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize("page", ["docs/load-policy.md", "README.md"])
+def test_the_lines_of_a_page_make_scenes(
+    made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, page: str
+) -> None:
+    texts = [text for text in blocks(page) if "make_scenes" in text]
+    if page == "README.md" and not texts:
+        pytest.skip("it shows none")
+    (tmp_path / "kitchen").symlink_to(made / "rooms/room_1/input")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(api, "make_library", lambda out: made / "library/library.json")
+    monkeypatch.setattr(api, "make_scenes", partial(make_scenes, config=SMALL))
+    exec(texts[0], {})
+    assert (tmp_path / "scenes/scene_2.glb").is_file()
+    assert json.loads((tmp_path / "scenes/scene_1.json").read_text())["scene"] == "kitchen"
