@@ -59,10 +59,9 @@ rule all:
     """Everything: scenes, policies, tables, figures and the report page."""
     default_target: True
     input:
-        rules.scenes.input,
-        rules.matching.input,
-        rules.generation.input,
-        rules.experiment.input,
+        # What lies between, too: where only that is missing, as after a failed job, Snakemake finds nothing to do.
+        rules.scenes.input + rules.extraction.input + rules.matching.input + rules.generation.input,
+        rules.experiment.input + rules.demonstrations.input + rules.training.input + rules.evaluation.input,
         rules.tables.input,
         rules.report_page.output,
         rules.overview.input if MORE else [],

@@ -111,6 +111,7 @@ rule evaluation:
     """All scores and rollouts of this run."""
     input:
         files(rules.score.output.scores, variant=VARIANTS, scene=SCORED_ROOMS),
+        policies(rules.rollout.output.rollouts),
         cells(rules.gather.output.rollouts),
         demonstrated(rules.skill.output.rollouts),
     localrule: True

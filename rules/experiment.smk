@@ -115,5 +115,6 @@ rule draw_roles:
 rule experiment:
     """The assets of all tasks, and their pictures."""
     input:
+        [task_assets(task) for task in SOURCES],
         files(rules.draw_roles.output.picture, variant=EXPERIMENT.policy_variant, task=SOURCES),
     localrule: True

@@ -75,5 +75,6 @@ rule draw_objects:
 rule extraction:
     """Objects of all scenes."""
     input:
+        files(rules.extract.output.objects, scene=ROOMS),
         files(rules.draw_objects.output.overview, scene=ROOMS),
     localrule: True

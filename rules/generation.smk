@@ -85,5 +85,6 @@ rule draw_scenes:
 rule generation:
     """Generated scenes of all rooms and variants."""
     input:
+        files(rules.generate.output.scenes, variant=VARIANTS, scene=ROOMS),
         files(rules.draw_scenes.output.comparison, variant=VARIANTS, scene=ROOMS),
     localrule: True

@@ -149,5 +149,6 @@ rule draw_cousins:
 rule matching:
     """Cousins of all scenes, in all variants."""
     input:
+        files(rules.match.output.cousins, variant=VARIANTS, scene=ROOMS),
         files(rules.draw_cousins.output.picture, variant=VARIANTS, scene=ROOMS),
     localrule: True

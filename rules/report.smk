@@ -149,6 +149,7 @@ rule scene_page:
 rule pages:
     """A page of its own for every picture of the run."""
     input:
+        files([rules.match.output.cousins, *rules.generate.output.scenes], variant=VARIANTS, scene=ROOMS),
         files(rules.scene_page.output.page, scene=ROOMS),
     localrule: True
 
