@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 from pathlib import Path
 
 import pytest
@@ -9,7 +10,7 @@ import trimesh
 import yaml
 
 from stages.assets.shards import own_shards
-from stages.config.assets import AssetsConfig
+from stages.config.assets import COUNTS, AssetsConfig
 from stages.config.model import load, merged
 from stages.config.reads import stores
 from tests.workflow.workspace import MICRO, ROOT, copy, dry_run, make, overlay, planned, snakemake
@@ -28,7 +29,7 @@ def write_models(folder: Path, *names: str) -> None:
 def asked(folder: Path, *folders: str) -> tuple[str, ...]:
     """Arguments for library and features of the models in `folders` alone."""
     changes = {
-        "assets": {"own_only": True, "folders": list(folders), "n_snap": 4, "image_size": 96},
+        "assets": {"counts": dict.fromkeys(COUNTS, 0), "folders": list(folders), "n_snap": 4, "image_size": 96},
         "matching": {"encoder": "hog", "views": 4, "hog": {"image_size": 96, "grid": 12}},
     }
     (folder / "own.yaml").write_text(json.dumps(changes))
@@ -102,3 +103,18 @@ def test_a_folder_leaves_procedural_models_and_rooms_as_they_are(run: Path, tmp_
     assert planned(done.stdout) == one_shard(match=1, draw_cousins=1, matching=1), done.stdout
     done = dry_run(folder, "all", *MICRO)
     assert "Nothing to be done" in done.stdout, done.stdout[-3000:]
+
+
+def test_own_models_alone_are_a_library_for_a_picture(tmp_path: Path) -> None:
+    folder = make(tmp_path / "run")
+    write_models(folder / "mine", "a")
+    shutil.copytree(ROOT / "tests/data/photographed_room", folder / "room")
+    (folder / "room/rgb.jpg").rename(folder / "room/rgb.png")
+    for name in ("depth.npz", "masks.png"):
+        (folder / "room" / name).touch()  # nothing is read
+    experiment = "experiment: {rooms: [room], inputs: {room: room}, tasks: {door: null, door_handle: null}}"
+    given = overlay(folder, f"{{assets: {{folders: [mine], own_only: true}}, {experiment}}}")
+    done = dry_run(folder, "matching", *given)
+    assert done.returncode == 0, done.stdout[-3000:]
+    jobs = planned(done.stdout)
+    assert jobs["own"] == jobs["match"] == 1 and "procedural" not in jobs, jobs
