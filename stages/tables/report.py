@@ -166,7 +166,7 @@ def run(
     """
     settings = read_options(PolicyTables, options)
     declared = RunFiles(files, {room: path for (room, _), path in named(images, "--images").items()})
-    facts = {"title": title, "config_page": CONFIG_PAGE if config else "", "seed": seed, "more": more}
+    facts: dict[str, Any] = {"title": title, "config_page": CONFIG_PAGE if config else "", "seed": seed, "more": more}
     facts |= {"viewer": link_to(viewer, out)}
     facts |= {"pages": {path.stem: link_there_and_back(path, out) for path in declared.all("report/scenes/*.html")}}
     page = _page(declared, published, facts, settings)

@@ -11,8 +11,10 @@ from stages.contracts.policies import Rollout
 from stages.tables import assets, claims, table3
 from stages.tables.intervals import PLACE, Side, score_interval, unit_rates
 from stages.tables.markup import markdown
+from stages.tables.page.result import sentences
 from stages.tables.policy_tables import claims_table, stability_table
 from stages.tables.rows import published_policies, published_runs
+from stages.tables.text import percent
 from tests.unit.tables_results import rollout
 
 PUBLISHED = Path(__file__).parents[2] / "report" / "published"
@@ -162,6 +164,21 @@ def test_the_papers_own_numbers_stand_beside_ours() -> None:
     assert few.rows[0][2] == "cannot be said\n1 run a side, 2 needed to judge"
     steady = next(row for row in few.rows if "differ less" in row[1])
     assert steady[3].startswith("–") and "nan" not in markdown(few)
+
+
+def test_the_headline_gives_the_numbers_of_one_seed_and_says_what_they_are() -> None:
+    one = answers({name: runs[:1] for name, runs in AS_PAPER.items()}).reset_index()
+    line, (said, again) = sentences(one, {"door": "lite"})
+    row = one[one["claim"] == "unseen"].iloc[0]
+    ends = f"{percent(row['theirs'])} → {percent(row['ours'])}".replace(" ", "\N{NO-BREAK SPACE}")
+    assert line.startswith("success at door opening on ") and line.endswith(f"8 cousins instead of the twin: {ends}")
+    assert said.startswith(f"Lite: {ends}, +") and said.endswith(
+        "with 8 cousins instead of the twin, for these policies."
+    )
+    assert "[" in said and "training again: set <code>experiment: {seeds: [0, 1]}" in again
+    _, (judged,) = sentences(answers(AS_PAPER).reset_index(), {"door": "lite"})
+    assert judged.endswith("over 6 and 6 seeds of training: that cousins help holds.")
+    assert sentences(None, {}) == ("", []) == sentences(one, {"drawer": "lite"})
 
 
 def build(rows: list[Rollout]) -> pd.DataFrame:

@@ -50,7 +50,7 @@ def _verdict(row: dict[str, Any], name: str) -> str:
     return f"{text}, {seeds}: {said}."
 
 
-def _sentences(claims: pd.DataFrame | None, names: dict[str, str]) -> tuple[str, list[str]]:
+def sentences(claims: pd.DataFrame | None, names: dict[str, str]) -> tuple[str, list[str]]:
     """What cousins brought on unseen assets in a line, and in a sentence for each of `names`.
 
     Args:
@@ -100,7 +100,7 @@ def over_assets(table: pd.DataFrame | None, claims: pd.DataFrame | None, kinds: 
         label = f"{title(group)}: {about}, by kind of policy and training set; the numbers are in the table of assets"
         chart = success_chart(policies, label, rows, "task", float(skill.iloc[0]) if len(skill) else None)
         names = {task: kind(task, kinds) for task in policies["task"].unique()}
-        found.append(Result(group, title(group), about, chart, *_sentences(claims, names)))
+        found.append(Result(group, title(group), about, chart, *sentences(claims, names)))
     return found
 
 
@@ -114,5 +114,5 @@ def over_roles(cells: pd.DataFrame | None, claims: pd.DataFrame | None) -> list[
         roles = {name: title(name) for name in sorted(mine["test_asset"].unique(), key=set_key)}
         about, chart = "success of the policies by test asset", success_chart(mine, label, roles, "test_asset")
         group = str(mine["assets_of"].iloc[0])
-        found.append(Result(group, title(task), about, chart, *_sentences(judged, {task: title(task)})))
+        found.append(Result(group, title(task), about, chart, *sentences(judged, {task: title(task)})))
     return found
