@@ -32,23 +32,22 @@ def test_moments_are_spread_evenly_with_both_ends() -> None:
     assert evenly([7, 8], 4) == [7, 7, 8, 8]
 
 
-def test_the_hand_is_seen_and_the_room_stands_about(tmp_path: Path) -> None:
-    """Wherever the arm is turned: a view that shows hand and asset is taken."""
+def test_the_hand_is_seen_and_the_room_stands_about(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     cabinet(tmp_path / "cabinet")
     task = TaskEnv("door", tmp_path / "cabinet", "door_0_joint", None, TaskConfig())
     task.place(3)
-    moment = task.moment()
-    studio = Studio()
-    turned = [
-        replace(moment, robot_joints={**moment.robot_joints, "panda_joint1": angle}) for angle in (0.0, 1.2, -1.2)
-    ]
-    for each in turned:
-        shot = Shot(studio, task.recording([each]), [each])
-        assert shot._hand_seen(shot.world_from_camera) > ENOUGH
-        picture = shot.picture(each)
-        assert picture.shape == (360, 480, 3)
-        assert (studio.camera.render(shot.world_from_camera).depth > 0).all(), "floor and wall fill the picture"
-        shot.close()
-    again = studio.film(task.recording([turned[-1]]), 1)[0]
-    assert np.array_equal(again, picture)
+    closed, studio = task.moment(), Studio()
+    opened = replace(closed, asset_joints={**closed.asset_joints, "door_0_joint": 1.0})
+    recording = task.recording([closed, opened])
+    shot = Shot(studio, recording, recording.moments)
+    pictures = [shot.picture(moment) for moment in recording.moments]
+    assert shot._hand_seen(shot.world_from_camera) > ENOUGH
+    assert (studio.camera.render(shot.world_from_camera).depth > 0).all(), "floor and wall fill the picture"
+    shot.close()
+    assert all(picture.shape == (360, 480, 3) for picture in pictures) and (pictures[0] != pictures[1]).any()
+    assert np.array_equal(studio.film(recording, 2), pictures), "nothing is left in the studio"
+
+    monkeypatch.setattr(Shot, "_hand_seen", lambda _, view: float(view[2, 2] > -0.4))  # as if it were hidden from above
+    lower = Shot(studio, recording, recording.moments).world_from_camera
+    assert lower[2, 2] > -0.4 > shot.world_from_camera[2, 2]
     task.close()
