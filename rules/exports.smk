@@ -2,7 +2,6 @@
 # Reads:  generated scenes; the demonstrations of a training set; a policy.
 # Writes: results/exports/scenes/<format>/<variant>/<scene>/rank_<n>/,
 #         results/exports/demonstrations/<format>/<task>/<training set>/, results/exports/policies/<task>/.../seed_<n>/.
-from stages.config.training import has_portable_form
 
 
 rule export_scenes:
@@ -83,19 +82,11 @@ rule export_policy:
         "{params.command} --policy {params.policy:q} --action {params.action} --out {output.folder:q} 2>&1 | tee {log:q}"
 
 
-def portable_policies(wildcards):
-    """The folders of the policies that have a portable form."""
-    runs = {name for name, run in CONFIG.training.runs.items() if has_portable_form(run)}
-    return [
-        folder for folder in policies(rules.export_policy.output.folder)(wildcards) if Path(folder).parent.name in runs
-    ]
-
-
 rule exports:
     """All scenes and demonstrations of this run in all formats, and its policies that have a portable form."""
     input:
         files(rules.export_scenes.output.folder, format=["glb", "urdf", "mjcf", "usd"], variant=VARIANTS, scene=ROOMS),
-        portable_policies,
+        portable(policies(rules.export_policy.output.folder)),
         [
             folder
             for task in SOURCES

@@ -1,4 +1,5 @@
 # Helpers: files and code of the policy experiment, row by row. Nothing here makes a file.
+from stages.config.training import has_portable_form
 
 
 def implementation(task):
@@ -66,6 +67,12 @@ def policies(pattern, first=False):
         return kept
 
     return found
+
+
+def portable(found):
+    """A function as `policies` gives it, of the folders of policies that have a form for use elsewhere."""
+    runs = {name for name, run in CONFIG.training.runs.items() if has_portable_form(run)}
+    return lambda wildcards: [folder for folder in found(wildcards) if Path(folder).parent.name in runs]
 
 
 def possible_policies(pattern):
