@@ -17,6 +17,7 @@ from stages.contracts.images import read_rgb
 from stages.contracts.made import Made
 from stages.contracts.objects import Objects
 from stages.contracts.snapshot_pictures import Snapshots
+from stages.plugins import short
 from stages.tables.order import natural, title
 from stages.tables.page.files import RunFiles
 from stages.tables.page.findings import Findings
@@ -156,7 +157,7 @@ def _reconstruction(
     alt, view = f"Reconstruction of {title(name)} from cousins of rank", files.one(f"{folder}/view.glb")
     return Reconstruction(
         variant=variant,
-        encoder=cousins.encoder if cousins else "",
+        encoder=short(cousins.encoder) if cousins else "",
         judge=_judge(cousins) if cousins else "",
         scenes=[
             _scene(scene, album.maybe(files.one(f"{folder}/scene_{scene.rank}.png"), f"{alt} {scene.rank}"))
