@@ -21,7 +21,7 @@ LISTED = {  # keys that do not simply run the one verb of their section again
     "assets.own_only": set(),  # the counts are none then
     "assets.importers": {"own"},
     "assets.shards": set(),  # the number of jobs is a parameter of its own
-    "matching.encoder": {"features", "match", "distances"},
+    "matching.encoder": {"features", "match", "distances", "policies", "report"},  # tables name it
     "matching.dimensions": {"features", "match", "distances"},
     "matching.search": {"match", "distances"},
     "matching.exclude_worst": {"match", "distances"},
@@ -37,6 +37,7 @@ LISTED = {  # keys that do not simply run the one verb of their section again
     "extraction.own": set(),
     "evaluation.own": set(),
     "training.runs.lite.own": set(),
+    "training.runs.lite.network.pointnet_width": {"train", "policies", "report"},  # tables name it
     "evaluation.selection_rollouts": {"trial"},
     "demonstrations.randomise": set(),  # of one role's demonstrations alone
     "evaluation.simulator": {"rollout", "skill", "trial", "policies", "report"},  # notes below tables tell of it

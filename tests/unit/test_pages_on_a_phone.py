@@ -12,7 +12,7 @@ from tests.unit.test_scene_page import made  # noqa: F401
 
 PHONE = {"width": 390, "height": 844}
 HIDDEN = """
-() => [...document.querySelectorAll('nav a')].filter((link) => {
+() => [...document.querySelectorAll('nav li:not([hidden]) a')].filter((link) => {
   const box = link.getBoundingClientRect();
   const on_top = document.elementFromPoint(box.x + box.width / 2, box.y + box.height / 2);
   return box.left < 0 || box.right > innerWidth || on_top !== link;

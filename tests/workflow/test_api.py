@@ -1,8 +1,11 @@
 """`stages.api` gives what the workflow gives, byte for byte, and the lines of the pages run."""
 
 import json
+import os
 import re
 import shutil
+import subprocess
+import sys
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -12,7 +15,6 @@ import yaml
 from PIL import Image
 
 from stages import api
-from stages.api import make_library, make_room, make_scenes
 from tests.workflow.workspace import ROOT
 
 FENCE = re.compile(r"^```python\n(.*?)^```", re.DOTALL | re.MULTILINE)
@@ -27,10 +29,16 @@ def blocks(page: str) -> list[str]:
 def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A library, a room and its scenes, by the config of the micro run."""
     folder = tmp_path_factory.mktemp("made")
-    library = make_library(folder / "library", SMALL)
-    picture = make_room("room_1", library, folder / "rooms", SMALL)
-    scenes = make_scenes(picture, library, folder / "scenes", SMALL)
-    assert scenes == [folder / f"scenes/scene_{rank}.json" for rank in (1, 2)]
+    text = f"""
+from stages.api import make_library, make_room, make_scenes
+library = make_library("library", {SMALL!r})
+picture = make_room("room_1", library, "rooms", {SMALL!r})
+make_scenes(picture, library, "scenes", {SMALL!r})
+"""
+    env = os.environ | {"PYTHONPATH": str(ROOT)}
+    said = subprocess.run([sys.executable, "-c", text], cwd=folder, env=env, capture_output=True, text=True)
+    assert said.returncode == 0, said.stderr[-3000:]
+    assert sorted(path.name for path in (folder / "scenes").glob("scene_?.json")) == ["scene_1.json", "scene_2.json"]
     return folder
 
 
@@ -81,7 +89,7 @@ def test_the_lines_of_a_page_make_scenes(
     (tmp_path / "kitchen").symlink_to(made / "rooms/room_1/input")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(api, "make_library", lambda out: made / "library/library.json")
-    monkeypatch.setattr(api, "make_scenes", partial(make_scenes, config=SMALL))
+    monkeypatch.setattr(api, "make_scenes", partial(api.make_scenes, config=SMALL))
     exec(texts[0], {})
     assert (tmp_path / "scenes/scene_2.glb").is_file()
     assert json.loads((tmp_path / "scenes/scene_1.json").read_text())["scene"] == "kitchen"
