@@ -5,7 +5,6 @@ differs from config.yaml, e.g. {"assets": {"counts": {"fridge": 12}}}.
 """
 
 import json
-import shutil
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -35,9 +34,8 @@ def make_library(out: str | Path, config: Mapping[str, Any] | None = None) -> Pa
     folder, settings = Path(out), _settings(config)
     counts, theirs = settings.assets.counts, own_shards(settings.assets) if settings.assets.folders else {}
     settings = sized(settings, sum(counts.values()) + sum(len(shard.models) for shard in theirs.values()))
-    for old in (*folder.glob("shard_*"), *folder.glob("snapshots/shard_*")):
+    for old in (path for place in (".", "snapshots", "features/*") for path in folder.glob(f"{place}/shard_*")):
         old.unlink()
-    shutil.rmtree(folder / "features", ignore_errors=True)  # of another library's models
     shards = (settings.assets.shards or 1) if any(counts.values()) else 0
     ours = [folder / f"shard_{number}.json" for number in range(shards)]
     for number, part in enumerate(ours):

@@ -14,7 +14,9 @@ def config(mugs: int, **changes: object) -> dict[str, object]:
 
 
 def test_a_library_replaces_another(tmp_path: Path) -> None:
-    made = []
+    made, own = [], tmp_path / "features/notes.txt"
+    own.parent.mkdir()
+    own.write_text("not ours")
     for mugs, seed, shards in ((3, 1, 3), (2, 2, 2)):
         changes = config(mugs, seed=seed)
         changes["assets"]["shards"] = shards  # type: ignore[index]
@@ -23,7 +25,8 @@ def test_a_library_replaces_another(tmp_path: Path) -> None:
         assert len(list(tmp_path.glob("shard_*.zip"))) == len(list(tmp_path.glob("snapshots/*.h5"))) == shards
         features = _features(_settings(changes), "b", tmp_path / "snapshots/shard_0.h5")
         made.append(features.read_bytes())
-    assert made[0] != made[1]
+    assert made[0] != made[1] and own.read_text() == "not ours"
+    assert len(list(tmp_path.glob("features/*/*.npy"))) == 1
 
 
 def test_mistakes_are_refused_before_anything_is_made(tmp_path: Path) -> None:
