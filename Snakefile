@@ -40,8 +40,13 @@ include: "rules/tables.smk"
 include: "rules/conditions.smk"
 include: "rules/report.smk"
 include: "rules/overview.smk"
-include: "rules/exports.smk"
 include: "rules/open_rooms.smk"
+
+
+for name, package in present().items():
+    if CONFIG.packages[name] and package.verbs:
+
+        include: f"plugins/{name}/rules.smk"
 
 
 onstart:

@@ -20,6 +20,7 @@ from stages.config.demonstrations import MotionOptions
 from stages.config.mistakes import check_keys
 from stages.config.model import load
 from stages.config.names import modules
+from stages.config.packages import home_of, present
 from stages.config.outside import online, outside
 from stages.config.reads import options_of, stores
 from stages.config.sizes import sized
@@ -136,14 +137,14 @@ def command(stage, verb):
     """The command line of a verb: ours, or the user's own if it is replaced, which ends with the workflow as ours do."""
     own = CONFIG.stages.get(stage, {}).get(verb)
     if own is None:
-        return f"python -m stages.{stage} {verb}"
+        return f"python -m {home_of(stage)} {verb}"
     return shlex.join(["python", "-m", "stages.guard", "bash", "-c", own.command + ' "$@"', verb])
 
 
 def code(stage, verb, *used):
     """Digest of the code behind a verb and of the implementations it uses: an edit re-runs what uses it."""
     own = CONFIG.stages.get(stage, {}).get(verb)
-    return files_digest(own.code) if own else code_digest(f"stages.{stage}.{verb}", *used)
+    return files_digest(own.code) if own else code_digest(f"{home_of(stage)}.{verb}", *used)
 
 
 def check(**outputs):

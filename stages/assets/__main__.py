@@ -3,7 +3,7 @@
 from stages.cli import main
 
 main(
-    "assets",
+    "stages.assets",
     {
         "import": "look at a folder of models: what each is taken for, to correct, and a page of pictures",
         "library": "make the procedural models",

@@ -9,7 +9,7 @@ import yaml
 from pydantic import BaseModel
 from pydantic_core import PydanticUndefined
 
-from stages.config.model import Config
+from stages.config.model import complete
 from stages.plugins import available
 
 HEADER = """\
@@ -81,7 +81,7 @@ def _plain(value: Any) -> Any:
 def generate() -> dict[str, str]:
     """Contents of the generated files by path."""
     rows: list[tuple[str, str, str, str]] = []
-    lines = _lines(Config(), "", "", rows)
+    lines = _lines(complete()(), "", "", rows)
     table = ["# Config reference", "", "Written from `stages/config` by `make config`.", ""]
     for key, default, allowed, description in rows:
         if "." not in key:
@@ -90,7 +90,7 @@ def generate() -> dict[str, str]:
         else:
             cell = description.replace("|", "\\|").replace("\n", " ")
             table.append(f"| `{key}` | `{default}` | {allowed.replace('|', chr(92) + '|')} | {cell} |")
-    schema = {"$schema": "https://json-schema.org/draft/2020-12/schema", **Config.model_json_schema()}
+    schema = {"$schema": "https://json-schema.org/draft/2020-12/schema", **complete().model_json_schema()}
     return {
         "config.yaml": HEADER + "\n" + "\n".join(lines).rstrip() + "\n",
         "config/schema.json": json.dumps(schema, indent=1) + "\n",

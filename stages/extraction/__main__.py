@@ -3,7 +3,7 @@
 from stages.cli import main
 
 main(
-    "extraction",
+    "stages.extraction",
     {
         "extract": "objects.json and its arrays from one input folder",
         "draw": "the picture with what was found in it",

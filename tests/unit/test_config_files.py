@@ -118,5 +118,7 @@ def test_an_unknown_verb_is_told_with_the_nearest(
 ) -> None:
     monkeypatch.setattr(sys, "argv", ["tables", "resluts"])
     with pytest.raises(SystemExit):
-        main("tables", {"results": "...", "report": "..."})
-    assert capsys.readouterr().err.startswith("error: tables has no verb 'resluts'. Fix: did you mean 'results'?\n")
+        main("stages.tables", {"results": "...", "report": "..."})
+    assert capsys.readouterr().err.startswith(
+        "error: stages.tables has no verb 'resluts'. Fix: did you mean 'results'?\n"
+    )

@@ -9,8 +9,10 @@ import pytest
 import yaml
 from pydantic import BaseModel
 
+from reference.commands import rule_files
 from stages.config.matching import MatchingConfig
 from stages.config.model import Config, load, merged
+from stages.config.packages import home_of
 from stages.config.reads import READS, options_of, section_name, stores
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -113,7 +115,7 @@ def test_a_key_runs_again_what_reads_it(key: str, monkeypatch: pytest.MonkeyPatc
 @pytest.mark.parametrize(("stage", "verb"), READS)
 def test_a_verb_can_read_nothing_else(stage: str, verb: str) -> None:
     """Its options are parsed by the model that they were made from, which refuses other keys."""
-    tree = ast.parse((ROOT / "stages" / stage / f"{verb}.py").read_text())
+    tree = ast.parse((ROOT / home_of(stage).replace(".", "/") / f"{verb}.py").read_text())
     models = {
         node.args[0].id
         for node in ast.walk(tree)
@@ -132,7 +134,7 @@ def test_ranges_of_what_is_randomised_run_its_demonstrations_alone_again() -> No
 
 
 def test_rules_ask_for_the_options_of_their_own_verb() -> None:
-    for path in sorted((ROOT / "rules").glob("*.smk")):
+    for path in rule_files(ROOT):
         for body in re.split(r"^(?:rule|checkpoint) ", path.read_text(), flags=re.MULTILINE)[1:]:
             asked = re.findall(r'\boptions=options\(("\w+", "\w+")\)', body)
             assert asked in ([], re.findall(r'command=command\(("\w+", "\w+")\)', body)), body[:40]

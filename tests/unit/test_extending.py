@@ -249,6 +249,20 @@ def test_task_and_skill(package: Path, tmp_path: Path) -> None:
     task.close()
 
 
+def test_a_simulator_of_yours(package: Path, tmp_path: Path) -> None:
+    cabinet(tmp_path / "door")
+    late = implementation("simulators", find("simulators", "late", ["my_package"]))
+    task = late("door", tmp_path / "door", "door_0_joint", None, TaskConfig(scale_variants=1), render=False)
+    task.place(3)
+    start = task.hand()[:3, 3].copy()
+    moved = []
+    for _ in range(2):
+        task.act(np.array([-1.0, 0, 0, 0, 0, 0, 1], np.float32))
+        moved.append(float(np.linalg.norm(task.hand()[:3, 3] - start)))
+    assert moved[0] < 0.002 < moved[1]
+    task.close()
+
+
 def test_a_task_that_begins_with_an_open_drawer(package: Path, tmp_path: Path) -> None:
     cabinet(tmp_path / "chest", layout=[["drawer"]])
     name, options = find("tasks", "shut", ["my_package"]), TaskConfig(scale_variants=1)
