@@ -1,7 +1,6 @@
 # Helpers: the validated config, options and code digests of each job, commands. Nothing here makes a file.
 import atexit
 import gc
-import inspect
 import json
 import os
 import shlex
@@ -20,7 +19,7 @@ from stages.config.demonstrations import MotionOptions
 from stages.config.mistakes import check_keys
 from stages.config.model import load
 from stages.config.names import modules
-from stages.config.packages import home_of, present
+from stages.config.packages import home_of, rule_files
 from stages.config.outside import online, outside
 from stages.config.reads import options_of, stores
 from stages.config.sizes import sized
@@ -29,7 +28,6 @@ from stages.contracts.errors import InputError
 from stages.contracts.training_sets import ROLE_NAME, SET_NAME
 from stages.plugins import qualified
 from stages.config.room_files import series
-from stages.guard import hold_folder, makes_files
 
 # The graph of jobs only grows: looking through it for garbage, the last time at the end, is a third of a plan's time.
 gc.freeze()
@@ -54,8 +52,6 @@ try:
         OWN = own_shards(CONFIG.assets)
     LIBRARY_SIZE = sum(CONFIG.assets.counts.values()) + sum(len(shard.models) for shard in OWN.values())
     CONFIG = sized(CONFIG, LIBRARY_SIZE)
-    if workflow.exec_mode == ExecMode.DEFAULT and not workflow.output_settings.dryrun and makes_files(sys.argv):
-        LOCKED = hold_folder()
 except InputError as error:
     raise WorkflowError(f"{error} [{error.code}]") from None
 
@@ -138,7 +134,8 @@ def command(stage, verb):
     own = CONFIG.stages.get(stage, {}).get(verb)
     if own is None:
         return f"python -m {home_of(stage)} {verb}"
-    return shlex.join(["python", "-m", "stages.guard", "bash", "-c", own.command + ' "$@"', verb])
+    guard = ["python", "-m", "plugins.ops.guard"] if CONFIG.packages.get("ops") else []
+    return shlex.join([*guard, "bash", "-c", own.command + ' "$@"', verb])
 
 
 def code(stage, verb, *used):

@@ -20,7 +20,7 @@ SECONDS = 5.0  # from one line of progress to the next
 def main(package: str, verbs: dict[str, str]) -> None:
     """Run the verb that `sys.argv[1]` names; an `InputError` or what the system refuses becomes a line, exit code 1."""
     from stages.contracts.errors import InputError, nearest
-    from stages.contracts.system import line_of
+    from stages.contracts.system import line_of, start_job
 
     usage = f"usage: python -m {package} VERB --help\n" + "".join(
         f"  {verb:<12} {text}\n" for verb, text in verbs.items()
@@ -35,9 +35,7 @@ def main(package: str, verbs: dict[str, str]) -> None:
 
     import tyro
 
-    from stages.guard import end_with_workflow
-
-    end_with_workflow()
+    start_job()
     module = argv[0].replace("-", "_") + "_" * keyword.iskeyword(argv[0])
     run = with_seeds_checked(importlib.import_module(f"{package}.{module}").run)
     try:

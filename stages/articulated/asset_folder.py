@@ -17,8 +17,7 @@ from stages.articulated.stretching import stretched
 from stages.articulated.urdf_reader import read_urdf
 from stages.articulated.urdf_writer import write_urdf
 from stages.contracts.errors import InputError
-from stages.contracts.files import as_json, partial, read_json
-from stages.contracts.holder import stop_if_taken_over
+from stages.contracts.files import as_json, ask_before_writing, partial, read_json
 from stages.contracts.library import Asset, Placement, Recipe, Symmetry, Vector
 from stages.contracts.system import naming
 
@@ -128,7 +127,7 @@ def atomic_folder(out: Path) -> Iterator[Path]:
     try:
         with naming(out):
             yield folder
-            stop_if_taken_over(out)
+            ask_before_writing(out)
             if out.exists():
                 shutil.rmtree(out)
             folder.replace(out)

@@ -18,12 +18,14 @@ class Package:
     """What the core must know of a package.
 
     Attributes:
+        last: whether its rules.smk looks at the rules of all others.
         verbs: its commands that rules call, and what each reads of the config (None: nothing).
         sections: of config.yaml that belong to it, by name, as pydantic fields.
         outside: of the whole config, files that its jobs read and that may lie outside the working directory.
         keys: of the whole config, environment variables of keys that it sends to a server; None: it asks none.
     """
 
+    last: bool = False
     verbs: Mapping[str, type[Section] | None] = field(default_factory=dict)
     sections: Mapping[str, tuple[type[Section], Any]] = field(default_factory=dict)
     outside: Callable[[Any], list[str]] = lambda config: []
@@ -33,6 +35,13 @@ class Package:
 def present() -> dict[str, Package]:
     """The packages of this checkout by name."""
     return {module.rpartition(".")[2]: import_module(f"{module}.package").PACKAGE for module in plugins.shipped()}
+
+
+def rule_files(on: Mapping[str, bool], last: bool = False) -> list[str]:
+    """The rules.smk of packages that are on, below the workflow's folder: of those that come last, or of the others."""
+    packages = [name for name, package in present().items() if on[name] and package.last == last]
+    names = [name for name in packages if (plugins.PACKAGES / name / "rules.smk").is_file()]
+    return [f"plugins/{name}/rules.smk" for name in names]
 
 
 def with_sections(model: type[C], names: Iterable[str]) -> type[C]:

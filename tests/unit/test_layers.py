@@ -5,7 +5,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 ORDER = (
-    *("geometry", "contracts", "articulated", "procedural", "plugins", "config", "slurm", "guard", "cli", "pretrained"),
+    *("geometry", "contracts", "articulated", "procedural", "plugins", "config", "cli", "pretrained"),
     *("vlm", "simulation", "planning", "tasks", "skills", "assets", "policies", "scenes", "extraction", "inputs"),
     *("matching", "generation", "demonstrations", "training", "experiment", "evaluation"),
     *("tables", "doctor", "api"),
@@ -13,8 +13,8 @@ ORDER = (
 
 
 def room_of(module: str) -> str:
-    """The room of `stages.<room>...`; `doctor_slurm` is one of `doctor`."""
-    return module.split(".")[1].partition("_")[0]
+    """The room of `stages.<room>...`."""
+    return module.split(".")[1]
 
 
 def imports(file: Path) -> set[str]:

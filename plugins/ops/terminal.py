@@ -1,8 +1,14 @@
-# What a run says on the terminal: a line when a job starts, one when it has ended. Snakemake's own log file, and a dry run
-# (-n), have all of a job's files, resources and reasons.
+"""What a run says on the terminal: a line when a job starts, one when it has ended.
+
+Snakemake's own log file, and a dry run (-n), have all of a job's files, resources and reasons.
+"""
+
+import logging
 import os
 import re
 import time
+from collections.abc import Collection
+from typing import Any
 
 from snakemake.logging import ColorizingTextHandler, DefaultFormatter, format_percentage, format_wildcards, logger
 from snakemake.settings.types import ExecMode
@@ -21,18 +27,20 @@ EVERY_JOB = ("Missing output files", "Input files updated by another job")  # re
 
 
 class Brief(DefaultFormatter):
-    """Snakemake's messages with a line for a job's start and for its end; what fails is told at length, as by Snakemake."""
+    """Snakemake's messages with a line for a job's start and one for its end; what fails is told at length."""
 
-    def __init__(self, like):
+    def __init__(self, like: Any, dryrun: bool) -> None:
         super().__init__(like.quiet, like.show_failed_logs)
-        self.jobs, self.ended = {}, []
+        self.dryrun = dryrun
+        self.jobs: dict[int, str] = {}
+        self.ended: list[str] = []
 
-    def format_workflow_started(self, told):
+    def format_workflow_started(self, told: dict[str, Any]) -> str:
         files = ", ".join(map(str, told["configfiles"]))
         return f"Snakemake {told['snakemake_version']} in {told['cwd']}, config: {files}"
 
-    def format_job_info(self, told):
-        if workflow.output_settings.dryrun:
+    def format_job_info(self, told: dict[str, Any]) -> str:
+        if self.dryrun:
             return "\n" + super().format_job_info(told)
         name = f"{told['rule_name']} {format_wildcards(told['wildcards'])}".rstrip()
         written = os.path.commonpath(told["output"]) if told["output"] else ""
@@ -43,11 +51,11 @@ class Brief(DefaultFormatter):
         why = f", because: {because}" if because else ""
         return f"{'    ' * bool(told.get('indent'))}{now()} {name}{log}{why}"
 
-    def format_job_finished(self, told):
+    def format_job_finished(self, told: dict[str, Any]) -> str:
         self.ended.append(self.jobs.get(told["job_id"], told["msg"]))
         return ""  # the next message says how far the run is
 
-    def format_progress(self, told):
+    def format_progress(self, told: dict[str, Any]) -> str:
         ended, self.ended = "; ".join(self.ended), []
         percent = format_percentage(told["done"], told["total"])
         return f"{now()} {told['done']} of {told['total']} steps ({percent}) done: {ended}"
@@ -59,29 +67,35 @@ class Lines(ColorizingTextHandler):
     last_msg_was_job_info = property(lambda self: True, lambda self, value: None)
 
 
-def now():
+def now() -> str:
     return time.strftime("[%H:%M:%S]")
 
 
-def tell_nearest(record):
+def tell_nearest(record: logging.LogRecord, targets: Collection[str]) -> bool:
     """Let Snakemake say of a target that is no rule which one may be meant; it only says that there is none."""
     unknown = re.match(r"MissingRuleException:\nNo rule to produce (\w+) ", str(record.msg))
     if unknown:
-        fix = nearest(unknown[1], [each.name for each in workflow.rules]).partition("there are")[0]
+        fix = nearest(unknown[1], targets).partition("there are")[0]
         record.msg = f"error: {unknown[1]}: no such target. Fix: {fix or 'docs/running.md lists them'}"
     return True
 
 
-def tell_briefly():
-    """Let a run that was started here say less; jobs on other machines, and a workflow that has ours as a module, do not."""
+def tell_briefly(workflow: Any) -> None:
+    """Let a run that was started here say less; jobs on other machines and workflows that have ours as a module do not.
+
+    Tried with Snakemake 9.27.
+    """
+    if workflow.exec_mode != ExecMode.DEFAULT or not workflow.modifier.is_main_snakefile():
+        return
+    logger.addFilter(lambda record: tell_nearest(record, [rule.name for rule in workflow.rules]))
     for handler in [each for each in logger.handlers if each.name == "DefaultStreamHandler"]:
-        brief = Lines(handler.nocolor, handler.stream, Brief(handler.formatter), handler.filters[0])
+        brief = Lines(
+            handler.nocolor,
+            handler.stream,
+            Brief(handler.formatter, workflow.output_settings.dryrun),
+            handler.filters[0],
+        )
         brief.addFilter(lambda record: not str(record.msg).startswith(SAYS_NOTHING))
         brief.name = handler.name
         logger.removeHandler(handler)
         logger.addHandler(brief)
-
-
-if workflow.exec_mode == ExecMode.DEFAULT and workflow.modifier.is_main_snakefile():
-    logger.addFilter(tell_nearest)
-    tell_briefly()

@@ -11,16 +11,20 @@ from pathlib import Path
 
 import pytest
 
+from plugins.ops.guard import descendants, hold_folder, makes_files
+from plugins.ops.lock import LOCK, WORKFLOW, Holder, start_time
 from stages.contracts import atomic
-from stages.contracts.holder import LOCK, WORKFLOW, Holder, start_time
-from stages.guard import descendants, hold_folder, makes_files
 from tests.refusals import refused
 
-HOLD = "import sys, stages.guard as g; lock = g.hold_folder(); print('held', flush=True); sys.stdin.read()"
+HOLD = "import sys, plugins.ops.guard as g; lock = g.hold_folder(); print('held', flush=True); sys.stdin.read()"
 # keeps Python's lock for long in native code, as the renderer does
-WATCH = (
-    "import stages.guard as g; g.LOOK_EVERY = 0.1; g.end_with_workflow(); print('on', flush=True); sum(range(10**11))"
-)
+WATCH = """
+import plugins.ops.guard as g
+g.LOOK_EVERY = 0.1
+g.end_with_workflow()
+print("on", flush=True)
+sum(range(10**11))
+"""
 FAR = Holder(7, "5", "another-machine pid:[1]", "node7")
 
 
@@ -130,7 +134,7 @@ def test_descendants_are_children_and_theirs() -> None:
     job.wait()
 
 
-@pytest.mark.parametrize("command", [(), ("-m", "stages.guard")], ids=["stage", "foreign program"])
+@pytest.mark.parametrize("command", [(), ("-m", "plugins.ops.guard")], ids=["stage", "foreign program"])
 def test_a_job_ends_with_its_workflow(command: tuple[str, ...]) -> None:
     workflow = start("sleep", "60")
     holder = Holder.this_process()._replace(pid=workflow.pid, started=start_time(workflow.pid))
@@ -163,7 +167,7 @@ def test_a_job_without_its_workflow_here_runs_on(known: str, tmp_path: Path) -> 
 
 
 def test_a_foreign_program_keeps_its_exit_code_and_a_missing_one_is_one_line() -> None:
-    guard = [sys.executable, "-m", "stages.guard"]
+    guard = [sys.executable, "-m", "plugins.ops.guard"]
     assert subprocess.call([*guard, "sh", "-c", "exit 7"]) == 7
     done = subprocess.run([*guard, "./none.sh"], capture_output=True, text=True)
     assert (done.returncode, done.stderr) == (127, "error: ./none.sh: cannot be run (No such file or directory).\n")

@@ -1,4 +1,4 @@
-"""Say what a SLURM cluster has and lacks, from one of its login nodes: `python -m stages.doctor --slurm`."""
+"""Verb `cluster`: what a SLURM cluster has and lacks, from one of its login nodes."""
 
 import fcntl
 import getpass
@@ -11,7 +11,7 @@ import tempfile
 from importlib import metadata
 from pathlib import Path
 
-from stages.doctor import Check
+from stages.doctor import Check, report
 
 PLUGIN = "snakemake-executor-plugin-slurm"
 LEAST_AGE = 60  # seconds that a finished job must stay in the queue for squeue to tell how it ended
@@ -98,3 +98,8 @@ def checks() -> list[Check]:
     config, folder = answer("scontrol", "show", "config"), Path.cwd()
     found = [check_slurm(config), check_plugin(), check_flock(folder)]
     return found + ([check_accounting(config), check_shared(folder), check_gpu()] if config else [])
+
+
+def run() -> None:
+    """Print what this cluster has and lacks, with the line that mends it; exit code 1 if needed things are missing."""
+    sys.exit(report(checks()))

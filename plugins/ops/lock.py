@@ -9,7 +9,6 @@ from stages.contracts.errors import InputError
 
 WORKFLOW = "ACDC_WORKFLOW"  # environment variable of all jobs: the line of the workflow that started them
 LOCK = Path(".snakemake/acdc.lock")  # on a filesystem that all jobs of a workflow share
-PARTIAL = ".partial-"  # how files and folders begin that are not yet whole
 
 
 class Holder(NamedTuple):
