@@ -19,7 +19,7 @@ from stages.config.demonstrations import MotionOptions
 from stages.config.mistakes import check_keys
 from stages.config.model import load
 from stages.config.names import modules
-from stages.config.packages import home_of, rule_files
+from stages.config.packages import home_of, rule_files, shards_of
 from stages.config.outside import online, outside
 from stages.config.reads import options_of, stores
 from stages.config.sizes import sized
@@ -45,11 +45,7 @@ try:
         check_keys(file)
     CONFIG = load(config)
     cover(CONFIG.plugins)
-    OWN = {}
-    if CONFIG.assets.folders:
-        from stages.assets.shards import own_shards  # takes a second
-
-        OWN = own_shards(CONFIG.assets)
+    OWN = shards_of(CONFIG)
     LIBRARY_SIZE = sum(CONFIG.assets.counts.values()) + sum(len(shard.models) for shard in OWN.values())
     CONFIG = sized(CONFIG, LIBRARY_SIZE)
 except InputError as error:

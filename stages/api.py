@@ -27,12 +27,12 @@ def make_library(out: str | Path, config: Mapping[str, Any] | None = None) -> Pa
     Returns:
         library.json.
     """
-    from stages.assets import join, library, own, snapshots
-    from stages.assets.shards import own_shards
+    from stages.assets import join, library, snapshots
+    from stages.config.packages import shards_of, verb
     from stages.config.sizes import sized
 
     folder, settings = Path(out), _settings(config)
-    counts, theirs = settings.assets.counts, own_shards(settings.assets) if settings.assets.folders else {}
+    counts, theirs = settings.assets.counts, shards_of(settings)
     settings = sized(settings, sum(counts.values()) + sum(len(shard.models) for shard in theirs.values()))
     for old in (path for place in (".", "snapshots", "features/*") for path in folder.glob(f"{place}/shard_*")):
         old.unlink()
@@ -43,8 +43,8 @@ def make_library(out: str | Path, config: Mapping[str, Any] | None = None) -> Pa
         library.run(out=part, shard=number, shards=shards, options=told, seed=settings.seed)
     for name, shard in theirs.items():
         models = tuple(f"{model}={path}" for model, path in shard.models.items())
-        told = _options(settings, "assets", "own")
-        own.run(folder=shard.folder, models=models, out=folder / f"shard_{name}.json", options=told)
+        told = _options(settings, "importing", "own")
+        verb("importing", "own")(folder=shard.folder, models=models, out=folder / f"shard_{name}.json", options=told)
     parts = [*ours, *(folder / f"shard_{name}.json" for name in theirs)]
     for part in parts:
         told = _options(settings, "assets", "snapshots")

@@ -19,6 +19,8 @@ class Package:
 
     Attributes:
         last: whether its rules.smk looks at the rules of all others.
+        section: of config.yaml that its verbs read.
+        shards: of the section `assets`, the shards of models that its rules add to the library, by name.
         verbs: its commands that rules call, and what each reads of the config (None: nothing).
         sections: of config.yaml that belong to it, by name, as pydantic fields.
         outside: of the whole config, files that its jobs read and that may lie outside the working directory.
@@ -26,6 +28,8 @@ class Package:
     """
 
     last: bool = False
+    section: str = ""
+    shards: Callable[[Any], Mapping[str, Any]] = lambda assets: {}
     verbs: Mapping[str, type[Section] | None] = field(default_factory=dict)
     sections: Mapping[str, tuple[type[Section], Any]] = field(default_factory=dict)
     outside: Callable[[Any], list[str]] = lambda config: []
@@ -51,6 +55,18 @@ def with_sections(model: type[C], names: Iterable[str]) -> type[C]:
     for name in names:
         fields |= packages[name].sections
     return create_model(model.__name__, __base__=model, __doc__=model.__doc__, **fields) if fields else model
+
+
+def shards_of(config: Any) -> dict[str, Any]:
+    """The shards of models that packages which are on add to the library, by name."""
+    on = [package for name, package in present().items() if config.packages[name]]
+    return {name: shard for package in on for name, shard in package.shards(config.assets).items()}
+
+
+def verb(stage: str, name: str) -> Callable[..., None]:
+    """A verb of a stage or package as a function."""
+    run: Callable[..., None] = import_module(f"{home_of(stage)}.{name}").run
+    return run
 
 
 def home_of(stage: str) -> str:

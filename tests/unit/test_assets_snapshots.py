@@ -7,8 +7,9 @@ import h5py
 import numpy as np
 import pytest
 
+from plugins.importing import own
 from stages.articulated.asset_folder import read_asset
-from stages.assets import join, library, own, snapshots
+from stages.assets import join, library, snapshots
 from stages.assets.draw import run as draw
 from stages.assets.library import make
 from stages.contracts.errors import InputError

@@ -155,7 +155,8 @@ def test_only_verbs_that_exist_are_replaced(stages: dict, message: str) -> None:
 
 
 FOR_PEOPLE = {  # pages and helpers that no rule calls: there is nothing to replace
-    "assets import",
+    "importing import",
+    "ops cluster",
     "experiment choose",
     "inputs annotate",
     "inputs from-rgbd",

@@ -14,8 +14,8 @@ import torch
 import trimesh
 import yaml
 
-from stages.assets.own import run as own
-from stages.assets.shards import own_shards
+from plugins.importing.own import run as own
+from plugins.importing.shards import own_shards
 from stages.config import code
 from stages.config.assets import AssetsConfig
 from stages.config.demonstrations import DemonstrationsConfig

@@ -22,7 +22,7 @@ from stages.demonstrations.store import RecordedEpisode, StoreHeader, write_epis
 from stages.tasks.api import TaskEnv
 from tests.unit.test_demonstrations import experiment
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 READERS = ROOT / ".venv-readers" / "bin" / "python"
 OPTIONS = TaskConfig(points=64)
 LENGTHS = {"cab": (6, 4), "fridge": (5,)}
