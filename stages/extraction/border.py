@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.extraction.masks import OUTLINE
+from stages.geometry.masks import OUTLINE
 
 RIDGE = 0.1  # pixels squared, added to the fits' variances: a core one pixel wide says nothing across it
 BLOCK = 32  # pixels
@@ -22,7 +22,7 @@ def _blur(values: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray(cv2.GaussianBlur(values, (0, 0), OUTLINE, borderType=cv2.BORDER_CONSTANT), dtype=np.float64)
 
 
-def continued_depth(
+def continue_depth(
     depth: NDArray[np.floating], core: NDArray[np.bool_], border: NDArray[np.bool_]
 ) -> NDArray[np.float64]:
     """Depth (H, W): the given one on `core`, continued on `border` where the core is near, 0 elsewhere.
@@ -41,11 +41,11 @@ def continued_depth(
         window = tuple(slice(BLOCK * first, BLOCK * last) for first, last in ends)
         height, width = depth.shape
         v, u = np.meshgrid(np.arange(height) - height / 2, np.arange(width) - width / 2, indexing="ij")
-        continued[window] = _continued(depth[window], core[window], border[window], u[window], v[window])
+        continued[window] = _extrapolate(depth[window], core[window], border[window], u[window], v[window])
     return continued
 
 
-def _continued(
+def _extrapolate(
     depth: NDArray[np.floating],
     core: NDArray[np.bool_],
     border: NDArray[np.bool_],

@@ -9,7 +9,13 @@ from stages.contracts.objects import DepthError
 from stages.geometry.cameras import project
 from stages.geometry.frames import apply, inverse
 
+CONTACT = 0.045  # metres, besides the error of depth: a smaller gap counts as touching; chosen
 MARGIN = 0.04  # metres of depth, and its error, by which something must be nearer to hide
+
+
+def tolerance_of(error: DepthError, distance: float) -> float:
+    """Gap in metres that counts as touching at a distance from the camera, metres."""
+    return CONTACT + error.at(distance)
 
 
 @dataclass(frozen=True)
@@ -25,9 +31,9 @@ class DepthView:
         """Distance in metres from the camera to a point of the floor frame."""
         return float(np.linalg.norm(np.asarray(point, dtype=float) - self.floor_from_camera[:3, 3]))
 
-    def noise(self, point: ArrayLike) -> float:
-        """How far depth errs at a point of the floor frame, metres."""
-        return self.error.at(self.distance(point))
+    def tolerance(self, point: ArrayLike) -> float:
+        """Gap in metres that counts as touching at a point of the floor frame."""
+        return tolerance_of(self.error, self.distance(point))
 
     def pixel_size(self, distance: float) -> float:
         """Size in metres of a pixel's footprint at a distance."""
@@ -49,7 +55,7 @@ class DepthView:
         depth = self.depth[rows, columns].astype(np.float64)
         return np.asarray(apply(self.floor_from_camera, rays * np.where(depth > 0, depth, np.nan)[:, None]))
 
-    def free_space_share(self, points: NDArray[np.float64], own: NDArray[np.bool_]) -> float:
+    def free_share(self, points: NDArray[np.float64], own: NDArray[np.bool_]) -> float:
         """Share of the points (N, 3), floor frame, that an object with the mask `own` (H, W) does not fill.
 
         Were the point part of the object, its pixel would show the object, or something nearer that

@@ -8,6 +8,7 @@ from shapely import Polygon
 
 from stages.geometry.frames import yaw_matrix
 
+THINNEST_PLATE = 0.01  # metres: noise may put a plate's top below the table's; chosen
 _SIGNS = np.array([(x, y, z) for z in (-0.5, 0.5) for x, y in ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))])
 
 
@@ -51,6 +52,20 @@ def bounds(box: UprightBox) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Lowest and highest corner (3,), (3,) of the axis-aligned box around the box."""
     points = corners(box)
     return points.min(axis=0), points.max(axis=0)
+
+
+def with_top(box: UprightBox, top: float) -> UprightBox:
+    """The box with its top face moved to height `top`, its bottom face kept below that."""
+    return _between(box, min(box.bottom, top - THINNEST_PLATE), top)
+
+
+def with_bottom(box: UprightBox, bottom: float) -> UprightBox:
+    """The box with its bottom face moved to height `bottom`."""
+    return _between(box, bottom, box.top)
+
+
+def _between(box: UprightBox, bottom: float, top: float) -> UprightBox:
+    return UprightBox([*box.center[:2], (top + bottom) / 2], [*box.size[:2], top - bottom], box.yaw)
 
 
 def surface_points(box: UprightBox, count: int) -> NDArray[np.float64]:

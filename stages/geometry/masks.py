@@ -1,10 +1,13 @@
-"""Masks of an image (H, W): where they lie, and those of polygons."""
+"""Masks of an image (H, W): where they lie, those of polygons, and which of their pixels are trusted (paper A.7)."""
 
 import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-FARTHEST = 30_000  # pixels: corners are drawn no farther out (OpenCV counts in 16 bits)
+FARTHEST_CORNER = 30_000  # pixels: corners are drawn no farther out (OpenCV counts in 16 bits)
+OUTLINE = 3  # pixels by which the outline of a mask may be off; as in docs/results/extraction.md (clutter)
+EROSION = 2  # pixels taken off the border of masks before clouds are made; A.7 gives no number; chosen
+SPECK = 0.01  # parts of a mask with a smaller share of its pixels are specks; chosen
 
 
 def pixel_bounds(mask: NDArray[np.bool_]) -> tuple[int, int, int, int]:
@@ -20,5 +23,31 @@ def polygon(points: ArrayLike, shape: tuple[int, int]) -> NDArray[np.bool_]:
     mask = np.zeros(shape, dtype=np.uint8)
     corners = np.asarray(points, dtype=np.float64).reshape(-1, 2)
     if len(corners) >= 3 and np.isfinite(corners).all():
-        cv2.fillPoly(mask, [np.rint(np.clip(corners, -FARTHEST, FARTHEST)).astype(np.int32)], 1)
+        cv2.fillPoly(mask, [np.rint(np.clip(corners, -FARTHEST_CORNER, FARTHEST_CORNER)).astype(np.int32)], 1)
     return mask > 0
+
+
+def central_crop(shape: tuple[int, int], share: float) -> NDArray[np.bool_]:
+    """Mask (H, W) of the central `share` of the image in either direction."""
+    inside = np.zeros(shape, dtype=bool)
+    v, u = (round(length * (1 - share) / 2) for length in shape)
+    inside[v : shape[0] - v, u : shape[1] - u] = True
+    return inside
+
+
+def remove_specks(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """The mask without its tiny separate parts."""
+    _, parts, stats, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=8)
+    large = stats[:, cv2.CC_STAT_AREA] >= SPECK * mask.sum()
+    large[0] = False
+    return large[parts]
+
+
+def erode(mask: NDArray[np.bool_], keep: float = 0.25) -> NDArray[np.bool_]:
+    """Take `EROSION` pixels off the border, fewer if less than a share of `keep` of the mask would remain."""
+    for size in range(EROSION, 0, -1):
+        kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * size + 1, 2 * size + 1))
+        smaller = cv2.erode(mask.astype(np.uint8), kernel, borderType=cv2.BORDER_CONSTANT, borderValue=0) > 0
+        if smaller.sum() >= keep * mask.sum():
+            return smaller
+    return mask

@@ -5,7 +5,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_opening, correlate1d, distance_transform_edt, find_objects, minimum_filter
 
-from stages.extraction.room import STRAY
+from stages.geometry.room_planes import STRAY
 
 STEP = 0.02  # share of the distance, from pixel to pixel: less on a floor seen at 5 degrees by a usual camera
 LEAST = 0.4  # share of a thing that remains, else it is all edges and left alone
@@ -13,7 +13,7 @@ THIN = 12  # pixels of the smallest thin part
 SMEAR, BESIDE = 7, 11  # pixels across: around a smeared pixel something nearer is seen; what is looked at around a part
 
 
-def without_steps(depth: NDArray[np.float32], step: float) -> NDArray[np.bool_]:
+def find_smooth_pixels(depth: NDArray[np.float32], step: float) -> NDArray[np.bool_]:
     """Pixels (H, W) of known depth beside which depth (H, W) changes by no step: a share of the distance."""
     known = depth > 0
     inverse = np.where(known, 1 / np.maximum(depth, 1e-6), 0)
@@ -22,13 +22,13 @@ def without_steps(depth: NDArray[np.float32], step: float) -> NDArray[np.bool_]:
     return np.asarray(known & (np.max([*bends, *slopes], axis=0) <= step * inverse))
 
 
-def without_edges(depth: NDArray[np.float32], masks: NDArray[np.uint16]) -> NDArray[np.float32]:
+def remove_edges(depth: NDArray[np.float32], masks: NDArray[np.uint16]) -> NDArray[np.float32]:
     """Depth (H, W) that is unknown (0) where a mask (H, W) reaches beyond its thing, or depth changes by a step.
 
     At its edge a depth camera mixes a thing with what is behind it, and masks are some pixels off. Of what is too thin
     to have anything but edges (handles, spouts, poles) the nearest depth is kept: a mixed one is farther.
     """
-    known, level = depth > 0, without_steps(depth, STEP)
+    known, level = depth > 0, find_smooth_pixels(depth, STEP)
     front = known & (depth <= (1 + STEP) * minimum_filter(np.where(known, depth, np.inf), SMEAR))
     clean = depth.copy()
     for value, place in enumerate(find_objects(masks), 1):
