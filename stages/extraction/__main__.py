@@ -4,8 +4,5 @@ from stages.cli import main
 
 main(
     "extraction",
-    {
-        "extract": "objects.json and its arrays from one input folder",
-        "draw": "the picture with what was found in it",
-    },
+    {"extract": "objects.json and its arrays from one input folder", "draw": "the picture with what was found in it"},
 )

@@ -1,7 +1,6 @@
 """The pixels and the cloud of one object: crop, erosion, outlier removal, DBSCAN (paper A.7)."""
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from stages.config.extraction import ExtractionConfig
@@ -10,8 +9,8 @@ from stages.extraction.border import continue_depth
 from stages.extraction.observation import AnnotatedImage
 from stages.geometry.cameras import back_project
 from stages.geometry.clouds import dbscan, statistical_inliers
-from stages.geometry.frames import apply
-from stages.geometry.masks import erode, remove_specks
+from stages.geometry.frames import Array, apply
+from stages.geometry.masks import Mask, erode, remove_specks
 
 MAX_POINTS = 8000  # of a cloud; chosen for time
 MAX_CUT = 0.4  # share of an object's pixels outside the crop, above which it fails; chosen
@@ -26,7 +25,7 @@ class ObjectError(Exception):
     """One object cannot be used; the scene goes on without it."""
 
 
-def find_object_mask(item: Annotation, image: AnnotatedImage, crop: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def find_object_mask(item: Annotation, image: AnnotatedImage, crop: Mask) -> Mask:
     """An object's pixels (H, W) inside the crop (H, W), without specks.
 
     Raises:
@@ -44,12 +43,8 @@ def find_object_mask(item: Annotation, image: AnnotatedImage, crop: NDArray[np.b
 
 
 def make_object_cloud(
-    mask: NDArray[np.bool_],
-    image: AnnotatedImage,
-    floor_from_camera: NDArray[np.float64],
-    options: ExtractionConfig,
-    rng: np.random.Generator,
-) -> NDArray[np.float64]:
+    mask: Mask, image: AnnotatedImage, floor_from_camera: Array, options: ExtractionConfig, rng: np.random.Generator
+) -> Array:
     """The cleaned points (N, 3), floor frame, of a mask (H, W).
 
     Raises:
@@ -66,19 +61,13 @@ def make_object_cloud(
     return cloud
 
 
-def clean_cloud(
-    points: NDArray[np.float64], options: ExtractionConfig, rng: np.random.Generator, eye: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def clean_cloud(points: Array, options: ExtractionConfig, rng: np.random.Generator, eye: Array) -> Array:
     """Points (M, 3), M <= 8000, without stray ones.
 
     Every DBSCAN cluster of some size is kept, not only the largest: a pole in front of an object
     cuts its cloud in two. What lies well behind the largest is seen past the object, or through it.
 
-    Args:
-        points: (N, 3).
-        options: DBSCAN's radius and size of a core.
-        rng: by which points are left out of a large cloud.
-        eye: (3,) where the camera is.
+    `rng` chooses which points of a large cloud are left out; `eye` (3,): where the camera is.
     """
     if len(points) > MAX_POINTS:
         points = points[np.sort(rng.choice(len(points), MAX_POINTS, replace=False))]

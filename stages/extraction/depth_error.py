@@ -34,9 +34,7 @@ def estimate_depth_error(
     The floor comes first: one mask of a person's may show two walls. Where neither is seen it is the usual error.
 
     Args:
-        image: the picture.
-        points: (H, W, 3) that its pixels show, floor frame; NaN where not used.
-        eye: (3,) of the camera.
+        points: (H, W, 3) of the pixels, floor frame, NaN where not used; the camera is at `eye` (3,).
         walls: by the mask values that show them.
     """
     if image.depth_error is not None:

@@ -6,6 +6,8 @@ from numpy.typing import NDArray
 from stages.contracts import InputError
 from stages.contracts.doubts import height_doubt
 from stages.extraction.observation import AnnotatedImage
+from stages.geometry.frames import Array
+from stages.geometry.masks import Mask
 from stages.geometry.planes import Plane
 from stages.geometry.room_planes import find_floor, find_level_planes, fit_floor, make_floor_frame
 
@@ -28,22 +30,15 @@ def check_smooth(depth: NDArray[np.floating]) -> None:
 
 
 def find_floor_frame(
-    image: AnnotatedImage,
-    points: NDArray[np.float64],
-    usable: NDArray[np.bool_],
-    max_tilt: float,
-    rng: np.random.Generator,
-) -> NDArray[np.float64]:
+    image: AnnotatedImage, points: Array, usable: Mask, max_tilt: float, rng: np.random.Generator
+) -> Array:
     """`floor_from_camera` (4, 4): as given, else from the floor's mask, else from the level planes.
 
     It prints where the floor was found without a mask, and a doubtful height of the camera.
 
     Args:
-        image: the picture.
-        points: (H, W, 3) that its pixels show, camera frame.
-        usable: (H, W) which of them have depth that counts.
+        points: (H, W, 3) of the pixels, camera frame; only those `usable` (H, W) count.
         max_tilt: largest angle between image-up and the floor's normal, degrees.
-        rng: source of RANSAC's hypotheses.
 
     Raises:
         InputError: no floor is seen, or it is not where the given frame says.
@@ -62,13 +57,7 @@ def find_floor_frame(
     return frame
 
 
-def check_frame(
-    frame: NDArray[np.float64],
-    image: AnnotatedImage,
-    points: NDArray[np.float64],
-    usable: NDArray[np.bool_],
-    max_tilt: float,
-) -> None:
+def check_frame(frame: Array, image: AnnotatedImage, points: Array, usable: Mask, max_tilt: float) -> None:
     """Compare a given `floor_from_camera` (4, 4) with the floor's pixels; without them, its up with the level planes.
 
     Raises:
@@ -96,11 +85,7 @@ def check_frame(
 
 
 def fit_shown_floor(
-    image: AnnotatedImage,
-    points: NDArray[np.float64],
-    usable: NDArray[np.bool_],
-    max_tilt: float,
-    rng: np.random.Generator,
+    image: AnnotatedImage, points: Array, usable: Mask, max_tilt: float, rng: np.random.Generator
 ) -> Plane | None:
     """The floor by its mask; None if there is none, or it is above the camera."""
     if image.annotations.floor is None:
@@ -110,11 +95,7 @@ def fit_shown_floor(
 
 
 def find_unnamed_floor(
-    image: AnnotatedImage,
-    points: NDArray[np.float64],
-    usable: NDArray[np.bool_],
-    max_tilt: float,
-    rng: np.random.Generator,
+    image: AnnotatedImage, points: Array, usable: Mask, max_tilt: float, rng: np.random.Generator
 ) -> Plane:
     """The floor without a mask of it.
 

@@ -12,30 +12,30 @@ from stages.extraction.visibility import tolerance_of
 from stages.geometry.boxes import UprightBox, with_top
 from stages.geometry.cameras import back_project
 from stages.geometry.estimate import BIN, PROMINENT
-from stages.geometry.frames import apply, yaw_matrix
+from stages.geometry.frames import Array, apply, yaw_matrix
 from stages.geometry.minimum_box import minimum_box
+from stages.geometry.room_planes import STRAY
 
-LEVEL_BLUR = 0.003  # share of the distance: noise of heights, seen from little above
-CELLS = 16  # of a ground plan along either side
-NEARLY = 0.5  # of the most that lies at one height
-HIGHEST = 3  # of the points over a cell that counts: noise is higher
-STRAY = 0.02  # share of an object's points that say nothing
+LEVEL_BLUR = 0.003  # share of the distance: noise of heights, seen from little above; chosen
+PLAN_CELLS = 16  # of a ground plan along either side; chosen
+LEVEL_SHARE = 0.5  # of the most points at one height, from which on another is a level; chosen
+HIGHEST_POINTS = 3  # of a cell, the last of which is its height, as single ones are noise; chosen
 # Last words of what is closed and ends in a level top, so that what is higher stands on it: no seat, shelf or bowl.
 TOPPED = """
 table desk counter countertop worktop workbench workstation island bar nightstand sideboard credenza buffet console
 cabinet cupboard drawer dresser commode bureau chest stand unit wardrobe closet armoire trunk vanity
 dishwasher oven stove cooker microwave fridge refrigerator freezer washer dryer machine
 """
-OPEN = "shelf shelve shelving bookshelf bookshelve bookcase rack"  # boards one above the other
-SEAT = "chair armchair stool sofa couch settee loveseat bench bed ottoman seat"  # stand on the floor
+SHELVES = "shelf shelve shelving bookshelf bookshelve bookcase rack"  # boards one above the other
+SEATS = "chair armchair stool sofa couch settee loveseat bench bed ottoman seat"  # stand on the floor
 
 
 def fit_box_and_levels(
     label: str,
-    cloud: NDArray[np.float64],
+    cloud: Array,
     mask: NDArray[np.bool_],
     image: AnnotatedImage,
-    floor_from_camera: NDArray[np.float64],
+    floor_from_camera: Array,
     error: DepthError,
     trim: float,
 ) -> tuple[UprightBox, tuple[float, ...]]:
@@ -44,12 +44,7 @@ def fit_box_and_levels(
     What ends in a level top by its label is as high as that. A thin top that erosion removed is put back.
 
     Args:
-        label: the object's.
-        cloud: of the eroded mask.
-        mask: (H, W) before erosion.
-        image: the picture.
-        floor_from_camera: (4, 4).
-        error: of its depth.
+        cloud: of the eroded `mask` (H, W).
         trim: share of the points left out at either end of the box.
     """
     box = minimum_box(cloud, trim)
@@ -64,16 +59,14 @@ def fit_box_and_levels(
     return (box if level is None or not is_topped(label) else with_top(box, level)), heights
 
 
-def find_level(points: NDArray[np.float64], box: UprightBox, distance: float) -> float | None:
+def find_level(points: Array, box: UprightBox, distance: float) -> float | None:
     """The height of most of an object's upper surface, or where most of its front ends.
 
     Clutter, a backrest or a tap are higher, but have fewer points. Of heights with nearly as many points it is the
     lowest, which carries the others. None: a front with nothing above it, or a base, part of what the object stands on.
 
     Args:
-        points: (N, 3) of the object.
-        box: of the points.
-        distance: of the camera, metres.
+        points: (N, 3) of the object, `distance` metres from the camera; their box.
     """
     heights = points[:, 2]
     low, high = float(heights.min()), float(heights.max())
@@ -88,7 +81,8 @@ def find_level(points: NDArray[np.float64], box: UprightBox, distance: float) ->
         for values in (heights, upper)
     )
     is_level = everywhere > PROMINENT * len(heights) / bins
-    peaks = (above >= np.roll(above, 1)) & (above >= np.roll(above, -1)) & is_level & (above >= NEARLY * above.max())
+    peaks = is_level & (above >= np.roll(above, 1)) & (above >= np.roll(above, -1))
+    peaks &= above >= LEVEL_SHARE * above.max()
     peak = int(np.argmax(peaks if peaks.any() else above))
     height = low + (peak + 0.5) * (high - low) / bins
     higher = float((heights > height + thick).mean())
@@ -97,13 +91,13 @@ def find_level(points: NDArray[np.float64], box: UprightBox, distance: float) ->
     return None if is_front or is_base else height
 
 
-def is_uppermost(points: NDArray[np.float64], box: UprightBox, thick: float) -> NDArray[np.bool_]:
+def is_uppermost(points: Array, box: UprightBox, thick: float) -> NDArray[np.bool_]:
     """Which points (N, 3) are at most `thick` metres below the highest one over their cell of the ground plan."""
     inside = (points - box.center) @ yaw_matrix(box.yaw)[:, :2] / np.maximum(box.size[:2], 1e-6) + 0.5
-    row, column = np.clip((inside * CELLS).astype(int), 0, CELLS - 1).T
-    _, cells, counts = np.unique(row * CELLS + column, return_inverse=True, return_counts=True)
+    row, column = np.clip((inside * PLAN_CELLS).astype(int), 0, PLAN_CELLS - 1).T
+    _, cells, counts = np.unique(row * PLAN_CELLS + column, return_inverse=True, return_counts=True)
     heights = points[np.lexsort((points[:, 2], cells)), 2]
-    ends = heights[np.cumsum(counts) - np.minimum(counts, HIGHEST)]
+    ends = heights[np.cumsum(counts) - np.minimum(counts, HIGHEST_POINTS)]
     return np.asarray(points[:, 2] > ends[cells] - thick)
 
 
@@ -114,7 +108,7 @@ def is_topped(label: str) -> bool:
 
 def is_seat(label: str) -> bool:
     """Whether objects with this label are seats or beds, which stand on the floor."""
-    return _last_word(label) in SEAT.split()
+    return _last_word(label) in SEATS.split()
 
 
 def find_carrying_heights(label: str, level: float | None, top: float) -> tuple[float, ...]:
@@ -122,7 +116,7 @@ def find_carrying_heights(label: str, level: float | None, top: float) -> tuple[
 
     A chair carries at its seat, a desk between its clutter and on top of that, a shelf at its top alone.
     """
-    return (top,) if level is None or _last_word(label) in OPEN.split() else (level, top)
+    return (top,) if level is None or _last_word(label) in SHELVES.split() else (level, top)
 
 
 def _last_word(label: str) -> str:

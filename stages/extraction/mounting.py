@@ -24,7 +24,7 @@ from stages.geometry.boxes import THINNEST_PLATE, UprightBox, with_bottom, with_
 from stages.geometry.frames import rounded
 
 MAX_STRETCH = 2.0  # of an object's seen height: by more its box is not extended down to what carries it; chosen
-THINNEST = 0.001  # metres: a box has some depth, also where a cloud has none
+MIN_EXTENT = 0.001  # metres: a box has some depth, also where a cloud has none
 
 
 @dataclass(frozen=True)
@@ -48,13 +48,7 @@ def mount_objects(
 ) -> list[MeasuredObject]:
     """The objects with their mountings and supports, and boxes down to these; what carries comes before the carried.
 
-    Args:
-        scene: its name, for messages.
-        found: the objects.
-        image: the picture.
-        walls: all wall planes.
-        fitted: the wall's id by its mask value.
-        view: the picture's depth.
+    `scene` is named in messages; `fitted`: the walls' ids by mask value.
     """
     boxes = {one.object.id: one.box for one in found if one.box is not None}
     unnamed = ~np.isin(image.masks, image.annotations.values)
@@ -79,7 +73,7 @@ def mount_objects(
             done[name] = one.fail("its top is found below what carries it: the depth of one of the two is wrong")
             continue
         carriers[name] = placed.filled
-        size = rounded(np.maximum(placed.box.size, THINNEST))
+        size = rounded(np.maximum(placed.box.size, MIN_EXTENT))
         update = {
             "box": Box(center=rounded(placed.box.center), size=size, yaw=round(placed.box.yaw, 6)),
             "mounting": placed.mounting,
@@ -118,12 +112,9 @@ def place_object(
     """Where one object stands or hangs.
 
     Args:
-        box: of what was seen of it.
+        box: of what was seen of it, at its `own` pixels (H, W).
         carriers: boxes of the objects that may be beneath it, hidden space filled, by id.
         others: boxes of all other objects, as seen.
-        walls: all wall planes.
-        view: the picture's depth, which tells hidden space from empty space.
-        own: the object's pixels (H, W).
         known: the box is known whole: nothing of it is hidden.
         stated: how it is held, if the input states it.
         is_seat: it stands on the floor however little is seen of it above a table.

@@ -12,7 +12,7 @@ from stages.contracts.types import LARGEST
 from stages.extraction.clouds import MAX_POINTS, ObjectError, find_object_mask, make_object_cloud
 from stages.extraction.levels import fit_box_and_levels
 from stages.extraction.observation import AnnotatedImage
-from stages.geometry.boxes import UprightBox, rounded_off, surface_points
+from stages.geometry.boxes import UprightBox, round_off_box, surface_points
 from stages.geometry.masks import pixel_bounds
 
 
@@ -44,17 +44,9 @@ def measure_object(
     options: ExtractionConfig,
     rng: np.random.Generator,
 ) -> MeasuredObject:
-    """The pixels, cloud and box of one object; a box that the input states is taken as it is.
+    """The pixels inside a crop (H, W), cloud and box of the object `name`; a box that the input states is kept.
 
-    Args:
-        name: its id.
-        item: what the input states of it.
-        image: the picture.
-        crop: (H, W) the part of it that is used.
-        floor_from_camera: (4, 4).
-        error: of its depth.
-        options: of clouds and boxes.
-        rng: by which points are left out of a large cloud.
+    `rng` chooses which points of a large cloud are left out; floor_from_camera (4, 4).
     """
     whole = item.box is not None and not item.guessed
     known = SceneObject(id=name, whole=whole, **item.model_dump(exclude={"box", "guessed", "mounting"}))
@@ -64,7 +56,7 @@ def measure_object(
         if item.box is not None:
             box = UprightBox(item.box.center, item.box.size, item.box.yaw)
             cloud = surface_points(box, MAX_POINTS)
-            cloud = cloud if item.front is not None else rounded_off(cloud, box)
+            cloud = cloud if item.front is not None else round_off_box(cloud, box)
         else:
             share = round(float((image.depth[mask] > 0).mean()), 3)
             cloud = make_object_cloud(mask, image, floor_from_camera, options, rng)

@@ -17,7 +17,7 @@ WIDTH = 1280  # pixels to which every picture is drawn: pages show it at about h
 LETTERS, LINE, PADDING = 26, 3, 5  # pixels
 
 
-def _tinted(
+def _tint_masks(
     rgb: NDArray[np.uint8], masks: NDArray[np.uint16], colours: dict[int, Colour], scale: float
 ) -> NDArray[Any]:
     size, finest = (WIDTH, round(scale * rgb.shape[0])), cv2.INTER_AREA if scale < 1 else cv2.INTER_CUBIC
@@ -84,7 +84,7 @@ def draw_overview(rgb: NDArray[np.uint8], masks: NDArray[np.uint16], objects: Ob
     good = [item for item in objects.objects if item.status == "ok"]
     colours = {item.mask: colour_of(k) for k, item in enumerate(good)}
     scale = WIDTH / rgb.shape[1]
-    image = Image.fromarray(_tinted(rgb, masks, colours, scale))
+    image = Image.fromarray(_tint_masks(rgb, masks, colours, scale))
     canvas = ImageDraw.Draw(image)
     for item in good:
         _wireframe(canvas, item, objects, colours[item.mask], scale)

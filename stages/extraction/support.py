@@ -11,7 +11,7 @@ from stages.extraction.visibility import DepthView, cell_centres
 from stages.extraction.wall_contact import FREE_SHARE
 from stages.geometry.boxes import UprightBox, footprint
 from stages.geometry.frames import yaw_matrix
-from stages.geometry.masks import OUTLINE
+from stages.geometry.masks import OUTLINE, Mask
 
 WIDENED, WIDENED_SHARE = 0.05, 0.25  # metres by which a carrier's footprint is widened; at most so much of the carried
 ON_TOP = 0.5  # share of an object's footprint that lies over its carrier's
@@ -46,7 +46,7 @@ def find_carrier(
     return max(tops, default=(0.0, FLOOR))
 
 
-def is_hanging(box: UprightBox, beneath: float, view: DepthView, own: NDArray[np.bool_]) -> bool:
+def is_hanging(box: UprightBox, beneath: float, view: DepthView, own: Mask) -> bool:
     """Whether an object at a wall, with the pixels `own` (H, W), is seen to end above what is `beneath` it, a height.
 
     Depth errs along the view, so a low edge is as sharp as the picture, however far away.
@@ -58,7 +58,7 @@ def is_hanging(box: UprightBox, beneath: float, view: DepthView, own: NDArray[np
     )
 
 
-def measure_free_share(box: UprightBox, height: float, view: DepthView, own: NDArray[np.bool_]) -> float:
+def measure_free_share(box: UprightBox, height: float, view: DepthView, own: Mask) -> float:
     """Share of the space just below the box, down to `height` at most, that the camera sees to be empty."""
     half = box.size[:2] / 2
     low = max(height, box.bottom - JUST_BELOW)
@@ -66,7 +66,7 @@ def measure_free_share(box: UprightBox, height: float, view: DepthView, own: NDA
     return view.free_share(local @ yaw_matrix(box.yaw).T + [*box.center[:2], 0.0], own)
 
 
-def reaches_down(box: UprightBox, height: float, view: DepthView, own: NDArray[np.bool_]) -> bool:
+def reaches_down(box: UprightBox, height: float, view: DepthView, own: Mask) -> bool:
     """Whether the object is seen to stand at `height`: rays through its lowest pixels meet it inside the footprint.
 
     Legs are too thin to have trusted depth, but their ends are in the mask. The lowest pixels of what hangs on a wall
@@ -77,18 +77,13 @@ def reaches_down(box: UprightBox, height: float, view: DepthView, own: NDArray[n
     return int(_is_over(hits, box, view.tolerance(box.center)).sum()) >= OUTLINE
 
 
-def measure_shelf(
-    box: UprightBox, walls: Sequence[Wall], view: DepthView, own: NDArray[np.bool_], unnamed: NDArray[np.bool_]
-) -> float | None:
+def measure_shelf(box: UprightBox, walls: Sequence[Wall], view: DepthView, own: Mask, unnamed: Mask) -> float | None:
     """Height of an unnamed surface, e.g. a shelf, just below the object's lowest pixels; None: there is none.
 
     A wall carries nothing, whether it has a mask there or not.
 
     Args:
-        box: of what was seen of the object.
-        walls: all wall planes.
-        view: the picture's depth.
-        own: the object's pixels (H, W).
+        box: of what was seen of the object, at its `own` pixels (H, W).
         unnamed: pixels (H, W) of no mask.
     """
     tolerance = view.tolerance(box.center)
@@ -103,13 +98,13 @@ def measure_shelf(
     return float(np.median(points[near, 2])) if near.sum() > SHELF * len(columns) else None
 
 
-def lowest_pixels(own: NDArray[np.bool_]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+def lowest_pixels(own: Mask) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Columns (N,) and rows (N,) of the lowest pixel of a mask (H, W) in each column."""
     columns = np.flatnonzero(own.any(axis=0))
     return columns, own.shape[0] - 1 - np.argmax(own[::-1, columns], axis=0)
 
 
-def _is_over(points: NDArray[np.float64], box: UprightBox, margin: float) -> NDArray[np.bool_]:
+def _is_over(points: NDArray[np.float64], box: UprightBox, margin: float) -> Mask:
     """Which points (N, 3) lie over the footprint of a box, widened by `margin` metres."""
     local = (points - box.center) @ yaw_matrix(box.yaw)
     return np.asarray((np.abs(local[:, :2]) <= box.size[:2] / 2 + margin).all(axis=1))

@@ -29,9 +29,7 @@ def resolve_stated_mounting(held: Held, box: UprightBox, walls: list[Wall], fitt
     """The mounting that the input states (A.2: by a captioner), with ids of walls.
 
     Args:
-        held: as the input has it.
         box: of what was seen of the object.
-        walls: all wall planes.
         fitted: the wall's id by its mask value, of those masks in which a plane was found.
 
     Raises:
@@ -110,11 +108,8 @@ def find_touched_walls(
     """The walls that the object touches, the one it leans on with its widest face first.
 
     Args:
-        box: of what was seen of it.
+        box: of what was seen of it, at its `own` pixels (H, W).
         others: boxes of all other objects.
-        walls: all wall planes.
-        view: the picture's depth.
-        own: the object's pixels (H, W).
         max_hidden_depth: metres of hidden space that it may fill; 0: its box is known whole.
     """
     tolerance, outline = view.tolerance(box.center), OUTLINE * view.pixel_size(view.distance(box.center))

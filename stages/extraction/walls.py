@@ -20,14 +20,11 @@ def find_room_walls(
     camera_height: float,
     rng: np.random.Generator,
 ) -> tuple[list[Wall], dict[int, str]]:
-    """The walls, and each one's id by the mask values that show it.
+    """The walls, and their ids by the mask values that show them.
 
     Args:
-        image: the picture.
-        points: (H, W, 3) that its pixels show, floor frame.
-        usable: (H, W) which of them have depth that counts.
+        points: (H, W, 3) of the pixels, floor frame; only those `usable` (H, W) count.
         camera_height: the camera is at (0, 0, camera_height).
-        rng: source of RANSAC's hypotheses.
     """
     planes, shown = [], []
     others = usable & ~np.isin(image.masks, [item.mask for item in image.annotations.objects])

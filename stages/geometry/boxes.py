@@ -79,7 +79,7 @@ def surface_points(box: UprightBox, count: int) -> NDArray[np.float64]:
     return np.asarray(local @ yaw_matrix(box.yaw).T + box.center)
 
 
-def rounded_off(points: NDArray[np.float64], box: UprightBox) -> NDArray[np.float64]:
+def round_off_box(points: NDArray[np.float64], box: UprightBox) -> NDArray[np.float64]:
     """Points (N, 3) of a box, moved towards its axis until they lie in the upright cylinder in it."""
     turn, half = yaw_matrix(box.yaw), box.size[:2] / 2
     local = (points - box.center) @ turn

@@ -47,9 +47,7 @@ def fit_floor(
     """The level plane with the most of points (N, 3), camera frame; its normal points up. None: there is none.
 
     Args:
-        points: e.g. of the floor's mask.
         max_tilt: largest angle between image-up and its normal, degrees.
-        rng: source of RANSAC's hypotheses.
         threshold: metres within which a point at 3 m belongs to a plane.
     """
     if len(points) < 3:
@@ -85,11 +83,7 @@ def find_floor(points: Array, objects: Sequence[Array], max_tilt: float, rng: np
 
     Of two with as many objects it is the one with fewer points below it.
 
-    Args:
-        points: (N, 3) of what is no object, camera frame.
-        objects: (N, 3) of each object.
-        max_tilt: as of `fit_floor`.
-        rng: source of RANSAC's hypotheses.
+    `points` (N, 3) of what is no object and of each of the `objects`, camera frame; `max_tilt` as of `fit_floor`.
     """
     points = sample_points(points, rng)
 
@@ -122,13 +116,9 @@ def make_floor_frame(floor: Plane) -> Array:
 def fit_wall(
     points: Array, camera_height: float, rng: np.random.Generator, threshold: float = PLANE_THRESHOLD
 ) -> WallPlane | None:
-    """The upright plane with the most of points (N, 3) in the floor frame; None: there is none.
+    """The upright plane with the most of points (N, 3), floor frame; None: there is none.
 
-    Args:
-        points: e.g. of a wall's mask.
-        camera_height: the camera is at (0, 0, camera_height).
-        rng: source of RANSAC's hypotheses.
-        threshold: metres within which a point at 3 m belongs to a plane.
+    The camera is at (0, 0, camera_height); `threshold` as of `fit_floor`.
     """
     if len(points) < 3:
         return None
@@ -154,12 +144,7 @@ def find_walls(
 ) -> list[WallPlane]:
     """Walls without a mask: upright planes behind which nothing is seen.
 
-    Args:
-        points: (N, 3) of the whole picture, floor frame.
-        free: (N,) which of them may be of a wall.
-        camera_height: the camera is at (0, 0, camera_height).
-        rng: source of RANSAC's hypotheses.
-        threshold: metres within which a point at 3 m belongs to a plane.
+    `points` (N, 3) of the whole picture, floor frame; `free` (N,): which may be of a wall; else as of `fit_wall`.
     """
     kept = np.sort(rng.permutation(len(points))[:MAX_POINTS])
     points, rest = points[kept], points[kept[free[kept]]]

@@ -32,7 +32,7 @@ ROOM = (FLOOR, WALL)
 
 @dataclass(frozen=True)
 class Thing:
-    """A detection with its mask (H, W), and what the language model says of it."""
+    """A detection with its mask (H, W), and what the language model states of it."""
 
     detection: Detection
     mask: NDArray[np.bool_]
@@ -84,7 +84,7 @@ _BY_LABEL = "photo.captions: labels needs no language model"
 
 
 def camera_of(photo: Photo, estimated: float | None, options: PhotoConfig) -> tuple[Matrix, str]:
-    """K, and a line that says where its focal length is from: config, depth network, EXIF, lines, a usual camera."""
+    """K, and a line with the source of its focal length: config, depth network, EXIF, lines, a usual camera."""
     height, width = photo.rgb.shape[:2]
     prior = usual_focal(width, height, photo.focal)
     if options.field_of_view is not None:

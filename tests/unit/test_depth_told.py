@@ -16,7 +16,7 @@ from stages.contracts import Camera, read_json
 from stages.contracts.depth import read_depth
 from stages.contracts.scene_input import read_scene_input
 from stages.geometry.boxes import UprightBox
-from stages.geometry.depth_marks import marks_of, range_of
+from stages.geometry.depth_marks import find_cut_range, find_marks
 from stages.geometry.ray_depth import along_axis, flatter_along, ray_lengths
 from stages.inputs import from_rgbd
 from stages.inputs.rgbd.depth_files import convert_to_metres, read_raw
@@ -120,7 +120,7 @@ def test_a_unit_that_is_told_goes_before_the_file_and_says_so(room: tuple[Any, A
     (tmp_path / "K.json").write_text(json.dumps({"depth_scale": 4000}))
     stated = find_stated_units(tmp_path / "d.npy", tmp_path / "K.json")
     raw = np.rint(room[0] * 1000).astype(np.uint16)
-    assert "as told, though depth_scale 4000 in K.json" in convert_to_metres(Path("d"), raw, "mm", stated)[1]
+    assert "as stated, though depth_scale 4000 in K.json" in convert_to_metres(Path("d"), raw, "mm", stated)[1]
     assert "though" not in convert_to_metres(Path("d"), 4 * raw, "4000", stated)[1]
 
 
@@ -157,7 +157,7 @@ def test_depth_that_is_cut_off_is_told_beside_a_wall_of_a_sensor() -> None:
 def test_walls_and_fronts_that_are_seen_straight_on_stay(room: tuple[Any, Any]) -> None:
     flat = np.full((200, 300), 1.5, np.float32)
     flat[50:100, 50:100] = 0.6  # a box from above
-    assert marks_of(flat) == []
+    assert find_marks(flat) == []
     wall = np.minimum(trace([BOX], wall=False)[0], np.float32(3.8713))
     wall[wall == 0] = np.float32(3.8713)
     assert (convert_to_metres(Path("d"), wall)[0] > 0).all()
@@ -168,7 +168,7 @@ def test_a_few_pixels_at_one_distance_are_no_range(pixels: int, found: float | N
     """Of 100,000 pixels: what is cut off is seen in more than a patch."""
     depth = np.linspace(1, 6, 100_000).reshape(250, 400).astype(np.float32)
     depth.ravel()[:pixels] = 10.0
-    assert range_of(depth) == found
+    assert find_cut_range(depth) == found
 
 
 def test_bytes_are_no_millimetres(tmp_path: Path, room: tuple[Any, Any]) -> None:

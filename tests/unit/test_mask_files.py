@@ -213,7 +213,7 @@ def test_which_of_several_pictures_is_meant_must_be_clear(tmp_path: Path, capsys
         read(tmp_path, coco(item, {**item, "image_id": 2}, images=[]))
     assert area(read(tmp_path, coco(item, images=[])), "box").any()
     read(tmp_path, coco(item, images=[{"id": 1, "file_name": "other.png"}]))
-    assert "says to be of other.png" in capsys.readouterr().out
+    assert "is of other.png" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

@@ -190,8 +190,8 @@ def test_ground_is_what_the_named_things_stand_on(files: SimpleNamespace) -> Non
         (1, np.float32, "auto", "depth in m (found"),
         (1000, np.uint16, "auto", "depth in mm (found"),
         (1000, np.float64, "auto", "depth in mm (found"),
-        (5000, np.uint16, "5000", "depth in 1/5000 m (as told"),
-        (1000, np.int32, "mm", "depth in mm (as told"),
+        (5000, np.uint16, "5000", "depth in 1/5000 m (as stated"),
+        (1000, np.int32, "mm", "depth in mm (as stated"),
     ],
 )
 def test_unit_of_depth(room: tuple, scale: float, dtype: type, unit: str, says: str) -> None:

@@ -12,7 +12,7 @@ from stages.geometry.boxes import UprightBox
 from stages.geometry.room_planes import find_floor
 from stages.inputs import from_rgbd
 from stages.inputs.rgbd.clusters import find_ground, make_clusters
-from stages.inputs.rgbd.edges import STEP, _as_far_as, remove_edges
+from stages.inputs.rgbd.edges import DEPTH_STEP, _as_far_as, remove_edges
 from stages.inputs.rgbd.frame import Frame, Labelled
 from stages.inputs.rgbd.write import write_frame
 from tests.unit.synthetic_room import FLOOR, HEIGHT, INTRINSICS, OBJECT, WIDTH, trace
@@ -118,7 +118,7 @@ def test_a_thin_handle_is_kept_and_what_is_behind_a_wide_mask_is_not() -> None:
 
 
 def test_what_is_as_far_is_told_by_the_share_of_the_distance() -> None:
-    depth = np.float32([[4.0, 4.0 + 3 * STEP, 4.0 + 6 * STEP]])
+    depth = np.float32([[4.0, 4.0 + 3 * DEPTH_STEP, 4.0 + 6 * DEPTH_STEP]])
     part = np.array([[True, False, False]])
     assert _as_far_as(part, depth).tolist() == [[True, True, False]]
     assert _as_far_as(part, depth / 8).tolist() == [[True, True, False]]

@@ -14,21 +14,21 @@ from stages.vlm.boxed import boxed
 from stages.vlm.prompt import Prompt
 
 NONE = "none"
-SYSTEM = (
+SYSTEM_PROMPT = (
     "You look at a picture of a room and say what things stand, lie or hang in it. Say only what you can see. You "
     "answer with one JSON object and nothing else."
 )
-LABELS = (
+LABELS_PROMPT = (
     "List the kinds of things in this picture: furniture, appliances and loose objects, each by a short common noun in "
     "the singular, each kind once. Whole things only, no parts such as doors, drawers or handles; no floor, walls, "
     'ceiling, windows or doors of the room. Answer {"labels": ["cabinet", "mug"]}.'
 )
-OBJECT = (
+OBJECT_PROMPT = (
     "Look at the thing in the red box. Which of these is it: {labels}? 'none' if it is none of them, only a part of a "
     "thing, or several things at once. Does it open by doors (hinged) or drawers (sliding)? Count those that you see "
     'of this thing alone. Answer {{"label": "cabinet", "articulated": true, "doors": 2, "drawers": 1}}.'
 )
-MOUNTING = (
+MOUNTING_PROMPT = (
     "The first picture has a thing in a red box, {label}; in the second the walls of the room are tinted, and numbered "
     "from 1 to {count}. How is the thing held? 'hangs': it is fixed on a wall, with nothing closely beneath it. "
     "'stands': it stands on the floor or on another thing and touches no wall. 'stands_at_wall': it is not fixed on a "
@@ -76,7 +76,7 @@ def ask_labels(asker: Asker, rgb: NDArray[np.uint8]) -> list[str]:
     Raises:
         NoAnswerError: there is no answer that can be used.
     """
-    answer = asker.ask(Prompt(SYSTEM, [rgb, LABELS]), LabelsAnswer, "what is in the picture")
+    answer = asker.ask(Prompt(SYSTEM_PROMPT, [rgb, LABELS_PROMPT]), LabelsAnswer, "what is in the picture")
     labels = [plain(" ".join(label.lower().replace(".", " ").split())[:60]) for label in answer.labels]
     labels = [label for label in dict.fromkeys(labels) if label and label != NONE]
     if not labels:
@@ -94,7 +94,9 @@ def ask_object(
     """
     choice: Any = Literal[(*labels, NONE)]
     answer = create_model("Look", __base__=ObjectAnswer, label=(choice, ...))
-    found = asker.ask(Prompt(SYSTEM, [boxed(rgb, box), OBJECT.format(labels=", ".join(labels))]), answer, about)
+    found = asker.ask(
+        Prompt(SYSTEM_PROMPT, [boxed(rgb, box), OBJECT_PROMPT.format(labels=", ".join(labels))]), answer, about
+    )
     panels = found.doors + found.drawers > 0
     return found.model_copy(update={"articulated": found.articulated or panels})
 
@@ -114,6 +116,6 @@ def ask_mounting(
     """
     number: Any = list[Literal[tuple(range(1, len(walls) + 1))]]  # type: ignore[misc]
     answer = create_model("Held", __base__=MountingAnswer, walls=(number, ...))
-    text = MOUNTING.format(label=label, count=len(walls))
-    found = asker.ask(Prompt(SYSTEM, [boxed(rgb, box), draw_numbers(rgb, walls), text]), answer, about)
+    text = MOUNTING_PROMPT.format(label=label, count=len(walls))
+    found = asker.ask(Prompt(SYSTEM_PROMPT, [boxed(rgb, box), draw_numbers(rgb, walls), text]), answer, about)
     return 1 + MOUNTINGS.index(found.held), [wall - 1 for wall in dict.fromkeys(found.walls)]

@@ -26,12 +26,6 @@ def choose_intrinsics(
 ) -> Callable[[int, int, str], Matrix] | None:
     """What gives K of a picture of some width, height and name, by the one option of four that is set; None: none is.
 
-    Args:
-        file: of intrinsics.
-        camera: its name.
-        fov: field of view over the picture's width, degrees; 0: not set.
-        matrix: fx, fy, cx, cy in pixels.
-
     Raises:
         InputError: several are set, or the matrix has not four numbers.
     """
@@ -116,7 +110,7 @@ def intrinsics_of_camera(name: str, width: int, height: int) -> Matrix:
 def read_intrinsics(path: Path, width: int, height: int, picture: str = "") -> Matrix:
     """K for a picture of this size, from a file of any usual layout (docs/your-data.md).
 
-    Where the file says another width and height of the same proportions, K is scaled to the picture, which is printed.
+    If the file states another size of the same proportions, K is scaled to the picture, which is printed.
 
     Args:
         path: the file.
@@ -194,7 +188,7 @@ def read_names(path: Path, known: dict[str, Any], width: int, height: int) -> tu
 
 
 def _read_nerf(known: dict[str, Any], width: float, height: float) -> Matrix:
-    """K of a transforms.json, whose focal length may be an angle, with the axis in the middle if nothing is said."""
+    """K of a transforms.json, whose focal length may be an angle, with the axis in the middle if none is stated."""
     radians = known["cameraanglex"] if "cameraanglex" in known else np.deg2rad(float(first(known, *ANGLE) or 0))
     across = float(known["flx"]) if "flx" in known else width / 2 / np.tan(float(radians) / 2)
     cx, cy = float(known.get("cx", width / 2)), float(known.get("cy", height / 2))

@@ -7,6 +7,7 @@ from scipy.spatial import Delaunay, KDTree
 
 from stages.config.extraction import ExtractionConfig
 from stages.contracts import InputError
+from stages.contracts.types import WALL
 from stages.geometry.cameras import back_project
 from stages.geometry.clouds import dbscan
 from stages.geometry.frames import apply
@@ -15,22 +16,21 @@ from stages.geometry.room_planes import find_level_planes, find_walls, make_floo
 from stages.inputs.rgbd.edges import find_smooth_pixels
 from stages.inputs.rgbd.frame import Labelled
 
-TILT = 75.0  # degrees: largest angle between image-up and the normal of what things stand on
-NEAR = 2.0  # metres: what is nearer stands on a table, farther away it is a room
-LARGE = 0.3  # share of the largest level plane's area that a table or floor has: a lid has less
-OFF = 0.006  # share of the distance by which points of a plane may be off
-LEAST = 0.001  # share of the points that a thing has
-OBJECT, WALL = "object", "wall"
+TILT = 75.0  # degrees: largest angle between image-up and the ground's normal, as cameras look down at tables; chosen
+TABLE_WITHIN = 2.0  # metres of the median depth: nearer is a table, farther a room; chosen
+LARGE_PLANE = 0.3  # share of the largest level plane that a table or floor has at least: a lid has less; chosen
+OFF_PLANE = 0.006  # share of the distance by which points of a plane may be off; chosen
+MIN_SHARE = 0.001  # share of all points that an object has at least; chosen
 Masks = list[NDArray[np.bool_]]
 
 
 def find_ground(points: NDArray[np.float64], rng: np.random.Generator) -> Plane | None:
     """The level plane in points (N, 3), camera frame, on which things stand: if near a table top, else a floor."""
     distance = float(np.median(points[:, 2])) if len(points) else 0.0
-    planes = find_level_planes(points, TILT, rng, OFF * max(distance, OFF))
+    planes = find_level_planes(points, TILT, rng, OFF_PLANE * max(distance, OFF_PLANE))
     largest = max((plane.inliers.sum() for plane in planes), default=0)
-    large = [plane for plane in planes if plane.inliers.sum() >= LARGE * largest]
-    return (max if distance < NEAR else min)(large, key=lambda plane: plane.offset, default=None)
+    large = [plane for plane in planes if plane.inliers.sum() >= LARGE_PLANE * largest]
+    return (max if distance < TABLE_WITHIN else min)(large, key=lambda plane: plane.offset, default=None)
 
 
 def make_clusters(depth: NDArray[np.float32], intrinsics: NDArray[np.float64]) -> Labelled:
@@ -55,7 +55,7 @@ def make_clusters(depth: NDArray[np.float32], intrinsics: NDArray[np.float64]) -
     values = np.zeros(depth.shape, dtype=np.uint16)
     for value, mask in enumerate([*sorted(things, key=lambda mask: np.nonzero(mask)[1].mean()), *walls], 1):
         values[mask & (values == 0)] = value
-    return Labelled(values, dict(enumerate([OBJECT] * len(things) + [WALL] * len(walls), 1)))
+    return Labelled(values, dict(enumerate(["object"] * len(things) + [WALL] * len(walls), 1)))
 
 
 def _find_things(
@@ -64,18 +64,18 @@ def _find_things(
     """Masks (H, W) of what stands on a level plane, and of the walls around it."""
     points = apply(make_floor_frame(ground), back_project(depth, intrinsics))
     seen = depth > 0
-    off = OFF * float(np.median(depth[seen]))
+    off = OFF_PLANE * float(np.median(depth[seen]))
     above = seen & (points[..., 2] > off)
     on_ground = seen & (np.abs(points[..., 2]) < off)
     walls = find_walls(points[seen], above[seen], -ground.offset, rng, off)
     heights = [points @ normal - offset for normal, offset, _ in walls]
     inside = np.logical_and.reduce([above, *(height > 2 * off for height in heights)])
-    if np.median(depth[seen]) < NEAR:  # what lies beside a table is none of it
+    if np.median(depth[seen]) < TABLE_WITHIN:  # on a table nothing counts that is not over it
         inside &= Delaunay(sample_points(points[on_ground], rng)[:, :2]).find_simplex(points[..., :2]) >= 0
-    inner = inside & (points[..., 2] > 2 * off) & find_smooth_pixels(depth, 2 * OFF)
+    inner = inside & (points[..., 2] > 2 * off) & find_smooth_pixels(depth, 2 * OFF_PLANE)
     clusters = np.full(depth.shape, -1)
     clusters[inside] = _label_points(
-        points[inside], points[inner], 2 * off, LEAST * seen.sum() / max(1, inner.sum()), rng
+        points[inside], points[inner], 2 * off, MIN_SHARE * seen.sum() / max(1, inner.sum()), rng
     )
     things = [binary_opening(clusters == name, np.ones((3, 3))) for name in np.unique(clusters[clusters >= 0])]
     at_walls = [above & (np.abs(height) < 2 * off) for height in heights]

@@ -12,12 +12,12 @@ from stages.contracts import InputError
 from stages.contracts.arrays import read_npz, readable
 from stages.contracts.depth import NEAREST, SKY, check_depth
 from stages.contracts.types import LARGEST
-from stages.geometry.depth_marks import marks_of, range_of, without
+from stages.geometry.depth_marks import find_cut_range, find_marks, remove_marks
 from stages.inputs.rgbd.depth_scale import UNITS, Stated, find_scale
 from stages.inputs.rgbd.exr import read_exr
 
-IMAGES = (".png", ".tif", ".tiff", ".pgm")
-FILES = (*IMAGES, ".exr", ".npz", ".npy")
+DEPTH_IMAGES = (".png", ".tif", ".tiff", ".pgm")
+DEPTH_FILES = (*DEPTH_IMAGES, ".exr", ".npz", ".npy")
 
 
 def read_raw(path: Path) -> NDArray[Any]:
@@ -26,12 +26,12 @@ def read_raw(path: Path) -> NDArray[Any]:
     Raises:
         InputError: no depth: missing, of another format, in colours, or with 8 bits.
     """
-    if path.suffix.lower() not in FILES:
+    if path.suffix.lower() not in DEPTH_FILES:
         raise InputError(
-            path, "is no kind of depth file that is known.", f"one of {', '.join(FILES)}", code="E-DEPTH-FORMAT"
+            path, "is no kind of depth file that is known.", f"one of {', '.join(DEPTH_FILES)}", code="E-DEPTH-FORMAT"
         )
     with readable(path, "depth file"):
-        if path.suffix.lower() in IMAGES:
+        if path.suffix.lower() in DEPTH_IMAGES:
             array = _read_image(path)
         else:
             array = _read_numpy(path) if path.suffix.lower() != ".exr" else read_exr(path)
@@ -74,20 +74,20 @@ def _read_numpy(path: Path) -> NDArray[Any]:
 def convert_to_metres(
     path: Path, raw: NDArray[Any], unit: str = "auto", stated: Sequence[Stated] = (), usual: float | None = None
 ) -> tuple[NDArray[np.float32], str]:
-    """Depth in metres (h, w), 0: unknown, and a line that says which unit was found, and by what.
+    """Depth in metres (h, w), 0: unknown, and a line with the unit and its source.
 
     Args:
         path: for errors.
         raw: numbers as stored; what is negative, not finite, beyond 100 m or a mark of `depth_marks` is unknown.
         unit: auto, m, mm, or the number that stands for one metre, e.g. 5000 (TUM).
         stated: what files say of the unit.
-        usual: what stands for one metre if nobody says anything, if it is known; else the median tells.
+        usual: the number that stands for one metre if nobody states one, if it is known; else the median decides.
 
     Raises:
         InputError: no pixel is known, or the numbers are no depth of a room in this unit, or in any.
     """
-    marks = marks_of(raw)
-    raw = without(raw, marks)
+    marks = find_marks(raw)
+    raw = remove_marks(raw, marks)
     known = raw[np.isfinite(raw) & (raw > 0)]
     if not known.size:
         raise InputError(
@@ -102,7 +102,7 @@ def convert_to_metres(
         )
     metres = np.where(np.isfinite(raw), raw, 0).astype(np.float64) / per_metre
     metres[(metres < 0) | (metres > SKY)] = 0
-    if (cut := range_of(metres)) is not None:
+    if (cut := find_cut_range(metres)) is not None:
         metres[metres == cut] = 0
         marks.append(cut * per_metre)
     check_depth(path, metres)

@@ -17,7 +17,7 @@ from stages.inputs.rgbd.camera_files import load, plain
 PER_METRE, METRES, MILLIMETRES, MICROMETRES = "units to a metre", "metres a unit", "mm a unit", "micrometres a unit"
 ANY = (PER_METRE, METRES, MILLIMETRES)
 # What a number may mean under a name, in small letters and digits alone; a key inside `depth` has that before it.
-NAMES = {
+UNIT_NAMES = {
     "depthscale": ANY,  # Open3D: 1000; RealSense: 0.001; BOP: 0.1 mm
     "depthfactor": ANY,
     "depthscalefactor": ANY,
@@ -43,7 +43,7 @@ USUAL_MEDIAN = 6.0  # metres: frames of depth cameras have less; more in millime
 
 @dataclass(frozen=True)
 class Stated:
-    """What one file says: which file, the words, and what they may mean: the numbers that stand for one metre."""
+    """A unit as one file states it: the file, its words, and the numbers that may stand for one metre by them."""
 
     where: str
     words: str
@@ -54,7 +54,7 @@ class Stated:
 
 
 def find_stated_units(depth: Path, about: Path | None = None) -> list[Stated]:
-    """What is said of the unit by the depth file itself, else by the file of intrinsics `about`, else beside them."""
+    """The units that the depth file itself states, else the file of intrinsics `about`, else files beside them."""
     sources: list[list[Path]] = [[depth], [] if about is None else [about], _list_beside(depth.parent)]
     sources.append(_list_beside(depth.parent.parent))
     for files in sources:
@@ -67,21 +67,16 @@ def find_stated_units(depth: Path, about: Path | None = None) -> list[Stated]:
 def find_scale(
     path: Path, known: NDArray[Any], unit: str, stated: Sequence[Stated], usual: float | None
 ) -> tuple[float, str]:
-    """The number that stands for one metre, and what tells it, in words.
+    """The number that stands for one metre of depth with the `known` numbers (N,), and its source in words.
 
-    Args:
-        path: of the depth, for errors.
-        known: (N,) its known numbers.
-        unit: auto, m, mm, or the number itself.
-        stated: what files say of the unit.
-        usual: the number if nobody states one, if it is known; else the median tells.
+    It is that of `unit` unless this is auto, else the one that files state, else the `usual` one, else the median's.
 
     Raises:
         InputError: there is none, or several.
     """
     median = float(np.median(known))
     if unit != "auto":
-        per_metre, how = _read_unit(unit), "as told"
+        per_metre, how = _read_unit(unit), "as stated"
         if stated and not any(np.isclose(per_metre, scale) for one in stated for scale in one.per_metre):
             how += f", though {stated[0]}"
         return per_metre, how
@@ -93,7 +88,7 @@ def find_scale(
 
 
 def choose_stated_scale(path: Path, stated: Sequence[Stated], median: float) -> tuple[float, str]:
-    """The number that stands for one metre, and who says so: the one by which depth of this median is of a room.
+    """The number that stands for one metre, and which file states it: the one that makes the median that of a room.
 
     Raises:
         InputError: there is none, or several.
@@ -121,11 +116,11 @@ def _list_beside(folder: Path) -> list[Path]:
 
 
 def _read_file(file: Path) -> list[Stated]:
-    """What a file says; nothing if it cannot be read, for it may be of anything."""
+    """The units that a file states; none if it cannot be read, for it may be of anything."""
     try:
         if file.suffix.lower() == ".npz":
             with np.load(file, allow_pickle=False) as arrays:
-                small = [name for name in arrays.files if plain(name) in NAMES]
+                small = [name for name in arrays.files if plain(name) in UNIT_NAMES]
                 data: Any = {name: arrays[name].item() for name in small if arrays[name].size == 1}
         elif file.suffix.lower() in (".png", ".tif", ".tiff"):
             with Image.open(file, formats=("PNG", "TIFF")) as image:
@@ -152,11 +147,11 @@ def _read_units(data: Any, parent: str = "", deep: int = 4) -> Iterator[tuple[st
             yield from _read_units(value, name, deep - 1)
             continue
         inside = parent + name if parent in ("depth", "depthcamera") else name
-        known = next((one for one in (inside.replace("camera", ""), name) if NAMES.get(one)), "")
+        known = next((one for one in (inside.replace("camera", ""), name) if UNIT_NAMES.get(one)), "")
         if known == "scale" and not keys & {"fx", "flx", "f"}:
             continue
         if known or (name in ("unit", "units") and inside != name):
-            yield f"{key} {value}", _interpret(value, NAMES.get(known, (METRES,)), known)
+            yield f"{key} {value}", _interpret(value, UNIT_NAMES.get(known, (METRES,)), known)
 
 
 def _interpret(value: Any, readings: tuple[str, ...], name: str) -> tuple[float, ...]:

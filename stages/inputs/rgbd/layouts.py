@@ -14,7 +14,7 @@ from stages.contracts import InputError
 from stages.contracts.arrays import readable
 from stages.geometry.cameras import make_intrinsics, scale_intrinsics
 from stages.inputs.rgbd.cameras import read_intrinsics
-from stages.inputs.rgbd.depth_files import FILES
+from stages.inputs.rgbd.depth_files import DEPTH_FILES
 from stages.inputs.rgbd.views import Intrinsics, View
 
 PICTURES = (".png", ".jpg", ".jpeg", ".ppm")
@@ -82,7 +82,7 @@ def _find_in_folders(
     path: Path, colours: Path, number: int, intrinsics: Intrinsics | None, camera_file: Path | None
 ) -> View:
     """A frame of folders whose files have the same order."""
-    pictures, images = _list_files(colours, PICTURES), _list_files(path / "depth", FILES)
+    pictures, images = _list_files(colours, PICTURES), _list_files(path / "depth", DEPTH_FILES)
     if len(pictures) != len(images):
         what = f"has {len(pictures)} pictures, but {len(images)} depth images."
         raise InputError(path, what, "one depth image for each picture", code="E-RECORDING-LAYOUT")

@@ -15,7 +15,7 @@ from stages.inputs.rgbd.camera_files import contents, first, has_camera, plain
 from stages.inputs.rgbd.cameras import Matrix, read_intrinsics
 from stages.inputs.rgbd.frame import Frame, Labelled
 
-NAMES = ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6")  # in OpenCV's order
+COEFFICIENTS = ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6")  # in OpenCV's order
 LISTS = ("distortioncoefficients", "distortioncoeffs", "distcoeffs", "distcoeff", "distcoefs", "distcoef",
          "distortionparameters", "distortionparams", "distortion", "coeffs", "dist", "d")  # fmt: skip
 OF_LENS = ("distort", "distcoef", "radial", "tangential", "thinprism")  # parts of other names for coefficients
@@ -24,7 +24,7 @@ MODELS = {"plumb_bob", "rational_polynomial", "brown_conrady", "radtan", "opencv
 COUNTS = (5, 8, 12, 14)  # of OpenCV's coefficients
 INVERSE = "inverse_brown_conrady"  # RealSense: from bent to straight
 FISHEYE = ("fisheye", "equidistant", "kannala", "kb4")  # k1 to k4 of Kannala and Brandt, as in cv2.fisheye
-WIDEST = np.deg2rad(110)  # of a straightened fisheye picture: beyond, little is left of its middle
+MAX_VIEW = np.deg2rad(110)  # of a straightened fisheye picture: beyond, little is left of its middle; chosen
 CALIBRATION = (
     "K and k1, k2, p1, p2, k3 (of a lens that is called fisheye k1 to k4) as OpenCV, ROS and Kalibr write them"
 )
@@ -92,7 +92,7 @@ def find_distortion(
 def _is_of_lens(name: str, value: Any) -> bool:
     """Whether the value under a name is of the lens: by the name, or as a list of its coefficients."""
     inner = {plain(str(key)) for key in value} if isinstance(value, dict) else set()
-    is_list = bool(inner & {*NAMES, *LISTS}) and not has_camera(dict.fromkeys(inner))
+    is_list = bool(inner & {*COEFFICIENTS, *LISTS}) and not has_camera(dict.fromkeys(inner))
     return (is_list or any(word in name for word in OF_LENS)) and _says_number(value)
 
 
@@ -126,7 +126,7 @@ def _read_fisheye(path: Path, known: dict[str, Any]) -> NDArray[np.float64]:
 
 def _read_coefficients(path: Path, known: dict[str, Any]) -> NDArray[np.float64]:
     """OpenCV's, made up to one of its counts by zeros; zeros beyond say nothing."""
-    found = _read_numbers(known, NAMES)
+    found = _read_numbers(known, COEFFICIENTS)
     used = len(found) if np.isnan(found).any() else len(np.trim_zeros(found, "b"))
     count = next((count for count in COUNTS if count >= used), 0)
     if not count or not np.isfinite(found).all() or (used and len(found) < 4):
@@ -201,12 +201,12 @@ def _choose_pinhole(lens: Lens, width: int, height: int, where: object) -> Matri
 
 
 def _find_fisheye_focal(lens: Lens, width: int, height: int) -> float:
-    """The least focal length, of those from `WIDEST` on, at which all borders show what is in the fisheye's picture."""
+    """The least focal length, from that of `MAX_VIEW` on, at which all borders show what is in the picture."""
     last = np.array([width - 1, height - 1], dtype=float)
     share = np.linspace(-0.5, 0.5, 50)
     sides = [np.column_stack([share, 0 * share + end]) for end in (-0.5, 0.5)]
     borders = np.concatenate([*sides, *(side[:, ::-1] for side in sides)]) * last
-    focal = width / 2 / float(np.tan(WIDEST / 2))
+    focal = width / 2 / float(np.tan(MAX_VIEW / 2))
     while focal < 20 * width:
         seen = cv2.fisheye.distortPoints((borders / focal)[:, None], lens.intrinsics, lens.distortion)
         if (seen >= 0).all() and (seen <= last).all():

@@ -41,7 +41,7 @@ def read_coco(path: Path, data: dict[str, Any], width: int, height: int, picture
 
 
 def _find_image(path: Path, data: dict[str, Any], picture: str) -> dict[str, Any]:
-    """What the file says of the picture; nothing if it names no pictures."""
+    """The file's entry of the picture; empty if it names no pictures."""
     images = data.get("images") or []
     mine = [one for one in images if Path(str(one.get("file_name", "")).replace("\\", "/")).name == picture]
     pictures = {item.get("image_id") for item in data["annotations"]}
@@ -51,12 +51,12 @@ def _find_image(path: Path, data: dict[str, Any], picture: str) -> dict[str, Any
         what = f"has {len(mine)} pictures called {picture}." if mine else what
         raise InputError(path, what, "rename the picture, or give a file of it alone", code="E-MASKS-PICTURE")
     if picture and images and not mine and images[0].get("file_name"):
-        print(f"{path}: says to be of {images[0]['file_name']}, the picture is {picture}")
+        print(f"{path}: is of {images[0]['file_name']}, the picture is {picture}")
     return dict((mine or images or [{}])[0])
 
 
 def _read_mask(item: dict[str, Any], size: tuple[int, int]) -> tuple[Mask | None, str]:
-    """Pixels (H, W) of an annotation, and what is to be said of it."""
+    """Pixels (H, W) of an annotation, and a remark on it."""
     given = item.get("segmentation")
     box = np.asarray(item.get("bbox") or [], dtype=float).ravel()
     boxed = len(box) == 4 and bool(np.isfinite(box).all()) and box[2] > 0 and box[3] > 0

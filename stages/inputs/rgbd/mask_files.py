@@ -99,7 +99,7 @@ def _choose_reader(path: Path, data: Any) -> tuple[Callable[..., Any], str]:
     """What reads a JSON file, and what it calls its shapes.
 
     Raises:
-        InputError: nothing does; it is said whose file it is, if that is known.
+        InputError: nothing does; the message names the tool that wrote it, if that is known.
     """
     keys = set(data) if isinstance(data, dict) else set()
     panoptic = _is_panoptic(data) if isinstance(data, dict) else False

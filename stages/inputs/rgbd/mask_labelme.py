@@ -26,7 +26,7 @@ def read_labelme(path: Path, data: dict[str, Any], width: int, height: int, pict
         check_size(path, (int(data.get("imageWidth") or width), int(data.get("imageHeight") or height)), width, height)
         named = Path(str(data.get("imagePath") or "").replace("\\", "/"))
         if picture and named.name and named.stem != Path(picture).stem:
-            print(f"{path}: says to be of {named.name}, the picture is {picture}")
+            print(f"{path}: is of {named.name}, the picture is {picture}")
         shapes = []
         for number, shape in enumerate(data["shapes"], 1):
             label, group = str(shape.get("label") or "").strip(), shape.get("group_id")

@@ -14,14 +14,14 @@ from stages.geometry.masks import polygon
 from stages.inputs.rgbd.frame import Labelled
 
 Mask = NDArray[np.bool_]
-EMPTY, COVERED = "has no pixels", "is covered by others"
+NO_PIXELS, COVERED = "has no pixels", "is covered by others"
 FARTHEST_OUT = 2  # times the picture's longer side: no corner that somebody drew lies farther out; chosen
 
 
 @dataclass(frozen=True)
 class Shape:
-    """One shape or annotation: its label; its pixels (H, W), if any; what is to be said of it; shapes of one label and
-    group are one object.
+    """One shape or annotation: its label; its pixels (H, W), if any; a remark on it. Shapes of one label and group are
+    one object.
     """
 
     label: str
@@ -31,7 +31,7 @@ class Shape:
 
 
 class ShapeError(ValueError):
-    """A shape that cannot be read, so that its object would be lost or elsewhere; its text says why."""
+    """A shape that cannot be read, so that its object would be lost or misplaced; its text gives the reason."""
 
 
 def lay_shapes(path: Path, shapes: Sequence[Shape], kind: str) -> Labelled:
@@ -50,7 +50,7 @@ def lay_shapes(path: Path, shapes: Sequence[Shape], kind: str) -> Labelled:
     remarks: list[tuple[str, str]] = []
     for number, shape in enumerate(shapes):
         empty = shape.mask is not None and not shape.mask.any()
-        remarks += [(shape.label, EMPTY if empty else shape.remark)] if empty or shape.remark else []
+        remarks += [(shape.label, NO_PIXELS if empty else shape.remark)] if empty or shape.remark else []
         if shape.mask is None or empty:
             continue
         key: Hashable = number if shape.group is None else (shape.label, shape.group)
@@ -74,7 +74,7 @@ def lay_shapes(path: Path, shapes: Sequence[Shape], kind: str) -> Labelled:
 
 
 def list_remarks(remarks: Iterable[tuple[str, str]]) -> str:
-    """Labels and what is said of them, e.g. "'cup' has no pixels, 'line' (3) is a line, no area"."""
+    """Labels with remarks, e.g. "'cup' has no pixels, 'line' (3) is a line, no area"."""
     counts = Counter(remarks)
     return ", ".join(f"{label!r}{f' ({n})' if n > 1 else ''} {what}" for (label, what), n in counts.items())
 
@@ -119,5 +119,5 @@ def check_size(path: Path, found: tuple[int, int], width: int, height: int) -> N
 
 
 def refuse_shape(path: Path, which: str, label: str, why: object) -> InputError:
-    """The refusal of a shape that cannot be read; `which` says where in the file it is."""
+    """The refusal of a shape that cannot be read; `which`: its place in the file."""
     return InputError(path, f"{which}, {label!r}, {why}.", "draw it as a polygon, or remove it", code="E-MASKS-SHAPE")

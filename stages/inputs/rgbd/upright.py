@@ -33,7 +33,7 @@ class Turn:
         return (self.height, self.width) if self.orientation > 4 else (self.width, self.height)
 
     def refusal(self, of: object) -> InputError:
-        """That nothing tells whether something is turned as the picture is."""
+        """The refusal of a picture of which it is unknown whether `of` is turned with it."""
         what = f"is turned by its EXIF data (orientation {self.orientation}), and nothing tells whether {of} is."
         mend = "save the picture upright, without EXIF data, as the same view as depth and masks"
         return InputError(self.path, what, mend, code="E-PICTURE-TURNED")

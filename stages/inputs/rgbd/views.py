@@ -41,7 +41,7 @@ def read_view(view: View, unit: str) -> Frame:
     """Picture, depth and camera of a view, all upright; `unit` of the depth as of `convert_to_metres`.
 
     Raises:
-        InputError: one of its files cannot be used, or nothing tells how they lie on each other.
+        InputError: one of its files cannot be used, or it is unknown how they lie on each other.
     """
     rgb = read_rgb(view.colour)
     check_shown(view.colour, rgb)
