@@ -18,7 +18,7 @@ from torch import Tensor
 
 from stages.policies.bc_rnn_gmm.network import BcRnnGmm
 from stages.policies.checkpoint import load_network
-from stages.policies.proud import mark_proud
+from stages.policies.handle_points import mark_handle_points
 from stages.training.dataset import read_demonstrations
 
 STEPS = 5  # of an episode that are looked at, all of them on the way to the handle
@@ -32,7 +32,7 @@ def answers(policy: BcRnnGmm, clouds: Tensor, proprio: Tensor, full_step: float)
     What stands proud of the front is the handle, found in every cloud anew: points have another order in each. An
     action of 1 moves the hand by `full_step` metres.
     """
-    marked, planes = mark_proud(clouds)
+    marked, planes = mark_handle_points(clouds)
     handle, front = marked[..., 3] == -1, marked[..., 3] == 0
     if handle.sum(1).min() < LEAST:
         return None

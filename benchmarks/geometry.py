@@ -39,12 +39,13 @@ from benchmarks.alternatives import (
 from benchmarks.tables import table
 from stages.config.extraction import DepthNoiseConfig, ExtractionConfig
 from stages.contracts import Truth, read_json
-from stages.extraction import clouds, room
+from stages.extraction import clouds, levels
 from stages.extraction.noise import noisy_depth
 from stages.extraction.observation import read_folder
 from stages.extraction.reconstruct import ExtractedScene, reconstruct
 from stages.extraction.sources.folder import observe
-from stages.extraction.walls import filled_to
+from stages.extraction.wall_contact import extend_to_wall
+from stages.geometry import room_planes
 from stages.geometry.boxes import UprightBox, oriented_iou
 from stages.geometry.clouds import dbscan, farthest_points, statistical_inliers
 from stages.geometry.frames import apply, inverse, wrap_angle, yaw_of_matrix
@@ -61,9 +62,9 @@ VARIANTS: dict[str, dict[tuple[Any, str], Any]] = {
     "as it is": {},
     "outliers by scipy": {(clouds, "statistical_inliers"): scipy_inliers},
     "DBSCAN by scikit-learn": {(clouds, "dbscan"): sklearn_dbscan},
-    "planes by Open3D": {(room, "fit_plane"): open3d_free_plane},
-    "planes by Open3D, implausible ones taken away": {(room, "fit_plane"): open3d_plane},
-    "boxes by Open3D": {(clouds, "minimum_box"): open3d_box},
+    "planes by Open3D": {(room_planes, "fit_plane"): open3d_free_plane},
+    "planes by Open3D, implausible ones taken away": {(room_planes, "fit_plane"): open3d_plane},
+    "boxes by Open3D": {(levels, "minimum_box"): open3d_box},
 }
 
 
@@ -80,7 +81,7 @@ def errors(result: ExtractedScene, truth: Truth) -> Iterator[tuple[float, float,
             continue
         box = UprightBox(item.box.center, item.box.size, item.box.yaw)
         if item.mounting.walls:
-            box = filled_to(box, walls[item.mounting.walls[0]])
+            box = extend_to_wall(box, walls[item.mounting.walls[0]])
         placed = UprightBox(apply(world_from_floor, box.center), box.size, box.yaw + turn)
         expected = UprightBox(true.position, true.size, true.yaw)
         off = abs(wrap_angle(placed.yaw - true.yaw, np.pi / 2)) if true.symmetry == "none" else np.nan
@@ -131,13 +132,13 @@ def timed(function: Callable[[], Any], repeats: int = 3) -> tuple[float, Any]:
 def raw_clouds(rooms: list[Path]) -> list[Points]:
     """The clouds that extraction is about to clean."""
     taken: list[Points] = []
-    original = clouds.cleaned_cloud
+    original = clouds.clean_cloud
 
     def keep(points: Points, *args: Any) -> Points:
         taken.append(points[:: max(1, len(points) // clouds.MAX_POINTS)][: clouds.MAX_POINTS])
         return original(points, *args)
 
-    with patch("stages.extraction.reconstruct.cleaned_cloud", keep):
+    with patch("stages.extraction.clouds.clean_cloud", keep):
         for folder in rooms:
             noise, steps = np.random.default_rng(0).spawn(2)
             reconstruct(folder.name, observe(folder / "input", ExtractionConfig(), noise), ExtractionConfig(), steps)

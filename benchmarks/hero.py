@@ -23,7 +23,7 @@ from stages.contracts.images import read_rgb
 from stages.contracts.look import Look
 from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
-from stages.demonstrations.standing import in_the_way, places
+from stages.demonstrations.base_shifts import find_obstacle, list_base_shifts
 from stages.plugins import load
 from stages.simulation.films import write_film
 from stages.simulation.room import Room, read_room
@@ -42,9 +42,9 @@ def opened(room: Room, task: str) -> Recording:
     joint = load("tasks", task).suitable_joint(room.target.folder)
     env = TaskEnv(task, room.target.folder, joint, None, still, vary_scale=False, room=room)
     recorder = Recorder(env, DemonstrationsConfig(recovery=0.0, noise=0.0), film=1)
-    for seed, room.shift in enumerate(places()):
+    for seed, room.shift in enumerate(list_base_shifts()):
         env.place(seed)
-        if not in_the_way(env, room) and recorder.attempt(seed)[1].success:
+        if not find_obstacle(env, room) and recorder.attempt(seed)[1].success:
             return recorder.filmed[0].recording
     raise SystemExit(f"the robot cannot open {room.target.id}")
 

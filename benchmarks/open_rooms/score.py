@@ -21,7 +21,7 @@ from stages.contracts.generated import PlacedObject
 from stages.contracts.library import Asset, HingeSide
 from stages.contracts.library_folder import AssetFolders
 from stages.evaluation.scoring import box_in_world, world_from_floor
-from stages.evaluation.shapes import DENSE, POINTS, surface
+from stages.evaluation.shapes import CHAMFER_POINTS, DENSE, surface
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.frames import angle_difference, wrap_angle
 from stages.procedural.sizes import usual
@@ -217,17 +217,17 @@ def _model(model: str, half: str) -> packs.Model:
 
 @cache
 def _surface_of(model: str, half: str) -> NDArray[np.float64]:
-    """Points (POINTS, 3) of a true model in the unit box."""
+    """Points (CHAMFER_POINTS, 3) of a true model in the unit box."""
     found = _model(model, half)
     mesh = trimesh.util.concatenate([trimesh.Trimesh(p.vertices, p.faces, process=False) for p in found.parts])
-    points = np.asarray(trimesh.sample.sample_surface(mesh, POINTS, seed=0)[0])
+    points = np.asarray(trimesh.sample.sample_surface(mesh, CHAMFER_POINTS, seed=0)[0])
     low, high = mesh.bounds
     return np.asarray((points - low) / np.maximum(high - low, 1e-9))
 
 
 @cache
 def _alike(model: str, half: str, chosen: Path, size: tuple[float, float, float]) -> float:
-    return chamfer(_surface_of(model, half), surface(chosen)[:: DENSE // POINTS], size)
+    return chamfer(_surface_of(model, half), surface(chosen)[:: DENSE // CHAMFER_POINTS], size)
 
 
 def score(root: Path, results: Path, out: Path, version: str) -> None:

@@ -6,27 +6,27 @@ import numpy as np
 import trimesh
 
 from stages.geometry.frames import apply, inverse
-from stages.planning.clearance import MARGIN, surface_points
-from stages.planning.rollout import Stretch, can_be_held, first_feasible
+from stages.planning.clearance import CLEARANCE, surface_points
+from stages.planning.rollout import Stretch, can_hold, first_feasible
 from stages.simulation.kinematics import Array
 from stages.skills.attempts import RetryingSkill
 from stages.skills.motion import LOST, OPEN, Motion
 from stages.tasks.movable import Movable
 
-CANDIDATES = 128  # of grasps and plans that are tried
+CANDIDATES = 128  # grasps and plans that are tried; chosen for time
 
 
-def shifted(pose: Array, by: Array) -> Array:
+def shift_pose(pose: Array, by: Array) -> Array:
     """The pose (4, 4) moved by a vector (3,)."""
     moved = pose.copy()
     moved[:3, 3] += by
     return moved
 
 
-def held_spheres(mesh: trimesh.Trimesh, hand_from_object: Array) -> Array:
+def make_held_spheres(mesh: trimesh.Trimesh, hand_from_object: Array) -> Array:
     """(M, 4) centre in the tool frame and radius of spheres on an object that the hand holds."""
     points = apply(hand_from_object, surface_points(mesh, 60))  # as spheres
-    return np.column_stack([points, np.full(len(points), MARGIN)])
+    return np.column_stack([points, np.full(len(points), CLEARANCE)])
 
 
 class CarrySkill(RetryingSkill):
@@ -45,12 +45,12 @@ class CarrySkill(RetryingSkill):
         now = inverse(self.task.hand()) @ self.movable().base_from_object
         return bool(np.linalg.norm(now[:3, 3] - hand_from_object[:3, 3]) < LOST)
 
-    def held_at(self, poses: Array, fingers: float | None, held: Array | None) -> Array:
+    def can_hold_at(self, poses: Array, fingers: float | None, held: Array | None) -> Array:
         """(N,) whether the arm can hold the hand, and a `held` object, at poses (N, 4, 4) without touching anything."""
         task = self.task
         state = Stretch(poses, fingers, (self.joint(), self.joint()), held)
         where = (task.env.base_from_asset(), self.surroundings())
-        return can_be_held(task.chain, task.joints()[:7], poses, state, *where)
+        return can_hold(task.chain, task.joints()[:7], poses, state, *where)
 
     def first(self, plans: Sequence[Sequence[Stretch]]) -> Sequence[Stretch] | None:
         """The first plan that the arm can follow without touching anything; None if none of the first ones can."""

@@ -9,7 +9,7 @@ from stages.contracts.errors import InputError
 from stages.contracts.files import atomic, write_json
 from stages.contracts.policy_folder import read_config
 from stages.plugins import qualified
-from stages.policies import Choice, proud
+from stages.policies import Choice, handle_points
 from stages.policies.checkpoint import load_network, save_weights
 
 LAYOUT = {
@@ -20,9 +20,9 @@ LAYOUT = {
 
 
 def run(*, policy: Path, out: Path, checkpoint: str = "best", action: Choice = "sharpened") -> None:
-    """Write weights.safetensors, policy.json, loader.py and proud.py, which need torch and safetensors alone.
+    """Write weights.safetensors, policy.json, loader.py and handle_points.py, which need torch and safetensors alone.
 
-    A policy that sees flagged handles marks them itself, by proud.py.
+    A policy that sees flagged handles marks them itself, by handle_points.py.
 
     Args:
         policy: folder of the policy (training train).
@@ -54,7 +54,7 @@ def run(*, policy: Path, out: Path, checkpoint: str = "best", action: Choice = "
     save_weights(out / "weights.safetensors", weights)
     write_json(out / "policy.json", about)
     assert code.__file__
-    assert proud.__file__
-    for source_file in (Path(code.__file__).with_name("loader.py"), Path(proud.__file__)):
+    assert handle_points.__file__
+    for source_file in (Path(code.__file__).with_name("loader.py"), Path(handle_points.__file__)):
         with atomic(out / source_file.name) as temporary:
             shutil.copyfile(source_file, temporary)

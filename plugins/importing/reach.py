@@ -10,7 +10,7 @@ from stages.articulated.asset_folder import read_asset
 from stages.contracts.library import Asset
 from stages.contracts.task_options import TaskConfig
 from stages.geometry.frames import inverse, rigid
-from stages.planning.articulation import opened_to
+from stages.planning.articulation import choose_open_goals
 from stages.planning.clearance import Surroundings
 from stages.simulation.kinematics import Array
 from stages.simulation.loading import load_asset, physics_scene
@@ -76,7 +76,7 @@ def _followed(
         if target.side:
             followed = reachable_base(base, root, arm, around, opening) is not None
         else:
-            goals = opened_to(target, opening, MOTION.goal_margin)
+            goals = choose_open_goals(target, opening, MOTION.goal_margin)
             followed = any(can_follow(inverse(base) @ root, arm, around, goal) for goal in goals)
         if followed:
             found.append(name)

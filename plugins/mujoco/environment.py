@@ -29,7 +29,7 @@ from stages.contracts import Asset, InputError, read_json
 from stages.geometry.frames import inverse
 from stages.planning.clearance import Surroundings
 from stages.simulation.controller import apply_delta, scale_action
-from stages.simulation.kinematics import DAMPING, LIMIT_MARGIN, MAX_JOINT_STEP, Array
+from stages.simulation.kinematics import IK_DAMPING, LIMIT_MARGIN, MAX_JOINT_STEP, Array
 from stages.simulation.loading import load_asset, physics_scene
 from stages.simulation.observation import CAMERA_FROM_IMAGE
 from stages.simulation.robot import GRIPPER_CLOSED, GRIPPER_OPEN, REST, TCP
@@ -41,7 +41,7 @@ from stages.tasks.cameras import shoulder
 from stages.tasks.initial_state import nominal_root, sample_initial_state, sampled_scale
 from stages.tasks.observation import CameraRig, Observation
 
-SHOWN = np.array([1], np.int16)  # entity id of what the cloud shows; everything else has 0
+SHOWN_ID = np.array([1], np.int16)  # entity id of what the cloud shows; everything else has 0
 IK_STEPS, IK_ENOUGH = 20, 1e-4  # most steps of the inverse kinematics; radians of the last one
 
 
@@ -116,7 +116,7 @@ class MujocoTaskEnv(TaskEnv):
     def observe(self) -> Observation:
         """The observation of the present state."""
         pictures = [self._picture()[None]] if self.render else []
-        return self.rig.observation(self.joints(), pictures, SHOWN, 0)
+        return self.rig.observation(self.joints(), pictures, SHOWN_ID, 0)
 
     @property
     def success_opening(self) -> float:
@@ -184,11 +184,11 @@ class MujocoTaskEnv(TaskEnv):
         """Read the model and measure the target joint, if they are not those of the episode before."""
         if self._known != (folder, self.joint):
             self.folder, self._model_asset = folder, read_json(Asset, folder / "asset.json")
-            self.target = self._measured_target()
+            self.target = self._read_target()
             self.__dict__.pop("_surroundings", None)
             self._known = folder, self.joint
 
-    def _measured_target(self) -> Target:
+    def _read_target(self) -> Target:
         world = physics_scene()  # as long as its bodies
         body = load_asset(world, self.folder, sapien.Pose(), True, "")
         return read_target(body, [joint.name for joint in body.active_joints].index(self.joint))
@@ -224,7 +224,7 @@ class MujocoTaskEnv(TaskEnv):
             mujoco.mju_quat2Vel(error[3:], away, 1.0)
             error[:3] = world[:3, 3] - data.site_xpos[site]
             jacobian = np.vstack([place, turn])[:, self._arm_dofs]
-            step = jacobian.T @ np.linalg.solve(jacobian @ jacobian.T + DAMPING**2 * np.eye(6), error)
+            step = jacobian.T @ np.linalg.solve(jacobian @ jacobian.T + IK_DAMPING**2 * np.eye(6), error)
             joints = joints + step * min(1.0, MAX_JOINT_STEP / max(np.abs(step).max(), 1e-9))
             joints = np.clip(joints, low + LIMIT_MARGIN, high - LIMIT_MARGIN)
             if np.abs(step).max() < IK_ENOUGH:
@@ -236,7 +236,7 @@ class MujocoTaskEnv(TaskEnv):
         if self._camera is None:
             self._camera = DepthCamera(self.model, CAMERA, self.options.camera_size)
         depth, ids = self._camera.take(self.data)
-        shown = np.isin(ids, self._seen_geoms())
+        shown = np.isin(ids, self._find_seen_geoms())
         half = (len(depth) - 1) / 2
         focal = len(depth) / 2 / np.tan(self.options.camera_fov / 2)
         v, u = np.mgrid[: len(depth), : len(depth)]
@@ -244,7 +244,7 @@ class MujocoTaskEnv(TaskEnv):
         millimetres = np.clip(np.rint(1000 * points), -30_000, 30_000)
         return np.concatenate([millimetres, shown[..., None]], axis=-1).astype(np.int16)
 
-    def _seen_geoms(self) -> list[int]:
+    def _find_seen_geoms(self) -> list[int]:
         """Ids of what the cloud shows: the target link, or by `task.cloud` all links."""
         model = self.model
         if self.options.cloud == "object":

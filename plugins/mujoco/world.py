@@ -21,11 +21,11 @@ Array = NDArray[np.float64]
 
 TIMESTEP = 0.002  # seconds
 ARM_GAINS = (4500.0, 4500.0, 3500.0, 3500.0, 2000.0, 2000.0, 2000.0)  # N m / rad: MuJoCo Menagerie's Panda
-SETTLING = 0.04  # seconds in which a drive comes near its target: damping over gain; Menagerie's 0.1 lag a step behind
+SETTLING = 0.04  # seconds, damping over gain, in which a drive comes near its target; Menagerie's 0.1 lag a step behind
 ARMATURE = 0.1  # kg m^2 of the motors of the arm and kg of the fingers', as in Menagerie
 ARM_FORCE = (87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0)  # N m: the robot's data sheet
 FINGER_GAIN, FINGER_FORCE = 5000.0, 70.0  # N / m; N: the data sheet's continuous grasp
-STIFF = (0.004, 1.0)  # solref of what must not give way: the fingers' limits, and that both move alike
+STIFF = (0.004, 1.0)  # solref of what must not give way: the fingers' limits, and that both move mimic
 ARM_JOINTS = tuple(f"panda_joint{number}" for number in range(1, 8))
 FINGER_JOINTS = ("panda_finger_joint1", "panda_finger_joint2")
 CAMERA, ROBOT, MODEL = "shoulder", "robot/", "model/object/"  # names: of the camera, and what bodies' begin with
@@ -52,8 +52,8 @@ def robot_spec() -> Any:
         drive.forcelimited, drive.forcerange = True, [-force, force]
     for name in FINGER_JOINTS:
         spec.joint(name).solref_limit = STIFF
-    for alike in spec.equalities:  # the URDF's `mimic`
-        alike.solref = STIFF
+    for mimic in spec.equalities:  # the URDF's `mimic`
+        mimic.solref = STIFF
     spec.body(TCP).add_site(name=TCP)
     return spec
 

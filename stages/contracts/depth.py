@@ -10,7 +10,7 @@ from stages.contracts.arrays import read_npz
 from stages.contracts.errors import InputError
 from stages.contracts.images import FOLDER
 from stages.contracts.types import LARGEST
-from stages.geometry.depth_marks import marks_of, without
+from stages.geometry.depth_marks import find_marks, remove_marks
 from stages.geometry.inverse_depth import is_inverse
 
 NEAREST = 0.1  # metres: the median depth of a picture of a room is between this and `LARGEST`
@@ -51,10 +51,10 @@ def read_depth(path: Path) -> tuple[NDArray[np.float32], bool]:
         what = "depth: has 8 bits: a picture of depth, not depth."
         raise InputError(path, what, WRITE, code="E-DEPTH-FORMAT")
     # A wall that a person drew is one distance all over, so that of floats only what is beyond a room is a mark.
-    marks = [] if exact else [mark for mark in marks_of(depth) if depth.dtype.kind in "iu" or mark > LARGEST]
+    marks = [] if exact else [mark for mark in find_marks(depth) if depth.dtype.kind in "iu" or mark > LARGEST]
     if marks:
         print(f"{path}: depth {' and '.join(f'{mark:g}' for mark in marks)} is taken for unknown")
-        depth = without(depth, marks)
+        depth = remove_marks(depth, marks)
     known = np.where(np.isfinite(depth) & (depth > 0), depth, 0)
     if not known.any():
         raise InputError(path, "depth: no value is known (finite and above 0).", WRITE, code="E-DEPTH-EMPTY")

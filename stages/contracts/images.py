@@ -1,5 +1,6 @@
 """Read the pictures that a stage is given, in one way everywhere: upright as a viewer shows them, 8-bit RGB."""
 
+import colorsys
 import warnings
 from contextlib import suppress
 from pathlib import Path
@@ -16,8 +17,11 @@ LEAST, MAX_PIXELS = 16, 60_000_000  # pixels of a side, and in all
 SAVE = "save it again as PNG"
 FOLDER = "see docs/scenes.md for what an input folder holds"
 FLAT = 2.0  # standard deviation of the brightness below which nothing is to be seen
+GOLDEN = 0.618034  # golden ratio: steps of hue that keep neighbours apart
 ORIENTATION = 0x0112  # in EXIF data: 1 upright, 3 and 6 and 8 turned, the others mirrored
 DEEP = ("I;16", "I;16B", "I;16L", "I;16N", "I")  # modes of one channel with more than 8 bits
+
+Colour = tuple[int, int, int]
 
 
 def upright(path: Path) -> Image.Image:
@@ -135,3 +139,9 @@ def check_size(path: Path, array: NDArray[Any], width: int, height: int, source:
             "all files of an input folder have one size, that of the upright picture",
             code="E-SIZE-MISMATCH",
         )
+
+
+def colour_of(index: int) -> Colour:
+    """A bright colour, different from that of the neighbouring indices."""
+    red, green, blue = colorsys.hsv_to_rgb((0.02 + index * GOLDEN) % 1.0, 0.75, 1.0)
+    return round(255 * red), round(255 * green), round(255 * blue)

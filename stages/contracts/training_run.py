@@ -82,8 +82,8 @@ class TrainingRun(Section):
     jitter_probability: ClassVar[float] = 0.1
     handle: bool = Field(
         False,
-        description="the policy goes by the handle: what stands proud of the front is flagged, its middle is an input, "
-        "and in training fronts move under their handles (not in the paper; docs/policies.md)",
+        description="the policy goes by the handle: its points, those before the front, are flagged, its middle is an "
+        "input, and in training fronts move under their handles (not in the paper; docs/policies.md)",
     )
 
     # Data, checkpoints, logs

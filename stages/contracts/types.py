@@ -12,6 +12,7 @@ from pydantic import AfterValidator, Field
 
 LARGEST = 30.0  # metres: extent of the largest object
 FARTHEST = 1000.0  # metres: of a position from its origin
+FLOOR, WALL, UNNAMED = "floor", "wall", "unnamed"  # what carries an object, besides another; no object has such an id
 RIGID_TOLERANCE = 1e-3  # of R^T R against the identity: matrices written with four digits pass
 
 

@@ -37,7 +37,7 @@ class Recorder:
             if noisy and self.options.noise > 0:
                 executed[:3] += rng.normal(0, self.options.noise, 3) / task.options.position_step
             if disturbance:
-                executed = disturbance.applied(executed, ahead)
+                executed = disturbance.apply(executed, ahead)
             episode.add(task.observe(), action, executed, task.opened)
             if filming:
                 moments.append(task.moment())

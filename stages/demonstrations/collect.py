@@ -20,7 +20,7 @@ from stages.demonstrations.film import write_demonstration_films
 from stages.demonstrations.store import RecordedEpisode, StoreHeader, write_episodes
 from stages.tasks.api import TaskEnv
 
-TRIES = 3  # attempts on an asset before the next one has its turn
+TRIES = 3  # attempts on an asset before it is the next one's turn; chosen
 FAILED_LEDGER = "attempts.failed.jsonl"  # not an output of the rule: Snakemake deletes those of a failed job
 
 
@@ -35,7 +35,7 @@ def run(
     task_options: str = "",
     seed: int = 0,
 ) -> None:
-    """Write `episodes.h5` with as many successes as asked, and beside it attempts.jsonl, film.png and films.zip.
+    """Write `episodes.h5` with as many successes as asked, with attempts.jsonl, film.png and films.zip beside it.
 
     Several assets take turns of one success or `TRIES` failures, so that the first n episodes are spread evenly.
 
@@ -79,7 +79,7 @@ def run(
         raise InputError(
             out,
             f"only {len(kept)} of {episodes} demonstrations after {len(ledger)} attempts on {name} ({causes}); "
-            f"{failed} tells of each.",
+            f"{failed} lists them.",
             "raise demonstrations.max_attempts_factor, narrow the ranges of `task`, or choose another object",
             code="E-DEMONSTRATIONS-FEW",
         )

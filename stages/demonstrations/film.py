@@ -36,7 +36,7 @@ def plot_cloud(cloud: NDArray[np.floating]) -> Image:
     return image
 
 
-def strip_of(pictures: Sequence[Image], clouds: Sequence[NDArray[np.floating]]) -> Image:
+def make_strip(pictures: Sequence[Image], clouds: Sequence[NDArray[np.floating]]) -> Image:
     """One episode: pictures in a row, the clouds below them."""
     below = [plot_cloud(cloud) for cloud in evenly(clouds, FRAMES)]
     return np.concatenate([strip(pictures), np.concatenate(below, axis=1)])
@@ -54,6 +54,6 @@ def write_demonstration_films(folder: Path, taken: Sequence[FilmedAttempt], role
             opened=round(item.opened, 4), file=f"{number}.webp",
         )  # fmt: skip
         films.append((film, pictures))
-        strips.append(strip_of(pictures, item.clouds))
+        strips.append(make_strip(pictures, item.clouds))
     write_films(folder / "films.zip", films, frequency)
     write_png(folder / "film.png", np.concatenate(strips))

@@ -14,6 +14,7 @@ from stages.skills.motion import CLOSE_STEPS, CLOSED, OPEN
 
 Kind = Literal["push", "miss"]
 
+# Ranges of DART-like disturbances; chosen.
 PUSHED_WITHIN = (0.05, 0.35)  # metres before the grasp where a push begins; farther than the path is long: at its start
 MISSED_WITHIN = (0.04, 0.09)  # where a miss begins: the fingertips, 1 cm ahead of that, have not reached the handle
 PUSHES = (2, 4)  # least and most steps of a push; a miss begins with at most the least aside, ends with the most back
@@ -29,7 +30,7 @@ class Disturbance:
     actions: Float
     done: int = 0
 
-    def applied(self, action: Float, ahead: float) -> Float:
+    def apply(self, action: Float, ahead: float) -> Float:
         """What is executed in place of `action` (7,) with `ahead` metres left to the grasp."""
         if self.done == len(self.actions) or (self.done == 0 and ahead > self.begins):
             return action

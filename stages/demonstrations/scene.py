@@ -17,9 +17,9 @@ from stages.contracts.in_scene import SceneDemonstration, SceneDemonstrations
 from stages.contracts.look import ROOM_LIGHT
 from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
+from stages.demonstrations.base_shifts import find_obstacle, find_touched, list_base_shifts
 from stages.demonstrations.collect import attempt_seeds
-from stages.demonstrations.film import FilmedAttempt, plot_cloud, strip_of
-from stages.demonstrations.standing import in_the_way, places, touched
+from stages.demonstrations.film import FilmedAttempt, make_strip, plot_cloud
 from stages.demonstrations.store import StoreHeader, write_episodes
 from stages.plugins import load
 from stages.simulation.films import FRAMES, write_films, write_png
@@ -28,7 +28,7 @@ from stages.simulation.studio import Studio
 from stages.tasks.api import TaskEnv
 from stages.tasks.task import Task
 
-TRIES = 10  # attempts in one scene
+SCENE_TRIES = 10  # attempts in one scene; chosen for time
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ def run(
         scenes: scene_<rank>.json files of generation.
         object: id of the object that the task is about.
         task: door, drawer, ... or yours.
-        library: library.json that the scenes were made of.
+        library: library.json that the scenes are of.
         out: folder to write.
         options: the `demonstrations` section as JSON.
         task_options: the `task` section as JSON.
@@ -73,25 +73,25 @@ def run(
     still = {"object_xy": 0.0, "object_yaw": 0.0, "scale_range": (1.0, 1.0)}  # the scene says where the object stands
     world = read_options(TaskConfig, task_options).model_copy(update=still)
     read = {path: read_json(GeneratedScene, path) for path in scenes}
-    if not any(item.id == object for made in read.values() for item in made.objects):
-        known = dict.fromkeys(item.id for made in read.values() for item in made.objects)
+    if not any(item.id == object for generated in read.values() for item in generated.objects):
+        known = dict.fromkeys(item.id for generated in read.values() for item in generated.objects)
         what = f"no scene has an object '{object}'."
         raise InputError("--object", what, f"those there are: {', '.join(known)}", code="E-SCENE-OBJECT")
     found, films, strips = [], [], []
     with TemporaryDirectory(prefix="acdc-room-") as cache, TemporaryDirectory(prefix="acdc-stores-") as stores:
         setting = Setting(task, settings, world, seed, Path(stores))
         studio = Studio(ROOM_LIGHT)
-        for path, made in read.items():
+        for path, generated in read.items():
             try:
-                one, taken = in_one(path, made, object, library, Path(cache), setting)
+                one, taken = demonstrate_in_scene(path, generated, object, library, Path(cache), setting)
             except InputError as error:  # a model that this task cannot use
-                about = {"scene": made.scene, "variant": made.variant, "rank": made.rank}
+                about = {"scene": generated.scene, "variant": generated.variant, "rank": generated.rank}
                 one, taken = SceneDemonstration(**about, asset="", status="failed", reason=str(error)[:900]), None
             found.append(one)
             if one.film and taken:
                 pictures = studio.film(taken.recording, FRAMES * 2)
                 films.append((one.film, pictures))
-                strips.append(strip_of(pictures, taken.clouds))
+                strips.append(make_strip(pictures, taken.clouds))
             print(f"demonstrations: rank {one.rank}: {one.reason or 'ok'}", file=sys.stderr)
         pack(Path(stores), out / "episodes.zip")
     write_films(out / "films.zip", films, world.control_frequency)
@@ -99,12 +99,12 @@ def run(
     write_json(out / "in_scene.json", SceneDemonstrations(task=task, object=object, demonstrations=found))
 
 
-def in_one(
-    path: Path, made: GeneratedScene, object: str, library: Path, cache: Path, setting: Setting
+def demonstrate_in_scene(
+    path: Path, generated: GeneratedScene, object: str, library: Path, cache: Path, setting: Setting
 ) -> tuple[SceneDemonstration, FilmedAttempt | None]:
     """A demonstration in one scene, with what is to be filmed."""
-    about: dict[str, Any] = {"scene": made.scene, "variant": made.variant, "rank": made.rank}
-    placed = {item.id: item for item in made.objects}
+    about: dict[str, Any] = {"scene": generated.scene, "variant": generated.variant, "rank": generated.rank}
+    placed = {item.id: item for item in generated.objects}
     if object not in placed or placed[object].status == "failed":
         reason = f"{object}: {placed[object].reason}" if object in placed else f"the scene has no {object}"
         return SceneDemonstration(**about, asset="", status="failed", reason=reason), None
@@ -117,10 +117,10 @@ def in_one(
     about |= {"asset": asset, "joint": target.joint}
     task = TaskEnv(setting.task, room.target.folder, target.joint, None, setting.world, vary_scale=False, room=room)
     recorder, reasons, attempts = Recorder(task, setting.options, film=1), Counter[str](), 0
-    seeds = attempt_seeds(setting.seed, f"rank_{made.rank}", len(places()))
-    for room.shift, seed in zip(places(), seeds, strict=True):
+    seeds = attempt_seeds(setting.seed, f"rank_{generated.rank}", len(list_base_shifts()))
+    for room.shift, seed in zip(list_base_shifts(), seeds, strict=True):
         task.place(seed)
-        obstacle = in_the_way(task, room)
+        obstacle = find_obstacle(task, room)
         if obstacle:
             reasons[obstacle] += 1
             continue
@@ -128,17 +128,17 @@ def in_one(
         episode, outcome = recorder.attempt(seed)
         if outcome.success:
             header = StoreHeader(setting.task, known.gym_id, asset, setting.world)
-            write_episodes(setting.stores / f"rank_{made.rank}.h5", header, [episode])
+            write_episodes(setting.stores / f"rank_{generated.rank}.h5", header, [episode])
             film = Film(
-                role=f"rank_{made.rank}", asset=asset, seed=seed, success=True, steps=len(episode.actions),
-                opened=round(task.opened, 4), file=f"rank_{made.rank}.webp",
+                role=f"rank_{generated.rank}", asset=asset, seed=seed, success=True, steps=len(episode.actions),
+                opened=round(task.opened, 4), file=f"rank_{generated.rank}.webp",
             )  # fmt: skip
             task.close()
             done = SceneDemonstration(**about, status="ok", attempts=attempts, shift=room.shift, film=film)
             return done, recorder.filmed[0]
-        against = ", ".join(sorted(touched(task, room)))
+        against = ", ".join(sorted(find_touched(task, room)))
         reasons[f"{outcome.cause}{f' against {against}' if against else ''}"] += 1
-        if attempts == TRIES or outcome.cause == "no_handle":
+        if attempts == SCENE_TRIES or outcome.cause == "no_handle":
             break
     task.close()
     tried = "; ".join(f"{reason} ({count}x)" for reason, count in reasons.most_common())

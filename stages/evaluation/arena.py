@@ -21,7 +21,7 @@ from stages.contracts.policy_folder import read_config
 from stages.contracts.task_options import TaskConfig
 from stages.evaluation.episodes import RolloutEpisode, roll_out
 from stages.evaluation.states import Start
-from stages.policies import TrainablePolicy, closed_loop
+from stages.policies import TrainablePolicy, make_actor
 from stages.policies.checkpoint import load_network
 from stages.simulation.studio import Studio
 from stages.tasks.api import TaskEnv
@@ -42,7 +42,7 @@ class Acting(NamedTuple):
     checkpoint: str
 
 
-def parked(options: TaskConfig, settings: SceneOptions) -> TaskConfig:
+def park_object(options: TaskConfig, settings: SceneOptions) -> TaskConfig:
     """The options of the task with the robot parked as the test says."""
     if settings.parking is None:
         return options
@@ -72,7 +72,7 @@ class Arena:
         sensing: Sensing | None = None,
     ) -> None:
         self.plan, self.library = read_json(TaskAssets, assets), library
-        self.options, self.settings, self.sensing = parked(options, settings), settings, sensing
+        self.options, self.settings, self.sensing = park_object(options, settings), settings, sensing
         self.folders = AssetFolders(library)
         self._tasks: list[TaskEnv] = []
         self._sized = tempfile.TemporaryDirectory(prefix="acdc-sized-")
@@ -97,7 +97,7 @@ class Arena:
 
     def task(self, asset: TaskAsset) -> TaskEnv:
         """A new environment with the asset."""
-        asset = self.sized(asset)
+        asset = self.size_asset(asset)
         environments: type[TaskEnv] = plugins.load("simulators", self.settings.simulator)
         return environments(
             self.plan.task,
@@ -122,8 +122,8 @@ class Arena:
             raise InputError(self.library, what, "run the matching stage again", code="E-LIBRARY-ASSET")
         return self.folders[asset.asset]
 
-    def sized(self, asset: TaskAsset) -> TaskAsset:
-        """The asset in the box that it is met in."""
+    def size_asset(self, asset: TaskAsset) -> TaskAsset:
+        """The asset at the size that the test gives it: its own, or that of the task."""
         if not self.settings.own_size:
             return asset
         return asset.model_copy(update={"size": read_json(Asset, self.folder(asset) / "asset.json").size})
@@ -176,7 +176,7 @@ class PolicyArena(Arena):
 
     def episodes(self, network: TrainablePolicy, starts: Sequence[Start], record: bool = False) -> list[RolloutEpisode]:
         """The episodes, in the order of their starts."""
-        starts = [(self.sized(asset), seed) for asset, seed in starts]
+        starts = [(self.size_asset(asset), seed) for asset, seed in starts]
         folders = {asset.asset: self.folder(asset) for asset, _ in starts}
         tasks = self.tasks(min(self.acting.envs, len(starts)), starts[0][0])
-        return roll_out(tasks, folders, closed_loop(network, len(tasks), self.acting.action), starts, record)
+        return roll_out(tasks, folders, make_actor(network, len(tasks), self.acting.action), starts, record)

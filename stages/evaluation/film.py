@@ -47,7 +47,7 @@ def take(studio: Studio, episodes: Sequence[RolloutEpisode], role: str, frames: 
     return filmed
 
 
-def captioned(filmed: Filmed) -> Image:
+def add_caption(filmed: Filmed) -> Image:
     """(H, W, 3): pictures of the episode in a row, below a line of text."""
     film, row = filmed.film, strip(filmed.pictures)
     line = np.full((CAPTION, row.shape[1], 3), 255, np.uint8)

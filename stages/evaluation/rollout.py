@@ -13,7 +13,7 @@ from stages.contracts.policies import Rollout
 from stages.evaluation.arena import Acting, PolicyArena
 from stages.evaluation.choose import best_checkpoint
 from stages.evaluation.episodes import RolloutEpisode
-from stages.evaluation.film import Filmed, captioned, take
+from stages.evaluation.film import Filmed, add_caption, take
 from stages.evaluation.rows import write_rows
 from stages.evaluation.states import starts_of
 from stages.simulation.films import write_films, write_png
@@ -74,7 +74,7 @@ def run(
             rows += arena.rows(acting, role, played[same])
     frequency = arena.options.control_frequency
     write_films(out.parent / "films.zip", [(item.film, item.pictures) for item in films], frequency)
-    write_png(out.parent / "film.png", np.concatenate([captioned(item) for item in films]))
+    write_png(out.parent / "film.png", np.concatenate([add_caption(item) for item in films]))
     write_rows(out, rows)
 
 

@@ -33,7 +33,7 @@ def score_object(
     box, truth = box_in_world(placed, transform), UprightBox(true.position, true.size, true.yaw)
     turn = angle_difference(box.yaw, truth.yaw, true.symmetry)
     known = true.asset in folders and placed.asset in folders
-    alike = likeness(folders[true.asset], folders[placed.asset])._asdict() if known else {}
+    shape = likeness(folders[true.asset], folders[placed.asset])._asdict() if known else {}
     return {
         "status": "ok",
         "asset": placed.asset,
@@ -44,11 +44,11 @@ def score_object(
         "orientation_paper_rad": turn if true.symmetry == "none" else None,
         "iou": axis_aligned_iou(box, truth),
         "oriented_iou": oriented_iou(box, truth),
-        **alike,
+        **shape,
     }
 
 
-def settled(scene: GeneratedScene, placed: PlacedObject) -> dict[str, object]:
+def read_settling(scene: GeneratedScene, placed: PlacedObject) -> dict[str, object]:
     """The columns of the settling test, if there was one."""
     check = scene.plausibility
     if check is None or not check.seconds:
@@ -80,7 +80,7 @@ def score_scene(
         columns: dict[str, object] = dict.fromkeys(MEASURED)
         columns |= {"category_correct": False, "model_correct": False, "status": "failed" if placed else "missed"}
         if placed and placed.status == "ok":
-            columns |= score_object(true, placed, transform, folders or {}) | settled(scene, placed)
+            columns |= score_object(true, placed, transform, folders or {}) | read_settling(scene, placed)
         rows.append(
             SceneScore.model_validate(
                 {

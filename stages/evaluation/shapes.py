@@ -15,9 +15,9 @@ from stages.articulated.forward_kinematics import link_frames
 from stages.contracts import Asset
 from stages.contracts.library import Vector
 
-POINTS = 4000  # on each surface
-DENSE = 60_000  # for what is filled
-CELLS = 24  # per side of the box
+CHAMFER_POINTS = 4000  # on each surface; chosen for time
+DENSE = 60_000  # on each surface, for its volume; chosen
+GRID_CELLS = 24  # per side of the box; chosen
 
 
 class Likeness(NamedTuple):
@@ -43,9 +43,9 @@ def likeness(true: Path, chosen: Path) -> Likeness:
 def _shapes(true: Path, chosen: Path, size: Vector) -> tuple[float, float]:
     extents = np.asarray(size)
     ours, theirs = (surface(folder) * extents for folder in (true, chosen))
-    a, b = (points[:: DENSE // POINTS] for points in (ours, theirs))
+    a, b = (points[:: DENSE // CHAMFER_POINTS] for points in (ours, theirs))
     distances = np.concatenate([cKDTree(b).query(a)[0], cKDTree(a).query(b)[0]])
-    full, other = (filled(points / extents) for points in (ours, theirs))
+    full, other = (fill_cells(points / extents) for points in (ours, theirs))
     chamfer = float(distances.mean() / np.linalg.norm(extents))
     return chamfer, float((full & other).sum() / max(1, (full | other).sum()))
 
@@ -62,10 +62,10 @@ def surface(folder: Path) -> NDArray[np.float64]:
     return (points - low) / np.maximum(high - low, 1e-9)
 
 
-def filled(points: NDArray[np.float64]) -> NDArray[np.bool_]:
+def fill_cells(points: NDArray[np.float64]) -> NDArray[np.bool_]:
     """Cells of the unit box that hold points, or that lie between such cells along all three axes."""
-    cells = np.zeros((CELLS,) * 3, dtype=bool)
-    cells[tuple(np.clip((points * CELLS).astype(int), 0, CELLS - 1).T)] = True
+    cells = np.zeros((GRID_CELLS,) * 3, dtype=bool)
+    cells[tuple(np.clip((points * GRID_CELLS).astype(int), 0, GRID_CELLS - 1).T)] = True
     inside = np.ones_like(cells)
     for axis in range(3):
         before = np.maximum.accumulate(cells, axis)

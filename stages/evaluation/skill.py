@@ -63,7 +63,7 @@ class ScriptedSkill:
 
     def episode(self, start: Start) -> RolloutEpisode:
         """One attempt; as for policies, it is over at the first success."""
-        asset, seed, task = self.arena.sized(start[0]), start[1], self.task
+        asset, seed, task = self.arena.size_asset(start[0]), start[1], self.task
         episode = RolloutEpisode(asset, seed)
         task.turn_to(self.arena.folder(asset), asset.joint, asset.size)
         task.place(seed)

@@ -10,21 +10,20 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.extraction.masks import OUTLINE
+from stages.geometry.frames import Array
+from stages.geometry.masks import OUTLINE, Mask
 
-RIDGE = 0.1  # pixels squared, added to the fits' variances: a core one pixel wide says nothing across it
-BLOCK = 32  # pixels
-MAX_CHANGE = 0.05  # largest relative change of depth from the core's local mean
+RIDGE = 0.1  # pixels squared, added to the variances of a fit: a core one pixel wide has none across it; chosen
+BLUR_BLOCK = 32  # pixels that OpenCV blurs at once
+MAX_CHANGE = 0.05  # largest relative change of depth from the core's local mean; chosen
 
 
-def _blur(values: NDArray[np.float64]) -> NDArray[np.float64]:
+def _blur(values: Array) -> Array:
     """Local means; the standard deviation of the weights is as wide as a border."""
     return np.asarray(cv2.GaussianBlur(values, (0, 0), OUTLINE, borderType=cv2.BORDER_CONSTANT), dtype=np.float64)
 
 
-def continued_depth(
-    depth: NDArray[np.floating], core: NDArray[np.bool_], border: NDArray[np.bool_]
-) -> NDArray[np.float64]:
+def continue_depth(depth: NDArray[np.floating], core: Mask, border: Mask) -> Array:
     """Depth (H, W): the given one on `core`, continued on `border` where the core is near, 0 elsewhere.
 
     Args:
@@ -37,21 +36,17 @@ def continued_depth(
     if len(rows):
         reach = int(5 * OUTLINE) + 1  # of the weights
         # Whole blocks of pixels, which the processor takes together: the same bits as in the whole picture.
-        ends = ((max(0, at.min() - reach) // BLOCK, (at.max() + reach) // BLOCK + 1) for at in (rows, columns))
-        window = tuple(slice(BLOCK * first, BLOCK * last) for first, last in ends)
+        ends = (
+            (max(0, at.min() - reach) // BLUR_BLOCK, (at.max() + reach) // BLUR_BLOCK + 1) for at in (rows, columns)
+        )
+        window = tuple(slice(BLUR_BLOCK * first, BLUR_BLOCK * last) for first, last in ends)
         height, width = depth.shape
         v, u = np.meshgrid(np.arange(height) - height / 2, np.arange(width) - width / 2, indexing="ij")
-        continued[window] = _continued(depth[window], core[window], border[window], u[window], v[window])
+        continued[window] = _extrapolate(depth[window], core[window], border[window], u[window], v[window])
     return continued
 
 
-def _continued(
-    depth: NDArray[np.floating],
-    core: NDArray[np.bool_],
-    border: NDArray[np.bool_],
-    u: NDArray[np.float64],
-    v: NDArray[np.float64],
-) -> NDArray[np.float64]:
+def _extrapolate(depth: NDArray[np.floating], core: Mask, border: Mask, u: Array, v: Array) -> Array:
     """The same in the part of the picture that holds core and border; u and v are its pixels."""
     known = core & (depth > 0)
     weight = known.astype(np.float64)

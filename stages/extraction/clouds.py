@@ -1,65 +1,86 @@
-"""The cloud of one object and its box: outlier removal, DBSCAN, robust z-aligned box (paper A.7)."""
+"""The pixels and the cloud of one object: crop, erosion, outlier removal, DBSCAN (paper A.7)."""
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from stages.config.extraction import ExtractionConfig
-from stages.geometry.boxes import UprightBox
+from stages.contracts.scenes import Annotation
+from stages.extraction.border import continue_depth
+from stages.extraction.observation import AnnotatedImage
+from stages.geometry.cameras import back_project
 from stages.geometry.clouds import dbscan, statistical_inliers
-from stages.geometry.minimum_box import minimum_box
+from stages.geometry.frames import Array, apply
+from stages.geometry.masks import Mask, erode, remove_specks
 
-MAX_POINTS = 8000
-NEIGHBOURS = 16
-SPACING = 1.5  # DBSCAN's radius is at least so many times the distance to the `dbscan_min_points`-th neighbour
-BEHIND = 1.5  # metres behind the farthest point of the largest cluster, from which on another is background
-THINNEST = 0.01  # metres; noise may put a plate's top below the table's
-SPARSE = 0.95  # taken where points are sparse: faces that the camera sees at a grazing angle
+MAX_POINTS = 8000  # of a cloud; chosen for time
+MAX_CUT = 0.4  # share of an object's pixels outside the crop, above which it fails; chosen
+MIN_PIXELS = 60  # of an object; with fewer it fails; chosen
+NEIGHBOURS, MAX_DEVIATIONS = 16, 3.0  # of a point, and their distance in deviations of all distances: no outlier
+SPACING, SPARSE = 1.5, 0.95  # DBSCAN's radius in distances to a neighbour, at this quantile of the points; chosen
+SMALL = 0.01  # share of an object's points: smaller clusters are dropped; chosen
+FAR_BEHIND = 1.5  # metres behind the farthest point of the largest cluster, from which on another is background; chosen
 
 
-def cleaned_cloud(
-    points: NDArray[np.float64], options: ExtractionConfig, rng: np.random.Generator, eye: NDArray[np.float64]
-) -> NDArray[np.float64]:
+class ObjectError(Exception):
+    """One object cannot be used; the scene goes on without it."""
+
+
+def find_object_mask(item: Annotation, image: AnnotatedImage, crop: Mask) -> Mask:
+    """An object's pixels (H, W) inside the crop (H, W), without specks.
+
+    Raises:
+        ObjectError: it has none, or too few.
+    """
+    whole = image.masks == item.mask
+    if not whole.any():
+        raise ObjectError("not in the picture: no pixel has its mask value")
+    inside = remove_specks(whole & crop)
+    if item.box is None and (whole & crop).sum() < (1 - MAX_CUT) * whole.sum():
+        raise ObjectError("cut off: too much of it is outside the central crop")
+    if inside.sum() < MIN_PIXELS:
+        raise ObjectError(f"too small or hidden: {int(inside.sum())} pixels")
+    return inside
+
+
+def make_object_cloud(
+    mask: Mask, image: AnnotatedImage, floor_from_camera: Array, options: ExtractionConfig, rng: np.random.Generator
+) -> Array:
+    """The cleaned points (N, 3), floor frame, of a mask (H, W).
+
+    Raises:
+        ObjectError: too little depth is known of it.
+    """
+    core = erode(mask)
+    depth = continue_depth(image.depth, core, mask) if options.restore_border else np.where(core, image.depth, 0.0)
+    cloud = apply(floor_from_camera, back_project(depth, image.intrinsics)[depth > 0])
+    if len(cloud) < 3:
+        raise ObjectError("no depth on its pixels")
+    cloud = clean_cloud(cloud, options, rng, floor_from_camera[:3, 3])
+    if len(cloud) < 3:
+        raise ObjectError("its depth is too scattered: no cluster of points")
+    return cloud
+
+
+def clean_cloud(points: Array, options: ExtractionConfig, rng: np.random.Generator, eye: Array) -> Array:
     """Points (M, 3), M <= 8000, without stray ones.
 
     Every DBSCAN cluster of some size is kept, not only the largest: a pole in front of an object
     cuts its cloud in two. What lies well behind the largest is seen past the object, or through it.
 
-    Args:
-        eye: (3,) where the camera is.
+    `rng` chooses which points of a large cloud are left out; `eye` (3,): where the camera is.
     """
     if len(points) > MAX_POINTS:
         points = points[np.sort(rng.choice(len(points), MAX_POINTS, replace=False))]
-    points = points[statistical_inliers(points, NEIGHBOURS, options.outlier_deviations)]
+    points = points[statistical_inliers(points, NEIGHBOURS, MAX_DEVIATIONS)]
     if len(points) <= options.dbscan_min_points:
         return points
     distances, _ = KDTree(points).query(points, k=options.dbscan_min_points)
     radius = max(options.dbscan_eps, SPACING * float(np.quantile(distances[:, -1], SPARSE)))
     labels = dbscan(points, radius, options.dbscan_min_points)
     clusters, counts = np.unique(labels[labels >= 0], return_counts=True)
-    kept = clusters[counts >= options.dbscan_keep * len(points)]
+    kept = clusters[counts >= SMALL * len(points)]
     if not len(kept):
         return points[:0]
     ranges = np.linalg.norm(points - eye, axis=1)
-    end = ranges[labels == clusters[np.argmax(counts)]].max() + BEHIND
+    end = ranges[labels == clusters[np.argmax(counts)]].max() + FAR_BEHIND
     return points[np.isin(labels, [cluster for cluster in kept if np.median(ranges[labels == cluster]) <= end])]
-
-
-def fit_box(points: NDArray[np.float64], options: ExtractionConfig) -> UprightBox:
-    """The z-aligned minimum box of a cleaned cloud, its extents as quantiles."""
-    return minimum_box(points, options.trim)
-
-
-def with_top(box: UprightBox, top: float) -> UprightBox:
-    """The box with its top face moved to height `top`, its bottom face kept below that."""
-    center, size = np.array(box.center, dtype=float), np.array(box.size, dtype=float)
-    bottom = min(box.bottom, top - THINNEST)
-    center[2], size[2] = (top + bottom) / 2, top - bottom
-    return UprightBox(center, size, box.yaw)
-
-
-def with_bottom(box: UprightBox, bottom: float) -> UprightBox:
-    """The box with its bottom face moved to height `bottom`."""
-    center, size = np.array(box.center, dtype=float), np.array(box.size, dtype=float)
-    center[2], size[2] = (box.top + bottom) / 2, box.top - bottom
-    return UprightBox(center, size, box.yaw)

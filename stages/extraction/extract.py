@@ -14,7 +14,7 @@ from stages.config.made import made
 from stages.contracts import InputError, atomic, read_options, write_json
 from stages.contracts.corrections import corrections_of
 from stages.contracts.files import first_error, read_text
-from stages.extraction.corrected import as_seen, as_told
+from stages.extraction.corrections import correct_image, correct_scene
 from stages.extraction.reconstruct import reconstruct
 from stages.extraction.sources import Source
 from stages.plugins import load
@@ -37,19 +37,19 @@ def run(
         scene: name of the scene, written into the result.
         out: objects.json; masks.png, depth.npz and clouds.npz are written beside it.
         options: JSON of the config section `extraction`.
-        own: config.yaml beside the picture: its section `extraction` holds where `options` are the defaults.
-        corrections: corrections.json beside the picture: what a person says otherwise.
+        own: config.yaml beside the picture: its section `extraction` sets the options that `options` leaves at default.
+        corrections: corrections.json beside the picture: what a person corrected.
         seed: seed of the depth noise and of RANSAC.
     """
     config = read_options(ExtractionConfig, options)
     for path in own:
-        config = suited(config, path)
+        config = merge_own_options(config, path)
     noise, steps = np.random.default_rng(np.random.SeedSequence((seed, zlib.crc32(scene.encode())))).spawn(2)
     observe: Source = load("sources", config.source)
     image = observe(input, config, noise)
-    told = corrections_of(corrections, "extraction")
-    result = reconstruct(scene, as_seen(image, told) if told else image, config, steps)
-    result = as_told(result, told) if told else result
+    stated = corrections_of(corrections, "extraction")
+    result = reconstruct(scene, correct_image(image, stated) if stated else image, config, steps)
+    result = correct_scene(result, stated) if stated else result
 
     folder = out.parent
     with atomic(folder / "masks.png") as path:
@@ -66,16 +66,15 @@ def run(
         print(f"{scene} {item.id}: {kind}, {item.points} points")
 
 
-def suited(config: ExtractionConfig, own: Path) -> ExtractionConfig:
-    """The options with what config.yaml beside a picture says of extraction, where they are the defaults.
+def merge_own_options(config: ExtractionConfig, own: Path) -> ExtractionConfig:
+    """The options, with the values of the picture's own config.yaml where they are at their defaults.
 
     Raises:
         InputError: it is no config.
     """
     mend = "write it as `from-rgbd` does, or take it away"
     try:
-        told = yaml.safe_load(read_text(own)) or {}
-        section = told.get("extraction") or {}
+        section = (yaml.safe_load(read_text(own)) or {}).get("extraction") or {}
         return ExtractionConfig.model_validate(section | config.model_dump(exclude_defaults=True))
     except ValidationError as error:
         raise InputError(own, f"extraction: {first_error(error)}.", mend, code="E-CONFIG-FILE") from None

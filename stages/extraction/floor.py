@@ -3,16 +3,17 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.config.extraction import ExtractionConfig
 from stages.contracts import InputError
 from stages.contracts.doubts import height_doubt
-from stages.extraction import room
 from stages.extraction.observation import AnnotatedImage
+from stages.geometry.frames import Array
+from stages.geometry.masks import Mask
 from stages.geometry.planes import Plane
+from stages.geometry.room_planes import find_floor, find_level_planes, fit_floor, make_floor_frame
 
-ROUGH = 0.05  # share of the distance by which neighbouring pixels differ in the middle: no surface is so rough
-TILTED, OFF = 10.0, 0.2  # degrees, and share of the camera's height, by which a given frame is not that of the picture
-UPRIGHT = 45.0  # degrees, likewise, if nobody says what is the floor
+ROUGH = 0.05  # share of the distance by which neighbouring pixels differ in the median: no room is so rough; chosen
+MOST_TILTED, MOST_OFF = 10.0, 0.2  # degrees, share of the camera's height: a given frame errs by less; chosen
+MOST_LEANING = 45.0  # degrees, likewise, where no mask shows the floor: the largest level plane may be no floor; chosen
 
 
 def check_smooth(depth: NDArray[np.floating]) -> None:
@@ -24,68 +25,58 @@ def check_smooth(depth: NDArray[np.floating]) -> None:
     known = (depth[:, 1:] > 0) & (depth[:, :-1] > 0)
     steps = np.abs(np.diff(depth, axis=1))[known] / depth[:, 1:][known]
     if len(steps) and (rough := float(np.median(steps))) > ROUGH:
-        what = f"is noise: pixels side by side differ by {100 * rough:.0f} % in the middle."
+        what = f"is noise: neighbouring pixels differ by {100 * rough:.0f} % in the median."
         raise InputError("depth.npz", what, "give depth of this picture, unpacked as its camera says", "E-DEPTH-NOISE")
 
 
-def frame_of(
-    points: NDArray[np.float64],
-    image: AnnotatedImage,
-    usable: NDArray[np.bool_],
-    options: ExtractionConfig,
-    rng: np.random.Generator,
-) -> NDArray[np.float64]:
-    """`floor_from_camera` (4, 4) as given, from the floor mask, or from the level planes if there is no mask or it is
-    no use. What is odd about it is printed.
+def find_floor_frame(
+    image: AnnotatedImage, points: Array, usable: Mask, max_tilt: float, rng: np.random.Generator
+) -> Array:
+    """`floor_from_camera` (4, 4): as given, else from the floor's mask, else from the level planes.
+
+    It prints where the floor was found without a mask, and a doubtful height of the camera.
+
+    Args:
+        points: (H, W, 3) of the pixels, camera frame; only those `usable` (H, W) count.
+        max_tilt: largest angle between image-up and the floor's normal, degrees.
 
     Raises:
         InputError: no floor is seen, or it is not where the given frame says.
     """
-    given = image.floor_from_camera
-    if given is not None:
-        check_frame(given, points, image, usable, options)
-        frame = given
+    frame = image.floor_from_camera
+    if frame is not None:
+        check_frame(frame, image, points, usable, max_tilt)
     else:
-        frame = room.floor_frame(
-            _painted(points, image, usable, options, rng) or _found(points, image, usable, options, rng)
-        )
+        shown = fit_shown_floor(image, points, usable, max_tilt, rng)
+        frame = make_floor_frame(shown or find_unnamed_floor(image, points, usable, max_tilt, rng))
         if image.annotations.floor is None:
-            what = (
-                "the level plane that most objects stand on" if image.annotations.objects else "the lowest level plane"
-            )
-            print(f"no mask of the floor: taken to be {what}, {frame[2, 3]:.2f} m below the camera")
+            what = "level plane that most objects stand on" if image.annotations.objects else "lowest level plane"
+            print(f"no mask of the floor: taken to be the {what}, {frame[2, 3]:.2f} m below the camera")
     if doubt := height_doubt(float(frame[2, 3])):
         print(doubt)
     return frame
 
 
-def check_frame(
-    frame: NDArray[np.float64],
-    points: NDArray[np.float64],
-    image: AnnotatedImage,
-    usable: NDArray[np.bool_],
-    options: ExtractionConfig,
-) -> None:
+def check_frame(frame: Array, image: AnnotatedImage, points: Array, usable: Mask, max_tilt: float) -> None:
     """Compare a given `floor_from_camera` (4, 4) with the floor's pixels; without them, its up with the level planes.
 
     Raises:
-        InputError: they do not go together.
+        InputError: they contradict each other.
     """
     rng = np.random.default_rng(0)  # of its own: what is drawn later does not depend on it
-    floor = _painted(points, image, usable, options, rng)
-    plane = floor or max(
-        room.level_planes(points[usable], options, rng), key=lambda one: one.inliers.sum(), default=None
-    )
+    floor = fit_shown_floor(image, points, usable, max_tilt, rng)
+    levels = [] if floor else find_level_planes(points[usable], max_tilt, rng)
+    plane = floor or max(levels, key=lambda one: one.inliers.sum(), default=None)
     if plane is None:
         return
     tilt = float(np.degrees(np.arccos(np.clip(frame[2, :3] @ plane.normal, -1, 1))))
     height, seen = float(frame[2, 3]), -plane.offset
     what = "the floor that the mask shows" if floor else "the largest level plane"
-    if tilt > 180 - TILTED:
+    if tilt > 180 - MOST_TILTED:
         fault = f"is upside down: its z points into {what}."
-    elif tilt > (TILTED if floor else UPRIGHT):
+    elif tilt > (MOST_TILTED if floor else MOST_LEANING):
         fault = f"is turned by {tilt:.0f} degrees against {what}."
-    elif floor and abs(height / seen - 1) > OFF:
+    elif floor and abs(height / seen - 1) > MOST_OFF:
         fault = f"puts the camera {height:.2f} m above the floor, depth of the floor's pixels {seen:.2f} m."
     else:
         return
@@ -93,32 +84,28 @@ def check_frame(
     raise InputError("camera.json", f"floor_from_camera {fault}", mend, code="E-FLOOR-FRAME")
 
 
-def _painted(
-    points: NDArray[np.float64],
-    image: AnnotatedImage,
-    usable: NDArray[np.bool_],
-    options: ExtractionConfig,
-    rng: np.random.Generator,
+def fit_shown_floor(
+    image: AnnotatedImage, points: Array, usable: Mask, max_tilt: float, rng: np.random.Generator
 ) -> Plane | None:
     """The floor by its mask; None if there is none, or it is above the camera."""
     if image.annotations.floor is None:
         return None
-    floor = room.fit_floor(points[usable & (image.masks == image.annotations.floor)], options, rng)
+    floor = fit_floor(points[usable & (image.masks == image.annotations.floor)], max_tilt, rng)
     return floor if floor is not None and floor.offset < 0 else None
 
 
-def _found(
-    points: NDArray[np.float64],
-    image: AnnotatedImage,
-    usable: NDArray[np.bool_],
-    options: ExtractionConfig,
-    rng: np.random.Generator,
+def find_unnamed_floor(
+    image: AnnotatedImage, points: Array, usable: Mask, max_tilt: float, rng: np.random.Generator
 ) -> Plane:
-    """The floor without a mask of it."""
+    """The floor without a mask of it.
+
+    Raises:
+        InputError: no level plane is seen below the camera.
+    """
     named = [item.mask for item in image.annotations.objects]
     clouds = [cloud for value in named if len(cloud := points[usable & (image.masks == value)])]
     rest = points[usable & ~np.isin(image.masks, [*named, *image.annotations.walls])]
-    floor = room.find_floor(rest, clouds, options, rng) or room.find_floor(points[usable], clouds, options, rng)
+    floor = find_floor(rest, clouds, max_tilt, rng) or find_floor(points[usable], clouds, max_tilt, rng)
     if floor is None:
         raise InputError(
             "depth.npz",

@@ -1,4 +1,4 @@
-"""The level on which things stand on an object: what most of its upper surface says, whatever else stands there."""
+"""The box of an object, and the levels on which it carries others: the heights of most of its upper surface."""
 
 import re
 
@@ -6,35 +6,67 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
-from stages.extraction.clouds import with_top
-from stages.geometry.boxes import UprightBox
+from stages.contracts.objects import DepthError
+from stages.extraction.observation import AnnotatedImage
+from stages.extraction.visibility import tolerance_of
+from stages.geometry.boxes import UprightBox, with_top
+from stages.geometry.cameras import back_project
 from stages.geometry.estimate import BIN, PROMINENT
-from stages.geometry.frames import yaw_matrix
+from stages.geometry.frames import Array, apply, yaw_matrix
+from stages.geometry.minimum_box import minimum_box
+from stages.geometry.room_planes import STRAY
 
-LEVEL_BLUR = 0.003  # share of the distance: noise of heights, seen from little above
-CELLS = 16  # of a ground plan along either side
-NEARLY = 0.5  # of the most that lies at one height
-HIGHEST = 3  # of the points over a cell that counts: noise is higher
-STRAY = 0.02  # share of an object's points that say nothing
+LEVEL_BLUR = 0.003  # share of the distance: noise of heights, seen from little above; chosen
+PLAN_CELLS = 16  # of a ground plan along either side; chosen
+LEVEL_SHARE = 0.5  # of the most points at one height, from which on another is a level; chosen
+HIGHEST_POINTS = 3  # of a cell, the last of which is its height, as single ones are noise; chosen
 # Last words of what is closed and ends in a level top, so that what is higher stands on it: no seat, shelf or bowl.
 TOPPED = """
 table desk counter countertop worktop workbench workstation island bar nightstand sideboard credenza buffet console
 cabinet cupboard drawer dresser commode bureau chest stand unit wardrobe closet armoire trunk vanity
 dishwasher oven stove cooker microwave fridge refrigerator freezer washer dryer machine
 """
-OPEN = "shelf shelve shelving bookshelf bookshelve bookcase rack"  # boards one above the other
-SEAT = "chair armchair stool sofa couch settee loveseat bench bed ottoman seat"  # stand on the floor
+SHELVES = "shelf shelve shelving bookshelf bookshelve bookcase rack"  # boards one above the other
+SEATS = "chair armchair stool sofa couch settee loveseat bench bed ottoman seat"  # stand on the floor
 
 
-def level_of(points: NDArray[np.float64], box: UprightBox, distance: float) -> float | None:
-    """The height at which most of an object's upper surface lies, or most of its front ends, of its points (N, 3).
+def fit_box_and_levels(
+    label: str,
+    cloud: Array,
+    mask: NDArray[np.bool_],
+    image: AnnotatedImage,
+    floor_from_camera: Array,
+    error: DepthError,
+    trim: float,
+) -> tuple[UprightBox, tuple[float, ...]]:
+    """The box of a cleaned cloud (N, 3), floor frame, and the heights at which it may carry others.
 
-    Clutter, a back or a tap are higher, but less of it; of heights at which nearly as much lies the lowest carries the
-    others. None for a front alone that nothing is above, and for a foot:
-    part of what it stands on.
+    What ends in a level top by its label is as high as that. A thin top that erosion removed is put back.
 
     Args:
-        box: of the points. distance: of the camera, metres.
+        cloud: of the eroded `mask` (H, W).
+        trim: share of the points left out at either end of the box.
+    """
+    box = minimum_box(cloud, trim)
+    distance = float(np.linalg.norm(box.center - floor_from_camera[:3, 3]))
+    depth = np.where(mask, image.depth, 0.0)
+    whole = apply(floor_from_camera, back_project(depth, image.intrinsics)[depth > 0])
+    top = float(np.quantile(whole[:, 2], 1 - trim))
+    lost = top > box.top + tolerance_of(error, distance)
+    level = find_level(whole if lost else cloud, box, distance)
+    box = with_top(box, top) if lost else box
+    heights = find_carrying_heights(label, level, box.top)
+    return (box if level is None or not is_topped(label) else with_top(box, level)), heights
+
+
+def find_level(points: Array, box: UprightBox, distance: float) -> float | None:
+    """The height of most of an object's upper surface, or where most of its front ends.
+
+    Clutter, a backrest or a tap are higher, but have fewer points. Of heights with nearly as many points it is the
+    lowest, which carries the others. None: a front with nothing above it, or a base, part of what the object stands on.
+
+    Args:
+        points: (N, 3) of the object, `distance` metres from the camera; their box.
     """
     heights = points[:, 2]
     low, high = float(heights.min()), float(heights.max())
@@ -49,45 +81,42 @@ def level_of(points: NDArray[np.float64], box: UprightBox, distance: float) -> f
         for values in (heights, upper)
     )
     is_level = everywhere > PROMINENT * len(heights) / bins
-    peaks = (above >= np.roll(above, 1)) & (above >= np.roll(above, -1)) & is_level & (above >= NEARLY * above.max())
+    peaks = is_level & (above >= np.roll(above, 1)) & (above >= np.roll(above, -1))
+    peaks &= above >= LEVEL_SHARE * above.max()
     peak = int(np.argmax(peaks if peaks.any() else above))
     height = low + (peak + 0.5) * (high - low) / bins
     higher = float((heights > height + thick).mean())
     is_front = not is_level[peak] and higher < STRAY
-    is_foot = height < np.quantile(heights, STRAY) + thick and higher > 0.5
-    return None if is_front or is_foot else height
+    is_base = height < np.quantile(heights, STRAY) + thick and higher > 0.5
+    return None if is_front or is_base else height
 
 
-def is_uppermost(points: NDArray[np.float64], box: UprightBox, thick: float) -> NDArray[np.bool_]:
-    """Which points (N, 3) are the highest over their cell of an object's ground plan, or so many metres below that."""
+def is_uppermost(points: Array, box: UprightBox, thick: float) -> NDArray[np.bool_]:
+    """Which points (N, 3) are at most `thick` metres below the highest one over their cell of the ground plan."""
     inside = (points - box.center) @ yaw_matrix(box.yaw)[:, :2] / np.maximum(box.size[:2], 1e-6) + 0.5
-    row, column = np.clip((inside * CELLS).astype(int), 0, CELLS - 1).T
-    _, cells, counts = np.unique(row * CELLS + column, return_inverse=True, return_counts=True)
+    row, column = np.clip((inside * PLAN_CELLS).astype(int), 0, PLAN_CELLS - 1).T
+    _, cells, counts = np.unique(row * PLAN_CELLS + column, return_inverse=True, return_counts=True)
     heights = points[np.lexsort((points[:, 2], cells)), 2]
-    ends = heights[np.cumsum(counts) - np.minimum(counts, HIGHEST)]
+    ends = heights[np.cumsum(counts) - np.minimum(counts, HIGHEST_POINTS)]
     return np.asarray(points[:, 2] > ends[cells] - thick)
 
 
 def is_topped(label: str) -> bool:
-    """Whether things of this name are closed and end in a level top."""
+    """Whether objects with this label end in a level top."""
     return _last_word(label) in TOPPED.split()
 
 
 def is_seat(label: str) -> bool:
-    """Whether people sit or lie on things of this name, and they stand on the floor."""
-    return _last_word(label) in SEAT.split()
+    """Whether objects with this label are seats or beds, which stand on the floor."""
+    return _last_word(label) in SEATS.split()
 
 
-def carrying_heights(label: str, level: float | None, top: float) -> tuple[float, ...]:
-    """Heights at which a thing of this name that reaches up to `top` may carry others, most of it first: a chair at its
-    seat, a desk between its clutter, and on that."""
-    return (top,) if level is None or _last_word(label) in OPEN.split() else (level, top)
+def find_carrying_heights(label: str, level: float | None, top: float) -> tuple[float, ...]:
+    """Heights at which an object with this label may carry others, the likeliest first; its box ends at `top`.
 
-
-def ending_near(carrier: UprightBox, heights: tuple[float, ...], bottom: float, reach: float) -> UprightBox:
-    """A carrier's box, ending at the first of its heights within `reach` metres of the bottom of what it may carry."""
-    near = next((height for height in heights if abs(height - bottom) < reach), None)
-    return carrier if near is None else with_top(carrier, near)
+    A chair carries at its seat, a desk between its clutter and on top of that, a shelf at its top alone.
+    """
+    return (top,) if level is None or _last_word(label) in SHELVES.split() else (level, top)
 
 
 def _last_word(label: str) -> str:

@@ -1,4 +1,4 @@
-"""Depth noise model: the errors of estimated depth that the paper names (A.7) and those it leaves unsaid.
+"""Depth noise model: the errors of estimated depth that the paper names (A.7), and two that it does not.
 
 In this order: near and far depth run into each other at outlines ("artifacts near object
 boundaries"); a smooth relative error grows towards the border ("and the image periphery"); range
@@ -12,9 +12,12 @@ from numpy.typing import NDArray
 
 from stages.config.extraction import DepthNoiseConfig
 
-EDGE = 0.03  # relative jump of depth that makes an outline
-QUIET = 0.8  # central part of the image without periphery error
-PERIPHERY_CORRELATION = 0.1  # of the image width
+EDGE = 0.03  # relative jump of depth that makes an outline; chosen
+QUIET = 0.8  # central part of the image without periphery error; chosen
+PERIPHERY = 0.03  # relative error at the image border; A.7 gives no number; chosen
+DRIFT = 0.1  # of the image width, over which that error varies; chosen
+CORRELATION = 6.0  # pixels over which the range noise varies: estimated depth errs in patches; chosen
+BLEEDING = 1.0  # pixels over which near and far depth run into each other at outlines; A.7 gives no number; chosen
 
 
 def smooth_field(shape: tuple[int, int], sigma: float, rng: np.random.Generator) -> NDArray[np.float64]:
@@ -52,9 +55,9 @@ def periphery_ramp(shape: tuple[int, int]) -> NDArray[np.float64]:
 def noisy_depth(depth: NDArray[np.float32], options: DepthNoiseConfig, rng: np.random.Generator) -> NDArray[np.float32]:
     """Disturb perfect depth (H, W) in metres; the same generator state gives the same picture."""
     scale = 1 + options.scale * rng.standard_normal()
-    z = bleed(depth, options.bleeding)
-    drift = smooth_field(depth.shape, PERIPHERY_CORRELATION * depth.shape[1], rng)
-    z = z * (1 + options.periphery * periphery_ramp(depth.shape) * drift)
+    z = bleed(depth, BLEEDING)
+    drift = smooth_field(depth.shape, DRIFT * depth.shape[1], rng)
+    z = z * (1 + PERIPHERY * periphery_ramp(depth.shape) * drift)
     sigma = options.range_constant + options.range_quadratic * z**2
-    z = (z + sigma * smooth_field(depth.shape, options.correlation, rng)) * scale
+    z = (z + sigma * smooth_field(depth.shape, CORRELATION, rng)) * scale
     return np.where(depth > 0, np.maximum(z, 1e-3), 0).astype(np.float32)

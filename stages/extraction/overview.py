@@ -1,6 +1,5 @@
 """`overview.png`: the picture with outlines, names, mounting types and projected boxes."""
 
-import colorsys
 from typing import Any
 
 import cv2
@@ -8,24 +7,17 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
+from stages.contracts.images import Colour, colour_of
 from stages.contracts.objects import Objects, SceneObject
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.cameras import project
 from stages.geometry.frames import apply, inverse
 
 WIDTH = 1280  # pixels to which every picture is drawn: pages show it at about half of that, whatever its own size
-LETTERS, LINE, MARGIN = 26, 3, 5  # pixels
-GOLDEN = 0.618034  # steps of hue that keep neighbours apart
-Colour = tuple[int, int, int]
+LETTERS, LINE, PADDING = 26, 3, 5  # pixels
 
 
-def colour_of(index: int) -> Colour:
-    """A bright colour, different from that of the neighbouring indices."""
-    red, green, blue = colorsys.hsv_to_rgb((0.02 + index * GOLDEN) % 1.0, 0.75, 1.0)
-    return round(255 * red), round(255 * green), round(255 * blue)
-
-
-def _tinted(
+def _tint_masks(
     rgb: NDArray[np.uint8], masks: NDArray[np.uint16], colours: dict[int, Colour], scale: float
 ) -> NDArray[Any]:
     size, finest = (WIDTH, round(scale * rgb.shape[0])), cv2.INTER_AREA if scale < 1 else cv2.INTER_CUBIC
@@ -44,7 +36,7 @@ def _wireframe(canvas: ImageDraw.ImageDraw, item: SceneObject, objects: Objects,
     box = UprightBox(item.box.center, item.box.size, item.box.yaw)
     in_camera = apply(inverse(np.array(objects.floor_from_camera)), corners(box))
     pixels = project(in_camera, np.array(objects.intrinsics)) * scale
-    ring = [(k, (k + 1) % 4) for k in range(4)]  # of its foot; its top is 4 corners on
+    ring = [(k, (k + 1) % 4) for k in range(4)]  # of its lower face; the upper one is 4 corners on
     for a, b in [*ring, *((a + 4, b + 4) for a, b in ring), *((a, a + 4) for a, _ in ring)]:
         if np.isfinite(pixels[[a, b]]).all():
             canvas.line([*map(tuple, pixels[[a, b]])], fill=colour, width=LINE)
@@ -71,28 +63,28 @@ class _Captions:
     def write(self, text: str, at: tuple[float, float], colour: Colour) -> None:
         """Write `text` centred above the point, or at the nearest free place above or below."""
         x0, y0, x1, y1 = self.canvas.textbbox((0, 0), text, font=self.font)
-        width, height = x1 - x0 + 2 * MARGIN, y1 - y0 + 2 * MARGIN
+        width, height = x1 - x0 + 2 * PADDING, y1 - y0 + 2 * PADDING
         across, down = self.canvas.im.size
         left, wanted = min(max(at[0] - width / 2, 0), across - width), max(at[1] - height, 0)
-        beside = [box for box in self.taken if left < box[2] and left + width > box[0]]
-        tops = [wanted, *(box[1] - height for box in beside), *(box[3] for box in beside)]
+        above = [box for box in self.taken if left < box[2] and left + width > box[0]]
+        tops = [wanted, *(box[1] - height for box in above), *(box[3] for box in above)]
         free = [
             top
             for top in tops
-            if 0 <= top <= down - height and all(top >= box[3] or top + height <= box[1] for box in beside)
+            if 0 <= top <= down - height and all(top >= box[3] or top + height <= box[1] for box in above)
         ]
         top = min(free, key=lambda one: (one > wanted, abs(one - wanted)), default=wanted)
         self.taken.append((left, top, left + width, top + height))
         self.canvas.rectangle(self.taken[-1], fill=(20, 20, 20), outline=colour)
-        self.canvas.text((left + MARGIN - x0, top + MARGIN - y0), text, fill=(255, 255, 255), font=self.font)
+        self.canvas.text((left + PADDING - x0, top + PADDING - y0), text, fill=(255, 255, 255), font=self.font)
 
 
 def draw_overview(rgb: NDArray[np.uint8], masks: NDArray[np.uint16], objects: Objects) -> Image.Image:
-    """The picture, `WIDTH` pixels wide; objects that failed are listed at the bottom with their reason."""
+    """The picture, `WIDTH` pixels wide; objects that failed are listed at its lower edge with their reason."""
     good = [item for item in objects.objects if item.status == "ok"]
     colours = {item.mask: colour_of(k) for k, item in enumerate(good)}
     scale = WIDTH / rgb.shape[1]
-    image = Image.fromarray(_tinted(rgb, masks, colours, scale))
+    image = Image.fromarray(_tint_masks(rgb, masks, colours, scale))
     canvas = ImageDraw.Draw(image)
     for item in good:
         _wireframe(canvas, item, objects, colours[item.mask], scale)

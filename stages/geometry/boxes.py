@@ -8,6 +8,7 @@ from shapely import Polygon
 
 from stages.geometry.frames import yaw_matrix
 
+THINNEST_PLATE = 0.01  # metres: noise may put a plate's top below the table's; chosen
 _SIGNS = np.array([(x, y, z) for z in (-0.5, 0.5) for x, y in ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))])
 
 
@@ -53,6 +54,20 @@ def bounds(box: UprightBox) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     return points.min(axis=0), points.max(axis=0)
 
 
+def with_top(box: UprightBox, top: float) -> UprightBox:
+    """The box with its top face moved to height `top`, its bottom face kept below that."""
+    return _between(box, min(box.bottom, top - THINNEST_PLATE), top)
+
+
+def with_bottom(box: UprightBox, bottom: float) -> UprightBox:
+    """The box with its bottom face moved to height `bottom`."""
+    return _between(box, bottom, box.top)
+
+
+def _between(box: UprightBox, bottom: float, top: float) -> UprightBox:
+    return UprightBox([*box.center[:2], (top + bottom) / 2], [*box.size[:2], top - bottom], box.yaw)
+
+
 def surface_points(box: UprightBox, count: int) -> NDArray[np.float64]:
     """About `count` points (N, 3) spread evenly over all six faces."""
     size = box.size
@@ -64,7 +79,7 @@ def surface_points(box: UprightBox, count: int) -> NDArray[np.float64]:
     return np.asarray(local @ yaw_matrix(box.yaw).T + box.center)
 
 
-def rounded_off(points: NDArray[np.float64], box: UprightBox) -> NDArray[np.float64]:
+def round_off_box(points: NDArray[np.float64], box: UprightBox) -> NDArray[np.float64]:
     """Points (N, 3) of a box, moved towards its axis until they lie in the upright cylinder in it."""
     turn, half = yaw_matrix(box.yaw), box.size[:2] / 2
     local = (points - box.center) @ turn

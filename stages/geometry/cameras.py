@@ -9,7 +9,18 @@ from stages.geometry.frames import rigid
 def intrinsics_from_fov(width: int, height: int, fov_y: float) -> NDArray[np.float64]:
     """3x3 matrix K for a vertical field of view in radians; square pixels, pixel centres at integers."""
     focal = height / 2 / np.tan(fov_y / 2)
-    return np.array([[focal, 0.0, (width - 1) / 2], [0.0, focal, (height - 1) / 2], [0.0, 0.0, 1.0]])
+    return make_intrinsics(focal, focal, (width - 1) / 2, (height - 1) / 2)
+
+
+def make_intrinsics(fx: float, fy: float, cx: float, cy: float) -> NDArray[np.float64]:
+    """K (3, 3), pixels."""
+    return np.array([[fx, 0.0, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]])
+
+
+def scale_intrinsics(intrinsics: NDArray[np.float64], width: float, height: float) -> NDArray[np.float64]:
+    """K after the picture is made `width` and `height` times as large; pixel centres are at integer coordinates."""
+    (fx, _, cx), (_, fy, cy), _ = intrinsics
+    return make_intrinsics(fx * width, fy * height, (cx + 0.5) * width - 0.5, (cy + 0.5) * height - 0.5)
 
 
 def look_at(eye: ArrayLike, target: ArrayLike) -> NDArray[np.float64]:

@@ -11,13 +11,14 @@ from scipy.ndimage import gaussian_filter1d
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import yaw_matrix
 
-BIN = 0.005  # metres: width of a bin of coordinates
-SPREAD = 0.015  # metres by which the points of a face lie apart however little noise there is
-REACH = 3.0  # standard deviations of noise within which all points of a face lie
-PROMINENT = 2.0  # a face is where points lie so many times denser than on average
-FAINT = 0.05  # metres of noise, from which on it may hide a whole object
-SLICES = 6  # parts of the depth of a top, all of which are seen
-OUTSIDE, MOST = 0.7, 0.25  # standard deviations by which noise moves an end that is no face; share of the length
+BIN = 0.005  # metres: width of a bin of coordinates; chosen
+SPREAD = 0.015  # metres by which points of a face spread without noise (panels, handles); chosen
+REACH = 3.0  # standard deviations of noise: 99.7 % of the points of a face lie within
+PROMINENT = 2.0  # times the mean density of points, from which on there is a face; chosen
+FAINT = 0.05  # metres of noise, from which on it may hide a whole object; chosen
+SLICES = 6  # parts of the depth of a top, all of which must be seen; chosen
+END_SHIFT = 0.7  # standard deviations by which noise moves an end that is no face; chosen
+MAX_INSET = 0.25  # share of the length that is taken off there at most; chosen
 Array = NDArray[np.float64]
 
 
@@ -53,7 +54,7 @@ class Sight:
             trim: share of the points left out at an end.
         """
         limits = np.quantile(self.points[:, :2] @ yaw_matrix(yaw)[:2, :2], [trim, 1 - trim], axis=0)
-        inset = np.minimum(deviations * self.noise_along(yaw), MOST * (limits[1] - limits[0]))
+        inset = np.minimum(deviations * self.noise_along(yaw), MAX_INSET * (limits[1] - limits[0]))
         return np.stack([limits[0] + inset, limits[1] - inset])
 
     def noise_along(self, yaw: float) -> Array:
@@ -73,7 +74,7 @@ class Sight:
         """
         turn = yaw_matrix(yaw)[:2, :2]
         center, size = box.center.copy(), box.size.copy()
-        level, limits = self.points[:, :2] @ turn, self.ends(yaw, trim, OUTSIDE)
+        level, limits = self.points[:, :2] @ turn, self.ends(yaw, trim, END_SHIFT)
         for axis, along in enumerate(self.ray[:2] @ turn):
             near = 1 if along < 0 else 0
             face = near_face(level[:, axis], 2 * near - 1, self.noise_along(yaw)[axis], trim) if has_faces else None

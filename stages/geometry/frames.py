@@ -4,6 +4,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
+Array = NDArray[np.float64]
+
 # Smallest turn about z that maps an object onto itself, by `Asset.symmetry`.
 SYMMETRY_PERIOD = {
     "none": 2 * np.pi,

@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-SAMPLED, HYPOTHESES, PLANES = 3000, 300, 3
-ON_PLANE = 0.02  # share of its value by which a point may be off a plane, and of points that must be on more planes
+SAMPLED, HYPOTHESES, PLANES = 3000, 300, 3  # points, three-point hypotheses a plane, planes; chosen for time
+TOLERANCE = 0.02  # share of its value by which a point may be off a plane, and of points more on planes; chosen
 
 
 def is_inverse(depth: NDArray[np.floating]) -> bool:
@@ -24,11 +24,11 @@ def is_inverse(depth: NDArray[np.floating]) -> bool:
     if not is_lower.any() or np.median(values[is_lower]) < np.median(values[~is_lower]):
         return False
     pixels = np.column_stack([columns, rows, np.ones(SAMPLED)]).astype(np.float64)
-    return planar(values, pixels, rng) > (1 + ON_PLANE) * planar(1 / values, pixels, rng)
+    return count_planar(values, pixels, rng) > (1 + TOLERANCE) * count_planar(1 / values, pixels, rng)
 
 
-def planar(
-    values: NDArray[np.float64], pixels: NDArray[np.float64], rng: np.random.Generator, off: float = ON_PLANE
+def count_planar(
+    values: NDArray[np.float64], pixels: NDArray[np.float64], rng: np.random.Generator, off: float = TOLERANCE
 ) -> int:
     """How many of the values (N,) are linear in the pixels (N, 3), homogeneous, by a few planes.
 

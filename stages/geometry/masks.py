@@ -1,13 +1,17 @@
-"""Masks of an image (H, W): where they lie, and those of polygons."""
+"""Masks of an image (H, W): where they lie, those of polygons, and which of their pixels are trusted (paper A.7)."""
 
 import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-FARTHEST = 30_000  # pixels: corners are drawn no farther out (OpenCV counts in 16 bits)
+Mask = NDArray[np.bool_]
+FARTHEST_CORNER = 30_000  # pixels: corners are drawn no farther out (OpenCV counts in 16 bits)
+OUTLINE = 3  # pixels by which the outline of a mask may be off; as in docs/results/extraction.md (clutter)
+EROSION = 2  # pixels taken off the border of masks before clouds are made; A.7 gives no number; chosen
+SPECK = 0.01  # parts of a mask with a smaller share of its pixels are specks; chosen
 
 
-def pixel_bounds(mask: NDArray[np.bool_]) -> tuple[int, int, int, int]:
+def pixel_bounds(mask: Mask) -> tuple[int, int, int, int]:
     """Bounds x0, y0, x1, y1 (exclusive) of a mask; all 0 if it is empty."""
     rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
     if not len(rows):
@@ -15,10 +19,36 @@ def pixel_bounds(mask: NDArray[np.bool_]) -> tuple[int, int, int, int]:
     return int(columns[0]), int(rows[0]), int(columns[-1]) + 1, int(rows[-1]) + 1
 
 
-def polygon(points: ArrayLike, shape: tuple[int, int]) -> NDArray[np.bool_]:
+def polygon(points: ArrayLike, shape: tuple[int, int]) -> Mask:
     """Pixels (H, W) inside a polygon of corners (N, 2), x and y; none if there are less than three."""
     mask = np.zeros(shape, dtype=np.uint8)
     corners = np.asarray(points, dtype=np.float64).reshape(-1, 2)
     if len(corners) >= 3 and np.isfinite(corners).all():
-        cv2.fillPoly(mask, [np.rint(np.clip(corners, -FARTHEST, FARTHEST)).astype(np.int32)], 1)
+        cv2.fillPoly(mask, [np.rint(np.clip(corners, -FARTHEST_CORNER, FARTHEST_CORNER)).astype(np.int32)], 1)
     return mask > 0
+
+
+def central_crop(shape: tuple[int, int], share: float) -> Mask:
+    """Mask (H, W) of the central `share` of the image in either direction."""
+    inside = np.zeros(shape, dtype=bool)
+    v, u = (round(length * (1 - share) / 2) for length in shape)
+    inside[v : shape[0] - v, u : shape[1] - u] = True
+    return inside
+
+
+def remove_specks(mask: Mask) -> Mask:
+    """The mask without its tiny separate parts."""
+    _, parts, stats, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8), connectivity=8)
+    large = stats[:, cv2.CC_STAT_AREA] >= SPECK * mask.sum()
+    large[0] = False
+    return large[parts]
+
+
+def erode(mask: Mask, keep: float = 0.25) -> Mask:
+    """Take `EROSION` pixels off the border, fewer if less than a share of `keep` of the mask would remain."""
+    for size in range(EROSION, 0, -1):
+        kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * size + 1, 2 * size + 1))
+        smaller = cv2.erode(mask.astype(np.uint8), kernel, borderType=cv2.BORDER_CONSTANT, borderValue=0) > 0
+        if smaller.sum() >= keep * mask.sum():
+            return smaller
+    return mask

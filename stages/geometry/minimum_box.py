@@ -6,11 +6,11 @@ from numpy.typing import NDArray
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import wrap_angle, yaw_matrix
 
-STEP = np.deg2rad(1.0)
+COARSE_STEP = np.deg2rad(1.0)
 FINE_STEP = np.deg2rad(0.1)
 SCAN_POINTS = 3000  # more points cost time and move the yaw by less than FINE_STEP
-AREA_TIE = 1.1  # footprints this near to the smallest one are told apart by how well the points lie on the sides
-SIDE_CLIP = 0.05  # metres; beyond it a point says nothing about a side
+AREA_TIE = 1.1  # times the smallest footprint, up to which points on the sides decide; chosen
+SIDE_CLIP = 0.05  # metres, beyond which a point says nothing about a side; chosen
 
 
 def _extents(points: NDArray[np.float64], yaw: float, trim: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -50,8 +50,8 @@ def minimum_box(points: NDArray[np.floating], trim: float = 0.0) -> UprightBox:
     """
     cloud = np.asarray(points, dtype=np.float64)
     plan = cloud[:: max(1, len(cloud) // SCAN_POINTS), :2]
-    yaw = _best_yaw(plan, np.arange(-np.pi / 4 + STEP, np.pi / 4 + STEP / 2, STEP), trim)
-    yaw = _best_yaw(plan, yaw + np.arange(-STEP, STEP + FINE_STEP / 2, FINE_STEP), trim)
+    yaw = _best_yaw(plan, np.arange(-np.pi / 4 + COARSE_STEP, np.pi / 4 + COARSE_STEP / 2, COARSE_STEP), trim)
+    yaw = _best_yaw(plan, yaw + np.arange(-COARSE_STEP, COARSE_STEP + FINE_STEP / 2, FINE_STEP), trim)
     yaw = wrap_angle(yaw, np.pi / 2)
     _, (low, high) = _extents(cloud, yaw, trim)
     return UprightBox(yaw_matrix(yaw) @ ((low + high) / 2), high - low, yaw)

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-SCORED_POINTS = 2000  # hypotheses are scored on a sample of this size; the refinement uses all points
+SCORED_POINTS = 2000  # hypotheses are scored on so many, the refinement uses all; chosen for time
 
 
 class Plane(NamedTuple):

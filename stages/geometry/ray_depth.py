@@ -3,10 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.geometry.inverse_depth import planar
+from stages.geometry.inverse_depth import SAMPLED, count_planar
 
-SAMPLED = 3000
-OFF, MORE = 0.01, 1.3  # share of its value by which a point may be off a plane; times as many are on planes
+OFF_PLANE = 0.01  # share of its value by which a point may be off a plane; chosen
+MORE_PLANAR = 1.3  # times as many points on planes, above which depth is taken to be of the other kind; chosen
 
 
 def ray_lengths(shape: tuple[int, int], intrinsics: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -34,6 +34,6 @@ def flatter_along(depth: NDArray[np.floating], intrinsics: NDArray[np.float64]) 
     lengths = ray_lengths(depth.shape, intrinsics)[rows, columns]
     pixels = np.column_stack([columns, rows, np.ones(SAMPLED)]).astype(np.float64)
     kinds = {"": inverse, "ray": inverse * lengths, "axis": inverse / lengths}
-    flat = {kind: planar(values, pixels, np.random.default_rng(0), OFF) for kind, values in kinds.items()}
+    flat = {kind: count_planar(values, pixels, np.random.default_rng(0), OFF_PLANE) for kind, values in kinds.items()}
     best = max(flat, key=lambda kind: flat[kind])
-    return best if flat[best] > MORE * flat[""] else ""
+    return best if flat[best] > MORE_PLANAR * flat[""] else ""

@@ -1,4 +1,4 @@
-"""Mass and inertia of what says nothing of its own: as of boards, in a box around its pieces."""
+"""Mass and inertia of links whose files state none: those of boards, in a box around their pieces."""
 
 from collections.abc import Iterable, Sequence
 from typing import Protocol
@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 from trimesh import Trimesh
 
-DENSITY = 500.0  # kg / m^3, for links that say nothing of their mass
-BOARD = 0.018  # metres: what furniture is made of
-MINIMUM_MASS, MINIMUM_INERTIA = 0.01, 1e-7
+DENSITY = 500.0  # kg / m^3, of wood; chosen
+BOARD = 0.018  # metres: a usual board of furniture
+MINIMUM_MASS, MINIMUM_INERTIA = 0.01, 1e-7  # kg, kg m^2, for stable simulation; chosen
 Matrix = NDArray[np.float64]
 
 
@@ -23,7 +23,7 @@ class HasMesh(Protocol):
 
 
 def board_mass(pieces: Sequence[Trimesh], visuals: Iterable[HasMesh]) -> float:
-    """What a link of unknown mass weighs: furniture is made of boards.
+    """The mass of a link whose file states none: furniture is made of boards.
 
     As much as boards of half of the visible area, both sides of which are seen, or as its hulls if they are smaller.
     """

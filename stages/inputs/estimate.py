@@ -14,24 +14,25 @@ from stages.config.photo import PhotoConfig
 from stages.contracts import Annotations, Camera, InputError, read_options
 from stages.contracts.scene_input import write_scene_input
 from stages.contracts.scenes import Annotation, Held
+from stages.contracts.types import FLOOR, WALL
+from stages.geometry.cameras import make_intrinsics
 from stages.inputs.by_hand.photo import Photo, read_photo
 from stages.inputs.by_hand.segments import propose, usual_focal
-from stages.inputs.photo.captions import NONE, held, listed, looked
+from stages.inputs.photo.captions import NONE, ask_labels, ask_mounting, ask_object
 from stages.inputs.photo.level import level_camera
 from stages.inputs.photo.networks import Detection, depth_of, detect, segment
-from stages.inputs.rgbd.cameras import Matrix, matrix, of_field_of_view
+from stages.inputs.rgbd.cameras import Matrix, intrinsics_of_view
 from stages.inputs.rgbd.frame import Frame, Labelled
-from stages.inputs.rgbd.write import annotated
+from stages.inputs.rgbd.write import make_annotations
 from stages.procedural.catalogue import CATEGORIES
 from stages.vlm.ask import Asker, NoAnswerError
 
-FLOOR, WALL = "floor", "wall"
 ROOM = (FLOOR, WALL)
 
 
 @dataclass(frozen=True)
 class Thing:
-    """A detection with its mask (H, W), and what the language model says of it."""
+    """A detection with its mask (H, W), and what the language model states of it."""
 
     detection: Detection
     mask: NDArray[np.bool_]
@@ -58,7 +59,7 @@ def run(*, image: Path, out: Path, options: str = "", device: str = "cpu") -> No
     labels = settings.labels or [name.replace("_", " ") for name in CATEGORIES]
     if asker is not None:
         try:
-            labels = listed(asker, photo.rgb)
+            labels = ask_labels(asker, photo.rgb)
         except NoAnswerError as error:
             raise InputError(
                 settings.vlm.url, f"says not what is in the picture ({error}).", _BY_LABEL, code="E-VLM-ANSWER"
@@ -67,13 +68,13 @@ def run(*, image: Path, out: Path, options: str = "", device: str = "cpu") -> No
     depth, focal = depth_of(photo.rgb, settings, device)
     intrinsics, line = camera_of(photo, focal, settings)
     print(line)
-    things = found_things(photo.rgb, labels, settings, device)
+    things = find_things(photo.rgb, labels, settings, device)
     if asker is None:
         print("no language model was asked: what opens is told by its label, doors and drawers are not counted")
     else:
-        things = recaptioned(asker, photo.rgb, things, labels)
+        things = recaption(asker, photo.rgb, things, labels)
         if settings.mounting == "vlm":
-            things = hung(asker, photo.rgb, things)
+            things = ask_mountings(asker, photo.rgb, things)
         print(asker.summary())
     written = write(out, Frame(photo.rgb, depth, intrinsics), things, line)
     print(f"{out}: {len(written.objects)} objects, {'a' if written.floor else 'no'} floor, {len(written.walls)} walls")
@@ -83,11 +84,11 @@ _BY_LABEL = "photo.captions: labels needs no language model"
 
 
 def camera_of(photo: Photo, estimated: float | None, options: PhotoConfig) -> tuple[Matrix, str]:
-    """K, and a line that says where its focal length is from: config, depth network, EXIF, lines, a usual camera."""
+    """K, and a line with the source of its focal length: config, depth network, EXIF, lines, a usual camera."""
     height, width = photo.rgb.shape[:2]
     prior = usual_focal(width, height, photo.focal)
     if options.field_of_view is not None:
-        focal, source = float(of_field_of_view(options.field_of_view, width, height)[0, 0]), "photo.field_of_view"
+        focal, source = float(intrinsics_of_view(options.field_of_view, width, height)[0, 0]), "photo.field_of_view"
     elif options.lens is not None and photo.focal is not None:
         focal, source = photo.focal, "photo.lens"
     elif estimated is not None:
@@ -100,12 +101,12 @@ def camera_of(photo: Photo, estimated: float | None, options: PhotoConfig) -> tu
         focal, source = proposed.likely_focal, "lines in the picture" if proposed.guides else usual
     degrees = np.rad2deg(2 * np.arctan(width / 2 / focal))
     return (
-        matrix(focal, focal, (width - 1) / 2, (height - 1) / 2),
+        make_intrinsics(focal, focal, (width - 1) / 2, (height - 1) / 2),
         f"focal length {focal:.0f} pixels, {degrees:.0f} degrees across: by {source}",
     )
 
 
-def found_things(rgb: NDArray[np.uint8], labels: list[str], options: PhotoConfig, device: str = "cpu") -> list[Thing]:
+def find_things(rgb: NDArray[np.uint8], labels: list[str], options: PhotoConfig, device: str = "cpu") -> list[Thing]:
     """What the detector finds, with masks, best first; floor and walls among them.
 
     Raises:
@@ -127,7 +128,7 @@ def _overlap(one: NDArray[np.bool_], other: NDArray[np.bool_]) -> float:
     return float((one & other).sum() / max(1, (one | other).sum()))
 
 
-def recaptioned(asker: Asker, rgb: NDArray[np.uint8], things: list[Thing], labels: list[str]) -> list[Thing]:
+def recaption(asker: Asker, rgb: NDArray[np.uint8], things: list[Thing], labels: list[str]) -> list[Thing]:
     """Detections with the labels that the language model gives them; those without a label are left out."""
     kept = []
     for number, thing in enumerate(progress(things, "objects"), 1):
@@ -137,7 +138,7 @@ def recaptioned(asker: Asker, rgb: NDArray[np.uint8], things: list[Thing], label
             continue
         about = f"object {number}, {detection.label}"
         try:
-            answer = looked(asker, rgb, detection.box, labels, about)
+            answer = ask_object(asker, rgb, detection.box, labels, about)
         except NoAnswerError as error:
             print(f"{about}: no answer ({error}): the detector's label stays")
             kept.append(thing)
@@ -152,7 +153,7 @@ def recaptioned(asker: Asker, rgb: NDArray[np.uint8], things: list[Thing], label
     return kept
 
 
-def hung(asker: Asker, rgb: NDArray[np.uint8], things: list[Thing]) -> list[Thing]:
+def ask_mountings(asker: Asker, rgb: NDArray[np.uint8], things: list[Thing]) -> list[Thing]:
     """Detections with the mountings that the language model states; None without a usable answer."""
     walls = [thing.mask for thing in things if thing.detection.label == WALL]
     if not walls:
@@ -164,7 +165,7 @@ def hung(asker: Asker, rgb: NDArray[np.uint8], things: list[Thing]) -> list[Thin
         if label not in ROOM:
             about = f"object {number}, {label}: mounting"
             try:
-                thing = replace(thing, mounting=held(asker, rgb, thing.detection.box, walls, label, about))
+                thing = replace(thing, mounting=ask_mounting(asker, rgb, thing.detection.box, walls, label, about))
             except NoAnswerError as error:
                 print(f"{about} by geometry, no answer ({error})")
         found.append(thing)
@@ -183,15 +184,15 @@ def write(folder: Path, frame: Frame, things: list[Thing], note: str = "") -> An
     for value, thing in order:
         values[thing.mask] = value
     labelled = Labelled(values, {value: thing.detection.label for value, thing in enumerate(things, 1)})
-    masks, annotations = annotated(labelled)
+    masks, annotations = make_annotations(labelled)
     pose = level_camera(replace(frame, masks=Labelled(masks, labelled.labels)), annotations.floor)
     if pose is not None:
         line = f"no floor is seen: level by lines in the picture, {pose[2, 3]:.2f} m above the lowest point"
         print(line)
         note = f"{note}; {line}" if note else line
     walls = [value for value, thing in enumerate(things, 1) if thing.detection.label == WALL]
-    said = [_said(item, things[item.mask - 1], walls, annotations.walls) for item in annotations.objects]
-    annotations = annotations.model_copy(update={"objects": said})
+    stated = [_state(item, things[item.mask - 1], walls, annotations.walls) for item in annotations.objects]
+    annotations = annotations.model_copy(update={"objects": stated})
     camera = Camera(
         width=width,
         height=height,
@@ -204,16 +205,19 @@ def write(folder: Path, frame: Frame, things: list[Thing], note: str = "") -> An
     return annotations
 
 
-def _said(item: Annotation, thing: Thing, walls: list[int], shown: list[int]) -> Annotation:
-    """What was said of a thing; of its mounting only if its walls are seen, too. `walls`, `shown`: mask values."""
-    said: dict[str, Any] = {}
+def _state(item: Annotation, thing: Thing, walls: list[int], shown: list[int]) -> Annotation:
+    """An annotation with what the language model states; its mounting only if its walls are seen, too.
+
+    `walls`, `shown`: mask values of all walls, and of those with pixels left.
+    """
+    stated: dict[str, Any] = {}
     if thing.articulated is not None:
-        said |= {"articulated": thing.articulated, "doors": thing.doors, "drawers": thing.drawers}
+        stated |= {"articulated": thing.articulated, "doors": thing.doors, "drawers": thing.drawers}
     if thing.mounting is not None:
         kind, places = thing.mounting
         touched = [walls[place] for place in places if walls[place] in shown]
         if len(touched) < len(places):
             print(f"{item.label}: mounting by geometry, its wall is all covered")
         else:
-            said["mounting"] = Held.model_validate({"type": kind, "walls": touched})
-    return item.model_copy(update=said)
+            stated["mounting"] = Held.model_validate({"type": kind, "walls": touched})
+    return item.model_copy(update=stated)

@@ -36,7 +36,7 @@ def run(*, options: str = "", sources: str = "{}", out: Path | None = None, lock
     known = SOURCES | json.loads(sources)
     for name, folder in read_options(PhotoSection, options).networks().items():
         key, asked = f"photo.{name}", known[name]
-        records[name] = found = fetched(folder, asked, key, locked.get(asked))
+        records[name] = found = fetch_weights(folder, asked, key, locked.get(asked))
         print(f"{key}: {json.dumps(found)}", flush=True)
         if "commit" in found and asked not in locked:
             locked[asked] = Locked(commit=found["commit"], sha256=found["sha256"])
@@ -64,7 +64,7 @@ def _read_lock(path: Path) -> dict[str, Locked]:
         ) from None
 
 
-def fetched(path: str, source: str, key: str, locked: Locked | None = None) -> Record:
+def fetch_weights(path: str, source: str, key: str, locked: Locked | None = None) -> Record:
     """What lies in a network's folder, after it was downloaded if need be.
 
     A folder with weights that we did not put there is the user's own and stays as it is.

@@ -7,20 +7,19 @@ from typing import Literal
 import cv2
 import numpy as np
 
-from stages.contracts import InputError, atomic
+from stages.contracts import Annotations, InputError, atomic
 from stages.geometry.ray_depth import along_axis, flatter_along
-from stages.inputs.numbered import numbered
-from stages.inputs.rgbd.cameras import KNOWS, Matrix, checked, of_camera, of_field_of_view, read_intrinsics
-from stages.inputs.rgbd.cameras import matrix as intrinsics_of
-from stages.inputs.rgbd.clusters import clustered
-from stages.inputs.rgbd.edges import without_edges
-from stages.inputs.rgbd.frame import Frame, is_nothing
-from stages.inputs.rgbd.layouts import read_frame, read_views, with_camera
-from stages.inputs.rgbd.lens import straight_frame
-from stages.inputs.rgbd.mask_files import read_labelled
-from stages.inputs.rgbd.mask_shapes import listed
-from stages.inputs.rgbd.upright import upright_masks
-from stages.inputs.rgbd.write import fitted, write_frame
+from stages.inputs.numbered import draw_numbers
+from stages.inputs.rgbd.cameras import KNOWS, choose_intrinsics
+from stages.inputs.rgbd.clusters import make_clusters
+from stages.inputs.rgbd.edges import remove_edges
+from stages.inputs.rgbd.frame import Frame, fit_frame
+from stages.inputs.rgbd.layouts import find_view
+from stages.inputs.rgbd.lens import straighten_frame
+from stages.inputs.rgbd.mask_files import read_upright_masks
+from stages.inputs.rgbd.mask_shapes import list_remarks
+from stages.inputs.rgbd.views import View, read_view
+from stages.inputs.rgbd.write import write_frame
 
 
 def run(
@@ -58,35 +57,16 @@ def run(
         labels: names of the PNG's values, as JSON.
         clusters: make masks of what stands on a table or floor, by depth alone, to be named by you.
     """
-    known = sum((intrinsics is not None, bool(camera), fov > 0, bool(matrix)))
-    if known > 1:
-        raise InputError(
-            "--intrinsics, --camera, --fov, --matrix",
-            "say the same thing.",
-            "give one of them",
-            code="E-OPTION-CONFLICT",
-        )
-    if matrix and len(matrix) != 4:
-        raise InputError(
-            "--matrix", f"has {len(matrix)} numbers.", "fx fy cx cy, in pixels", code="E-CAMERA-INTRINSICS"
-        )
-
-    def told(width: int, height: int, picture: str) -> Matrix:
-        if intrinsics is not None:
-            return read_intrinsics(intrinsics, width, height, picture)
-        if matrix:
-            return checked("--matrix", intrinsics_of(*matrix), width, height)
-        return of_camera(camera, width, height) if camera else of_field_of_view(fov, width, height)
-
+    stated = choose_intrinsics(intrinsics, camera, fov, matrix)
     if recording is not None:
         if rgb is not None or depth is not None:
             raise InputError(
                 "--recording", "has its own pictures.", "leave out --rgb and --depth", code="E-OPTION-CONFLICT"
             )
-        frame = read_frame(recording, number, unit, told if known else None, intrinsics)
+        view = find_view(recording, number, stated, intrinsics)
     elif rgb is None or depth is None:
         raise InputError("--rgb, --depth", "both are needed.", "or give --recording", code="E-OPTION-MISSING")
-    elif not known:
+    elif stated is None:
         raise InputError(
             rgb,
             "nothing says what camera took it.",
@@ -94,58 +74,48 @@ def run(
             code="E-CAMERA-MISSING",
         )
     else:
-        frame = with_camera(read_views(rgb, depth, unit, intrinsics), told, intrinsics)
+        view = View(rgb, depth, stated, intrinsics, intrinsics)
+    frame = read_view(view, unit)
     if masks is not None:
-        frame = _masked(frame, masks, labels)
-    frame = _straight(frame, masks)
-    doubt = ""
+        assert frame.turn is not None
+        frame = replace(frame, masks=read_upright_masks(masks, labels, frame.turn))
+    before = frame.masks
+    frame = straighten_frame(fit_frame(frame))
+    if masks is not None and before is not None and frame.masks is not None:
+        kept = set(np.unique(frame.masks.values).tolist())
+        if lost := [(name, "has no pixels") for value, name in before.labels.items() if value not in kept]:
+            left = f"{len(before.labels) - len(lost)} of {len(before.labels)}"
+            print(f"{masks}: made straight and fitted, {left} are left: {list_remarks(lost)}")
     if depth_is == "ray":
         frame = replace(frame, depth=along_axis(frame.depth, frame.intrinsics))
+    doubt = ""
     if flatter := flatter_along(frame.depth, frame.intrinsics):
         doubt = f"depth in doubt: floor and walls would be flat with --depth-is {'ray' if flatter == 'ray' else 'z'}"
         print(f"{depth or recording}: {doubt}")
     if frame.masks is not None:
-        frame = replace(frame, depth=without_edges(frame.depth, frame.masks.values))
-    if clusters and masks is None:
-        frame = replace(frame, masks=clustered(frame.depth, frame.intrinsics))
-    height, width = frame.rgb.shape[:2]
+        frame = replace(frame, depth=remove_edges(frame.depth, frame.masks.values))
+    elif clusters:
+        frame = replace(frame, masks=make_clusters(frame.depth, frame.intrinsics))
     written = write_frame(out, frame, doubt)
+    print_summary(out, frame, written, is_clustered=clusters and masks is None)
+
+
+def print_summary(out: Path, frame: Frame, written: Annotations | None, is_clustered: bool) -> None:
+    """Print what was written, and what is to be done with it; clusters are drawn with their numbers for that."""
+    height, width = frame.rgb.shape[:2]
     (fx, _, cx), (_, fy, cy), _ = frame.intrinsics
     print("; ".join([*frame.notes, f"fx {fx:.1f} fy {fy:.1f} cx {cx:.1f} cy {cy:.1f} of {width}x{height} pixels"]))
     if written is None:
         print(f"{out}: no masks. Draw boxes: python -m stages.inputs annotate {out / 'rgb.png'} --out {out} "
               f"--depth {out / 'depth.npz'} --camera {out / 'camera.json'}; or give --masks or --clusters")  # fmt: skip
         return
-    opens = [item.label for item in written.objects if item.articulated]
     floor = "a floor" if written.floor else "no floor named: what most of them stand on is the ground"
     print(f"{out}: {len(written.objects)} objects, {len(written.walls)} walls, {floor}")
-    if clusters and masks is None and frame.masks is not None:
+    if is_clustered and frame.masks is not None:
         shown = [frame.masks.values == value for value in frame.masks.labels]
         with atomic(out / "numbers.png") as path:
-            cv2.imwrite(str(path), numbered(frame.rgb, shown)[..., ::-1])
+            cv2.imwrite(str(path), draw_numbers(frame.rgb, shown)[..., ::-1])
         print(f"{out / 'annotations.json'}: say in it what each object is: numbers.png shows which mask it has; "
               f"or in the browser: python -m stages.inputs annotate {out}")  # fmt: skip
-    if opens:
+    if opens := [item.label for item in written.objects if item.articulated]:
         print(f"{out / 'annotations.json'}: say in it how many doors and drawers there are: {', '.join(opens)}")
-
-
-def _masked(frame: Frame, masks: Path, labels: Path | None) -> Frame:
-    """The frame with the masks of a file."""
-    assert frame.turn is not None
-    turn, name = frame.turn, frame.turn.path.name
-    found = upright_masks(turn, lambda width, height: read_labelled(masks, labels, width, height, name), masks)
-    if nothing := [(label, "is nothing to place") for label in found.labels.values() if is_nothing(label)]:
-        print(f"{masks}: left out: {listed(nothing)}")
-    return replace(frame, masks=found)
-
-
-def _straight(frame: Frame, masks: Path | None) -> Frame:
-    """The frame at one size as a pinhole camera would see it. Prints which masks have no pixels in that."""
-    straight = straight_frame(fitted(frame))
-    if frame.masks is not None and straight.masks is not None:
-        kept = set(np.unique(straight.masks.values).tolist())
-        lost = [(name, "has no pixels") for value, name in frame.masks.labels.items() if value not in kept]
-        if lost:
-            count = len(frame.masks.labels)
-            print(f"{masks}: made straight and fitted, {count - len(lost)} of {count} are left: {listed(lost)}")
-    return straight

@@ -6,10 +6,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.extraction.overview import colour_of
+from stages.contracts.images import colour_of
 
 
-def numbered(rgb: NDArray[np.uint8], masks: Sequence[NDArray[np.bool_]]) -> NDArray[np.uint8]:
+def draw_numbers(rgb: NDArray[np.uint8], masks: Sequence[NDArray[np.bool_]]) -> NDArray[np.uint8]:
     """The picture with masks tinted, each with its number, from 1, where it is widest."""
     shown = rgb.copy()
     for k, mask in enumerate(masks):

@@ -15,8 +15,8 @@ from stages.simulation.kinematics import Array, Chain
 from stages.simulation.robot import GRIPPER_OPEN, REST
 from stages.simulation.target import Target
 
-SHARES = (1.0, 0.6, 0.3)  # of the margin, the next where the arm cannot follow the handle so far, as of a wide door
-LAG = 0.1  # of the margin: the door may stay behind the hand by so much when half of it is not to be had
+SHARES = (1.0, 0.6, 0.3)  # of the margin, tried in turn where the arm cannot follow a wide door so far; chosen
+LAG = 0.1  # of the margin by which a door may lag behind the hand when it is let go; chosen
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ def plan_articulation(
     return None
 
 
-def opened_to(target: Target, opening: float, margin: float) -> tuple[float, ...]:
+def choose_open_goals(target: Target, opening: float, margin: float) -> tuple[float, ...]:
     """The values to which a joint is moved to open it by a fraction of its range: further by `SHARES` of a margin, a
     fraction of the range as well. In a range of 180 degrees all of it may be 36 degrees more than success needs.
     """
@@ -78,8 +78,8 @@ def opened_to(target: Target, opening: float, margin: float) -> tuple[float, ...
     return tuple(target.lower + fraction * (target.upper - target.lower) for fraction in fractions)
 
 
-def open_enough(target: Target, opening: float, margin: float, goal: float) -> float:
-    """The fraction of its range at which a joint on its way to `goal` (see `opened_to`) is let go."""
+def choose_release_opening(target: Target, opening: float, margin: float, goal: float) -> float:
+    """The fraction of its range at which a joint on its way to `goal` (see `choose_open_goals`) is let go."""
     moved_to = (goal - target.lower) / (target.upper - target.lower)
     return min(opening + margin / 2, moved_to - LAG * margin)
 
@@ -106,16 +106,16 @@ def _plans(
             yield Plan(grasp, approach, straight(before, motion[0]), motion), slack
 
 
-def approaches(chain: Chain, joints: Array, before: Array, apart: float) -> list[tuple[Array, float]]:
+def approaches(chain: Chain, joints: Array, before: Array, pregrasp: float) -> list[tuple[Array, float]]:
     """Ways (K, 4, 4) from where the arm is to a pose of the hand, with their slack: straight; where the hand is higher
-    also from above; where it is `apart` from its rest pose (path length) also through that."""
+    also from above; where it is farther than `pregrasp` from its rest pose (path length) also through that."""
     hand, rest = chain.pose(np.stack([joints, REST]))
     ways = [(straight(hand, before), 1.0)]
     if hand[2, 3] > before[2, 3]:
         over = before.copy()
         over[2, 3] = hand[2, 3]
         ways.append((along([hand, over, before]), 1.0))
-    if distance(hand[None], rest[None])[0] > apart:
+    if distance(hand[None], rest[None])[0] > pregrasp:
         to_rest = homing(chain, joints, hand)
         ways.append((np.concatenate([to_rest, straight(to_rest[-1], before)[1:]]), ON_THE_WAY))
     return ways

@@ -9,12 +9,12 @@ from scipy.spatial import cKDTree
 from stages.simulation.kinematics import Array
 from stages.simulation.target import Target
 
-POINTS = 20_000  # on the moving and on the fixed part of an object; about a centimetre apart on a cabinet
-INNER_POINTS = 500  # within every convex piece of them
-MARGIN = 0.005  # metres of air between the arm and what it must not touch
+SURFACE_POINTS = 20_000  # on either part of an object: one about every centimetre on a cabinet; chosen for time
+INNER_POINTS = 500  # within each of their convex pieces; chosen for time
+CLEARANCE = 0.005  # metres of air between the arm and what it must not touch; chosen
 
-# Spheres of Franka's Panda: frame, centre in that frame, radius; metres. Frame j is that of joint j + 1, -1 the tool
-# centre point. Fingers move with their joints: y is outwards of the pad.
+# Spheres around the meshes of Franka's Panda: frame, centre in that frame, radius; metres. Frame j is that of joint
+# j + 1, -1 the tool centre point. Fingers move with their joints: y is outwards of the pad.
 ARM = np.array(
     [
         (3, 0.0, 0.0, 0.0, 0.07),
@@ -43,8 +43,8 @@ class Surroundings:
         self._moving, self._fixed = (_tree(solid_points(mesh)) for mesh in (target.moving, target.fixed))
         self._obstacles: cKDTree | None = None
 
-    def beside(self, obstacles: Array) -> "Surroundings":
-        """The same object beside obstacles: points (N, 3) on what does not move, asset frame."""
+    def with_obstacles(self, obstacles: Array) -> "Surroundings":
+        """The same object with obstacles: points (N, 3) on what does not move, asset frame."""
         other = copy(self)
         other._obstacles = _tree(obstacles)
         return other
@@ -52,11 +52,11 @@ class Surroundings:
     def gaps(self, centers: Array, radii: Array, values: Array) -> Array:
         """(K, S) free distance around spheres (K, S, 3), (S,) in the asset frame with the joint at `values` (K,).
 
-        Centres that are farther from everything than the largest radius and twice `MARGIN` count as just that far.
+        Centres that are farther from everything than the largest radius and twice `CLEARANCE` count as just that far.
         """
         motions = self.target.motions(values)
         in_moving = (centers - motions[:, None, :3, 3]) @ motions[:, :3, :3]
-        reach = radii.max() + 2 * MARGIN
+        reach = radii.max() + 2 * CLEARANCE
         nearest = np.full(centers.shape[:2], reach)
         for tree, points in ((self._moving, in_moving), (self._fixed, centers), (self._obstacles, centers)):
             if tree is not None:
@@ -65,10 +65,10 @@ class Surroundings:
 
     def clear(self, centers: Array, radii: Array, values: Array) -> bool:
         """Whether spheres (K, S, 3), (S,) in the asset frame touch nothing with the joint at `values` (K,)."""
-        return bool((self.gaps(centers, radii, values) > MARGIN).all())
+        return bool((self.gaps(centers, radii, values) > CLEARANCE).all())
 
 
-def surface_points(mesh: trimesh.Trimesh, count: int = POINTS) -> Array:
+def surface_points(mesh: trimesh.Trimesh, count: int = SURFACE_POINTS) -> Array:
     """(count, 3) points on a mesh, always the same ones; none on an empty mesh."""
     if len(mesh.faces) == 0:
         return np.zeros((0, 3))

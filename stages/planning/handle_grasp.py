@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from stages.articulated.handle import Handle
 from stages.geometry.frames import rigid, yaw_matrix
-from stages.planning.clearance import MARGIN
+from stages.planning.clearance import CLEARANCE
 from stages.simulation.kinematics import Array
 from stages.simulation.target import Target
 
@@ -37,7 +37,7 @@ class Grasp:
 
 
 def grasps(target: Target, handle: Handle) -> Iterator[Grasp]:
-    """Candidates, the preferred ones first: always the same order, so that demonstrations look alike."""
+    """Candidates, the preferred ones first: always in the same order, so that demonstrations are consistent."""
     upright = not (handle.elongated and abs(handle.axis[2]) < 0.5)
     tilts = (0.7, 1.0, 0.35, 0.0) if upright else (0.0, 0.35, -0.35, 0.7, -0.7)
     follows = (1.0, 0.5, 0.0) if target.revolute else (1.0,)
@@ -46,7 +46,7 @@ def grasps(target: Target, handle: Handle) -> Iterator[Grasp]:
     yield from (Grasp(tilt, 0.0, follow) for follow in follows for tilt in tilts)
     if not target.revolute and not upright:
         yield from (Grasp(tilt, pitch, 1.0, 0.0) for tilt, pitch in FROM_ABOVE)
-    if not handle.elongated:  # another knob beside it leaves no room for a finger
+    if not handle.elongated:  # another knob next to it leaves no room for a finger
         yield from (Grasp(tilt, 0.0, follow, over=True) for follow in follows for tilt in (0.0, 0.35, -0.35, 0.7, -0.7))
 
 
@@ -82,7 +82,7 @@ def grasp_pose(handle: Handle, grasp: Grasp, hand: Array) -> Array:
     approach = Rotation.from_rotvec(-closing * grasp.tilt * lift).apply(straight_in)
     thick = handle.elongated and handle.width > 2 * HALF_PAD
     depth = max(grasp.depth, handle.width / 2) if thick else grasp.depth  # nearer to its front the pads slip off
-    depth = float(np.clip(handle.protrusion - HALF_PAD - MARGIN, 0.0, depth))
+    depth = float(np.clip(handle.protrusion - HALF_PAD - CLEARANCE, 0.0, depth))
     rotation = np.stack([np.cross(closing, approach), closing, approach], axis=1)
     from_above = Rotation.from_rotvec([0.0, -grasp.pitch, 0.0]).as_matrix()
     return rigid(yaw_matrix(grasp.swing) @ from_above @ rotation, handle.position + depth * straight_in)

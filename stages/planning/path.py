@@ -9,8 +9,8 @@ from scipy.spatial.transform import Rotation
 from stages.simulation.kinematics import Array, pose_error
 from stages.simulation.target import Target
 
-ANGLE_WEIGHT = 0.15  # metres that a radian counts for in the length of a path
-SPACING = 0.005  # between the poses of a path, in that length
+ANGLE_WEIGHT = 0.15  # metres that a radian counts for in the length of a path; chosen
+POSE_SPACING = 0.005  # metres between the poses of a path, in that length; chosen
 
 
 def distance(a: Array, b: Array) -> Array:
@@ -21,7 +21,7 @@ def distance(a: Array, b: Array) -> Array:
 
 def straight(start: Array, end: Array) -> Array:
     """(K, 4, 4) poses from `start` to `end`, both included; rotation about one axis."""
-    count = max(2, 1 + int(np.ceil(distance(start[None], end[None])[0] / SPACING)))
+    count = max(2, 1 + int(np.ceil(distance(start[None], end[None])[0] / POSE_SPACING)))
     error = pose_error(end[None], start[None])[0]
     fraction = np.linspace(0, 1, count)[:, None]
     poses = np.tile(np.eye(4), (count, 1, 1))
@@ -44,7 +44,7 @@ def handle_path(target: Target, grasp: Array, start: float, goal: float, follow:
         follow: the part of a door's turn that the hand makes as well; with 0 the handle turns between the fingers.
     """
     ends = target.motions(np.array([start, goal])) @ grasp
-    count = max(2, 1 + int(np.ceil(distance(ends[:1], ends[1:])[0] / SPACING)))
+    count = max(2, 1 + int(np.ceil(distance(ends[:1], ends[1:])[0] / POSE_SPACING)))
     values = np.linspace(start, goal, count)
     poses = target.motions(values) @ grasp
     if target.revolute:
@@ -69,7 +69,7 @@ class Pursuit:
 
     def aim(self, pose: Array) -> Array:
         """(4, 4) pose to move to from `pose`."""
-        window = self.path[self.nearest : self.nearest + 1 + int(2 * self.lookahead / SPACING)]
+        window = self.path[self.nearest : self.nearest + 1 + int(2 * self.lookahead / POSE_SPACING)]
         gaps = distance(window, np.broadcast_to(pose, window.shape))
         self.nearest += int(gaps.argmin())
         ahead = np.searchsorted(self.length, self.length[self.nearest] + self.lookahead)

@@ -6,15 +6,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from stages.geometry.frames import inverse
-from stages.planning.clearance import MARGIN, Surroundings, arm_spheres
+from stages.planning.clearance import CLEARANCE, Surroundings, arm_spheres
 from stages.planning.path import distance, straight
 from stages.simulation.kinematics import MAX_JOINT_STEP, Array, Chain, pose_error, track
 from stages.simulation.robot import REST
 
-STEP = 0.03  # path length between rolled-out poses; radians between those on the way to rest
-TOLERANCE = np.array([0.008, 0.1])  # metres and radians off a pose at which the hand has reached it
-BATCH = 32  # candidates that are rolled out at once
-ON_THE_WAY = 4.0  # slack of the poses that are only passed
+ROLLOUT_STEP = 0.03  # path length between rolled-out poses, radians between those on the way to rest; chosen for time
+TOLERANCE = np.array([0.008, 0.1])  # metres and radians off a pose at which the hand has reached it; chosen
+BATCH = 32  # candidates that are rolled out at once; chosen for time
+ON_THE_WAY = 4.0  # times the tolerance, at poses that are only passed; chosen
 
 
 @dataclass(frozen=True)
@@ -70,12 +70,12 @@ def first_feasible(
     return best
 
 
-def can_be_held(
+def can_hold(
     chain: Chain, joints: Array, poses: Array, stretch: Stretch, base_from_asset: Array, surroundings: Surroundings
 ) -> Array:
     """(N,) whether the arm, near its `joints` (7,), can hold the hand at poses (N, 4, 4) without touching anything.
 
-    Cheap beside a whole candidate: of many poses those that are no use are left out first.
+    Cheaper than a whole candidate: it leaves out useless poses before those are tried.
 
     Args:
         stretch: the state that robot and object then are in; its path is not looked at.
@@ -85,7 +85,7 @@ def can_be_held(
     reached = (deviation(poses, chain.pose(q)) < TOLERANCE).all(axis=1)
     spheres = arm_spheres(inverse(base_from_asset) @ chain.frames(q), stretch.fingers, stretch.held)
     gaps = surroundings.gaps(*spheres, np.full(len(poses), stretch.joint[0]))
-    return np.asarray(reached & (gaps > MARGIN).all(axis=1))
+    return np.asarray(reached & (gaps > CLEARANCE).all(axis=1))
 
 
 def deviation(goals: Array, poses: Array) -> Array:
@@ -104,16 +104,16 @@ def homing(chain: Chain, joints: Array, off: Array) -> Array:
     way = list(straight(chain.pose(joints[None])[0], off))
     for pose in thin(np.stack(way)):
         joints = track(chain, joints[None], pose[None])[0]
-    for left in range(int(np.ceil(np.abs(REST - joints).max() / STEP)), 0, -1):
+    for left in range(int(np.ceil(np.abs(REST - joints).max() / ROLLOUT_STEP)), 0, -1):
         way.append(chain.pose((joints + (REST - joints) / left)[None])[0])
         joints = track(chain, joints[None], way[-1][None])[0]
     return np.stack(way)
 
 
 def thin(path: Array) -> Array:
-    """Every `STEP` of a path, the last pose included, the first one not."""
+    """Every `ROLLOUT_STEP` of a path, the last pose included, the first one not."""
     length = np.concatenate([[0.0], np.cumsum(distance(path[1:], path[:-1]))])
-    count = max(1, int(np.ceil(length[-1] / STEP)))
+    count = max(1, int(np.ceil(length[-1] / ROLLOUT_STEP)))
     return np.asarray(path[np.searchsorted(length, np.linspace(0, length[-1], count + 1)[1:] - 1e-9)])
 
 

@@ -11,7 +11,7 @@ from torch import Tensor, nn
 
 from stages.contracts.training_run import TrainingRun
 from stages.plugins import load
-from stages.policies.proud import mark_proud
+from stages.policies.handle_points import mark_handle_points
 
 Float = NDArray[np.float32]
 Choice = Literal["sample", "sharpened", "most_likely"]
@@ -32,8 +32,8 @@ class ActorProtocol(Protocol):
 class TrainablePolicy(nn.Module, ABC):
     """What an implementation's `Policy` is: made from a hyper-parameter set, with its normaliser as buffers.
 
-    Clouds (..., P, 4) are x, y, z and a flag: 1 finger, 0 scene and, with `run.handle`, -1 what stands proud of
-    the front, marked before a policy sees the clouds, in training and in closed loop. Proprioception (..., 9) is
+    Clouds (..., P, 4) are x, y, z and a flag: 1 finger, 0 scene and, with `run.handle`, -1 the handle,
+    marked before a policy sees the clouds, in training and in closed loop. Proprioception (..., 9) is
     end-effector position, quaternion wxyz and fingers, actions (..., 7) are in [-1, 1]; metres, robot base frame.
     """
 
@@ -67,7 +67,7 @@ def make_policy(run: TrainingRun) -> TrainablePolicy:
 
 
 class MarkingActor:
-    """An actor whose clouds are marked (`mark_proud`) before it sees them."""
+    """An actor whose clouds are marked (`mark_handle_points`) before it sees them."""
 
     def __init__(self, actor: ActorProtocol) -> None:
         self.actor = actor
@@ -78,10 +78,10 @@ class MarkingActor:
 
     def act(self, slots: Sequence[int], clouds: Sequence[Float], proprio: Sequence[Float]) -> Float:
         """The actor's actions for the marked clouds."""
-        return self.actor.act(slots, list(mark_proud(torch.from_numpy(np.stack(clouds)))[0].numpy()), proprio)
+        return self.actor.act(slots, list(mark_handle_points(torch.from_numpy(np.stack(clouds)))[0].numpy()), proprio)
 
 
-def closed_loop(policy: TrainablePolicy, slots: int, choose: Choice) -> ActorProtocol:
+def make_actor(policy: TrainablePolicy, slots: int, choose: Choice) -> ActorProtocol:
     """The policy acting on as many environments; its clouds are what they were in training."""
     actor = policy.actor(slots, choose)
     return MarkingActor(actor) if policy.run.handle else actor

@@ -10,7 +10,7 @@ from stages.contracts.errors import InputError
 from stages.contracts.policy_folder import read_config
 from stages.contracts.task_options import TaskConfig
 from stages.plugins import load
-from stages.policies import ActorProtocol, Choice, Float, TrainablePolicy, closed_loop
+from stages.policies import ActorProtocol, Choice, Float, TrainablePolicy, make_actor
 from stages.policies.checkpoint import load_network
 
 
@@ -52,7 +52,7 @@ class LoadedPolicy:
     def _act(self, clouds: Float, proprio: Float) -> Float:
         count = len(clouds)
         if self._actor is None:
-            self._actor, self._envs = closed_loop(self.network, count, self.action), count
+            self._actor, self._envs = make_actor(self.network, count, self.action), count
             for slot in range(count):
                 self._actor.reset(slot, self._seed + slot)
         if count != self._envs:

@@ -2,7 +2,7 @@
 
 1. The flag has two values, so its embedding e(flag) folds into the first layer:
    W [xyz, e(f)] + b = W_x xyz + t_0 + f (t_1 - t_0) with t_k = W_e e(k) + b. 131 inputs become 4. A third value, for
-   what stands proud of the front, adds an input of its own, 1 where it holds.
+   the handle, adds an input of its own, 1 where it holds.
 2. Max-pooling passes gradient to the winning points only. A forward pass without gradient, in
    chunks that stay in the cache, finds the winners; a second pass differentiates them alone.
 
@@ -23,8 +23,8 @@ ONEDNN = torch.backends.mkldnn.is_available() and hasattr(torch.ops.mkldnn, "_li
 class PointNet(nn.Module):
     """Shared MLP over points, max-pool, ReLU: (N, P, 2 + flags) clouds -> (N, width) features.
 
-    A point is x, y, z, 1 on a gripper finger (else 0) and, of three flags, 1 where it stands proud of the front
-    (else 0). GELU stands between the layers.
+    A point is x, y, z, 1 on a gripper finger (else 0) and, of three flags, 1 on the handle (else 0). Between the layers
+    is GELU.
     """
 
     def __init__(self, width: int, layers: int, flag_embedding: int, bf16: bool = False, flags: int = 2) -> None:
@@ -45,7 +45,7 @@ class PointNet(nn.Module):
             winner = self._winners(clouds)[1]  # (N, width): index of the point that wins each channel
         is_winner = torch.zeros(clouds.shape[:2], dtype=torch.bool, device=clouds.device).scatter_(1, winner, True)
         row = is_winner.flatten().cumsum(0).view_as(is_winner) - 1  # row of a point among all winners of the batch
-        features = self._mlp(clouds[is_winner], *self.folded())
+        features = self._mlp(clouds[is_winner], *self.fold_first_layer())
         return functional.relu(features.gather(0, row.gather(1, winner)))
 
     @torch.no_grad()
@@ -67,7 +67,7 @@ class PointNet(nn.Module):
         last.weight.mul_(scale[:, None])
         last.bias.copy_((last.bias - pooled.mean(0)) * scale + 1)
 
-    def folded(self) -> tuple[Tensor, Tensor]:
+    def fold_first_layer(self) -> tuple[Tensor, Tensor]:
         """First layer on (xyz, flags): weight (width, 2 + flags), bias (width,)."""
         table = functional.linear(self.flag.weight, self.first.weight[:, 3:], self.first.bias)
         return torch.cat([self.first.weight[:, :3], (table[1:] - table[0]).T], dim=1), table[0]
@@ -93,7 +93,7 @@ class PointNet(nn.Module):
     @torch.no_grad()
     def _winners(self, clouds: Tensor) -> tuple[Tensor, Tensor]:
         """Max over points and its index, both (N, width), chunk by chunk; without gradient."""
-        weight, bias = self.folded()
+        weight, bias = self.fold_first_layer()
         size = max(1, CHUNK_ELEMENTS[clouds.device.type] // (clouds.shape[1] * len(bias)))
         mlp = self._onednn_mlp if ONEDNN and clouds.device.type == "cpu" and not self.bf16 else self._mlp
         pooled = [mlp(chunk, weight, bias).max(dim=1) for chunk in clouds.split(size)]

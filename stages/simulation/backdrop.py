@@ -12,8 +12,8 @@ from stages.contracts.objects import Wall
 from stages.geometry.boxes import UprightBox, corners
 from stages.simulation.rendering import add_block
 
-THICKNESS, WALL_HEIGHT = 0.1, 2.8  # metres
-BEYOND = 1.5  # metres by which floor and walls reach beyond the furniture
+THICKNESS, WALL_HEIGHT = 0.1, 2.8  # metres; chosen for pictures
+BEYOND = 1.5  # metres that floor and walls reach beyond it; chosen for pictures
 FLOOR_COLOUR, WALL_COLOUR = (0.62, 0.57, 0.50), (0.86, 0.85, 0.82)  # linear RGB
 Array = NDArray[np.float64]
 
@@ -34,7 +34,7 @@ def backdrop(
 ) -> list[Block]:
     """Floor and walls as far as the furniture in `boxes` reaches and a little beyond, or as far as the picture shows.
 
-    A wall that has furniture behind it is left out: a plane says nothing of where a wall ends.
+    A wall that has furniture behind it is left out: nobody knows where it ends.
 
     Args:
         camera: its position, which stands on the floor too.
@@ -42,7 +42,7 @@ def backdrop(
     """
     seen = {surface.id: surface for surface in look.surfaces} if look else {}
     points = np.concatenate([corners(box) for box in boxes] + [camera[None]])
-    standing, feet = [], []
+    shown, edges = [], []
     for wall in walls:
         normal = np.asarray(wall.normal)
         if any(box.center @ normal < wall.offset for box in boxes):
@@ -52,18 +52,18 @@ def backdrop(
         left, right, height, colour = along.min() - BEYOND, along.max() + BEYOND, WALL_HEIGHT, WALL_COLOUR
         if wall.id in seen:
             (left, _), (right, height), colour = seen[wall.id].low, seen[wall.id].high, seen[wall.id].colour
-            feet.append(wall.offset * normal[None, :2] + np.outer([left, right], tangent[:2]))
+            edges.append(wall.offset * normal[None, :2] + np.outer([left, right], tangent[:2]))
         center = normal * (wall.offset - THICKNESS / 2) + tangent * (left + right) / 2 + [0, 0, height / 2]
         yaw = float(np.arctan2(normal[1], normal[0]))
-        standing.append(_block(wall.id, center, [THICKNESS, right - left, height], yaw, colour))
+        shown.append(_block(wall.id, center, [THICKNESS, right - left, height], yaw, colour))
     low, high = points[:, :2].min(axis=0) - BEYOND, points[:, :2].max(axis=0) + BEYOND
     colour = FLOOR_COLOUR
     if "floor" in seen:
         colour = seen["floor"].colour
-        low = np.min([low, seen["floor"].low, *(foot.min(axis=0) for foot in feet)], axis=0)
-        high = np.max([high, seen["floor"].high, *(foot.max(axis=0) for foot in feet)], axis=0)
+        low = np.min([low, seen["floor"].low, *(edge.min(axis=0) for edge in edges)], axis=0)
+        high = np.max([high, seen["floor"].high, *(edge.max(axis=0) for edge in edges)], axis=0)
     floor = _block("floor", [*(low + high) / 2, -THICKNESS / 2], [*(high - low), THICKNESS], 0.0, colour)
-    return [floor, *standing]
+    return [floor, *shown]
 
 
 def _block(name: str, center: Sequence[float] | Array, size: Sequence[float], yaw: float, colour: Colour) -> Block:

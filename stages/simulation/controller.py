@@ -46,7 +46,7 @@ class PDEEPoseDLS(PDEEPoseController):
         delta = scale_action(
             action.detach().cpu().numpy().astype(np.float64), self.config.pos_upper, self.config.rot_upper
         )
-        start = self._measured()
+        start = self._read_joints()
         target = apply_delta(self.chain.pose(start), delta)
         joints = kinematics.track(self.chain, start, target)
         self._target_qpos = torch.as_tensor(joints, dtype=torch.float32, device=self.device)
@@ -54,9 +54,9 @@ class PDEEPoseDLS(PDEEPoseController):
 
     def reference_pose(self) -> Array:
         """(N, 4, 4) pose in the base frame that the next delta will be added to."""
-        return self.chain.pose(self._measured())
+        return self.chain.pose(self._read_joints())
 
-    def _measured(self) -> Array:
+    def _read_joints(self) -> Array:
         return self.qpos.cpu().numpy().astype(np.float64)
 
 

@@ -16,9 +16,9 @@ from stages.contracts.errors import InputError
 
 Array = NDArray[np.float64]
 
-DAMPING = 0.03  # of the least squares: 3 cm or 0.03 rad of task space per radian
-LIMIT_MARGIN = 0.02  # radians kept to every joint limit
-MAX_JOINT_STEP = 0.25  # radians in one iteration
+IK_DAMPING = 0.03  # of the least squares: 3 cm or 0.03 rad of task space per radian; chosen
+LIMIT_MARGIN = 0.02  # radians kept to every joint limit; chosen
+MAX_JOINT_STEP = 0.25  # radians in one iteration; chosen
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ def track(chain: Chain, q: Array, target: Array, iterations: int = 3) -> Array:
         frames = chain.frames(q)
         J = jacobian(frames)
         error = pose_error(target, frames[:, -1])
-        gram = J @ J.transpose(0, 2, 1) + DAMPING**2 * np.eye(6)
+        gram = J @ J.transpose(0, 2, 1) + IK_DAMPING**2 * np.eye(6)
         step = (J.transpose(0, 2, 1) @ np.linalg.solve(gram, error[..., None]))[..., 0]
         largest = np.abs(step).max(axis=1, keepdims=True)
         q = np.clip(q + step * np.minimum(1.0, MAX_JOINT_STEP / np.maximum(largest, 1e-9)), lower, upper)

@@ -20,7 +20,7 @@ from stages.contracts.errors import InputError
 from stages.contracts.library import Asset
 from stages.geometry.frames import yaw_matrix, yaw_quaternion
 from stages.simulation.rendering import has_renderer
-from stages.simulation.stretching import stretched
+from stages.simulation.stretching import stretch_builder
 
 _NUMBERS = count()  # of bodies
 
@@ -60,17 +60,17 @@ class ParsedAsset:
 
         In memory; what is askew to the axes is stretched by way of files that last as long as the process.
         """
-        body, number = self._sized(scale), next(_NUMBERS) % 0xFFFF + 1
+        body, number = self._resize(scale), next(_NUMBERS) % 0xFFFF + 1
         for link in getattr(body, "link_builders", []):
             # SAPIEN compares the bits of an SRDF within bodies of one number. The robot's is 0: its fingers would pass
             # through whatever door has the same bit.
             link.collision_groups = [*link.collision_groups[:3], number]
         return body
 
-    def _sized(self, scale: NDArray[np.float64] | None) -> Any:
+    def _resize(self, scale: NDArray[np.float64] | None) -> Any:
         if scale is None or (scale == 1).all():
             return copy(self._builder)
-        ready = stretched(self._builder, scale)
+        ready = stretch_builder(self._builder, scale)
         if ready is not None:
             return ready
         size = tuple((np.array(self.asset.size) * scale).tolist())
@@ -111,12 +111,12 @@ def load_looks(
     for link in getattr(builder, "link_builders", [builder]):
         link.collision_records.clear()
     if stretch is not None:
-        builder = stretched(builder, stretch) or builder
+        builder = stretch_builder(builder, stretch) or builder
     builder.initial_pose = sapien.Pose()
     if not hasattr(builder, "link_builders"):
         builder.set_physx_body_type("kinematic")
         return builder.build()
-    return closed(builder.build())
+    return close_joints(builder.build())
 
 
 def load_asset(
@@ -149,11 +149,11 @@ def load_asset(
     articulation = builder.build()
     articulation.set_name(name)
     soften(articulation)
-    return closed(articulation)
+    return close_joints(articulation)
 
 
-def closed(articulation: PhysxArticulation) -> PhysxArticulation:
-    """The same, every joint at its lower limit."""
+def close_joints(articulation: PhysxArticulation) -> PhysxArticulation:
+    """The articulation with every joint at its lower limit."""
     lower = [float(joint.limits[0][0]) for joint in articulation.get_active_joints()]
     articulation.set_qpos(np.array(lower, dtype=np.float32))
     return articulation
@@ -174,7 +174,7 @@ def move(body: PhysxArticulation | sapien.Entity, pose: sapien.Pose) -> None:
         body.set_pose(pose)
 
 
-def seen_bounds(body: PhysxArticulation | sapien.Entity) -> NDArray[np.float64]:
+def measure_bounds(body: PhysxArticulation | sapien.Entity) -> NDArray[np.float64]:
     """(2, 3) lowest and highest corner of a box around all that is seen of a body, in the world."""
     entities = [link.entity for link in body.links] if isinstance(body, PhysxArticulation) else [body]
     shown = [

@@ -12,7 +12,7 @@ from stages.simulation.kinematics import Array
 
 Float = NDArray[np.float32]
 
-CANDIDATES = 5  # times the points asked for: pixels kept before farthest point sampling, whose time grows with them
+OVERSAMPLED = 5  # times the points asked for: pixels kept before farthest point sampling, whose time grows with them
 # Camera axes of SAPIEN's position image (x right, y up, z backward) in its camera pose (x forward, y left, z up).
 CAMERA_FROM_IMAGE = np.array([[0.0, 0.0, -1.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
 # (centre, extents) of the finger's collision boxes that lie furthest out, in its own frame; y towards the other finger
@@ -37,7 +37,7 @@ def object_points(
     return points[((points > low) & (points < high)).all(axis=1)]
 
 
-def thinned(points: Float, most: int) -> Float:
+def thin_points(points: Float, most: int) -> Float:
     """At most so many of the points (N, 3), by an even stride: it keeps the pictures' density and costs nothing."""
     if len(points) <= most:
         return points
@@ -67,7 +67,7 @@ def finger_points(tcp: Array, fingers: Array, count: int) -> Float:
     return (local @ tcp[:3, :3].T + tcp[:3, 3]).astype(np.float32)
 
 
-def unified_cloud(scene: Float, fingers: Float, points: int) -> Float:
+def unify_cloud(scene: Float, fingers: Float, points: int) -> Float:
     """(points, 4): farthest points of the union with flag 0, then all finger points with flag 1.
 
     Sampling sees scene and fingers as one cloud (paper B.3); as the share of the fingers is fixed, what it takes of the
@@ -75,12 +75,12 @@ def unified_cloud(scene: Float, fingers: Float, points: int) -> Float:
     """
     cloud = np.zeros((points, 4), np.float32)
     visible = points - len(fingers)
-    scene = thinned(scene, CANDIDATES * visible)
+    scene = thin_points(scene, OVERSAMPLED * visible)
     if len(scene) > visible:
         union = np.zeros((len(fingers) + len(scene), 4), np.float32)
         union[: len(fingers), :3], union[: len(fingers), 3], union[len(fingers) :, :3] = fingers, 1.0, scene
         chosen = farthest_points(union, points)
-        scene = thinned(chosen[chosen[:, 3] == 0, :3], visible)
+        scene = thin_points(chosen[chosen[:, 3] == 0, :3], visible)
     cloud[:visible, :3] = farthest_points(scene, visible)
     cloud[visible:, :3] = fingers
     cloud[visible:, 3] = 1.0

@@ -15,9 +15,8 @@ from stages.simulation.shaders import Pack, use
 
 # OpenCV camera axes (x right, y down, z forward) -> SAPIEN's (x forward, y left, z up)
 SAPIEN_FROM_OPENCV = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
-NEAR, FAR = 0.02, 60.0
 BACKGROUND = (0.82, 0.82, 0.84)
-SHADED, BEFORE = 8.0, 2.0  # metres: radius of what casts shadows if nothing is said, and depth of the map beyond it
+SHADED, LIGHTS_BEFORE = 8.0, 2.0  # metres: default radius of what casts shadows, and depth of the map beyond it
 _alive: list[sapien.Scene] = []  # the last scene made; while one lives, the next need not compile shaders again (0.1 s)
 
 
@@ -69,7 +68,7 @@ def make_scene(
     center, radius = shaded
     scene.add_directional_light(
         key.tolist(), [1.55, 1.5, 1.42], shadow=shadows, position=list(center), shadow_scale=radius,
-        shadow_near=-radius - BEFORE, shadow_far=radius + BEFORE, shadow_map_size=2048,
+        shadow_near=-radius - LIGHTS_BEFORE, shadow_far=radius + LIGHTS_BEFORE, shadow_map_size=2048,
     )  # fmt: skip
     scene.add_directional_light([-key[0], -key[1], -1.4], [0.35, 0.37, 0.42])
     _alive[:] = [scene]
@@ -96,7 +95,8 @@ class RenderCamera:
         self.scene = scene
         self._component = sapien.render.RenderCameraComponent(width, height)
         # SAPIEN counts pixel centres at half integers
-        self._component.set_perspective_parameters(NEAR, FAR, k[0, 0], k[1, 1], k[0, 2] + 0.5, k[1, 2] + 0.5, k[0, 1])
+        near, far = 0.02, 60.0  # metres
+        self._component.set_perspective_parameters(near, far, k[0, 0], k[1, 1], k[0, 2] + 0.5, k[1, 2] + 0.5, k[0, 1])
         self._entity = sapien.Entity()
         self._entity.name = "camera"
         self._entity.add_component(self._component)

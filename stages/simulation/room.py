@@ -101,15 +101,15 @@ def read_room(path: Path, target: str, library: Path, cache: Path) -> Room:
     Raises:
         InputError: the scene has no such object, or a model that the library does not have.
     """
-    made = read_json(GeneratedScene, path, AGAIN)
+    generated = read_json(GeneratedScene, path, AGAIN)
     folders = AssetFolders(library)
-    placed = {item.id: item for item in made.objects if item.status == "ok"}
+    placed = {item.id: item for item in generated.objects if item.status == "ok"}
     if target not in placed:
-        failed = {item.id: item.reason for item in made.objects if item.status == "failed"}
+        failed = {item.id: item.reason for item in generated.objects if item.status == "failed"}
         why = f"object '{target}' failed: {failed[target]}" if target in failed else f"has no object '{target}'"
         raise InputError(path, f"{why}.", f"those that stand: {', '.join(placed) or 'none'}", code="E-OBJECT-MISSING")
     items = {name: _furniture(item, folders, cache, path) for name, item in placed.items()}
-    return Room(made, items.pop(target), list(items.values()))
+    return Room(generated, items.pop(target), list(items.values()))
 
 
 def _furniture(item: PlacedObject, folders: Mapping[str, Path], cache: Path, path: Path) -> Furniture:

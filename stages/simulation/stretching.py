@@ -18,7 +18,7 @@ SCALED = ("box", "file", "convex_mesh", "nonconvex_mesh", "multiple_convex_meshe
 ALIGNED = 1e-3  # how far a shape's axes may be off the asset's, radians
 
 
-def stretched(builder: Any, scale: Array) -> Any | None:
+def stretch_builder(builder: Any, scale: Array) -> Any | None:
     """A copy of a body's builder with the closed thing stretched along the root's axes by `scale` (3,).
 
     Shapes, joint frames, sliding ranges, masses and inertias at constant density, as `stages.articulated.stretching`
@@ -29,7 +29,7 @@ def stretched(builder: Any, scale: Array) -> Any | None:
     """
     if not hasattr(builder, "link_builders"):
         return _link(builder, np.diag(scale))
-    frames = _closed_frames(builder)
+    frames = _find_closed_frames(builder)
     local = [frame.T @ np.diag(scale) @ frame for frame in frames]
     links = []
     for link, A in zip(builder.link_builders, local, strict=True):
@@ -44,7 +44,7 @@ def stretched(builder: Any, scale: Array) -> Any | None:
     return result
 
 
-def _closed_frames(builder: Any) -> list[Array]:
+def _find_closed_frames(builder: Any) -> list[Array]:
     """(3, 3) rotation of every link in the root with all joints at their lower limits."""
     frames: list[Array] = []
     for link in builder.link_builders:
@@ -63,7 +63,7 @@ def _rotation(pose: sapien.Pose) -> Array:
     return np.asarray(pose.to_transformation_matrix()[:3, :3], dtype=float)
 
 
-def _moved(pose: sapien.Pose, A: Array) -> sapien.Pose:
+def _move(pose: sapien.Pose, A: Array) -> sapien.Pose:
     return sapien.Pose(A @ np.asarray(pose.p, dtype=float), pose.q)
 
 
@@ -87,14 +87,14 @@ def _record(record: Any, A: Array) -> Any | None:
         return None
     other = copy(record)
     other.scale = tuple((np.asarray(record.scale, dtype=float) * np.diag(own)).tolist())
-    other.pose = _moved(record.pose, A)
+    other.pose = _move(record.pose, A)
     return other
 
 
 def _joint(link: Any, A: Array, parent: Array) -> Any | None:
     other = copy(link.joint_record)
-    other.pose_in_parent = _moved(other.pose_in_parent, parent)
-    other.pose_in_child = _moved(other.pose_in_child, A)
+    other.pose_in_parent = _move(other.pose_in_parent, parent)
+    other.pose_in_child = _move(other.pose_in_child, A)
     if other.joint_type == "prismatic":
         axis = _rotation(other.pose_in_child)[:, 0]
         ratio = float(axis @ A @ axis)

@@ -30,16 +30,16 @@ Array = NDArray[np.float64]
 Image = NDArray[np.uint8]
 T = TypeVar("T")
 
-WIDTH, ASPECT = 480, 0.75  # pixels; height by width
+FILM_WIDTH, FILM_ASPECT = 480, 0.75  # pixels; height by width
 FINER = 1.5  # pixels that are rendered for one, each way
 GLANCE = 120  # pixels: width of the pictures by which a view is chosen
 HAND = ("panda_hand", "panda_leftfinger", "panda_rightfinger")
-ENOUGH = 0.6  # of the parts of the hand are seen: the farther finger may be hidden
-BEHIND = 0.08  # metres from what is seen to the middle of a part of the hand, if that is what is seen
-AROUND = 0.15  # metres of a room that are shown about robot and asset
+HAND_SHARE = 0.6  # of the parts of the hand are seen: the farther finger may be hidden
+HAND_DEPTH = 0.08  # metres from what is seen to the middle of a part of the hand, if that is what is seen
+ROOM_MARGIN = 0.15  # metres of a room that are shown about robot and asset
 LIT = 2.2  # metres about robot and asset that cast shadows
-FLOOR, WALL, SKIRTING = (0.42, 0.29, 0.19), (0.36, 0.47, 0.52), (0.75, 0.74, 0.72)  # linear RGB
-PLINTH = (0.62, 0.60, 0.57)
+FLOOR_RGB, WALL_RGB, SKIRTING_RGB = (0.42, 0.29, 0.19), (0.36, 0.47, 0.52), (0.75, 0.74, 0.72)  # linear RGB
+PLINTH_RGB = (0.62, 0.60, 0.57)
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ class Studio:
         width: of the pictures, pixels.
     """
 
-    def __init__(self, light: Sequence[float] = (-0.8, -0.45, -1.0), width: int = WIDTH) -> None:
+    def __init__(self, light: Sequence[float] = (-0.8, -0.45, -1.0), width: int = FILM_WIDTH) -> None:
         self.scene = make_scene(light=light)
         parts = [part for entity in self.scene.entities for part in entity.components]
         self.key = next(part for part in parts if isinstance(part, DirectionalLight) and part.shadow)
@@ -90,10 +90,10 @@ class Studio:
         loader = self.scene.create_urdf_loader()
         loader.fix_root_link = True
         self.robot: PhysxArticulation = loader.load(str(PANDA))
-        self.size = width, round(width * ASPECT)
+        self.size = width, round(width * FILM_ASPECT)
         size = round(self.size[0] * FINER), round(self.size[1] * FINER)
         self.camera = RenderCamera(self.scene, intrinsics_of(*size), *size, pack="minimal")
-        self.glance = GLANCE, round(GLANCE * ASPECT)
+        self.glance = GLANCE, round(GLANCE * FILM_ASPECT)
         self.finder = RenderCamera(self.scene, intrinsics_of(*self.glance), *self.glance, pack="minimal")
 
     def film(self, recording: Recording, frames: int) -> list[Image]:
@@ -152,18 +152,18 @@ class Shot:
         turn = recording.room.world_from_nominal[:3, :3] if recording.room else np.eye(3)
         best, most = np.eye(4), -1.0
         if recording.room:
-            points = np.concatenate([points + offset for offset in corners([[-AROUND] * 3, [AROUND] * 3])])
+            points = np.concatenate([points + offset for offset in corners([[-ROOM_MARGIN] * 3, [ROOM_MARGIN] * 3])])
         places = directions(recording.side)
         if recording.side and not recording.room:  # nothing stands on the side to which a door opens
             places = places[: len(places) // 2]
         for direction in places:
-            view, shares = frame_all(points, turn @ direction, ASPECT), []
+            view, shares = frame_all(points, turn @ direction, FILM_ASPECT), []
             for moment in moments:
                 self._put(moment)
                 shares.append(self._hand_seen(view))
             if np.mean(shares) > most:
                 best, most = view, float(np.mean(shares))
-            if most > ENOUGH:
+            if most > HAND_SHARE:
                 break
         return best
 
@@ -175,7 +175,7 @@ class Shot:
         columns, rows = np.rint((points @ intrinsics_of(width, height).T)[:, :2] / points[:, 2:]).astype(int).T
         depths = shown.depth[rows.clip(0, height - 1), columns.clip(0, width - 1)]
         asset = (shown.segmentation == instance_id(self.asset)).any()
-        return float(asset * np.mean((depths == 0) | (depths > points[:, 2] - BEHIND)))
+        return float(asset * np.mean((depths == 0) | (depths > points[:, 2] - HAND_DEPTH)))
 
     def _put(self, moment: Moment) -> None:
         for prop, place in zip(self.props, moment.props, strict=True):
@@ -206,9 +206,9 @@ def _alone(scene: sapien.Scene, feet: Sequence[Array], low: float) -> list[sapie
     """Floor, wall, and plinths beneath what does not reach the floor."""
     blocks = [_plinth(scene, bounds, low) for bounds in feet if bounds[0, 2] - low > 0.005]
     back = feet[0][0, 0] - 0.03
-    blocks.append(add_block(scene, [0, 0, low - 0.05], [24, 24, 0.1], FLOOR, "floor"))
-    blocks.append(add_block(scene, [back - 0.05, 0, low + 2], [0.1, 24, 4], WALL, "wall"))
-    blocks.append(add_block(scene, [back + 0.005, 0, low + 0.045], [0.02, 24, 0.09], SKIRTING, "skirting"))
+    blocks.append(add_block(scene, [0, 0, low - 0.05], [24, 24, 0.1], FLOOR_RGB, "floor"))
+    blocks.append(add_block(scene, [back - 0.05, 0, low + 2], [0.1, 24, 4], WALL_RGB, "wall"))
+    blocks.append(add_block(scene, [back + 0.005, 0, low + 0.045], [0.02, 24, 0.09], SKIRTING_RGB, "skirting"))
     return blocks
 
 
@@ -233,4 +233,4 @@ def _plinth(scene: sapien.Scene, bounds: Array, floor: float) -> sapien.Entity:
     size = bounds[1] - bounds[0]
     width = np.minimum(0.92 * size[:2], 0.6)
     center = [*(bounds[0, :2] + bounds[1, :2]) / 2, (bounds[0, 2] + floor) / 2]
-    return add_block(scene, center, [*width, bounds[0, 2] - floor], PLINTH, "plinth")
+    return add_block(scene, center, [*width, bounds[0, 2] - floor], PLINTH_RGB, "plinth")

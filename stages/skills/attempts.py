@@ -47,7 +47,7 @@ class RetryingSkill(ABC):
     def surroundings(self) -> Surroundings:
         """Points on the task's object and on the obstacles around it; the object's are sampled once per size."""
         env = self.task.env
-        return env.around().beside(apply(inverse(env.base_from_asset()), env.obstacles()))
+        return env.around().with_obstacles(apply(inverse(env.base_from_asset()), env.obstacles()))
 
     def joint(self) -> float:
         """The value of the target joint as it stands."""

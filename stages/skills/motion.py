@@ -1,10 +1,10 @@
-"""What all skills are made of: follow a path by pursuit, close and open the gripper, notice a miss, back off."""
+"""The primitives of all skills: follow a path by pursuit, close and open the gripper, notice a miss, back off."""
 
 from collections.abc import Callable
 
 import numpy as np
 
-from stages.planning.clearance import MARGIN
+from stages.planning.clearance import CLEARANCE
 from stages.planning.path import Pursuit, straight
 from stages.planning.rollout import TOLERANCE, deviation
 from stages.simulation.kinematics import Array, pose_error
@@ -13,10 +13,10 @@ from stages.skills import FAR, Act
 from stages.tasks.api import TaskEnv
 
 OPEN, CLOSED = 1.0, -1.0  # of the gripper's action
-CLOSE_STEPS, OPEN_STEPS = 3, 2  # control steps until the gripper has closed, and until it lets go
-EMPTY = 0.001  # finger joints below this hold nothing, metres
-LOST = 0.06  # what is this far from where the hand had it is no longer held, metres
-STALL_STEPS = 8  # steps without progress that mean failure
+CLOSE_STEPS, OPEN_STEPS = 3, 2  # control steps until the gripper has closed, and until it lets go; chosen
+EMPTY = 0.001  # metres of the finger joints, below which they hold nothing; chosen
+LOST = 0.06  # metres that an object moved in the hand, from which on it is lost; chosen
+STALL_STEPS = 8  # steps without progress that mean failure; chosen
 
 
 class Stall:
@@ -86,7 +86,7 @@ class Motion:
     @property
     def holds(self) -> bool:
         """Whether the fingers may have something between them: they are neither fully open nor closed on nothing."""
-        return not self.empty and self.fingers <= GRIPPER_OPEN - MARGIN
+        return not self.empty and self.fingers <= GRIPPER_OPEN - CLEARANCE
 
     @property
     def open(self) -> bool:

@@ -7,7 +7,7 @@ import numpy as np
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.contracts.task_options import TaskConfig
 from stages.geometry.frames import apply, inverse, rigid
-from stages.planning.articulation import opened_to, plan_articulation
+from stages.planning.articulation import choose_open_goals, plan_articulation
 from stages.planning.clearance import BASE, Surroundings
 from stages.simulation.kinematics import Array
 from stages.simulation.robot import REST, panda_chain
@@ -60,7 +60,7 @@ def reachable_base(base: Array, root: Array, joints: Array, surroundings: Surrou
         surroundings: of the asset and its door.
         opening: fraction of the range that counts as open.
     """
-    for goal in opened_to(surroundings.target, opening, MOTION.goal_margin):
+    for goal in choose_open_goals(surroundings.target, opening, MOTION.goal_margin):
         for place in nearby_bases(base, surroundings.target):
             base_from_asset = inverse(place) @ root
             if place is not base and not _passes(base_from_asset, surroundings, goal):

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from stages.contracts.task_options import TaskConfig
 from stages.simulation.depth_shaders import PICTURE
 from stages.simulation.kinematics import Array
-from stages.simulation.observation import finger_points, object_points, proprioception, unified_cloud
+from stages.simulation.observation import finger_points, object_points, proprioception, unify_cloud
 from stages.simulation.robot import REST, AcdcPanda, panda_chain
 from stages.tasks.cameras import Camera, displaced, jitter
 
@@ -120,6 +120,6 @@ class CameraRig:
                 seen = with_noise(picture[index], self._noise[index]) if self.sensing.depth_noise else picture[index]
                 clouds.append(object_points(seen, shown, pose, low, high))
             finger = finger_points(tcp, fingers, options.finger_points)
-            cloud = unified_cloud(np.concatenate(clouds), finger, options.points)
+            cloud = unify_cloud(np.concatenate(clouds), finger, options.points)
         rest = chain.pose(REST[None])[0]
         return {"point_cloud": cloud, "proprio": proprioception(tcp, fingers, rest)}

@@ -25,8 +25,8 @@ Float = NDArray[np.float32]
 class DemonstrationSet:
     """Episodes end to end: clouds (F, P, 4) float16, proprio (F, 9), actions (F, 7) float32; robot frame, metres.
 
-    fronts: (F, 3) the upright plane of the front as long as it stands still, else zeros (`policies.proud`); of marked
-    clouds alone.
+    fronts: (F, 3) the upright plane of the front as long as it stands still, else zeros (`policies.handle_points`); of
+    marked clouds alone.
     """
 
     clouds: Tensor
@@ -40,8 +40,8 @@ class DemonstrationSet:
     digest: str
     fronts: Tensor | None = None
 
-    def marked(self) -> "DemonstrationSet":
-        """The same with what stands proud of the fronts marked in the clouds."""
+    def mark_handles(self) -> "DemonstrationSet":
+        """The same with the handles marked in the clouds."""
         clouds, fronts = mark_episodes(self.clouds, self.lengths)
         return replace(self, clouds=clouds, fronts=fronts)
 
@@ -172,7 +172,7 @@ def gather(
 ) -> Batch:
     """Sequences of `frames` (B, T), each seeing its own random `points` of the P points of every cloud.
 
-    keep: what stands proud of the front is never left out.
+    keep: the points of handles are never left out.
     """
     device, available = data.clouds.device, data.clouds.shape[1]
     index = torch.from_numpy(frames).to(device)
@@ -180,7 +180,7 @@ def gather(
         chance = torch.rand((len(index), available), generator=random).to(device)
         order = chance.argsort(1)[:, None].expand(-1, index.shape[1], -1)
         if keep:
-            order = marked_first(data.clouds[index][..., 3], order)
+            order = put_marked_first(data.clouds[index][..., 3], order)
         clouds = data.clouds[index[:, :, None], order[..., :points]]
     else:
         clouds = data.clouds[index]
@@ -189,7 +189,7 @@ def gather(
     return Batch(clouds.float(), data.proprio[index], data.actions[index], weights, fronts)
 
 
-def marked_first(flags: Tensor, order: Tensor) -> Tensor:
+def put_marked_first(flags: Tensor, order: Tensor) -> Tensor:
     """An order (B, T, P) of points in which those with flag -1 come first and all else stays as it was."""
     marked = flags.gather(2, order) == -1
     before = marked.cumsum(2)

@@ -1,9 +1,9 @@
-"""Training sequences in which the handle alone says where the hand must go, and may be any other (not in the paper).
+"""Training sequences in which only the handle, of any form, tells where the hand must go (not in the paper).
 
 In every demonstration front and handle stay together, so a policy may as well go by the front's borders: here the
 front is shifted and stretched in its own plane, while handle, hand and actions stay. A knob is hidden by the fingers
-when they come near, and holds them wider apart than a bar: here handles disappear near the hand, and grips are wider.
-docs/policies.md has what each brings. Clouds carry the flags of `policies.proud`; metres, robot base frame.
+when they come near, and spreads them wider than a bar: here handles disappear near the hand, and grips are wider.
+docs/policies.md has what each brings. Clouds carry the flags of `policies.handle_points`; metres, robot base frame.
 """
 
 from collections.abc import Sequence
@@ -13,19 +13,19 @@ from typing import TYPE_CHECKING
 import torch
 from torch import Tensor
 
-from stages.policies.proud import mark_proud
+from stages.policies.handle_points import mark_handle_points
 
 if TYPE_CHECKING:
     from stages.training.dataset import Batch
 
-TURNED, PULLED = 0.07, 0.015  # radians, metres: from here on a front moves, if two frames in a row say so
-NEAR = 0.05  # metres between hand and handle: from here on the fingers may hide it
-HOLDING = (0.002, 0.02)  # metres of a finger joint with something between the fingers; below it they have missed
+FRONT_TURNED, FRONT_PULLED = 0.07, 0.015  # radians, metres in two frames in a row: a front that moves; chosen
+HIDING = 0.05  # metres between hand and handle, below which the fingers may hide it; chosen
+HOLDING = (0.002, 0.02)  # metres of a finger joint with something between the fingers; chosen
 
 
 def mark_episodes(clouds: Tensor, lengths: Sequence[int]) -> tuple[Tensor, Tensor]:
     """Marked clouds (F, P, 4) of episodes end to end, and their fronts (F, 3): the first frame's, 0 once it moves."""
-    marked, planes = mark_proud(clouds)
+    marked, planes = mark_handle_points(clouds)
     fronts = torch.zeros_like(planes)
     first = 0
     for length in lengths:
@@ -38,7 +38,7 @@ def mark_episodes(clouds: Tensor, lengths: Sequence[int]) -> tuple[Tensor, Tenso
 def still(planes: Tensor) -> Tensor:
     """Which frames (T,) of an episode come before its front has turned or been pulled; planes (T, 3)."""
     cosine = planes[:, :2] @ planes[0, :2]
-    moved = (cosine < torch.cos(torch.tensor(TURNED))) | ((planes[:, 2] - planes[0, 2]).abs() > PULLED)
+    moved = (cosine < torch.cos(torch.tensor(FRONT_TURNED))) | ((planes[:, 2] - planes[0, 2]).abs() > FRONT_PULLED)
     twice = moved & torch.cat([moved[1:], moved[-1:]])
     return twice.cumsum(0) == 0
 
@@ -140,7 +140,7 @@ def hide_handles(batch: "Batch", probability: float, random: torch.Generator) ->
     handle = batch.clouds[..., 3] == -1
     weight = handle.float()[..., None]
     middle = (batch.clouds[..., :3] * weight).sum(2) / weight.sum(2).clamp_min(1)
-    near = ((middle - batch.proprio[..., :3]).norm(dim=-1) < NEAR) & chosen[:, None]
+    near = ((middle - batch.proprio[..., :3]).norm(dim=-1) < HIDING) & chosen[:, None]
     hidden = handle & near[..., None]
     others = batch.clouds.roll(batch.clouds.shape[2] // 2, dims=2)
     return replace(batch, clouds=torch.where(hidden[..., None], others, batch.clouds))

@@ -65,7 +65,7 @@ def run(
         what = f"is {hyper.network.points}, but the clouds have {data.clouds.shape[1]} points."
         raise InputError("training.network.points", what, code="E-EPISODES-POINTS")
     if hyper.handle:
-        data = data.marked()
+        data = data.mark_handles()
     setting = Setting(hyper, data.on(device), seed, work=out.parent / f"{out.name}.work")
     training, validation = split_episodes(data, hyper.validation_fraction, seed)
     policy = make_policy(hyper)

@@ -21,7 +21,7 @@ from stages.geometry.frames import apply
 from stages.inputs import annotate
 from stages.inputs.by_hand.paint import paint
 from stages.inputs.by_hand.perspective import fit_view, weak
-from stages.inputs.by_hand.photo import LONGEST, read_photo
+from stages.inputs.by_hand.photo import LONGEST_SIDE, read_photo
 from stages.inputs.by_hand.project import PROJECT, DrawnObject, DrawnWall, Guide, Perspective, Project, Scale
 from stages.inputs.by_hand.server import PageServer
 from stages.inputs.by_hand.session import Session, described
@@ -79,7 +79,7 @@ def test_exif_turns_the_picture_and_tells_the_focal_length(tmp_path: Path) -> No
     assert photo.focal == pytest.approx(26 / np.hypot(36, 24) * 500, rel=1e-6)
     Image.fromarray(_noise(3200, 2400)).save(tmp_path / "b.jpg", exif=exif)
     large = read_photo(tmp_path / "b.jpg")
-    assert large.rgb.shape == (LONGEST, 1200, 3) and large.shrunk == 2
+    assert large.rgb.shape == (LONGEST_SIDE, 1200, 3) and large.shrunk == 2
     assert large.focal == pytest.approx(26 / np.hypot(36, 24) * 2000, rel=1e-3)
 
 

@@ -10,7 +10,8 @@ import yaml
 from numpy.typing import NDArray
 
 from stages.contracts import Camera, InputError
-from stages.inputs.rgbd.cameras import of_camera, read_intrinsics, resized
+from stages.geometry.cameras import scale_intrinsics
+from stages.inputs.rgbd.cameras import intrinsics_of_camera, read_intrinsics
 from stages.inputs.rgbd.lens import find_distortion, read_lens
 from tests.refusals import refused
 
@@ -146,7 +147,7 @@ def test_what_is_not_read_is_refused(tmp_path: Path, said: object, code: str, sa
 def test_intrinsics_of_another_resolution_are_scaled_or_refused(
     tmp_path: Path, shrunk: float, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    other = resized(K, shrunk, shrunk)
+    other = scale_intrinsics(K, shrunk, shrunk)
     np.testing.assert_allclose(
         camera(tmp_path, {"K": other.tolist(), "width": 640 * shrunk, "height": 480 * shrunk}), K
     )
@@ -221,7 +222,9 @@ def test_the_first_of_kalibr_s_cameras_is_taken_and_said(tmp_path: Path, capsys:
 
 
 def test_a_camera_that_was_held_upright() -> None:
-    assert of_camera("realsense_d435", 480, 640)[0, 0] == of_camera("realsense_d435", 640, 480)[0, 0]
+    assert (
+        intrinsics_of_camera("realsense_d435", 480, 640)[0, 0] == intrinsics_of_camera("realsense_d435", 640, 480)[0, 0]
+    )
 
 
 def test_yaml_of_ros(tmp_path: Path) -> None:

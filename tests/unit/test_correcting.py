@@ -13,17 +13,17 @@ from PIL import Image
 from pydantic import ValidationError
 
 from stages.contracts import InputError, Objects, read_json, write_json
+from stages.contracts.corrected_masks import Cutter
 from stages.contracts.corrections import CORRECTIONS, Correction, Corrections, corrections_of
 from stages.contracts.extracted import check_extracted
 from stages.contracts.fronts import Panel
 from stages.contracts.objects import Box, Mounting, SceneObject, Wall, distance_between
 from stages.contracts.scene_input import read_scene_input
 from stages.contracts.scenes import Held
-from stages.extraction.corrected import as_seen, as_told
+from stages.extraction.corrections import correct_image, correct_scene
 from stages.extraction.extract import run as extract
 from stages.extraction.observation import read_folder
 from stages.extraction.reconstruct import ExtractedScene
-from stages.extraction.regions import Cutter
 from stages.geometry.boxes import UprightBox
 from stages.inputs import annotate
 from stages.inputs.by_hand.correcting import Correcting, Drawing, Thing
@@ -129,7 +129,7 @@ def test_an_outline_says_which_pixels_and_two_floors_are_one(session: Correcting
     answer = session.write(drawing.model_dump(mode="json"))
     assert answer["notes"] == ["lost: no pixel shows it, left out"] and "mug_1" in answer["ids"]
     told = corrections_of((source / CORRECTIONS,), "extraction")
-    seen = as_seen(read_folder(source), told)
+    seen = correct_image(read_folder(source), told)
     assert (seen.masks == 92).sum() == 51 * 41 and seen.masks[2, 30] == seen.annotations.floor == FLOOR
 
 
@@ -191,7 +191,7 @@ def test_what_is_said_to_stand_on_the_floor_reaches_it_or_is_put_there(bottom: f
     cloud = np.array([[2.8, 0, bottom], [2.8, 0, bottom + 0.5]], np.float32)
     blank = np.zeros((480, 640))
     scene = ExtractedScene(objects, blank.astype(np.uint16), blank.astype(np.float32), {"box_1": cloud})
-    made = as_told(scene, {1: Correction(mask=1, on="floor")})
+    made = correct_scene(scene, {1: Correction(mask=1, on="floor")})
     (stood,) = made.objects.objects
     assert stood.box is not None and stood.mounting == Mounting(type=3, walls=["wall_1"])
     assert stood.box.size == pytest.approx((0.5, 0.6, height)) and stood.box.center[2] == pytest.approx(height / 2)
@@ -225,7 +225,7 @@ def test_the_longer_side_stays_the_longer_one(
     objects = Objects(scene="t", floor_from_camera=frame, walls=[], objects=[item], **camera)
     blank = np.zeros((480, 640))
     scene = ExtractedScene(objects, blank.astype(np.uint16), blank.astype(np.float32), {"table_1": blank[:1, :3]})
-    (sized,) = as_told(scene, {1: Correction(mask=1, size=told)}).objects.objects
+    (sized,) = correct_scene(scene, {1: Correction(mask=1, size=told)}).objects.objects
     assert sized.box is not None and sized.box.size == pytest.approx((*made, 0.5))
 
 
@@ -252,7 +252,7 @@ def test_what_the_border_cuts_off_grows_beyond_it(
     objects = Objects(scene="t", floor_from_camera=frame, walls=[wall], objects=[item], **camera)
     blank = np.zeros((480, 640))
     scene = ExtractedScene(objects, blank.astype(np.uint16), blank.astype(np.float32), {"sofa_1": blank[:1, :3]})
-    (sized,) = as_told(scene, {1: Correction(mask=1, size=(2.0, 0.5, 0.8))}).objects.objects
+    (sized,) = correct_scene(scene, {1: Correction(mask=1, size=(2.0, 0.5, 0.8))}).objects.objects
     assert sized.box is not None and sized.box.size == (0.5, 2.0, 0.8)
     assert np.subtract(sized.box.center, box.center) == pytest.approx(shift, abs=1e-6)
 
@@ -379,7 +379,7 @@ def test_a_person_corrects_in_the_browser(opened: Any, session: Correcting, sour
     page.wait_for_function("() => document.getElementById('preview').naturalWidth > 100")
     if shots := os.environ.get("ACDC_SCREENSHOTS"):
         page.screenshot(path=f"{shots}/correct.png")
-    given = as_seen(read_folder(source), corrections_of((source / CORRECTIONS,), "extraction"))
+    given = correct_image(read_folder(source), corrections_of((source / CORRECTIONS,), "extraction"))
     assert [item.label for item in given.annotations.objects] == ["cabinet", "stool", "clock", "rug"]
     assert given.annotations.objects[2].articulated and given.masks.shape[::-1] == (WIDTH, HEIGHT)
     page.get_by_role("button", name="Done").click()

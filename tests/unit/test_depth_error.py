@@ -10,10 +10,10 @@ from stages.contracts import Annotations, InputError, Objects
 from stages.contracts.files import parse_json
 from stages.contracts.objects import USUAL_ERROR, DepthError
 from stages.contracts.scenes import Annotation
+from stages.extraction.depth_error import Surface, measure_error
 from stages.extraction.noise import noisy_depth
 from stages.extraction.observation import AnnotatedImage
 from stages.extraction.reconstruct import reconstruct
-from stages.extraction.sensor import Surface, measured_error
 from stages.extraction.sources.folder import observe
 from stages.geometry.boxes import UprightBox
 from tests.unit.synthetic_room import FLOOR, HEIGHT, INTRINSICS, OBJECT, WALL, WIDTH, trace, write_room
@@ -25,7 +25,7 @@ NOISE = DepthNoiseConfig(range_constant=0.004, range_quadratic=0.002, scale=0)
 @pytest.fixture(autouse=True)
 def _even(monkeypatch: pytest.MonkeyPatch) -> None:
     """No further error at the picture's border."""
-    monkeypatch.setattr(DepthNoiseConfig, "periphery", 0.0)
+    monkeypatch.setattr("stages.extraction.noise.PERIPHERY", 0.0)
 
 
 def extracted(image: AnnotatedImage) -> Objects:
@@ -56,9 +56,9 @@ def test_what_a_camera_measured_errs_as_floor_and_walls_are_uneven(named: bool) 
 def test_planes_seen_at_a_grazing_angle_or_hardly_at_all_tell_nothing() -> None:
     rng, eye, up = np.random.default_rng(0), np.array([0, 0, 1.5]), np.array([0, 0, 1.0])
     far, few = rng.uniform([20, -1, -0.1], [30, 1, 0.1], (4000, 3)), rng.uniform([1, -1, -0.1], [3, 1, 0.1], (99, 3))
-    assert measured_error([Surface(far, up, 0.0), Surface(few, up, 0.0)], eye) is None
+    assert measure_error([Surface(far, up, 0.0), Surface(few, up, 0.0)], eye) is None
     heap = rng.uniform([1, -1, -0.9], [3, 1, 0.9], (4000, 3))
-    assert measured_error([Surface(heap, up, 0.0)], eye) is None
+    assert measure_error([Surface(heap, up, 0.0)], eye) is None
 
 
 def test_who_does_not_say_it_has_the_usual_error() -> None:

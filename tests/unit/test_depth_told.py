@@ -16,11 +16,11 @@ from stages.contracts import Camera, read_json
 from stages.contracts.depth import read_depth
 from stages.contracts.scene_input import read_scene_input
 from stages.geometry.boxes import UprightBox
-from stages.geometry.depth_marks import marks_of, range_of
+from stages.geometry.depth_marks import find_cut_range, find_marks
 from stages.geometry.ray_depth import along_axis, flatter_along, ray_lengths
 from stages.inputs import from_rgbd
-from stages.inputs.rgbd.depth_files import in_metres, read_raw
-from stages.inputs.rgbd.depth_scale import stated_beside
+from stages.inputs.rgbd.depth_files import convert_to_metres, read_raw
+from stages.inputs.rgbd.depth_scale import find_stated_units
 from tests.refusals import refused
 from tests.unit.synthetic_room import FLOOR, INTRINSICS, OBJECT, trace, write_room
 
@@ -38,7 +38,9 @@ def median_by(folder: Path, about: object, raw: NDArray[Any], name: str = "K.jso
     folder.mkdir(exist_ok=True)
     np.save(folder / "depth.npy", raw)
     (folder / name).write_text(about if isinstance(about, str) else json.dumps(about))
-    metres, line = in_metres(folder / "depth.npy", raw, "auto", stated_beside(folder / "depth.npy", folder / name))
+    metres, line = convert_to_metres(
+        folder / "depth.npy", raw, "auto", find_stated_units(folder / "depth.npy", folder / name)
+    )
     return float(np.median(metres[metres > 0])), line
 
 
@@ -86,7 +88,7 @@ def test_a_file_beside_the_depth_says_it_too(tmp_path: Path, room: tuple[Any, An
     np.save(tmp_path / "depth/1.npy", raw)
     (tmp_path / "camera.json").write_text(json.dumps({"depth_scale": 4000}))
     (tmp_path / "broken.json").write_text("{")
-    (stated,) = stated_beside(tmp_path / "depth/1.npy")
+    (stated,) = find_stated_units(tmp_path / "depth/1.npy")
     assert str(stated) == "depth_scale 4000 in camera.json"
 
 
@@ -96,8 +98,8 @@ def test_the_depth_file_itself_says_it_first(tmp_path: Path) -> None:
     info = PngImagePlugin.PngInfo()
     info.add_text("depth_scale", "0.0002")
     Image.fromarray(np.ones((4, 4), np.uint16)).save(tmp_path / "d.png", pnginfo=info)
-    assert [one.where for one in stated_beside(tmp_path / "d.npz", tmp_path / "K.json")] == ["d.npz"]
-    assert [one.where for one in stated_beside(tmp_path / "d.png", tmp_path / "K.json")] == ["d.png"]
+    assert [one.where for one in find_stated_units(tmp_path / "d.npz", tmp_path / "K.json")] == ["d.npz"]
+    assert [one.where for one in find_stated_units(tmp_path / "d.png", tmp_path / "K.json")] == ["d.png"]
 
 
 def test_scales_that_contradict_the_depth_or_each_other_are_refused(tmp_path: Path, room: tuple[Any, Any]) -> None:
@@ -110,16 +112,16 @@ def test_scales_that_contradict_the_depth_or_each_other_are_refused(tmp_path: Pa
         (tmp_path / "a" / name).write_text(json.dumps({"depth_scale": scale}))
     (tmp_path / "a/K.json").unlink()
     with refused("E-DEPTH-UNIT", "--unit 4000", "--unit 5000") as caught:
-        in_metres(tmp_path / "a/depth.npy", raw, "auto", stated_beside(tmp_path / "a/depth.npy"))
+        convert_to_metres(tmp_path / "a/depth.npy", raw, "auto", find_stated_units(tmp_path / "a/depth.npy"))
     assert "--unit mm" not in str(caught.value)
 
 
 def test_a_unit_that_is_told_goes_before_the_file_and_says_so(room: tuple[Any, Any], tmp_path: Path) -> None:
     (tmp_path / "K.json").write_text(json.dumps({"depth_scale": 4000}))
-    stated = stated_beside(tmp_path / "d.npy", tmp_path / "K.json")
+    stated = find_stated_units(tmp_path / "d.npy", tmp_path / "K.json")
     raw = np.rint(room[0] * 1000).astype(np.uint16)
-    assert "as told, though depth_scale 4000 in K.json" in in_metres(Path("d"), raw, "mm", stated)[1]
-    assert "though" not in in_metres(Path("d"), 4 * raw, "4000", stated)[1]
+    assert "as stated, though depth_scale 4000 in K.json" in convert_to_metres(Path("d"), raw, "mm", stated)[1]
+    assert "though" not in convert_to_metres(Path("d"), 4 * raw, "4000", stated)[1]
 
 
 @pytest.mark.parametrize(
@@ -130,7 +132,7 @@ def test_a_unit_that_is_told_goes_before_the_file_and_says_so(room: tuple[Any, A
 def test_marks_of_the_unknown_are_no_distances(room: tuple[Any, Any], dtype: type, scale: float, mark: float) -> None:
     raw = (np.where((room[0] > 0) & (room[0] < 6), room[0], 3) * scale).astype(dtype)
     raw[100:150, 100:200] = mark
-    metres, line = in_metres(Path("d"), raw)
+    metres, line = convert_to_metres(Path("d"), raw)
     assert not metres[100:150, 100:200].any() and (metres > 0).sum() == metres.size - 5000
     assert f"{mark:g} taken for unknown" in line
 
@@ -138,7 +140,7 @@ def test_marks_of_the_unknown_are_no_distances(room: tuple[Any, Any], dtype: typ
 def test_depth_that_is_cut_off_at_a_range(room: tuple[Any, Any]) -> None:
     """At whole half metres, with a floor that goes on beyond: no wall."""
     depth = np.minimum(np.where(trace([BOX], wall=False)[0] > 0, trace([BOX], wall=False)[0], 50), 5.0)
-    metres, line = in_metres(Path("d"), np.rint(1000 * depth).astype(np.uint16))
+    metres, line = convert_to_metres(Path("d"), np.rint(1000 * depth).astype(np.uint16))
     assert not metres[depth == 5].any() and metres[depth < 4.99].all() and "5000 taken for unknown" in line
 
 
@@ -148,17 +150,17 @@ def test_depth_that_is_cut_off_is_told_beside_a_wall_of_a_sensor() -> None:
     depth = np.tile(np.linspace(1, 9.9, 400), (300, 1)) * (1 + 0.002 * rng.standard_normal((300, 400)))
     depth[100:, :300] = 2 + 0.003 * rng.standard_normal((200, 300))
     depth[:50, 350:] = 10
-    metres, line = in_metres(Path("d"), np.rint(1000 * np.minimum(depth, 10)).astype(np.uint16))
+    metres, line = convert_to_metres(Path("d"), np.rint(1000 * np.minimum(depth, 10)).astype(np.uint16))
     assert not metres[:50, 350:].any() and (metres[100:, :300] > 0).all() and "10000 taken for unknown" in line
 
 
 def test_walls_and_fronts_that_are_seen_straight_on_stay(room: tuple[Any, Any]) -> None:
     flat = np.full((200, 300), 1.5, np.float32)
     flat[50:100, 50:100] = 0.6  # a box from above
-    assert marks_of(flat) == []
+    assert find_marks(flat) == []
     wall = np.minimum(trace([BOX], wall=False)[0], np.float32(3.8713))
     wall[wall == 0] = np.float32(3.8713)
-    assert (in_metres(Path("d"), wall)[0] > 0).all()
+    assert (convert_to_metres(Path("d"), wall)[0] > 0).all()
 
 
 @pytest.mark.parametrize(("pixels", "found"), [(30, None), (150, None), (250, 10.0)])
@@ -166,7 +168,7 @@ def test_a_few_pixels_at_one_distance_are_no_range(pixels: int, found: float | N
     """Of 100,000 pixels: what is cut off is seen in more than a patch."""
     depth = np.linspace(1, 6, 100_000).reshape(250, 400).astype(np.float32)
     depth.ravel()[:pixels] = 10.0
-    assert range_of(depth) == found
+    assert find_cut_range(depth) == found
 
 
 def test_bytes_are_no_millimetres(tmp_path: Path, room: tuple[Any, Any]) -> None:
@@ -176,7 +178,7 @@ def test_bytes_are_no_millimetres(tmp_path: Path, room: tuple[Any, Any]) -> None
         read_raw(tmp_path / "d.npy")
     for dtype in (np.uint16, np.float32):
         with refused("E-DEPTH-UNIT", "bytes, not millimetres"):
-            in_metres(tmp_path / "d.npy", byte.astype(dtype))
+            convert_to_metres(tmp_path / "d.npy", byte.astype(dtype))
 
 
 def test_marks_in_an_input_folder(tmp_path: Path, room: tuple[Any, Any], capsys: pytest.CaptureFixture[str]) -> None:

@@ -15,9 +15,9 @@ from stages.config.extraction import ExtractionConfig
 from stages.contracts import InputError, Objects, read_json
 from stages.contracts.__main__ import main as check_contract
 from stages.contracts.objects import Mounting
-from stages.extraction import reconstruct
+from stages.extraction import clouds
 from stages.extraction.draw import run as draw
-from stages.extraction.extract import run, suited
+from stages.extraction.extract import merge_own_options, run
 from stages.extraction.observation import read_folder
 from stages.geometry.boxes import UprightBox, oriented_iou
 from stages.geometry.frames import apply, inverse, wrap_angle, yaw_of_matrix
@@ -101,14 +101,14 @@ def test_ids_files_and_annotations(furnished: tuple[Path, Objects]) -> None:
 def test_options_beside_the_picture_hold_where_the_run_has_the_default(tmp_path: Path) -> None:
     own = tmp_path / "config.yaml"
     own.write_text("experiment: {rooms: [mine]}\nextraction: {crop: 1.0, trim: 0.005}\n")
-    found = suited(ExtractionConfig(trim=0.02, depth_noise="none"), own)
+    found = merge_own_options(ExtractionConfig(trim=0.02, depth_noise="none"), own)
     assert (found.crop, found.trim, found.depth_noise) == (1.0, 0.02, "none")
     own.write_text("experiment: {rooms: [mine]}\n")
-    assert suited(ExtractionConfig(), own) == ExtractionConfig()
+    assert merge_own_options(ExtractionConfig(), own) == ExtractionConfig()
     for text in ("extraction: {crop: 2}", "extraction: 3", "- 1", "a: ["):
         own.write_text(text)
         with refused("E-CONFIG-FILE"):
-            suited(ExtractionConfig(), own)
+            merge_own_options(ExtractionConfig(), own)
 
 
 def test_same_seed_same_bytes(furnished: tuple[Path, Objects], tmp_path: Path) -> None:
@@ -144,8 +144,8 @@ def test_what_is_behind_is_told_from_where_the_camera_is(
     furnished: tuple[Path, Objects], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     eyes: list[np.ndarray] = []
-    cleaned = reconstruct.cleaned_cloud
-    monkeypatch.setattr(reconstruct, "cleaned_cloud", lambda *given: eyes.append(given[3]) or cleaned(*given))
+    cleaned = clouds.clean_cloud
+    monkeypatch.setattr(clouds, "clean_cloud", lambda *given: eyes.append(given[3]) or cleaned(*given))
     found = _extract(furnished[0] / "input", tmp_path)
     assert len(eyes) == len(BOXES)
     assert eyes[0] == pytest.approx(np.array(found.floor_from_camera)[:3, 3]) and eyes[0][2] > 0.5

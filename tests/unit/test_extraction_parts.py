@@ -6,34 +6,46 @@ import numpy as np
 import pytest
 
 from stages.config.extraction import DepthNoiseConfig, ExtractionConfig
-from stages.contracts.objects import USUAL_ERROR, Wall
-from stages.extraction.border import continued_depth
-from stages.extraction.clouds import cleaned_cloud
-from stages.extraction.masks import central_crop, eroded, without_specks
-from stages.extraction.mounting import carrier_beneath
+from stages.contracts.objects import USUAL_ERROR, Wall, object_ids
+from stages.extraction import clouds, noise
+from stages.extraction.border import continue_depth
+from stages.extraction.clouds import clean_cloud
 from stages.extraction.noise import bleed, noisy_depth, periphery_ramp
-from stages.extraction.reconstruct import object_ids
-from stages.extraction.room import find_walls, fit_wall, merge_walls
+from stages.extraction.support import find_carrier
 from stages.extraction.visibility import DepthView
-from stages.extraction.walls import walls_touched
+from stages.extraction.wall_contact import find_touched_walls
+from stages.extraction.walls import merge_walls
 from stages.geometry.boxes import UprightBox
+from stages.geometry.masks import central_crop, erode, remove_specks
+from stages.geometry.room_planes import WallPlane, find_walls, fit_wall
 
 ABOVE = np.array([0.45, 0.0, 2.0])  # where the camera is
-QUIET = DepthNoiseConfig(range_constant=0, range_quadratic=0, scale=0).model_copy(
-    update={"bleeding": 0.0, "periphery": 0.0}
-)
+QUIET = DepthNoiseConfig(range_constant=0, range_quadratic=0, scale=0)
+
+
+@pytest.fixture
+def _no_outlines(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(noise, "BLEEDING", 0.0)
+    monkeypatch.setattr(noise, "PERIPHERY", 0.0)
+
+
+@pytest.fixture
+def _no_outliers(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(clouds, "MAX_DEVIATIONS", 50)
 
 
 def _rng() -> np.random.Generator:
     return np.random.default_rng(0)
 
 
+@pytest.mark.usefixtures("_no_outlines")
 def test_all_noise_off_changes_nothing() -> None:
     depth = np.linspace(1, 5, 48 * 64, dtype=np.float32).reshape(48, 64)
     np.testing.assert_allclose(noisy_depth(depth, QUIET, _rng()), depth, rtol=1e-6)
 
 
 @pytest.mark.parametrize(("z", "sigma"), [(1.0, 0.0045), (3.0, 0.0165), (8.0, 0.099)])
+@pytest.mark.usefixtures("_no_outlines")
 def test_range_noise_has_the_documented_size(z: float, sigma: float) -> None:
     options = QUIET.model_copy(update={"range_constant": 0.003, "range_quadratic": 0.0015})
     depth = np.full((200, 300), z, np.float32)
@@ -67,11 +79,11 @@ def test_central_crop() -> None:
 def test_erosion_spares_small_masks() -> None:
     large = np.zeros((50, 50), bool)
     large[10:40, 10:40] = True
-    assert eroded(large, 2, 0.5).sum() < large.sum()
-    assert not eroded(large, 2, 0.5)[10].any()
+    assert erode(large, 0.5).sum() < large.sum()
+    assert not erode(large, 0.5)[10].any()
     pole = np.zeros((50, 50), bool)
     pole[10:40, 20:23] = True
-    np.testing.assert_array_equal(eroded(pole, 2, 0.5), pole)
+    np.testing.assert_array_equal(erode(pole, 0.5), pole)
 
 
 def test_specks_go() -> None:
@@ -79,7 +91,7 @@ def test_specks_go() -> None:
     mask[5:30, 5:30] = True
     mask[45, 45] = True
     mask[40:48, 10:18] = True  # a tenth of it, cut off by something in front
-    assert without_specks(mask).sum() == 25 * 25 + 8 * 8
+    assert remove_specks(mask).sum() == 25 * 25 + 8 * 8
 
 
 def test_border_depth_of_a_slanted_plane_is_exact() -> None:
@@ -88,7 +100,7 @@ def test_border_depth_of_a_slanted_plane_is_exact() -> None:
     core, border = np.zeros((60, 80), bool), np.zeros((60, 80), bool)
     core[20:40, 20:60] = True
     border[18:42, 18:62] = True
-    found = continued_depth(depth, core, border)
+    found = continue_depth(depth, core, border)
     np.testing.assert_allclose(found[border], depth[border], rtol=2e-3)
     assert (found[~border] == 0).all()
 
@@ -97,20 +109,21 @@ def test_cleaning_drops_flyers_and_keeps_both_halves() -> None:
     rng = _rng()
     halves = [rng.uniform([x, 0, 0], [x + 0.3, 0.3, 0.02], (1500, 3)) for x in (0.0, 0.6)]
     flyers = rng.uniform(-2, 2, (30, 3))
-    cloud = cleaned_cloud(np.vstack([*halves, flyers]), ExtractionConfig(), rng, ABOVE)
+    cloud = clean_cloud(np.vstack([*halves, flyers]), ExtractionConfig(), rng, ABOVE)
     assert np.abs(cloud).max() < 1.0
     assert (cloud[:, 0] < 0.3).any() and (cloud[:, 0] > 0.6).any()
 
 
 @pytest.mark.parametrize(("count", "kept"), [(12, False), (200, True)])
+@pytest.mark.usefixtures("_no_outliers")
 def test_small_clusters_go(count: int, kept: bool) -> None:
     """Points of something else, 20 cm beside the object, stay only if they are many."""
     rng = _rng()
     points = rng.uniform(0, [0.6, 0.6, 0.02], (4000, 3))
     clump = rng.uniform([0.8, 0.3, 0.0], [0.83, 0.33, 0.03], (count, 3))
-    cloud = cleaned_cloud(
+    cloud = clean_cloud(
         np.vstack([points, clump]),
-        ExtractionConfig().model_copy(update={"outlier_deviations": 50}),
+        ExtractionConfig(),
         rng,
         np.array([0, 0, 2.0]),
     )
@@ -118,25 +131,23 @@ def test_small_clusters_go(count: int, kept: bool) -> None:
 
 
 @pytest.mark.parametrize(("x", "kept"), [(4.5, True), (5.5, False)])
+@pytest.mark.usefixtures("_no_outliers")
 def test_what_is_seen_past_an_object_is_not_part_of_it(x: float, kept: bool) -> None:
     """A front 3 m away, and a clump of a fifth of its points behind: a part of it, or the room behind."""
     rng = _rng()
     front = rng.uniform([3.0, -0.5, 0], [3.3, 0.5, 1], (4000, 3))
     clump = rng.uniform([x, 0.3, 0.0], [x + 0.1, 0.5, 0.5], (800, 3))
-    cloud = cleaned_cloud(
-        np.vstack([front, clump]), ExtractionConfig().model_copy(update={"outlier_deviations": 50}), rng, np.zeros(3)
-    )
+    cloud = clean_cloud(np.vstack([front, clump]), ExtractionConfig(), rng, np.zeros(3))
     assert bool((cloud[:, 0] > 3.4).any()) == kept
 
 
 def test_parts_of_a_wall_are_one_wall() -> None:
     rng = _rng()
-    options = ExtractionConfig()
     left = np.c_[np.full(2000, 3.0), rng.uniform(-2, -1, 2000), rng.uniform(0, 2, 2000)]
     right = left + np.array([0.03, 3.0, 0.0])
     side = np.c_[rng.uniform(0, 3, 2000), np.full(2000, 2.0), rng.uniform(0, 2, 2000)]
-    fits = [fit_wall(part, 1.6, options, rng) for part in (left, right, side)]
-    walls, ids = merge_walls([fit for fit in fits if fit is not None], options)
+    fits = [fit_wall(part, 1.6, rng) for part in (left, right, side)]
+    walls, ids = merge_walls([fit for fit in fits if fit is not None])
     assert [wall.id for wall in walls] == ["wall_1", "wall_2"] and ids == ["wall_1", "wall_1", "wall_2"]
     assert walls[0].points == 4000
     np.testing.assert_allclose(walls[0].normal, [-1, 0, 0], atol=1e-3)
@@ -153,14 +164,14 @@ def test_what_has_a_wall_behind_it_is_no_wall(seen: int, offsets: list[float]) -
     floor = np.c_[rng.uniform(0, 2.4, 2000), rng.uniform(-2, 2, 2000), np.zeros(2000)]
     points = np.vstack([back, side, front, floor])
     free = np.arange(len(points)) < len(points) - len(floor)
-    walls = find_walls(points, free, 1.6, ExtractionConfig(), rng)
+    walls = find_walls(points, free, 1.6, rng)
     assert sorted(round(offset, 2) for _, offset, _ in walls) == offsets
 
 
 def test_what_is_seen_edge_on_is_no_wall() -> None:
     rng = _rng()
     edge = np.c_[rng.uniform(1, 2, 2000), np.full(2000, 0.06), rng.uniform(0, 1, 2000)]
-    assert not find_walls(edge, np.ones(2000, dtype=bool), 1.6, ExtractionConfig(), rng)
+    assert not find_walls(edge, np.ones(2000, dtype=bool), 1.6, rng)
 
 
 def test_ids_count_per_label() -> None:
@@ -172,10 +183,10 @@ def test_ids_count_per_label() -> None:
 def test_parts_of_a_wall_count_by_their_points() -> None:
     turn = np.deg2rad(8.0)
     fits = [
-        (np.array([-1.0, 0.0, 0.0]), -3.0, 3000),
-        (np.array([-np.cos(turn), np.sin(turn), 0.0]), -3.1, 1000),
+        WallPlane(np.array([-1.0, 0.0, 0.0]), -3.0, 3000),
+        WallPlane(np.array([-np.cos(turn), np.sin(turn), 0.0]), -3.1, 1000),
     ]
-    (wall,), _ = merge_walls(fits, ExtractionConfig())
+    (wall,), _ = merge_walls(fits)
     assert np.arctan2(wall.normal[1], -wall.normal[0]) == pytest.approx(turn / 4, rel=0.01)
     assert wall.offset == pytest.approx(-3.025)
 
@@ -186,8 +197,8 @@ def test_what_is_behind_a_free_standing_wall_does_not_touch_it(x: float, touched
     wall = Wall(id="wall_1", normal=(-1, 0, 0), offset=-4.0, points=100)
     empty = DepthView(np.full((9, 9), 9.0, np.float32), np.diag([9.0, 9.0, 1.0]), np.eye(4), USUAL_ERROR)
     box = UprightBox([x, 0, 0.5], [0.6, 0.6, 1.0], 0.0)
-    options = ExtractionConfig().model_copy(update={"max_hidden_depth": 0.0})  # what is not seen is not asked here
-    assert bool(walls_touched(box, [], [wall], empty, np.zeros((9, 9), bool), options)) == touched
+    found = find_touched_walls(box, [], [wall], empty, np.zeros((9, 9), bool), 0.0)  # nothing hidden counts
+    assert bool(found) == touched
 
 
 def test_a_can_beside_a_bowl_does_not_stand_on_it() -> None:
@@ -197,25 +208,25 @@ def test_a_can_beside_a_bowl_does_not_stand_on_it() -> None:
     )
     can = UprightBox([0.11, 0.0, 0.05], [0.065, 0.065, 0.1], 0.0)
     both = {"table": table, "bowl": bowl}
-    assert carrier_beneath(can, both, 0.06) == (table.top, "table")
+    assert find_carrier(can, both, 0.06) == (table.top, "table")
     inside = replace(can, center=[0.02, 0.0, 0.07])
-    assert carrier_beneath(inside, both, 0.06) == (bowl.top, "bowl")
+    assert find_carrier(inside, both, 0.06) == (bowl.top, "bowl")
 
 
 def test_a_can_that_is_seen_far_down_a_bowl_is_in_it_not_on_it() -> None:
     bowl = UprightBox([0.0, 0.0, 0.04], [0.15, 0.15, 0.08], 0.0)
     can = UprightBox([0.0, 0.0, 0.06], [0.06, 0.06, 0.09], 0.0)  # from 1.5 to 10.5 cm
-    assert carrier_beneath(can, {"bowl": bowl}, 0.06, sunk=0.03) == (can.bottom, "bowl")
-    assert carrier_beneath(can, {"bowl": bowl}, 0.06, sunk=0.08)[0] == bowl.top  # far away, depth may err by as much
+    assert find_carrier(can, {"bowl": bowl}, 0.06, sunk=0.03) == (can.bottom, "bowl")
+    assert find_carrier(can, {"bowl": bowl}, 0.06, sunk=0.08)[0] == bowl.top  # far away, depth may err by as much
     plate = UprightBox([0.0, 0.0, 0.07], [0.1, 0.1, 0.03], 0.0)  # 2.5 cm into the top
-    assert carrier_beneath(plate, {"bowl": bowl}, 0.06, sunk=0.03) == (bowl.top, "bowl")
+    assert find_carrier(plate, {"bowl": bowl}, 0.06, sunk=0.03) == (bowl.top, "bowl")
 
 
 def test_a_rug_does_not_stand_on_the_crate_that_stands_on_it() -> None:
     """Its top is within the tolerances of the rug's foot, but the crate's middle is above the rug's."""
     crate, rug = UprightBox([0.0, 0.0, 0.05], [0.5, 0.5, 0.1], 0.0), UprightBox([0.0, 0.0, 0.01], [0.6, 0.6, 0.02], 0.0)
-    assert carrier_beneath(rug, {"crate": crate}, 0.06) == (0.0, "floor")
-    assert carrier_beneath(crate, {"rug": rug}, 0.06) == (rug.top, "rug")
+    assert find_carrier(rug, {"crate": crate}, 0.06) == (0.0, "floor")
+    assert find_carrier(crate, {"rug": rug}, 0.06) == (rug.top, "rug")
 
 
 @pytest.mark.parametrize("names", [("wall_1", "wall_2"), ("wall_2", "wall_1")])
@@ -226,4 +237,4 @@ def test_in_a_corner_a_thing_leans_on_the_wall_that_its_wider_side_is_at(names: 
     empty = DepthView(np.full((9, 9), 9.0, np.float32), np.diag([9.0, 9.0, 1.0]), np.eye(4), USUAL_ERROR)
     box, own = UprightBox([3.84, 1.39, 0.5], [0.3, 1.2, 1.0], 0.0), np.zeros((9, 9), bool)
     for walls in ([rear, side], [side, rear]):
-        assert walls_touched(box, [], walls, empty, own, ExtractionConfig()) == [rear, side]
+        assert find_touched_walls(box, [], walls, empty, own) == [rear, side]

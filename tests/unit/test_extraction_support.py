@@ -3,12 +3,11 @@
 import numpy as np
 import pytest
 
-from stages.config.extraction import ExtractionConfig
 from stages.contracts.objects import USUAL_ERROR, Wall
-from stages.extraction.levels import carrying_heights, ending_near, is_topped, level_of
-from stages.extraction.mounting import collapsed, placement
+from stages.extraction.levels import find_carrying_heights, find_level, is_topped
+from stages.extraction.mounting import end_near, is_collapsed, place_object
 from stages.extraction.visibility import DepthView
-from stages.extraction.walls import gap_to
+from stages.extraction.wall_contact import make_gap
 from stages.geometry.boxes import UprightBox
 from stages.geometry.minimum_box import minimum_box
 
@@ -17,7 +16,7 @@ WALL = Wall(id="wall_1", normal=(-1, 0, 0), offset=-4.0, points=100)
 
 
 def level(cloud: np.ndarray) -> float | None:
-    return level_of(cloud, minimum_box(cloud, 0.01), 2.0)
+    return find_level(cloud, minimum_box(cloud, 0.01), 2.0)
 
 
 def surface(rng: np.random.Generator, count: int, height: float, low: tuple, high: tuple) -> np.ndarray:
@@ -56,13 +55,13 @@ def test_a_chair_carries_at_its_seat_and_is_as_high_as_its_back() -> None:
     back = rng.uniform([0.45, 0, 0.45], [0.5, 0.5, 0.9], (1000, 3))
     found = level(np.concatenate([surface(rng, 3000, 0.45, (0, 0), (0.5, 0.5)), back]))
     assert found == pytest.approx(0.45, abs=0.01)
-    assert carrying_heights("chair", found, 0.9) == (found, 0.9) and not is_topped("chair")
+    assert find_carrying_heights("chair", found, 0.9) == (found, 0.9) and not is_topped("chair")
 
 
 def test_boards_of_a_shelf_are_no_top() -> None:
-    assert carrying_heights("bookshelves", 0.8, 1.8) == (1.8,)
-    assert carrying_heights("cabinet", 0.8, 1.8) == (0.8, 1.8)
-    assert carrying_heights("thing", None, 1.8) == (1.8,)
+    assert find_carrying_heights("bookshelves", 0.8, 1.8) == (1.8,)
+    assert find_carrying_heights("cabinet", 0.8, 1.8) == (0.8, 1.8)
+    assert find_carrying_heights("thing", None, 1.8) == (1.8,)
 
 
 @pytest.mark.parametrize(
@@ -70,7 +69,7 @@ def test_boards_of_a_shelf_are_no_top() -> None:
 )  # a table's top over it: not on it
 def test_a_carrier_ends_at_its_height_that_is_near(bottom: float, top: float) -> None:
     chair = UprightBox([2, 0, 0.45], [0.5, 0.5, 0.9], 0.0)
-    assert ending_near(chair, (0.45, 0.9), bottom, 0.12).top == pytest.approx(top)
+    assert end_near(chair, (0.45, 0.9), bottom, 0.12).top == pytest.approx(top)
 
 
 @pytest.mark.parametrize(
@@ -95,7 +94,7 @@ def test_a_picture_above_furniture_hangs(hidden_up_to: float, mounting: int) -> 
     view = DepthView(depth, np.array([[200.0, 0, 160], [0, 200.0, 120], [0, 0, 1]]), LOOKING_ALONG_X, USUAL_ERROR)
     own = (np.abs(u - 160) < 15) & (1.5 + 4 * rise > 1.5) & (1.5 + 4 * rise < 1.9) & (depth == 4)
     picture = UprightBox([3.97, 0, 1.7], [0.05, 0.6, 0.4], 0.0)
-    assert placement(picture, {}, [], [WALL], view, own, ExtractionConfig()).mounting.type == mounting
+    assert place_object(picture, {}, [], [WALL], view, own).mounting.type == mounting
 
 
 @pytest.mark.parametrize(("seen", "mounting"), [(1.5, 1), (1.45, 3)])
@@ -114,7 +113,7 @@ def test_a_picture_just_above_a_lamp_far_away_hangs(seen: float, mounting: int) 
     )
     picture = UprightBox([7.95, 0, (seen + 1.9) / 2], [0.3, 0.6, 1.9 - seen], 0.0)
     stand = UprightBox([7.8, 0, 0.71], [0.4, 0.4, 1.42], 0.0)
-    placed = placement(picture, {"stand": stand}, [stand], [wall], view, own, ExtractionConfig())
+    placed = place_object(picture, {"stand": stand}, [stand], [wall], view, own)
     assert placed.mounting.type == mounting
     assert placed.box.bottom == pytest.approx(seen if mounting == 1 else 1.42)
 
@@ -131,16 +130,16 @@ def test_what_is_squeezed_flat_is_told(distance: float, height: float, left: flo
     empty = DepthView(np.full((9, 9), 9.0, np.float32), np.diag([9.0, 9.0, 1.0]), LOOKING_ALONG_X, USUAL_ERROR)
     table = UprightBox([distance, 0, 0.3], [1, 1, 0.6], 0.0)  # found 10 cm too high
     seen = UprightBox([distance, 0, 0.5 + height / 2], [0.2, 0.2, height], 0.0)
-    placed = placement(seen, {"table": table}, [table], [], empty, np.zeros((9, 9), bool), ExtractionConfig())
+    placed = place_object(seen, {"table": table}, [table], [], empty, np.zeros((9, 9), bool))
     assert placed.box.size[2] == pytest.approx(left)
-    assert collapsed(seen, placed, 0.06) == (left == 0.01 and height == 0.09)
+    assert is_collapsed(seen, placed, 0.06) == (left == 0.01 and height == 0.09)
 
 
 def held_by(box: UprightBox, carrier: UprightBox, walls: list[Wall], **said: bool) -> str:
     lens = np.array([[30.0, 0, 45], [0, 30.0, 45], [0, 0, 1]])
     empty = DepthView(np.full((90, 90), 9.0, np.float32), lens, LOOKING_ALONG_X, USUAL_ERROR)
     own = np.zeros((90, 90), bool)
-    placed = placement(box, {"carrier": carrier}, [carrier], walls, empty, own, ExtractionConfig(), **said)
+    placed = place_object(box, {"carrier": carrier}, [carrier], walls, empty, own, **said)
     return placed.support
 
 
@@ -174,10 +173,10 @@ def test_a_told_box_above_all_that_was_named_stands_on_something_else(bottom: fl
     empty = DepthView(np.full((9, 9), 9.0, np.float32), np.diag([9.0, 9.0, 1.0]), LOOKING_ALONG_X, USUAL_ERROR)
     table = UprightBox([3, 0, 0.3], [1, 1, 0.6], 0.0)
     told = UprightBox([3, 0, bottom + 0.1], [0.2, 0.2, 0.2], 0.0)
-    placed = placement(told, {"table": table}, [table], [], empty, np.zeros((9, 9), bool), ExtractionConfig(), True)
+    placed = place_object(told, {"table": table}, [table], [], empty, np.zeros((9, 9), bool), True)
     assert placed.support == support and placed.box.bottom == pytest.approx(bottom)
 
 
 def test_the_gap_behind_a_box_that_is_a_little_turned_is_as_wide_as_its_rear() -> None:
-    gap = gap_to(UprightBox([3, 0, 0.5], [0.6, 0.8, 1.0], 0.2), WALL)
+    gap = make_gap(UprightBox([3, 0, 0.5], [0.6, 0.8, 1.0], 0.2), WALL)
     assert gap.along[1] - gap.along[0] == pytest.approx(0.8 * np.cos(0.2), abs=1e-6)

@@ -11,6 +11,7 @@ from stages.extraction.observation import AnnotatedImage
 from stages.extraction.reconstruct import ExtractedScene, reconstruct
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import rigid
+from stages.geometry.room_planes import WallPlane
 from tests.refusals import refused
 from tests.unit.synthetic_room import FLOOR, HEIGHT, INTRINSICS, OBJECT, WALL, WIDTH, WORLD_FROM_CAMERA, trace
 
@@ -78,8 +79,8 @@ def test_a_floor_above_the_camera_is_none() -> None:
 
 
 def test_a_room_that_cannot_be_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
-    behind = (np.array([-1.0, 0, 0]), 1.0, 100)  # the camera is behind this wall
-    monkeypatch.setattr("stages.extraction.room.fit_wall", lambda *_: behind)
+    behind = WallPlane(np.array([-1.0, 0, 0]), 1.0, 100)  # the camera is behind this wall
+    monkeypatch.setattr("stages.extraction.walls.fit_wall", lambda *_: behind)
     with refused("E-ROOM-BROKEN", "the camera is behind 'wall_1'"):
         extracted(None)
 

@@ -10,8 +10,8 @@ from torch import Tensor
 from stages.contracts.task_options import TaskConfig
 from stages.contracts.trained import TrainingStore
 from stages.contracts.training_run import NetworkConfig, TrainingRun
-from stages.policies import closed_loop, make_policy
-from stages.policies.proud import mark_proud, middles, to_handle
+from stages.policies import make_actor, make_policy
+from stages.policies.handle_points import find_handle_middles, mark_handle_points, offsets_to_handle
 from stages.training.dataset import Batch, DemonstrationSet, gather, steps_until_release
 from stages.training.handles import (
     Variation,
@@ -44,23 +44,23 @@ def cabinet(angle: float = 0.0, distance: float = 0.7, out: float = 0.04, knob: 
 @pytest.mark.parametrize("knob", [False, True])
 def test_the_handle_is_marked_and_nothing_else(angle: float, knob: bool) -> None:
     cloud = cabinet(angle, knob=knob)
-    marked, planes = mark_proud(cloud)
+    marked, planes = mark_handle_points(cloud)
     assert (marked[0, :, 3] == -1).nonzero().squeeze(1).tolist() == list(range(340, 352))
     assert torch.equal(marked[..., :3], cloud[..., :3]) and (marked[0, -2:, 3] == 1).all()
     assert planes[0].tolist() == pytest.approx([-np.cos(angle), -np.sin(angle), -0.7 * np.cos(angle)], abs=1e-3)
 
 
 def test_what_hardly_stands_out_or_is_thick_is_not_marked() -> None:
-    assert (mark_proud(cabinet(out=0.005))[0][..., 3] != -1).all()
+    assert (mark_handle_points(cabinet(out=0.005))[0][..., 3] != -1).all()
     thick = cabinet()
     thick[0, 340:352, :3] = 0.2 * torch.rand((12, 3), generator=torch.Generator().manual_seed(0)) + 0.3
-    assert (mark_proud(thick)[0][..., 3] != -1).all()
+    assert (mark_handle_points(thick)[0][..., 3] != -1).all()
 
 
 def test_a_cloud_without_points_has_no_front() -> None:
     empty = torch.zeros((2, 64, 4))
     empty[1, :, 3] = 1
-    marked, planes = mark_proud(empty)
+    marked, planes = mark_handle_points(empty)
     assert torch.equal(marked, empty) and (planes[1] == 0).all()
 
 
@@ -173,7 +173,7 @@ def test_marked_points_are_never_thinned_away() -> None:
     data = DemonstrationSet(
         clouds, torch.zeros((1, 9)), torch.zeros((1, 7)), [1], [0],
         [TrainingStore(file="a", asset="a", episodes=1, frames=1)], "door", TaskConfig(), "",
-    ).marked()  # fmt: skip
+    ).mark_handles()  # fmt: skip
     index, real = np.zeros((5, 1), np.int64), np.ones((5, 1), bool)
     counts = {
         keep: (gather(data, index, real, 40, torch.Generator().manual_seed(0), keep).clouds[..., 3] == -1).sum(-1)
@@ -194,7 +194,7 @@ def test_an_actor_sees_marked_clouds_and_a_policy_of_the_paper_does_not() -> Non
         seen: list[Tensor] = []
         empty = torch.zeros((1, 17 + 7 * handle))
         policy.encode = lambda clouds, proprio, seen=seen, empty=empty: (seen.append(clouds), empty)[1]  # type: ignore[method-assign]
-        actor = closed_loop(policy, 1, "most_likely")
+        actor = make_actor(policy, 1, "most_likely")
         actor.reset(0, 0)
         actor.act([0], [cloud], [proprio])
         actor.act([0], [moved], [proprio])
@@ -203,12 +203,12 @@ def test_an_actor_sees_marked_clouds_and_a_policy_of_the_paper_does_not() -> Non
 
 
 def test_the_way_to_the_handle_is_told_where_one_is_seen() -> None:
-    marked, _ = mark_proud(cabinet().repeat(4, 1, 1))
+    marked, _ = mark_handle_points(cabinet().repeat(4, 1, 1))
     marked[0, ..., 3] = marked[0, ..., 3].clamp_min(0)  # nothing is seen yet
     marked[2, 341:352, 3] = 0  # one point is left of it,
     marked[3, ..., 3] = marked[3, ..., 3].clamp_min(0)  # then none: it is where most of it was seen
     hand = torch.tensor([[0.5, 0.1, 0.4]] * 3 + [[0.6, 0.1, 0.4]])
-    way = to_handle(middles(marked), hand)
+    way = offsets_to_handle(find_handle_middles(marked), hand)
     assert way[0].tolist() == [0, 0, 0, 0]
     assert way[1].tolist() == way[2].tolist() == pytest.approx([1.6, 0.4, 0.6, 1.0], abs=1e-4)
     assert way[3].tolist() == pytest.approx([0.6, 0.4, 0.6, 1.0], abs=1e-4)
@@ -224,15 +224,15 @@ def test_a_policy_without_eyes_acts_by_proprioception_alone() -> None:
 
 def test_of_two_sights_of_as_much_of_the_handle_the_later_counts() -> None:
     seen = torch.tensor([[0.5, 0.0, 0.4, 3.0], [0.6, 0.1, 0.4, 3.0], [0.7, 0.2, 0.4, 2.0]])  # it moves with the door
-    way = to_handle(seen, torch.zeros(3, 3))
+    way = offsets_to_handle(seen, torch.zeros(3, 3))
     assert way[:, :2].tolist() == [pytest.approx(each) for each in ([5.0, 0.0], [6.0, 1.0], [6.0, 1.0])]
 
 
 def test_an_actor_that_sees_few_points_sees_all_of_the_handle() -> None:
-    cloud = mark_proud(cabinet())[0][0].numpy()
+    cloud = mark_handle_points(cabinet())[0][0].numpy()
     counts = {}
     for handle in (False, True):
         policy = make_policy(TrainingRun(network=NetworkConfig(points=40, rnn_hidden=8, mlp=[8]), handle=handle))
-        kept = policy.thinned(cloud, np.random.default_rng(0))  # type: ignore[operator]
+        kept = policy.thin_cloud(cloud, np.random.default_rng(0))  # type: ignore[operator]
         counts[handle] = (len(kept), int((kept[:, 3] == -1).sum()))
     assert counts[True] == (40, 12) and counts[False][0] == 40 and counts[False][1] < 12

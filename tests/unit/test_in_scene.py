@@ -15,8 +15,8 @@ from stages.contracts.in_scene import SceneDemonstration, SceneDemonstrations
 from stages.contracts.library_folder import write_part
 from stages.contracts.objects import Wall
 from stages.contracts.task_options import TaskConfig
+from stages.demonstrations.base_shifts import find_obstacle, list_base_shifts
 from stages.demonstrations.scene import run
-from stages.demonstrations.standing import in_the_way, places
 from stages.simulation.room import Room, read_room
 from stages.tasks.api import TaskEnv
 from tests.refusals import refused
@@ -104,7 +104,7 @@ def test_the_robot_stands_before_the_object_and_not_in_the_floor(library: Path, 
     assert front == pytest.approx([np.cos(YAW), np.sin(YAW), 0.0], abs=1e-5)
     away = base[:3, 3] - root[:3, 3]
     assert away @ front > 0.5 and base[:3, 0] @ front < -0.9, "before the front, facing it"
-    assert in_the_way(task, room) is None
+    assert find_obstacle(task, room) is None
     assert len(task.env.obstacles()) > 1000
     room.shift = (-0.5, 0.0)  # into the cabinet and the wall behind it
     task.place(0)
@@ -145,7 +145,7 @@ def test_what_a_task_brings_along_does_not_stand_in_furniture(library: Path, tmp
     )
     task.place(0)
     assert task.env.props()[1][1][:2, 3] == pytest.approx([1.47, 0.24], abs=0.02), "the stand"
-    assert in_the_way(task, room) == "stool_1 is in the stand's place"
+    assert find_obstacle(task, room) == "stool_1 is in the stand's place"
     task.close()
 
 
@@ -160,7 +160,8 @@ def demo_task(room: Room, options: dict[str, object]):  # type: ignore[no-untype
 
 
 def test_places_begin_with_the_usual_one_and_are_all_different() -> None:
-    assert places()[0] == (0.0, 0.0) and len(set(places())) == len(places())
+    shifts = list_base_shifts()
+    assert shifts[0] == (0.0, 0.0) and len(set(shifts)) == len(shifts)
 
 
 def test_a_failed_scene_has_a_reason_and_no_film() -> None:

@@ -11,10 +11,10 @@ from stages.contracts import Annotations
 from stages.contracts.corrections import Correction
 from stages.contracts.objects import USUAL_ERROR, SceneObject, Wall
 from stages.contracts.scenes import Annotation, Held
-from stages.extraction.corrected import as_told
-from stages.extraction.foot import height_shown
+from stages.extraction.corrections import correct_scene
 from stages.extraction.observation import AnnotatedImage
 from stages.extraction.reconstruct import ExtractedScene, reconstruct
+from stages.extraction.support import measure_shelf
 from stages.extraction.visibility import DepthView
 from stages.geometry.boxes import UprightBox
 from tests.unit.synthetic_room import (
@@ -92,7 +92,7 @@ def test_clutter_that_nobody_named_moves_nothing(label: str) -> None:
         assert item.box.size[2] == pytest.approx(height, abs=0.015)
     if label == "desk":
         assert ends(carrier)[1] == pytest.approx(0.75, abs=0.015)
-    told = as_told(found, {OBJECT + 1: Correction(mask=OBJECT + 1, on=OBJECT)}).objects.objects[1]
+    told = correct_scene(found, {OBJECT + 1: Correction(mask=OBJECT + 1, on=OBJECT)}).objects.objects[1]
     assert told.support == carrier.id and ends(told) == pytest.approx((0.75, 0.85), abs=0.02)
 
 
@@ -108,7 +108,7 @@ def test_what_was_stretched_to_the_floor_is_put_on_a_table_at_its_own_height() -
     column = item.box.model_copy(update={"center": (*item.box.center[:2], 0.245), "size": (*item.box.size[:2], 0.49)})
     items = [found.objects.objects[0], item.model_copy(update={"box": column, "measured_support": "floor"})]
     fallen = replace(found, objects=found.objects.model_copy(update={"objects": items}))
-    told = as_told(fallen, {OBJECT + 1: Correction(mask=OBJECT + 1, on=OBJECT)}).objects.objects[1]
+    told = correct_scene(fallen, {OBJECT + 1: Correction(mask=OBJECT + 1, on=OBJECT)}).objects.objects[1]
     assert ends(told) == pytest.approx((0.45, 0.49), abs=0.015)
 
 
@@ -118,7 +118,7 @@ def test_a_wall_that_nobody_painted_carries_no_picture() -> None:
     masks[masks == WALL] = 0
     view = DepthView(depth, INTRINSICS, WORLD_FROM_CAMERA, USUAL_ERROR)
     wall = Wall(id="wall_1", normal=(-1, 0, 0), offset=-BACK_WALL, points=100)
-    shown = [height_shown(picture, walls, view, masks == OBJECT, masks == 0, 0.07) for walls in ([], [wall])]
+    shown = [measure_shelf(picture, walls, view, masks == OBJECT, masks == 0) for walls in ([], [wall])]
     assert shown == [pytest.approx(1.22, abs=0.02), None]
     (hung,) = extracted(depth, masks, "picture").objects.objects
     assert hung.mounting is not None and hung.mounting.type == 1 and hung.measured_support == "wall"

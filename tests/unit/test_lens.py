@@ -13,7 +13,7 @@ from stages.contracts.scene_input import read_scene_input
 from stages.geometry.boxes import UprightBox
 from stages.inputs import annotate, from_rgbd
 from stages.inputs.by_hand.photo import read_photo
-from stages.inputs.rgbd.lens import read_lens, straightened
+from stages.inputs.rgbd.lens import read_lens, straighten_picture
 from tests.refusals import refused
 from tests.unit.synthetic_room import FLOOR, INTRINSICS, OBJECT, trace
 from tests.unit.synthetic_room import HEIGHT as ROOM_HEIGHT
@@ -53,11 +53,13 @@ LINE = np.column_stack([np.linspace(-2, 2, 200), np.full(200, -1.0), np.full(200
 def test_lines_are_straight_again(tmp_path: Path) -> None:
     drawn = picture(LINE)
     lens = read_lens(calibration(tmp_path / "lens.json", distortion_coefficients={"data": BENT}), WIDTH, HEIGHT)
-    straight, focal = straightened(drawn, lens, "lens")
+    straight, focal = straighten_picture(drawn, lens, "lens")
     assert bend(drawn) > 5 and bend(straight) < 2.5 and straight.shape == drawn.shape
     rows = np.nonzero(straight[..., 0] > 120)[0]
     assert (HEIGHT - 1) / 2 - rows.mean() == pytest.approx(focal / 3, abs=1.5)  # one metre up at three metres
-    assert (straightened(np.full((HEIGHT, WIDTH, 3), 200, np.uint8), lens, "lens")[0] == 200).all()  # no black borders
+    assert (
+        straighten_picture(np.full((HEIGHT, WIDTH, 3), 200, np.uint8), lens, "lens")[0] == 200
+    ).all()  # no black borders
 
 
 ROUND = [0.02, -0.008, 0.003, -0.001]
@@ -84,11 +86,13 @@ def test_known_points_are_where_a_pinhole_camera_sees_them(tmp_path: Path, data:
         drawn = np.full((HEIGHT, WIDTH, 3), 20, np.uint8)
         pixel = np.rint(16 * np.array([cx + scale * x, cy + scale * y])).astype(int)
         cv2.circle(drawn, pixel.tolist(), 5 * 16, (255, 255, 255), -1, cv2.LINE_AA, 4)
-        straight, length = straightened(drawn, lens, "lens")
+        straight, length = straighten_picture(drawn, lens, "lens")
         rows, columns = np.nonzero(straight[..., 0] > 120)
         assert columns.mean() == pytest.approx((WIDTH - 1) / 2 + length * x, abs=1.5)
         assert rows.mean() == pytest.approx((HEIGHT - 1) / 2 + length * y, abs=1.5)
-    assert (straightened(np.full((HEIGHT, WIDTH, 3), 200, np.uint8), lens, "lens")[0] == 200).all()  # no black borders
+    assert (
+        straighten_picture(np.full((HEIGHT, WIDTH, 3), 200, np.uint8), lens, "lens")[0] == 200
+    ).all()  # no black borders
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ import pytest
 import torch
 
 from stages.contracts.training_run import NetworkConfig, TrainingRun
-from stages.policies import closed_loop
+from stages.policies import make_actor
 from stages.policies.checkpoint import load_network
 from stages.policies.loaded import LoadedPolicy, load_policy
 from tests.refusals import refused
@@ -31,7 +31,7 @@ def acted(policy: LoadedPolicy, *shape: int) -> np.ndarray:
 
 
 def test_it_acts_as_in_the_tests_and_remembers_until_reset(folder: Path) -> None:
-    policy, actor = load_policy(folder), closed_loop(load_network(folder, "best"), 1, "sharpened")
+    policy, actor = load_policy(folder), make_actor(load_network(folder, "best"), 1, "sharpened")
     assert (policy.env_id, policy.task_options.points) == ("ACDC-OpenDoor-v1", 512)
     actor.reset(0, 5)
     seen = [observation(step) for step in range(4)]

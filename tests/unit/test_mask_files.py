@@ -14,7 +14,7 @@ from PIL import Image
 
 from stages.inputs.rgbd.frame import Labelled
 from stages.inputs.rgbd.mask_files import read_labelled
-from stages.inputs.rgbd.write import annotated
+from stages.inputs.rgbd.write import make_annotations
 from tests.refusals import refused
 
 WIDTH, HEIGHT = 64, 48
@@ -213,7 +213,7 @@ def test_which_of_several_pictures_is_meant_must_be_clear(tmp_path: Path, capsys
         read(tmp_path, coco(item, {**item, "image_id": 2}, images=[]))
     assert area(read(tmp_path, coco(item, images=[])), "box").any()
     read(tmp_path, coco(item, images=[{"id": 1, "file_name": "other.png"}]))
-    assert "says to be of other.png" in capsys.readouterr().out
+    assert "is of other.png" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(
@@ -287,7 +287,7 @@ def test_packed_run_lengths_that_never_end_are_refused(tmp_path: Path) -> None:
 def test_labels_are_words(tmp_path: Path, label: str) -> None:
     found = read(tmp_path, labelme(shape(label, "polygon", CORNERS)))
     with refused("E-MASKS-NAMES") as caught:
-        annotated(found)
+        make_annotations(found)
     assert str(caught.value).isprintable()
 
 

@@ -11,18 +11,18 @@ import pytest
 
 from stages.config.photo import PhotoConfig
 from stages.contracts import InputError, Objects, read_json
+from stages.contracts.images import colour_of
 from stages.contracts.objects import Mounting
 from stages.contracts.scene_input import read_scene_input
 from stages.contracts.scenes import Held
 from stages.extraction.extract import run as extract
-from stages.extraction.overview import colour_of
-from stages.extraction.room import STRAY
 from stages.geometry.boxes import UprightBox
 from stages.geometry.cameras import back_project
 from stages.geometry.frames import apply
+from stages.geometry.room_planes import STRAY
 from stages.inputs import estimate
 from stages.inputs.by_hand.photo import Photo
-from stages.inputs.numbered import numbered
+from stages.inputs.numbered import draw_numbers
 from stages.inputs.photo import captions, networks
 from stages.inputs.photo.level import level_camera
 from stages.inputs.photo.networks import Detection, depth_of, detect, segment
@@ -238,16 +238,16 @@ def test_mountings_that_cannot_be_are_no_answers(how: str, walls: list[int], tmp
     with serving(hold(how, *walls), key=KEY) as server:
         asker = Asker(PhotoConfig.model_validate_json(asked(server, tmp_path)).vlm)
         with pytest.raises(NoAnswerError):
-            captions.held(asker, RGB, (10, 10, 50, 50), [RGB[..., 0] > 100], "mug", "a mug")
+            captions.ask_mounting(asker, RGB, (10, 10, 50, 50), [RGB[..., 0] > 100], "mug", "a mug")
 
 
 def test_walls_are_numbered_where_they_are_wide() -> None:
     masks = [np.zeros((120, 160), bool), np.zeros((120, 160), bool)]
     masks[0][:, :40], masks[1][40:, 60:] = True, True
-    shown = numbered(np.zeros((120, 160, 3), np.uint8), masks)
+    shown = draw_numbers(np.zeros((120, 160, 3), np.uint8), masks)
     assert all((shown[mask].max(axis=-1) == 255).sum() > 3 for mask in masks)
     assert not shown[:, 45:55].any() and (shown[2, 2] == np.array(colour_of(0)) // 2).all()
-    hidden = numbered(np.zeros((120, 160, 3), np.uint8), [masks[0], np.zeros_like(masks[0])])
+    hidden = draw_numbers(np.zeros((120, 160, 3), np.uint8), [masks[0], np.zeros_like(masks[0])])
     assert not hidden[~masks[0]].any(), "what lies behind others has no number"
 
 

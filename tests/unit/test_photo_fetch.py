@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from stages.config.photo import PhotoConfig
-from stages.inputs.fetch import RECORD, SOURCES, fetched
+from stages.inputs.fetch import RECORD, SOURCES, fetch_weights
 
 COMMIT = "c0ffee" * 6 + "cafe"
 FILES = {"config.json": b"{}", "model.safetensors": b"weights " * 1000, "vocab.txt": b"mug", "model.bin": b"no"}
@@ -104,7 +104,8 @@ def test_weights_come_once_and_say_what_they_are(hub: str, tmp_path: Path) -> No
     assert done.stdout.count("from now on; keep the file") == 1  # three networks of one source
     assert record["commit"] == COMMIT and record["sha256"] == hashlib.sha256(FILES["model.safetensors"]).hexdigest()
     assert (tmp_path / "net/vocab.txt").read_bytes() == b"mug"
-    assert fetched(str(tmp_path / "net"), "toy/net", "photo.detector")["commit"] == COMMIT  # nobody is asked again
+    again = fetch_weights(str(tmp_path / "net"), "toy/net", "photo.detector")  # nobody is asked
+    assert again["commit"] == COMMIT
 
 
 def test_the_next_machine_gets_the_same_bytes_or_an_error(hub: str, tmp_path: Path) -> None:
@@ -132,7 +133,7 @@ def test_weights_that_are_not_the_locked_ones_are_refused_when_they_come(hub: st
 def test_weights_of_ones_own_stay(tmp_path: Path) -> None:
     for name in ("config.json", "model.safetensors"):
         (tmp_path / name).write_bytes(FILES[name])
-    found = fetched(str(tmp_path), "toy/other", "photo.detector")
+    found = fetch_weights(str(tmp_path), "toy/other", "photo.detector")
     assert found["sha256"] == hashlib.sha256(FILES["model.safetensors"]).hexdigest() and "commit" not in found
 
 

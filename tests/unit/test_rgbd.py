@@ -18,10 +18,11 @@ from stages.contracts.scene_input import read_scene_input
 from stages.extraction.observation import read_folder
 from stages.extraction.reconstruct import reconstruct
 from stages.geometry.boxes import UprightBox
+from stages.geometry.cameras import scale_intrinsics
 from stages.inputs import from_rgbd
-from stages.inputs.rgbd.cameras import of_camera, read_intrinsics, resized
-from stages.inputs.rgbd.clusters import clustered
-from stages.inputs.rgbd.depth_files import in_metres, read_raw
+from stages.inputs.rgbd.cameras import intrinsics_of_camera, read_intrinsics
+from stages.inputs.rgbd.clusters import make_clusters
+from stages.inputs.rgbd.depth_files import convert_to_metres, read_raw
 from stages.inputs.rgbd.mask_files import read_labelled
 from tests.refusals import refused
 from tests.unit.synthetic_room import FLOOR, HEIGHT, INTRINSICS, OBJECT, WALL, WIDTH, WORLD_FROM_CAMERA, trace
@@ -133,7 +134,7 @@ def test_a_ceiling_is_no_table() -> None:
     rise = (np.stack([u, v, 1 + 0 * u], -1) @ np.linalg.inv(INTRINSICS).T @ WORLD_FROM_CAMERA[:3, :3].T)[..., 2]
     ceiling = (depth == 0) & (rise > 0.03)
     depth = np.where(ceiling, 0.4 / np.maximum(rise, 1e-3), depth).astype(np.float32)
-    values = clustered(0.4 * depth, INTRINSICS).values
+    values = make_clusters(0.4 * depth, INTRINSICS).values
     assert len(np.unique(values)) == 3 and not values[ceiling].any()
     assert (values[masks > OBJECT] > 0).mean() > 0.8
 
@@ -141,7 +142,7 @@ def test_a_ceiling_is_no_table() -> None:
 def test_in_a_room_what_stands_on_the_floor_is_found_and_its_walls() -> None:
     boxes = [UprightBox([2.8, -0.8, 0.4], [0.6, 0.8, 0.8], 0.2), UprightBox([3.2, 0.8, 0.9], [0.5, 0.6, 1.8], 0.0)]
     depth, masks = trace([*boxes, UprightBox([2.8, -0.8, 0.9], [0.3, 0.3, 0.2], 0.2)])
-    found = clustered(depth, INTRINSICS)
+    found = make_clusters(depth, INTRINSICS)
     assert sorted(found.labels.values()) == ["object", "object", "wall"]
     wall = next(value for value, label in found.labels.items() if label == "wall")
     assert ((found.values == wall) & (masks == WALL)).sum() > 0.9 * (masks == WALL).sum()
@@ -157,7 +158,7 @@ def test_a_table_is_told_from_the_floor_around_it_and_from_lids_on_it() -> None:
     beside = UprightBox([2.2, -1.6, 0.3], [0.4, 0.4, 0.6], 0.0)
     touching = UprightBox([2.5, -0.35, 1.02], [0.1, 0.1, 0.04], 0.0)
     depth, masks = trace([TABLE, lid, CAN, touching, beside], wall=False)
-    found = clustered(0.4 * depth, INTRINSICS)
+    found = make_clusters(0.4 * depth, INTRINSICS)
     assert list(found.labels.values()) == ["object", "object"]
     can, box = (np.isin(masks, values) for values in ((OBJECT + 2, OBJECT + 3), (OBJECT + 1,)))
     for true in (can, box):
@@ -169,7 +170,7 @@ def test_nothing_on_a_table_is_refused() -> None:
     depth, _ = trace([TABLE], wall=False)
     for bare in (0.4 * depth, 0 * depth):
         with refused("E-MASKS-EMPTY"):
-            clustered(bare, INTRINSICS)
+            make_clusters(bare, INTRINSICS)
 
 
 def test_ground_is_what_the_named_things_stand_on(files: SimpleNamespace) -> None:
@@ -189,35 +190,35 @@ def test_ground_is_what_the_named_things_stand_on(files: SimpleNamespace) -> Non
         (1, np.float32, "auto", "depth in m (found"),
         (1000, np.uint16, "auto", "depth in mm (found"),
         (1000, np.float64, "auto", "depth in mm (found"),
-        (5000, np.uint16, "5000", "depth in 1/5000 m (as told"),
-        (1000, np.int32, "mm", "depth in mm (as told"),
+        (5000, np.uint16, "5000", "depth in 1/5000 m (as stated"),
+        (1000, np.int32, "mm", "depth in mm (as stated"),
     ],
 )
 def test_unit_of_depth(room: tuple, scale: float, dtype: type, unit: str, says: str) -> None:
     near = np.where(room[1] < 10, room[1], 0)
-    metres, line = in_metres(Path("d.png"), (near * scale).astype(dtype), unit)
+    metres, line = convert_to_metres(Path("d.png"), (near * scale).astype(dtype), unit)
     assert line.startswith(says)
     assert np.abs(metres - near).max() < 0.002
 
 
 def test_inverse_depth_and_another_unit_are_told(room: tuple) -> None:
     with pytest.raises(InputError, match="looks like inverse depth"):
-        in_metres(Path("d.npy"), np.where(room[1] > 0, 1 / np.maximum(room[1], 1e-3), 0))
+        convert_to_metres(Path("d.npy"), np.where(room[1] > 0, 1 / np.maximum(room[1], 1e-3), 0))
     with refused("E-DEPTH-UNIT", "m in millimetres", "--unit 5000"):
-        in_metres(Path("d.png"), np.rint(5000 * room[1]).astype(np.uint16))
-    assert np.allclose(in_metres(Path("d.png"), np.rint(5000 * room[1]), "5000")[0], room[1], atol=1e-3)
+        convert_to_metres(Path("d.png"), np.rint(5000 * room[1]).astype(np.uint16))
+    assert np.allclose(convert_to_metres(Path("d.png"), np.rint(5000 * room[1]), "5000")[0], room[1], atol=1e-3)
 
 
 @pytest.mark.parametrize(("factor", "unit"), [(1e-3, "auto"), (1e6, "auto"), (1, "mm"), (1, "zero"), (0, "auto")])
 def test_no_depth_of_a_room(room: tuple, factor: float, unit: str) -> None:
     with pytest.raises(InputError):
-        in_metres(Path("d.png"), room[1] * factor, unit)
+        convert_to_metres(Path("d.png"), room[1] * factor, unit)
 
 
 def test_holes_and_nonsense_in_depth_are_unknown() -> None:
     depth = np.full((20, 20), 1.5)
     depth[0] = [np.nan, np.inf, -1, 0, 500] * 4
-    metres, _ = in_metres(Path("d.npy"), depth)
+    metres, _ = convert_to_metres(Path("d.npy"), depth)
     assert (metres[0] == 0).all() and (metres[1:] == np.float32(1.5)).all()
 
 
@@ -283,10 +284,10 @@ def test_broken_intrinsics_are_one_line(tmp_path: Path, text: str) -> None:
 
 def test_camera_by_name() -> None:
     """A real D435 at 640x480 has fx 613; its narrow picture is cut at the sides of a wide sensor."""
-    assert of_camera("realsense_d435", 640, 480)[0, 0] == pytest.approx(613, rel=0.02)
-    assert of_camera("realsense_d435", 1280, 720)[0, 0] == pytest.approx(920, rel=0.02)
+    assert intrinsics_of_camera("realsense_d435", 640, 480)[0, 0] == pytest.approx(613, rel=0.02)
+    assert intrinsics_of_camera("realsense_d435", 1280, 720)[0, 0] == pytest.approx(920, rel=0.02)
     with refused("E-CAMERA-NAME"):
-        of_camera("polaroid", 640, 480)
+        intrinsics_of_camera("polaroid", 640, 480)
 
 
 def coco(masks: np.ndarray, compressed: bool) -> dict[str, Any]:
@@ -435,7 +436,7 @@ def test_the_lens_of_a_recording(tmp_path: Path, room: tuple, capsys: pytest.Cap
 
 
 def test_intrinsics_follow_the_size() -> None:
-    half = resized(np.array(K), 0.5, 0.5)
+    half = scale_intrinsics(np.array(K), 0.5, 0.5)
     assert half[0].tolist() == [300.0, 0.0, 159.75]
 
 

@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 import yaml
 
-from stages.config.extraction import ExtractionConfig
-from stages.extraction.room import find_floor
 from stages.geometry.boxes import UprightBox
+from stages.geometry.room_planes import find_floor
 from stages.inputs import from_rgbd
-from stages.inputs.rgbd.clusters import clustered, ground_of
-from stages.inputs.rgbd.edges import STEP, _as_far_as, without_edges
+from stages.inputs.rgbd.clusters import find_ground, make_clusters
+from stages.inputs.rgbd.edges import DEPTH_STEP, _as_far_as, remove_edges
 from stages.inputs.rgbd.frame import Frame, Labelled
 from stages.inputs.rgbd.write import write_frame
 from tests.unit.synthetic_room import FLOOR, HEIGHT, INTRINSICS, OBJECT, WIDTH, trace
@@ -28,7 +27,7 @@ def test_a_wall_is_not_level() -> None:
     side, table, wall = rng.uniform(-0.5, 0.5, 5000), rng.uniform(0.5, 1.0, 2000), rng.uniform(-0.4, 0.4, 3000)
     across = side[:, None] * [1.0, 0, 0]
     points = np.concatenate([across[:2000] - 0.6 * up - table[:, None] * out, across[2000:] + wall[:, None] * up - out])
-    found = ground_of(points, rng)
+    found = find_ground(points, rng)
     assert found is not None and found.normal @ up > 0.999 and found.offset == pytest.approx(-0.6, abs=0.01)
 
 
@@ -46,9 +45,8 @@ def test_nothing_above_the_camera_is_the_ground() -> None:
     ceiling, ground = (
         np.column_stack([rng.uniform(-1, 1, 900), np.full(900, y), rng.uniform(2, 4, 900)]) for y in (-1, 1)
     )
-    options = ExtractionConfig()
-    assert find_floor(ceiling, [ceiling[:50]], options, rng) is None
-    found = find_floor(np.concatenate([ceiling, ground[:300]]), [ceiling[:50]], options, rng)
+    assert find_floor(ceiling, [ceiling[:50]], 60.0, rng) is None
+    found = find_floor(np.concatenate([ceiling, ground[:300]]), [ceiling[:50]], 60.0, rng)
     assert found is not None and found.offset == pytest.approx(-1, abs=0.01)
 
 
@@ -86,7 +84,7 @@ def test_a_wall_behind_a_table_is_a_wall() -> None:
     wall, wide = UprightBox([3.42, 0.0, 1.2], [0.1, 6.0, 2.4], 0.0), UprightBox([2.6, 0.0, 0.9], [0.1, 1.4, 0.4], 0.0)
     depth, masks = trace([TABLE, wall, wide, CAN], wall=False)
     depth += np.random.default_rng(0).normal(0, 0.003, depth.shape)
-    found = clustered((0.4 * depth).astype(np.float32), INTRINSICS)
+    found = make_clusters((0.4 * depth).astype(np.float32), INTRINSICS)
     named = [found.labels[int(np.bincount(found.values[masks == OBJECT + k]).argmax())] for k in (1, 2, 3)]
     assert named == ["wall", "object", "object"]
 
@@ -113,14 +111,14 @@ def test_a_thin_handle_is_kept_and_what_is_behind_a_wide_mask_is_not() -> None:
     depth = np.where(at_edge, mixed[1] + rng.random(thing.shape) * (mixed[0] - mixed[1]), thing).astype(np.float32)
     masks = np.zeros(depth.shape, np.uint16)
     masks[10:92, 18:72], masks[28:72, 78:89] = 1, 1  # 10 rows too high: 500 pixels of wall
-    clean = np.where(masks > 0, without_edges(depth, masks), 0)
+    clean = np.where(masks > 0, remove_edges(depth, masks), 0)
     handle = clean[30:70, 80:87]
     assert (np.abs(handle - 1.1) < 0.03).sum() > 0.5 * handle.size
     assert (clean > 1.15).sum() < 10
 
 
 def test_what_is_as_far_is_told_by_the_share_of_the_distance() -> None:
-    depth = np.float32([[4.0, 4.0 + 3 * STEP, 4.0 + 6 * STEP]])
+    depth = np.float32([[4.0, 4.0 + 3 * DEPTH_STEP, 4.0 + 6 * DEPTH_STEP]])
     part = np.array([[True, False, False]])
     assert _as_far_as(part, depth).tolist() == [[True, True, False]]
     assert _as_far_as(part, depth / 8).tolist() == [[True, True, False]]

@@ -22,7 +22,7 @@ from stages.contracts.policies import ChosenRuns, Rollout, TaskAssets
 from stages.evaluation import arena, choose, gather, rollout
 from stages.evaluation import trial as try_out
 from stages.evaluation.episodes import RolloutEpisode, roll_out
-from stages.evaluation.film import captioned, one_of_each, take
+from stages.evaluation.film import add_caption, one_of_each, take
 from stages.evaluation.simulators import maniskill
 from stages.evaluation.states import Purpose, Start, initial_states, starts_of, taking_turns
 from stages.policies.checkpoint import save_weights
@@ -123,7 +123,7 @@ def test_film_shows_a_success_and_a_failure() -> None:
     filmed = take(ToyStudio(), episodes, "twin", 4)  # type: ignore[arg-type]
     assert {item.film.asset for item in filmed} == {"cab"}
     assert [(item.film.seed, item.film.file) for item in filmed] == [(1, "twin_failure.webp"), (2, "twin_success.webp")]
-    assert captioned(filmed[0]).shape == (40 + 192 * 4 // 5, 8 * 192, 3)
+    assert add_caption(filmed[0]).shape == (40 + 192 * 4 // 5, 8 * 192, 3)
     assert [len(take(ToyStudio(), part, "twin", 4)) for part in (episodes[4:], [])] == [1, 0]  # type: ignore[arg-type]
 
 

@@ -191,7 +191,7 @@ def test_clearance_sees_the_panel_where_it_is(door: TaskEnv) -> None:
     assert not around.clear(np.array([[[target.origin[0] - 0.01, 0.0, 0.35]]]), radii, closed)
     swinging = np.linspace(0.1, 1.0, 10)
     assert not around.clear(np.repeat(before_the_front, 10, axis=0), radii, swinging)  # it swings by
-    assert not around.beside(before_the_front[0] + 0.02).clear(before_the_front, radii, closed)
+    assert not around.with_obstacles(before_the_front[0] + 0.02).clear(before_the_front, radii, closed)
     assert around.clear(before_the_front, radii, closed)  # the other one is a copy
 
 

@@ -11,11 +11,11 @@ from stages.config.demonstrations import DemonstrationsConfig
 from stages.contracts.task_options import TaskConfig
 from stages.geometry.frames import inverse
 from stages.planning import rollout
-from stages.planning.articulation import approaches, open_enough, opened_to
+from stages.planning.articulation import approaches, choose_open_goals, choose_release_opening
 from stages.planning.clearance import Surroundings
 from stages.planning.handle_grasp import FROM_ABOVE, Grasp, grasp_pose, grasps, last_resorts
 from stages.planning.path import distance, straight
-from stages.planning.rollout import Stretch, can_be_held, first_feasible, roll_out
+from stages.planning.rollout import Stretch, can_hold, first_feasible, roll_out
 from stages.simulation.kinematics import Chain, track
 from stages.simulation.robot import REST
 from stages.skills import FAR, Outcome
@@ -111,11 +111,11 @@ def test_a_hand_can_be_held_where_the_arm_reaches_and_nothing_is(door: TaskEnv) 
     inside[:3, 3] = (where @ np.append(middle, 1.0))[:3]
     poses = np.stack([here, far, inside])
     state = Stretch(poses, 0.04, (door.env.target.lower,) * 2)
-    free = can_be_held(door.chain, door.joints()[:7], poses, state, where, around)
+    free = can_hold(door.chain, door.joints()[:7], poses, state, where, around)
     assert free.tolist() == [True, False, False]
     on_the_way = np.array([[*(inverse(here) @ np.append((where @ np.append(middle, 1.0))[:3], 1.0))[:3], 0.02]])
     state = replace(state, held=on_the_way)  # a held thing that reaches into the door
-    assert not can_be_held(door.chain, door.joints()[:7], poses, state, where, around)[0]
+    assert not can_hold(door.chain, door.joints()[:7], poses, state, where, around)[0]
 
 
 def test_a_bar_is_held_from_above_only_on_a_drawer_and_last(door: TaskEnv, tmp_path: Path) -> None:
@@ -141,9 +141,11 @@ def test_a_door_of_a_wide_range_need_not_be_moved_much_further_than_is_enough(do
         (180, 1 / 3, [96.0, 81.6, 70.8], [78.0, 78.0, 67.2]),
     ):
         target = replace(door.env.target, lower=0.1, upper=0.1 + np.deg2rad(degrees))
-        values = opened_to(target, opening, 0.2)
+        values = choose_open_goals(target, opening, 0.2)
         assert np.rad2deg(np.subtract(values, 0.1)) == pytest.approx(goals)
-        assert [degrees * open_enough(target, opening, 0.2, value) for value in values] == pytest.approx(let_go)
+        assert [degrees * choose_release_opening(target, opening, 0.2, value) for value in values] == pytest.approx(
+            let_go
+        )
         assert all(opening * degrees < some < goal for some, goal in zip(let_go, goals, strict=True))
 
 

@@ -14,7 +14,7 @@ from stages.articulated.asset_folder import read_asset, stretch_asset
 from stages.assets.library import make
 from stages.contracts.task_options import TaskConfig
 from stages.simulation.loading import ParsedAsset, load_asset, physics_scene
-from stages.simulation.stretching import stretched
+from stages.simulation.stretching import stretch_builder
 from stages.simulation.studio import _bounds
 from stages.tasks.api import TaskEnv
 from tests.unit.articulated_models import write_cabinet
@@ -76,7 +76,8 @@ def test_what_is_askew_is_stretched_by_way_of_files(tmp_path: Path) -> None:
     tree.write(path)
     scene = physics_scene()
     parsed = ParsedAsset(scene.create_urdf_loader(), tmp_path / "askew", True)
-    assert stretched(parsed.builder(), SCALE) is None and stretched(parsed.builder(), np.full(3, 1.1)) is not None
+    assert stretch_builder(parsed.builder(), SCALE) is None
+    assert stretch_builder(parsed.builder(), np.full(3, 1.1)) is not None
     stretch_asset(
         tmp_path / "askew", parsed.asset, tuple((np.array(parsed.asset.size) * SCALE).tolist()), tmp_path / "f"
     )

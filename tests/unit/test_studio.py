@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from stages.contracts.task_options import TaskConfig
-from stages.simulation.framing import FIELD_OF_VIEW, MARGIN, frame_all
-from stages.simulation.studio import ENOUGH, Shot, Studio, directions, evenly
+from stages.simulation.framing import FIELD_OF_VIEW, FRAME_MARGIN, frame_all
+from stages.simulation.studio import HAND_SHARE, Shot, Studio, directions, evenly
 from stages.tasks.api import TaskEnv
 from tests.unit.demo_assets import cabinet
 
@@ -22,7 +22,7 @@ def test_everything_is_in_the_frame_and_something_touches_its_edge(side: float) 
     assert (depth > 0).all() and camera_from_world[1, 2] < 0  # y points down
     limit = np.tan(FIELD_OF_VIEW / 2)
     reach = np.abs(x / depth) / limit, np.abs(y / depth) / (limit * 0.8)
-    assert max(values.max() for values in reach) == pytest.approx(1 / MARGIN)
+    assert max(values.max() for values in reach) == pytest.approx(1 / FRAME_MARGIN)
     assert direction @ camera_from_world[2, :3] == pytest.approx(-1) and direction[2] > 0
     assert np.sign(direction[1]) == (side or 1.0)
 
@@ -41,7 +41,7 @@ def test_the_hand_is_seen_and_the_room_stands_about(tmp_path: Path, monkeypatch:
     recording = task.recording([closed, opened])
     shot = Shot(studio, recording, recording.moments)
     pictures = [shot.picture(moment) for moment in recording.moments]
-    assert shot._hand_seen(shot.world_from_camera) > ENOUGH
+    assert shot._hand_seen(shot.world_from_camera) > HAND_SHARE
     assert (studio.camera.render(shot.world_from_camera).depth > 0).all(), "floor and wall fill the picture"
     shot.close()
     assert all(picture.shape == (360, 480, 3) for picture in pictures) and (pictures[0] != pictures[1]).any()

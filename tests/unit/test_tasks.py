@@ -155,7 +155,7 @@ def test_a_large_picture_is_thinned_evenly() -> None:
     image = np.zeros((100, 100, 4), np.int16)
     image[..., 0], image[..., 2], image[..., 3] = np.arange(100)[:, None] * 10, -1000, 7
     points = observation.object_points(image, np.array([7], np.int16), np.eye(4), np.full(3, -9.0), np.full(3, 9.0))
-    points = observation.thinned(points, 2048)
+    points = observation.thin_points(points, 2048)
     assert len(points) == 2048
     rows = np.bincount(np.rint(-points[:, 1] * 100).astype(int), minlength=100)
     assert rows.min() >= 20 and rows.max() <= 21
@@ -167,7 +167,7 @@ def test_finger_points_follow_the_gripper() -> None:
     across = (points - tcp[:3, 3]) @ tcp[:3, 1]
     left, right = across[:20], across[20:]
     assert left.min() == pytest.approx(0.03, abs=0.003) and right.max() == pytest.approx(-0.01, abs=0.003)
-    cloud = observation.unified_cloud(np.ones((300, 3), np.float32), points, 100)
+    cloud = observation.unify_cloud(np.ones((300, 3), np.float32), points, 100)
     assert cloud.shape == (100, 4) and cloud[:60, 3].max() == 0 and cloud[60:, 3].min() == 1
 
 
@@ -179,7 +179,7 @@ def test_the_scene_has_fewer_points_where_the_fingers_are() -> None:
     near = rng.uniform([0.002, -0.05, -0.05], [0.004, 0.05, 0.05], (64, 3)).astype(np.float32)
 
     def taken(fingers: np.ndarray) -> np.ndarray:
-        cloud = observation.unified_cloud(front, fingers, 256)
+        cloud = observation.unify_cloud(front, fingers, 256)
         assert (cloud[:192, 3] == 0).all() and np.array_equal(cloud[192:, :3], fingers)
         assert len(np.unique(cloud[:192, :3], axis=0)) == 192 and (cloud[:192, 0] == 0).all()
         return (np.abs(cloud[:192, 1:3]) < 0.05).all(axis=1).sum()

@@ -12,7 +12,7 @@ from stages.contracts import Camera, read_json
 from stages.contracts.scene_input import read_scene_input
 from stages.geometry.boxes import UprightBox
 from stages.inputs import from_rgbd
-from stages.inputs.rgbd.upright import turned
+from stages.inputs.rgbd.upright import turn_array
 from tests.refusals import refused
 from tests.unit.synthetic_room import FLOOR, HEIGHT, INTRINSICS, OBJECT, WALL, WIDTH, trace, write_room
 
@@ -52,7 +52,7 @@ def test_a_quarter_turn_turns_all_files(folder: Path, orientation: int, capsys: 
     given = read_scene_input(out)
     assert given.rgb.shape == (WIDTH, HEIGHT, 3)
     assert np.array_equal(given.rgb[..., 0], given.masks * 20), "masks lie on the picture"
-    depth = turned(trace([BOX])[0], orientation)
+    depth = turn_array(trace([BOX])[0], orientation)
     assert np.abs(given.depth - depth)[given.depth > 0].max() < 1e-5
     (fx, _, cx), (_, fy, cy), _ = read_json(Camera, out / "camera.json").intrinsics
     assert (fx, fy) == (410, 400)

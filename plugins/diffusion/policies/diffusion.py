@@ -99,7 +99,7 @@ class Policy(SeeingPolicy):
 
     def seen(self, encoded: Tensor) -> Tensor:
         """Observations (B, F) from encoded sequences of one step (B, 1, F)."""
-        return self.with_handle(encoded).squeeze(1)
+        return self.add_handle_offset(encoded).squeeze(1)
 
     def sample(self, noise: Tensor, seen: Tensor) -> Tensor:
         """Actions (B, T, 7) in [-1, 1], denoised from noise (B, T, 7) by DDIM (Song et al. 2021), without new noise."""
@@ -145,8 +145,8 @@ class Actor:
     def planned(self, slots: list[int], clouds: list[Float], proprio: list[Float]) -> Float:
         """The next actions (n, T, 7) of some environments."""
         policy = self.policy
-        kept = [policy.thinned(cloud, self.random[slot]) for slot, cloud in zip(slots, clouds, strict=True)]
-        seen = policy.seen(policy.observed(kept, proprio)[:, None])
+        kept = [policy.thin_cloud(cloud, self.random[slot]) for slot, cloud in zip(slots, clouds, strict=True)]
+        seen = policy.seen(policy.encode_observations(kept, proprio)[:, None])
         shape = (policy.run.rnn_horizon, ACTION)
         noise = np.stack([self.random[slot].standard_normal(shape, np.float32) for slot in slots])
         plans: Float = (

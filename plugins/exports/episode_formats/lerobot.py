@@ -24,8 +24,8 @@ except ImportError:
 FILES_PER_CHUNK, FILE_MB = 1000, 100
 DATA = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
 EPISODES = "meta/episodes/chunk-000/file-000.parquet"
-PROPRIO = ["x", "y", "z", "qw", "qx", "qy", "qz", "finger_1", "finger_2"]
-ACTION = ["dx", "dy", "dz", "turn_x", "turn_y", "turn_z", "gripper"]
+PROPRIO_NAMES = ["x", "y", "z", "qw", "qx", "qy", "qz", "finger_1", "finger_2"]
+ACTION_NAMES = ["dx", "dy", "dz", "turn_x", "turn_y", "turn_z", "gripper"]
 Columns = dict[str, NDArray[Any]]
 Stats = dict[str, dict[str, NDArray[Any]]]
 
@@ -131,7 +131,11 @@ def columns_of(demo: Demonstration, episode: int, first: int, task: int) -> Colu
 
 def features_of(columns: Columns) -> dict[str, Any]:
     """The `features` of info.json."""
-    names = {"observation.state": PROPRIO, "action": ACTION, "observation.point_cloud": ["point", "x_y_z_finger"]}
+    names = {
+        "observation.state": PROPRIO_NAMES,
+        "action": ACTION_NAMES,
+        "observation.point_cloud": ["point", "x_y_z_finger"],
+    }
     return {
         key: {"dtype": str(array.dtype), "shape": list(array.shape[1:]) or [1], "names": names.get(key)}
         for key, array in columns.items()

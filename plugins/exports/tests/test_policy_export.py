@@ -14,11 +14,11 @@ from stages.contracts import write_json
 from stages.contracts.task_options import TaskConfig
 from stages.contracts.trained import TrainedPolicy, TrainingStore
 from stages.contracts.training_run import NetworkConfig, TrainingRun
-from stages.policies import closed_loop
+from stages.policies import make_actor
 from stages.policies.bc_rnn_gmm import Policy
 from stages.policies.bc_rnn_gmm.loader import PortablePolicy
 from stages.policies.checkpoint import load_network, save_weights
-from stages.policies.proud import mark_proud
+from stages.policies.handle_points import mark_handle_points
 from tests.refusals import refused
 
 STRANGER = """
@@ -73,14 +73,14 @@ def test_the_loader_acts_as_our_actor(tmp_path: Path) -> None:
     clouds[..., 3] = clouds[..., 3] > 0
     clouds[:, :30, 0] = 0.5  # a front; some of the rest stand before it
     clouds[:, 30:, 0] = np.linspace(0.46, 0.5, 10)
-    assert (mark_proud(torch.tensor(clouds))[0][..., 3] == -1).any()
+    assert (mark_handle_points(torch.tensor(clouds))[0][..., 3] == -1).any()
     save_weights(tmp_path / "seen.safetensors", {"clouds": torch.tensor(clouds), "proprio": torch.tensor(proprio)})
     exported, ours = [], []
     for number, setting in enumerate(RUNS):
         folder = trained(tmp_path / f"policy_{number}", setting)
         exported.append(tmp_path / f"out_{number}")
         run(policy=folder, out=exported[-1], action="most_likely")
-        actor = closed_loop(load_network(folder, "best"), 1, "most_likely")
+        actor = make_actor(load_network(folder, "best"), 1, "most_likely")
         actor.reset(0, 0)
         ours.append([actor.act([0], [cloud], [own])[0] for cloud, own in zip(clouds, proprio, strict=True)])
     words = [sys.executable, "-I", "-c", STRANGER, *map(str, [tmp_path, *exported])]
@@ -111,7 +111,7 @@ def test_the_loader_is_short_and_names_what_it_reads(tmp_path: Path) -> None:
     run(policy=trained(tmp_path / "policy", TrainingRun()), out=tmp_path / "out")
     loader = (tmp_path / "out" / "loader.py").read_text()
     assert len(loader.splitlines()) <= 45 and "stages" not in loader
-    assert "stages" not in (tmp_path / "out" / "proud.py").read_text()
+    assert "stages" not in (tmp_path / "out" / "handle_points.py").read_text()
     about = json.loads((tmp_path / "out" / "policy.json").read_text())
     assert about["task"] == "door" and about["control_frequency_hz"] == TaskConfig().control_frequency
 

@@ -14,7 +14,7 @@ from stages.assets.library import make
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
-from stages.planning.articulation import opened_to
+from stages.planning.articulation import choose_open_goals
 from stages.planning.clearance import Surroundings
 from stages.simulation.robot import REST
 from stages.skills import FAR
@@ -113,7 +113,7 @@ def test_a_wide_door_that_can_be_opened_no_further_than_is_enough_is_opened(tmp_
     env = world(cupboard(tmp_path, 1.02), "hinge")
     env.place(0)
     where, around = env.env.base_from_asset(), env.env.around()
-    goals = opened_to(around.target, env.success_opening, MOTION.goal_margin)
+    goals = choose_open_goals(around.target, env.success_opening, MOTION.goal_margin)
     assert [can_follow(where, env.joints()[:7], around, goal) for goal in goals] == [False, False, True]
     outcome = OpenSkill(env, DemonstrationsConfig()).run(lambda action, noisy, ahead=FAR: env.act(action))
     assert outcome.success and env.success_opening < env.opened < 0.5

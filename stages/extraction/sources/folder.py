@@ -1,4 +1,4 @@
-"""Source `folder`: all from files of the input folder; exact depth is made as bad as estimated depth."""
+"""Source `folder`: all from files of the input folder; exact depth gets the errors of estimated depth."""
 
 from dataclasses import replace
 from pathlib import Path

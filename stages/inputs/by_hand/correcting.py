@@ -11,23 +11,21 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from stages.contracts import InputError, read_json, write_json
+from stages.contracts.corrected_masks import (
+    ROOM,
+    Cutter,
+    apply_corrections,
+    correct_masks,
+    find_corners,
+    list_found,
+    paint_masks,
+)
 from stages.contracts.corrections import CORRECTIONS, MEASURED, Correction, Corrections
 from stages.contracts.files import Contract
 from stages.contracts.objects import object_ids
 from stages.contracts.scene_input import read_scene_input
-from stages.contracts.types import Id
-from stages.extraction.masks import without_specks
-from stages.extraction.regions import (
-    FLOOR,
-    ROOM,
-    WALL,
-    Cutter,
-    as_found,
-    bounds,
-    corrected,
-    laid_over,
-    painted,
-)
+from stages.contracts.types import FLOOR, WALL, Id
+from stages.geometry.masks import remove_specks
 from stages.inputs.by_hand.fronts import extents, jpeg, straight_on
 from stages.inputs.by_hand.made import Made, made_of
 from stages.inputs.by_hand.session import Answer
@@ -61,7 +59,7 @@ class Correcting:
 
     def __post_init__(self) -> None:
         self.given = read_scene_input(self.folder)
-        self.found = as_found(self.given.annotations)
+        self.found = list_found(self.given.annotations)
         self._cut = Cutter(self.given.rgb)
         height, width = self.given.masks.shape
         self._moved: dict[int, tuple[float, float]] = {}  # by hand, before the page was opened
@@ -83,7 +81,7 @@ class Correcting:
         """
         path = self.folder / CORRECTIONS
         told = read_json(Corrections, path, "mend or delete it").objects if path.is_file() else []
-        return self._named(laid_over(self.found, {item.mask: item for item in told}))
+        return self._named(apply_corrections(self.found, {item.mask: item for item in told}))
 
     def _named(self, things: dict[int, Correction]) -> Drawing:
         """With ids that stay, whatever a thing is called: as found, or `drawn_<mask>`."""
@@ -168,7 +166,7 @@ class Correcting:
         return jpeg(tinted(self.given.rgb, masks, [item.mask for item in drawing.objects if item.label not in ROOM]))
 
     def _painted(self, drawing: Drawing) -> NDArray[np.uint16]:
-        return painted({item.mask: item for item in drawing.objects}, self.given.masks, self._cut)
+        return paint_masks({item.mask: item for item in drawing.objects}, self.given.masks, self._cut)
 
     def _drawing(self, body: Any) -> Drawing:
         return Drawing.model_validate({"objects": body["objects"]})
@@ -183,7 +181,7 @@ class Correcting:
             if not mask.any():
                 notes[item.id] = "no pixel shows it"
             faces = self.made.faces(item, self._moved.get(item.mask, (0.0, 0.0)))
-            regions[item.id] = {"box": item.around or bounds(mask), "outlines": outlines(mask), "faces": faces}
+            regions[item.id] = {"box": item.around or find_corners(mask), "outlines": outlines(mask), "faces": faces}
         return {"regions": regions, "notes": notes}
 
     def models(self, body: Any) -> Answer:
@@ -196,7 +194,7 @@ class Correcting:
         item = {one.mask: one for one in drawing.objects}[body["mask"]]
         if (known := self.made.front(item.mask, item.front)) is not None:
             return straight_on(self.given.rgb, *known)
-        around = item.around or bounds(self._painted(drawing) == item.mask)
+        around = item.around or find_corners(self._painted(drawing) == item.mask)
         (x0, y0), (x1, y1) = around or ((0, 0), (1, 1))
         points = np.array([(x0, y1), (x1, y1), (x1, y0), (x0, y0)], float)
         return straight_on(self.given.rgb, points, *extents(points))
@@ -218,7 +216,7 @@ class Correcting:
             InputError: no object is left.
         """
         told = {item.mask: item for item in self.corrections(self._drawing(body)).objects}
-        annotations, _, notes = corrected(self.given.annotations, self.given.masks, told, self._cut)
+        annotations, _, notes = correct_masks(self.given.annotations, self.given.masks, told, self._cut)
         if annotations is None:
             raise InputError(
                 str(self.folder), "no object is left.", "draw a box around at least one", code="E-SCENE-EMPTY"
@@ -236,7 +234,7 @@ class Correcting:
 
 def outlines(mask: NDArray[np.bool_]) -> list[list[list[int]]]:
     """Outlines of a mask as lists of pixels, a pixel off at most, the largest first."""
-    parts = without_specks(mask).astype(np.uint8)
+    parts = remove_specks(mask).astype(np.uint8)
     curves, _ = cv2.findContours(parts, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
     largest = sorted(curves, key=cv2.contourArea, reverse=True)
     return [cv2.approxPolyDP(curve, 1.0, True)[:, 0].tolist() for curve in largest]

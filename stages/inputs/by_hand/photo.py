@@ -12,9 +12,9 @@ from PIL.ExifTags import IFD, Base
 
 from stages.contracts.errors import InputError
 from stages.contracts.images import check_shown, read_rgb
-from stages.inputs.rgbd.cameras import resized
-from stages.inputs.rgbd.frame import LONGEST
-from stages.inputs.rgbd.lens import read_lens, straightened
+from stages.geometry.cameras import scale_intrinsics
+from stages.inputs.rgbd.frame import LONGEST_SIDE
+from stages.inputs.rgbd.lens import read_lens, straighten_picture
 
 WIDEST = 2.4  # of a picture's sides: a panorama has no single perspective
 FILM = np.hypot(36, 24)  # millimetres: diagonal that "35 mm equivalent" focal lengths refer to
@@ -107,7 +107,7 @@ def read_photo(path: Path, lens: Path | None = None) -> Photo:
         raise InputError(
             path, f"is a panorama ({width}x{height}), which has no single perspective.", mend, code="E-PICTURE-PANORAMA"
         )
-    focal, shrunk = exif_focal(exif, width, height), max(1.0, max(width, height) / LONGEST)
+    focal, shrunk = exif_focal(exif, width, height), max(1.0, max(width, height) / LONGEST_SIDE)
     if shrunk > 1:
         size = round(width / shrunk), round(height / shrunk)
         rgb = np.asarray(cv2.resize(rgb, size, interpolation=cv2.INTER_AREA), dtype=np.uint8)
@@ -115,6 +115,6 @@ def read_photo(path: Path, lens: Path | None = None) -> Photo:
     focal = None if focal is None else focal / shrunk
     if lens is not None:
         known = read_lens(lens, width, height)
-        scaled = resized(known.intrinsics, rgb.shape[1] / width, rgb.shape[0] / height)
-        rgb, focal = straightened(rgb, replace(known, intrinsics=scaled), lens)
+        scaled = scale_intrinsics(known.intrinsics, rgb.shape[1] / width, rgb.shape[0] / height)
+        rgb, focal = straighten_picture(rgb, replace(known, intrinsics=scaled), lens)
     return Photo(rgb, focal, shrunk)

@@ -9,19 +9,19 @@ from numpy.typing import NDArray
 
 from stages.config.own_scene import write_config
 from stages.contracts import Annotations, Camera, InputError
+from stages.contracts.images import colour_of
 from stages.contracts.objects import Box, object_ids
 from stages.contracts.scene_input import write_scene_input
 from stages.contracts.scenes import Annotation
-from stages.extraction.overview import colour_of
-from stages.extraction.room import STRAY, floor_frame
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import apply, inverse, rounded, wrap_angle, yaw_of_matrix
 from stages.geometry.planes import Plane
+from stages.geometry.room_planes import STRAY, make_floor_frame
 from stages.inputs.by_hand.metrology import View
 from stages.inputs.by_hand.paint import SPARSE, paint
 from stages.inputs.by_hand.project import DrawnObject, Project
 from stages.inputs.by_hand.solve import Solved, solve
-from stages.inputs.rgbd.frame import is_stretched
+from stages.inputs.rgbd.upright import is_stretched
 
 SIDES = ("right", "rear", "left", "front")  # of a drawn box, counter-clockwise from its x axis
 
@@ -36,7 +36,7 @@ class Written:
 
 def floor_from_camera(view: View) -> NDArray[np.float64]:
     """The camera in the floor frame of the contract: x along the view."""
-    return floor_frame(Plane(view.rotation[2], -view.above, np.zeros(0, dtype=bool)))
+    return make_floor_frame(Plane(view.rotation[2], -view.above, np.zeros(0, dtype=bool)))
 
 
 def floor_box(view: View, box: UprightBox) -> Box:

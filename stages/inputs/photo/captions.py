@@ -8,27 +8,27 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, create_model, model_validator
 
 from stages.contracts.errors import plain
-from stages.inputs.numbered import numbered
+from stages.inputs.numbered import draw_numbers
 from stages.vlm.ask import Asker, NoAnswerError
 from stages.vlm.boxed import boxed
 from stages.vlm.prompt import Prompt
 
 NONE = "none"
-SYSTEM = (
+SYSTEM_PROMPT = (
     "You look at a picture of a room and say what things stand, lie or hang in it. Say only what you can see. You "
     "answer with one JSON object and nothing else."
 )
-LIST = (
+LABELS_PROMPT = (
     "List the kinds of things in this picture: furniture, appliances and loose objects, each by a short common noun in "
     "the singular, each kind once. Whole things only, no parts such as doors, drawers or handles; no floor, walls, "
     'ceiling, windows or doors of the room. Answer {"labels": ["cabinet", "mug"]}.'
 )
-LOOK = (
+OBJECT_PROMPT = (
     "Look at the thing in the red box. Which of these is it: {labels}? 'none' if it is none of them, only a part of a "
     "thing, or several things at once. Does it open by doors (hinged) or drawers (sliding)? Count those that you see "
     'of this thing alone. Answer {{"label": "cabinet", "articulated": true, "doors": 2, "drawers": 1}}.'
 )
-HOLD = (
+MOUNTING_PROMPT = (
     "The first picture has a thing in a red box, {label}; in the second the walls of the room are tinted, and numbered "
     "from 1 to {count}. How is the thing held? 'hangs': it is fixed on a wall, with nothing closely beneath it. "
     "'stands': it stands on the floor or on another thing and touches no wall. 'stands_at_wall': it is not fixed on a "
@@ -36,17 +36,17 @@ HOLD = (
     "and 'stands_at_wall' name the walls that it touches, the one at its back first. "
     'Answer {{"held": "stands_at_wall", "walls": [1]}}.'
 )
-TYPES = ("hangs", "stands", "stands_at_wall")  # of mounting, from 1
+MOUNTINGS = ("hangs", "stands", "stands_at_wall")  # of mounting, from 1
 
 
-class Listed(BaseModel):
+class LabelsAnswer(BaseModel):
     """Kinds of things in a picture."""
 
     model_config = ConfigDict(extra="forbid")
     labels: list[str]
 
 
-class Looked(BaseModel):
+class ObjectAnswer(BaseModel):
     """One thing; `label` is one of those listed, or none."""
 
     model_config = ConfigDict(extra="forbid")
@@ -56,7 +56,7 @@ class Looked(BaseModel):
     drawers: int = Field(ge=0, le=20)
 
 
-class Hung(BaseModel):
+class MountingAnswer(BaseModel):
     """How one thing is held; `walls` by their numbers, and only of what touches one."""
 
     model_config = ConfigDict(extra="forbid")
@@ -64,19 +64,19 @@ class Hung(BaseModel):
     walls: list[int]
 
     @model_validator(mode="after")
-    def _at_walls(self) -> "Hung":
+    def _at_walls(self) -> "MountingAnswer":
         if (self.held == "stands") == bool(self.walls):
             raise ValueError("walls: named for what touches a wall, and only for that")
         return self
 
 
-def listed(asker: Asker, rgb: NDArray[np.uint8]) -> list[str]:
+def ask_labels(asker: Asker, rgb: NDArray[np.uint8]) -> list[str]:
     """Labels of what is in the picture, in the order given, lower case.
 
     Raises:
         NoAnswerError: there is no answer that can be used.
     """
-    answer = asker.ask(Prompt(SYSTEM, [rgb, LIST]), Listed, "what is in the picture")
+    answer = asker.ask(Prompt(SYSTEM_PROMPT, [rgb, LABELS_PROMPT]), LabelsAnswer, "what is in the picture")
     labels = [plain(" ".join(label.lower().replace(".", " ").split())[:60]) for label in answer.labels]
     labels = [label for label in dict.fromkeys(labels) if label and label != NONE]
     if not labels:
@@ -84,20 +84,24 @@ def listed(asker: Asker, rgb: NDArray[np.uint8]) -> list[str]:
     return labels
 
 
-def looked(asker: Asker, rgb: NDArray[np.uint8], box: Sequence[float], labels: Sequence[str], about: str) -> Looked:
+def ask_object(
+    asker: Asker, rgb: NDArray[np.uint8], box: Sequence[float], labels: Sequence[str], about: str
+) -> ObjectAnswer:
     """What the thing in a box is.
 
     Raises:
         NoAnswerError: there is no answer that can be used.
     """
     choice: Any = Literal[(*labels, NONE)]
-    answer = create_model("Look", __base__=Looked, label=(choice, ...))
-    found = asker.ask(Prompt(SYSTEM, [boxed(rgb, box), LOOK.format(labels=", ".join(labels))]), answer, about)
+    answer = create_model("Look", __base__=ObjectAnswer, label=(choice, ...))
+    found = asker.ask(
+        Prompt(SYSTEM_PROMPT, [boxed(rgb, box), OBJECT_PROMPT.format(labels=", ".join(labels))]), answer, about
+    )
     panels = found.doors + found.drawers > 0
     return found.model_copy(update={"articulated": found.articulated or panels})
 
 
-def held(
+def ask_mounting(
     asker: Asker,
     rgb: NDArray[np.uint8],
     box: Sequence[float],
@@ -111,7 +115,7 @@ def held(
         NoAnswerError: there is no answer that can be used, as one that names a wall that was not shown.
     """
     number: Any = list[Literal[tuple(range(1, len(walls) + 1))]]  # type: ignore[misc]
-    answer = create_model("Held", __base__=Hung, walls=(number, ...))
-    text = HOLD.format(label=label, count=len(walls))
-    found = asker.ask(Prompt(SYSTEM, [boxed(rgb, box), numbered(rgb, walls), text]), answer, about)
-    return 1 + TYPES.index(found.held), [wall - 1 for wall in dict.fromkeys(found.walls)]
+    answer = create_model("Held", __base__=MountingAnswer, walls=(number, ...))
+    text = MOUNTING_PROMPT.format(label=label, count=len(walls))
+    found = asker.ask(Prompt(SYSTEM_PROMPT, [boxed(rgb, box), draw_numbers(rgb, walls), text]), answer, about)
+    return 1 + MOUNTINGS.index(found.held), [wall - 1 for wall in dict.fromkeys(found.walls)]

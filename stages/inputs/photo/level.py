@@ -6,9 +6,9 @@ from numpy.typing import NDArray
 
 from stages.config.extraction import ExtractionConfig
 from stages.contracts.depth import NEAREST
-from stages.extraction.room import STRAY, find_floor, fit_floor, floor_frame
 from stages.geometry.cameras import back_project
 from stages.geometry.planes import Plane
+from stages.geometry.room_planes import STRAY, find_floor, fit_floor, make_floor_frame
 from stages.inputs.by_hand.perspective import fit_view
 from stages.inputs.by_hand.segments import propose, usual_focal
 from stages.inputs.rgbd.frame import Frame
@@ -23,13 +23,13 @@ def level_camera(frame: Frame, floor: int | None) -> NDArray[np.float64] | None:
     """
     points = back_project(frame.depth, frame.intrinsics)
     seen = frame.depth > 0
-    options = ExtractionConfig()
+    max_tilt = ExtractionConfig().max_tilt
     on_floor = seen & (frame.masks.values == floor) if frame.masks and floor else np.zeros_like(seen)
-    fitted = fit_floor(points[on_floor], options, np.random.default_rng(0))
-    if fitted is not None or find_floor(points[seen], [], options, np.random.default_rng(0)) is not None:
+    fitted = fit_floor(points[on_floor], max_tilt, np.random.default_rng(0))
+    if fitted is not None or find_floor(points[seen], [], max_tilt, np.random.default_rng(0)) is not None:
         return None
     height, width = frame.depth.shape
     grey = np.asarray(cv2.cvtColor(frame.rgb, cv2.COLOR_RGB2GRAY), np.uint8)
     up = fit_view(propose(grey, usual_focal(width, height, float(frame.intrinsics[0, 0]))), width, height).rotation[2]
     lowest = float(np.quantile(points[seen] @ up, STRAY))
-    return floor_frame(Plane(up, min(lowest, -NEAREST), np.zeros(0, dtype=bool)))
+    return make_floor_frame(Plane(up, min(lowest, -NEAREST), np.zeros(0, dtype=bool)))

@@ -1,4 +1,4 @@
-"""What a file of intrinsics says, of whatever tool: numbers, or names with their values."""
+"""Read a file of intrinsics of any tool: numbers, or names with their values."""
 
 import json
 import re
@@ -13,7 +13,7 @@ from stages.contracts import InputError
 from stages.contracts.arrays import read_npz, readable
 
 KNOWS = "a file with fx, fy, cx, cy or a 3x3 matrix (JSON, YAML, text, NPY), see docs/your-data.md"
-# Where a file says more of the colour camera, by what it says last of all.
+# Keys under which files nest the colour camera; a later one counts more.
 DEEPER = ("calibration", "camera", "cam0", "intrinsic", "intrinsics", "rgbintrinsics", "colorintrinsics", "rgb",
           "color", "rgbcamera", "colorcamera")  # fmt: skip
 MATRICES = ("intrinsics", "k", "cameramatrix", "intrinsicmatrix", "camk", "intrinsic", "cameraintrinsics",
@@ -87,7 +87,7 @@ def plain(name: str) -> str:
 
 
 def flat(data: dict[str, Any]) -> dict[str, Any]:
-    """Plain names; what is said of the colour camera deeper down takes the place of what is said above."""
+    """Values by plain names; those nested under the colour camera replace those above."""
     known = {plain(str(key)): value for key, value in data.items()}
     for key in DEEPER:
         if isinstance(known.get(key), dict):
@@ -121,7 +121,7 @@ def _colmap(line: str) -> dict[str, Any]:
 
 
 def _of_picture(path: Path, data: Any, picture: str) -> Any:
-    """What a file of many cameras says of the one that took a picture: by its name, or as all are the same."""
+    """The entry of the camera that took a picture, by its name, or any if all are the same."""
     if not isinstance(data, (dict, list)):
         return data
     known = {plain(str(key)): value for key, value in data.items()} if isinstance(data, dict) else {}
@@ -153,7 +153,7 @@ def _is_of(key: str, entry: dict[str, Any], stem: str) -> bool:
 
 
 def _camera_of(entry: dict[str, Any]) -> dict[str, Any]:
-    """What an entry says of the camera, without where it stood."""
+    """The intrinsics in an entry, without the pose."""
     names = {
         *FOCAL,
         *ANGLE,

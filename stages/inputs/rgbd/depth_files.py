@@ -10,16 +10,14 @@ from PIL import Image, ImageOps
 
 from stages.contracts import InputError
 from stages.contracts.arrays import read_npz, readable
-from stages.contracts.depth import BYTE, NEAREST, SKY, check_depth
+from stages.contracts.depth import NEAREST, SKY, check_depth
 from stages.contracts.types import LARGEST
-from stages.geometry.depth_marks import marks_of, range_of, without
-from stages.inputs.rgbd.depth_scale import Stated, scale_of
+from stages.geometry.depth_marks import find_cut_range, find_marks, remove_marks
+from stages.inputs.rgbd.depth_scale import UNITS, Stated, find_scale
 from stages.inputs.rgbd.exr import read_exr
 
-MEASURED = 6.0  # metres: the median depth of frames of cameras is less; more in millimetres is another unit, mostly
-IMAGES = (".png", ".tif", ".tiff", ".pgm")
-FILES = (*IMAGES, ".exr", ".npz", ".npy")
-UNITS = {"m": 1.0, "mm": 1000.0}
+DEPTH_IMAGES = (".png", ".tif", ".tiff", ".pgm")
+DEPTH_FILES = (*DEPTH_IMAGES, ".exr", ".npz", ".npy")
 
 
 def read_raw(path: Path) -> NDArray[Any]:
@@ -28,17 +26,15 @@ def read_raw(path: Path) -> NDArray[Any]:
     Raises:
         InputError: no depth: missing, of another format, in colours, or with 8 bits.
     """
-    if path.suffix.lower() not in FILES:
+    if path.suffix.lower() not in DEPTH_FILES:
         raise InputError(
-            path, "is no kind of depth file that is known.", f"one of {', '.join(FILES)}", code="E-DEPTH-FORMAT"
+            path, "is no kind of depth file that is known.", f"one of {', '.join(DEPTH_FILES)}", code="E-DEPTH-FORMAT"
         )
     with readable(path, "depth file"):
-        if path.suffix.lower() in IMAGES:
-            array = _from_image(path)
-        elif path.suffix.lower() == ".exr":
-            array = read_exr(path)
+        if path.suffix.lower() in DEPTH_IMAGES:
+            array = _read_image(path)
         else:
-            array = _from_numpy(path)
+            array = _read_numpy(path) if path.suffix.lower() != ".exr" else read_exr(path)
     array = array[..., 0] if array.ndim == 3 and array.shape[2] == 1 else array
     if array.ndim != 2 or 0 in array.shape or array.dtype.kind not in "fiu" or array.dtype.itemsize == 1:
         raise InputError(
@@ -50,7 +46,7 @@ def read_raw(path: Path) -> NDArray[Any]:
     return array
 
 
-def _from_image(path: Path) -> NDArray[Any]:
+def _read_image(path: Path) -> NDArray[Any]:
     with Image.open(path, formats=("PNG", "TIFF", "PPM")) as image:
         if (pages := getattr(image, "n_frames", 1)) > 1:
             what = f"has {pages} pages: which of them is depth?"
@@ -61,7 +57,7 @@ def _from_image(path: Path) -> NDArray[Any]:
         return np.asarray(ImageOps.exif_transpose(image))
 
 
-def _from_numpy(path: Path) -> NDArray[Any]:
+def _read_numpy(path: Path) -> NDArray[Any]:
     if path.suffix.lower() == ".npy":
         return np.asarray(np.load(path, allow_pickle=False))
     arrays = read_npz(path)
@@ -75,39 +71,30 @@ def _from_numpy(path: Path) -> NDArray[Any]:
     )
 
 
-def in_metres(
+def convert_to_metres(
     path: Path, raw: NDArray[Any], unit: str = "auto", stated: Sequence[Stated] = (), usual: float | None = None
 ) -> tuple[NDArray[np.float32], str]:
-    """Depth in metres (h, w), 0: unknown, and a line that says which unit was found, and by what.
+    """Depth in metres (h, w), 0: unknown, and a line with the unit and its source.
 
     Args:
         path: for errors.
         raw: numbers as stored; what is negative, not finite, beyond 100 m or a mark of `depth_marks` is unknown.
         unit: auto, m, mm, or the number that stands for one metre, e.g. 5000 (TUM).
         stated: what files say of the unit.
-        usual: what stands for one metre if nobody says anything, if it is known; else the median tells.
+        usual: the number that stands for one metre if nobody states one, if it is known; else the median decides.
 
     Raises:
         InputError: no pixel is known, or the numbers are no depth of a room in this unit, or in any.
     """
-    marks = marks_of(raw)
-    raw = without(raw, marks)
+    marks = find_marks(raw)
+    raw = remove_marks(raw, marks)
     known = raw[np.isfinite(raw) & (raw > 0)]
     if not known.size:
         raise InputError(
             path, "no pixel has a depth above 0.", "check how the camera saves depth", code="E-DEPTH-EMPTY"
         )
     median = float(np.median(known))
-    if unit != "auto":
-        per_metre, how = _given(unit), "as told"
-        if stated and not any(np.isclose(per_metre, scale) for one in stated for scale in one.per_metre):
-            how += f", though {stated[0]}"
-    elif stated:
-        per_metre, how = scale_of(path, stated, median)
-    elif usual is not None:
-        per_metre, how = usual, "as such recordings have it"
-    else:
-        per_metre, how = _guessed(path, known, median), "found by its median"
+    per_metre, how = find_scale(path, known, unit, stated, usual)
     if not NEAREST <= median / per_metre <= LARGEST:
         what = f"has the median {median:g}, which would be {median / per_metre:.3g} m: no room."
         raise InputError(
@@ -115,7 +102,7 @@ def in_metres(
         )
     metres = np.where(np.isfinite(raw), raw, 0).astype(np.float64) / per_metre
     metres[(metres < 0) | (metres > SKY)] = 0
-    if (cut := range_of(metres)) is not None:
+    if (cut := find_cut_range(metres)) is not None:
         metres[metres == cut] = 0
         marks.append(cut * per_metre)
     check_depth(path, metres)
@@ -124,34 +111,3 @@ def in_metres(
     if marks:
         line += f", {' and '.join(f'{mark:g}' for mark in marks)} taken for unknown"
     return metres.astype(np.float32), line
-
-
-def _guessed(path: Path, known: NDArray[Any], median: float) -> float:
-    whole = known.dtype.kind in "iu"
-    if not whole and NEAREST <= median <= LARGEST:
-        return UNITS["m"]
-    fix = "say the unit with --unit: m, mm, or the number that stands for one metre"
-    if LARGEST < known.max() <= BYTE:
-        raise InputError(path, f"has no value above {known.max():g}: bytes, not millimetres.", fix, code="E-DEPTH-UNIT")
-    if 1000 * NEAREST <= median <= 1000 * MEASURED:
-        return UNITS["mm"]
-    what = f"has the median {median:.3g}, which is neither metres nor millimetres of a room."
-    if 1000 * MEASURED < median <= 1000 * LARGEST:
-        what = f"has the median {median:g}: {median / 1000:.3g} m in millimetres, {median / 5000:.3g} m in 1/5000 m."
-        fix = "say which it is: --unit mm, --unit 5000, or the number that stands for one metre"
-    raise InputError(path, what, fix, code="E-DEPTH-UNIT")
-
-
-def _given(unit: str) -> float:
-    try:
-        per_metre = UNITS.get(unit) or float(unit)
-    except ValueError:
-        per_metre = 0.0
-    if not np.isfinite(per_metre) or per_metre <= 0:
-        raise InputError(
-            "--unit",
-            f"is '{unit}'.",
-            "auto, m, mm, or the number that stands for one metre, e.g. 5000",
-            code="E-DEPTH-UNIT",
-        )
-    return per_metre

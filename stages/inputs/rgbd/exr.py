@@ -1,4 +1,4 @@
-"""Read depth from OpenEXR files, whose layers are told apart by their names."""
+"""Read depth from OpenEXR files, by the names of their layers."""
 
 import re
 from pathlib import Path
@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from stages.contracts import InputError
 
-DEPTH = ("depth", "z", "distance", "dist", "zdepth", "depthmap")  # what layers and channels of depth are called
-SINGLE = ("z", "depth", "v", "y", "r", "d", "x", "")  # channels of a layer of depth, the best first
+DEPTH_LAYERS = ("depth", "z", "distance", "dist", "zdepth", "depthmap")  # what layers and channels of depth are called
+DEPTH_CHANNELS = ("z", "depth", "v", "y", "r", "d", "x", "")  # channels of a layer of depth, the best first
 
 
 def read_exr(path: Path) -> NDArray[Any]:
@@ -66,11 +66,11 @@ def _is_part(name: str, channels: dict[str, NDArray[Any]]) -> bool:
 
 
 def _rank(name: str) -> int | None:
-    """How surely a channel is depth, 0 the most; None: nothing says so. The last part of its name is the channel's."""
+    """How surely a channel is depth by its name, 0 the most; None: not at all."""
     *layers, channel = re.split(r"[.:/]", name.lower())
     if channel in ("z", "depth"):
         return 0
     words = [word for layer in layers for word in re.findall(r"[a-z]+", layer)]
-    if channel in SINGLE and any(word in DEPTH or "depth" in word for word in words):
-        return 1 + SINGLE.index(channel)
-    return 1 + len(SINGLE) if channel in DEPTH else None
+    if channel in DEPTH_CHANNELS and any(word in DEPTH_LAYERS or "depth" in word for word in words):
+        return 1 + DEPTH_CHANNELS.index(channel)
+    return 1 + len(DEPTH_CHANNELS) if channel in DEPTH_LAYERS else None

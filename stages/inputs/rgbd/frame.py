@@ -1,48 +1,23 @@
-"""One RGB-D frame as it was found, before it becomes an input folder."""
+"""One RGB-D frame as it was found, before it becomes an input folder, and at one size."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from pathlib import Path
+from dataclasses import dataclass, field, replace
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from stages.contracts import InputError
+from stages.geometry.cameras import scale_intrinsics
+from stages.inputs.rgbd.upright import Turn, is_stretched
 
-LONGEST = 1600  # pixels of the longer side of a picture; larger ones are made smaller
-STRETCHED = 0.02  # by which the proportions of two pictures of the same view may differ
-MEND = "save the picture upright, without EXIF data, as the same view as depth and masks"
+LONGEST_SIDE = 1600  # pixels of a picture; larger ones are made smaller; chosen for time
 NOTHING = {"", "background", "ceiling", "unknown", "unlabeled", "unlabelled", "void"}
 
 
 def is_nothing(label: str) -> bool:
     """Whether a label says that there is no object, e.g. `_background_`."""
     return label.strip().strip("_").lower() in NOTHING
-
-
-def is_stretched(one: tuple[float, float], other: tuple[float, float]) -> bool:
-    """Whether two sizes (width, height) have other proportions."""
-    return abs(one[0] / one[1] / (other[0] / other[1]) - 1) > STRETCHED
-
-
-@dataclass(frozen=True)
-class Turn:
-    """How EXIF data turned a picture that now is upright: its file, their orientation (1: not at all), its size."""
-
-    path: Path
-    orientation: int
-    width: int
-    height: int
-
-    @property
-    def stored(self) -> tuple[int, int]:
-        """Width and height as the sensor wrote it."""
-        return (self.height, self.width) if self.orientation > 4 else (self.width, self.height)
-
-    def refusal(self, of: object) -> InputError:
-        """That nothing tells whether something is turned as the picture is."""
-        what = f"is turned by its EXIF data (orientation {self.orientation}), and nothing tells whether {of} is."
-        return InputError(self.path, what, MEND, code="E-PICTURE-TURNED")
 
 
 @dataclass(frozen=True)
@@ -67,3 +42,28 @@ class Frame:
     notes: Sequence[str] = field(default=())
     distortion: NDArray[np.float64] | None = None
     turn: Turn | None = None
+
+
+def fit_frame(frame: Frame) -> Frame:
+    """The frame at one size, at most `LONGEST_SIDE` pixels: depth and masks laid on the picture's pixels.
+
+    Raises:
+        InputError: depth has other proportions than the picture, so that it is of another view.
+    """
+    height, width = frame.rgb.shape[:2]
+    if is_stretched(frame.depth.shape[::-1], (width, height)):
+        what = f"is {frame.depth.shape[1]}x{frame.depth.shape[0]}, the picture {width}x{height}: other proportions."
+        raise InputError(
+            "depth", what, "align depth to the colour picture first (every camera's software does)", code="E-DEPTH-SIZE"
+        )
+    shrunk = max(1.0, max(width, height) / LONGEST_SIDE)
+    size = round(width / shrunk), round(height / shrunk)
+    masks = frame.masks and Labelled(_resize_nearest(frame.masks.values, size), frame.masks.labels)
+    rgb = frame.rgb if shrunk == 1 else np.asarray(cv2.resize(frame.rgb, size, interpolation=cv2.INTER_AREA))
+    intrinsics = scale_intrinsics(frame.intrinsics, size[0] / width, size[1] / height)
+    depth = _resize_nearest(frame.depth, size)
+    return replace(frame, rgb=rgb.astype(np.uint8), depth=depth, intrinsics=intrinsics, masks=masks)
+
+
+def _resize_nearest(array: NDArray, size: tuple[int, int]) -> NDArray:  # type: ignore[type-arg]
+    return np.asarray(cv2.resize(array, size, interpolation=cv2.INTER_NEAREST_EXACT), dtype=array.dtype)

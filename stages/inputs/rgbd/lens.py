@@ -10,26 +10,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.contracts import InputError
+from stages.geometry.cameras import make_intrinsics
 from stages.inputs.rgbd.camera_files import contents, first, has_camera, plain
-from stages.inputs.rgbd.cameras import Matrix, matrix, read_intrinsics
+from stages.inputs.rgbd.cameras import Matrix, read_intrinsics
 from stages.inputs.rgbd.frame import Frame, Labelled
 
-NAMES = ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6")  # in OpenCV's order
+COEFFICIENTS = ("k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6")  # in OpenCV's order
 LISTS = ("distortioncoefficients", "distortioncoeffs", "distcoeffs", "distcoeff", "distcoefs", "distcoef",
          "distortionparameters", "distortionparams", "distortion", "coeffs", "dist", "d")  # fmt: skip
-BENDS = (
-    "distort",
-    "distcoef",
-    "radial",
-    "tangential",
-    "thinprism",
-)  # what is called so says something of the lens, too
+OF_LENS = ("distort", "distcoef", "radial", "tangential", "thinprism")  # parts of other names for coefficients
 MODELS = {"plumb_bob", "rational_polynomial", "brown_conrady", "radtan", "opencv", "full_opencv", "radial",
           "simple_radial", "pinhole", "perspective", ""}  # fmt: skip
 COUNTS = (5, 8, 12, 14)  # of OpenCV's coefficients
 INVERSE = "inverse_brown_conrady"  # RealSense: from bent to straight
 FISHEYE = ("fisheye", "equidistant", "kannala", "kb4")  # k1 to k4 of Kannala and Brandt, as in cv2.fisheye
-WIDEST = np.deg2rad(110)  # of a straightened fisheye picture: beyond, little is left of its middle
+MAX_VIEW = np.deg2rad(110)  # of a straightened fisheye picture: beyond, little is left of its middle; chosen
 CALIBRATION = (
     "K and k1, k2, p1, p2, k3 (of a lens that is called fisheye k1 to k4) as OpenCV, ROS and Kalibr write them"
 )
@@ -78,27 +73,27 @@ def find_distortion(
     model = re.sub(r"\W+", "_", str(model or "").lower()).removeprefix("rs2_").removeprefix("distortion_")
     camera = f"{model} {first(known, 'cameramodel', 'cameratype')}".lower()
     if any(word in camera for word in FISHEYE) or known.get("isfisheye"):
-        return _fisheye(path, known)
+        return _read_fisheye(path, known)
     if model == "none" or all(known.get(name) in (None, []) for name in ("k1", *LISTS)):
-        bends = [name for name, value in known.items() if _bends(name, value)]
-        if bends and model != "none":
-            raise InputError(path, f"has '{bends[0]}', which is not read.", CALIBRATION, code="E-LENS-MODEL")
+        others = [name for name, value in known.items() if _is_of_lens(name, value)]
+        if others and model != "none":
+            raise InputError(path, f"has '{others[0]}', which is not read.", CALIBRATION, code="E-LENS-MODEL")
         return None
-    found = _coefficients(path, known)
+    found = _read_coefficients(path, known)
     if "flx" in known and float(known.get("k4") or 0):
         model = "with k4 of nerfstudio"
     if found.any() and model not in MODELS | {INVERSE}:
         raise InputError(
             path, f"has the distortion model '{model}', which is not read.", CALIBRATION, code="E-LENS-MODEL"
         )
-    return _turned_round(found, intrinsics, width, height) if model == INVERSE else found
+    return _invert_distortion(found, intrinsics, width, height) if model == INVERSE else found
 
 
-def _bends(name: str, value: Any) -> bool:
-    """Whether what stands under a name says something of the lens: by the name, or as a list of its coefficients."""
+def _is_of_lens(name: str, value: Any) -> bool:
+    """Whether the value under a name is of the lens: by the name, or as a list of its coefficients."""
     inner = {plain(str(key)) for key in value} if isinstance(value, dict) else set()
-    told = bool(inner & {*NAMES, *LISTS}) and not has_camera(dict.fromkeys(inner))
-    return (told or any(word in name for word in BENDS)) and _says_number(value)
+    is_list = bool(inner & {*COEFFICIENTS, *LISTS}) and not has_camera(dict.fromkeys(inner))
+    return (is_list or any(word in name for word in OF_LENS)) and _says_number(value)
 
 
 def _says_number(value: Any) -> bool:
@@ -108,7 +103,9 @@ def _says_number(value: Any) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool) and value != 0
 
 
-def _turned_round(inverse: NDArray[np.float64], intrinsics: Matrix, width: int, height: int) -> NDArray[np.float64]:
+def _invert_distortion(
+    inverse: NDArray[np.float64], intrinsics: Matrix, width: int, height: int
+) -> NDArray[np.float64]:
     """Coefficients from straight to bent out of those from bent to straight, as RealSense's, by least squares."""
     u, v = np.meshgrid(np.linspace(0, width - 1, 20), np.linspace(0, height - 1, 20))
     bent = np.stack([u, v, np.ones_like(u)], axis=-1).reshape(-1, 3) @ np.linalg.inv(intrinsics).T
@@ -120,16 +117,16 @@ def _turned_round(inverse: NDArray[np.float64], intrinsics: Matrix, width: int, 
     return np.asarray(np.linalg.lstsq(np.concatenate([across, down]), missing)[0])
 
 
-def _fisheye(path: Path, known: dict[str, Any]) -> NDArray[np.float64]:
-    found = _numbers(known, ("k1", "k2", "k3", "k4"))
+def _read_fisheye(path: Path, known: dict[str, Any]) -> NDArray[np.float64]:
+    found = _read_numbers(known, ("k1", "k2", "k3", "k4"))
     if len(found) < 4 or found[4:].any() or not np.isfinite(found).all():  # RealSense writes a fifth, which is 0
         raise InputError(path, "holds no distortion of a fisheye lens.", CALIBRATION, code="E-LENS-MISSING")
     return found[:4]
 
 
-def _coefficients(path: Path, known: dict[str, Any]) -> NDArray[np.float64]:
+def _read_coefficients(path: Path, known: dict[str, Any]) -> NDArray[np.float64]:
     """OpenCV's, made up to one of its counts by zeros; zeros beyond say nothing."""
-    found = _numbers(known, NAMES)
+    found = _read_numbers(known, COEFFICIENTS)
     used = len(found) if np.isnan(found).any() else len(np.trim_zeros(found, "b"))
     count = next((count for count in COUNTS if count >= used), 0)
     if not count or not np.isfinite(found).all() or (used and len(found) < 4):
@@ -137,7 +134,7 @@ def _coefficients(path: Path, known: dict[str, Any]) -> NDArray[np.float64]:
     return np.pad(found[:count], (0, max(0, count - len(found))))
 
 
-def _numbers(known: dict[str, Any], names: tuple[str, ...]) -> NDArray[np.float64]:
+def _read_numbers(known: dict[str, Any], names: tuple[str, ...]) -> NDArray[np.float64]:
     """Coefficients from a list, or by their names; nan: none."""
     values = next((known[name] for name in LISTS if name in known), None)
     values = values.get("data") if isinstance(values, dict) and "data" in values else values
@@ -151,7 +148,7 @@ def _numbers(known: dict[str, Any], names: tuple[str, ...]) -> NDArray[np.float6
         return np.array([np.nan])
 
 
-def straightened(rgb: NDArray[np.uint8], lens: Lens, where: object) -> tuple[NDArray[np.uint8], float]:
+def straighten_picture(rgb: NDArray[np.uint8], lens: Lens, where: object) -> tuple[NDArray[np.uint8], float]:
     """The picture (H, W, 3) as a pinhole camera of the same size would see it, and its focal length in pixels.
 
     Its axis is in the middle, and every pixel is seen: what lies beyond at the borders is lost.
@@ -159,11 +156,11 @@ def straightened(rgb: NDArray[np.uint8], lens: Lens, where: object) -> tuple[NDA
     Raises:
         InputError: the distortion leaves nothing of the picture.
     """
-    target = _pinhole(lens, rgb.shape[1], rgb.shape[0], where)
-    return _seen_by(target, rgb, lens, cv2.INTER_LINEAR), float(target[0, 0])
+    target = _choose_pinhole(lens, rgb.shape[1], rgb.shape[0], where)
+    return _remap(target, rgb, lens, cv2.INTER_LINEAR), float(target[0, 0])
 
 
-def straight_frame(frame: Frame) -> Frame:
+def straighten_frame(frame: Frame) -> Frame:
     """A frame of one size as a pinhole camera would see it; depth and masks by the nearest pixel, unmixed.
 
     Raises:
@@ -174,12 +171,12 @@ def straight_frame(frame: Frame) -> Frame:
     lens = Lens(frame.intrinsics, frame.distortion)
     if not (lens.fisheye or lens.distortion.any()):
         return frame
-    target = _pinhole(lens, frame.rgb.shape[1], frame.rgb.shape[0], "intrinsics")
-    masks = frame.masks and Labelled(_seen_by(target, frame.masks.values, lens, cv2.INTER_NEAREST), frame.masks.labels)
+    target = _choose_pinhole(lens, frame.rgb.shape[1], frame.rgb.shape[0], "intrinsics")
+    masks = frame.masks and Labelled(_remap(target, frame.masks.values, lens, cv2.INTER_NEAREST), frame.masks.labels)
     return replace(
         frame,
-        rgb=_seen_by(target, frame.rgb, lens, cv2.INTER_LINEAR),
-        depth=_seen_by(target, frame.depth, lens, cv2.INTER_NEAREST),
+        rgb=_remap(target, frame.rgb, lens, cv2.INTER_LINEAR),
+        depth=_remap(target, frame.depth, lens, cv2.INTER_NEAREST),
         intrinsics=target,
         masks=masks,
         notes=[*frame.notes, "the lens's distortion is taken out"],
@@ -187,10 +184,10 @@ def straight_frame(frame: Frame) -> Frame:
     )
 
 
-def _pinhole(lens: Lens, width: int, height: int, where: object) -> Matrix:
+def _choose_pinhole(lens: Lens, width: int, height: int, where: object) -> Matrix:
     """K of the pinhole camera all of whose pixels are in the picture."""
     if lens.fisheye:
-        focal = _fisheye_focal(lens, width, height)
+        focal = _find_fisheye_focal(lens, width, height)
     else:
         whole, _ = cv2.getOptimalNewCameraMatrix(
             lens.intrinsics, lens.distortion, (width, height), 0, (width, height), centerPrincipalPoint=True
@@ -200,16 +197,16 @@ def _pinhole(lens: Lens, width: int, height: int, where: object) -> Matrix:
         raise InputError(
             where, "bends the picture so much that nothing of it is left.", CALIBRATION, code="E-LENS-WIDE"
         )
-    return matrix(focal, focal, (width - 1) / 2, (height - 1) / 2)
+    return make_intrinsics(focal, focal, (width - 1) / 2, (height - 1) / 2)
 
 
-def _fisheye_focal(lens: Lens, width: int, height: int) -> float:
-    """The least focal length, of those from `WIDEST` on, at which all borders show what is in the fisheye's picture."""
+def _find_fisheye_focal(lens: Lens, width: int, height: int) -> float:
+    """The least focal length, from that of `MAX_VIEW` on, at which all borders show what is in the picture."""
     last = np.array([width - 1, height - 1], dtype=float)
     share = np.linspace(-0.5, 0.5, 50)
     sides = [np.column_stack([share, 0 * share + end]) for end in (-0.5, 0.5)]
     borders = np.concatenate([*sides, *(side[:, ::-1] for side in sides)]) * last
-    focal = width / 2 / float(np.tan(WIDEST / 2))
+    focal = width / 2 / float(np.tan(MAX_VIEW / 2))
     while focal < 20 * width:
         seen = cv2.fisheye.distortPoints((borders / focal)[:, None], lens.intrinsics, lens.distortion)
         if (seen >= 0).all() and (seen <= last).all():
@@ -218,7 +215,7 @@ def _fisheye_focal(lens: Lens, width: int, height: int) -> float:
     return focal
 
 
-def _seen_by(target: Matrix, image: NDArray[Any], lens: Lens, interpolation: int) -> NDArray[Any]:
+def _remap(target: Matrix, image: NDArray[Any], lens: Lens, interpolation: int) -> NDArray[Any]:
     """An image (H, W, ...) as a camera with this K sees it."""
     straighten = cv2.fisheye.initUndistortRectifyMap if lens.fisheye else cv2.initUndistortRectifyMap
     maps = straighten(lens.intrinsics, lens.distortion, np.eye(3), target, image.shape[1::-1], cv2.CV_32FC1)

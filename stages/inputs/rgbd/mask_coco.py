@@ -7,10 +7,10 @@ import numpy as np
 
 from stages.contracts import InputError
 from stages.contracts.arrays import readable
-from stages.inputs.rgbd.mask_shapes import Mask, Shape, ShapeError, check_size, outline, rectangle, unread
+from stages.inputs.rgbd.mask_shapes import Mask, Shape, ShapeError, check_size, fill_outline, list_corners, refuse_shape
 
-BESIDE = 3  # pixels by which a mask may leave its box
-INSIDE = 0.5  # share of a mask that its own box holds at least
+OUTSIDE = 3  # pixels by which a mask may leave its box; chosen
+INSIDE = 0.5  # share of a mask that its own box holds at least; chosen
 
 
 def read_coco(path: Path, data: dict[str, Any], width: int, height: int, picture: str) -> list[Shape]:
@@ -21,7 +21,7 @@ def read_coco(path: Path, data: dict[str, Any], width: int, height: int, picture
     """
     with readable(path, "COCO file"):
         names = {category["id"]: str(category["name"]).strip() for category in data["categories"]}
-        image = _image(path, data, picture)
+        image = _find_image(path, data, picture)
         size = int(image.get("width") or width), int(image.get("height") or height)
         check_size(path, size, width, height)
         shapes = []
@@ -33,15 +33,15 @@ def read_coco(path: Path, data: dict[str, Any], width: int, height: int, picture
                 raise InputError(path, what, "name it in categories", code="E-MASKS-NAMES")
             label = names[item["category_id"]]
             try:
-                mask, remark = _mask(item, (height, width))
+                mask, remark = _read_mask(item, (height, width))
             except ShapeError as error:
-                raise unread(path, f"annotation {number}", label, error) from None
+                raise refuse_shape(path, f"annotation {number}", label, error) from None
             shapes.append(Shape(label, mask, remark))
         return shapes
 
 
-def _image(path: Path, data: dict[str, Any], picture: str) -> dict[str, Any]:
-    """What the file says of the picture; nothing if it names no pictures."""
+def _find_image(path: Path, data: dict[str, Any], picture: str) -> dict[str, Any]:
+    """The file's entry of the picture; empty if it names no pictures."""
     images = data.get("images") or []
     mine = [one for one in images if Path(str(one.get("file_name", "")).replace("\\", "/")).name == picture]
     pictures = {item.get("image_id") for item in data["annotations"]}
@@ -51,12 +51,12 @@ def _image(path: Path, data: dict[str, Any], picture: str) -> dict[str, Any]:
         what = f"has {len(mine)} pictures called {picture}." if mine else what
         raise InputError(path, what, "rename the picture, or give a file of it alone", code="E-MASKS-PICTURE")
     if picture and images and not mine and images[0].get("file_name"):
-        print(f"{path}: says to be of {images[0]['file_name']}, the picture is {picture}")
+        print(f"{path}: is of {images[0]['file_name']}, the picture is {picture}")
     return dict((mine or images or [{}])[0])
 
 
-def _mask(item: dict[str, Any], size: tuple[int, int]) -> tuple[Mask | None, str]:
-    """Pixels (H, W) of an annotation, and what is to be said of it."""
+def _read_mask(item: dict[str, Any], size: tuple[int, int]) -> tuple[Mask | None, str]:
+    """Pixels (H, W) of an annotation, and a remark on it."""
     given = item.get("segmentation")
     box = np.asarray(item.get("bbox") or [], dtype=float).ravel()
     boxed = len(box) == 4 and bool(np.isfinite(box).all()) and box[2] > 0 and box[3] > 0
@@ -66,8 +66,10 @@ def _mask(item: dict[str, Any], size: tuple[int, int]) -> tuple[Mask | None, str
         if (item.get("attributes") or {}).get("rotation"):
             raise ShapeError("is a box that is turned, without an outline")
         x, y, wide, high = box
-        return outline(rectangle(x, y, x + wide, y + high), size), "has no outline, so that all of its box is taken"
-    mask, remarks = _segmented(given, size)
+        return fill_outline(
+            list_corners(x, y, x + wide, y + high), size
+        ), "has no outline, so that all of its box is taken"
+    mask, remarks = _read_segmentation(given, size)
     if boxed and not _holds(box, mask):
         raise ShapeError(f"has its outline elsewhere than its bbox {box.tolist()}")
     if item.get("iscrowd"):
@@ -78,21 +80,21 @@ def _mask(item: dict[str, Any], size: tuple[int, int]) -> tuple[Mask | None, str
 def _holds(box: Any, mask: Mask) -> bool:
     """Whether a box of x, y, width, height (or x, y, right, bottom, as some write it) has most of a mask (H, W)."""
     rows, columns = np.nonzero(mask)
-    left, top = box[0] - BESIDE, box[1] - BESIDE
+    left, top = box[0] - OUTSIDE, box[1] - OUTSIDE
     for right, bottom in ((box[0] + box[2], box[1] + box[3]), (box[2], box[3])):
-        inside = (columns >= left) & (columns <= right + BESIDE) & (rows >= top) & (rows <= bottom + BESIDE)
+        inside = (columns >= left) & (columns <= right + OUTSIDE) & (rows >= top) & (rows <= bottom + OUTSIDE)
         if inside.sum() >= INSIDE * len(rows):
             return True
     return False
 
 
-def _segmented(given: Any, size: tuple[int, int]) -> tuple[Mask, list[str]]:
+def _read_segmentation(given: Any, size: tuple[int, int]) -> tuple[Mask, list[str]]:
     """Pixels (H, W) of run lengths, or of polygons: lists of numbers or of pairs, several or one alone."""
     if isinstance(given, dict):
-        told = given.get("size")
-        if told is not None and list(map(int, told)) != list(size):
-            raise ShapeError(f"has run lengths of {told[1]}x{told[0]} pixels")
-        return _run_lengths(given["counts"], size), []
+        stated = given.get("size")
+        if stated is not None and list(map(int, stated)) != list(size):
+            raise ShapeError(f"has run lengths of {stated[1]}x{stated[0]} pixels")
+        return _fill_runs(given["counts"], size), []
     if not isinstance(given, list):
         raise ShapeError(f"has a segmentation that is a {type(given).__name__}")
     mask, remarks = np.zeros(size, dtype=bool), []
@@ -100,12 +102,12 @@ def _segmented(given: Any, size: tuple[int, int]) -> tuple[Mask, list[str]]:
         given = [given]
     for part in given:
         if isinstance(part, dict):
-            mask |= _segmented(part, size)[0]
+            mask |= _read_segmentation(part, size)[0]
         elif _are_runs(part, size):
-            mask |= _run_lengths(part, size)
+            mask |= _fill_runs(part, size)
             remarks = ["has run lengths in the place of corners"]
         else:
-            mask |= outline(part, size)
+            mask |= fill_outline(part, size)
     return mask, remarks
 
 
@@ -119,16 +121,16 @@ def _are_runs(part: list[Any], size: tuple[int, int]) -> bool:
     return whole and sum(part) == size[0] * size[1]
 
 
-def _run_lengths(counts: Any, size: tuple[int, int]) -> Mask:
+def _fill_runs(counts: Any, size: tuple[int, int]) -> Mask:
     """Pixels (H, W) of run lengths, column by column, the first outside; a text packs them."""
-    runs = _unpacked(counts) if isinstance(counts, str) else [int(count) for count in counts]
+    runs = _unpack_runs(counts) if isinstance(counts, str) else [int(count) for count in counts]
     if sum(runs) != size[0] * size[1] or min(runs, default=0) < 0:
         raise ShapeError(f"has run lengths of {sum(runs)} pixels, the picture has {size[0] * size[1]}")
     bits = np.repeat(np.arange(len(runs)) % 2, runs).astype(bool)
     return np.asarray(bits.reshape(size[::-1]).T)
 
 
-def _unpacked(text: str) -> list[int]:
+def _unpack_runs(text: str) -> list[int]:
     """COCO's compressed run lengths: five bits a character, least first; from the fourth on less the last but one."""
     runs: list[int] = []
     value, shift = 0, 0

@@ -7,11 +7,12 @@ from typing import Any
 
 from stages.contracts import InputError
 from stages.contracts.arrays import readable
-from stages.inputs.rgbd.frame import Labelled
+from stages.inputs.rgbd.frame import Labelled, is_nothing
 from stages.inputs.rgbd.mask_coco import read_coco
 from stages.inputs.rgbd.mask_images import read_label_image
 from stages.inputs.rgbd.mask_labelme import read_labelme
-from stages.inputs.rgbd.mask_shapes import laid_over
+from stages.inputs.rgbd.mask_shapes import lay_shapes, list_remarks
+from stages.inputs.rgbd.upright import Turn, turn_array
 
 EXPORT = "export COCO or labelme JSON, or a label image as PNG"
 SUFFIXES = {  # what masks are that are no JSON and no picture
@@ -49,6 +50,24 @@ OTHERS = (  # keys that tell who wrote a JSON file, of the whole or of its first
 )
 
 
+def read_upright_masks(path: Path, labels: Path | None, turn: Turn) -> Labelled:
+    """Masks of the size that the upright picture has, or, turned, of the one that the sensor wrote.
+
+    Prints which are of nothing that can be placed.
+    """
+    try:
+        masks = read_labelled(path, labels, turn.width, turn.height, turn.path.name)
+    except InputError as error:
+        if turn.orientation == 1 or error.code != "E-MASKS-SIZE":
+            raise
+        stored = read_labelled(path, labels, *turn.stored, turn.path.name)
+        print(f"{path}: turned with its picture, whose EXIF data say so")
+        masks = Labelled(turn_array(stored.values, turn.orientation), stored.labels)
+    if nothing := [(label, "is nothing to place") for label in masks.labels.values() if is_nothing(label)]:
+        print(f"{path}: left out: {list_remarks(nothing)}")
+    return masks
+
+
 def read_labelled(path: Path, labels: Path | None, width: int, height: int, picture: str) -> Labelled:
     """Masks of a picture of this size. Prints how many of what the file shows are used, and why others are not.
 
@@ -72,15 +91,15 @@ def read_labelled(path: Path, labels: Path | None, width: int, height: int, pict
         print(f"{labels}: not read, {path.name} has names of its own")
     with readable(path, "JSON file"):
         data = json.loads(path.read_text(encoding="utf-8-sig"))
-    read, kind = _reader(path, data)
-    return laid_over(path, read(path, data, width, height, picture), kind)
+    read, kind = _choose_reader(path, data)
+    return lay_shapes(path, read(path, data, width, height, picture), kind)
 
 
-def _reader(path: Path, data: Any) -> tuple[Callable[..., Any], str]:
+def _choose_reader(path: Path, data: Any) -> tuple[Callable[..., Any], str]:
     """What reads a JSON file, and what it calls its shapes.
 
     Raises:
-        InputError: nothing does; it is said whose file it is, if that is known.
+        InputError: nothing does; the message names the tool that wrote it, if that is known.
     """
     keys = set(data) if isinstance(data, dict) else set()
     panoptic = _is_panoptic(data) if isinstance(data, dict) else False
@@ -90,7 +109,9 @@ def _reader(path: Path, data: Any) -> tuple[Callable[..., Any], str]:
         return read_labelme, "shapes"
     values = list(data.values()) if isinstance(data, dict) else data if isinstance(data, list) else []
     first = next((set(value) for value in values if isinstance(value, dict)), set())
-    whose = next((name for name, told in OTHERS if told <= keys or told <= first), "neither COCO nor labelme")
+    whose = next(
+        (name for name, its_keys in OTHERS if its_keys <= keys or its_keys <= first), "neither COCO nor labelme"
+    )
     whose = "COCO's panoptic masks, which are in another file" if panoptic else whose
     what = f"is {whose} (COCO has annotations and categories, labelme shapes)."
     raise InputError(path, what, EXPORT, code="E-MASKS-FORMAT")

@@ -11,10 +11,10 @@ from stages.contracts import InputError
 from stages.contracts.arrays import readable
 from stages.contracts.images import read_masks, upright
 from stages.inputs.rgbd.frame import Labelled, is_nothing
-from stages.inputs.rgbd.mask_shapes import EMPTY, check_size, listed
+from stages.inputs.rgbd.mask_shapes import NO_PIXELS, check_size, list_remarks
 
-MOST = 1000  # values of a label image; a photograph has more
-NAMES = '--labels with {"1": "mug", "2": "floor"}, or {"#ff0000": "mug"} for a picture in colours'
+MAX_VALUES = 1000  # of a label image; a photograph has more; chosen
+NAMES_OPTION = '--labels with {"1": "mug", "2": "floor"}, or {"#ff0000": "mug"} for a picture in colours'
 
 
 def read_label_image(path: Path, labels: Path | None, width: int, height: int) -> Labelled:
@@ -24,10 +24,10 @@ def read_label_image(path: Path, labels: Path | None, width: int, height: int) -
         InputError: no label image, one of another size, or names that are not those of its values.
     """
     names, coloured = ({}, False) if labels is None else _read_names(labels)
-    shown, colours = _values(path, coloured)
+    shown, colours = _read_values(path, coloured)
     check_size(path, (shown.shape[1], shown.shape[0]), width, height)
     found, pixels = np.unique(shown[shown > 0], return_counts=True)
-    if len(found) > MOST:
+    if len(found) > MAX_VALUES:
         raise InputError(
             path,
             f"has {len(found):,} different values: a photograph, not masks.",
@@ -35,21 +35,21 @@ def read_label_image(path: Path, labels: Path | None, width: int, height: int) -
             code="E-MASKS-FORMAT",
         )
     if labels is None:
-        raise InputError(path, f"has {len(found)} values without names.", NAMES, code="E-MASKS-NAMES")
+        raise InputError(path, f"has {len(found)} values without names.", NAMES_OPTION, code="E-MASKS-NAMES")
     if names.get(0) and not is_nothing(names[0]) and not shown.all():
-        what = f"calls the value {_written(0, colours)} {names[0]!r}, which is the value of what nobody outlined."
+        what = f"calls the value {_write_value(0, colours)} {names[0]!r}, which is the value of what nobody outlined."
         raise InputError(labels, what, "count objects from 1", code="E-MASKS-NAMES")
     sizes = dict(zip(found.tolist(), pixels.tolist(), strict=True))
     known = [value for value in sizes if value in names]
     if not known:
-        first = ", ".join(_written(value, colours) for value in list(sizes)[:5]) or "nothing"
-        raise InputError(labels, f"names none of the values of {path}: {first}.", NAMES, code="E-MASKS-NAMES")
-    nameless = [f"{_written(value, colours)} ({sizes[value]} pixels)" for value in sizes if value not in names]
+        first = ", ".join(_write_value(value, colours) for value in list(sizes)[:5]) or "nothing"
+        raise InputError(labels, f"names none of the values of {path}: {first}.", NAMES_OPTION, code="E-MASKS-NAMES")
+    nameless = [f"{_write_value(value, colours)} ({sizes[value]} pixels)" for value in sizes if value not in names]
     if nameless:
         more = f" and {len(nameless) - 8} more" if len(nameless) > 8 else ""
         print(f"{path}: without a name, left out: {', '.join(nameless[:8])}{more}")
-    if absent := [(name, EMPTY) for value, name in names.items() if value and value not in sizes]:
-        print(f"{path}: {len(absent) + len(known)} names, {len(known)} used: {listed(absent)}")
+    if absent := [(name, NO_PIXELS) for value, name in names.items() if value and value not in sizes]:
+        print(f"{path}: {len(absent) + len(known)} names, {len(known)} used: {list_remarks(absent)}")
     numbers = {value: number for number, value in enumerate(known, 1)} if colours else {value: value for value in known}
     result = np.zeros(shown.shape, dtype=np.uint16)
     for value, number in numbers.items():
@@ -57,7 +57,7 @@ def read_label_image(path: Path, labels: Path | None, width: int, height: int) -
     return Labelled(result, {numbers[value]: names[value] for value in known})
 
 
-def _values(path: Path, coloured: bool) -> tuple[NDArray[Any], bool]:
+def _read_values(path: Path, coloured: bool) -> tuple[NDArray[Any], bool]:
     """Values (H, W), and whether they are colours: of a palette only if names are those of colours."""
     with readable(path, "picture"):
         image = upright(path)
@@ -71,15 +71,15 @@ def _values(path: Path, coloured: bool) -> tuple[NDArray[Any], bool]:
     return np.where(alpha > 0, (red << 16) + (green << 8) + blue, 0), True
 
 
-def _written(value: int, colour: bool) -> str:
+def _write_value(value: int, colour: bool) -> str:
     return f"#{value:06x}" if colour else str(value)
 
 
 def _read_names(path: Path) -> tuple[dict[int, str], bool]:
     """Names of values, and whether those are colours."""
-    with readable(path, "JSON file of names", NAMES):
+    with readable(path, "JSON file of names", NAMES_OPTION):
         data = json.loads(path.read_text(encoding="utf-8"))
         names = {int(key[1:], 16) if key.startswith("#") else int(key): value for key, value in data.items()}
     if not all(isinstance(name, str) and name.strip() for name in names.values()):
-        raise InputError(path, "has values that are no names.", NAMES, code="E-MASKS-NAMES")
+        raise InputError(path, "has values that are no names.", NAMES_OPTION, code="E-MASKS-NAMES")
     return names, any(key.startswith("#") for key in data)

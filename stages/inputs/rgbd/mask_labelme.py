@@ -9,7 +9,7 @@ import numpy as np
 from PIL import Image
 
 from stages.contracts.arrays import readable
-from stages.inputs.rgbd.mask_shapes import Mask, Shape, ShapeError, check_size, outline, rectangle, unread
+from stages.inputs.rgbd.mask_shapes import Mask, Shape, ShapeError, check_size, fill_outline, list_corners, refuse_shape
 
 AREAS_NOT = {"line": "is a line", "linestrip": "is a line", "point": "is a point", "points": "are points"}
 CORNERS = {"polygon", "rotation", "oriented_rectangle", "quadrilateral"}  # all of their corners are written
@@ -26,39 +26,41 @@ def read_labelme(path: Path, data: dict[str, Any], width: int, height: int, pict
         check_size(path, (int(data.get("imageWidth") or width), int(data.get("imageHeight") or height)), width, height)
         named = Path(str(data.get("imagePath") or "").replace("\\", "/"))
         if picture and named.name and named.stem != Path(picture).stem:
-            print(f"{path}: says to be of {named.name}, the picture is {picture}")
+            print(f"{path}: is of {named.name}, the picture is {picture}")
         shapes = []
         for number, shape in enumerate(data["shapes"], 1):
             label, group = str(shape.get("label") or "").strip(), shape.get("group_id")
             try:
-                mask = _drawn(shape, (height, width))
+                mask = _read_shape(shape, (height, width))
             except ShapeError as error:
-                raise unread(path, f"shape {number}", label, error) from None
+                raise refuse_shape(path, f"shape {number}", label, error) from None
             shapes.append(Shape(label, None, mask) if isinstance(mask, str) else Shape(label, mask, group=group))
         return shapes
 
 
-def _drawn(shape: dict[str, Any], size: tuple[int, int]) -> Mask | str:
+def _read_shape(shape: dict[str, Any], size: tuple[int, int]) -> Mask | str:
     """Pixels (H, W) of a shape, or in words why it has none."""
     kind, points = shape.get("shape_type") or "polygon", shape["points"]
     if kind in AREAS_NOT:
         return f"{AREAS_NOT[kind]}, no area"
     if kind == "mask":
-        return _pasted(shape, points, size)
+        return _paste_mask(shape, points, size)
     if kind in CORNERS or (kind == "rectangle" and len(points) == 4):
-        return outline(points, size)
+        return fill_outline(points, size)
     if kind == "rectangle" and len(points) == 2:
         if any(shape.get(key) for key in TURNED):
             raise ShapeError("is a rectangle that is turned, but has two corners alone")
-        return outline(rectangle(*points[0], *points[1]), size)
+        return fill_outline(list_corners(*points[0], *points[1]), size)
     if kind == "circle" and len(points) == 2:
         centre, edge = np.asarray(points, dtype=float)
         angles = np.linspace(0, 2 * np.pi, 64, endpoint=False)
-        return outline(centre + np.linalg.norm(edge - centre) * np.stack([np.cos(angles), np.sin(angles)], 1), size)
+        return fill_outline(
+            centre + np.linalg.norm(edge - centre) * np.stack([np.cos(angles), np.sin(angles)], 1), size
+        )
     raise ShapeError(f"is a {str(kind)!r} of {len(points)} points, which is not read")
 
 
-def _pasted(shape: dict[str, Any], points: Any, size: tuple[int, int]) -> Mask | str:
+def _paste_mask(shape: dict[str, Any], points: Any, size: tuple[int, int]) -> Mask | str:
     """A mask of its bounding box alone, as a PNG in base64, laid into the picture."""
     if not shape.get("mask"):
         return "is a mask without its pixels"

@@ -14,14 +14,14 @@ from stages.geometry.masks import polygon
 from stages.inputs.rgbd.frame import Labelled
 
 Mask = NDArray[np.bool_]
-EMPTY, COVERED = "has no pixels", "is covered by others"
-BEYOND = 2  # times the picture's longer side: no corner that somebody drew lies farther out
+NO_PIXELS, COVERED = "has no pixels", "is covered by others"
+FARTHEST_OUT = 2  # times the picture's longer side: no corner that somebody drew lies farther out; chosen
 
 
 @dataclass(frozen=True)
 class Shape:
-    """One shape or annotation: its label; its pixels (H, W), if any; what is to be said of it; shapes of one label and
-    group are one object.
+    """One shape or annotation: its label; its pixels (H, W), if any; a remark on it. Shapes of one label and group are
+    one object.
     """
 
     label: str
@@ -31,11 +31,11 @@ class Shape:
 
 
 class ShapeError(ValueError):
-    """A shape that cannot be read, so that its object would be lost or elsewhere; its text says why."""
+    """A shape that cannot be read, so that its object would be lost or misplaced; its text gives the reason."""
 
 
-def laid_over(path: Path, shapes: Sequence[Shape], kind: str) -> Labelled:
-    """All shapes in one label image; where they overlap the smaller one lies on top. Prints how many are used.
+def lay_shapes(path: Path, shapes: Sequence[Shape], kind: str) -> Labelled:
+    """All shapes in one label image; of two that overlap the smaller one lies on top. Prints how many are used.
 
     Args:
         path: of their file.
@@ -50,14 +50,14 @@ def laid_over(path: Path, shapes: Sequence[Shape], kind: str) -> Labelled:
     remarks: list[tuple[str, str]] = []
     for number, shape in enumerate(shapes):
         empty = shape.mask is not None and not shape.mask.any()
-        remarks += [(shape.label, EMPTY if empty else shape.remark)] if empty or shape.remark else []
+        remarks += [(shape.label, NO_PIXELS if empty else shape.remark)] if empty or shape.remark else []
         if shape.mask is None or empty:
             continue
         key: Hashable = number if shape.group is None else (shape.label, shape.group)
         objects[key] = shape.mask | objects[key] if key in objects else shape.mask
         members.setdefault(key, []).append(shape)
     if not objects:
-        what = f"shows no object in this picture: {listed(remarks) or f'it has no {kind}'}."
+        what = f"shows no object in this picture: {list_remarks(remarks) or f'it has no {kind}'}."
         raise InputError(path, what, "masks of this very picture", code="E-MASKS-EMPTY")
     numbers = {key: number for number, key in enumerate(objects, 1)}
     values = np.zeros(next(iter(objects.values())).shape, dtype=np.uint16)
@@ -68,18 +68,18 @@ def laid_over(path: Path, shapes: Sequence[Shape], kind: str) -> Labelled:
     remarks += [(shape.label, COVERED) for key in objects if key not in used for shape in members[key]]
     count = sum(map(len, used.values()))
     grouped = f", as {len(used)} objects" if len(used) < count else ""
-    said = f": {listed(remarks)}" if remarks else ""
-    print(f"{path}: {len(shapes)} {kind}, {count} used{grouped}{said}")
+    unused = f": {list_remarks(remarks)}" if remarks else ""
+    print(f"{path}: {len(shapes)} {kind}, {count} used{grouped}{unused}")
     return Labelled(values, {numbers[key]: some[0].label for key, some in used.items()})
 
 
-def listed(remarks: Iterable[tuple[str, str]]) -> str:
-    """Labels and what is said of them, e.g. "'cup' has no pixels, 'line' (3) is a line, no area"."""
+def list_remarks(remarks: Iterable[tuple[str, str]]) -> str:
+    """Labels with remarks, e.g. "'cup' has no pixels, 'line' (3) is a line, no area"."""
     counts = Counter(remarks)
     return ", ".join(f"{label!r}{f' ({n})' if n > 1 else ''} {what}" for (label, what), n in counts.items())
 
 
-def outline(points: Any, shape: tuple[int, int]) -> Mask:
+def fill_outline(points: Any, shape: tuple[int, int]) -> Mask:
     """Pixels (H, W) inside a polygon of corners in pixels, as pairs or one after the other.
 
     Raises:
@@ -91,14 +91,14 @@ def outline(points: Any, shape: tuple[int, int]) -> Mask:
         raise ShapeError("has corners that are no numbers") from None
     if len(corners) % 2 or not np.isfinite(corners).all():
         raise ShapeError(f"has {len(corners)} numbers for its corners, which are no pairs of x and y")
-    if len(corners) and np.abs(corners).max() > BEYOND * max(shape):
+    if len(corners) and np.abs(corners).max() > FARTHEST_OUT * max(shape):
         raise ShapeError(f"has a corner at {np.abs(corners).max():g}, far outside of the picture")
     if len(corners) >= 6 and 0 < corners.max() <= 1 and corners.min() >= 0:
         raise ShapeError("has corners in shares of the picture, not in pixels")
     return polygon(corners, shape)
 
 
-def rectangle(left: float, top: float, right: float, bottom: float) -> NDArray[np.float64]:
+def list_corners(left: float, top: float, right: float, bottom: float) -> NDArray[np.float64]:
     """Its corners (4, 2)."""
     return np.array([[left, top], [right, top], [right, bottom], [left, bottom]])
 
@@ -118,6 +118,6 @@ def check_size(path: Path, found: tuple[int, int], width: int, height: int) -> N
         )
 
 
-def unread(path: Path, which: str, label: str, why: object) -> InputError:
-    """The refusal of a shape that cannot be read; `which` says where in the file it is."""
+def refuse_shape(path: Path, which: str, label: str, why: object) -> InputError:
+    """The refusal of a shape that cannot be read; `which`: its place in the file."""
     return InputError(path, f"{which}, {label!r}, {why}.", "draw it as a polygon, or remove it", code="E-MASKS-SHAPE")

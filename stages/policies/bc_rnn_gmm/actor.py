@@ -38,8 +38,8 @@ class Actor:
     @torch.inference_mode()
     def act(self, slots: Sequence[int], clouds: Sequence[Float], proprio: Sequence[Float]) -> Float:
         """Actions (n, 7) in [-1, 1] of the environments in `slots`, from clouds (P, 4) and proprioception (9,)."""
-        kept = [self.policy.thinned(cloud, self.random[slot]) for slot, cloud in zip(slots, clouds, strict=True)]
-        encoded = self.policy.observed(kept, list(proprio))
+        kept = [self.policy.thin_cloud(cloud, self.random[slot]) for slot, cloud in zip(slots, clouds, strict=True)]
+        encoded = self.policy.encode_observations(kept, list(proprio))
         for slot, row in zip(slots, encoded, strict=True):
             self.past[slot] = [*self.past[slot], row][-self.horizon :]
         lengths = [len(self.past[slot]) for slot in slots]

@@ -16,14 +16,14 @@ class PortablePolicy:
         self.lstm.load_state_dict({k[5:]: tensor for k, tensor in self.weights.items() if k.startswith("lstm.")})
         self.past: list[torch.Tensor] = []  # clear it when an episode begins
         if self.about["flags"] > 2:
-            import proud  # lies beside this file
+            import handle_points  # lies beside this file
 
-            self.proud = proud
+            self.handle_points = handle_points
 
     @torch.inference_mode()
     def __call__(self, cloud: torch.Tensor, proprio: torch.Tensor) -> torch.Tensor:  # (P, 4), (9,) -> action (7,)
         if (flags := self.about["flags"]) > 2:
-            cloud = self.proud.mark_proud(cloud[None])[0][0]
+            cloud = self.handle_points.mark_handle_points(cloud[None])[0][0]
         order = torch.randperm(len(cloud))
         if self.about["keep_flagged"]:
             order = order[(cloud[order, 3] != -1).int().argsort(stable=True)]
@@ -33,11 +33,11 @@ class PortablePolicy:
         for i in range(self.about["point_layers"]):
             x = linear(gelu(x) if i else x, self.weights[f"point.{i}.weight"], self.weights[f"point.{i}.bias"])
         own = (proprio - self.weights["proprio_mean"]) / self.weights["proprio_std"]
-        seen = [proprio[:3], self.proud.middles(some)] if self.about["middle"] else []
+        seen = [proprio[:3], self.handle_points.find_handle_middles(some)] if self.about["middle"] else []
         self.past = [*self.past, torch.cat([relu(x.amax(0)), own, *seen])][-self.about["horizon"] :]
         x = torch.stack(self.past)
         if self.about["middle"]:
-            x = torch.cat([x[:, :-7], self.proud.to_handle(x[:, -4:], x[:, -7:-4])], dim=1)
+            x = torch.cat([x[:, :-7], self.handle_points.offsets_to_handle(x[:, -4:], x[:, -7:-4])], dim=1)
         x = self.lstm(x)[0][-1]
         for i in range(self.about["head_layers"]):
             x = linear(relu(x) if i else x, self.weights[f"head.{i}.weight"], self.weights[f"head.{i}.bias"])

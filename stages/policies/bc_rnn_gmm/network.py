@@ -14,7 +14,7 @@ from stages.policies.bc_rnn_gmm.mixture import Mixture
 from stages.policies.seeing import SeeingPolicy
 
 State = tuple[Tensor, Tensor]
-MOST, LEAST = 0.9, 0.01  # bounds of the mean (before tanh) and of the deviation at which a mode starts
+START_MEAN, START_STD = 0.9, 0.01  # largest mean (before atanh), least deviation at which a mode starts; chosen
 
 
 class BcRnnGmm(SeeingPolicy):
@@ -42,15 +42,15 @@ class BcRnnGmm(SeeingPolicy):
         saturates a third of the LSTM and silences half of the MLP, and some trainings never recover.
         """
         modes = self.network.gmm_modes
-        means = actions.mean(0).clamp(-MOST, MOST).atanh()
-        stds = (actions.std(0) - self.network.gmm_min_std).clamp_min(LEAST)
+        means = actions.mean(0).clamp(-START_MEAN, START_MEAN).atanh()
+        stds = (actions.std(0) - self.network.gmm_min_std).clamp_min(START_STD)
         _, mean_bias, std_bias = self.head.bias.split([modes, modes * ACTION, modes * ACTION])
         mean_bias.add_(means.repeat(modes))
         std_bias.copy_(stds.expm1().log().repeat(modes))  # softplus of it is the deviation
 
     def decode(self, encoded: Tensor, state: State | None = None) -> tuple[Mixture, State]:
         """Mixtures (B, T, ...) of encoded observations (B, T, F), and the LSTM's state behind the last one."""
-        memory, state = self.lstm(self.with_handle(encoded), state)
+        memory, state = self.lstm(self.add_handle_offset(encoded), state)
         out = self.head(self.mlp(memory))
         modes = self.network.gmm_modes
         logits, means, stds = out.split([modes, modes * ACTION, modes * ACTION], dim=-1)

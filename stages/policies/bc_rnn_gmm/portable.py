@@ -22,7 +22,7 @@ def portable(policy: BcRnnGmm, choose: Choice) -> tuple[dict[str, Tensor], dict[
     weights = {f"lstm.{name}": tensor for name, tensor in policy.lstm.state_dict().items()}
     weights |= {name: getattr(policy, name) for name in ("proprio_mean", "proprio_std")}
     with torch.no_grad():
-        weight, bias = points.folded()  # on x, y, z as the policy normalises them, and the flags
+        weight, bias = points.fold_first_layer()  # on x, y, z as the policy normalises them, and the flags
         scale = torch.cat([1 / policy.cloud_std.expand(3), torch.ones(policy.flags - 1)])
         shift = torch.cat([policy.cloud_mean, torch.zeros(policy.flags - 1)])
         weights |= {"point.0.weight": weight * scale, "point.0.bias": bias - weight @ (shift * scale)}

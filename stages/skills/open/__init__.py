@@ -1,6 +1,6 @@
 """The Open skill: Approach, Converge, Grasp, Articulate, Ungrasp (paper A.4)."""
 
-from stages.planning.articulation import open_enough, opened_to
+from stages.planning.articulation import choose_open_goals, choose_release_opening
 from stages.simulation.target import Target
 from stages.skills.articulate import ArticulateSkill
 
@@ -14,11 +14,11 @@ class OpenSkill(ArticulateSkill):
         return 0.2 if len(self.task.task.skills) > 1 else 0.0
 
     def goals(self, target: Target) -> tuple[float, ...]:
-        return opened_to(target, self.task.success_opening, self.options.goal_margin)
+        return choose_open_goals(target, self.task.success_opening, self.options.goal_margin)
 
     def enough(self, goal: float) -> bool:
         target, options = self.task.env.target, self.options
-        return self.task.opened >= open_enough(target, self.task.success_opening, options.goal_margin, goal)
+        return self.task.opened >= choose_release_opening(target, self.task.success_opening, options.goal_margin, goal)
 
     def done(self) -> bool:
         return self.task.opened >= self.task.success_opening

@@ -9,13 +9,13 @@ from scipy.spatial.transform import Rotation
 
 from plugins.bowl.carry import CANDIDATES
 from stages.geometry.frames import rigid
-from stages.planning.clearance import MARGIN, gripper_spheres
+from stages.planning.clearance import CLEARANCE, gripper_spheres
 from stages.planning.handle_grasp import HALF_PAD
 from stages.simulation.kinematics import Array
 from stages.skills.motion import EMPTY
 
-LEAN = 0.6  # radians: between an approach and straight down, and between a contact's normal and the closing axis
-TURNS = 16  # approach directions tried about each closing axis
+LEAN = 0.6  # radians of an approach from straight down, and of a contact's normal from the closing axis; chosen
+TURNS = 16  # approach directions tried about each closing axis; chosen
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ def sample_grasps(cloud: ObjectCloud, object_pose: Array, floor: float, opening:
     poses = []
     level = np.flatnonzero(np.abs(normals[:, 2]) <= np.sin(LEAN))  # an approach within the cone is across these
     for first in rng.choice(level, min(CANDIDATES, len(level)), replace=False):
-        second = opposite(points, normals, first, 2 * (opening - MARGIN))
+        second = opposite(points, normals, first, 2 * (opening - CLEARANCE))
         if second is None:
             continue
         closing = -normals[first]
@@ -67,7 +67,7 @@ def opposite(points: Array, normals: Array, first: int, widest: float) -> int | 
     along = -(offset @ normals[first])
     aside = np.linalg.norm(offset + along[:, None] * normals[first], axis=1)
     facing = normals @ normals[first] < -np.cos(LEAN)
-    candidates = np.flatnonzero((along > 2 * EMPTY) & (along < widest) & (aside < MARGIN) & facing)
+    candidates = np.flatnonzero((along > 2 * EMPTY) & (along < widest) & (aside < CLEARANCE) & facing)
     return int(candidates[along[candidates].argmin()]) if len(candidates) else None
 
 
@@ -98,7 +98,7 @@ def fitting(poses: Array, points: Array, floor: float, opening: float) -> Array:
     spheres, radii = gripper_spheres(opening)
     placed = spheres @ np.swapaxes(rotations, 1, 2) + poses[:, None, :3, 3]  # (N, S, 3)
     gaps = np.minimum(cKDTree(points).query(placed)[0], placed[..., 2] - floor) - radii
-    return np.asarray(poses[(gaps > MARGIN).all(axis=1) & (depth > -2 * HALF_PAD)])
+    return np.asarray(poses[(gaps > CLEARANCE).all(axis=1) & (depth > -2 * HALF_PAD)])
 
 
 def by_turn(poses: Array, hand: Array) -> Array:

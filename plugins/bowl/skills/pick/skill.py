@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from plugins.bowl.carry import CarrySkill, held_spheres, shifted
+from plugins.bowl.carry import CarrySkill, make_held_spheres, shift_pose
 from plugins.bowl.skills.pick.grasps import by_turn, object_cloud, sample_grasps
 from stages.geometry.frames import apply, inverse
 from stages.planning.path import along, straight
@@ -44,15 +44,15 @@ class PickSkill(CarrySkill):
         """Move, the last part of it, and Lift, for every grasp (N, 4, 4), base frame: straight there, or backing off
         from a handle first, or from there through the rest pose, where no joint is near its limits."""
         hand, back = self.task.hand(), self.options.pregrasp
-        off = shifted(hand, back * self.task.env.base_from_asset()[:3, 0])  # the way that a drawer opens
+        off = shift_pose(hand, back * self.task.env.base_from_asset()[:3, 0])  # the way that a drawer opens
         joint = (self.joint(), self.joint())
         to_rest = homing(self.task.chain, self.task.joints()[:7], off)
         plans = []
         for grasp in grasps:
-            above = shifted(grasp, -back * grasp[:3, 2])
-            held = held_spheres(item.mesh, inverse(grasp) @ item.base_from_object)
+            above = shift_pose(grasp, -back * grasp[:3, 2])
+            held = make_held_spheres(item.mesh, inverse(grasp) @ item.base_from_object)
             down = Stretch(straight(above, grasp), GRIPPER_OPEN, joint)
-            lift = Stretch(straight(grasp, shifted(grasp, np.array([0.0, 0.0, back]))), None, joint, held)
+            lift = Stretch(straight(grasp, shift_pose(grasp, np.array([0.0, 0.0, back]))), None, joint, held)
             home = np.concatenate([to_rest, straight(to_rest[-1], above)[1:]])
             for way in (straight(hand, above), along([hand, off, above]), home):
                 plans.append((Stretch(way, GRIPPER_OPEN, joint, slack=ON_THE_WAY), down, lift))

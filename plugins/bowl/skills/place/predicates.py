@@ -1,4 +1,4 @@
-"""Where an object may be put: predicates of another object's surface, met by rejection sampling (paper A.4)."""
+"""Where an object may be put: predicates of another object's surface, by rejection sampling (paper A.4)."""
 
 from collections.abc import Callable
 
@@ -6,17 +6,17 @@ import numpy as np
 import trimesh
 
 from stages.geometry.frames import inverse, rigid, yaw_matrix
-from stages.planning.clearance import MARGIN
+from stages.planning.clearance import CLEARANCE
 from stages.planning.path import ANGLE_WEIGHT
 from stages.simulation.kinematics import Array
 from stages.simulation.region import CELL, Region
 
-DROP = (0.012, 0.16)  # metres above the surface at which it is let go: a deep drawer has no room for the hand
+DROP = (0.012, 0.16)  # metres above the surface at which it is let go: a deep drawer has no room for the hand; chosen
 
 
 def inside(region: Region, mesh: trimesh.Trimesh) -> Array:
     """(N, 3) places for an upright object's axis on the region, where no part of it reaches past the region's walls."""
-    return region.places(_radius(mesh.vertices) + MARGIN)
+    return region.places(_radius(mesh.vertices) + CLEARANCE)
 
 
 def on_top(region: Region, mesh: trimesh.Trimesh) -> Array:

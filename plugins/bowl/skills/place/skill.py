@@ -4,7 +4,7 @@ import itertools
 
 import numpy as np
 
-from plugins.bowl.carry import CANDIDATES, CarrySkill, held_spheres, shifted
+from plugins.bowl.carry import CANDIDATES, CarrySkill, make_held_spheres, shift_pose
 from plugins.bowl.skills.place.predicates import PREDICATES, sample_placements
 from stages.geometry.frames import apply, inverse
 from stages.planning.path import along, straight
@@ -13,7 +13,7 @@ from stages.simulation.kinematics import Array
 from stages.simulation.robot import GRIPPER_OPEN
 from stages.skills.motion import CLOSED, OPEN, Motion
 
-OVER = (0.06, 0.02)  # metres between a held object and what it is lifted over; the less if the arm cannot go so high
+OVER = (0.06, 0.02)  # metres above what a held object is lifted over, tried in turn; chosen
 
 
 class PlaceSkill(CarrySkill):
@@ -29,8 +29,8 @@ class PlaceSkill(CarrySkill):
             return "dropped"
         places = apply(item.base_from_region, PREDICATES[item.relation](item.region, item.mesh))
         poses = sample_placements(places, item.mesh, hand, hand_from_object, CANDIDATES, number)
-        held = held_spheres(item.mesh, hand_from_object)
-        poses = poses[self.held_at(poses, None, held)] if len(poses) else poses
+        held = make_held_spheres(item.mesh, hand_from_object)
+        poses = poses[self.can_hold_at(poses, None, held)] if len(poses) else poses
         if len(poses) == 0:
             return "no_place"
         plan = self.first(self._plans(poses, hand, held))
@@ -48,11 +48,11 @@ class PlaceSkill(CarrySkill):
         for pose, over in itertools.product(poses, OVER):
             top = self._rim() + over
             low = float(apply(pose, held[:, :3])[:, 2].min())
-            above = shifted(pose, np.array([0.0, 0.0, max(0.02, top - low)]))
+            above = shift_pose(pose, np.array([0.0, 0.0, max(0.02, top - low)]))
             high = hand.copy()
             high[2, 3] = max(hand[2, 3], above[2, 3])
             down = Stretch(straight(above, pose), None, joint, held)
-            up = shifted(pose, np.array([0.0, 0.0, max(self.options.pregrasp, top - pose[2, 3])]))
+            up = shift_pose(pose, np.array([0.0, 0.0, max(self.options.pregrasp, top - pose[2, 3])]))
             retreat = Stretch(straight(pose, up), GRIPPER_OPEN, joint)
             way = along([hand, high, above] if high[2, 3] > hand[2, 3] else [hand, above])
             plans.append((Stretch(way, None, joint, held, ON_THE_WAY), down, retreat))

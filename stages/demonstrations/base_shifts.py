@@ -1,4 +1,4 @@
-"""Where the robot may stand in a room, and what is in its way there."""
+"""Where the robot's base may stand in a room, and what is in its way there."""
 
 import numpy as np
 from sapien.physx import PhysxArticulationLinkComponent
@@ -11,16 +11,17 @@ from stages.simulation.robot import GRIPPER_OPEN
 from stages.simulation.room import Room
 from stages.tasks.api import TaskEnv
 
+# Metres that are tried, towards the handle and sideways; chosen.
 TOWARDS, SIDEWAYS = (0.0, -0.05, 0.08, -0.1, 0.15), (0.0, 0.12, -0.12, 0.25, -0.25)
 
 
-def places() -> list[tuple[float, float]]:
+def list_base_shifts() -> list[tuple[float, float]]:
     """Shifts (x, y) of the robot from its usual place before a handle, in the object's frame, the smallest first."""
     found = [(x, y) for x in TOWARDS for y in SIDEWAYS]
     return sorted(found, key=lambda shift: (round(abs(shift[0]) + abs(shift[1]), 3), shift))
 
 
-def in_the_way(task: TaskEnv, room: Room) -> str | None:
+def find_obstacle(task: TaskEnv, room: Room) -> str | None:
     """What is in the way of the robot in its present pose, or of what the task brings along (props); or None."""
     things = {name: points for name, points in room.obstacles.items() if name != "floor"}
     base = task.env.agent.robot.pose.sp.to_transformation_matrix()
@@ -42,7 +43,7 @@ def in_the_way(task: TaskEnv, room: Room) -> str | None:
     return None
 
 
-def touched(task: TaskEnv, room: Room) -> set[str]:
+def find_touched(task: TaskEnv, room: Room) -> set[str]:
     """Names of furniture and walls that the robot or the object touches now."""
     bodies = (task.env.agent.robot, task.env.object)
     ours = {link.entity.per_scene_id for body in bodies for link in body._objs[0].links}

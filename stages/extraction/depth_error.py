@@ -7,15 +7,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
-from stages.config.extraction import ExtractionConfig
 from stages.contracts.objects import USUAL_ERROR, DepthError, Wall
-from stages.extraction.masks import eroded
 from stages.extraction.observation import AnnotatedImage
-from stages.extraction.room import GRAZING
+from stages.geometry.masks import erode
+from stages.geometry.room_planes import GRAZING, PLANE_THRESHOLD
 
-PARTS, LEAST = 8, 100  # parts of a plane by distance, each with so many points at least
-MOST = 0.05  # of the distance: what lies farther from a plane is no plane
-TO_DEVIATION = 1.4826  # times the median of the errors' sizes: a few pixels of something else do not count
+PARTS = 8  # of a plane, by distance; chosen
+LEAST = 100  # points of a part: their median deviation errs by 12 %
+NO_PLANE = 0.05  # of the distance: what lies farther from a plane is none; chosen
+TO_DEVIATION = 1.4826  # standard deviations of a normal distribution to the median of its absolute deviations
 
 
 class Surface(NamedTuple):
@@ -26,38 +26,32 @@ class Surface(NamedTuple):
     offset: float
 
 
-def error_of(
-    image: AnnotatedImage,
-    points: NDArray[np.float64],
-    eye: NDArray[np.float64],
-    walls: Mapping[int, Wall],
-    options: ExtractionConfig,
+def estimate_depth_error(
+    image: AnnotatedImage, points: NDArray[np.float64], eye: NDArray[np.float64], walls: Mapping[int, Wall]
 ) -> DepthError:
-    """The error of a picture's depth: as its source knows it, else measured at the floor, else at the walls (one mask
-    of people's may show two of them), else the usual one.
+    """The error of a picture's depth: as its source states it, else measured at the floor, else at the walls.
+
+    The floor comes first: one mask of a person's may show two walls. Where neither is seen it is the usual error.
 
     Args:
-        points: (H, W, 3) of the picture in the floor frame, NaN where not used. eye: (3,) of the camera.
+        points: (H, W, 3) of the pixels, floor frame, NaN where not used; the camera is at `eye` (3,).
         walls: by the mask values that show them.
-        options: thresholds.
     """
     if image.depth_error is not None:
         return image.depth_error
     if image.annotations.floor is not None:
         floor = image.masks == image.annotations.floor
     else:
-        floor = (np.abs(points[..., 2]) < options.plane_threshold) & ~np.isin(image.masks, image.annotations.values)
+        floor = (np.abs(points[..., 2]) < PLANE_THRESHOLD) & ~np.isin(image.masks, image.annotations.values)
     shown = [(floor, [0.0, 0.0, 1.0], 0.0)]
     shown += [(image.masks == value, list(wall.normal), wall.offset) for value, wall in walls.items()]
     known = np.isfinite(points[..., 2])
-    surfaces = [
-        Surface(points[eroded(mask & known, options.erosion, 0)], np.array(n), offset) for mask, n, offset in shown
-    ]
-    return measured_error(surfaces[:1], eye) or measured_error(surfaces[1:], eye) or USUAL_ERROR
+    surfaces = [Surface(points[erode(mask & known, keep=0)], np.array(n), offset) for mask, n, offset in shown]
+    return measure_error(surfaces[:1], eye) or measure_error(surfaces[1:], eye) or USUAL_ERROR
 
 
-def measured_error(surfaces: Sequence[Surface], eye: NDArray[np.float64]) -> DepthError | None:
-    """The error of the depth of surfaces seen from `eye` (3,); None if too little of them is seen, or they are none.
+def measure_error(surfaces: Sequence[Surface], eye: NDArray[np.float64]) -> DepthError | None:
+    """The error of the depth of surfaces seen from `eye` (3,); None if they are too small or no planes.
 
     Each is cut into parts by distance; a and b are the least squares, not negative, over the deviations of the parts.
     """
@@ -72,7 +66,7 @@ def measured_error(surfaces: Sequence[Surface], eye: NDArray[np.float64]) -> Dep
             if len(part) >= LEAST:
                 distances.append(float(np.mean(ranges[part])))
                 deviations.append(TO_DEVIATION * float(np.median(off[part])))
-    if not distances or np.median(np.divide(deviations, distances)) > MOST:
+    if not distances or np.median(np.divide(deviations, distances)) > NO_PLANE:
         return None
     (a, b), _ = nnls(np.column_stack([np.ones(len(distances)), np.square(distances)]), np.array(deviations))
     return DepthError(round(float(a), 6), round(float(b), 6))

@@ -1,28 +1,29 @@
-"""Finds what stands proud of a front, which is the handle, from the cloud alone, without labels (not in the paper).
+"""Finds the points of a handle in a cloud, without labels: those that lie before the plane of the front.
 
-A policy whose cloud marks the handle can go by it; one whose cloud does not goes by the borders of the front
+Not in the paper: a policy whose cloud marks the handle goes by it, others go by the borders of the front
 (docs/policies.md). Torch alone is imported: an exported policy carries this file.
 
-Clouds (B, P, 4) are x, y, z in metres in the robot base frame and a flag: 0 scene, 1 finger, -1 proud (marked here).
+Clouds (B, P, 4) are x, y, z in metres in the robot base frame and a flag: 0 scene, 1 finger, -1 handle (marked here).
 """
 
 import torch
 from torch import Tensor
 
-ANCHORS = 16  # points whose pairs are the hypotheses of the front's plane, spread over the cloud
-NEAR = 0.006  # metres: a point this near to the plane lies in it
-BEFORE = 0.008  # metres: a point this far before the plane stands proud of it
-THIN = 0.02  # metres: deviation, along their thinnest axis, of points that may be one handle
-CHUNK = 128  # clouds at once
-REACH = 0.1  # metres that count as 1 in `to_handle`
+# Chosen; what they mark is counted in docs/results/policies.md.
+ANCHORS = 16  # points, spread over the cloud, whose pairs are the hypotheses of the front's plane
+ON_PLANE = 0.006  # metres: a point this near to the plane lies in it
+BEFORE_PLANE = 0.008  # metres: a point this far before the plane is of the handle
+THIN = 0.02  # metres: largest deviation of a handle's points along their thinnest axis
+CHUNK = 128  # clouds at once, for memory
+UNIT = 0.1  # metres that count as 1 in `offsets_to_handle`
 
 
-def mark_proud(clouds: Tensor) -> tuple[Tensor, Tensor]:
-    """The clouds with flag -1 on what stands proud of the front, and the front's upright planes.
+def mark_handle_points(clouds: Tensor) -> tuple[Tensor, Tensor]:
+    """The clouds with flag -1 on the handle's points, and the front's upright planes.
 
     A plane (B, 3) is its unit normal (x, y), which points to the robot, and offset: n_x x + n_y y = offset. Zeros: a
-    cloud without a front. Of the upright planes through two of `ANCHORS` points the one with most points within `NEAR`
-    is refined by least squares. What is proud must be thin one way, or the plane was not that of the front.
+    cloud without a front. Of the upright planes through two of `ANCHORS` points the one with most points within
+    `ON_PLANE` is refined by least squares. The points before it must be thin one way, or it is not that of the front.
     """
     parts = [_mark(part) for part in clouds.split(CHUNK)]
     return torch.cat([cloud for cloud, _ in parts]), torch.cat([plane for _, plane in parts])
@@ -30,20 +31,20 @@ def mark_proud(clouds: Tensor) -> tuple[Tensor, Tensor]:
 
 def _mark(clouds: Tensor) -> tuple[Tensor, Tensor]:
     xyz, scene = clouds[..., :3].float(), clouds[..., 3] == 0
-    planes = front_planes(xyz[..., :2], scene)
-    proud = scene & (_before(xyz[..., :2], planes) > BEFORE) & planes.any(-1, keepdim=True)
-    weight = proud.float()[..., None]
+    planes = find_front_planes(xyz[..., :2], scene)
+    handle = scene & (_before(xyz[..., :2], planes) > BEFORE_PLANE) & planes.any(-1, keepdim=True)
+    weight = handle.float()[..., None]
     count = weight.sum(1).clamp_min(1)
     middle = (xyz * weight).sum(1) / count
     centred = (xyz - middle[:, None]) * weight
     spread = torch.linalg.eigvalsh(centred.mT @ centred / count[..., None])[:, 0]
-    proud &= (spread < THIN**2)[:, None]
-    flags = torch.where(proud, -1.0, clouds[..., 3])
+    handle &= (spread < THIN**2)[:, None]
+    flags = torch.where(handle, -1.0, clouds[..., 3])
     return torch.cat([clouds[..., :3], flags[..., None].to(clouds.dtype)], dim=-1), planes
 
 
-def front_planes(xy: Tensor, scene: Tensor) -> Tensor:
-    """Planes (B, 3) as of `mark_proud`: lines, seen from above, through points (B, P, 2) where `scene` (B, P)."""
+def find_front_planes(xy: Tensor, scene: Tensor) -> Tensor:
+    """Planes (B, 3) as of `mark_handle_points`: lines from above through points (B, P, 2) where `scene` holds."""
     order = scene.int().argsort(dim=1, descending=True, stable=True)
     count = scene.sum(1)
     steps = torch.linspace(0, 1, ANCHORS, device=xy.device)
@@ -55,12 +56,12 @@ def front_planes(xy: Tensor, scene: Tensor) -> Tensor:
     lengths = normals.norm(dim=-1, keepdim=True)
     normals = normals / lengths.clamp_min(1e-6)
     offsets = (normals * anchors[:, first]).sum(-1)
-    inside = ((xy @ normals.mT - offsets[:, None]).abs() < NEAR) & scene[..., None] & (lengths.mT > NEAR)
+    inside = ((xy @ normals.mT - offsets[:, None]).abs() < ON_PLANE) & scene[..., None] & (lengths.mT > ON_PLANE)
     best = inside.sum(1).argmax(1)
     rows = torch.arange(len(xy), device=xy.device)
     planes = torch.cat([normals[rows, best], offsets[rows, best, None]], dim=1)
     for _ in range(2):  # refined, a plane has better inliers, which give a better plane
-        weight = ((_before(xy, planes).abs() < NEAR) & scene).float()[..., None]
+        weight = ((_before(xy, planes).abs() < ON_PLANE) & scene).float()[..., None]
         total = weight.sum(1).clamp_min(1)
         middle = (xy * weight).sum(1) / total
         x, y = ((xy - middle[:, None]) * weight).unbind(-1)
@@ -76,7 +77,7 @@ def _before(xy: Tensor, planes: Tensor) -> Tensor:
     return (xy * planes[:, None, :2]).sum(-1) - planes[:, None, 2]
 
 
-def middles(clouds: Tensor) -> Tensor:
+def find_handle_middles(clouds: Tensor) -> Tensor:
     """Middle (x, y, z) of the box of the marked points, and how many they are; clouds (..., P, 4) give (..., 4)."""
     xyz, marked = clouds[..., :3], clouds[..., 3:] == -1
     low, high = (torch.where(marked, xyz, sign * torch.inf) for sign in (1, -1))
@@ -84,14 +85,14 @@ def middles(clouds: Tensor) -> Tensor:
     return torch.cat([middle, marked.sum(-2).to(xyz.dtype)], dim=-1)
 
 
-def to_handle(seen: Tensor, hand: Tensor) -> Tensor:
+def offsets_to_handle(seen: Tensor, hand: Tensor) -> Tensor:
     """From the hand (..., T, 3) to the handle at every step, in tenths of metres, and 1; zeros where none was seen yet.
 
-    `seen` (..., T, 4) as of `middles`. The fingers hide a small handle when they come near: at each step the handle is
-    where it was when, up to now, most of it was seen.
+    `seen` (..., T, 4) as of `find_handle_middles`. The fingers hide a small handle when they come near, so at each step
+    it is where most of its points were seen up to now.
     """
     steps = torch.arange(seen.shape[-2], device=seen.device)
     best = (seen[..., 3] * len(steps) + steps).cummax(-1).indices  # of equals the latest
     then = seen.gather(-2, best[..., None].expand_as(seen))
     known = (then[..., 3:] > 0).to(seen.dtype)
-    return torch.cat([(then[..., :3] - hand) / REACH * known, known], dim=-1)
+    return torch.cat([(then[..., :3] - hand) / UNIT * known, known], dim=-1)

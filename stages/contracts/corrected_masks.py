@@ -4,21 +4,18 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.contracts import Annotations
 from stages.contracts.corrections import MEASURED, Correction
 from stages.contracts.fronts import counted
-from stages.contracts.scenes import Annotation, Held
-from stages.contracts.types import Pixel
+from stages.contracts.scenes import Annotation, Annotations, Held
+from stages.contracts.types import FLOOR, WALL, Pixel
 from stages.geometry.masks import pixel_bounds, polygon
 
-FLOOR, WALL = "floor", "wall"
-ROOM = (FLOOR, WALL)
-AROUND = 0.25  # share of a box by which the picture around it is looked at, to tell what is behind
-LONGEST = 320  # pixels at which a box's content is cut out
-ROUNDS = 4
+ROOM = (FLOOR, WALL)  # labels of what is no object
+AROUND = 0.25  # share of a box by which the picture around it is looked at, to tell what is behind; chosen
+CUT_SIDE = 320  # pixels of the longer side at which GrabCut works; chosen for time
 
 
-def as_found(annotations: Annotations) -> dict[int, Correction]:
+def list_found(annotations: Annotations) -> dict[int, Correction]:
     """Objects, floor and walls of an input folder as corrections, by mask value."""
     rooms = [(value, FLOOR) for value in [annotations.floor] if value is not None]
     rooms += [(value, WALL) for value in annotations.walls]
@@ -31,22 +28,22 @@ def as_found(annotations: Annotations) -> dict[int, Correction]:
     return {item.mask: item for item in [*things, *(Correction(mask=value, label=label) for value, label in rooms)]}
 
 
-def laid_over(found: dict[int, Correction], told: dict[int, Correction]) -> dict[int, Correction]:
+def apply_corrections(found: dict[int, Correction], stated: dict[int, Correction]) -> dict[int, Correction]:
     """The found objects with the corrections applied; removed ones are left out."""
     merged = dict(found)
-    for mask, item in told.items():
-        said = {name: getattr(item, name) for name in item.model_dump(exclude_defaults=True)}
+    for mask, item in stated.items():
+        given = {name: getattr(item, name) for name in item.model_dump(exclude_defaults=True)}
         if item.mounting == MEASURED:
-            said["mounting"] = None
+            given["mounting"] = None
         if item.panels:
-            said |= counted(item.panels)
-        elif said.keys() & {"doors", "drawers"}:
-            said["panels"] = []  # those that were found are of other doors and drawers
-        merged[mask] = merged.get(mask, Correction(mask=mask)).model_copy(update=said)
+            given |= counted(item.panels)
+        elif given.keys() & {"doors", "drawers"}:
+            given["panels"] = []  # those that were found are of other doors and drawers
+        merged[mask] = merged.get(mask, Correction(mask=mask)).model_copy(update=given)
     return {mask: item for mask, item in merged.items() if not item.gone}
 
 
-def drawn(item: Correction) -> bool:
+def is_drawn(item: Correction) -> bool:
     """Whether its pixels are not as they were found."""
     return item.around is not None or len(item.outline) > 2
 
@@ -70,7 +67,7 @@ class Cutter:
         margin = 2 + round(AROUND * max(x1 - x0, y1 - y0))
         left, top = max(0, x0 - margin), max(0, y0 - margin)
         part = self.rgb[top : y1 + margin, left : x1 + margin]
-        scale = min(1.0, LONGEST / max(part.shape[:2]))
+        scale = min(1.0, CUT_SIDE / max(part.shape[:2]))
         size = tuple(max(8, round(side * scale)) for side in part.shape[1::-1])
         small = np.ascontiguousarray(cv2.resize(part, size, interpolation=cv2.INTER_AREA))
         zoom = size[0] / part.shape[1], size[1] / part.shape[0]
@@ -82,7 +79,7 @@ class Cutter:
         if (kinds == cv2.GC_BGD).any() and (kinds == cv2.GC_PR_FGD).any():
             cv2.setRNGSeed(0)
             background, foreground = np.zeros((1, 65)), np.zeros((1, 65))
-            cv2.grabCut(small, kinds, (0, 0, 0, 0), background, foreground, ROUNDS, cv2.GC_INIT_WITH_MASK)
+            cv2.grabCut(small, kinds, (0, 0, 0, 0), background, foreground, 4, cv2.GC_INIT_WITH_MASK)
         seen = ((kinds == cv2.GC_FGD) | (kinds == cv2.GC_PR_FGD)).astype(np.uint8)
         whole = cv2.resize(seen, part.shape[1::-1], interpolation=cv2.INTER_NEAREST) > 0
         mask[top : top + part.shape[0], left : left + part.shape[1]] = whole
@@ -91,7 +88,7 @@ class Cutter:
         return mask
 
 
-def pixel_box(box: tuple[Pixel, Pixel], width: int, height: int) -> tuple[int, int, int, int]:
+def clip_box(box: tuple[Pixel, Pixel], width: int, height: int) -> tuple[int, int, int, int]:
     """Whole pixels of a drawn box, inside the picture, at least one."""
     (xa, ya), (xb, yb) = box
     x0, x1 = (int(np.clip(round(x), 0, width)) for x in sorted((xa, xb)))
@@ -100,27 +97,27 @@ def pixel_box(box: tuple[Pixel, Pixel], width: int, height: int) -> tuple[int, i
     return x0, y0, max(x1, x0 + 1), max(y1, y0 + 1)
 
 
-def painted(things: dict[int, Correction], found: NDArray[np.uint16], cut: Cutter) -> NDArray[np.uint16]:
+def paint_masks(things: dict[int, Correction], found: NDArray[np.uint16], cut: Cutter) -> NDArray[np.uint16]:
     """Corrected masks (H, W): objects cover floor and walls, drawn masks cover found ones."""
     masks = np.zeros_like(found)
     height, width = masks.shape
-    for item in sorted(things.values(), key=lambda item: (item.label not in ROOM, drawn(item))):
+    for item in sorted(things.values(), key=lambda item: (item.label not in ROOM, is_drawn(item))):
         if len(item.outline) > 2:
             shown = polygon(item.outline, masks.shape)
         elif item.around is not None:
-            shown = cut(pixel_box(item.around, width, height))
+            shown = cut(clip_box(item.around, width, height))
         else:
             shown = found == item.mask
         masks[shown] = item.mask
     return masks
 
 
-def corrected(
-    given: Annotations, found: NDArray[np.uint16], told: dict[int, Correction], cut: Cutter
+def correct_masks(
+    given: Annotations, found: NDArray[np.uint16], stated: dict[int, Correction], cut: Cutter
 ) -> tuple[Annotations | None, NDArray[np.uint16], list[str]]:
     """Corrected annotations and masks (H, W), and a line for each object that was left out. None: no object is left."""
-    things = laid_over(as_found(given), told)
-    masks = painted(things, found, cut)
+    things = apply_corrections(list_found(given), stated)
+    masks = paint_masks(things, found, cut)
     shown = set(np.unique(masks).tolist())
     seen = [item for mask, item in things.items() if mask in shown]
     notes = [
@@ -137,7 +134,7 @@ def corrected(
             notes.append(f"{item.label or 'object'}: its wall is gone, mounting by geometry")
             held = None
         doors, drawers = item.doors or 0, item.drawers or 0
-        before = None if drawn(item) else known.get(item.mask)
+        before = None if is_drawn(item) else known.get(item.mask)
         objects.append(
             Annotation(
                 mask=item.mask,
@@ -157,7 +154,7 @@ def corrected(
     return Annotations(objects=objects, floor=floors[0] if floors else None, walls=walls), masks, notes
 
 
-def bounds(mask: NDArray[np.bool_]) -> tuple[Pixel, Pixel] | None:
+def find_corners(mask: NDArray[np.bool_]) -> tuple[Pixel, Pixel] | None:
     """Opposite corners of a mask's pixels."""
     if not mask.any():
         return None
