@@ -5,7 +5,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 ORDER = (
-    *("geometry", "contracts", "articulated", "procedural", "plugins", "config", "slurm", "guard", "cli", "pretrained"),
+    *("geometry", "contracts", "articulated", "plugins", "config", "procedural", "slurm", "guard", "cli", "pretrained"),
     *("vlm", "simulation", "planning", "tasks", "skills", "assets", "policies", "scenes", "extraction", "inputs"),
     *("matching", "generation", "demonstrations", "training", "experiment", "evaluation"),
     *("tables", "doctor", "api"),

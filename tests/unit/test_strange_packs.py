@@ -22,7 +22,7 @@ from stages.assets.import_ import run
 from stages.assets.importers.mjcf import read_mjcf
 from stages.assets.portrait import Portraits
 from stages.assets.weighing import weighed_sanely
-from stages.procedural.naming import category_in
+from stages.contracts.categories import category_in
 from tests.refusals import refused
 from tests.unit.test_sense import box, joint
 
