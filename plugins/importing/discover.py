@@ -11,10 +11,10 @@ from typing import NamedTuple
 from plugins.importing.mjcf_file import root_tag
 from plugins.importing.sandbox import apart
 from stages.articulated.inside import read_inside
+from stages.contracts.categories import category_in, known_categories
+from stages.contracts.category import by_joined_name, split_words
 from stages.contracts.errors import InputError, plain
 from stages.contracts.files import MAX_TEXT
-from stages.procedural.naming import NAMES as CATEGORY_NAMES
-from stages.procedural.naming import category_in, words
 
 # PartNet-Mobility and GAPartNet: <number>/, with the category in meta.json; the first of these files is the model.
 NUMBERED = ("mobility.urdf", "mobility_annotation_gapartnet.urdf")
@@ -152,13 +152,15 @@ def _sorted_in(child: Path, folder: Path, kinds: Sequence[str]) -> list[Found]:
                 found.append(Found(path, folder, category, _name(path, inner, count_)))
     if all(one.category == own for one in found):
         return found
-    named = {one: bare(one.name) for one in found if one.category == own and words(one.name)}
+    named = {one: bare(one.name) for one in found if one.category == own and split_words(one.name)}
     return [one._replace(category=named.get(one, one.category)) for one in found]
 
 
 def is_common(name: str) -> bool:
     """Whether a name consists of words that any model could have (`assets`, `mesh_obj`)."""
-    return bool(words(name)) and all(word in COMMON or word.removesuffix("s") in COMMON for word in words(name))
+    return bool(split_words(name)) and all(
+        word in COMMON or word.removesuffix("s") in COMMON for word in split_words(name)
+    )
 
 
 def bare(name: str) -> str:
@@ -199,7 +201,8 @@ def told_category(model: Path, folder: Path) -> str | None:
         return None
     if not isinstance(told, str) or not told.strip():
         return None
-    return CATEGORY_NAMES.get(told.lower(), re.sub(r"(?<=[a-z])(?=[A-Z])", "_", told))
+    known = by_joined_name(known_categories()).get(told.lower())
+    return known.name if known else re.sub(r"(?<=[a-z])(?=[A-Z])", "_", told)
 
 
 def is_model(path: Path, folder: Path, kinds: Sequence[str]) -> bool:

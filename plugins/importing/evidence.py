@@ -13,8 +13,8 @@ from stages.articulated.forward_kinematics import closed_box
 from stages.articulated.hung import Hinge, Slide, hinges, slides
 from stages.articulated.model import Matrix, RobotModel
 from stages.articulated.sense import front_direction, squared
+from stages.contracts.categories import usual_size
 from stages.contracts.files import Contract
-from stages.procedural.sizes import usual
 
 T = TypeVar("T")
 UNITS = {1.0: "metres", 0.01: "centimetres", 0.001: "millimetres", 0.0254: "inches"}
@@ -61,13 +61,13 @@ class Evidence(Contract):
 
     def unit(self, category: str, up: Axis) -> float | None:
         """Metres per unit in which it is as large as its category usually is; None: in none, or that is not known."""
-        sizes, size = usual(category), self.standing(up)
+        sizes, size = usual_size(category), self.standing(up)
         return next((unit for unit in UNITS if sizes is not None and sizes.misfit(size * unit) == 0), None)
 
     def likeliest_unit(self, category: str, up: Axis) -> float:
         """Metres per unit of a thing that would be absurd in metres: that in which it is nearest to its category's
         usual size, else a millimetre."""
-        sizes, size = usual(category), self.standing(up)
+        sizes, size = usual_size(category), self.standing(up)
         return min(SMALLER, key=lambda unit: sizes.misfit(size * unit) if sizes else 0.0)
 
     def standing(self, up: Axis) -> Matrix:

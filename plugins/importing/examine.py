@@ -20,11 +20,12 @@ from plugins.importing.sandbox import apart
 from stages.articulated.asset_folder import atomic_folder
 from stages.articulated.model import RobotModel
 from stages.articulated.urdf_writer import write_urdf
+from stages.contracts.categories import known_categories, usual_size
+from stages.contracts.category import describe_unusual
 from stages.contracts.errors import InputError, plain
 from stages.contracts.files import Contract, read_json, write_json
 from stages.contracts.library import Asset, Joint
 from stages.contracts.types import LARGEST
-from stages.procedural.sizes import unusual, usual
 
 NOTES = "asset.json"
 
@@ -149,7 +150,7 @@ def _examined(found: Found, importer: Importer, place: Path, work: Path, tells: 
         model.doubts.append(str(error).removeprefix(plain(f"{found.path}: ")).removeprefix(plain(f"{written}: ")))
         return model
     model.asset = asset
-    if odd := unusual(asset.category, np.array(asset.size)):
+    if odd := describe_unusual(known_categories().get(asset.category), asset.size):
         model.doubts.append(odd)
     return model
 
@@ -164,7 +165,7 @@ def guessed(file: ModelFile, tells: Evidence, shared: Shared) -> tuple[Notes, li
         lines.append(f"up {up} {f'as {kind}' if shared.up else f'by its {told.because}'}")
     elif notes.up is None and told.doubt:
         lines.append(f"up {up} as such files have it, though {told.doubt}")
-    scale, sizes = notes.scale, usual(file.category)
+    scale, sizes = notes.scale, usual_size(file.category)
     if "scale" not in notes.model_fields_set:
         if file.path.name in NUMBERED and sizes and sizes.misfit(tells.standing(up)):
             scale = sizes.factor(tells.standing(up))

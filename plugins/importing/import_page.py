@@ -14,8 +14,8 @@ from plugins.importing.evidence import UNITS
 from plugins.importing.examine import NOTES, Examined
 from plugins.importing.importers import Axis
 from plugins.importing.pack import Pack
+from stages.contracts.categories import known_categories
 from stages.contracts.files import write_text
-from stages.procedural.catalogue import CATEGORIES
 
 
 def write_page(path: Path, source: Path, models: Sequence[Examined], pack: Pack, told: Mapping[str, str]) -> None:
@@ -37,7 +37,7 @@ def write_page(path: Path, source: Path, models: Sequence[Examined], pack: Pack,
         told=told,
         axes=get_args(Axis),
         units=UNITS,
-        known=sorted(CATEGORIES),
+        known=sorted(known_categories()),
         file=PACK,
         refused=[(model, _place(model, path)) for model in models if model.asset is None],
     )

@@ -8,10 +8,10 @@ from pydantic import ValidationError
 
 from plugins.importing.evidence import Shared
 from plugins.importing.proposal import Guess
+from stages.contracts.categories import known_categories
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_text, write_text
 from stages.contracts.yaml_files import fault_of, line_of
-from stages.procedural.catalogue import CATEGORIES
 
 HEAD = """\
 # What the models share; change it and run import again. null: each model by itself.
@@ -68,6 +68,6 @@ def write_pack(path: Path, pack: Pack, told: Mapping[str, str]) -> None:
     lines.append("categories:" if pack.categories else "categories: {}")
     for said, category in pack.categories.items():
         entry = yaml.safe_dump({said: category}, width=1000).strip()
-        lines.append(f"  {entry}{'' if category in CATEGORIES else '  # none of ours'}")
+        lines.append(f"  {entry}{'' if category in known_categories() else '  # none of ours'}")
     lines += [f"guess: {pack.guess}"] if pack.guess else []
     write_text(path, "\n".join(lines) + "\n")

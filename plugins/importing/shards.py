@@ -11,7 +11,7 @@ from stages.articulated.inside import is_inside
 from stages.config.assets import AssetsConfig
 from stages.config.code import files_digest
 from stages.contracts.files import MAX_TEXT
-from stages.procedural.catalogue import model_name
+from stages.contracts.library import model_name
 
 MEAN = 8  # models per shard: few enough to make them anew for one of them, enough to pay for Python's start
 TEXT = {".urdf", ".xml", ".gltf", ".dae", ".obj", ".mtl"}

@@ -8,8 +8,8 @@ import numpy as np
 from plugins.importing.importers import Axis
 from stages.articulated.hung import Hinge, Slide
 from stages.articulated.model import Matrix
-from stages.procedural.catalogue import leaves
-from stages.procedural.naming import words
+from stages.contracts.categories import known_categories
+from stages.contracts.category import split_words
 
 UPS: tuple[Axis, ...] = ("+z", "+y", "+x")
 COMMON: tuple[Axis, ...] = ("+z", "+y")  # directions that kinds of files without an agreed one call up
@@ -42,14 +42,15 @@ class Up(NamedTuple):
 
 def said_by_hinges(hinges: Iterable[Hinge], category: str | None) -> Matrix:
     """(3,) logarithms of likelihoods of `UPS`: as doors, flaps and lids are frequent in the category."""
-    doors, flaps = leaves(category or "")
+    known = known_categories().get(category or "")
+    doors, flaps = (known.doors, known.flaps) if known else (0, 0)
     usual = np.array([doors + 1, flaps + 1, 1, NAMED]) / (doors + flaps + 3)
     shares = [[_share(hinge, up, usual) for up in UPS] for hinge in hinges]
     return np.log(np.mean(shares, axis=0)) if shares else np.zeros(3)
 
 
 def _share(hinge: Hinge, up: Axis, usual: Matrix) -> float:
-    height, called = number(up), set(words(hinge.name))
+    height, called = number(up), set(split_words(hinge.name))
     if height == hinge.along:
         return float(usual[0]) * (NAMED if called & LIDS and not called & DOORS else 1.0)
     if height != hinge.faces:

@@ -7,9 +7,9 @@ from stages.cli import progress
 from stages.config.assets import LibraryOptions
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_options
-from stages.contracts.library import Asset
+from stages.contracts.library import Asset, model_name
 from stages.contracts.library_folder import write_part
-from stages.procedural.catalogue import CATEGORIES, model_name, sample
+from stages.procedural.catalogue import CATEGORIES, sample
 from stages.procedural.folder import build
 
 

@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 if __name__ == "__main__":
-    subprocess.run([sys.executable, "-m", "stages.config.categories"], check=True)  # which the models read
+    subprocess.run([sys.executable, "-m", "stages.procedural"], check=True)  # categories, which the models read
     from stages.config.reference import write
 
     write(Path.cwd())

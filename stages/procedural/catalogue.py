@@ -7,7 +7,7 @@ from functools import cache
 
 import numpy as np
 
-from stages.contracts.library import Recipe
+from stages.contracts.library import Recipe, model_name
 from stages.procedural import categories, families
 from stages.procedural.category import Category
 from stages.procedural.recipe import Generator, Sampled
@@ -79,11 +79,6 @@ def leaves(category: str) -> tuple[int, int]:
 def _fronts(category: str, index: int, seed: int) -> tuple[int, int]:
     """Doors (and flaps) and drawers of a model."""
     return _sampled(category, index, seed)[0].recipe.fronts
-
-
-def model_name(category: str, index: int) -> str:
-    """Id of the `index`-th model of a category."""
-    return f"{category}_{index:02d}"
 
 
 def _generator(category: str, index: int, seed: int) -> np.random.Generator:

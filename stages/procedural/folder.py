@@ -1,5 +1,6 @@
 """Make an asset folder from a recipe."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +9,7 @@ from scipy.spatial import QhullError
 
 from stages.articulated.asset_folder import Description, write_asset
 from stages.articulated.mesh_reader import FLAT
+from stages.articulated.resizing import SizedModel
 from stages.contracts.errors import InputError
 from stages.contracts.files import first_error
 from stages.contracts.library import Asset, Recipe
@@ -30,11 +32,19 @@ def build(
     Raises:
         InputError: the recipe names no known generator or a bad size.
     """
+    robot, about = make_model(recipe, size, Description(id, category, LICENCE, provenance))
+    return write_asset(robot, out, about)
+
+
+def make_model(recipe: Recipe, size: Size | None, about: Description) -> SizedModel:
+    """A model whose closed box has a size (None: the recipe's own); placement and symmetry of `about` are replaced.
+
+    Raises:
+        InputError: the recipe names no known generator or a bad size.
+    """
     model = generate(recipe, size)
-    about = Description(
-        id, category, LICENCE, provenance, symmetry=model.symmetry, placement=model.placement, recipe=recipe
-    )
-    return write_asset(robot_of(model, id), out, about)
+    about = replace(about, symmetry=model.symmetry, placement=model.placement, recipe=recipe)
+    return SizedModel(robot_of(model, about.id), about)
 
 
 def generate(recipe: Recipe, size: Size | None = None) -> Model:

@@ -13,7 +13,7 @@ OTHER = 0.12  # distance from the old colour from which a colour is another one
 SHADED = 0.02  # a colour that is a multiple of another, to this relative accuracy, stays its shade
 
 
-def refinished(recipe: Recipe, rng: np.random.Generator) -> Recipe:
+def refinish(recipe: Recipe, rng: np.random.Generator) -> Recipe:
     """The recipe with another finish for every part, of what such a material is sold in.
 
     What was of one finish stays of one finish, a shade stays a shade of the other's new colour.

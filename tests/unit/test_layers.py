@@ -5,7 +5,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 ORDER = (
-    *("geometry", "contracts", "articulated", "procedural", "plugins", "config", "cli", "pretrained"),
+    *("geometry", "contracts", "articulated", "plugins", "config", "procedural", "cli", "pretrained"),
     *("vlm", "simulation", "planning", "tasks", "skills", "assets", "policies", "scenes", "extraction", "inputs"),
     *("matching", "generation", "demonstrations", "training", "experiment", "evaluation"),
     *("tables", "doctor", "api"),

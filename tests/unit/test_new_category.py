@@ -14,15 +14,19 @@ from stages.procedural import categories
 
 categories.__path__.append(sys.argv[1])
 
-from stages.config.categories import generated
-from stages.matching.text_encoders.lexical import lexical_distance
-from stages.procedural import catalogue, folder, naming
+from stages.config import categories as counts
+from stages.contracts import categories as rows
+from stages.procedural import catalogue, facts, folder
 
-assert '"plinth": [5, false, false]' in generated()  # what `make config` writes for config and rooms
+counts.FILE, rows.FILE = Path(sys.argv[1]) / "counts.json", Path(sys.argv[1]) / "categories.json"
+facts.write()  # what `make config` writes, for config and rooms, and for all that know categories by name
+assert '"plinth": [5, false, false]' in counts.FILE.read_text()
+from stages.matching.text_encoders.lexical import lexical_distance
+
 asset = folder.build(catalogue.sample("plinth", 4, seed=0), None, Path(sys.argv[1]) / "made", "plinth_04", "plinth")
 assert (asset.category, asset.symmetry, asset.placement) == ("plinth", "quarter_turn", "floor")
 assert 0.7 <= asset.size[2] <= 1.1
-assert naming.category_in("oldPedestal_2") == "plinth"  # a model of yours
+assert rows.category_in("oldPedestal_2") == "plinth"  # a model of yours
 assert lexical_distance("plinth", ["table", "plinth"]).argmin() == 1
 assert lexical_distance("pedestal", ["table", "plinth"]).argmin() == 1
 """

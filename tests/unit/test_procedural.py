@@ -11,18 +11,21 @@ import yaml
 from stages.articulated.asset_folder import checksum
 from stages.articulated.forward_kinematics import closed_box, link_frames
 from stages.articulated.urdf_reader import read_urdf
+from stages.config import categories as counts
 from stages.config.assets import COUNTS
+from stages.contracts import categories
+from stages.contracts.category import describe_unusual
 from stages.contracts.errors import InputError
 from stages.contracts.library import Recipe
 from stages.procedural import build, generate
 from stages.procedural.cabinet import Cabinet
 from stages.procedural.catalogue import CATEGORIES, sample
+from stages.procedural.facts import categories_text, counts_text, describe_category
 from stages.procedural.finishes import finish_of
 from stages.procedural.front_cells import cells
 from stages.procedural.model import bounds
 from stages.procedural.robot import mass_properties
 from stages.procedural.shapes import bounds_of, cushion, rod, shell_pieces, slab
-from stages.procedural.sizes import unusual, usual
 from tests.refusals import refused
 from tests.unit.demo_assets import PARAMETERS
 
@@ -343,6 +346,12 @@ def test_further_styles_come_after_the_others_and_furnish_no_room() -> None:
 
 def test_a_low_fridge_is_usual_though_a_fridge_is_guessed_to_be_high() -> None:
     low = np.array((0.6, 0.55, 0.85))
-    assert unusual("fridge", low) == "" and unusual("oven", np.array((0.6, 0.6, 2.1)))
-    known = usual("fridge")
+    rows = {name: describe_category(CATEGORIES[name]) for name in ("fridge", "oven")}
+    assert describe_unusual(rows["fridge"], low) == "" and describe_unusual(rows["oven"], (0.6, 0.6, 2.1))
+    known = rows["fridge"].usual_size()
     assert known is not None and known.misfit(low) > 0
+
+
+def test_what_others_know_of_the_categories_is_written_anew() -> None:
+    for file, text in ((categories.FILE, categories_text()), (counts.FILE, counts_text())):
+        assert file.read_text(encoding="utf-8") == text, f"{file.name} drifted from stages/procedural; run: make config"

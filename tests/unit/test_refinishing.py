@@ -7,14 +7,14 @@ from stages.procedural import generate
 from stages.procedural.catalogue import CATEGORIES, sample
 from stages.procedural.finishes import finish_of
 from stages.procedural.model import bounds, parts_of
-from stages.procedural.refinishing import is_finish, refinished
+from stages.procedural.refinishing import is_finish, refinish
 
 
 @pytest.mark.parametrize("category", sorted(CATEGORIES))
 def test_another_finish_keeps_the_geometry(category: str) -> None:
     recipe = sample(category, 0, 0)
-    other = refinished(recipe, np.random.default_rng(1))
-    assert other == refinished(recipe, np.random.default_rng(1))
+    other = refinish(recipe, np.random.default_rng(1))
+    assert other == refinish(recipe, np.random.default_rng(1))
     changed = {key for key, value in recipe.parameters.items() if other.parameters[key] != value}
     assert changed == {key for key in recipe.parameters if is_finish(key)}
     model, painted = generate(recipe), generate(other)
@@ -28,10 +28,10 @@ def test_another_finish_keeps_the_geometry(category: str) -> None:
 def test_what_was_of_one_colour_stays_so_and_shades_stay_shades() -> None:
     recipe = sample("bowl", 0, 0)
     recipe.parameters.update(colour="wood 0.2 0.4 0.6 1", inside="wood 0.2 0.4 0.6 1")
-    other = refinished(recipe, np.random.default_rng(0)).parameters
+    other = refinish(recipe, np.random.default_rng(0)).parameters
     assert other["colour"] == other["inside"] != recipe.parameters["colour"]
     recipe.parameters.update(inside="wood 0.1 0.2 0.3 1")
-    other = refinished(recipe, np.random.default_rng(0)).parameters
+    other = refinish(recipe, np.random.default_rng(0)).parameters
     colour, inside = finish_of(str(other["colour"])), finish_of(str(other["inside"]))
     assert colour.material == inside.material
     assert np.allclose(np.array(inside.colour) * 2, colour.colour, atol=3e-3)

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from stages.articulated.model import Texture
+from stages.articulated.resizing import resize_asset
 from stages.articulated.urdf_reader import read_urdf
 from stages.contracts.library import Recipe
 from stages.procedural import build, generate
 from stages.procedural.catalogue import sample
 from stages.procedural.finishes import MATERIALS, Finish, finish_of, made_of, shade
-from stages.procedural.resize import resized
 from stages.procedural.robot import robot_of
 from stages.procedural.textures import SIDE, pattern_of, texture_of
 
@@ -59,7 +59,10 @@ def test_the_grain_runs_along_at_its_real_scale_at_any_size(tmp_path: Path) -> N
     }  # fmt: skip
     recipe = Recipe(generator="table", parameters=parameters)
     asset = build(recipe, (0.8, 1.6, 0.7), tmp_path / "table", "table", "table")
-    for folder, length in ((tmp_path / "table", 1.6), (resized(tmp_path / "table", (0.8, 2.4, 0.7), tmp_path), 2.4)):
+    for folder, length in (
+        (tmp_path / "table", 1.6),
+        (resize_asset(tmp_path / "table", (0.8, 2.4, 0.7), tmp_path), 2.4),
+    ):
         assert sorted(path.suffix for path in (folder / "meshes").glob("wood*")) == [".jpg", ".mtl"]
         visuals = read_urdf(folder / asset.urdf, folder).links["base"].visuals
         top = next(visual.mesh for visual in visuals if visual.colour is None)

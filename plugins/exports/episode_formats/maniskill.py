@@ -13,11 +13,11 @@ import numpy as np
 from mani_skill.utils.wrappers.record import RecordEpisode
 from numpy.typing import NDArray
 
+from stages.articulated.resizing import resize_asset
 from stages.contracts import InputError, write_json
 from stages.contracts.episode_store import AGAIN, EpisodeStore, read_episodes
 from stages.contracts.library_folder import AssetFolders
 from stages.plugins import load
-from stages.procedural.resize import resized
 
 OURS = "stages.tasks"  # `gym.make` imports it first if it stands before the name
 UNSAVED = ("render_backend",)  # of what the environment was made with: for whoever replays to choose
@@ -60,7 +60,7 @@ def write(stores: Sequence[Path], out: Path, library: Path | None) -> None:
                 raise InputError(path, what, AGAIN, code="E-LIBRARY-ASSET")
             found.setdefault(subject, (store, []))[1].append(trajectory)
     for subject, (store, episodes) in found.items():
-        folder = resized(folders[subject.asset], subject.size, out / "assets")
+        folder = resize_asset(folders[subject.asset], subject.size, out / "assets")
         if folder == folders[subject.asset]:
             folder = shutil.copytree(folder, out / "assets" / subject.asset, dirs_exist_ok=True)
         kept = record(out, folder, subject, store, episodes)

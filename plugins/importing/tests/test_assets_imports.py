@@ -13,12 +13,12 @@ from plugins.importing.tests.own_models import import_folder, import_model
 from stages.articulated.forward_kinematics import closed_box, link_frames
 from stages.articulated.mesh_reader import convex_pieces
 from stages.articulated.model import RobotModel
+from stages.articulated.resizing import resize_asset
 from stages.articulated.stretching import stretched
 from stages.articulated.urdf_reader import read_urdf
 from stages.contracts.errors import InputError
 from stages.contracts.files import read_json
 from stages.contracts.library import Asset
-from stages.procedural.resize import resized
 from tests.refusals import refused
 from tests.unit.articulated_models import CABINET, textured_box, write_cabinet, write_kitchen
 
@@ -48,17 +48,19 @@ def test_urdf_is_imported_with_doors_drawers_and_handles(folder: Path, tmp_path:
 
 def test_resized_import_has_exactly_the_size(folder: Path, tmp_path: Path) -> None:
     (asset,) = import_folder(folder, tmp_path / "models")
-    out = resized(tmp_path / "models" / asset.id, (0.9, 0.3, 1.85), tmp_path / "sized")
+    out = resize_asset(tmp_path / "models" / asset.id, (0.9, 0.3, 1.85), tmp_path / "sized")
     larger = read_json(Asset, out / "asset.json")
     assert larger.size == pytest.approx((0.9, 0.3, 1.85), abs=1e-5)
     assert larger.joints[1].upper == pytest.approx(0.4, rel=1e-3), "the drawer slides along x, which doubled"
     assert larger.joints[0].upper == 1.5
     assert larger.mass == pytest.approx(asset.mass * 2 * 0.5 * 2, rel=0.01)
-    assert resized(tmp_path / "models" / asset.id, (0.9, 0.3, 1.85), tmp_path / "sized") == out
-    assert resized(tmp_path / "models" / asset.id, asset.size, tmp_path / "sized") == tmp_path / "models" / asset.id
+    assert resize_asset(tmp_path / "models" / asset.id, (0.9, 0.3, 1.85), tmp_path / "sized") == out
+    assert (
+        resize_asset(tmp_path / "models" / asset.id, asset.size, tmp_path / "sized") == tmp_path / "models" / asset.id
+    )
     for extent in (-1, 0, float("nan"), float("inf"), 1e30):
         with refused("E-MODEL-SIZE"):
-            resized(tmp_path / "models" / asset.id, (0.9, extent, 1), tmp_path / "sized")
+            resize_asset(tmp_path / "models" / asset.id, (0.9, extent, 1), tmp_path / "sized")
     assert [path.name for path in (tmp_path / "sized").iterdir()] == [out.name]
 
 

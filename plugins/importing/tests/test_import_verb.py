@@ -19,8 +19,9 @@ from plugins.importing.own import run as own
 from plugins.importing.portrait import ARROW
 from plugins.importing.tests.own_models import import_folder
 from plugins.importing.tests.test_sense import box, cabinet, joint, write_partnet
+from stages.contracts.categories import known_categories
+from stages.contracts.category import describe_unusual
 from stages.contracts.errors import InputError
-from stages.procedural.sizes import unusual
 from tests.refusals import refused
 
 
@@ -74,9 +75,12 @@ def test_files_of_one_folder_share_the_unit(tmp_path: Path, capsys: pytest.Captu
 
 
 def test_unusual_sizes_are_doubted() -> None:
-    assert unusual("chair", np.array([0.5, 0.45, 0.9])) == ""
-    assert unusual("gearbox", np.array([5.0, 4.5, 9.0])) == "", "nobody knows how large such things are"
-    assert "25 cm, 45 cm high; usual are " in unusual("chair", np.array([0.25, 0.22, 0.45]))
+    known = known_categories()
+    assert describe_unusual(known["chair"], np.array([0.5, 0.45, 0.9])) == ""
+    assert describe_unusual(known.get("gearbox"), np.array([5.0, 4.5, 9.0])) == "", (
+        "nobody knows how large such things are"
+    )
+    assert "25 cm, 45 cm high; usual are " in describe_unusual(known["chair"], np.array([0.25, 0.22, 0.45]))
 
 
 def test_a_model_tells_the_unit_in_which_it_is_as_large_as_its_category() -> None:

@@ -15,12 +15,12 @@ from plugins.importing.tests.own_models import import_folder
 from stages.articulated.asset_folder import read_model
 from stages.articulated.forward_kinematics import link_frames
 from stages.articulated.handle import find_handle
+from stages.articulated.resizing import resize_asset
 from stages.articulated.roles import contract_joints, with_roles
 from stages.articulated.sense import doors_and_drawers, front_direction
 from stages.articulated.solid_handle import with_solid_handles
 from stages.articulated.urdf_reader import read_urdf
-from stages.procedural.naming import category_in
-from stages.procedural.resize import resized
+from stages.contracts.categories import category_in
 from stages.simulation.loading import load_asset, physics_scene
 
 FACING = {"+x": 0, "+y": 90, "-x": 180, "-y": 270}
@@ -173,7 +173,7 @@ def test_parts_that_touch_when_closed_pass_through_each_other(
     folder = tmp_path / "models" / asset.id
     assert list(read_model(folder).touching) == pairs
     assert (folder / "model.srdf").exists() == bool(pairs)
-    sized = resized(folder, (0.5, 0.6, 0.7), tmp_path / "sized")
+    sized = resize_asset(folder, (0.5, 0.6, 0.7), tmp_path / "sized")
     assert list(read_model(sized).touching) == pairs
     assert stuck_joints(folder) == []
 

@@ -23,7 +23,7 @@ from stages.articulated.mesh_writer import write_glb
 from stages.articulated.roles import contract_joints, with_roles
 from stages.articulated.sense import doors_and_drawers
 from stages.articulated.urdf_reader import read_urdf
-from stages.procedural.naming import category_in
+from stages.contracts.categories import category_in
 from tests.refusals import refused
 
 

@@ -16,8 +16,8 @@ from stages.articulated.forward_kinematics import closed_box, rebased
 from stages.articulated.model import RobotModel
 from stages.articulated.sense import doors_and_drawers
 from stages.articulated.urdf_reader import read_urdf
+from stages.contracts.categories import known_categories
 from stages.geometry.frames import rigid
-from stages.procedural.catalogue import leaves
 
 BACK, LEVEL, UPRIGHT = "0 -1 0", "0 1 0", "0 0 -1"
 
@@ -148,9 +148,10 @@ def test_a_drawer_slides_no_farther_than_all_is_deep(tmp_path: Path) -> None:
 
 
 def test_doors_and_flaps_of_our_categories() -> None:
-    assert leaves("fridge")[0] > 0 == leaves("fridge")[1]
-    assert leaves("oven")[1] > 0 == leaves("oven")[0]
-    assert leaves("chair") == leaves("gearbox") == (0, 0)
+    known = known_categories()
+    assert known["fridge"].doors > 0 == known["fridge"].flaps
+    assert known["oven"].flaps > 0 == known["oven"].doors
+    assert known["chair"].doors == known["chair"].flaps == 0
 
 
 def test_a_fridge_with_y_up_stands_and_its_door_opens(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -27,7 +27,7 @@ from stages.matching.crop import View
 from stages.matching.snapshots import up_of_camera
 from stages.procedural.catalogue import CATEGORIES, sample
 from stages.procedural.folder import LICENCE, build
-from stages.procedural.refinishing import refinished
+from stages.procedural.refinishing import refinish
 from stages.procedural.robot import robot_of
 
 ASSEMBLY = "assembly"
@@ -129,7 +129,7 @@ def make(category: str, index: int, seed: int, folder: Path, finish: np.random.G
     """A model of a category, or an assembly, as an asset folder; with `finish` the same in another finish."""
     if category != ASSEMBLY:
         recipe = sample(category, index, seed + MODELS)
-        recipe = refinished(recipe, finish) if finish else recipe
+        recipe = refinish(recipe, finish) if finish else recipe
         return build(recipe, None, folder, f"{category}_{index}", category)
     rng = np.random.default_rng(np.random.SeedSequence((seed, MODELS, index)))
     about = Description(f"{ASSEMBLY}_{index}", ASSEMBLY, LICENCE, "procedural")

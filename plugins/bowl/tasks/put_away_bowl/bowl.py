@@ -2,18 +2,15 @@
 
 import hashlib
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import trimesh
 
 from stages.articulated.asset_folder import Description, read_model, write_asset
-from stages.procedural.categories.vessels import hollow
-from stages.procedural.colours import WOODS
-from stages.procedural.folder import LICENCE
-from stages.procedural.model import WOOD, Model, Part, part
-from stages.procedural.robot import robot_of
-from stages.procedural.shapes import slab
+from stages.articulated.model import RGBA, Link, RobotModel, Visual
+from stages.geometry.solids import DENSITY, MINIMUM_INERTIA
 from stages.simulation.kinematics import Array
 from stages.simulation.region import Region, headroom, level_region
 from stages.simulation.robot import cache_folder
@@ -22,6 +19,7 @@ from stages.simulation.target import Target
 PROFILE = [(0.039, 0.0), (0.0598, 0.02), (0.065, 0.05)]  # of the default bowl: (radius, height) of its outside, metres
 WALL = 0.012  # metres; as of wood, as PhysX lets go of thin walls
 STAND = (((0.17, 0.17, 0.02), 0.0), ((0.06, 0.06, 0.5), -0.02))  # boxes: size, height of their tops; metres
+LIGHT_WOOD, DARK_WOOD = (0.55, 0.36, 0.2, 1.0), (0.4, 0.22, 0.11, 1.0)  # linear
 SCALE = (0.85, 1.15)  # of the bowl, uniform
 AROUND, ABOVE = 0.04, 0.015  # metres kept free on each side of a bowl in a drawer, and above it
 
@@ -29,24 +27,46 @@ AROUND, ABOVE = 0.04, 0.015  # metres kept free on each side of a bowl in a draw
 @cache
 def default_bowl() -> Path:
     """Folder of the bowl that is used unless another is given; made once and kept between runs."""
-    light = list(WOODS[0].colour)
-    return _made("bowl", hollow(PROFILE, WALL, light, light, WOOD))
+    inner = [(radius - WALL, max(height, WALL)) for radius, height in PROFILE]
+    inner[-1] = inner[-1][0], PROFILE[-1][1]
+    body = trimesh.creation.revolve([(0, 0), *PROFILE, *inner[::-1], (0, WALL)], sections=24)
+    base = trimesh.creation.revolve([(0, 0), (PROFILE[0][0], 0), inner[0], (0, WALL)], sections=16)
+    return _write("bowl", [body], [base, *_wedges(inner)], LIGHT_WOOD)
+
+
+def _wedges(inner: list[tuple[float, float]], count: int = 12) -> list[trimesh.Trimesh]:
+    """Convex pieces of the wall between the profile and the one inside it."""
+    angles = 2 * np.pi * np.arange(count + 1) / count
+    return [
+        trimesh.convex.convex_hull(
+            np.array([(r * np.cos(t), r * np.sin(t), z) for t in turn for r, z in (*outside, *inside)])
+        )
+        for outside, inside in zip(pairwise(PROFILE), pairwise(inner), strict=True)
+        for turn in pairwise(angles)
+    ]
 
 
 @cache
 def stand() -> Path:
     """Folder of what the bowl stands on: a plate on a column, its top at z = 0."""
-    dark = list(WOODS[1].colour)
-    return _made("stand", [part(slab((0, 0, top - size[2] / 2), size), dark) for size, top in STAND])
+    boxes = [trimesh.creation.box(size) for size, _ in STAND]
+    for box, (size, top) in zip(boxes, STAND, strict=True):
+        box.apply_translation((0, 0, top - size[2] / 2))
+    return _write("stand", boxes, boxes, DARK_WOOD)
 
 
-def _made(name: str, parts: list[Part]) -> Path:
-    """Folder of an asset of these parts, in the cache; its name is a key of them."""
-    shapes = [(part.mesh.vertices.round(6).tolist(), part.colour, part.density) for part in parts]
+def _write(name: str, solids: list[trimesh.Trimesh], pieces: list[trimesh.Trimesh], colour: RGBA) -> Path:
+    """Folder of a wooden asset in the cache, its name a key of solids and of the convex pieces that collide."""
+    shapes = [(mesh.vertices.round(6).tolist(), colour) for mesh in (*solids, *pieces)]
     folder = cache_folder() / f"{name}-{hashlib.sha256(repr(shapes).encode()).hexdigest()[:16]}"
     if not (folder / "asset.json").exists():
-        model = Model(parts, placement="object")
-        write_asset(robot_of(model, name), folder, Description(name, name, LICENCE, "procedural"))
+        whole = trimesh.util.concatenate(solids)
+        assert isinstance(whole, trimesh.Trimesh)
+        visuals = [Visual(mesh, colour, flat=len(mesh.vertices) == 8) for mesh in solids]
+        inertia = DENSITY * whole.moment_inertia + MINIMUM_INERTIA * np.eye(3)
+        link = Link("base", visuals, pieces, DENSITY * whole.volume, whole.center_mass, inertia)
+        about = Description(name, name, "CC0-1.0", "procedural")
+        write_asset(RobotModel(name, {"base": link}, []), folder, about)
     return folder
 
 
