@@ -82,7 +82,7 @@ lint: $(STAMP) ## ruff, snakefmt, snakemake --lint
 types: $(STAMP) ## mypy
 	$(BIN)/mypy
 
-config: $(STAMP) ## write config.yaml, config/schema.json and docs/config.md from the typed models
+config: $(STAMP) ## write config/schema.json and docs/config.md from the typed models
 	$(BIN)/python -m stages.config
 
 reference: $(STAMP) ## write docs/commands.md, docs/errors.md, docs/architecture.md and its pictures from the code

@@ -17,7 +17,7 @@ import stages
 from stages.config.code import code_digest, cover, files_digest
 from stages.config.demonstrations import MotionOptions
 from stages.config.mistakes import check_keys
-from stages.config.model import load
+from stages.config.model import load, with_defaults
 from stages.config.names import modules
 from stages.config.packages import home_of, rule_files, shards_of
 from stages.config.outside import online, outside
@@ -43,7 +43,7 @@ sys.path.append(os.getcwd())
 try:
     for file in workflow.configfiles:
         check_keys(file)
-    CONFIG = load(config)
+    CONFIG = load(with_defaults(config))
     cover(CONFIG.plugins)
     OWN = shards_of(CONFIG)
     LIBRARY_SIZE = sum(CONFIG.assets.counts.values()) + sum(len(shard.models) for shard in OWN.values())

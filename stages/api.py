@@ -128,13 +128,13 @@ def models_of(library: str | Path) -> AssetFolders:
 
 
 def _settings(config: Mapping[str, Any] | None) -> "Config":
-    from stages.config.model import Config, load, merged
+    from stages.config.model import load, with_defaults
 
-    given, usual = dict(config or {}), Config().model_dump(mode="json")
-    own = "experiment" in given
+    given = with_defaults(dict(config or {}))
+    own = "experiment" in (config or {})
     if not own:  # the usual rooms and tasks would want models that a library need not have
-        usual["experiment"] |= {"rooms": ["*"], "tasks": {}}
-    return load(merged(usual, given), rooms_named=own)
+        given["experiment"] |= {"rooms": ["*"], "tasks": {}}
+    return load(given, rooms_named=own)
 
 
 def _options(settings: "Config", stage: str, verb: str, **wildcards: str) -> str:

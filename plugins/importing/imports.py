@@ -31,7 +31,6 @@ from stages.articulated.solid_handle import with_solid_handles
 from stages.articulated.stretching import stretched
 from stages.assets.snapshots import Look
 from stages.cli import progress
-from stages.config.assets import OwnOptions
 from stages.contracts.errors import InputError, plain
 from stages.contracts.files import read_json
 from stages.contracts.library import Asset, Placement, Symmetry
@@ -40,7 +39,9 @@ from stages.geometry.frames import rigid, yaw_matrix
 from stages.geometry.solids import board_mass
 from stages.plugins import load, short
 
-IMPORTERS = tuple(OwnOptions().importers)
+IMPORTERS = tuple(  # in this order, unless the config names others
+    f"plugins.importing.importers.{kind}" for kind in ("urdf", "mjcf", "glb", "gltf", "obj", "dae", "ply", "stl")
+)
 
 
 class Notes(Guess):
@@ -146,8 +147,8 @@ def in_one_line(path: Path) -> Iterator[None]:
 
 
 def by_suffix(importers: Sequence[str]) -> dict[str, Importer]:
-    """Importers by the suffix of their files, which most are named after."""
-    loaded = {name: load("importers", name) for name in importers}
+    """Importers by the suffix of their files, which most are named after; `importers` empty: all of this package."""
+    loaded = {name: load("importers", name) for name in importers or IMPORTERS}
     return {importer.suffix or f".{short(name)}": importer for name, importer in loaded.items()}
 
 

@@ -1,6 +1,7 @@
 """The whole of config.yaml: one typed section per stage."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from functools import reduce
 from pathlib import Path
 from typing import Any, Literal
 
@@ -13,6 +14,7 @@ from stages.config.demonstrations import DemonstrationsConfig
 from stages.config.evaluation import EvaluationConfig
 from stages.config.experiment import ExperimentConfig, TaskTarget
 from stages.config.extraction import ExtractionConfig
+from stages.config.files import read_file
 from stages.config.generation import GenerationConfig
 from stages.config.inputs import Input, scene_of, with_inputs
 from stages.config.matching import MatchingConfig, MatchingSection
@@ -132,6 +134,20 @@ def merged(base: dict[str, Any], changes: dict[str, Any]) -> dict[str, Any]:
 
 def _mappings(*values: Any) -> bool:
     return all(isinstance(value, dict) for value in values)
+
+
+def with_defaults(config: dict[str, Any]) -> dict[str, Any]:
+    """A config with all that it leaves out, as far down as names go: it need only hold what differs."""
+    return merged(complete()().model_dump(mode="json"), config)
+
+
+def read_files(files: Iterable[Path]) -> Config:
+    """The config of a run with these files over the defaults, later ones over earlier ones.
+
+    Raises:
+        InputError: a file cannot be read, or the config has mistakes.
+    """
+    return load(with_defaults(reduce(merged, map(read_file, files), {})))
 
 
 def load(config: dict[str, Any], rooms_named: bool = True) -> Config:

@@ -11,7 +11,7 @@ from pydantic import BaseModel
 
 from reference.commands import rule_files
 from stages.config.matching import MatchingConfig
-from stages.config.model import Config, load, merged
+from stages.config.model import Config, load, merged, read_files, with_defaults
 from stages.config.packages import home_of
 from stages.config.reads import READS, options_of, section_name, stores
 
@@ -150,7 +150,7 @@ def test_variants_with_different_encoder_settings_have_stores_side_by_side() -> 
         weights: {hog: {normals: 3.0, position: 1.0}, count_threshold: null, views: 8}
         fine: {hog: {grid: 24}}
     """
-    default = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
+    default = with_defaults({})
     config = load(merged(default, yaml.safe_load(text)))
     b, weights, fine = (config.matching_of(name).store() for name in ("b", "weights", "fine"))
     assert b == weights != fine
@@ -173,9 +173,7 @@ def test_the_language_model_is_read_where_it_is_asked(captions: str, read: bool)
 
 
 def test_row_b_of_the_study_is_the_papers() -> None:
-    names = ("config.yaml", "config/paper/scenes.yaml", "config/study/table2.yaml")
-    default, paper, study = (yaml.safe_load((ROOT / name).read_text(encoding="utf-8")) for name in names)
-    theirs, ours = (load(merged(default, overlay)) for overlay in (paper, study))
+    theirs, ours = (read_files([ROOT / "config" / name]) for name in ("paper/scenes.yaml", "study/table2.yaml"))
     for variant in ("b", "b-votes"):
         assert ours.matching_of(variant) == theirs.matching_of(variant)
         placed = {"ranks": ours.generation.ranks}  # one rank is enough for the table

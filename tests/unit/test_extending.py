@@ -19,7 +19,7 @@ from plugins.importing.shards import own_shards
 from stages.config import code
 from stages.config.assets import AssetsConfig
 from stages.config.demonstrations import DemonstrationsConfig
-from stages.config.model import load, merged
+from stages.config.model import load, merged, with_defaults
 from stages.config.room_files import read_room, room_files
 from stages.contracts import InputError, LibraryPart, Objects, read_json
 from stages.contracts.policy_folder import read_config
@@ -43,7 +43,7 @@ from tests.unit.matching_data import World
 from tests.unit.synthetic_room import write_room
 from tests.workflow.workspace import ROOT, make, snakemake
 
-DEFAULT = yaml.safe_load((ROOT / "config.yaml").read_text())
+DEFAULT = with_defaults({})
 BLOCK = re.compile(r"```(?:python|yaml)\n# (my_package/\S+)\n(.*?)```", re.DOTALL)
 
 
@@ -98,7 +98,7 @@ def test_names_are_made_loadable_and_wrong_ones_are_explained(package: Path) -> 
         }
     )
     assert config.matching.encoder == "my_package.encoders.colours" and config.matching.search == "torch"
-    assert config.assets.importers == ["urdf", "my_package.importers.off"]
+    assert config.assets.importers == ["plugins.importing.importers.urdf", "my_package.importers.off"]
     assert config.matching_of("b").model_selection == "my_package.judges.by_name"
     assert config.training.runs["mine"].policy == "my_package.policies.mean_action"
     for wrong, kind, named in (

@@ -15,7 +15,7 @@ import yaml
 
 from reference import commands as reference
 from stages.config.inputs import INPUT_FILES
-from stages.config.model import load, merged
+from stages.config.model import load, merged, with_defaults
 from stages.config.packages import home_of
 from tests.workflow.workspace import ROOT, dry_run, make
 
@@ -94,7 +94,7 @@ def test_a_yaml_block_is_a_config(folder: Path, monkeypatch: pytest.MonkeyPatch,
     if block.text.startswith("# attic.yaml"):
         pytest.skip("a room, which the block after it names")
     monkeypatch.chdir(folder)
-    default = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
+    default = with_defaults({})
     load(merged(default, yaml.safe_load(block.text)))
 
 

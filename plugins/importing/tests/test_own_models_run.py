@@ -7,11 +7,10 @@ from pathlib import Path
 
 import pytest
 import trimesh
-import yaml
 
 from plugins.importing.shards import own_shards
 from stages.config.assets import COUNTS, AssetsConfig
-from stages.config.model import load, merged
+from stages.config.model import load, with_defaults
 from stages.config.reads import stores
 from tests.workflow.workspace import MICRO, ROOT, copy, dry_run, make, overlay, planned, snakemake
 
@@ -33,7 +32,7 @@ def asked(folder: Path, *folders: str) -> tuple[str, ...]:
         "matching": {"encoder": "hog", "views": 4, "hog": {"image_size": 96, "grid": 12}},
     }
     (folder / "own.yaml").write_text(json.dumps(changes))
-    (store,) = stores(load(merged(yaml.safe_load((ROOT / "config.yaml").read_text()), changes)))
+    (store,) = stores(load(with_defaults(changes)))
     shards = own_shards(AssetsConfig.model_validate(changes["assets"]))
     files = [f"results/matching/features/{store}/shard_{shard}.npy" for shard in shards]
     return (f"{LIBRARY}/library.json", *files, "--configfile", "own.yaml")
