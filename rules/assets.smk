@@ -10,41 +10,10 @@ LIBRARY = {
 }
 
 
-rule procedural:
-    """Make one shard of the procedural models."""
-    output:
-        part="results/assets/library/shard_{shard}.json",
-        models="results/assets/library/shard_{shard}.zip",
-    log:
-        "logs/assets/procedural_{shard}.log",
-    benchmark:
-        "benchmarks/assets/procedural_{shard}.tsv"
-    wildcard_constraints:
-        shard=r"\d+",
-    group:
-        "shard"
-    container:
-        CONFIG.containers.simulation
-    threads: 1
-    resources:
-        **needs(1000, lambda wildcards: 10 + models_in(wildcards.shard) / 20),
-    params:
-        command=command("assets", "library"),
-        code=code("assets", "library"),
-        check=check(library_part="part"),
-        options=options("assets", "library"),
-        shards=PROCEDURAL,
-        seed=CONFIG.seed,
-    shell:
-        "({params.command} --shard {wildcards.shard} --shards {params.shards} --options {params.options:q} "
-        "--seed {params.seed} --out {output.part:q} && "
-        "{params.check}) 2>&1 | tee {log:q}"
-
-
 rule library:
     """Join the procedural models and the user's own."""
     input:
-        procedural=files(rules.procedural.output.part, shard=range(PROCEDURAL)),
+        procedural=expand("results/assets/library/shard_{shard}.json", shard=range(PROCEDURAL)),
         own=expand("results/assets/library/shard_{shard}.json", shard=OWN),
     output:
         library=LIBRARY["library"],

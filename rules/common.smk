@@ -78,7 +78,7 @@ PINNED = {task: target.assets for task, target in EXPERIMENT.tasks.items() if ta
 SOURCES = EXPERIMENT.sources  # of them those with assets and demonstrations of their own
 # Shards of the procedural models, or of what a command of the user's makes in their place.
 PROCEDURAL = (
-    CONFIG.assets.shards if any(CONFIG.assets.counts.values()) or "library" in CONFIG.stages.get("assets", {}) else 0
+    CONFIG.assets.shards if any(CONFIG.assets.counts.values()) or "library" in CONFIG.stages.get("furniture", {}) else 0
 )
 SHARDS = [*map(str, range(PROCEDURAL)), *OWN]
 RANKS = list(range(1, CONFIG.generation.ranks + 1))

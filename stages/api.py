@@ -27,7 +27,7 @@ def make_library(out: str | Path, config: Mapping[str, Any] | None = None) -> Pa
     Returns:
         library.json.
     """
-    from stages.assets import join, library, snapshots
+    from stages.assets import join, snapshots
     from stages.config.packages import shards_of, verb
     from stages.config.sizes import sized
 
@@ -39,8 +39,8 @@ def make_library(out: str | Path, config: Mapping[str, Any] | None = None) -> Pa
     shards = (settings.assets.shards or 1) if any(counts.values()) else 0
     ours = [folder / f"shard_{number}.json" for number in range(shards)]
     for number, part in enumerate(ours):
-        told = _options(settings, "assets", "library")
-        library.run(out=part, shard=number, shards=shards, options=told, seed=settings.seed)
+        told = _options(settings, "furniture", "library")
+        verb("furniture", "library")(out=part, shard=number, shards=shards, options=told, seed=settings.seed)
     for name, shard in theirs.items():
         models = tuple(f"{model}={path}" for model, path in shard.models.items())
         told = _options(settings, "importing", "own")

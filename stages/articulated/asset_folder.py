@@ -68,7 +68,7 @@ def read_model(folder: Path) -> RobotModel:
     robot = read_urdf(urdf, folder)
     if robot.remarks:  # of what we wrote nothing is missing
         raise InputError(
-            urdf, robot.remarks[0], "make the library again: python -m stages.assets library", code="E-ASSET-STALE"
+            urdf, robot.remarks[0], "make the library again: snakemake --cores 2 library", code="E-ASSET-STALE"
         )
     robot = with_roles_of(robot, asset.joints)
     return replace(robot, touching=read_srdf(urdf.with_suffix(".srdf")))
@@ -93,7 +93,7 @@ def stretch_asset(folder: Path, asset: Asset, size: Vector, out: Path) -> Asset:
 
 def read_asset(folder: Path) -> Asset:
     """The `asset.json` of an asset folder."""
-    return read_json(Asset, Path(folder) / "asset.json", "make the library again: python -m stages.assets library")
+    return read_json(Asset, Path(folder) / "asset.json", "make the library again: snakemake --cores 2 library")
 
 
 def urdf_of(folder: Path, asset: Asset) -> Path:

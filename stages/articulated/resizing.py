@@ -16,7 +16,7 @@ from stages.contracts.errors import InputError
 from stages.contracts.library import Asset, Recipe, Vector
 from stages.contracts.types import LARGEST
 
-MAKER = "stages.procedural.maker"  # module of the `Maker` of recipes
+MAKER = "plugins.furniture.maker"  # module of the `Maker` of recipes
 SAME = 5e-4  # metres: a size this near to the native one is left alone
 
 

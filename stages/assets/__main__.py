@@ -5,7 +5,6 @@ from stages.cli import main
 main(
     "stages.assets",
     {
-        "library": "make the procedural models",
         "join": "one library of both",
         "snapshots": "render the yaw views of one shard of the library",
         "draw": "contact sheets of the snapshots",

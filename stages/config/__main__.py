@@ -26,7 +26,7 @@ def show(files: Sequence[str]) -> int:
 if __name__ == "__main__":
     if sys.argv[1:2] == ["show"]:
         sys.exit(show(sys.argv[2:]))
-    subprocess.run([sys.executable, "-m", "stages.procedural"], check=True)  # which the models read
+    subprocess.run([sys.executable, "-m", "plugins.furniture", "facts"], check=True)  # which the models read
     from stages.config.reference import write
 
     write(Path.cwd())

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from stages.config.assets import LibraryOptions, SnapshotOptions
+from stages.config.assets import SnapshotOptions
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.config.evaluation import RolloutOptions, SkillOptions, TrialOptions
 from stages.config.extraction import ExtractionConfig
@@ -21,7 +21,6 @@ from stages.contracts.training_sets import is_randomised
 from stages.plugins import short
 
 CORE: dict[tuple[str, str], type[Section]] = {
-    ("assets", "library"): LibraryOptions,
     ("assets", "snapshots"): SnapshotOptions,
     ("scenes", "render"): ScenesConfig,
     ("inputs", "fetch"): PhotoSection,

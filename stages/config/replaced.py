@@ -9,7 +9,7 @@ from stages.contracts.errors import nearest
 from stages.contracts.section import Section
 
 VERBS = {
-    "assets": ("library", "join", "snapshots", "draw"),
+    "assets": ("join", "snapshots", "draw"),
     "inputs": ("estimate", "fetch"),
     "scenes": ("render",),
     "extraction": ("extract", "draw"),

@@ -9,8 +9,8 @@ from stages.contracts.errors import InputError
 from stages.contracts.files import MAX_TEXT, parse_json, read_json, write_json
 from stages.contracts.library import Asset, LibraryEntry, LibraryPart
 
-AGAIN = "make it again: python -m stages.assets library"
-FIRST = "make it first: python -m stages.assets library"
+AGAIN = "make it again: snakemake --cores 2 library"
+FIRST = "make it first: snakemake --cores 2 library"
 
 
 def write_part(out: Path, folder: Path, left_out: Iterable[str] = ()) -> None:

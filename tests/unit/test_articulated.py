@@ -10,6 +10,7 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
+from plugins.furniture.handles import STYLES, Style
 from stages.articulated.asset_folder import (
     Description,
     atomic_folder,
@@ -32,7 +33,6 @@ from stages.articulated.urdf_writer import write_urdf
 from stages.config.code import closure, source
 from stages.contracts.errors import InputError
 from stages.geometry.frames import rigid
-from stages.procedural.handles import STYLES, Style
 from tests.unit.articulated_models import CABINET, textured_box, write_cabinet
 from tests.unit.demo_assets import cabinet
 

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from plugins.furniture.library import make, run
 from stages.articulated.asset_folder import checksum, read_asset
 from stages.assets.join import run as join
-from stages.assets.library import make, run
 from stages.contracts.categories import known_categories
 from stages.contracts.category import describe_unusual, find_category
 from stages.contracts.errors import InputError

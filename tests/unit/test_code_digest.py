@@ -60,11 +60,11 @@ def test_other_data_beside_a_module_counts(copied: Path, suffix: str) -> None:
 
 
 def test_a_package_that_imports_all_its_modules_needs_them_and_those_to_come(copied: Path) -> None:
-    before = {verb: digest(verb) for verb in ("stages.assets.library", "stages.extraction.extract")}
+    before = {verb: digest(verb) for verb in ("plugins.furniture.library", "stages.extraction.extract")}
     new = copied / "procedural/categories/plinths.py"
     new.write_text('"""Plinths."""\n')
     try:
-        assert digest("stages.assets.library") != before["stages.assets.library"]
+        assert digest("plugins.furniture.library") != before["plugins.furniture.library"]
         assert digest("stages.extraction.extract") == before["stages.extraction.extract"]
     finally:
         new.unlink()

@@ -155,6 +155,7 @@ def test_only_verbs_that_exist_are_replaced(stages: dict, message: str) -> None:
 
 
 FOR_PEOPLE = {  # pages and helpers that no rule calls: there is nothing to replace
+    "furniture facts",
     "importing import",
     "ops cluster",
     "experiment choose",

@@ -5,6 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from plugins.furniture import build
+from plugins.furniture.catalogue import sample
 from stages.articulated.asset_folder import read_model
 from stages.config.generation import GenerationConfig
 from stages.contracts import Asset, read_json
@@ -16,8 +18,6 @@ from stages.generation.placed import Placed
 from stages.generation.settling import load_items, settle
 from stages.generation.stacking import stacked
 from stages.geometry.boxes import UprightBox
-from stages.procedural import build
-from stages.procedural.catalogue import sample
 from stages.simulation.loading import physics_scene
 from tests.unit.physics import add_ground
 

@@ -9,6 +9,8 @@ import pytest
 import trimesh
 from PIL import Image
 
+from plugins.furniture import build as build_asset
+from plugins.furniture.catalogue import sample
 from stages.config.generation import GenerationConfig
 from stages.contracts import Asset, Cousins, GeneratedScene, InputError, Objects, read_json, write_json
 from stages.contracts.categories import known_categories
@@ -25,8 +27,6 @@ from stages.generation.scene_file import scene_of, summary
 from stages.generation.settling import load_items, physics_check, reaching_behind, settle
 from stages.geometry.cameras import intrinsics_from_fov, look_at
 from stages.geometry.frames import yaw_matrix
-from stages.procedural import build as build_asset
-from stages.procedural.catalogue import sample
 from stages.simulation.loading import physics_scene
 from tests.refusals import refused
 from tests.unit.generation_scenes import thing

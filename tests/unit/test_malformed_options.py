@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from plugins.furniture.catalogue import sample
+from plugins.furniture.folder import generate
 from stages.cli import main as stage
 from stages.config.assets import AssetsConfig
 from stages.config.demonstrations import DemonstrationsConfig
@@ -25,8 +27,6 @@ from stages.contracts import InputError, read_options
 from stages.contracts.library import Recipe
 from stages.contracts.task_options import TaskConfig
 from stages.contracts.training_run import TrainingRun
-from stages.procedural.catalogue import sample
-from stages.procedural.folder import generate
 from tests.unit.contract_files import contents, write_files
 
 SECTIONS = [AssetsConfig, ScenesConfig, ExtractionConfig, MatchingConfig, GenerationConfig, DemonstrationsConfig,

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 import sapien
 
+from plugins.furniture.library import make
 from stages.articulated.asset_folder import read_asset
 from stages.articulated.resizing import resize_asset
 from stages.articulated.urdf_writer import FRICTION
-from stages.assets.library import make
 from stages.contracts.errors import InputError
 from stages.contracts.library import Asset
 from stages.simulation.loading import load_asset, move, physics_scene, remove, root_pose

@@ -13,6 +13,8 @@ from PIL import Image
 from trimesh import Trimesh
 
 from plugins.exports.scene_formats import mjcf, urdf
+from plugins.furniture import build
+from plugins.furniture.catalogue import sample
 from stages.articulated.asset_folder import Description, read_asset, write_asset
 from stages.articulated.model import Link, RobotModel, Visual
 from stages.articulated.surfaces import surfaces
@@ -25,8 +27,6 @@ from stages.generation.placed import Placed
 from stages.generation.scene_models import Room, room_of
 from stages.geometry.boxes import UprightBox
 from stages.geometry.cameras import look_at
-from stages.procedural import build
-from stages.procedural.catalogue import sample
 
 FOCAL, MIDDLE = 150.0, (90.0, 80.0)  # pixels; not the middle of the picture
 WIDTH, HEIGHT = 200, 150

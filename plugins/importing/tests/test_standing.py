@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from plugins.furniture.library import make
 from plugins.importing import reach
 from plugins.importing.reach import out_of_reach, undisturbed
 from plugins.importing.tests.own_models import import_model
 from plugins.importing.tests.test_sense import box, joint
-from stages.assets.library import make
 from stages.config.demonstrations import DemonstrationsConfig
 from stages.contracts.task_options import TaskConfig
 from stages.demonstrations.attempt import Recorder
