@@ -64,32 +64,6 @@ def own_options(wildcards):
     return [str(path)] if path and (not own.folder or path.is_file()) else []
 
 
-def frame_files(wildcards):
-    """The user's files that a frame is made of."""
-    return EXPERIMENT.inputs[wildcards.scene].files()
-
-
-def frame_flags(wildcards, input):
-    """What `from-rgbd` is told of a frame."""
-    frame = EXPERIMENT.inputs[wildcards.scene]
-    flags = {
-        "--rgb": input.get("image"),
-        "--depth": input.get("depth"),
-        "--recording": input.get("recording"),
-        "--masks": input.get("masks"),
-        "--labels": input.get("labels"),
-        "--intrinsics": input.get("camera"),
-        "--unit": frame.unit,
-        "--depth-is": None if frame.depth_is == "z" else frame.depth_is,
-        "--number": None if frame.depth else frame.number,
-        "--camera": None if input.get("camera") else frame.camera or None,
-        "--fov": frame.fov or None,
-    }
-    told = [word for flag, value in flags.items() if value is not None for word in (flag, str(value))]
-    matrix = ["--matrix", *map(str, frame.intrinsics)] if frame.intrinsics else []
-    return shlex.join([*told, *matrix, *(["--clusters"] if frame.clusters else [])])
-
-
 def of_picture(pattern):
     """A function of what Snakemake calls a job's inputs: the files of `pattern` for the picture of this run."""
 
@@ -99,20 +73,6 @@ def of_picture(pattern):
         return files(pattern, variant=VARIANTS, scene=ROOMS)
 
     return found
-
-
-def weight_files():
-    """The weights of the networks that a picture needs, as far as they lie here."""
-    paths = [Path(folder, "model.safetensors") for folder in CONFIG.photo.networks().values()]
-    return [str(path) for path in paths if path.is_file()]
-
-
-def picture_options(wildcards):
-    """What the networks are told of one picture: the config, and its own field of view."""
-    own = EXPERIMENT.inputs[wildcards.scene].fov
-    return json.dumps(
-        options_of(CONFIG, "inputs", "estimate", {}) | ({"field_of_view": own} if own else {}), sort_keys=True
-    )
 
 
 def scene_image(wildcards):

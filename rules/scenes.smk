@@ -1,8 +1,7 @@
-# Sim-to-sim rooms: what a camera sees, and apart from it the truth (paper B.1, Table 2). Frames of RGB-D cameras.
+# Sim-to-sim rooms: what a camera sees, and apart from it the truth (paper B.1, Table 2).
 # Reads:  the procedural models; for rooms of yours the whole library; what `experiment.inputs` names.
 # Writes: results/scenes/<scene>/input/{rgb.png,camera.json,depth.npz,masks.png,annotations.json}
-#         and results/scenes/<scene>/truth.json, by which nothing is matched or placed;
-#         results/scenes/<scene>/frame/{the same five,config.yaml}.
+#         and results/scenes/<scene>/truth.json, by which nothing is matched or placed.
 
 
 rule room:
@@ -39,38 +38,6 @@ rule room:
         "({params.command} --library {input.library:q} --scene {params.name} --options {params.options:q} "
         "--seed {params.seed} {params.room} --out {params.out:q} && "
         "{params.check}) 2>&1 | tee {log:q}"
-
-
-rule frame:
-    """Make an input folder of one frame with depth of the user's."""
-    input:
-        unpack(frame_files),
-    output:
-        rgb="results/scenes/{scene}/frame/rgb.png",
-        camera="results/scenes/{scene}/frame/camera.json",
-        depth="results/scenes/{scene}/frame/depth.npz",
-        masks="results/scenes/{scene}/frame/masks.png",
-        annotations="results/scenes/{scene}/frame/annotations.json",
-        config="results/scenes/{scene}/frame/config.yaml",
-    log:
-        "logs/scenes/frame_{scene}.log",
-    benchmark:
-        "benchmarks/scenes/frame_{scene}.tsv"
-    group:
-        of_scene
-    container:
-        CONFIG.containers.learning
-    threads: 1
-    resources:
-        **needs(2000, 10),
-    params:
-        command=command("inputs", "from-rgbd"),
-        code=code("inputs", "from_rgbd"),
-        check=check(camera="camera", annotations="annotations"),
-        frame=frame_flags,
-        out=subpath(output.rgb, parent=True),
-    shell:
-        "({params.command} {params.frame} --out {params.out:q} && {params.check}) 2>&1 | tee {log:q}"
 
 
 rule scenes:

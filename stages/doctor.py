@@ -113,19 +113,15 @@ def check_containers() -> Check:
     return Check("containers", bool(found), ", ".join(found) or "none: rules run in this environment", needed=False)
 
 
-def check_photo() -> Check:
-    """Weights, at their default places, of the networks that find what a picture shows: optional."""
+def check_of_packages() -> list[Check]:
+    """What packages beside the core may want: optional."""
     try:
-        from stages.config.photo import PhotoConfig
+        from stages.config.packages import present
+
+        found = [package.check() for package in present().values() if package.check]
     except ImportError:
-        return Check("photo", False, "packages are missing", needed=False)
-    files = {name: Path(folder, "model.safetensors") for name, folder in PhotoConfig().networks().items()}
-    there = [f"{name} {file.stat().st_size / 1e9:.1f} GB" for name, file in files.items() if file.is_file()]
-    lacking = [name for name, file in files.items() if not file.is_file()]
-    said = [f"weights: {', '.join(there)}, one in memory at a time"] if there else []
-    if lacking:
-        said.append(f"no weights of {', '.join(lacking)}: python -m stages.inputs fetch, or draw by hand")
-    return Check("photo", not lacking, "; ".join(said), needed=False)
+        return [Check("packages", False, "not to be imported", needed=False)]
+    return [Check(name, good, what, needed=False) for name, good, what in found]
 
 
 Mendable = Callable[[], Check]
@@ -152,7 +148,7 @@ def checks(mend: bool) -> list[Check]:
     """Those about this machine."""
     vulkan, open3d = (mended(check) if mend else check() for check in (check_vulkan, check_open3d))
     found = [check_python(), check_packages(), vulkan, open3d, check_cuda(), check_disk()]
-    return [*found, check_containers(), check_photo()]
+    return [*found, check_containers(), *check_of_packages()]
 
 
 def main(arguments: list[str]) -> int:

@@ -1,4 +1,4 @@
-"""The weights of pretrained networks, from a local folder; `python -m stages.inputs fetch` fills those of `photo`."""
+"""The weights of pretrained networks, from a local folder; `python -m plugins.inputs fetch` fills those of `photo`."""
 
 import hashlib
 from pathlib import Path

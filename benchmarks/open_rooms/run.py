@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.open_rooms import pictures
+from plugins.inputs import from_rgbd
 from stages.config.model import Config
 from stages.config.reads import options_of, stores
 from stages.contracts import Annotations, InputError, read_json, write_json
 from stages.extraction import extract
 from stages.generation import generate
-from stages.inputs import from_rgbd
 from stages.matching import match
 
 # Who chooses: the default judge, the default encoder alone, and nobody who looks (docs/matching.md).

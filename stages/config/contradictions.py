@@ -1,7 +1,6 @@
 """What a config asks for that cannot be: found before anything runs, all at once, each with its mend."""
 
 import os
-import shlex
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -13,6 +12,7 @@ from stages.config.assets import COUNTS
 from stages.config.evaluation import USUAL
 from stages.config.inputs import NAME
 from stages.config.mistakes import Mistake
+from stages.config.packages import present
 from stages.config.pinned_assets import pinned_assets
 from stages.contracts.errors import InputError, nearest
 from stages.contracts.task_options import SIMULATION_FREQUENCY, TaskConfig
@@ -24,30 +24,19 @@ if TYPE_CHECKING:
 def contradictions(config: "Config") -> list[Mistake]:
     """All of them, in the order of config.yaml."""
     checks = (
-        _photo, _names, _scenes, rows.tasks, rows.shared_rows, pinned_assets, rows.training_sets, rows.test_assets,
+        _packages, _names, _scenes, rows.tasks, rows.shared_rows, pinned_assets, rows.training_sets, rows.test_assets,
         rows.simulators, _library, _matching, rows.choices, rows.policies, _environment, _stages,
     )  # fmt: skip
     return [found for check in checks for found in check(config)]
 
 
-def _photo(config: "Config") -> Iterator[Mistake]:
-    """Pictures without depth, and the weights that find what they show."""
-    pictures = config.experiment.pictures
-    if not pictures:
-        return
-    key = "image" if config.image else "experiment.inputs"
-    if config.image and not Path(config.image).is_file():
-        yield Mistake(key, f"no file {config.image}", "name a picture", "E-CONFIG-FILE")
-    lacking = [
-        f"photo.{name} ({folder})"
-        for name, folder in config.photo.networks().items()
-        if not Path(folder, "model.safetensors").is_file()
-    ]
-    if lacking and "estimate" not in config.stages.get("inputs", {}):
-        mend = "python -m stages.inputs fetch, or without weights draw it: python -m stages.inputs annotate"
-        yield Mistake(
-            key, f"there are no weights in {', '.join(lacking)}", f"{mend} {shlex.quote(pictures[0])}", "E-CONFIG-FILE"
-        )
+def _packages(config: "Config") -> Iterator[Mistake]:
+    """What the packages that are on find."""
+    for name, package in present().items():
+        if config.packages[name]:
+            yield from package.mistakes(config)
+        elif package.needed(config):
+            yield Mistake(f"packages.{name}", f"is off, and {package.needed(config)} needs it", "true")
 
 
 def _names(config: "Config") -> Iterator[Mistake]:

@@ -1,16 +1,17 @@
 """Config section `matching`: digital cousins of every object (paper A.6, A.7, B.1)."""
 
 import json
+from collections.abc import Iterable
 from hashlib import sha256
 from typing import Any, ClassVar
 
 from pydantic import Field, model_validator
 
-from stages.config.vlm import VlmConfig
+from stages.config.packages import with_sections
 from stages.contracts.section import OWN, Section
 from stages.plugins import short
 
-WORDLESS = {"distance", "votes", "geometry", "rerender", "priors"}  # judges that ask no language model
+OURS = {"distance", "votes", "geometry", "rerender", "priors"}  # judges of the core
 BLIND = {"priors"}  # judges that look at no picture
 
 
@@ -204,12 +205,24 @@ class MatchingSection(ComparisonOptions):
 
 
 class MatchingConfig(MatchingSection):
-    """The section and the language model of the judge `vlm`: what `matching match` reads."""
+    """The section, and those of packages for their judges: what `matching match` reads."""
 
-    vlm: VlmConfig = VlmConfig()
+    @classmethod
+    def beside(cls) -> set[str]:
+        """The sections of packages."""
+        return set(cls.model_fields) - set(MatchingSection.model_fields)
 
     def unread(self) -> set[str]:
-        """The options of encoders and judges that are not used; a judge of the user's may ask a language model, too."""
+        """The options of encoders and judges that are not used; judges of yours may read what packages' judges read."""
         judges = {self.model_selection, self.orientation_selection}
-        silent = {"geometry"} - judges | ({"vlm"} if judges <= WORDLESS else set())
+        silent = {"geometry"} - judges | (self.beside() if judges <= OURS else set())
         return super().unread() | {"clip"} - {self.text_encoder} | silent
+
+    def deciding(self) -> "MatchingConfig":
+        """The options with those of packages as far as they decide on answers."""
+        return self.model_copy(update={name: getattr(self, name).deciding() for name in self.beside()})
+
+
+def matching_model(packages: Iterable[str]) -> type[MatchingConfig]:
+    """The options with the sections that these packages' judges read."""
+    return with_sections(MatchingConfig, packages, judges=True)

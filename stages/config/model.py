@@ -17,17 +17,15 @@ from stages.config.extraction import ExtractionConfig
 from stages.config.files import read_file
 from stages.config.generation import GenerationConfig
 from stages.config.inputs import Input, scene_of, with_inputs
-from stages.config.matching import MatchingConfig, MatchingSection
+from stages.config.matching import MatchingConfig, MatchingSection, matching_model
 from stages.config.mistakes import Mistake, mistakes_of, truths, validated, without_removed, without_sharers
 from stages.config.names import resolved
 from stages.config.packages import present, with_sections
-from stages.config.photo import PhotoSection
 from stages.config.replaced import Replaced
 from stages.config.room_files import room_files
 from stages.config.scenes import ScenesConfig
 from stages.config.tables import TablesConfig
 from stages.config.training import TrainingConfig
-from stages.config.vlm import VlmConfig
 from stages.contracts.errors import InputError, nearest
 from stages.contracts.section import Section, Seed
 from stages.contracts.task_options import TaskConfig
@@ -57,13 +55,8 @@ class Config(Section):
     experiment: ExperimentConfig = Field(ExperimentConfig(), description="Which cells of the paper's tables are run.")
     assets: AssetsConfig = Field(AssetsConfig(), description="The asset library and its snapshots (A.1).")
     scenes: ScenesConfig = Field(ScenesConfig(), description="The sim-to-sim rooms (B.1, Table 2).")
-    photo: PhotoSection = Field(PhotoSection(), description="From one RGB picture to an input folder (A.2, A.7).")
     extraction: ExtractionConfig = Field(ExtractionConfig(), description="From image to objects in space (A.2, A.7).")
     matching: MatchingSection = Field(MatchingSection(), description="Digital cousins of every object (A.6, A.7, B.1).")
-    vlm: VlmConfig = Field(
-        VlmConfig(),
-        description="The language model that sees, for the judge `vlm` and for `photo.captions: vlm` (docs/vlm.md).",
-    )
     generation: GenerationConfig = Field(GenerationConfig(), description="Placing the cousins (A.3, A.7).")
     task: TaskConfig = Field(
         TaskConfig(), description="The tasks' environment, the same in demos and evaluation (B.3)."
@@ -98,10 +91,13 @@ class Config(Section):
         return [*ours, *(name for name in self.plugins if name not in ours)]
 
     def matching_of(self, variant: str) -> MatchingConfig:
-        """The matching options of one variant: `matching` and `vlm` with what the variant changes, key by key."""
-        sections = self.matching.model_dump() | {"vlm": self.vlm.model_dump()}
-        changed = merged(sections, self.experiment.variants[variant])
-        return resolved(MatchingConfig.model_validate(changed), self.implementations, f"experiment.variants.{variant}")
+        """The options of one variant: `matching` and packages' sections, with what it changes, key by key."""
+        model = matching_model(
+            name for name in present() if present()[name].sections.keys() <= type(self).model_fields.keys()
+        )
+        beside = {name: getattr(self, name).model_dump() for name in model.beside()}
+        changed = merged(self.matching.model_dump() | beside, self.experiment.variants[variant])
+        return resolved(model.model_validate(changed), self.implementations, f"experiment.variants.{variant}")
 
     def generation_of(self, variant: str) -> GenerationConfig:
         """The placing of one variant: that of `generation` with what differs, key by key."""

@@ -6,6 +6,7 @@ from pathlib import Path
 from stages import plugins
 from stages.config.matching import MatchingConfig
 from stages.config.model import Config
+from stages.config.packages import Package, present
 
 MANY = 8  # files in one folder: containers see it whole then
 
@@ -21,6 +22,7 @@ def outside(config: Config) -> list[str]:
         *config.assets.folders,
         *(name for own in commands for name in own.code),
         *(path for options in matching for path in _weights(options)),
+        *(path for package in _packages(config) for path in package.outside(config)),
         *(str(plugins.folder(package)) for package in config.plugins),
     ]
     paths = {Path(name).resolve() for name in named if Path(name).exists()}
@@ -28,26 +30,23 @@ def outside(config: Config) -> list[str]:
 
 
 def online(config: Config) -> list[str] | None:
-    """Environment variables that hold keys of the language models that are asked; None: nothing asks the network."""
-    matching = map(config.matching_of, config.experiment.variants)
-    asked = [options.vlm for options in matching if "vlm" not in options.unread()]
-    asked += [config.vlm] if config.experiment.pictures and config.photo.captions == "vlm" else []
-    keys = {model.key_env for model in asked if model.mode == "record"}
-    return sorted(keys - {""}) if keys else None
+    """Environment variables that hold keys of the servers that are asked; None: nothing asks the network."""
+    keys = [found for package in _packages(config) if (found := package.keys(config)) is not None]
+    return sorted({name for found in keys for name in found} - {""}) if keys else None
+
+
+def _packages(config: Config) -> list[Package]:
+    """Those that are on."""
+    return [package for name, package in present().items() if config.packages[name]]
 
 
 def _of_inputs(config: Config) -> list[str]:
-    """The user's pictures, or, where they are many, the folders that these lie in; weights for pictures alone."""
+    """The user's pictures, or, where they are many, the folders that these lie in."""
     inputs = [config.experiment.inputs[room] for room in config.experiment.rooms if room in config.experiment.inputs]
     files = [path for given in inputs for path in given.files().values()]
     folders = Counter(str(Path(path).parent) for path in files)
-    named = dict.fromkeys(folder if folders[folder := str(Path(path).parent)] > MANY else path for path in files)
-    if not config.experiment.pictures:
-        return [*named]
-    ledger = [config.vlm.ledger] if config.photo.captions == "vlm" else []
-    return [*named, *config.photo.networks().values(), *ledger]
+    return [*dict.fromkeys(folder if folders[folder := str(Path(path).parent)] > MANY else path for path in files)]
 
 
 def _weights(options: MatchingConfig) -> list[str]:
-    ledger = [] if "vlm" in options.unread() else [options.vlm.ledger]
-    return [*filter(None, options.weights().values()), *ledger]
+    return [*filter(None, options.weights().values())]

@@ -19,21 +19,29 @@ class Package:
 
     Attributes:
         last: whether its rules.smk looks at the rules of all others.
+        judges: whether judges of matching read its sections, so that variants may change them.
         section: of config.yaml that its verbs read.
         shards: of the section `assets`, the shards of models that its rules add to the library, by name.
         verbs: its commands that rules call, and what each reads of the config (None: nothing).
         sections: of config.yaml that belong to it, by name, as pydantic fields.
         outside: of the whole config, files that its jobs read and that may lie outside the working directory.
+        mistakes: of the whole config, `Mistake`s that the package finds in it.
+        needed: of the whole config, what in it needs the package, if anything does.
+        check: what of this machine the package may want: its name, whether all is there, what is or is not.
         keys: of the whole config, environment variables of keys that it sends to a server; None: it asks none.
     """
 
     last: bool = False
     section: str = ""
+    judges: bool = False
     shards: Callable[[Any], Mapping[str, Any]] = lambda assets: {}
     verbs: Mapping[str, type[Section] | None] = field(default_factory=dict)
     sections: Mapping[str, tuple[type[Section], Any]] = field(default_factory=dict)
     outside: Callable[[Any], list[str]] = lambda config: []
     keys: Callable[[Any], list[str] | None] = lambda config: None
+    mistakes: Callable[[Any], Iterable[Any]] = lambda config: ()
+    needed: Callable[[Any], str | None] = lambda config: None
+    check: Callable[[], tuple[str, bool, str]] | None = None
 
 
 def present() -> dict[str, Package]:
@@ -48,12 +56,12 @@ def rule_files(on: Mapping[str, bool], last: bool = False) -> list[str]:
     return [f"plugins/{name}/rules.smk" for name in names]
 
 
-def with_sections(model: type[C], names: Iterable[str]) -> type[C]:
-    """The model of the config with the sections of these packages."""
+def with_sections(model: type[C], names: Iterable[str], judges: bool = False) -> type[C]:
+    """A section with those of these packages; `judges`: with those alone that judges of theirs read."""
     packages = present()
     fields: dict[str, Any] = {}
     for name in names:
-        fields |= packages[name].sections
+        fields |= packages[name].sections if packages[name].judges or not judges else {}
     return create_model(model.__name__, __base__=model, __doc__=model.__doc__, **fields) if fields else model
 
 

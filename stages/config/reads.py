@@ -7,11 +7,10 @@ from stages.config.demonstrations import DemonstrationsConfig
 from stages.config.evaluation import RolloutOptions, SkillOptions, TrialOptions
 from stages.config.extraction import ExtractionConfig
 from stages.config.generation import GenerationConfig
-from stages.config.matching import ComparisonOptions, EncoderOptions, MatchingConfig
+from stages.config.matching import ComparisonOptions, EncoderOptions, matching_model
 from stages.config.model import Config
 from stages.config.names import kind_of
 from stages.config.packages import present
-from stages.config.photo import PhotoConfig, PhotoSection
 from stages.config.policy_rows import policy_tables
 from stages.config.scenes import ScenesConfig
 from stages.config.tables import MethodTables, PolicyTables, TablesConfig
@@ -23,11 +22,9 @@ from stages.plugins import short
 CORE: dict[tuple[str, str], type[Section]] = {
     ("assets", "snapshots"): SnapshotOptions,
     ("scenes", "render"): ScenesConfig,
-    ("inputs", "fetch"): PhotoSection,
-    ("inputs", "estimate"): PhotoConfig,
     ("extraction", "extract"): ExtractionConfig,
     ("matching", "features"): EncoderOptions,
-    ("matching", "match"): MatchingConfig,
+    ("matching", "match"): matching_model(present()),
     ("matching", "distances"): ComparisonOptions,
     ("generation", "generate"): GenerationConfig,
     ("demonstrations", "collect"): DemonstrationsConfig,
@@ -53,7 +50,7 @@ READS = CORE | {
 def section_name(stage: str) -> str:
     """The config section of a stage or package."""
     package = present().get(stage)
-    return package.section if package else {"inputs": "photo"}.get(stage, stage)
+    return package.section if package else stage
 
 
 def section_of(config: Config, stage: str, wildcards: dict[str, str]) -> Section:
@@ -68,8 +65,6 @@ def section_of(config: Config, stage: str, wildcards: dict[str, str]) -> Section
         return config.evaluation.under(wildcards["condition"])
     if stage == "tables":
         return policy_tables(config)
-    if stage == "inputs":
-        return PhotoConfig.model_construct(**dict(config.photo), vlm=config.vlm)
     section: Section = getattr(config, section_name(stage))
     if isinstance(section, ExtractionConfig) and not config.experiment.meeting(wildcards["scene"]).protocol.scale_error:
         return section.model_copy(update={"noise": section.noise.model_copy(update={"scale": 0.0})})
@@ -81,6 +76,8 @@ def options_of(config: Config, stage: str, verb: str, wildcards: dict[str, str])
     if (stage, verb) == ("matching", "features"):
         return stores(config)[wildcards["store"]].stored()
     section, reads = section_of(config, stage, wildcards), READS[stage, verb]
+    if beside := {name: getattr(config, name).model_dump() for name in _sections(reads, section)}:  # of other packages
+        section = reads.model_validate(section.model_dump() | beside)
     kept = section.model_dump(mode="json", include=set(reads.model_fields) - section.unread())
     if "own" in kept:
         kinds = [field for field in reads.model_fields if kind_of(reads, field)]
@@ -89,6 +86,12 @@ def options_of(config: Config, stage: str, verb: str, wildcards: dict[str, str])
     if not is_randomised(wildcards.get("role", "")):
         kept.pop("randomise", None)  # of such roles' demonstrations alone
     return kept
+
+
+def _sections(reads: type[Section], section: Section) -> list[str]:
+    """Sections of packages that a verb reads beside its own."""
+    names = {name for package in present().values() for name in package.sections}
+    return sorted(names & set(reads.model_fields) - set(type(section).model_fields))
 
 
 def stores(config: Config) -> dict[str, EncoderOptions]:

@@ -10,7 +10,6 @@ from stages.contracts.section import Section
 
 VERBS = {
     "assets": ("join", "snapshots", "draw"),
-    "inputs": ("estimate", "fetch"),
     "scenes": ("render",),
     "extraction": ("extract", "draw"),
     "matching": ("features", "match", "distances", "draw"),

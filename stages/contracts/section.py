@@ -1,6 +1,6 @@
 """Base of every config section."""
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
@@ -13,6 +13,10 @@ class Section(BaseModel):
     def unread(self) -> set[str]:
         """Keys that nothing reads as the others stand: a change of them runs nothing again."""
         return set()
+
+    def deciding(self) -> Self:
+        """What decides on results; where and how they are got is left at its default."""
+        return self
 
 
 OWN: Any = Field({}, description="Options of implementations of your own, by their name; handed on as they are.")

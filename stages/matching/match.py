@@ -8,7 +8,8 @@ from typing import NamedTuple
 
 from stages.cli import progress
 from stages.config.made import made
-from stages.config.matching import MatchingConfig
+from stages.config.matching import MatchingConfig, matching_model
+from stages.config.packages import present
 from stages.contracts import Cousins, InputError, LeftOut, Library, read_json, read_options, write_json
 from stages.contracts.cousins import ObjectCousins, Orientation
 from stages.contracts.doubt import MEND
@@ -55,7 +56,7 @@ def run(
         without: files that name models not to be used.
         options: JSON of the config section `matching`.
     """
-    settings = read_options(MatchingConfig, options)
+    settings = read_options(matching_model(present()), options)
     stored = open_pictures(features, settings) if settings.compares_pictures else None
     assets = without_models(read_library(library, stored.store if stored else None), without)
     scene = Scene(objects, image)
@@ -70,7 +71,7 @@ def run(
     entries = [compared(entry, item, assets) for entry, item in zip(agreed(entries, items), items, strict=True)]
     looks = [path.with_suffix(".npz") for path in features]  # of every view as a whole: a store has a gigabyte
     seen = [image, *looks] if settings.compares_pictures else []
-    asked = settings.model_copy(update={"vlm": settings.vlm.asked()})
+    asked = settings.deciding()
     seed = scene.objects.made.seed if scene.objects.made else None
     origin = made("stages.matching.match", asked, [objects, *seen, library, *without], seed)
     result = Cousins(scene=scene.objects.scene, encoder=encoder, objects=entries, made=origin)

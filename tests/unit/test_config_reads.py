@@ -10,9 +10,9 @@ import yaml
 from pydantic import BaseModel
 
 from reference.commands import rule_files
-from stages.config.matching import MatchingConfig
-from stages.config.model import Config, load, merged, read_files, with_defaults
-from stages.config.packages import home_of
+from stages.config.matching import MatchingConfig, matching_model
+from stages.config.model import complete, load, merged, read_files, with_defaults
+from stages.config.packages import home_of, present
 from stages.config.reads import READS, options_of, section_name, stores
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -52,6 +52,7 @@ LISTED = {  # keys that do not simply run the one verb of their section again
     "tables": {"scenes", "policies", "conditions", "report", "picture"},
 }
 ONE = {"assets": {"snapshots"}, "matching": {"match"}}  # the verb of the other keys of a section
+Config = complete()
 CONFIG = Config()
 
 
@@ -78,7 +79,7 @@ def changed(section: Any, path: list[str]) -> Any:
     return section.model_copy(update={path[0]: changed(getattr(section, path[0]), path[1:])})
 
 
-def digests(config: Config) -> dict[str, str]:
+def digests(config: Any) -> dict[str, str]:
     """What each verb is told of a config, as text."""
     made = {}
     for stage, verb in READS:
@@ -98,8 +99,8 @@ KEYS = [key for section in [*SECTIONS, "vlm"] for key in leaves(getattr(CONFIG, 
 def test_a_key_runs_again_what_reads_it(key: str, monkeypatch: pytest.MonkeyPatch) -> None:
     other = changed(CONFIG, key.split("."))
 
-    def matching_of(self: Config, variant: str) -> MatchingConfig:
-        return MatchingConfig.model_construct(**dict(self.matching), vlm=self.vlm)  # any value will do
+    def matching_of(self: Any, variant: str) -> MatchingConfig:
+        return matching_model(present()).model_construct(**dict(self.matching), vlm=self.vlm)  # any value will do
 
     monkeypatch.setattr(Config, "matching_of", matching_of)
     monkeypatch.setattr(Config, "generation_of", lambda self, variant: self.generation)

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
+from plugins.studio.made import Made
 from stages.contracts import Objects
 from stages.contracts.corrections import Correction
 from stages.contracts.generated import PlacedObject
 from stages.contracts.snapshot_pictures import Snapshots
 from stages.geometry.cameras import intrinsics_from_fov, look_at
-from stages.inputs.by_hand.made import Made
 
 MASK = 3
 CHEST = PlacedObject(

@@ -256,9 +256,9 @@ def test_a_picture_needs_weights_or_is_drawn(tmp_path: Path) -> None:
     (folder / "my kitchen.v2.jpg").touch()
     photo = ("photo", "--config", "image=my kitchen.v2.jpg")
     done = dry_run(folder, *photo)
-    lines = [line for line in done.stdout.splitlines() if "python -m stages.inputs fetch" in line]
+    lines = [line for line in done.stdout.splitlines() if "python -m plugins.inputs fetch" in line]
     assert done.returncode == 1 and len(lines) == 1 and "Traceback" not in done.stdout
-    assert "weights/sam2" in lines[0] and "stages.inputs annotate 'my kitchen.v2.jpg'" in lines[0]
+    assert "weights/sam2" in lines[0] and "plugins.studio annotate 'my kitchen.v2.jpg'" in lines[0]
     assert planned(dry_run(folder, "fetch").stdout)["fetch"] == 1
     for name in ("grounding_dino", "sam2", "depth_anything_v2"):
         (folder / "weights" / name).mkdir(parents=True)

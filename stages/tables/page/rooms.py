@@ -124,7 +124,7 @@ def _correct(image: Path | None, scene: str, variant: str) -> str:
     if image is None:
         return ""
     arguments = ["annotate", str(image.parent), "--scene", scene, "--variant", variant, "--choose"]
-    return f"python -m stages.inputs {shlex.join(arguments)} "
+    return f"python -m plugins.studio {shlex.join(arguments)} "
 
 
 def origins(files: RunFiles, name: str) -> dict[str, Made]:

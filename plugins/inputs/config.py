@@ -1,0 +1,63 @@
+"""Config section `photo`: one RGB picture -> an input folder, by pretrained networks (paper 2.1, A.2, A.7)."""
+
+from typing import Any, ClassVar, Literal
+
+from pydantic import Field
+
+from stages.config.cameras import FIELD_OF_VIEW
+from stages.contracts.section import Section
+
+
+class PhotoSection(Section):
+    """From a picture to boxes, masks and depth. Weights are folders with config.json and model.safetensors."""
+
+    detector: str = Field("weights/grounding_dino", description="Weights of Grounding DINO: a box for every label.")
+    segmenter: str = Field("weights/sam2", description="Weights of SAM 2: a mask for every box.")
+    depth: Literal["depth_anything", "depth_pro"] = Field(
+        "depth_anything", description="Metric depth. depth_pro: slower, sharper, and it tells the field of view."
+    )
+    depth_anything: str = Field("weights/depth_anything_v2", description="Weights of Depth-Anything V2, metric.")
+    depth_pro: str = Field("weights/depth_pro", description="Weights of Depth Pro.")
+    captions: Literal["labels", "vlm"] = Field(
+        "labels",
+        description="What is looked for. labels: `labels`, all of them. vlm: what a language model that sees lists, "
+        "which then names every object again and counts its doors and drawers.",
+    )
+    labels: list[str] = Field([], description="What is looked for without a language model; []: our categories.")
+    mounting: Literal["geometry", "vlm"] = Field(
+        "vlm",
+        description="Who says what hangs, what stands, and at which wall (A.2). vlm: the language model of `captions: "
+        "vlm`, geometry where it has no usable answer.",
+    )
+    box_threshold: float = Field(0.3, gt=0, lt=1, description="Least score of a box (official code: 0.3).")
+    # Of two masks that overlap by more (over their union), the better box's is kept.
+    overlap: ClassVar[float] = 0.7
+    # Least share of the picture that an object covers.
+    min_share: ClassVar[float] = 0.0005
+    field_of_view: float | None = Field(
+        None,
+        ge=FIELD_OF_VIEW[0],
+        le=FIELD_OF_VIEW[1],
+        description="Degrees over the picture's width. null: Depth Pro's if it is used, else by EXIF, by lines in the "
+        "picture, or that of a usual camera; which is said.",
+    )
+    lens: str | None = Field(
+        None,
+        description="Calibration of the camera (JSON, YAML as OpenCV, ROS, Kalibr write them): the picture is made "
+        "straight first, and its focal length is known.",
+    )
+
+    def networks(self) -> dict[str, str]:
+        """Folders of the networks that are used, by their keys, in the order of their use."""
+        return {name: getattr(self, name) for name in ("detector", "segmenter", self.depth)}
+
+
+class PhotoConfig(PhotoSection):
+    """The section, and that of the language model of `captions: vlm`: what `inputs estimate` reads."""
+
+    vlm: dict[str, Any] = {}
+
+    def unread(self) -> set[str]:
+        """The depth network that is not used, and what the way to captions does not need."""
+        silent = {"labels"} if self.captions == "vlm" else {"vlm", "mounting"}
+        return {"depth_anything", "depth_pro"} - {self.depth} | silent

@@ -1,0 +1,197 @@
+"""The pretrained networks, through `transformers`: boxes by labels, masks by boxes, depth.
+
+Each function loads its network and lets it go again, so that only one is in memory at a time. Pictures are prepared
+here as the networks' own preprocessors do it, which need torchvision.
+"""
+
+import gc
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any, NamedTuple
+
+import cv2
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from transformers import (
+    AutoTokenizer,
+    DepthAnythingForDepthEstimation,
+    DepthProForDepthEstimation,
+    GroundingDinoForObjectDetection,
+    Sam2Model,
+)
+
+from plugins.inputs.config import PhotoConfig
+from stages.config.cameras import FIELD_OF_VIEW
+from stages.contracts import InputError
+from stages.contracts.depth import NEAREST, SKY
+from stages.pretrained import load_pretrained
+
+Picture = NDArray[np.uint8]
+IMAGENET = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)
+HALF = (0.5, 0.5, 0.5), (0.5, 0.5, 0.5)
+DETECTOR_SIDES = 800, 1333  # pixels: the shorter side is made so long, the longer one at most that
+DEPTH_SIDE = 518  # pixels of the shorter side (Depth-Anything V2), in patches
+
+
+class Detection(NamedTuple):
+    """A box (x0, y0, x1, y1) in pixels."""
+
+    label: str
+    score: float
+    box: tuple[float, float, float, float]
+
+
+@contextmanager
+def _free_after(device: str) -> Iterator[None]:
+    """Inference; what was loaded inside is let go after it."""
+    with torch.inference_mode():
+        yield
+    gc.collect()
+    if device != "cpu":
+        torch.cuda.empty_cache()
+
+
+def _pixels(rgb: Picture, width: int, height: int, norm: tuple[Sequence[float], Sequence[float]]) -> torch.Tensor:
+    """The picture (1, 3, height, width) as a network sees it."""
+    sized = cv2.resize(rgb, (width, height), interpolation=cv2.INTER_LINEAR).astype(np.float32) / 255
+    mean, deviation = (np.array(values, np.float32) for values in norm)
+    return torch.from_numpy((sized - mean) / deviation).permute(2, 0, 1)[None].contiguous()
+
+
+def detect(rgb: Picture, labels: Sequence[str], options: PhotoConfig, device: str = "cpu") -> list[Detection]:
+    """Boxes of things with these labels, best first. A box is of the label whose words speak most for it.
+
+    Raises:
+        InputError: the weights are missing or broken.
+    """
+    with _free_after(device):
+        return _detect(rgb, labels, options, device)
+
+
+def _detect(rgb: Picture, labels: Sequence[str], options: PhotoConfig, device: str) -> list[Detection]:
+    height, width = rgb.shape[:2]
+    model = load_pretrained(GroundingDinoForObjectDetection, options.detector, "photo.detector").to(device)
+    tokenizer = _tokenizer(options.detector, "photo.detector")
+    scale = min(DETECTOR_SIDES[0] / min(width, height), DETECTOR_SIDES[1] / max(width, height))
+    pixels = _pixels(rgb, round(width * scale), round(height * scale), IMAGENET).to(device)
+    seen = torch.ones(pixels.shape[0], *pixels.shape[2:], dtype=torch.long, device=device)
+    found: list[Detection] = []
+    for ids, spans in _texts(tokenizer, labels, model.config.max_text_len):
+        tokens = torch.tensor([ids], device=device)
+        result = model(
+            pixel_values=pixels,
+            pixel_mask=seen,
+            input_ids=tokens,
+            attention_mask=torch.ones_like(tokens),
+            token_type_ids=torch.zeros_like(tokens),
+        )
+        scores = result.logits[0].sigmoid().cpu().numpy()
+        x, y, w, h = result.pred_boxes[0].cpu().numpy().T
+        boxes = np.stack([x - w / 2, y - h / 2, x + w / 2, y + h / 2], axis=1) * [width, height, width, height]
+        boxes = np.clip(boxes, 0, [width, height, width, height])
+        by_label = np.stack([scores[:, start:end].max(axis=1) for start, end in spans.values()], axis=1)
+        for query in np.flatnonzero(by_label.max(axis=1) > options.box_threshold):
+            best = int(by_label[query].argmax())
+            box = tuple(float(value) for value in boxes[query])
+            if box[2] - box[0] >= 2 and box[3] - box[1] >= 2:
+                found.append(Detection(list(spans)[best], float(by_label[query, best]), box))  # type: ignore[arg-type]
+    return sorted(found, key=lambda detection: -detection.score)
+
+
+def _tokenizer(folder: str, key: str) -> Any:
+    try:
+        return AutoTokenizer.from_pretrained(folder, local_files_only=True)
+    except (OSError, ValueError, TypeError, KeyError):
+        what, fix = f"the tokenizer in '{folder}' does not load.", "put tokenizer.json beside model.safetensors"
+        raise InputError(key, what, fix, code="E-TOKENIZER-MISSING") from None
+
+
+def _texts(
+    tokenizer: Any, labels: Sequence[str], longest: int
+) -> Iterator[tuple[list[int], dict[str, tuple[int, int]]]]:
+    """Texts `label. label. ...` as token ids, each with the places of every label's tokens; as many as are needed."""
+    stop = tokenizer(".", add_special_tokens=False)["input_ids"]
+    first, last = tokenizer.cls_token_id, tokenizer.sep_token_id
+    ids, spans = [first], dict[str, tuple[int, int]]()
+    for label in dict.fromkeys(label.strip().lower().rstrip(".") for label in labels):
+        words = tokenizer(label, add_special_tokens=False)["input_ids"][: longest - 3]
+        if not words:
+            continue
+        if spans and len(ids) + len(words) + len(stop) + 1 > longest:
+            yield [*ids, last], spans
+            ids, spans = [first], {}
+        spans[label] = (len(ids), len(ids) + len(words))
+        ids += words + stop
+    if spans:
+        yield [*ids, last], spans
+
+
+def segment(
+    rgb: Picture, detections: Sequence[Detection], options: PhotoConfig, device: str = "cpu"
+) -> list[NDArray[np.bool_]]:
+    """The mask (H, W) of what each box holds.
+
+    Raises:
+        InputError: the weights are missing or broken.
+    """
+    with _free_after(device):
+        height, width = rgb.shape[:2]
+        model = load_pretrained(Sam2Model, options.segmenter, "photo.segmenter").to(device)
+        side = model.config.prompt_encoder_config.image_size
+        boxes = np.array([item.box for item in detections]) * np.array([side / width, side / height] * 2)
+        embedded = model.get_image_embeddings(_pixels(rgb, side, side, IMAGENET).to(device))
+        masks = []
+        for box in boxes:  # one at a time: memory does not grow with their number
+            given = torch.tensor(box, dtype=torch.float32, device=device).reshape(1, 1, 4)
+            logits = model(image_embeddings=embedded, input_boxes=given, multimask_output=False).pred_masks[0, 0, 0]
+            sized = cv2.resize(logits.float().cpu().numpy(), (width, height), interpolation=cv2.INTER_LINEAR)
+            masks.append(np.asarray(sized > 0))
+        return masks
+
+
+def depth_of(rgb: Picture, options: PhotoConfig, device: str = "cpu") -> tuple[NDArray[np.float32], float | None]:
+    """Depth (H, W) in metres, and the focal length in pixels if the network tells it.
+
+    Raises:
+        InputError: the weights are missing or broken.
+    """
+    with _free_after(device):
+        depth, focal = (_depth_pro if options.depth == "depth_pro" else _depth_anything)(rgb, options, device)
+        if not np.isfinite(depth).all():
+            what = "gives depth that is not finite."
+            raise InputError(f"photo.{options.depth}", what, "other weights", code="E-WEIGHTS-KIND")
+        return np.clip(depth, NEAREST, SKY).astype(np.float32), focal
+
+
+def _depth_anything(rgb: Picture, options: PhotoConfig, device: str) -> tuple[NDArray[np.float32], None]:
+    key, (height, width) = "photo.depth_anything", rgb.shape[:2]
+    model = load_pretrained(DepthAnythingForDepthEstimation, options.depth_anything, key).to(device)
+    if model.config.depth_estimation_type != "metric":
+        what = f"'{options.depth_anything}' gives relative depth, not metres."
+        raise InputError(key, what, "metric weights are asked for", code="E-WEIGHTS-KIND")
+    patch, scale = model.config.patch_size, DEPTH_SIDE / min(width, height)
+    across, down = (max(patch, round(side * scale / patch) * patch) for side in (width, height))
+    depth = model(_pixels(rgb, across, down, IMAGENET).to(device)).predicted_depth[0].float().cpu().numpy()
+    return cv2.resize(depth, (width, height), interpolation=cv2.INTER_LINEAR).astype(np.float32), None
+
+
+def _depth_pro(rgb: Picture, options: PhotoConfig, device: str) -> tuple[NDArray[np.float32], float]:
+    height, width = rgb.shape[:2]
+    model = load_pretrained(DepthProForDepthEstimation, options.depth_pro, "photo.depth_pro").to(device)
+    side = model.config.patch_size * 4  # of the largest of its three scales (1536 pixels)
+    result = model(_pixels(rgb, side, side, HALF).to(device))
+    inverse = result.predicted_depth[0].float().cpu().numpy()
+    if result.field_of_view is None:  # without it the depth has no scale
+        fix = "weights with a field of view are needed"
+        raise InputError("photo.depth_pro", "tells no field of view.", fix, code="E-WEIGHTS-KIND")
+    degrees = float(result.field_of_view.flatten()[0])
+    if not FIELD_OF_VIEW[0] < degrees < FIELD_OF_VIEW[1]:
+        what = f"sees a field of view of {degrees:.0f} degrees."
+        raise InputError(
+            "photo.depth_pro", what, "photo.depth: depth_anything, or another picture", code="E-CAMERA-VIEW"
+        )
+    focal = width / 2 / float(np.tan(np.deg2rad(degrees) / 2))
+    inverse *= width / focal
+    inverse = cv2.resize(inverse, (width, height), interpolation=cv2.INTER_LINEAR)
+    return (1 / np.clip(inverse, 1e-4, 1e4)).astype(np.float32), focal

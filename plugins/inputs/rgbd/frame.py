@@ -1,0 +1,69 @@
+"""One RGB-D frame as it was found, before it becomes an input folder, and at one size."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from plugins.inputs.rgbd.upright import Turn, is_stretched
+from stages.contracts import InputError
+from stages.geometry.cameras import scale_intrinsics
+
+LONGEST_SIDE = 1600  # pixels of a picture; larger ones are made smaller; chosen for time
+NOTHING = {"", "background", "ceiling", "unknown", "unlabeled", "unlabelled", "void"}
+
+
+def is_nothing(label: str) -> bool:
+    """Whether a label says that there is no object, e.g. `_background_`."""
+    return label.strip().strip("_").lower() in NOTHING
+
+
+@dataclass(frozen=True)
+class Labelled:
+    """values (H, W) uint16, 0: nothing; what each value is called, e.g. {1: "mug", 2: "floor"}."""
+
+    values: NDArray[np.uint16]
+    labels: dict[int, str]
+
+
+@dataclass(frozen=True)
+class Frame:
+    """rgb (H, W, 3) uint8; depth (h, w) float32 metres along the optical axis, 0: unknown, of the same view at any
+    size; intrinsics (3, 3) in pixels of `rgb`; masks of the size of `rgb`, if there are any; what was found, in lines;
+    OpenCV's coefficients of the lens, by which all of it is bent, if they are known; how its picture was turned.
+    """
+
+    rgb: NDArray[np.uint8]
+    depth: NDArray[np.float32]
+    intrinsics: NDArray[np.float64]
+    masks: Labelled | None = None
+    notes: Sequence[str] = field(default=())
+    distortion: NDArray[np.float64] | None = None
+    turn: Turn | None = None
+
+
+def fit_frame(frame: Frame) -> Frame:
+    """The frame at one size, at most `LONGEST_SIDE` pixels: depth and masks laid on the picture's pixels.
+
+    Raises:
+        InputError: depth has other proportions than the picture, so that it is of another view.
+    """
+    height, width = frame.rgb.shape[:2]
+    if is_stretched(frame.depth.shape[::-1], (width, height)):
+        what = f"is {frame.depth.shape[1]}x{frame.depth.shape[0]}, the picture {width}x{height}: other proportions."
+        raise InputError(
+            "depth", what, "align depth to the colour picture first (every camera's software does)", code="E-DEPTH-SIZE"
+        )
+    shrunk = max(1.0, max(width, height) / LONGEST_SIDE)
+    size = round(width / shrunk), round(height / shrunk)
+    masks = frame.masks and Labelled(_resize_nearest(frame.masks.values, size), frame.masks.labels)
+    rgb = frame.rgb if shrunk == 1 else np.asarray(cv2.resize(frame.rgb, size, interpolation=cv2.INTER_AREA))
+    intrinsics = scale_intrinsics(frame.intrinsics, size[0] / width, size[1] / height)
+    depth = _resize_nearest(frame.depth, size)
+    return replace(frame, rgb=rgb.astype(np.uint8), depth=depth, intrinsics=intrinsics, masks=masks)
+
+
+def _resize_nearest(array: NDArray, size: tuple[int, int]) -> NDArray:  # type: ignore[type-arg]
+    return np.asarray(cv2.resize(array, size, interpolation=cv2.INTER_NEAREST_EXACT), dtype=array.dtype)

@@ -1,0 +1,105 @@
+"""The files of one frame of an RGB-D recording: which of a folder's files belong together.
+
+Two layouts: TUM's lists of time stamps, and folders of colour and depth in the same order with a file of intrinsics
+(Open3D, RealSense, Record3D's export as EXR and JPG). docs/your-data.md says how to bring others into the second one.
+"""
+
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plugins.inputs.rgbd.cameras import read_intrinsics
+from plugins.inputs.rgbd.depth_files import DEPTH_FILES
+from plugins.inputs.rgbd.views import Intrinsics, View
+from stages.contracts import InputError
+from stages.contracts.arrays import readable
+from stages.geometry.cameras import make_intrinsics, scale_intrinsics
+
+PICTURES = (".png", ".jpg", ".jpeg", ".ppm")
+COLOUR = ("color", "rgb", "image", "colour")  # what folders of pictures are called
+CAMERA_FILES = ("camera.json", "config.json", "metadata.json", "metadata")  # besides those with `intrinsic` in the name
+# Of the TUM RGB-D benchmark's tools: units of a metre; seconds between colour and depth of a frame (associate.py);
+# fx, fy, cx, cy of all three cameras, and the width and height of their pictures.
+TUM_UNIT, TUM_SECONDS = 5000.0, 0.02
+TUM_CAMERA, TUM_SIZE = (525.0, 525.0, 319.5, 239.5), (640, 480)
+
+
+def find_view(path: Path, number: int, intrinsics: Intrinsics | None, camera_file: Path | None = None) -> View:
+    """Frame `number`, from 0, of a recording.
+
+    Args:
+        path: folder of the recording.
+        number: of the frame, in the order of the recording.
+        intrinsics: what to use in the place of the recording's own.
+        camera_file: the file that they are from, if they are from one.
+
+    Raises:
+        InputError: no known layout, no such frame, or a broken one.
+    """
+    if (path / "rgb.txt").is_file() and (path / "depth.txt").is_file():
+        return _find_in_lists(path, number, intrinsics, camera_file)
+    colours = next((path / name for name in COLOUR if (path / name).is_dir()), None)
+    if colours is not None and (path / "depth").is_dir():
+        return _find_in_folders(path, colours, number, intrinsics, camera_file)
+    what = "is no recording that is known (TUM, Open3D, RealSense, Record3D)."
+    fix = "folders color and depth with intrinsics.json, or --rgb and --depth"
+    raise InputError(path, what if path.exists() else "no such folder.", fix, code="E-RECORDING-LAYOUT")
+
+
+def _choose(frames: list[tuple[Path, Path]], number: int, where: Path) -> tuple[Path, Path]:
+    if not 0 <= number < len(frames):
+        what = f"{where} has {len(frames)} frames, counted from 0: there is no {number}."
+        raise InputError("--number", what, "a smaller one", code="E-RECORDING-FRAME")
+    return frames[number]
+
+
+def _find_in_lists(path: Path, number: int, intrinsics: Intrinsics | None, camera_file: Path | None) -> View:
+    """A frame of TUM: every picture with the depth image of the nearest time."""
+    with readable(path / "rgb.txt", "list of a TUM recording"):
+        colours, depths = _read_stamps(path / "rgb.txt"), _read_stamps(path / "depth.txt")
+        times = np.array([stamp for stamp, _ in depths])
+        nearest = [int(np.abs(times - stamp).argmin()) for stamp, _ in colours]
+        both = zip(colours, nearest, strict=True)
+        pairs = [(file, depths[k][1]) for (stamp, file), k in both if abs(times[k] - stamp) <= TUM_SECONDS]
+    colour, depth = _choose(pairs, number, path)
+    source = "" if intrinsics else "intrinsics of TUM's tools"
+    camera = intrinsics or _make_tum_intrinsics
+    return View(colour, depth, camera, camera_file, camera_file, TUM_UNIT, f"TUM, {colour.name}", source)
+
+
+def _make_tum_intrinsics(width: int, height: int, _: str) -> NDArray[np.float64]:
+    return scale_intrinsics(make_intrinsics(*TUM_CAMERA), width / TUM_SIZE[0], height / TUM_SIZE[1])
+
+
+def _read_stamps(path: Path) -> list[tuple[float, Path]]:
+    lines = [line.split() for line in path.read_text().splitlines() if line.strip() and not line.startswith("#")]
+    return [(float(stamp), path.parent / name) for stamp, name, *_ in lines]
+
+
+def _find_in_folders(
+    path: Path, colours: Path, number: int, intrinsics: Intrinsics | None, camera_file: Path | None
+) -> View:
+    """A frame of folders whose files have the same order."""
+    pictures, images = _list_files(colours, PICTURES), _list_files(path / "depth", DEPTH_FILES)
+    if len(pictures) != len(images):
+        what = f"has {len(pictures)} pictures, but {len(images)} depth images."
+        raise InputError(path, what, "one depth image for each picture", code="E-RECORDING-LAYOUT")
+    colour, depth = _choose(list(zip(pictures, images, strict=True)), number, path)
+    own = [one for one in sorted(path.iterdir()) if one.is_file() and "intrinsic" in one.name.lower()]
+    own += [path / name for name in CAMERA_FILES if (path / name).is_file()]
+    if intrinsics is None and not own:
+        raise InputError(
+            path, "has no file of intrinsics.", "give --intrinsics, --camera or --fov", code="E-CAMERA-MISSING"
+        )
+    name, unit_file = f"{colour.name} and {depth.name}", camera_file or next(iter(own), None)
+    if intrinsics is not None:
+        return View(colour, depth, intrinsics, camera_file, unit_file, name=name)
+    camera, source = partial(read_intrinsics, own[0]), f"intrinsics of {own[0].name}"
+    return View(colour, depth, camera, own[0], unit_file, name=name, source=source)
+
+
+def _list_files(folder: Path, suffixes: tuple[str, ...]) -> list[Path]:
+    found = [file for file in folder.iterdir() if file.suffix.lower() in suffixes]
+    return sorted(found, key=lambda file: (len(file.stem), file.stem))  # 10 after 9

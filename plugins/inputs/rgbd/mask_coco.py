@@ -1,0 +1,155 @@
+"""Masks of COCO's JSON: polygons, run lengths in each form, and boxes."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from plugins.inputs.rgbd.mask_shapes import (
+    Mask,
+    Shape,
+    ShapeError,
+    check_size,
+    fill_outline,
+    list_corners,
+    refuse_shape,
+)
+from stages.contracts import InputError
+from stages.contracts.arrays import readable
+
+OUTSIDE = 3  # pixels by which a mask may leave its box; chosen
+INSIDE = 0.5  # share of a mask that its own box holds at least; chosen
+
+
+def read_coco(path: Path, data: dict[str, Any], width: int, height: int, picture: str) -> list[Shape]:
+    """All annotations of the picture of this size and name.
+
+    Raises:
+        InputError: it is broken, of another size, of other pictures, or has an annotation that cannot be read.
+    """
+    with readable(path, "COCO file"):
+        names = {category["id"]: str(category["name"]).strip() for category in data["categories"]}
+        image = _find_image(path, data, picture)
+        size = int(image.get("width") or width), int(image.get("height") or height)
+        check_size(path, size, width, height)
+        shapes = []
+        for number, item in enumerate(data["annotations"], 1):
+            if image and item.get("image_id") != image.get("id"):
+                continue
+            if item.get("category_id") not in names:
+                what = f"annotation {number} is of category {item.get('category_id')!r}, which has no name."
+                raise InputError(path, what, "name it in categories", code="E-MASKS-NAMES")
+            label = names[item["category_id"]]
+            try:
+                mask, remark = _read_mask(item, (height, width))
+            except ShapeError as error:
+                raise refuse_shape(path, f"annotation {number}", label, error) from None
+            shapes.append(Shape(label, mask, remark))
+        return shapes
+
+
+def _find_image(path: Path, data: dict[str, Any], picture: str) -> dict[str, Any]:
+    """The file's entry of the picture; empty if it names no pictures."""
+    images = data.get("images") or []
+    mine = [one for one in images if Path(str(one.get("file_name", "")).replace("\\", "/")).name == picture]
+    pictures = {item.get("image_id") for item in data["annotations"]}
+    if len(mine) > 1 or (not mine and len(images) > 1) or (not images and len(pictures) > 1):
+        known = ", ".join(str(one.get("file_name")) for one in images[:5])
+        what = f"has no picture called {picture}, but {known or 'several without names'}, ..."
+        what = f"has {len(mine)} pictures called {picture}." if mine else what
+        raise InputError(path, what, "rename the picture, or give a file of it alone", code="E-MASKS-PICTURE")
+    if picture and images and not mine and images[0].get("file_name"):
+        print(f"{path}: is of {images[0]['file_name']}, the picture is {picture}")
+    return dict((mine or images or [{}])[0])
+
+
+def _read_mask(item: dict[str, Any], size: tuple[int, int]) -> tuple[Mask | None, str]:
+    """Pixels (H, W) of an annotation, and a remark on it."""
+    given = item.get("segmentation")
+    box = np.asarray(item.get("bbox") or [], dtype=float).ravel()
+    boxed = len(box) == 4 and bool(np.isfinite(box).all()) and box[2] > 0 and box[3] > 0
+    if not given:
+        if not boxed:
+            return None, "has no outline"
+        if (item.get("attributes") or {}).get("rotation"):
+            raise ShapeError("is a box that is turned, without an outline")
+        x, y, wide, high = box
+        return fill_outline(
+            list_corners(x, y, x + wide, y + high), size
+        ), "has no outline, so that all of its box is taken"
+    mask, remarks = _read_segmentation(given, size)
+    if boxed and not _holds(box, mask):
+        raise ShapeError(f"has its outline elsewhere than its bbox {box.tolist()}")
+    if item.get("iscrowd"):
+        remarks = [*remarks, "is marked as a crowd, and taken as one thing"]
+    return mask, " and ".join(remarks)
+
+
+def _holds(box: Any, mask: Mask) -> bool:
+    """Whether a box of x, y, width, height (or x, y, right, bottom, as some write it) has most of a mask (H, W)."""
+    rows, columns = np.nonzero(mask)
+    left, top = box[0] - OUTSIDE, box[1] - OUTSIDE
+    for right, bottom in ((box[0] + box[2], box[1] + box[3]), (box[2], box[3])):
+        inside = (columns >= left) & (columns <= right + OUTSIDE) & (rows >= top) & (rows <= bottom + OUTSIDE)
+        if inside.sum() >= INSIDE * len(rows):
+            return True
+    return False
+
+
+def _read_segmentation(given: Any, size: tuple[int, int]) -> tuple[Mask, list[str]]:
+    """Pixels (H, W) of run lengths, or of polygons: lists of numbers or of pairs, several or one alone."""
+    if isinstance(given, dict):
+        stated = given.get("size")
+        if stated is not None and list(map(int, stated)) != list(size):
+            raise ShapeError(f"has run lengths of {stated[1]}x{stated[0]} pixels")
+        return _fill_runs(given["counts"], size), []
+    if not isinstance(given, list):
+        raise ShapeError(f"has a segmentation that is a {type(given).__name__}")
+    mask, remarks = np.zeros(size, dtype=bool), []
+    if not isinstance(given[0], (list, dict)) or all(_is_pair(part) for part in given):
+        given = [given]
+    for part in given:
+        if isinstance(part, dict):
+            mask |= _read_segmentation(part, size)[0]
+        elif _are_runs(part, size):
+            mask |= _fill_runs(part, size)
+            remarks = ["has run lengths in the place of corners"]
+        else:
+            mask |= fill_outline(part, size)
+    return mask, remarks
+
+
+def _is_pair(part: Any) -> bool:
+    return isinstance(part, list) and len(part) == 2 and not isinstance(part[0], (list, dict))
+
+
+def _are_runs(part: list[Any], size: tuple[int, int]) -> bool:
+    """Whether numbers are run lengths: whole, and as many pixels as the picture has."""
+    whole = all(isinstance(one, (int, float)) and one >= 0 and one == int(one) for one in part)
+    return whole and sum(part) == size[0] * size[1]
+
+
+def _fill_runs(counts: Any, size: tuple[int, int]) -> Mask:
+    """Pixels (H, W) of run lengths, column by column, the first outside; a text packs them."""
+    runs = _unpack_runs(counts) if isinstance(counts, str) else [int(count) for count in counts]
+    if sum(runs) != size[0] * size[1] or min(runs, default=0) < 0:
+        raise ShapeError(f"has run lengths of {sum(runs)} pixels, the picture has {size[0] * size[1]}")
+    bits = np.repeat(np.arange(len(runs)) % 2, runs).astype(bool)
+    return np.asarray(bits.reshape(size[::-1]).T)
+
+
+def _unpack_runs(text: str) -> list[int]:
+    """COCO's compressed run lengths: five bits a character, least first; from the fourth on less the last but one."""
+    runs: list[int] = []
+    value, shift = 0, 0
+    for letter in text:
+        bits = ord(letter) - 48
+        if not 0 <= bits < 64 or shift > 30:
+            raise ShapeError(f"has run lengths with {letter!r}, which COCO does not write")
+        value |= (bits & 31) << shift
+        shift += 5
+        if not bits & 32:
+            value -= (1 << shift) if bits & 16 else 0
+            runs.append(value + (runs[-2] if len(runs) > 2 else 0))
+            value, shift = 0, 0
+    return runs

@@ -1,0 +1,69 @@
+"""An RGB-D frame as an input folder: rgb.png, camera.json, depth.npz; with masks masks.png and annotations.json."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plugins.inputs.rgbd.clusters import TILT
+from plugins.inputs.rgbd.frame import Frame, Labelled, fit_frame, is_nothing
+from stages.config.own_scene import write_config
+from stages.contracts import Annotations, Camera, InputError
+from stages.contracts.scene_input import write_scene_input
+from stages.contracts.scenes import Annotation
+
+LONGEST_LABEL = 200  # characters
+TRIM = 0.005  # of an object's points left out at either end: half the default, which is for estimated depth; chosen
+FLOORS, WALLS = {"floor", "ground", "carpet"}, {"wall", "walls"}
+OPENS = {
+    "cabinet", "cabinets", "chest", "closet", "cupboard", "dishwasher", "drawer", "drawers", "dresser", "fridge",
+    "microwave", "nightstand", "oven", "refrigerator", "sideboard", "wardrobe",
+}  # fmt: skip
+
+
+def make_annotations(masks: Labelled) -> tuple[NDArray[np.uint16], Annotations]:
+    """masks.png and annotations.json; labels say what is floor or wall, and all floors become one.
+
+    Raises:
+        InputError: there is nothing but floor and walls, or a label is no word.
+    """
+    for label in masks.labels.values():
+        if len(label) > LONGEST_LABEL or not label.isprintable():
+            what = f"have the label {label[:40]!r}, which cannot be printed or is too long."
+            raise InputError("masks", what, f"a word or two, at most {LONGEST_LABEL} characters", code="E-MASKS-NAMES")
+    values = masks.values.copy()
+    shown = set(np.unique(values).tolist())
+    kinds = {value: label.strip().lower() for value, label in masks.labels.items() if value in shown}
+    floors = [value for value, label in kinds.items() if label in FLOORS]
+    values[np.isin(values, floors[1:])] = floors[0] if floors else 0
+    values[np.isin(values, [value for value, label in kinds.items() if is_nothing(label)])] = 0
+    objects = [
+        Annotation(
+            mask=value, label=masks.labels[value].strip(), articulated=bool(OPENS & set(re.split(r"\W+", label)))
+        )
+        for value, label in kinds.items()
+        if label not in FLOORS | WALLS and not is_nothing(label)
+    ]
+    if not objects:
+        raise InputError(
+            "masks", "show no object, only floor and walls.", "name at least one object", code="E-MASKS-EMPTY"
+        )
+    walls = [value for value, label in kinds.items() if label in WALLS]
+    return values, Annotations(objects=objects, floor=floors[0] if floors else None, walls=walls)
+
+
+def write_frame(folder: Path, frame: Frame, doubt: str = "") -> Annotations | None:
+    """Write the input folder with `config.yaml`; without masks rgb.png, camera.json and depth.npz alone.
+
+    `doubt`: about the camera or its depth, for the scene's page.
+    """
+    frame = fit_frame(frame)
+    height, width = frame.rgb.shape[:2]
+    masks, annotations = (None, None) if frame.masks is None else make_annotations(frame.masks)
+    camera = Camera(width=width, height=height, intrinsics=frame.intrinsics.tolist(), note=doubt)
+    write_scene_input(folder, frame.rgb, frame.depth, camera, masks, annotations)
+    if annotations is not None:
+        # Depth is good up to the border, few points stray, and what is held in a hand looks down steeply.
+        write_config(folder, extraction={"crop": 1.0, "trim": TRIM, "max_tilt": TILT})
+    return annotations

@@ -1,0 +1,469 @@
+"""RGB-D frames of other people's cameras and data sets become input folders (`inputs from-rgbd`)."""
+
+import json
+import os
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+import yaml
+
+from plugins.inputs import from_rgbd
+from plugins.inputs.rgbd.cameras import intrinsics_of_camera, read_intrinsics
+from plugins.inputs.rgbd.clusters import make_clusters
+from plugins.inputs.rgbd.depth_files import convert_to_metres, read_raw
+from plugins.inputs.rgbd.mask_files import read_labelled
+from stages.config.extraction import ExtractionConfig
+from stages.contracts import Camera, InputError, read_json
+from stages.contracts.scene_input import read_scene_input
+from stages.extraction.observation import read_folder
+from stages.extraction.reconstruct import reconstruct
+from stages.geometry.boxes import UprightBox
+from stages.geometry.cameras import scale_intrinsics
+from tests.refusals import refused
+from tests.unit.synthetic_room import FLOOR, HEIGHT, INTRINSICS, OBJECT, WALL, WIDTH, WORLD_FROM_CAMERA, trace
+
+TABLE = UprightBox([2.5, 0.0, 0.35], [1.8, 2.2, 0.7], 0.0)
+BOX = UprightBox([2.4, 0.4, 0.8], [0.2, 0.3, 0.2], 0.3)
+CAN = UprightBox([2.5, -0.35, 0.85], [0.15, 0.15, 0.3], 0.0)
+DATA = Path(os.environ.get("ACDC_TEST_DATA", "../shared/data"))
+REAL = DATA / "rgbd" / "uois_realsense_tabletop"
+
+
+@pytest.fixture(scope="module")
+def room() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Picture, depth in metres and masks of a table with a box and a can."""
+    depth, masks = trace([TABLE, BOX, CAN], wall=False)
+    rgb = np.stack([masks * 17 % 255, masks * 29 % 255, np.arange(WIDTH) % 255 + 0 * masks], axis=-1).astype(np.uint8)
+    return rgb, depth, masks
+
+
+@pytest.fixture
+def files(tmp_path: Path, room: tuple) -> SimpleNamespace:
+    """The frame as files: colour, depth in millimetres, intrinsics, masks with names."""
+    rgb, depth, masks = room
+    cv2.imwrite(str(tmp_path / "color.png"), rgb[..., ::-1])
+    cv2.imwrite(str(tmp_path / "depth.png"), np.rint(1000 * depth).astype(np.uint16))
+    cv2.imwrite(str(tmp_path / "masks.png"), masks)
+    names = {FLOOR: "floor", OBJECT: "table", OBJECT + 1: "box", OBJECT + 2: "cabinet"}
+    (tmp_path / "names.json").write_text(json.dumps({str(value): name for value, name in names.items()}))
+    (tmp_path / "K.txt").write_text(" ".join(map(str, INTRINSICS.ravel())))
+    return SimpleNamespace(**{path.stem: path for path in tmp_path.iterdir()}, folder=tmp_path)
+
+
+def test_files_become_an_input_folder(files: SimpleNamespace, capsys: pytest.CaptureFixture[str]) -> None:
+    out = files.folder / "mine"
+    from_rgbd.run(
+        out=out, rgb=files.color, depth=files.depth, intrinsics=files.K, masks=files.masks, labels=files.names
+    )
+    given = read_scene_input(out)
+    assert {item.label for item in given.annotations.objects} == {"table", "box", "cabinet"}
+    assert [item.label for item in given.annotations.objects if item.articulated] == ["cabinet"]
+    assert given.annotations.floor == FLOOR and not given.exact
+    assert yaml.safe_load((out / "config.yaml").read_text())["experiment"]["inputs"] == {"mine": str(out)}
+    said = capsys.readouterr().out
+    assert "depth in mm (found by its median" in said and "doors and drawers there are: cabinet" in said
+
+
+def test_depth_of_another_size_is_laid_on_the_picture(files: SimpleNamespace, room: tuple) -> None:
+    small = cv2.resize(room[1], (WIDTH // 3, HEIGHT // 3), interpolation=cv2.INTER_NEAREST)
+    np.save(files.folder / "small.npy", small)
+    options: dict[str, Any] = {"rgb": files.color, "fov": 55.0, "masks": files.masks, "labels": files.names}
+    from_rgbd.run(out=files.folder / "a", depth=files.folder / "small.npy", **options)
+    depth = read_scene_input(files.folder / "a").depth
+    assert depth.shape == (HEIGHT, WIDTH)
+    assert np.median(np.abs(depth - room[1])) < 0.02
+    np.save(files.folder / "square.npy", small[:, : HEIGHT // 3])
+    with refused("E-DEPTH-SIZE"):
+        from_rgbd.run(out=files.folder / "b", depth=files.folder / "square.npy", **options)
+    assert not (files.folder / "b").exists()
+
+
+def test_intrinsics_may_be_told_as_numbers(files: SimpleNamespace) -> None:
+    told = tuple(INTRINSICS[[0, 1, 0, 1], [0, 1, 2, 2]].tolist())
+    options: dict[str, Any] = {"rgb": files.color, "depth": files.depth, "masks": files.masks, "labels": files.names}
+    from_rgbd.run(out=files.folder / "a", matrix=told, **options)
+    assert read_scene_input(files.folder / "a").camera.intrinsics == INTRINSICS.tolist()
+    for wrong in (told[:3], (*told[:3], 5000.0), (30.0, *told[1:])):
+        with refused("E-CAMERA-INTRINSICS"):
+            from_rgbd.run(out=files.folder / "b", matrix=wrong, **options)
+    with refused("E-OPTION-CONFLICT"):
+        from_rgbd.run(out=files.folder / "b", matrix=told, fov=60.0, **options)
+
+
+def test_without_masks_the_page_is_named(files: SimpleNamespace, capsys: pytest.CaptureFixture[str]) -> None:
+    out = files.folder / "bare"
+    from_rgbd.run(out=out, rgb=files.color, depth=files.depth, intrinsics=files.K)
+    assert sorted(path.name for path in out.iterdir()) == ["camera.json", "depth.npz", "rgb.png"]
+    assert "annotate" in capsys.readouterr().out
+
+
+def boxes_of(folder: Path) -> dict[str, Any]:
+    image = read_folder(folder)
+    options = ExtractionConfig(depth_noise="none", crop=1.0)
+    found = reconstruct("mine", image, options, np.random.default_rng(0)).objects
+    return {"up": found.floor_from_camera[2][3], **{item.id: item.box for item in found.objects}}
+
+
+def test_clusters_find_what_stands_on_the_table(files: SimpleNamespace, room: tuple) -> None:
+    """The same view of a table with things 0.4 of the size, and as near."""
+    out, near = files.folder / "clusters", files.folder / "near.npy"
+    np.save(near, 0.4 * room[1])
+    from_rgbd.run(out=out, rgb=files.color, depth=near, intrinsics=files.K, clusters=True)
+    given = read_scene_input(out)
+    assert [item.label for item in given.annotations.objects] == ["object", "object"]
+    assert given.annotations.floor is None, "extraction finds the ground"
+    shown, plain = (cv2.imread(str(out / name)) for name in ("numbers.png", "rgb.png"))
+    assert (shown != plain)[given.masks > 0].any() and (shown == plain).mean() > 0.9
+    left, right = (item.mask for item in given.annotations.objects)
+    columns = [np.nonzero(given.masks == value)[1].mean() for value in (left, right)]
+    assert columns[0] < columns[1]
+    found = boxes_of(out)
+    assert found["up"] == pytest.approx(0.4 * (1.6 - TABLE.top), abs=0.026)  # the table top is the ground
+    assert sorted(found["object_1"].size) == pytest.approx(sorted(0.4 * np.array(BOX.size)), abs=0.015)
+    assert found["object_2"].size[2] == pytest.approx(0.4 * CAN.size[2], abs=0.003)
+
+
+def test_a_ceiling_is_no_table() -> None:
+    depth, masks = trace([TABLE, BOX, CAN], wall=False)
+    v, u = np.mgrid[:HEIGHT, :WIDTH]
+    rise = (np.stack([u, v, 1 + 0 * u], -1) @ np.linalg.inv(INTRINSICS).T @ WORLD_FROM_CAMERA[:3, :3].T)[..., 2]
+    ceiling = (depth == 0) & (rise > 0.03)
+    depth = np.where(ceiling, 0.4 / np.maximum(rise, 1e-3), depth).astype(np.float32)
+    values = make_clusters(0.4 * depth, INTRINSICS).values
+    assert len(np.unique(values)) == 3 and not values[ceiling].any()
+    assert (values[masks > OBJECT] > 0).mean() > 0.8
+
+
+def test_in_a_room_what_stands_on_the_floor_is_found_and_its_walls() -> None:
+    boxes = [UprightBox([2.8, -0.8, 0.4], [0.6, 0.8, 0.8], 0.2), UprightBox([3.2, 0.8, 0.9], [0.5, 0.6, 1.8], 0.0)]
+    depth, masks = trace([*boxes, UprightBox([2.8, -0.8, 0.9], [0.3, 0.3, 0.2], 0.2)])
+    found = make_clusters(depth, INTRINSICS)
+    assert sorted(found.labels.values()) == ["object", "object", "wall"]
+    wall = next(value for value, label in found.labels.items() if label == "wall")
+    assert ((found.values == wall) & (masks == WALL)).sum() > 0.9 * (masks == WALL).sum()
+    for shown in (masks == OBJECT) | (masks == OBJECT + 2), masks == OBJECT + 1:
+        (value,) = np.unique(found.values[shown & (found.values > 0)])
+        both, either = shown & (found.values == value), shown | (found.values == value)
+        assert both.sum() > 0.8 * either.sum()
+
+
+def test_a_table_is_told_from_the_floor_around_it_and_from_lids_on_it() -> None:
+    """What stands on the floor beside the table is none of its things; two things that touch are one."""
+    lid = UprightBox([2.4, 0.5, 0.8], [0.5, 0.4, 0.2], 0.0)
+    beside = UprightBox([2.2, -1.6, 0.3], [0.4, 0.4, 0.6], 0.0)
+    touching = UprightBox([2.5, -0.35, 1.02], [0.1, 0.1, 0.04], 0.0)
+    depth, masks = trace([TABLE, lid, CAN, touching, beside], wall=False)
+    found = make_clusters(0.4 * depth, INTRINSICS)
+    assert list(found.labels.values()) == ["object", "object"]
+    can, box = (np.isin(masks, values) for values in ((OBJECT + 2, OBJECT + 3), (OBJECT + 1,)))
+    for true in (can, box):
+        mine = found.values == np.bincount(found.values[true]).argmax()
+        assert (mine & true).sum() > 0.7 * (mine | true).sum()
+
+
+def test_nothing_on_a_table_is_refused() -> None:
+    depth, _ = trace([TABLE], wall=False)
+    for bare in (0.4 * depth, 0 * depth):
+        with refused("E-MASKS-EMPTY"):
+            make_clusters(bare, INTRINSICS)
+
+
+def test_ground_is_what_the_named_things_stand_on(files: SimpleNamespace) -> None:
+    """Masks of the things on a table alone: not the floor, though it is seen, too."""
+    names = {str(OBJECT + 1): "box", str(OBJECT + 2): "can"}
+    files.names.write_text(json.dumps(names))
+    out = files.folder / "table"
+    from_rgbd.run(
+        out=out, rgb=files.color, depth=files.depth, intrinsics=files.K, masks=files.masks, labels=files.names
+    )
+    assert boxes_of(out)["can_1"].size[2] == pytest.approx(CAN.size[2], abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("scale", "dtype", "unit", "says"),
+    [
+        (1, np.float32, "auto", "depth in m (found"),
+        (1000, np.uint16, "auto", "depth in mm (found"),
+        (1000, np.float64, "auto", "depth in mm (found"),
+        (5000, np.uint16, "5000", "depth in 1/5000 m (as stated"),
+        (1000, np.int32, "mm", "depth in mm (as stated"),
+    ],
+)
+def test_unit_of_depth(room: tuple, scale: float, dtype: type, unit: str, says: str) -> None:
+    near = np.where(room[1] < 10, room[1], 0)
+    metres, line = convert_to_metres(Path("d.png"), (near * scale).astype(dtype), unit)
+    assert line.startswith(says)
+    assert np.abs(metres - near).max() < 0.002
+
+
+def test_inverse_depth_and_another_unit_are_told(room: tuple) -> None:
+    with pytest.raises(InputError, match="looks like inverse depth"):
+        convert_to_metres(Path("d.npy"), np.where(room[1] > 0, 1 / np.maximum(room[1], 1e-3), 0))
+    with refused("E-DEPTH-UNIT", "m in millimetres", "--unit 5000"):
+        convert_to_metres(Path("d.png"), np.rint(5000 * room[1]).astype(np.uint16))
+    assert np.allclose(convert_to_metres(Path("d.png"), np.rint(5000 * room[1]), "5000")[0], room[1], atol=1e-3)
+
+
+@pytest.mark.parametrize(("factor", "unit"), [(1e-3, "auto"), (1e6, "auto"), (1, "mm"), (1, "zero"), (0, "auto")])
+def test_no_depth_of_a_room(room: tuple, factor: float, unit: str) -> None:
+    with pytest.raises(InputError):
+        convert_to_metres(Path("d.png"), room[1] * factor, unit)
+
+
+def test_holes_and_nonsense_in_depth_are_unknown() -> None:
+    depth = np.full((20, 20), 1.5)
+    depth[0] = [np.nan, np.inf, -1, 0, 500] * 4
+    metres, _ = convert_to_metres(Path("d.npy"), depth)
+    assert (metres[0] == 0).all() and (metres[1:] == np.float32(1.5)).all()
+
+
+@pytest.mark.parametrize("suffix", [".png", ".tiff", ".pgm", ".npz", ".npy"])
+def test_depth_files(tmp_path: Path, room: tuple, suffix: str) -> None:
+    path = tmp_path / f"depth{suffix}"
+    stored = np.rint(1000 * room[1]).astype(np.uint16)
+    if suffix == ".npz":
+        np.savez(path, depth=stored)
+    elif suffix == ".npy":
+        np.save(path, stored)
+    else:
+        cv2.imwrite(str(path), stored)
+    assert np.array_equal(read_raw(path), stored)
+
+
+def test_a_picture_of_depth_is_refused(tmp_path: Path, room: tuple) -> None:
+    cv2.imwrite(str(tmp_path / "pretty.png"), room[0])
+    with refused("E-DEPTH-FORMAT"):
+        read_raw(tmp_path / "pretty.png")
+
+
+K = [[600.0, 0, 320], [0, 610.0, 240], [0, 0, 1]]
+FLAT = [value for row in K for value in row]
+
+
+def test_intrinsics_as_an_array(tmp_path: Path) -> None:
+    np.save(tmp_path / "K.npy", np.array(K))
+    assert read_intrinsics(tmp_path / "K.npy", 640, 480) == pytest.approx(np.array(K))
+    np.save(tmp_path / "K.npy", np.eye(4))
+    with pytest.raises(InputError, match=r"K\.npy"):
+        read_intrinsics(tmp_path / "K.npy", 640, 480)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "600 610 320 240",
+        "600, 0, 320\n0, 610, 240\n0, 0, 1",
+        json.dumps({"fx": 600, "fy": 610, "cx": 320, "cy": 240}),
+        json.dumps({"fx": 600, "fy": 610, "ppx": 320, "ppy": 240, "width": 640, "height": 480}),
+        json.dumps({"width": 640, "height": 480, "intrinsic_matrix": np.array(K).T.ravel().tolist()}),
+        json.dumps({"intrinsics": K}),
+        json.dumps({"img_width": 1280, "img_height": 960, "fx": 1200, "fy": 1220, "x_offset": 640.5, "ppy": 480.5}),
+        json.dumps({"color": {"K": FLAT}}),
+        yaml.safe_dump({"camera_matrix": {"rows": 3, "cols": 3, "data": FLAT}, "image_width": 640}),
+        json.dumps({"w": 1280, "h": 960, "fx": 1200, "fy": 1220, "cx": 640.5, "cy": 480.5}),  # twice as large
+    ],
+)  # fmt: skip
+def test_intrinsics_files(tmp_path: Path, text: str) -> None:
+    (tmp_path / "K").write_text(text)
+    assert read_intrinsics(tmp_path / "K", 640, 480) == pytest.approx(np.array(K))
+
+
+@pytest.mark.parametrize(
+    "text", ["1 2 3", "600 610 320 2400", "{}", '{"fx": "a", "fy": 1, "cx": 1, "cy": 1}', "\x00", ""]
+)
+def test_broken_intrinsics_are_one_line(tmp_path: Path, text: str) -> None:
+    (tmp_path / "K").write_text(text)
+    with pytest.raises(InputError):
+        read_intrinsics(tmp_path / "K", 640, 480)
+
+
+def test_camera_by_name() -> None:
+    """A real D435 at 640x480 has fx 613; its narrow picture is cut at the sides of a wide sensor."""
+    assert intrinsics_of_camera("realsense_d435", 640, 480)[0, 0] == pytest.approx(613, rel=0.02)
+    assert intrinsics_of_camera("realsense_d435", 1280, 720)[0, 0] == pytest.approx(920, rel=0.02)
+    with refused("E-CAMERA-NAME"):
+        intrinsics_of_camera("polaroid", 640, 480)
+
+
+def coco(masks: np.ndarray, compressed: bool) -> dict[str, Any]:
+    """COCO of two of the masks: the box as run lengths, the can as a polygon."""
+    bits = (masks == OBJECT + 1).T.ravel()
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], bits.astype(int), [0]])))
+    counts = np.diff(np.concatenate([[0], edges, [bits.size]])).tolist()
+    rle = {"size": [HEIGHT, WIDTH], "counts": _packed(counts) if compressed else counts}
+    contour = cv2.findContours((masks == OBJECT + 2).astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)[0][0]
+    polygons = [contour.ravel().tolist()]
+    return {
+        "images": [{"id": 7, "file_name": "color.png", "width": WIDTH, "height": HEIGHT}, {"id": 8, "file_name": "x"}],
+        "categories": [{"id": 3, "name": "box"}, {"id": 4, "name": "can"}],
+        "annotations": [
+            {"image_id": 7, "category_id": 3, "segmentation": rle, "iscrowd": 1},
+            {"image_id": 7, "category_id": 4, "segmentation": polygons},
+            {"image_id": 8, "category_id": 4, "segmentation": polygons},
+        ],
+    }
+
+
+def _packed(counts: list[int]) -> str:
+    """Run lengths as COCO's tools write them."""
+    text = ""
+    for number, count in enumerate(counts):
+        value, more = count - (counts[number - 2] if number > 2 else 0), True
+        while more:
+            bits, value = value & 31, value >> 5
+            more = not ((value == 0 and not bits & 16) or (value == -1 and bits & 16))
+            text += chr((bits | 32 if more else bits) + 48)
+    return text
+
+
+def labelme(masks: np.ndarray) -> dict[str, Any]:
+    shapes = []
+    for value, name in ((OBJECT + 1, "box"), (OBJECT + 2, "can")):
+        contour = cv2.findContours((masks == value).astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)[0][0]
+        shapes.append({"label": name, "points": contour[:, 0].tolist(), "shape_type": "polygon", "group_id": None})
+    return {"shapes": shapes, "imageWidth": WIDTH, "imageHeight": HEIGHT}
+
+
+@pytest.mark.parametrize("kind", ["coco", "coco_packed", "labelme", "colours"])
+def test_mask_files(tmp_path: Path, room: tuple, kind: str) -> None:
+    masks, labels = room[2], None
+    path = tmp_path / "masks.json"
+    if kind == "colours":
+        path, labels = tmp_path / "masks.png", tmp_path / "names.json"
+        picture = np.zeros((HEIGHT, WIDTH, 3), np.uint8)
+        picture[masks == OBJECT + 1], picture[masks == OBJECT + 2] = (0, 0, 255), (255, 0, 0)
+        cv2.imwrite(str(path), picture)
+        labels.write_text(json.dumps({"#ff0000": "box", "#0000ff": "can"}))
+    else:
+        path.write_text(json.dumps(labelme(masks) if kind == "labelme" else coco(masks, kind == "coco_packed")))
+    found = read_labelled(path, labels, WIDTH, HEIGHT, "color.png")
+    by_name = {name: found.values == value for value, name in found.labels.items()}
+    assert set(by_name) == {"box", "can"}
+    for name, value in (("box", OBJECT + 1), ("can", OBJECT + 2)):
+        true = masks == value
+        assert (by_name[name] & true).sum() / (by_name[name] | true).sum() > 0.99
+
+
+@pytest.mark.parametrize(
+    ("content", "code"),
+    [
+        ({"shapes": []}, "MASKS-EMPTY"),
+        ({"shapes": [{"label": "a"}]}, "FILE-UNREADABLE"),
+        ({"annotations": [], "categories": [], "images": [{"id": 1, "width": 5, "height": 5}]}, "MASKS-SIZE"),
+        ([1, 2], "MASKS-FORMAT"),
+    ],
+)
+def test_broken_masks_are_one_line(tmp_path: Path, content: object, code: str) -> None:
+    (tmp_path / "m.json").write_text(json.dumps(content))
+    with refused(f"E-{code}"):
+        read_labelled(tmp_path / "m.json", None, WIDTH, HEIGHT, "a.png")
+
+
+def tum(folder: Path, rgb: np.ndarray, depth: np.ndarray, masks: np.ndarray) -> Path:
+    for name in ("rgb", "depth"):
+        (folder / name).mkdir(parents=True)
+    cv2.imwrite(str(folder / "rgb" / "1.000.png"), rgb[..., ::-1])
+    cv2.imwrite(str(folder / "depth" / "1.010.png"), np.rint(depth * 5000).clip(0, 65535).astype(np.uint16))
+    (folder / "rgb.txt").write_text("# color images\n1.000 rgb/1.000.png\n9.000 rgb/9.png\n")
+    (folder / "depth.txt").write_text("# depth maps\n0.5 depth/none.png\n1.010 depth/1.010.png\n")
+    return folder
+
+
+def open3d(folder: Path, rgb: np.ndarray, depth: np.ndarray, masks: np.ndarray) -> Path:
+    for name in ("color", "depth"):
+        (folder / name).mkdir(parents=True)
+    cv2.imwrite(str(folder / "color" / "000000.jpg"), rgb[..., ::-1])
+    cv2.imwrite(str(folder / "depth" / "000000.png"), np.rint(depth * 1000).astype(np.uint16))
+    about = {"width": WIDTH, "height": HEIGHT, "intrinsic_matrix": INTRINSICS.T.ravel().tolist()}
+    (folder / "camera_intrinsic.json").write_text(json.dumps(about))
+    return folder
+
+
+def about_record3d() -> dict[str, Any]:
+    coefficients = [INTRINSICS[0, 0], INTRINSICS[1, 1], INTRINSICS[0, 2], INTRINSICS[1, 2]]
+    size = {"w": WIDTH, "h": HEIGHT, "dw": WIDTH // 2, "dh": HEIGHT // 2}
+    return size | {"K": INTRINSICS.T.ravel().tolist(), "perFrameIntrinsicCoeffs": [coefficients]}
+
+
+def record3d(folder: Path, rgb: np.ndarray, depth: np.ndarray, masks: np.ndarray) -> Path:
+    for name in ("rgb", "depth"):
+        (folder / name).mkdir(parents=True)
+    cv2.imwrite(str(folder / "rgb" / "0.jpg"), rgb[..., ::-1])
+    np.save(folder / "depth" / "0.npy", depth[::2, ::2])
+    (folder / "metadata.json").write_text(json.dumps(about_record3d()))
+    return folder
+
+
+@pytest.mark.parametrize("layout", [tum, open3d, record3d])
+def test_recordings(tmp_path: Path, room: tuple, layout: Callable[..., Path]) -> None:
+    recording, out = layout(tmp_path / "recording", *room), tmp_path / "out"
+    from_rgbd.run(out=out, recording=recording)
+    with np.load(out / "depth.npz") as stored:
+        depth = stored["depth"]
+    close = np.abs(depth - room[1])[(depth > 0) & (room[1] < 8)]
+    assert np.quantile(close, 0.9) < 0.05 and len(close) > 0.5 * depth.size
+    fx = read_json(Camera, out / "camera.json").intrinsics[0][0]
+    assert fx == pytest.approx(525 * WIDTH / 640 if layout is tum else INTRINSICS[0, 0])
+    with refused("E-RECORDING-FRAME"):
+        from_rgbd.run(out=out, recording=recording, number=5)
+
+
+@pytest.mark.parametrize("layout", [tum, open3d])
+def test_the_unit_of_a_recording_can_be_told(tmp_path: Path, room: tuple, layout: Callable[..., Path]) -> None:
+    recording, per_metre = layout(tmp_path / "recording", *room), 5000 if layout is tum else 1000
+    for unit in ("auto", str(per_metre), str(2 * per_metre)):
+        from_rgbd.run(out=tmp_path / unit, recording=recording, unit=unit)
+    found = []
+    for unit in ("auto", str(per_metre), str(2 * per_metre)):
+        with np.load(tmp_path / unit / "depth.npz") as stored:
+            found.append(float(np.median(stored["depth"][stored["depth"] > 0])))
+    assert found[0] == found[1] == pytest.approx(2 * found[2], rel=0.01)
+
+
+def test_the_lens_of_a_recording(tmp_path: Path, room: tuple, capsys: pytest.CaptureFixture[str]) -> None:
+    recording = open3d(tmp_path / "recording", *room)
+    file = next(recording.glob("*intrinsic*"))
+    file.write_text(json.dumps(json.loads(file.read_text()) | {"coeffs": [-0.2, 0, 0, 0, 0], "model": "brown_conrady"}))
+    from_rgbd.run(out=tmp_path / "out", recording=recording)
+    assert "distortion is taken out" in capsys.readouterr().out
+    from_rgbd.run(out=tmp_path / "out", recording=recording, fov=55.0)
+    assert "distortion" not in capsys.readouterr().out
+
+
+def test_intrinsics_follow_the_size() -> None:
+    half = scale_intrinsics(np.array(K), 0.5, 0.5)
+    assert half[0].tolist() == [300.0, 0.0, 159.75]
+
+
+@pytest.mark.parametrize(
+    ("given", "code"),
+    [
+        ({}, "OPTION-MISSING"),
+        ({"recording": Path("nothing")}, "RECORDING-LAYOUT"),
+        ({"recording": Path("tests")}, "RECORDING-LAYOUT"),
+        ({"recording": Path("tests"), "rgb": Path("a")}, "OPTION-CONFLICT"),
+        ({"fov": 50.0, "camera": "xtion"}, "OPTION-CONFLICT"),
+        ({"rgb": Path("a.png"), "depth": Path("b.png")}, "CAMERA-MISSING"),
+    ],
+)
+def test_what_does_not_go_together(tmp_path: Path, given: dict[str, Any], code: str) -> None:
+    with refused(f"E-{code}"):
+        from_rgbd.run(out=tmp_path / "out", **given)
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.skipif(not REAL.is_dir(), reason=f"{REAL} is not there: real RealSense frames are not part of the project")
+def test_a_real_table_top(tmp_path: Path) -> None:
+    """Ten things on a table by a RealSense, apart without masks; a cracker box of 6 x 16 x 21 cm among them."""
+    rgb, depth = REAL / "0000_color.png", REAL / "0000_depth.png"
+    from_rgbd.run(out=tmp_path / "top", rgb=rgb, depth=depth, camera="realsense_d435", clusters=True)
+    found = boxes_of(tmp_path / "top")
+    assert len(found) == 1 + 10  # the ground and the things
+    assert any(
+        sorted(box.size) == pytest.approx([0.06, 0.16, 0.21], abs=0.02) for name, box in found.items() if name != "up"
+    )

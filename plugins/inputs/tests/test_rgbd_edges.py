@@ -1,0 +1,124 @@
+"""RGB-D frames as cameras and hands make them: masks some pixels off, smeared edges, from far above, before a wall."""
+
+import json
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+import yaml
+
+from plugins.inputs import from_rgbd
+from plugins.inputs.rgbd.clusters import find_ground, make_clusters
+from plugins.inputs.rgbd.edges import DEPTH_STEP, _as_far_as, remove_edges
+from plugins.inputs.rgbd.frame import Frame, Labelled
+from plugins.inputs.rgbd.write import write_frame
+from plugins.inputs.tests.test_rgbd import BOX, CAN, TABLE, boxes_of
+from stages.geometry.boxes import UprightBox
+from stages.geometry.room_planes import find_floor
+from tests.unit.synthetic_room import FLOOR, HEIGHT, INTRINSICS, OBJECT, WIDTH, trace
+
+
+def test_a_wall_is_not_level() -> None:
+    """Looking 35 degrees down its normal is 55 degrees from image-up, and it may fill more of the picture."""
+    rng = np.random.default_rng(0)
+    up, out = np.array([0, -np.cos(np.deg2rad(35)), -np.sin(np.deg2rad(35))]), np.zeros(3)
+    out[1:] = -up[2], up[1]  # of the wall, towards the camera
+    side, table, wall = rng.uniform(-0.5, 0.5, 5000), rng.uniform(0.5, 1.0, 2000), rng.uniform(-0.4, 0.4, 3000)
+    across = side[:, None] * [1.0, 0, 0]
+    points = np.concatenate([across[:2000] - 0.6 * up - table[:, None] * out, across[2000:] + wall[:, None] * up - out])
+    found = find_ground(points, rng)
+    assert found is not None and found.normal @ up > 0.999 and found.offset == pytest.approx(-0.6, abs=0.01)
+
+
+def test_extraction_is_told_that_cameras_in_hands_look_down_steeply(tmp_path: Path) -> None:
+    values = np.zeros((HEIGHT, WIDTH), np.uint16)
+    values[150:200, 200:260] = 1
+    rgb, depth = np.zeros((HEIGHT, WIDTH, 3), np.uint8), np.ones((HEIGHT, WIDTH), np.float32)
+    write_frame(tmp_path / "top", Frame(rgb, depth, INTRINSICS, Labelled(values, {1: "book"})))
+    told = yaml.safe_load((tmp_path / "top" / "config.yaml").read_text())["extraction"]
+    assert told == {"crop": 1.0, "trim": 0.005, "max_tilt": 75.0}
+
+
+def test_nothing_above_the_camera_is_the_ground() -> None:
+    rng = np.random.default_rng(0)
+    ceiling, ground = (
+        np.column_stack([rng.uniform(-1, 1, 900), np.full(900, y), rng.uniform(2, 4, 900)]) for y in (-1, 1)
+    )
+    assert find_floor(ceiling, [ceiling[:50]], 60.0, rng) is None
+    found = find_floor(np.concatenate([ceiling, ground[:300]]), [ceiling[:50]], 60.0, rng)
+    assert found is not None and found.offset == pytest.approx(-1, abs=0.01)
+
+
+def frame_of(folder: Path, depth: np.ndarray, masks: np.ndarray, names: dict[int, str]) -> Path:
+    """The input folder of a frame with masks."""
+    cv2.imwrite(str(folder / "rgb.png"), np.dstack([20 * masks] * 3).astype(np.uint8))
+    cv2.imwrite(str(folder / "masks.png"), masks)
+    np.savez(folder / "depth.npz", depth=depth)
+    (folder / "K.txt").write_text(" ".join(map(str, INTRINSICS.ravel())))
+    (folder / "names.json").write_text(json.dumps({str(value): name for value, name in names.items()}))
+    from_rgbd.run(
+        out=folder / "out",
+        rgb=folder / "rgb.png",
+        depth=folder / "depth.npz",
+        intrinsics=folder / "K.txt",
+        masks=folder / "masks.png",
+        labels=folder / "names.json",
+    )
+    return folder / "out"
+
+
+def test_what_stands_on_something_unnamed_ends_there(tmp_path: Path) -> None:
+    """On a table that is not named a box stays 20 cm high; what is hidden by the table reaches down to the floor."""
+    behind = UprightBox([3.7, -0.5, 0.6], [0.3, 0.4, 1.2], 0.0)
+    depth, masks = trace([TABLE, BOX, behind], wall=False)
+    found = boxes_of(frame_of(tmp_path, depth, masks, {FLOOR: "floor", OBJECT + 1: "box", OBJECT + 2: "cabinet"}))
+    assert found["up"] == pytest.approx(1.6, abs=0.02)
+    assert found["box_1"].size[2] == pytest.approx(0.2, abs=0.02)
+    assert found["box_1"].center[2] == pytest.approx(TABLE.top + 0.1, abs=0.02)
+    assert found["cabinet_1"].size[2] == pytest.approx(1.2, abs=0.03)
+
+
+def test_a_wall_behind_a_table_is_a_wall() -> None:
+    """As wide a box that the table is seen behind is a thing."""
+    wall, wide = UprightBox([3.42, 0.0, 1.2], [0.1, 6.0, 2.4], 0.0), UprightBox([2.6, 0.0, 0.9], [0.1, 1.4, 0.4], 0.0)
+    depth, masks = trace([TABLE, wall, wide, CAN], wall=False)
+    depth += np.random.default_rng(0).normal(0, 0.003, depth.shape)
+    found = make_clusters((0.4 * depth).astype(np.float32), INTRINSICS)
+    named = [found.labels[int(np.bincount(found.values[masks == OBJECT + k]).argmax())] for k in (1, 2, 3)]
+    assert named == ["wall", "object", "object"]
+
+
+def test_masks_may_be_some_pixels_off_and_edges_smeared(tmp_path: Path) -> None:
+    depth, masks = trace([TABLE, BOX, CAN], wall=False)
+    smeared = 0.4 * cv2.blur(depth, (5, 5))  # of things 8 and 6 cm wide, a metre away
+    smeared[depth == 0] = 0
+    wide = np.zeros_like(masks)
+    for value in (OBJECT + 1, OBJECT + 2):
+        wide[cv2.dilate((masks == value).astype(np.uint8), np.ones((7, 7))) > 0] = value
+    found = boxes_of(frame_of(tmp_path, smeared, wide, {OBJECT + 1: "box", OBJECT + 2: "can"}))
+    for name, true in (("box_1", BOX), ("can_1", CAN)):
+        assert sorted(found[name].size) == pytest.approx(sorted(0.4 * np.array(true.size)), abs=0.045), name
+
+
+def test_a_thin_handle_is_kept_and_what_is_behind_a_wide_mask_is_not() -> None:
+    """A kettle at 1 m, its handle 10 cm behind, a wall at 1.4 m, all mixed at their edges; the mask reaches over it."""
+    thing = np.full((100, 120), 1.4, np.float32)
+    thing[20:90, 20:70], thing[30:70, 80:87] = 1.0, 1.1
+    rng = np.random.default_rng(0)
+    mixed = cv2.dilate(thing, np.ones((5, 5))), cv2.erode(thing, np.ones((5, 5)))
+    at_edge = (mixed[0] - mixed[1] > 0.05) & (rng.random(thing.shape) < 0.6)
+    depth = np.where(at_edge, mixed[1] + rng.random(thing.shape) * (mixed[0] - mixed[1]), thing).astype(np.float32)
+    masks = np.zeros(depth.shape, np.uint16)
+    masks[10:92, 18:72], masks[28:72, 78:89] = 1, 1  # 10 rows too high: 500 pixels of wall
+    clean = np.where(masks > 0, remove_edges(depth, masks), 0)
+    handle = clean[30:70, 80:87]
+    assert (np.abs(handle - 1.1) < 0.03).sum() > 0.5 * handle.size
+    assert (clean > 1.15).sum() < 10
+
+
+def test_what_is_as_far_is_told_by_the_share_of_the_distance() -> None:
+    depth = np.float32([[4.0, 4.0 + 3 * DEPTH_STEP, 4.0 + 6 * DEPTH_STEP]])
+    part = np.array([[True, False, False]])
+    assert _as_far_as(part, depth).tolist() == [[True, True, False]]
+    assert _as_far_as(part, depth / 8).tolist() == [[True, True, False]]

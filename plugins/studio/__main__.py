@@ -1,0 +1,9 @@
+"""`python -m plugins.studio VERB --help`."""
+
+from stages.cli import main
+
+if __name__ == "__main__":
+    main(
+        "plugins.studio",
+        {"annotate": "draw camera, room and objects into a photograph by hand, in the browser; put a scene right"},
+    )

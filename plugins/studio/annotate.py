@@ -1,0 +1,132 @@
+"""Verb `annotate`: a page in the browser to draw a photograph into an input folder, or to correct one."""
+
+import json
+import webbrowser
+from dataclasses import replace
+from pathlib import Path
+
+from plugins.inputs.photo.picture import Photo, read_photo
+from plugins.studio.correcting import Correcting
+from plugins.studio.project import PROJECT
+from plugins.studio.server import PageServer
+from plugins.studio.session import Session
+from plugins.studio.write import at_size
+from stages.config.inputs import scene_of
+from stages.contracts import Camera, InputError, Library, read_json
+from stages.contracts.categories import known_categories
+from stages.contracts.corrections import CORRECTIONS
+from stages.contracts.depth import read_depth
+from stages.contracts.images import orientation_of
+
+MADE = ("input", "frame")  # what the folders of scenes are called that the workflow makes itself
+
+
+def _categories(library: Path | None) -> list[str]:
+    """Names that labels are completed with."""
+    names = known_categories() if library is None else {entry.category for entry in read_json(Library, library).assets}
+    return sorted(name.replace("_", " ") for name in names)
+
+
+def run(
+    image: Path,
+    /,
+    *,
+    out: Path | None = None,
+    depth: Path | None = None,
+    camera: Path | None = None,
+    lens: Path | None = None,
+    library: Path | None = None,
+    results: Path = Path("results"),
+    scene: str | None = None,
+    variant: str | None = None,
+    choose: str | None = None,
+    port: int = 0,
+    browser: bool = True,
+) -> None:
+    """Draw camera, room and objects into a photograph; the folder can then be an input of an experiment.
+
+    The page saves what is drawn into `project.json` as it goes; started again with the same folder it goes on.
+    Given an input folder in the photograph's place, what was found and chosen there is corrected: `corrections.json` in
+    the folder keeps it, and the next run heeds it.
+
+    Args:
+        image: the photograph, or an input folder.
+        out: folder to write; default: beside the photograph, named as it is.
+        depth: depth.npz in metres by a sensor or a network, of the same view; boxes and masks are drawn by hand.
+        camera: camera.json of the picture, whose focal length the drawing starts from, as from EXIF data.
+        lens: calibration with distortion, as OpenCV, ROS, Kalibr write it: the picture is made straight first.
+        library: library.json whose categories complete the labels; default: ours.
+        results: of a folder: where the last run left what it made of it.
+        scene: of a folder: its name in that run; default: as the folder is called.
+        variant: of a folder: the variant of matching whose cousins are shown; default: the first.
+        choose: of a folder: the object that is chosen when the page opens, e.g. cabinet_1.
+        port: of this machine; 0: any free one.
+        browser: open the page; else its address is only printed.
+    """
+    if image.is_dir():
+        for name, given in (("--out", out), ("--depth", depth), ("--camera", camera), ("--lens", lens)):
+            if given is not None:
+                raise InputError(
+                    name, "is for a picture; the folder has its own.", "leave it out", code="E-OPTION-CONFLICT"
+                )
+        name = scene or (image.parent.name if image.name in MADE else scene_of(image.resolve()))
+        session: Session | Correcting = Correcting(image, _categories(library), results, name, variant, choose)
+        session.opened()
+    elif lens is not None and depth is not None:
+        raise InputError(
+            "--lens",
+            "bends the picture, not the depth.",
+            "`inputs from-rgbd` straightens both",
+            code="E-OPTION-CONFLICT",
+        )
+    else:
+        session = _drawn(read_photo(image, lens), image, out, depth, camera, library)
+    try:
+        server = PageServer(session, port)
+    except OSError as error:
+        raise InputError(
+            f"--port {port}", f"cannot be used ({error.strerror}).", "leave it out", code="E-PORT-TAKEN"
+        ) from None
+    kept = session.folder / (CORRECTIONS if image.is_dir() else PROJECT)
+    print(f"Draw at {server.address}\nEnd it there, or with Ctrl+C: {kept} keeps what is drawn.", flush=True)
+    if browser:
+        webbrowser.open(server.address)
+    try:
+        server.serve_forever(poll_interval=0.1)
+    except KeyboardInterrupt:
+        print()
+    finally:
+        server.server_close()
+    folder = session.folder
+    if isinstance(session, Correcting):
+        print(f"To make again what depends on it: {session.command()}")
+        return
+    written = folder / "annotations.json"
+    if written.is_file():
+        count = len(json.loads(written.read_text(encoding="utf-8"))["objects"])
+        many = "1 object" if count == 1 else f"{count} objects"
+        print(f"{folder}: an input folder with {many}; {folder / 'config.yaml'} names it as a scene")
+
+
+def _drawn(
+    photo: Photo, image: Path, out: Path | None, depth: Path | None, camera: Path | None, library: Path | None
+) -> Session:
+    """A photograph that is drawn into."""
+    height, width = photo.rgb.shape[:2]
+    if photo.shrunk > 1:
+        print(f"{image}: made smaller, to {width}x{height} pixels")
+    if camera is not None:
+        known = read_json(Camera, camera)
+        photo = replace(photo, focal=known.intrinsics[0][0] * width / known.width)
+    if depth is not None and (turned := orientation_of(image)) > 1:
+        print(f"{image}: is turned by its EXIF data ({turned}); {depth} is taken to be upright")
+    given = None if depth is None else at_size(read_depth(depth)[0], width, height)
+    session = Session(photo, image.name, _folder(out or image.with_suffix("")), _categories(library), given)
+    session.opened()
+    return session
+
+
+def _folder(path: Path) -> Path:
+    if path.exists() and not path.is_dir():
+        raise InputError(path, "is a file, not a folder.", "give a folder with --out", code="E-OUTPUT-FOLDER")
+    return path

@@ -1,0 +1,240 @@
+"""Session of the page that corrects an input folder: its requests and answers as plain data, without HTTP."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
+
+from plugins.studio.fronts import extents, jpeg, straight_on
+from plugins.studio.made import Made, made_of
+from plugins.studio.session import Answer
+from plugins.studio.write import tinted
+from stages.contracts import InputError, read_json, write_json
+from stages.contracts.corrected_masks import (
+    ROOM,
+    Cutter,
+    apply_corrections,
+    correct_masks,
+    find_corners,
+    list_found,
+    paint_masks,
+)
+from stages.contracts.corrections import CORRECTIONS, MEASURED, Correction, Corrections
+from stages.contracts.files import Contract
+from stages.contracts.objects import object_ids
+from stages.contracts.scene_input import read_scene_input
+from stages.contracts.types import FLOOR, WALL, Id
+from stages.geometry.masks import remove_specks
+
+
+class Thing(Correction):
+    """A thing, the floor or a wall as the page has it: whole, not only what differs from what was found."""
+
+    id: Id
+
+
+class Drawing(Contract):
+    """All that is in a picture, as a person sees it."""
+
+    objects: list[Thing] = Field([], max_length=1000)
+
+
+@dataclass
+class Correcting:
+    """The folder with what was found, what completes labels, and where the last run left its results."""
+
+    folder: Path
+    categories: list[str] = field(default_factory=list)
+    results: Path = Path("results")
+    scene: str = ""
+    variant: str | None = None
+    chosen: str | None = None
+    finished: bool = False
+    page: str = "correct.html"
+
+    def __post_init__(self) -> None:
+        self.given = read_scene_input(self.folder)
+        self.found = list_found(self.given.annotations)
+        self._cut = Cutter(self.given.rgb)
+        height, width = self.given.masks.shape
+        self._moved: dict[int, tuple[float, float]] = {}  # by hand, before the page was opened
+        self.made: Made = made_of(self.results, self.scene, self.variant, (width, height))
+        self.posts: dict[str, Callable[[Any], Answer]] = {
+            "solve": self.solve,
+            "save": self.save,
+            "models": self.models,
+            "front": self.front,
+            "write": self.write,
+            "close": self.close,
+        }
+
+    def opened(self) -> Drawing:
+        """What was found, with the corrections that were saved.
+
+        Raises:
+            InputError: what was saved is broken.
+        """
+        path = self.folder / CORRECTIONS
+        told = read_json(Corrections, path, "mend or delete it").objects if path.is_file() else []
+        return self._named(apply_corrections(self.found, {item.mask: item for item in told}))
+
+    def _named(self, things: dict[int, Correction]) -> Drawing:
+        """With ids that stay, whatever a thing is called: as found, or `drawn_<mask>`."""
+        ids = dict(zip(self.found, object_ids(item.label or "" for item in self.found.values()), strict=True))
+        shown = set(np.unique(self.given.masks).tolist()) | {
+            mask for mask, item in things.items() if item.around or item.outline
+        }
+        return Drawing(
+            objects=[
+                Thing(id=ids.get(mask, f"drawn_{mask}"), **item.model_dump())
+                for mask, item in things.items()
+                if mask in shown
+            ]
+        )
+
+    def corrections(self, drawing: Drawing) -> Corrections:
+        """What of a drawing differs from what was found."""
+        things = {item.mask: item for item in drawing.objects}
+        shown = set(np.unique(self.given.masks).tolist())
+        told = [Correction(mask=mask, gone=True) for mask in self.found if mask in shown and mask not in things]
+        for mask, item in things.items():
+            before = self.found.get(mask, Correction(mask=mask))
+            said = {
+                name: value
+                for name, value in item.model_dump(exclude={"id", "mask", "gone"}, exclude_defaults=True).items()
+                if getattr(item, name) != getattr(before, name)
+            }
+            if before.mounting is not None and item.mounting is None:
+                said["mounting"] = MEASURED
+            if said or mask not in self.found:
+                told.append(Correction.model_validate({"mask": mask, **said}))
+        return Corrections(objects=told)
+
+    def start(self) -> Answer:
+        """What the page begins with."""
+        drawing = self.opened()
+        self._moved = {item.mask: item.nudge for item in drawing.objects if item.nudge is not None}
+        ids = {item.mask: item.id for item in drawing.objects}
+        masks = {item.id: mask for mask, item in self.made.items.items()}
+        return {
+            "project": self._page(drawing),
+            "categories": [*self.categories, FLOOR, WALL],
+            "folder": str(self.folder / CORRECTIONS),
+            "made": self.made.told(),
+            "pictured": self.made.picture is not None,
+            "chosen": ids.get(masks.get(self.chosen or "", 0), self.chosen if self.chosen in ids.values() else None),
+            "known": list(self.found),
+            "free": int(max(self.given.masks.max(), *self.found, *ids)) + 1,
+            "command": self.command(),
+        }
+
+    def _page(self, drawing: Drawing) -> Answer:
+        height, width = self.given.masks.shape
+        return {"picture": self.scene, "width": width, "height": height, **drawing.model_dump(mode="json")}
+
+    def command(self) -> str:
+        """What makes again what depends on the corrections, and nothing else."""
+        config = self.folder / "config.yaml"
+        page = f"results/report/scenes/{self.scene}.html"
+        return (
+            f"snakemake --cores 2 --configfile {config} -- pages" if config.is_file() else f"snakemake --cores 2 {page}"
+        )
+
+    def picture(self) -> bytes:
+        """The picture as JPEG."""
+        return jpeg(self.given.rgb)
+
+    def made_picture(self) -> bytes:
+        """The scene of rank 1 as PNG.
+
+        Raises:
+            InputError: it was not drawn.
+        """
+        if self.made.picture is None:
+            raise InputError(self.scene, "has no picture of its scene.", "make its page", code="E-PICTURE-MISSING")
+        return self.made.picture.read_bytes()
+
+    def preview(self) -> bytes:
+        """The saved masks over the picture, as JPEG."""
+        drawing = self.opened()
+        masks = self._painted(drawing)
+        return jpeg(tinted(self.given.rgb, masks, [item.mask for item in drawing.objects if item.label not in ROOM]))
+
+    def _painted(self, drawing: Drawing) -> NDArray[np.uint16]:
+        return paint_masks({item.mask: item for item in drawing.objects}, self.given.masks, self._cut)
+
+    def _drawing(self, body: Any) -> Drawing:
+        return Drawing.model_validate({"objects": body["objects"]})
+
+    def solve(self, body: Any) -> Answer:
+        """Bounds and outlines of every region, and the sides of what stands there, as it will after the next run."""
+        drawing = self._drawing(body)
+        masks = self._painted(drawing)
+        regions, notes = {}, {}
+        for item in drawing.objects:
+            mask = masks == item.mask
+            if not mask.any():
+                notes[item.id] = "no pixel shows it"
+            faces = self.made.faces(item, self._moved.get(item.mask, (0.0, 0.0)))
+            regions[item.id] = {"box": item.around or find_corners(mask), "outlines": outlines(mask), "faces": faces}
+        return {"regions": regions, "notes": notes}
+
+    def models(self, body: Any) -> Answer:
+        """Models that can stand for a thing, with pictures and distances."""
+        return {"models": self.made.models(int(body["mask"]))}
+
+    def front(self, body: Any) -> Answer:
+        """The front of a thing seen straight on; before anything was made of the folder, what shows the thing."""
+        drawing = self._drawing(body)
+        item = {one.mask: one for one in drawing.objects}[body["mask"]]
+        if (known := self.made.front(item.mask, item.front)) is not None:
+            return straight_on(self.given.rgb, *known)
+        around = item.around or find_corners(self._painted(drawing) == item.mask)
+        (x0, y0), (x1, y1) = around or ((0, 0), (1, 1))
+        points = np.array([(x0, y1), (x1, y1), (x1, y0), (x0, y0)], float)
+        return straight_on(self.given.rgb, points, *extents(points))
+
+    def save(self, body: Any) -> Answer:
+        """Keep the corrections; where nothing is corrected there is no file."""
+        told = self.corrections(self._drawing(body))
+        path = self.folder / CORRECTIONS
+        if told.objects:
+            write_json(path, {"version": 1, **told.model_dump(mode="json", exclude_defaults=True)})
+        else:
+            path.unlink(missing_ok=True)
+        return {}
+
+    def write(self, body: Any) -> Answer:
+        """Keep the corrections, and say what comes of them.
+
+        Raises:
+            InputError: no object is left.
+        """
+        told = {item.mask: item for item in self.corrections(self._drawing(body)).objects}
+        annotations, _, notes = correct_masks(self.given.annotations, self.given.masks, told, self._cut)
+        if annotations is None:
+            raise InputError(
+                str(self.folder), "no object is left.", "draw a box around at least one", code="E-SCENE-EMPTY"
+            )
+        self.save(body)
+        ordered = sorted(annotations.objects, key=lambda item: item.mask)
+        ids = object_ids(item.label for item in ordered)
+        return {"ids": ids, "notes": notes, "command": self.command(), "folder": str(self.folder)}
+
+    def close(self, _: Any) -> Answer:
+        """The page is done with."""
+        self.finished = True
+        return {}
+
+
+def outlines(mask: NDArray[np.bool_]) -> list[list[list[int]]]:
+    """Outlines of a mask as lists of pixels, a pixel off at most, the largest first."""
+    parts = remove_specks(mask).astype(np.uint8)
+    curves, _ = cv2.findContours(parts, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
+    largest = sorted(curves, key=cv2.contourArea, reverse=True)
+    return [cv2.approxPolyDP(curve, 1.0, True)[:, 0].tolist() for curve in largest]

@@ -1,0 +1,151 @@
+"""The page's server: this machine alone, one secret address, a fixed list of names, no file paths from outside."""
+
+import json
+import re
+import secrets
+import sys
+from hmac import compare_digest
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from threading import Lock, Thread
+from typing import Any
+
+from pydantic import ValidationError
+
+from plugins.studio.correcting import Correcting
+from plugins.studio.session import Session
+from stages.contracts.errors import InputError
+from stages.contracts.files import first_error
+from stages.contracts.system import line_of
+
+HERE = Path(__file__).resolve().parent
+SCRIPTS = tuple(sorted(path.name for path in HERE.glob("*.js")))
+PAGES = {
+    "page.css": ("page.css", "text/css; charset=utf-8"),
+    **{name: (name, "text/javascript; charset=utf-8") for name in SCRIPTS},
+}
+LARGEST = 2_000_000  # bytes of a request: no drawing comes near
+POLICY = (
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; base-uri 'none'"
+)
+
+
+class Handler(BaseHTTPRequestHandler):
+    """Answers `/<token>/<name>` for known names; everything else is 404 and tells nothing."""
+
+    server: "PageServer"
+    protocol_version = "HTTP/1.1"
+    timeout = 30
+
+    def log_message(self, format: str, *args: Any) -> None:
+        """Say nothing on the terminal: it is where the command's own lines stand."""
+
+    def _name(self) -> str | None:
+        """The part after the token, if the request is for us."""
+        token, slash, name = self.path.partition("?")[0].removeprefix("/").partition("/")
+        hosts = (f"127.0.0.1:{self.server.server_port}", f"localhost:{self.server.server_port}")
+        ours = self.headers.get("Host") in hosts
+        origin = self.headers.get("Origin")
+        ours = ours and (origin is None or origin in [f"http://{host}" for host in hosts])
+        return name if compare_digest(token.encode(), self.server.token.encode()) and ours and slash else None
+
+    def _reply(self, status: int, kind: str, body: bytes) -> None:
+        self.send_response(status)
+        self.send_header("Content-Type", kind)
+        self.send_header("Content-Length", str(len(body)))
+        self.send_header("Cache-Control", "no-store")
+        self.send_header("Content-Security-Policy", POLICY)
+        self.send_header("X-Content-Type-Options", "nosniff")
+        self.send_header("Referrer-Policy", "no-referrer")
+        self.end_headers()
+        self.wfile.write(body)
+
+    def _json(self, status: int, answer: Any) -> None:
+        self._reply(status, "application/json", json.dumps(answer, allow_nan=False).encode())
+
+    def _refuse(self, status: int, why: str) -> None:
+        self.close_connection = True  # what is left of the request is not read
+        self._json(status, {"error": why})
+
+    def _fail(self, error: Exception) -> None:
+        """Say what the operating system refused; a connection that is gone is told nothing."""
+        if isinstance(error, ConnectionError | TimeoutError):
+            raise error
+        print(f"error: {line_of(error)}", file=sys.stderr)
+        self._refuse(500, str(line_of(error)))
+
+    def do_GET(self) -> None:
+        """The page, its picture, and what was drawn."""
+        name, session = self._name(), self.server.session
+        try:
+            if name == "":
+                self._reply(200, "text/html; charset=utf-8", (HERE / session.page).read_bytes())
+            elif name is not None and name in PAGES:
+                file, kind = PAGES[name]
+                self._reply(200, kind, (HERE / file).read_bytes())
+            elif name == "picture.jpg":
+                self._reply(200, "image/jpeg", session.picture())
+            elif name == "made.png" and isinstance(session, Correcting):
+                self._reply(200, "image/png", session.made_picture())
+            elif name == "start":
+                self._json(200, session.start())
+            elif name == "preview.jpg":
+                with self.server.lock:
+                    self._reply(200, "image/jpeg", session.preview())
+            else:
+                self._refuse(404, "no such page")
+        except InputError as error:
+            self._refuse(400, str(error))
+        except (OSError, MemoryError) as error:
+            self._fail(error)
+
+    def do_POST(self) -> None:
+        """One of the session's verbs, with a JSON body."""
+        name = self._name()
+        verb = self.server.session.posts.get(name) if name else None
+        if verb is None:
+            return self._refuse(404, "no such page")
+        length = self.headers.get("Content-Length", "")
+        if not re.fullmatch("[0-9]{1,18}", length):
+            return self._refuse(400, "the length of the drawing is no number")
+        if int(length) > LARGEST:
+            return self._refuse(413, "the drawing is too large")
+        if self.headers.get("Content-Type") != "application/json":
+            return self._refuse(415, "not JSON")
+        try:
+            body = json.loads(self.rfile.read(int(length)))
+            with self.server.lock:
+                answer = verb(body)
+        except InputError as error:
+            return self._refuse(400, str(error))
+        except ValidationError as error:
+            return self._refuse(400, f"the drawing breaks its contract at {first_error(error)}")
+        except (ValueError, KeyError, TypeError, RecursionError) as error:
+            return self._refuse(400, f"not a drawing ({error.__class__.__name__})")
+        except (OSError, MemoryError) as error:
+            return self._fail(error)
+        self._json(200, answer)
+        if self.server.session.finished:
+            Thread(target=self.server.shutdown).start()  # from this thread it would wait for itself
+
+
+class PageServer(ThreadingHTTPServer):
+    """Serves one session at `address` until it is closed."""
+
+    daemon_threads = True
+
+    def __init__(self, session: Session | Correcting, port: int = 0) -> None:
+        super().__init__(("127.0.0.1", port), Handler)
+        self.session = session
+        self.token = secrets.token_urlsafe(24)
+        self.lock = Lock()
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """A page that was closed or reloaded in the middle of an answer is no error."""
+        if not isinstance(sys.exc_info()[1], OSError):
+            super().handle_error(request, client_address)
+
+    @property
+    def address(self) -> str:
+        """The page's address, which nobody can guess."""
+        return f"http://127.0.0.1:{self.server_port}/{self.token}/"

@@ -1,0 +1,235 @@
+"""Session of the page that draws into a picture: its requests and answers as plain data, without HTTP."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import TypeAdapter
+
+from plugins.inputs.photo.perspective import horizon, vanishing_point, weak
+from plugins.inputs.photo.picture import Photo
+from plugins.inputs.photo.segments import propose, usual_focal
+from plugins.studio.fronts import FACES, extents, front_corners, jpeg, straight_on
+from plugins.studio.metrology import View, WallPlane
+from plugins.studio.paint import hidden, paint
+from plugins.studio.project import PROJECT, Pixel, Project
+from plugins.studio.solve import Solved
+from plugins.studio.support import support_at
+from plugins.studio.write import finished, side_angle, tinted, write_folder
+from stages.contracts import InputError, read_json, write_json
+from stages.geometry.boxes import UprightBox, corners
+
+UNSEEN = "nothing of it would be seen in the picture: it lies behind something, or outside; it is left out"
+GRID, REACH = 0.5, 8.0  # metres: spacing of the floor's grid, and how far it goes
+Answer = dict[str, Any]
+
+
+@dataclass
+class Session:
+    """The picture, the folder that is written, and what completes labels."""
+
+    photo: Photo
+    name: str
+    folder: Path
+    categories: list[str] = field(default_factory=list)
+    depth: NDArray[np.float32] | None = None
+    finished: bool = False
+    page: str = "page.html"
+
+    def __post_init__(self) -> None:
+        height, width = self.photo.rgb.shape[:2]
+        grey = cv2.cvtColor(self.photo.rgb, cv2.COLOR_RGB2GRAY)
+        prior = usual_focal(width, height, self.photo.focal)
+        self._proposed = propose(np.asarray(grey, dtype=np.uint8), prior)
+        self.posts: dict[str, Callable[[Any], Answer]] = {
+            "solve": self.solve,
+            "save": self.save,
+            "support": self.support,
+            "front": self.front,
+            "write": self.write,
+            "close": self.close,
+        }
+
+    def fresh(self) -> Project:
+        """A drawing with nothing in it but the proposed perspective."""
+        height, width = self.photo.rgb.shape[:2]
+        project = Project(picture=self.name, width=width, height=height, perspective=self._proposed)
+        if self.depth is not None:
+            project.scale.kind = "depth"
+        return project
+
+    def opened(self) -> Project:
+        """The drawing that was saved, or a fresh one.
+
+        Raises:
+            InputError: what was saved is broken, or of a picture of another size.
+        """
+        path = self.folder / PROJECT
+        if not path.is_file():
+            return self.fresh()
+        project = read_json(Project, path, "move it away to begin anew")
+        height, width = self.photo.rgb.shape[:2]
+        if (project.width, project.height) != (width, height):
+            what = (
+                f"was drawn into a picture of {project.width}x{project.height} pixels, this one has {width}x{height}."
+            )
+            raise InputError(path, what, "give another --out, or move it away to begin anew", code="E-PROJECT-SIZE")
+        return project
+
+    def start(self) -> Answer:
+        """What the page begins with."""
+        height, width = self.photo.rgb.shape[:2]
+        notes = []
+        if self.photo.shrunk > 1:
+            notes.append(f"The picture was made smaller, to {width} x {height} pixels.")
+        if self.photo.focal:
+            notes.append("The focal length is known from the photograph's EXIF data.")
+        return {
+            "project": self.opened().model_dump(mode="json"),
+            "fresh": self.fresh().model_dump(mode="json"),
+            "categories": self.categories,
+            "folder": str(self.folder),
+            "notes": notes,
+            "depth": self.depth is not None,
+        }
+
+    def picture(self) -> bytes:
+        """The picture as JPEG."""
+        return jpeg(self.photo.rgb)
+
+    def preview(self) -> bytes:
+        """The saved drawing's masks over the picture, as JPEG."""
+        project, solved = finished(self.opened(), self.depth)
+        painted = paint(project, solved)
+        return jpeg(tinted(self.photo.rgb, painted.masks, [painted.values[item.id] for item in project.objects]))
+
+    def _project(self, body: Any) -> Project:
+        project = Project.model_validate(body)
+        height, width = self.photo.rgb.shape[:2]
+        if (project.width, project.height) != (width, height):
+            raise InputError("drawing", "is of a picture of another size.", "reload the page", code="E-PROJECT-SIZE")
+        return project
+
+    def solve(self, body: Any) -> Answer:
+        """Where everything is, in metres and in pixels."""
+        project, solved = finished(self._project(body), self.depth)
+        for name in hidden(project, solved):
+            solved.notes[name] = "; ".join(filter(None, [solved.notes.get(name), UNSEEN]))
+        return described(project, solved)
+
+    def save(self, body: Any) -> Answer:
+        """Keep the drawing."""
+        write_json(self.folder / PROJECT, self._project(body))
+        return {}
+
+    def support(self, body: Any) -> Answer:
+        """What is at a pixel that something could stand or hang on."""
+        project = self._project(body["project"])
+        solved = finished(project, self.depth)[1]
+        pixel = TypeAdapter(Pixel).validate_python(body["pixel"])
+        return {"on": support_at(project, solved, pixel, bool(body.get("stands")))}
+
+    def front(self, body: Any) -> Answer:
+        """The real front of an object seen straight on."""
+        project = self._project(body["project"])
+        solved = finished(project, self.depth)[1]
+        item = {one.id: one for one in project.objects}[body["id"]]
+        if (box := solved.boxes.get(item.id)) is None:
+            raise InputError(
+                item.label or item.id, "has no place yet.", "mark its front first", code="E-OBJECT-UNPLACED"
+            )
+        points = front_corners(box, box.yaw + side_angle(item.faces))
+        return straight_on(self.photo.rgb, solved.view.project(points), *extents(points))
+
+    def write(self, body: Any) -> Answer:
+        """Keep the drawing and write the input folder."""
+        project = self._project(body)
+        self.save(body)
+        written = write_folder(self.folder, self.photo.rgb, project, self.depth)
+        command = f"snakemake --cores 2 --configfile {self.folder / 'config.yaml'} -- pages"
+        return {"ids": written.ids, "notes": written.notes, "command": command, "folder": str(self.folder)}
+
+    def close(self, _: Any) -> Answer:
+        """The page is done with."""
+        self.finished = True
+        return {}
+
+
+def _lines(view: View, ends: NDArray[np.float64]) -> list[list[list[float]]]:
+    """Pixels of lines (N, 2, 3) of the room, as far as they are before the camera."""
+    lines = []
+    eye, forward = np.array([0, 0, view.above]), view.rotation[:, 2]
+    near = 0.05 * view.above
+    for a, b in ends:
+        da, db = (a - eye) @ forward, (b - eye) @ forward
+        if max(da, db) <= near:
+            continue
+        if min(da, db) < near:
+            cut = a + (b - a) * (near - da) / (db - da)
+            a, b = (cut, b) if da < db else (a, cut)
+        lines.append(np.round(view.project([a, b]), 1).tolist())
+    return lines
+
+
+def _box(view: View, box: UprightBox) -> Answer:
+    """A box in pixels: its corners (null behind the camera), which faces are seen, and its size and distance."""
+    points = corners(box)
+    pixels = view.project(points)
+    eye = np.array([0, 0, view.above])
+    faces = []
+    for face in FACES:
+        middle = points[list(face)].mean(axis=0)
+        if (middle - box.center) @ (eye - middle) > 0 and np.isfinite(pixels[list(face)]).all():
+            faces.append(np.round(pixels[list(face)], 1).tolist())
+    foot = view.project(points[[3, 2]] * [1, 1, 0])  # where a wall behind it meets the floor
+    known = [bool(np.isfinite(pixel).all()) for pixel in pixels]
+    return {
+        "corners": [np.round(pixel, 1).tolist() if ok else None for pixel, ok in zip(pixels, known, strict=True)],
+        "faces": faces,
+        "foot": np.round(foot, 1).tolist() if np.isfinite(foot).all() else None,
+        "size": [round(float(value), 4) for value in box.size],
+        "distance": round(float(np.linalg.norm(box.center - eye)), 3),
+    }
+
+
+def _wall(view: View, wall: WallPlane) -> list[list[list[float]]]:
+    """A wall's foot from end to end, as lines of pixels."""
+    foot = wall.offset * wall.normal
+    reach = 4 * REACH * max(view.above, 0.1)
+    low, high = np.clip(wall.ends, -reach, reach)
+    return _lines(view, np.array([[foot + low * wall.along, foot + high * wall.along]]))
+
+
+def _grid(view: View) -> list[list[list[float]]]:
+    """Lines on the floor every half metre."""
+    steps = np.arange(-REACH, REACH + GRID / 2, GRID)
+    lines = [((x, 0, 0), (x, REACH, 0)) for x in steps] + [((-REACH, y, 0), (REACH, y, 0)) for y in steps[steps >= 0]]
+    return _lines(view, np.array(lines, dtype=float))
+
+
+def described(project: Project, solved: Solved) -> Answer:
+    """The solved room for the page."""
+    view = solved.view
+    up, forward = view.rotation[2], view.rotation[:, 2]
+    return {
+        "camera": {
+            "focal": round(view.focal, 1),
+            "across": round(float(np.rad2deg(2 * np.arctan(view.width / 2 / view.focal))), 1),
+            "pitch": round(float(np.rad2deg(np.arcsin(np.clip(forward[2], -1, 1)))), 2),
+            "roll": round(float(np.rad2deg(np.arctan2(up[0], -up[1]))), 2),
+            "above": round(view.above, 3),
+            "factor": solved.factor,
+        },
+        "horizon": horizon(view),
+        "vanishing": {name: vanishing_point(view, axis) for axis, name in enumerate("xyz")},
+        "weak": weak(view, project.perspective.guides),
+        "grid": _grid(view),
+        "walls": {name: _wall(view, wall) for name, wall in solved.walls.items()},
+        "boxes": {name: _box(view, box) for name, box in solved.boxes.items()},
+        "notes": solved.notes,
+        "usual": solved.usual,
+    }

@@ -1,0 +1,294 @@
+"""Solve a drawing: camera, walls and boxes in metres."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from plugins.inputs.photo.perspective import fit_view
+from plugins.studio.metrology import (
+    THINNEST,
+    MetrologyError,
+    RearCornerError,
+    View,
+    WallPlane,
+    hanging_box,
+    round_box,
+    standing_box,
+    wall_plane,
+)
+from plugins.studio.project import DrawnObject, Pixel, Project, Scale
+from plugins.studio.usual import STANDING, Sides, camera_factor, usual_size
+from stages.contracts.categories import known_categories, sizes_of
+from stages.contracts.category import describe_unusual, find_category
+from stages.contracts.depth import NEAREST
+from stages.contracts.types import LARGEST
+from stages.geometry.boxes import UprightBox
+from stages.geometry.frames import yaw_matrix
+
+NEARER = 0.7  # of its distance at least, at which something that was marked too high is put onto what carries it
+WITHIN = 0.25  # of the length that was drawn of a wall, by which another one may cut it off
+FLAT = 0.03  # metres: how deep something on a wall is of which nobody said what it is
+
+
+@dataclass(frozen=True)
+class Solved:
+    """The room in metres; `notes`: by id of an object or wall, or `scale`, what is wrong with it or was guessed;
+    `guessed`: objects of which nobody drew or typed how deep they are; `usual`: of what is absurdly large, thin or
+    small, the width, depth and height to take instead; `factor`: by which nearly all heights are wrong, with the
+    height of a camera that nobody gave.
+    """
+
+    view: View
+    walls: dict[str, WallPlane]
+    boxes: dict[str, UprightBox]
+    notes: dict[str, str] = field(default_factory=dict)
+    guessed: set[str] = field(default_factory=set)
+    usual: dict[str, Sides] = field(default_factory=dict)
+    factor: float | None = None
+
+
+def _depth_guessed(item: DrawnObject, hangs: bool) -> bool:
+    """Whether nobody drew or typed how deep it is."""
+    return len(item.points) < (3 if hangs else 4) and item.depth is None and not item.round
+
+
+def _guessed(item: DrawnObject, hangs: bool) -> str:
+    """What a box has that was neither drawn nor typed."""
+    if not hangs and len(item.points) < 3 and item.height is None:
+        return "height is missing: mark the front's upper edge, or type it"
+    if _depth_guessed(item, hangs):
+        return "depth is guessed: mark a rear corner, or type it"
+    return ""
+
+
+def _unusual(item: DrawnObject, box: UprightBox, factor: float) -> str:
+    """What is wrong with the size of a box, by the usual sizes of its label, if it were `factor` times as large."""
+    size = box.size
+    if size.min() < THINNEST:
+        return f"would be {1000 * size.min():.1f} mm thin: draw it anew"
+    known = find_category(item.label, known_categories())
+    return describe_unusual(known, factor * size) and describe_unusual(known, size)
+
+
+def _usual_depth(label: str) -> float:
+    """How deep things of a label are that hang on a wall."""
+    sizes = sizes_of(label)
+    return float(np.median(sizes[:, 0])) if len(sizes) else FLAT
+
+
+def cut_off(wall: WallPlane, drawn: tuple[float, float], others: list[WallPlane]) -> WallPlane:
+    """The wall with its ends where it meets others.
+
+    Args:
+        drawn: from where to where along it its foot was drawn; what crosses that in the middle ends nothing.
+    """
+    (first, last), (low, high) = sorted(drawn), wall.ends
+    slack = WITHIN * (last - first)
+    for other in others:
+        across = float(wall.along @ other.normal)
+        if abs(across) < 0.1:
+            continue
+        at = (other.offset - wall.offset * float(wall.normal @ other.normal)) / across
+        if at > last - slack:
+            high = min(high, at)
+        elif at < first + slack:
+            low = max(low, at)
+    return WallPlane(wall.normal, wall.offset, (low, high))
+
+
+class _Room:
+    """One pass over the drawing at one height of the camera."""
+
+    def __init__(self, project: Project, view: View, typed: bool) -> None:
+        self.view, self.typed = view, typed
+        self.drawn = {item.id: item for item in project.objects}
+        self.walls: dict[str, WallPlane] = {}
+        self.boxes: dict[str, UprightBox] = {}
+        self.notes: dict[str, str] = {}
+        self.guessed: set[str] = set()
+        for wall in project.walls:
+            try:
+                self.walls[wall.id] = wall_plane(view, wall.a, wall.b, wall.free)
+            except MetrologyError as error:
+                self.notes[wall.id] = str(error)
+        self.walls = {name: self._ended(name, project) for name in self.walls}
+        for item in project.objects:
+            self._place(item, ())
+
+    def _ended(self, name: str, project: Project) -> WallPlane:
+        """A wall as far as it reaches."""
+        wall, others = self.walls[name], [other for key, other in self.walls.items() if key != name]
+        line = next(line for line in project.walls if line.id == name)
+        first, last = (float(self.view.on_level(end) @ wall.along) for end in (line.a, line.b))
+        return cut_off(wall, (first, last), others)
+
+    def _place(self, item: DrawnObject, above: tuple[str, ...]) -> None:
+        if item.id in self.boxes or item.id in self.notes:
+            return
+        if item.id in above:
+            self.notes[item.id] = "stands on itself: choose what it stands on"
+            return
+        try:
+            if _depth_guessed(item, item.on in self.walls):
+                self.guessed.add(item.id)
+            try:
+                self.boxes[item.id] = self._box(item, item.points, above)
+            except RearCornerError as error:
+                self.guessed.add(item.id)
+                seen = item.points[: 2 if item.on in self.walls else 3]
+                self.boxes[item.id] = self._box(item, seen, above)
+                self.notes[item.id] = f"{error}; its depth is guessed"
+            if item.id in self.guessed and item.on not in self.walls:
+                self.boxes[item.id] = self._before_walls(self.boxes[item.id])
+            if item.on in self.boxes:
+                self._onto(item, self.boxes[item.on], above)
+        except MetrologyError as error:
+            self.notes.setdefault(item.id, str(error))
+
+    def _box(self, item: DrawnObject, points: list[Pixel], above: tuple[str, ...]) -> UprightBox:
+        sizes = item.sizes if self.typed else (None, None, None)
+        if item.on in self.walls:
+            flat = _usual_depth(item.label) if self.typed else FLAT
+            return hanging_box(self.view, self.walls[item.on], points[:3], sizes, flat)
+        ground = self._ground(item, above)
+        if item.round:
+            return round_box(self.view, ground, points, sizes)
+        return standing_box(self.view, ground, points, sizes, item.free)
+
+    def _before_walls(self, box: UprightBox) -> UprightBox:
+        """The box as deep as to the wall behind its front, if it would go through it."""
+        inward = yaw_matrix(box.yaw) @ [0.0, 1.0, 0.0]
+        width, depth, height = box.size
+        front = box.center - inward * depth / 2
+        for wall in self.walls.values():
+            towards = float(inward @ wall.normal)
+            gap = (wall.offset - float(front @ wall.normal)) / towards if towards < -0.5 else np.inf
+            low, high = wall.ends
+            if THINNEST < gap < depth and low <= float((front + gap * inward) @ wall.along) <= high:
+                depth = gap
+        return UprightBox(front + inward * depth / 2, [width, depth, height], box.yaw)
+
+    def _onto(self, item: DrawnObject, carrier: UprightBox, above: tuple[str, ...]) -> None:
+        """Nearer along the line of sight, and smaller by as much, until its rear is over what carries it.
+
+        On a level just below the eye a pixel is many centimetres: a foot that was marked little too high is far beyond,
+        and its rear corner farther still. What is deeper than all that carries it says so of its rear corner.
+        """
+        box = self.boxes[item.id]
+        c, s = np.cos(box.yaw - carrier.yaw), np.sin(box.yaw - carrier.yaw)
+        marked = len(item.points) > 3 and item.depth is None and not item.round
+        beyond = marked and box.size[1] > abs(c) * carrier.size[1] + abs(s) * carrier.size[0]
+        if beyond:
+            self.boxes[item.id] = self._box(item, item.points[:3], above)
+            self.guessed.add(item.id)
+        if not self._nearer(item, carrier):
+            what = "stands beside what it should stand on: is that deep enough, and drawn up to its worktop?"
+            self.notes.setdefault(item.id, what)
+        elif beyond:
+            self.notes[item.id] = "its rear corner lay beyond what it stands on; its depth is guessed"
+
+    def _nearer(self, item: DrawnObject, carrier: UprightBox) -> bool:
+        """Whether its rear could be put over what carries it."""
+        box, eye = self.boxes[item.id], np.array([0, 0, self.view.above])
+        for share in np.linspace(1, NEARER, 31):
+            sizes = zip(item.sizes if self.typed else (None,) * 3, box.size, strict=True)
+            size = np.array([known or share * seen for known, seen in sizes])
+            center = eye + share * (box.center - eye)
+            if _over(carrier, center + yaw_matrix(box.yaw) @ [0, size[1] / 2, 0]):
+                break
+        else:
+            return False
+        if share < 1:
+            if item.height is None:
+                size[2] = max(center[2] + size[2] / 2 - carrier.top, size[2] / 2)
+            center[2] = carrier.top + size[2] / 2
+            self.boxes[item.id] = UprightBox(center, size, box.yaw)
+            self.notes.setdefault(item.id, f"its foot lay beyond what it stands on: {1 - share:.0%} nearer")
+        return True
+
+    def _ground(self, item: DrawnObject, above: tuple[str, ...]) -> float:
+        if item.on == "floor":
+            return 0.0
+        if item.on not in self.drawn:
+            raise MetrologyError("hangs on a wall or stands on an object that is not there")
+        self._place(self.drawn[item.on], (*above, item.id))
+        if item.on not in self.boxes:
+            raise MetrologyError("what it stands on has no place yet")
+        return self.boxes[item.on].top
+
+
+def _cause(item: DrawnObject, room: _Room) -> str:
+    """What may be behind an absurd size, as a question."""
+    if item.on in room.walls:
+        return "; does it hang on that wall?"
+    return "; is what it stands on drawn up to its worktop?" if item.on in room.boxes else ""
+
+
+def _height(project: Project, view: View) -> float:
+    """Height of the camera in metres, from the known length; `view` is one metre above the floor.
+
+    Raises:
+        MetrologyError: the known length cannot be measured in the picture.
+    """
+    scale = project.scale
+    metres = scale.metres or STANDING
+    if scale.kind in ("camera", "depth"):
+        return metres
+    if scale.kind == "object":
+        boxes = _Room(project, view, typed=False).boxes
+        if scale.object not in boxes:
+            raise MetrologyError("the object whose size is known has no place yet")
+        return metres / float(boxes[scale.object].size[("width", "depth", "height").index(scale.side)])
+    if scale.points is None:
+        raise MetrologyError("draw the line whose length is known")
+    return metres / _length(view, scale)
+
+
+def _length(view: View, scale: Scale) -> float:
+    """Length of a line on the floor, or straight up from it."""
+    assert scale.points is not None
+    foot = view.on_level(scale.points[0])
+    if scale.kind == "floor":
+        return max(float(np.linalg.norm(view.on_level(scale.points[1]) - foot)), 1e-4)
+    away = foot / np.linalg.norm(foot)  # an upright plane that faces the camera, through the foot
+    top = view.on_plane(scale.points[1], away, float(foot @ away))
+    if top[2] <= 1e-4:
+        raise MetrologyError("the line does not go up from the floor")
+    return float(top[2])
+
+
+def solve(project: Project) -> Solved:
+    """Camera, walls and boxes of a drawing; what has no place says why in the notes, the rest goes on without it."""
+    view = fit_view(project.perspective, project.width, project.height)
+    notes = {}
+    try:
+        above = _height(project, view)
+        if not NEAREST <= above <= LARGEST:
+            raise MetrologyError(f"the camera would be {above:.3g} m above the floor")
+    except MetrologyError as error:
+        notes["scale"] = f"{error}; the camera is taken to be {STANDING} m above the floor"
+        above = STANDING
+    room = _Room(project, replace(view, above=above), typed=True)
+    factor, usual = camera_factor(project, room.boxes), {}
+    for item in project.objects:
+        box = room.boxes.get(item.id)
+        if box is not None and max(box.size) > LARGEST:
+            room.notes[item.id] = f"would be {max(box.size):.0f} m large"
+            del room.boxes[item.id]
+        elif box is not None:
+            odd = _unusual(item, box, factor or 1.0)
+            if odd and (instead := usual_size(item, box)):
+                usual[item.id] = instead
+                odd += _cause(item, room)
+            told = [room.notes.get(item.id, _guessed(item, item.on in room.walls)), odd]
+            room.notes |= {item.id: "; ".join(filter(None, told))} if any(told) else {}
+    return Solved(room.view, room.walls, room.boxes, {**room.notes, **notes}, room.guessed, usual, factor)
+
+
+def _over(box: UprightBox, point: NDArray[np.float64]) -> bool:
+    """Whether a point lies over the footprint of a box."""
+    c, s = np.cos(box.yaw), np.sin(box.yaw)
+    dx, dy = (point - box.center)[:2]
+    width, depth, _ = box.size
+    return bool(abs(c * dx + s * dy) <= width / 2 and abs(-s * dx + c * dy) <= depth / 2)

@@ -1,0 +1,51 @@
+"""What a pixel of a drawing shows that something may stand or hang on."""
+
+import cv2
+import numpy as np
+
+from plugins.studio.metrology import CLICK
+from plugins.studio.project import Project
+from plugins.studio.solve import Solved
+from stages.geometry.boxes import corners
+
+BEHIND = 0.05  # of the picture's height, that the foot of what stands may be marked above the top that it stands on
+WORKTOP = 0.05  # metres: how thick a worktop is, whose lower edge is easily marked in place of its upper one
+
+
+def support_at(project: Project, solved: Solved, pixel: tuple[float, float], stands: bool = False) -> str:
+    """What a pixel shows that something may stand or hang on: the top of an object, a wall, else the floor.
+
+    What `stands` hangs on no wall: on a counter a little too shallow its foot seems to be on the wall behind it.
+
+    What stands at the front edge of a top has its lower corners there, and is easily marked some pixels below it; at
+    its rear edge, some pixels up the wall; and a top may itself be marked at the lower edge of the worktop.
+    """
+    ray, eye = solved.view.rays(pixel), np.array([0, 0, solved.view.above])
+    best, nearest = "floor", np.inf
+    beside: dict[str, float] = {}  # pixels from the tops that the pixel is not on
+    for name, box in solved.boxes.items():
+        top = solved.view.project(corners(box)[4:])
+        if ray[2] >= 0 or box.top >= eye[2] or not np.isfinite(top).all():
+            continue
+        reach = (box.top - eye[2]) / ray[2]
+        inside = cv2.pointPolygonTest(top.astype(np.float32), pixel, True)
+        if inside <= -2 * CLICK:
+            beside[name] = -inside
+        elif reach < nearest:
+            best, nearest = name, reach
+    if best != "floor":
+        return best
+    if ray[2] < 0:
+        nearest = -eye[2] / ray[2]
+    for name, wall in solved.walls.items():
+        if (reach := float(wall.reach(ray))) < nearest:
+            best, nearest = name, reach
+    if best == "floor":
+        return best
+    close = min(beside, key=lambda name: beside[name], default="floor")
+    if stands:
+        return close if beside.get(close, np.inf) < BEHIND * solved.view.height else "floor"
+    if close == "floor":
+        return best
+    away = float(np.linalg.norm(solved.boxes[close].center - eye)) * (solved.factor or 1.0)
+    return close if beside[close] < solved.view.focal * WORKTOP / away + 2 * CLICK else best

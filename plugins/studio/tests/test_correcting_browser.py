@@ -1,0 +1,249 @@
+"""The page that corrects, with results of a run beside the folder: doubts first, cousins to choose, sizes, places."""
+
+import json
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from plugins.studio.correcting import Correcting
+from plugins.studio.tests.annotate_page import watched
+from plugins.studio.tests.test_annotate_browser import browser  # noqa: F401
+from plugins.studio.tests.test_correcting import BOXES
+from stages.contracts import Cousins, GeneratedScene, Library, Objects, read_json, write_json
+from stages.contracts.corrections import CORRECTIONS, Correction, corrections_of
+from stages.contracts.cousins import Candidate, Cousin, ObjectCousins, Orientation
+from stages.contracts.generated import PlacedObject
+from stages.contracts.library import LibraryEntry
+from stages.extraction.extract import run as extract
+from tests.unit.synthetic_room import OBJECT, write_room
+from tests.unit.tables_results import snapshots
+from tests.unit.test_report_browser import CONTRAST
+
+CABINET, BOX = OBJECT, OBJECT + 1
+MODELS = [f"cabinet_{number}" for number in range(12)]
+DOUBT = "is 60 by 220 cm, 80 cm high; usual are 30 to 60 by 40 to 120 cm, 60 to 90 cm high"
+
+
+def _matched(name: str) -> ObjectCousins:
+    """Ten cousins, and two models more that were compared."""
+    view = Orientation(yaw=0.4, distance=0.5)
+    compared = [Candidate(asset=asset, category="cabinet", distance=1 + n / 4) for n, asset in enumerate(MODELS)]
+    cousins = [
+        Cousin(rank=n, asset=one.asset, category="cabinet", distance=one.distance, votes=None, orientation=view,
+               orientations=[view])
+        for n, one in enumerate(compared[:10], 1)
+    ]  # fmt: skip
+    return ObjectCousins(id=name, label=name[:-2], by_distance=compared, cousins=cousins)
+
+
+@pytest.fixture
+def session(tmp_path: Path) -> Correcting:
+    folder = write_room(tmp_path / "kitchen", BOXES, ["cabinet", "cabinet"])
+    results = tmp_path / "results"
+    place = results / "extraction/kitchen/objects.json"
+    extract(input=folder, scene="kitchen", out=place)
+    objects = read_json(Objects, place)
+    names = [item.id for item in objects.objects]
+    cousins = Cousins(scene="kitchen", encoder="hog", objects=[_matched(name) for name in names])
+    write_json(results / "matching/b/kitchen/cousins.json", cousins)
+    placed = [
+        PlacedObject(
+            id=item.id, label=item.label, asset=MODELS[0], category="cabinet", position=item.box.center,
+            yaw=np.pi, size=item.box.size, mounting=item.mounting, cousin=1, doubts=[DOUBT] if number else [],
+        )
+        for number, item in enumerate(objects.objects) if item.box is not None
+    ]  # fmt: skip
+    shared = objects.model_dump(include={"scene", "width", "height", "intrinsics", "floor_from_camera", "walls"})
+    scene = GeneratedScene(variant="b", rank=1, objects=placed, **shared)
+    write_json(results / "generation/b/kitchen/scene_1.json", scene)
+    snapshots(results / "assets/snapshots", MODELS)
+    Image.new("RGB", (48, 36), (200, 60, 40)).save(results / "generation/b/kitchen/scene_1.png")
+    entries = [
+        LibraryEntry(id=name, category="cabinet", archive="a.zip", doors=0, drawers=0, checksum="c",
+                     size=(0.4, 0.5 + number / 100, 0.8))
+        for number, name in enumerate(MODELS)
+    ]  # fmt: skip
+    write_json(results / "assets/library/library.json", Library(assets=sorted(entries, key=lambda one: one.id)))
+    return Correcting(folder, ["mug"], results, "kitchen", None, "cabinet_1")
+
+
+@pytest.fixture
+def opened(browser: Any, session: Correcting) -> Iterator[Any]:  # noqa: F811
+    with watched(browser, session, "#over polygon") as page:
+        yield page
+
+
+def _told(page: Any, session: Correcting) -> dict[int, dict[str, Any]]:
+    """What is kept, by mask value."""
+    page.wait_for_function("() => document.getElementById('saved').textContent === 'saved'")
+    path = session.folder / CORRECTIONS
+    said = json.loads(path.read_text())["objects"] if path.is_file() else []
+    return {item.pop("mask"): item for item in said}
+
+
+def _front(page: Any) -> str:
+    """Where the front of the chosen thing is drawn, once no answer of the server moves it any more."""
+    shown = "document.querySelector('#view .solid.front').getAttribute('points')"
+    page.wait_for_function(
+        f"() => {{ const at = {shown}, now = performance.now();"
+        " if (window.front !== at) { window.front = at; window.since = now; }"
+        " return now - window.since > 700; }"
+    )
+    return str(page.locator("#view .solid.front").get_attribute("points"))
+
+
+def test_from_a_doubt_to_another_model_in_two_clicks(opened: Any, session: Correcting) -> None:
+    page = opened
+    assert page.locator("#objects button").all_text_contents() == ["cabinet 1", "cabinet 2", "floor", "wall"]
+    assert page.locator("#objects button[aria-pressed=true]").text_content() == "cabinet 1"  # as --choose says
+    doubts = page.locator("#in-doubt button")
+    assert doubts.filter(has_text=f"cabinet 2: {DOUBT}").count() == 1
+    doubts.filter(has_text=DOUBT).click()
+    assert DOUBT in page.locator("#own-doubts").text_content()
+    page.wait_for_selector("#cousins img")
+    models = page.locator("#cousins li")
+    assert models.count() == 12 and page.locator("#view .solid").count() == 6
+    assert models.first.text_content().startswith("cabinet 0 · 1.00 · cousin 1 · stands there")
+    if shots := os.environ.get("ACDC_SCREENSHOTS"):
+        page.screenshot(path=f"{shots}/correct_models.png")
+    models.nth(10).locator("[data-asset]").click()  # one that is no cousin
+    assert _told(page, session) == {BOX: {"model": "cabinet_10"}}
+    page.get_by_label("the chosen one in every scene").check()
+    page.get_by_label("cabinet 3: not this one").click()
+    assert _told(page, session) == {BOX: {"model": "cabinet_10", "pinned": True, "banned": ["cabinet_3"]}}
+    page.get_by_label("cabinet 10: not this one").click()  # what is banned is not chosen, and so not in every scene
+    assert _told(page, session) == {BOX: {"banned": ["cabinet_3", "cabinet_10"]}}
+    assert page.locator("#pinned").is_disabled()
+    page.get_by_label("Same model as").select_option(label="cabinet 1")
+    assert _told(page, session)[BOX]["like"] == CABINET
+    low = page.evaluate(CONTRAST)
+    assert [line for line in low if not line.startswith("text ")] == []
+
+
+def test_a_room_is_put_right_from_its_doubt_on_and_made_again(opened: Any, session: Correcting) -> None:
+    """Nine actions; of what comes of them extraction reads all but the model, which generation reads."""
+    page, results = opened, session.folder.parent / "results"
+    page.locator("#made").click()
+    page.wait_for_function("() => document.querySelector('#view image').getAttribute('href') === 'made.png'")
+    page.keyboard.press("m")
+    assert page.locator("#view image").get_attribute("href") == "picture.jpg"
+    page.locator("#in-doubt button").first.click()
+    page.locator("[data-asset=cabinet_5]").click()
+    page.get_by_role("button", name="As its model: 55 × 40 × 80 cm").click()
+    page.locator("#on").select_option(label="the floor")
+    page.locator("#mounting").select_option(label="stands, touches no wall")
+    page.get_by_label("it opens").check()
+    page.locator("#front-view summary").click()
+    page.wait_for_selector("#front-picture image")
+    box = page.locator("#front-picture").bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x - 40, y - 30)
+    page.mouse.down()
+    page.mouse.move(x + 40, y + 30, steps=4)
+    page.mouse.up()
+    told = _told(page, session)[BOX]
+    assert told.keys() == {"articulated", "drawers", "panels", "mounting", "on", "size", "model"}
+    assert "changed" in page.locator("#in-doubt button").first.get_attribute("class")
+    page.keyboard.press("Control+s")
+    page.wait_for_selector("#written:not([hidden])")
+    path = session.folder / CORRECTIONS
+    assert corrections_of((path,), "generation") == {BOX: Correction(mask=BOX, model="cabinet_5")}
+    extract(input=session.folder, scene="kitchen", out=results / "again/objects.json", corrections=(path,))
+    before = {item.mask: item for item in read_json(Objects, results / "extraction/kitchen/objects.json").objects}
+    after = {item.mask: item for item in read_json(Objects, results / "again/objects.json").objects}
+    assert after[CABINET] == before[CABINET]  # nothing was said of it
+    thing = after[BOX]
+    assert (thing.support, thing.told, thing.drawers) == ("floor", ["mounting", "size"], 1)
+    assert thing.box is not None and sorted(thing.box.size) == pytest.approx([0.4, 0.55, 0.8])
+    assert [panel.model_dump() for panel in thing.panels] == told["panels"]
+
+
+def test_drawers_are_drawn_on_the_front(opened: Any, session: Correcting) -> None:
+    page = opened
+    page.locator("#objects button", has_text="cabinet 2").click()
+    assert page.locator("#front-view").is_hidden()
+    page.get_by_label("Drawers").fill("3")
+    page.keyboard.press("Enter")
+    assert _told(page, session)[BOX] == {"articulated": True, "drawers": 3}  # counts alone
+    page.locator("#front-view summary").click()
+    page.wait_for_selector("#front-picture:not([hidden])")
+    page.get_by_role("button", name="Lay out evenly").click()
+    assert page.locator("#front-picture text").all_text_contents() == ["drawer 1", "drawer 2", "drawer 3"]
+    a, d, e, f = page.locator("#front-picture").evaluate(
+        "e => { const m = e.getScreenCTM(), b = e.viewBox.baseVal;"
+        " return [m.a * b.width, m.d * b.height, m.e, m.f + m.d * b.height]; }"
+    )
+
+    def drag(*shares: tuple[float, float]) -> None:
+        for k, (x, y) in enumerate(shares):
+            page.mouse.move(x * a + e, f - y * d, steps=4)
+            if k == 0:
+                page.mouse.down()
+        page.mouse.up()
+
+    def panels() -> list[dict[str, Any]]:
+        return list(_told(page, session)[BOX]["panels"])
+
+    drag((0.5, 0.5), (0.5, 0.5))  # a click chooses the middle one
+    drag((0.5, 1 / 3), (0.5, 0.2))  # its lower edge
+    drag((0.7, 0.1), (0.7, 0.1))
+    drag((0.5, 1 / 3), (0.5, 0.195))  # that of the lowest, up to it: it snaps
+    middle, lowest = panels()[1:]
+    assert middle["bottom"] == lowest["top"] == pytest.approx(0.2, abs=0.01) and middle["top"] == pytest.approx(
+        2 / 3, abs=1e-3
+    )
+    drag((0.3, 0.1), (0.3, 0.9))  # all of it: it stays within the front
+    assert panels()[2]["top"] == 1 and panels()[2]["bottom"] == pytest.approx(1 - lowest["top"], abs=1e-3)
+    page.keyboard.press("Control+z")
+    page.keyboard.press("Delete")  # the box, not the thing
+    assert len(panels()) == 2 and _told(page, session)[BOX]["drawers"] == 2
+    page.get_by_role("button", name="Door", exact=True).click()
+    drag((0.02, 0.02), (0.6, 0.18))
+    assert panels()[2]["kind"] == "door" and panels()[2]["left"] == pytest.approx(0.02, abs=0.01)
+    assert page.locator("#doors").input_value() == "1" and page.locator("#front-picture text").count() == 3
+    if shots := os.environ.get("ACDC_SCREENSHOTS"):
+        page.screenshot(path=f"{shots}/correct_front.png")
+    told = corrections_of((session.folder / CORRECTIONS,), "extraction")
+    assert {item.kind for item in told[BOX].panels or []} == {"door", "drawer"}
+    page.get_by_label("Drawers").fill("4")  # boxes that are not right any more go
+    page.keyboard.press("Enter")
+    assert _told(page, session)[BOX] == {"articulated": True, "doors": 1, "drawers": 4}
+
+
+def test_size_support_front_and_place_are_said(opened: Any, session: Correcting) -> None:
+    page = opened
+    page.locator("#objects button", has_text="cabinet 2").click()
+    assert session.made.placed[BOX].size[1] == pytest.approx(float(page.locator("#width").input_value()), abs=1e-3)
+    page.locator("#height").fill("0.5")
+    page.keyboard.press("Enter")
+    depth, width, _ = session.made.placed[BOX].size
+    assert _told(page, session)[BOX]["size"] == pytest.approx([width, depth, 0.5], abs=1e-3)
+    page.locator("#on").select_option(label="cabinet 1")
+    page.get_by_role("button", name="↺ 90°").click()
+    page.get_by_role("button", name="←", exact=True).click()
+    page.get_by_role("button", name="↓", exact=True).click(modifiers=["Shift"])
+    drawn = _front(page)
+    page.get_by_role("button", name="→", exact=True).click()
+    page.wait_for_function(f"() => document.querySelector('#view .solid.front').getAttribute('points') !== '{drawn}'")
+    page.get_by_role("button", name="←", exact=True).click()  # it is shown where it will stand
+    page.wait_for_function(f"() => document.querySelector('#view .solid.front').getAttribute('points') === '{drawn}'")
+    told = _told(page, session)[BOX]
+    assert told["on"] == CABINET and told["front"] == pytest.approx(-np.pi / 2, abs=1e-3)
+    assert told["nudge"] == [-0.1, 0.02]
+    assert page.locator("#nudge").text_content() == "10 cm nearer, 2 cm to the left"
+    page.locator("#objects button", has_text="cabinet 1").click()
+    assert "cabinet 2" not in page.locator("#on").text_content()  # it stands on this one already
+    page.locator("#mounting").select_option(label="hangs on wall")
+    assert page.locator("#on").is_disabled()
+    page.locator("#view").focus()
+    page.keyboard.press("Delete")  # what stood on it stands where it is found again
+    assert "on" not in _told(page, session)[BOX] and _told(page, session)[CABINET] == {"gone": True}
+    for _ in range(10):
+        page.keyboard.press("Control+z")
+    assert _told(page, session) == {} and not (session.folder / CORRECTIONS).exists()
+    assert page.locator("#command").text_content().endswith("results/report/scenes/kitchen.html")

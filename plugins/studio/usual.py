@@ -1,0 +1,61 @@
+"""What is usual: a size in place of an absurd one, and the height of a camera that nobody gave."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from plugins.studio.project import DrawnObject, Project
+from stages.contracts.categories import sizes_of
+from stages.contracts.category import SPREAD
+from stages.geometry.boxes import UprightBox
+
+STANDING = 1.5  # metres: how high a camera is taken to be of which nobody said it
+SURE = np.log(1.1)  # a person who stands holds a camera 1.35 to 1.65 m high: STANDING is never better than that
+Sides = tuple[float | None, float | None, float | None]
+
+
+def usual_size(item: DrawnObject, box: UprightBox) -> Sides | None:
+    """Width, depth and height that a thing of this label usually has, metres, where the box's is not; None: all are."""
+    known = sizes_of(item.label)
+    if not len(known):
+        return None
+    known = known[:, [0, 1, 2] if item.faces in ("left", "right") else [1, 0, 2]]
+    excess = np.abs(np.log(box.size) - np.log([known.min(axis=0), known.max(axis=0)]).mean(axis=0))
+    odd = excess > SPREAD + np.log(known.max(axis=0) / known.min(axis=0)) / 2
+    if not odd.any():
+        return None
+    width, depth, height = (
+        round(float(m), 2) if o else None for o, m in zip(odd, np.median(known, axis=0), strict=True)
+    )
+    return width, depth, height
+
+
+def camera_factor(project: Project, boxes: Mapping[str, UprightBox]) -> float | None:
+    """By what the height of a camera that nobody gave should be multiplied; None: nothing speaks against it.
+
+    Each thing whose height is read off the picture allows the factors that make it as high as a model of its category.
+    It is doubted where more than half of at least two things are as high as no model, and would be usual with the
+    median of what would make each as high as its category is.
+    What stands on another thing says nothing: it errs with that.
+    """
+    if project.scale.kind != "camera" or project.scale.metres is not None:
+        return None
+    ranges = [found for item in project.objects if (found := _allowed(item, boxes)) is not None]
+    if len(ranges) < 2:
+        return None
+    factor = float(np.median([(low + high) / 2 for low, high in ranges]))
+    unusual = sum(not low <= 0 <= high for low, high in ranges)
+    fitting = sum(low - SPREAD <= factor <= high + SPREAD for low, high in ranges)
+    wrong = 2 * min(unusual, fitting) > len(ranges) and abs(factor) > SURE
+    return float(np.exp(factor)) if wrong else None
+
+
+def _allowed(item: DrawnObject, boxes: Mapping[str, UprightBox]) -> tuple[float, float] | None:
+    """Logarithms of the least and the largest factor that make a thing as high as a model of its category."""
+    heights = sizes_of(item.label)[:, 2]
+    stands = item.on == "floor"
+    marked = item.height is None and item.on not in boxes and len(item.points) >= (3 if stands else 2)
+    if item.id not in boxes or not marked or not len(heights):
+        return None
+    low, high = np.log([heights.min(), heights.max()]) - np.log(boxes[item.id].size[2])
+    return float(low), float(high)

@@ -1,0 +1,196 @@
+"""Write a drawing as an input folder: rgb.png, camera.json, depth.npz, masks.png, annotations.json."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from plugins.inputs.rgbd.upright import is_stretched
+from plugins.studio.metrology import View
+from plugins.studio.paint import SPARSE, paint
+from plugins.studio.project import DrawnObject, Project
+from plugins.studio.solve import Solved, solve
+from stages.config.own_scene import write_config
+from stages.contracts import Annotations, Camera, InputError
+from stages.contracts.images import colour_of
+from stages.contracts.objects import Box, object_ids
+from stages.contracts.scene_input import write_scene_input
+from stages.contracts.scenes import Annotation
+from stages.geometry.boxes import UprightBox
+from stages.geometry.frames import apply, inverse, rounded, wrap_angle, yaw_of_matrix
+from stages.geometry.planes import Plane
+from stages.geometry.room_planes import STRAY, make_floor_frame
+
+SIDES = ("right", "rear", "left", "front")  # of a drawn box, counter-clockwise from its x axis
+
+
+@dataclass(frozen=True)
+class Written:
+    """The folder's objects by their ids of the project, and what the drawer should know, in lines."""
+
+    ids: dict[str, str]
+    notes: list[str]
+
+
+def floor_from_camera(view: View) -> NDArray[np.float64]:
+    """The camera in the floor frame of the contract: x along the view."""
+    return make_floor_frame(Plane(view.rotation[2], -view.above, np.zeros(0, dtype=bool)))
+
+
+def floor_box(view: View, box: UprightBox) -> Box:
+    """A box of the room frame in the floor frame; its x axis is the side nearest to that frame's."""
+    floor_from_room = floor_from_camera(view) @ inverse(view.room_from_camera)
+    yaw = box.yaw + yaw_of_matrix(floor_from_room[:3, :3])
+    turned = wrap_angle(yaw, np.pi / 2)
+    width, depth, height = box.size
+    if round((yaw - turned) / (np.pi / 2)) % 2:
+        width, depth = depth, width
+    size = rounded([width, depth, height])
+    return Box(center=rounded(apply(floor_from_room, box.center)), size=size, yaw=round(turned, 6))
+
+
+def front_of(view: View, box: UprightBox, side: str) -> float:
+    """Direction about z, floor frame, of a side of a drawn box; its y axis goes back from what was drawn as front."""
+    floor_from_room = floor_from_camera(view) @ inverse(view.room_from_camera)
+    return round(wrap_angle(box.yaw + side_angle(side) + yaw_of_matrix(floor_from_room[:3, :3])), 6)
+
+
+def side_angle(side: str) -> float:
+    """Direction of a side of a drawn box, from its x axis."""
+    return SIDES.index(side) * np.pi / 2
+
+
+def with_scale_of(depth: NDArray[np.float32], project: Project) -> Project:
+    """The drawing with the camera at the height that makes its floor agree with depth in metres.
+
+    Raises:
+        InputError: the depth shows too little of the floor that was drawn.
+    """
+    unit = project.model_copy(update={"scale": project.scale.model_copy(update={"kind": "camera", "metres": 1.0})})
+    flat = unit.model_copy(update={"objects": [item.model_copy(update=_UNTYPED) for item in unit.objects]})
+    painted, depth = paint(flat, solve(flat), SPARSE), depth[::SPARSE, ::SPARSE]
+    floor = (painted.masks == painted.values["floor"]) & (depth > 0) & (painted.depth > 0)
+    if floor.mean() < STRAY:
+        what = "shows too little of the floor to tell the scale."
+        raise InputError(
+            "--depth", what, "give the height of the camera or one known length on the page", code="E-SCALE-UNKNOWN"
+        )
+    metres = float(np.median(depth[floor] / painted.depth[floor]))
+    return project.model_copy(update={"scale": project.scale.model_copy(update={"metres": round(metres, 4)})})
+
+
+_UNTYPED = {"width": None, "depth": None, "height": None}
+
+
+def finished(project: Project, depth: NDArray[np.float32] | None) -> tuple[Project, Solved]:
+    """The drawing with its scale, solved."""
+    if project.scale.kind == "depth":
+        if depth is None:
+            raise InputError(
+                "project.json",
+                "takes its scale from depth, but none was given.",
+                "start with --depth",
+                code="E-SCALE-UNKNOWN",
+            )
+        project = with_scale_of(depth, project)
+    return project, solve(project)
+
+
+def _annotation(item: DrawnObject, value: int, view: View, box: UprightBox, guessed: bool) -> Annotation:
+    return Annotation(
+        mask=value,
+        label=item.label.strip() or "object",
+        articulated=item.articulated or item.doors + item.drawers > 0,
+        doors=item.doors,
+        drawers=item.drawers,
+        panels=item.panels,
+        box=floor_box(view, box),
+        guessed=guessed,
+        front=None if item.round else front_of(view, box, item.faces),
+    )
+
+
+def write_folder(
+    folder: Path, rgb: NDArray[np.uint8], project: Project, depth: NDArray[np.float32] | None = None
+) -> Written:
+    """Write the five files, and `config.yaml`, which names the folder as a scene of an experiment.
+
+    Args:
+        rgb: the upright picture (H, W, 3).
+        depth: (H, W) metres by a sensor or a network; None: the depth of what was drawn.
+
+    Raises:
+        InputError: nothing was drawn, or nothing of it can be seen.
+    """
+    project, solved = finished(project, depth)
+    placed = [item for item in project.objects if item.id in solved.boxes]
+    if not placed:
+        raise InputError(
+            str(folder), "no object has a place yet.", "draw a box around at least one object", code="E-SCENE-EMPTY"
+        )
+    painted = paint(project, solved)
+    view, values = solved.view, painted.values
+    shown = set(np.unique(painted.masks).tolist())
+    seen = [item for item in placed if values[item.id] in shown]
+    if not seen:
+        raise InputError(
+            str(folder),
+            "no object can be seen in the picture.",
+            "draw a box where something is shown",
+            code="E-SCENE-EMPTY",
+        )
+
+    masks = np.where(np.isin(painted.masks, _used(seen, project, values)), painted.masks, 0)
+    frame = floor_from_camera(view)
+    camera = Camera(
+        width=view.width,
+        height=view.height,
+        intrinsics=view.intrinsics.tolist(),
+        floor_from_camera=frame.tolist(),
+    )
+    annotations = Annotations(
+        objects=[
+            _annotation(item, values[item.id], view, solved.boxes[item.id], item.id in solved.guessed) for item in seen
+        ],
+        floor=values["floor"] if values["floor"] in shown else None,
+        walls=[values[wall.id] for wall in project.walls if values[wall.id] in shown],
+    )
+    write_scene_input(folder, rgb, painted.depth if depth is None else depth, camera, masks, annotations)
+    write_config(folder)
+
+    ids = dict(zip((item.id for item in seen), object_ids(item.label for item in annotations.objects), strict=True))
+    labels = {item.id: item.label for item in project.objects if item.label}
+    notes = [f"{ids.get(name) or labels.get(name, name)}: {text}" for name, text in solved.notes.items()]
+    notes += [f"{ids[item.id]}: has no name: cousins are sought by its looks alone" for item in seen if not item.label]
+    notes += [f"{item.label or item.id}: not in the picture, left out" for item in placed if item not in seen]
+    return Written(ids, notes)
+
+
+def _used(seen: list[DrawnObject], project: Project, values: dict[str, int]) -> list[int]:
+    """Mask values that annotations.json names."""
+    return [values[name] for name in ["floor", *(item.id for item in seen), *(wall.id for wall in project.walls)]]
+
+
+def tinted(rgb: NDArray[np.uint8], masks: NDArray[np.uint16], objects: list[int]) -> NDArray[np.uint8]:
+    """The picture tinted by its masks, for people: what will be taken for what.
+
+    Args:
+        objects: mask values of objects; what else has one is floor or wall, and tinted lightly.
+    """
+    tints = np.array([colour_of(value) for value in range(int(masks.max()) + 1)])[masks]
+    strength = np.where(np.isin(masks, objects), 0.55, np.where(masks > 0, 0.22, 0.0))[..., None]
+    return np.rint(rgb * (1 - strength) + tints * strength).astype(np.uint8)
+
+
+def at_size(depth: NDArray[np.float32], width: int, height: int) -> NDArray[np.float32]:
+    """Depth laid on the picture's pixels.
+
+    Raises:
+        InputError: it has other proportions than the picture.
+    """
+    if is_stretched(depth.shape[::-1], (width, height)):
+        what = f"is {depth.shape[1]}x{depth.shape[0]}, of other proportions than the picture ({width}x{height})."
+        raise InputError("--depth", what, "it must cover the same view as the upright picture", code="E-DEPTH-SIZE")
+    return np.asarray(cv2.resize(depth, (width, height), interpolation=cv2.INTER_NEAREST), dtype=np.float32)

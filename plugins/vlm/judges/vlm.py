@@ -1,0 +1,119 @@
+"""Judge `vlm`: a language model that sees chooses among the nearest by distance (paper B.1, GPT selection)."""
+
+from collections.abc import Sequence
+from typing import Any, Literal, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, create_model
+
+from plugins.vlm.ask import Asker, NoAnswerError
+from plugins.vlm.boxed import boxed
+from plugins.vlm.config import VlmConfig
+from plugins.vlm.prompt import Prompt
+from stages.config.matching import MatchingConfig
+from stages.contracts.cousins import Candidate, Orientation
+from stages.geometry.masks import pixel_bounds
+from stages.matching.crop import alone
+from stages.matching.judges import AbstainedError, Question
+
+T = TypeVar("T")
+NONE = "none"
+FRAME_GAP = 4  # pixels between the object and its box
+SYSTEM = (
+    "You compare an object in a picture of a room with pictures of 3D models. Look closely, and say only what you can "
+    "see. You answer with one JSON object and nothing else."
+)
+OBJECT = "The room. The object in question, labelled '{label}', is in the red box."
+ALONE = "The object alone; what is not part of it is darkened, and other things may hide parts of it."
+WHICH_MODEL = (
+    "Which candidate is most like the object in its geometry? A candidate may be stretched along its width, depth and "
+    "height as a whole and painted otherwise, and it stands before you turned some way: size, proportions, colour and "
+    "orientation do not count. What counts is what it is made of: which parts, how many, and where. If there are doors "
+    "or drawers, their number, layout and handles come first."
+)
+WHICH_ORIENTATION = (
+    "The candidates are one 3D model, turned about its vertical axis. In which of them is it turned as the object is "
+    "seen here: front, sides and back towards the viewer in the same way? Size, proportions and colour do not count, "
+    "and the model need not be equal to the object: go by what makes out its front, e.g. doors, drawers, a backrest."
+)
+ANSWER = (
+    'Answer {{"reason": "one short sentence", "choice": "number of the candidate"}}, the number being one of '
+    '{numbers}; or "choice": "none" if the pictures do not let you tell.'
+)
+
+
+class Judge:
+    """It chooses as often as `vlm.choices` says, each time among what is left; the others follow by distance."""
+
+    def __init__(self, options: Any) -> None:
+        """`options`: a `MatchingConfig` with the section `vlm`."""
+        self.options: MatchingConfig = options
+        self.model: VlmConfig = options.vlm
+        self.asker = Asker(self.model)
+        self.name = f"vlm {self.model.model}"
+
+    def models(self, question: Question, by_votes: list[Candidate], by_distance: list[Candidate]) -> list[Candidate]:
+        """The best of the k_model nearest, by their representative snapshots, then the best of those left ..."""
+        left, chosen = by_distance[: self.options.k_model], list[Candidate]()
+        count = min(self.model.choices, self.options.k_cousins, len(left))
+        while len(chosen) < count:
+            names = [candidate.asset for candidate in left]
+            pictures = [question.snapshots.views(name)[-1].rgb for name in names]
+            chosen.append(left.pop(self._choice(question, WHICH_MODEL, pictures, names, "model", chosen)))
+        return chosen + [candidate for candidate in by_distance if candidate not in chosen]
+
+    def orientations(
+        self, question: Question, asset: str, by_votes: list[Orientation], by_distance: list[Orientation]
+    ) -> list[Orientation]:
+        """The best of the k_ori nearest, then the others."""
+        if question.rank > self.model.choices:
+            return by_distance
+        left = by_distance[: self.options.k_ori]
+        pictures = [question.snapshots.picture(asset, orientation.yaw) for orientation in left]
+        names = [f"{np.degrees(orientation.yaw):.0f} degrees" for orientation in left]
+        best = left[self._choice(question, WHICH_ORIENTATION, pictures, names, f"orientation of {asset}", [])]
+        return [best] + [orientation for orientation in by_distance if orientation != best]
+
+    def summary(self) -> str:
+        """What was asked, for the log."""
+        return self.asker.summary()
+
+    def _choice(
+        self,
+        question: Question,
+        task: str,
+        pictures: Sequence[NDArray[np.uint8]],
+        names: Sequence[str],
+        what: str,
+        chosen: Sequence[Any],
+    ) -> int:
+        """Place of the candidate that the model chooses; one alone needs no asking.
+
+        Raises:
+            AbstainedError: it chooses none, or gives no answer.
+        """
+        if len(pictures) == 1:
+            return 0
+        numbers = [str(number) for number in range(1, len(pictures) + 1)]
+        label, (x0, y0, x1, y1) = question.label.replace("'", ""), pixel_bounds(question.view.mask)
+        around = (x0 - FRAME_GAP, y0 - FRAME_GAP, x1 + FRAME_GAP - 1, y1 + FRAME_GAP - 1)
+        parts: list[str | NDArray[np.uint8]] = [OBJECT.format(label=label), boxed(question.view.rgb, around)]
+        parts += [ALONE, alone(question.view)]
+        for number, picture in zip(numbers, pictures, strict=True):
+            parts += [f"Candidate {number}:", picture]
+        parts += [task, ANSWER.format(numbers=", ".join(numbers))]
+        named = dict(zip(numbers, names, strict=True))
+        try:
+            answer: Any = self.asker.ask(Prompt(SYSTEM, parts), choice_of(numbers), f"{question.name}: {what}", named)
+        except NoAnswerError as error:
+            raise AbstainedError(f"{self.name}: {error}", chosen) from None
+        if answer.choice == NONE:
+            raise AbstainedError(f"{self.name} chooses none", chosen)
+        return numbers.index(answer.choice)
+
+
+def choice_of(numbers: Sequence[str]) -> type[BaseModel]:
+    """What must be answered: a reason, then one of the numbers or none."""
+    choice: Any = Literal[(*numbers, NONE)]
+    return create_model("Choice", __config__=ConfigDict(extra="forbid"), reason=(str, ...), choice=(choice, ...))

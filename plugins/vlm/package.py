@@ -1,0 +1,38 @@
+"""What the core must know of this package."""
+
+from typing import Any
+
+from pydantic import Field
+
+from plugins.vlm.config import VlmConfig
+from stages.config.packages import Package
+
+
+def models_asked(config: Any) -> list[VlmConfig]:
+    """The language models that variants of matching ask."""
+    options = map(config.matching_of, config.experiment.variants)
+    return [each.vlm for each in options if "vlm" not in each.unread()]
+
+
+def keys(config: Any) -> list[str] | None:
+    """The variables of their keys; None: nothing is asked."""
+    asked = [model.key_env for model in models_asked(config) if model.mode == "record"]
+    return asked or None
+
+
+PACKAGE = Package(
+    section="vlm",
+    judges=True,
+    sections={
+        "vlm": (
+            VlmConfig,
+            Field(
+                VlmConfig(),
+                description="The language model that sees, for the judge `vlm` and for `photo.captions: vlm` "
+                "(docs/vlm.md).",
+            ),
+        )
+    },
+    outside=lambda config: [model.ledger for model in models_asked(config)],
+    keys=keys,
+)
