@@ -51,13 +51,13 @@ class PhotoSection(Section):
         """Folders of the networks that are used, by their keys, in the order of their use."""
         return {name: getattr(self, name) for name in ("detector", "segmenter", self.depth)}
 
+    def unread(self) -> set[str]:
+        """The depth network that is not used, and what the way to captions does not need."""
+        silent = {"labels"} if self.captions == "vlm" else {"vlm", "mounting"}
+        return {"depth_anything", "depth_pro"} - {self.depth} | silent
+
 
 class PhotoConfig(PhotoSection):
     """The section, and that of the language model of `captions: vlm`: what `inputs estimate` reads."""
 
     vlm: dict[str, Any] = {}
-
-    def unread(self) -> set[str]:
-        """The depth network that is not used, and what the way to captions does not need."""
-        silent = {"labels"} if self.captions == "vlm" else {"vlm", "mounting"}
-        return {"depth_anything", "depth_pro"} - {self.depth} | silent

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from plugins.studio.metrology import THINNEST, View
+from plugins.inputs.photo.metrology import THINNEST, View
 from plugins.studio.project import DrawnObject, Project
 from plugins.studio.solve import Solved
 from stages.contracts.types import LARGEST

@@ -1,38 +1,15 @@
 """What was drawn: `project.json`, which the page saves as it goes and opens again. Pixels of the upright picture."""
 
-from typing import Annotated, Literal
+from typing import Literal
 
 from pydantic import Field, model_validator
 
+from plugins.inputs.photo.guides import Perspective
 from stages.contracts.files import Contract, Document
 from stages.contracts.fronts import Panel
 from stages.contracts.types import Extent, Id, Panels, Pixel, Side, Text, check_unique
 
 PROJECT = "project.json"
-
-Focal = Annotated[float, Field(gt=10, lt=1e5, allow_inf_nan=False)]
-Axis = Literal["x", "y", "z"]
-
-
-class Guide(Contract):
-    """A line in the picture that in the room runs along an axis: x along the view's wall, y away from us, z up."""
-
-    axis: Axis
-    a: Pixel
-    b: Pixel
-
-
-class Perspective(Contract):
-    """What says how the camera looks: lines, and what was fixed by hand (null: found from the lines)."""
-
-    guides: list[Guide] = Field([], max_length=200)
-    horizon: tuple[Pixel, Pixel] | None = None
-    x: Pixel | None = None
-    y: Pixel | None = None
-    z: Pixel | None = None
-    focal: Focal | None = Field(None, description="pixels, fixed by hand")
-    likely_focal: Focal = Field(description="pixels: from EXIF, from all lines found, or that of a usual camera")
-    spread: float = Field(0.3, gt=0, le=2, description="standard deviation of the logarithm of `likely_focal`")
 
 
 class Scale(Contract):

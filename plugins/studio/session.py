@@ -10,17 +10,18 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import TypeAdapter
 
+from plugins.inputs.photo.metrology import View, WallPlane
 from plugins.inputs.photo.perspective import horizon, vanishing_point, weak
 from plugins.inputs.photo.picture import Photo
 from plugins.inputs.photo.segments import propose, usual_focal
 from plugins.studio.fronts import FACES, extents, front_corners, jpeg, straight_on
-from plugins.studio.metrology import View, WallPlane
 from plugins.studio.paint import hidden, paint
-from plugins.studio.project import PROJECT, Pixel, Project
+from plugins.studio.project import PROJECT, Project
 from plugins.studio.solve import Solved
 from plugins.studio.support import support_at
 from plugins.studio.write import finished, side_angle, tinted, write_folder
 from stages.contracts import InputError, read_json, write_json
+from stages.contracts.types import Pixel
 from stages.geometry.boxes import UprightBox, corners
 
 UNSEEN = "nothing of it would be seen in the picture: it lies behind something, or outside; it is left out"

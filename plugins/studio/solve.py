@@ -5,8 +5,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from plugins.inputs.photo.perspective import fit_view
-from plugins.studio.metrology import (
+from plugins.inputs.photo.metrology import (
     THINNEST,
     MetrologyError,
     RearCornerError,
@@ -17,12 +16,13 @@ from plugins.studio.metrology import (
     standing_box,
     wall_plane,
 )
-from plugins.studio.project import DrawnObject, Pixel, Project, Scale
+from plugins.inputs.photo.perspective import fit_view
+from plugins.studio.project import DrawnObject, Project, Scale
 from plugins.studio.usual import STANDING, Sides, camera_factor, usual_size
 from stages.contracts.categories import known_categories, sizes_of
 from stages.contracts.category import describe_unusual, find_category
 from stages.contracts.depth import NEAREST
-from stages.contracts.types import LARGEST
+from stages.contracts.types import LARGEST, Pixel
 from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import yaw_matrix
 

@@ -3,7 +3,7 @@
 import cv2
 import numpy as np
 
-from plugins.studio.metrology import CLICK
+from plugins.inputs.photo.metrology import CLICK
 from plugins.studio.project import Project
 from plugins.studio.solve import Solved
 from stages.geometry.boxes import corners

@@ -7,8 +7,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from plugins.inputs.photo.metrology import View
 from plugins.inputs.rgbd.upright import is_stretched
-from plugins.studio.metrology import View
 from plugins.studio.paint import SPARSE, paint
 from plugins.studio.project import DrawnObject, Project
 from plugins.studio.solve import Solved, solve

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from importlib import import_module
 from typing import Any, TypeVar
 
@@ -58,6 +59,12 @@ def rule_files(on: Mapping[str, bool], last: bool = False) -> list[str]:
 
 def with_sections(model: type[C], names: Iterable[str], judges: bool = False) -> type[C]:
     """A section with those of these packages; `judges`: with those alone that judges of theirs read."""
+    made: type[C] = _with_sections(model, tuple(names), judges)
+    return made
+
+
+@cache
+def _with_sections(model: Any, names: tuple[str, ...], judges: bool) -> Any:
     packages = present()
     fields: dict[str, Any] = {}
     for name in names:

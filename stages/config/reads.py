@@ -77,7 +77,7 @@ def options_of(config: Config, stage: str, verb: str, wildcards: dict[str, str])
         return stores(config)[wildcards["store"]].stored()
     section, reads = section_of(config, stage, wildcards), READS[stage, verb]
     if beside := {name: getattr(config, name).model_dump() for name in _sections(reads, section)}:  # of other packages
-        section = reads.model_validate(section.model_dump() | beside)
+        section = reads.model_construct(**dict(section), **beside)
     kept = section.model_dump(mode="json", include=set(reads.model_fields) - section.unread())
     if "own" in kept:
         kinds = [field for field in reads.model_fields if kind_of(reads, field)]

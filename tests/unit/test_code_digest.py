@@ -9,6 +9,7 @@ import pytest
 from stages.config import code
 
 ROOT = Path(__file__).parents[2] / "stages"
+PLUGINS = ROOT.with_name("plugins")
 DATA = sorted(path.relative_to(ROOT) for path in (ROOT / "tables").rglob("*") if path.suffix in code.DATA_SUFFIXES)
 
 
@@ -17,8 +18,10 @@ def copied(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """A copy of the package that the digest looks at instead of this one."""
     folder = tmp_path_factory.mktemp("code") / "stages"
     shutil.copytree(ROOT, folder, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(PLUGINS, folder.with_name("plugins"), ignore=shutil.ignore_patterns("__pycache__", "tests"))
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(code.ROOTS, "stages", folder)
+        patch.setitem(code.ROOTS, "plugins", folder.with_name("plugins"))
         code.forget()
         yield folder
     code.forget()
@@ -61,7 +64,7 @@ def test_other_data_beside_a_module_counts(copied: Path, suffix: str) -> None:
 
 def test_a_package_that_imports_all_its_modules_needs_them_and_those_to_come(copied: Path) -> None:
     before = {verb: digest(verb) for verb in ("plugins.furniture.library", "stages.extraction.extract")}
-    new = copied / "procedural/categories/plinths.py"
+    new = copied.with_name("plugins") / "furniture/categories/plinths.py"
     new.write_text('"""Plinths."""\n')
     try:
         assert digest("plugins.furniture.library") != before["plugins.furniture.library"]

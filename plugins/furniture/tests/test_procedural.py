@@ -90,7 +90,7 @@ def test_default_library_is_as_large_as_promised() -> None:
 
 @pytest.mark.parametrize("overlay", ["study/table2", "study/table3", "paper/scenes"])
 def test_the_studys_libraries_are_as_large_as_promised(overlay: str) -> None:
-    study = yaml.safe_load((Path(__file__).parents[2] / f"config/{overlay}.yaml").read_text())
+    study = yaml.safe_load((Path(__file__).parents[3] / f"config/{overlay}.yaml").read_text())
     counts = COUNTS | study["assets"]["counts"]
     assert all(count >= (CATEGORIES[name].further or [COUNTS[name]])[0] for name, count in counts.items())
     assert sum(counts.values()) >= 600

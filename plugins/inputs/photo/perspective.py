@@ -6,8 +6,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import least_squares
 
-from plugins.studio.metrology import View, rotation_of
-from plugins.studio.project import Guide, Perspective, Pixel
+from plugins.inputs.photo.guides import Guide, Perspective
+from plugins.inputs.photo.metrology import View, rotation_of
+from stages.contracts.types import Pixel
 
 Points = NDArray[np.float64]
 PIN = 0.3  # pixels by which what was fixed by hand may be off; of lines, one

@@ -19,6 +19,7 @@ from plugins.inputs.photo.picture import Photo
 from plugins.inputs.rgbd.frame import Frame, Labelled
 from plugins.vlm.ask import Asker, NoAnswerError
 from plugins.vlm.boxed import boxed
+from plugins.vlm.config import VlmConfig
 from plugins.vlm.tests.chat_server import KEY, ChatServer, says, serving
 from stages.contracts import InputError, Objects, read_json
 from stages.contracts.images import colour_of
@@ -236,7 +237,7 @@ def test_a_language_model_says_what_hangs_and_where(
 def test_mountings_that_cannot_be_are_no_answers(how: str, walls: list[int], tmp_path: Path, monkeypatch: Any) -> None:
     monkeypatch.setenv("OPENAI_API_KEY", KEY)
     with serving(hold(how, *walls), key=KEY) as server:
-        asker = Asker(PhotoConfig.model_validate_json(asked(server, tmp_path)).vlm)
+        asker = Asker(VlmConfig.model_validate(PhotoConfig.model_validate_json(asked(server, tmp_path)).vlm))
         with pytest.raises(NoAnswerError):
             captions.ask_mounting(asker, RGB, (10, 10, 50, 50), [RGB[..., 0] > 100], "mug", "a mug")
 

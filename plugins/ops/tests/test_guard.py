@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from plugins.ops.guard import descendants, hold_folder, makes_files
-from plugins.ops.lock import LOCK, WORKFLOW, Holder, start_time
+from plugins.ops.lock import LOCK, WORKFLOW, Holder, start_time, stop_if_taken_over
 from stages.contracts import atomic
 from tests.refusals import refused
 
@@ -93,6 +93,7 @@ def test_what_a_job_has_begun_is_not_written_once_another_workflow_has_its_folde
 ) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv(WORKFLOW, FAR.text)
+    monkeypatch.setattr("stages.contracts.files.BEFORE_WRITING", [stop_if_taken_over])
     LOCK.parent.mkdir()
     LOCK.write_text(FAR.text)
     with atomic(Path("a.txt")) as first, atomic(Path("a.txt")) as second:

@@ -14,11 +14,12 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image, PngImagePlugin
 
+from plugins.inputs.photo.guides import Guide, Perspective
 from plugins.inputs.photo.perspective import fit_view, weak
 from plugins.inputs.photo.picture import LONGEST_SIDE, read_photo
 from plugins.studio import annotate
 from plugins.studio.paint import paint
-from plugins.studio.project import PROJECT, DrawnObject, DrawnWall, Guide, Perspective, Project, Scale
+from plugins.studio.project import PROJECT, DrawnObject, DrawnWall, Project, Scale
 from plugins.studio.server import PageServer
 from plugins.studio.session import Session, described
 from plugins.studio.solve import solve

@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from plugins.inputs.photo.perspective import fit_view, horizon, vanishing_point
-from plugins.inputs.photo.segments import propose, usual_focal
-from plugins.studio.metrology import (
+from plugins.inputs.photo.guides import Guide, Perspective
+from plugins.inputs.photo.metrology import (
     MetrologyError,
     View,
     depth_by_pixel,
@@ -21,12 +20,14 @@ from plugins.studio.metrology import (
     standing_box,
     wall_plane,
 )
-from plugins.studio.project import DrawnObject, DrawnWall, Guide, Perspective, Project, Scale
+from plugins.inputs.photo.perspective import fit_view, horizon, vanishing_point
+from plugins.inputs.photo.segments import propose, usual_focal
+from plugins.studio.project import DrawnObject, DrawnWall, Project, Scale
 from plugins.studio.solve import solve
 from plugins.studio.support import support_at
 from stages.geometry.boxes import UprightBox, corners, oriented_iou
 
-ROOM = Path(__file__).parents[1] / "data" / "photographed_room"  # room_1 of the default run, as JPEG, and its truth
+ROOM = Path(__file__).parents[3] / "tests/data/photographed_room"  # room_1 of the default run, as JPEG, and its truth
 YAW, PITCH, ROLL = np.deg2rad([12.0, -15.0, 1.5])
 VIEW = View(800, 600, 640.0, rotation_of(YAW, PITCH, ROLL), 1.6)
 NOTHING = (None, None, None)

@@ -15,6 +15,7 @@ from plugins.vlm.tests.test_vlm_key import WAYS, places
 from stages.config.model import read_files
 from stages.contracts import InputError
 from stages.contracts.cousins import ObjectCousins
+from stages.plugins import short
 from tests.refusals import refused
 from tests.unit.matching_data import SIZE, World
 from tests.workflow.workspace import ROOT
@@ -164,9 +165,10 @@ def test_nothing_of_ours_counts_in_the_rows_of_the_paper() -> None:
 
 def test_the_overlay_of_the_paper_has_its_variants() -> None:
     loaded = read_files([ROOT / "config/paper" / name for name in ("scenes.yaml", "judged.yaml")])
+    variants = {name: loaded.matching_of(name) for name in "abcd"}
     judges = {
-        name: (loaded.matching_of(name).model_selection, loaded.matching_of(name).orientation_selection)
-        for name in "abcd"
+        name: (short(options.model_selection), short(options.orientation_selection))
+        for name, options in variants.items()
     }
     near, again, model = "distance", "rerender", "vlm"
     assert judges == {"a": (near, model), "b": (near, again), "c": (model, model), "d": (model, again)}
