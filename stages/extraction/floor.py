@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from stages.config.extraction import ExtractionConfig
 from stages.contracts import InputError
-from stages.contracts.doubts import height_doubt
+from stages.contracts.doubts import doubt_height
 from stages.extraction import room
 from stages.extraction.observation import AnnotatedImage
 from stages.geometry.planes import Plane
@@ -54,7 +54,7 @@ def frame_of(
                 "the level plane that most objects stand on" if image.annotations.objects else "the lowest level plane"
             )
             print(f"no mask of the floor: taken to be {what}, {frame[2, 3]:.2f} m below the camera")
-    if doubt := height_doubt(float(frame[2, 3])):
+    if doubt := doubt_height(float(frame[2, 3])):
         print(doubt)
     return frame
 

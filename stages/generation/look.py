@@ -47,13 +47,13 @@ class Seen:
     open_above: bool
 
 
-def grid_of(objects: Objects) -> tuple[int, Array]:
+def find_grid(objects: Objects) -> tuple[int, Array]:
     """Step of the grid in pixels, and the intrinsics (3, 3) of the picture that has every such pixel alone."""
     step = max(1, round(objects.width / GRID))
     return step, np.diag([1 / step, 1 / step, 1.0]) @ np.array(objects.intrinsics)
 
 
-def surfaces_seen(
+def find_surfaces(
     rgb: NDArray[np.uint8], masks: NDArray[np.uint16], depth: NDArray[np.float32] | None, objects: Objects
 ) -> dict[str, Seen]:
     """Where floor and walls are seen: pixels of no object whose ray meets the plane first, at about their depth.
@@ -64,7 +64,7 @@ def surfaces_seen(
         depth: metres along the optical axis (H, W), 0: unknown; None: the nearest plane is taken to be seen.
         objects: camera, floor frame and walls.
     """
-    step, intrinsics = grid_of(objects)
+    step, intrinsics = find_grid(objects)
     rgb, free = rgb[::step, ::step], masks[::step, ::step] == 0
     world_from_camera = np.array(objects.floor_from_camera)
     camera = world_from_camera[:3, 3]
@@ -92,7 +92,7 @@ def _distance(rays: Array, camera: Array, normal: Array, offset: float) -> Array
     return np.where((falling > 1e-6) & (height > 0), height / np.maximum(falling, 1e-6), np.inf)
 
 
-def reach(name: str, seen: Seen) -> tuple[tuple[float, float], tuple[float, float]]:
+def find_bounds(name: str, seen: Seen) -> tuple[tuple[float, float], tuple[float, float]]:
     """Bounds of a surface from what is seen of it: x and y of the floor; along the tangent of a wall, and in height."""
     tangent = np.array([-seen.normal[1], seen.normal[0], 0.0])
     along = seen.points[:, :2] if name == "floor" else np.column_stack([seen.points @ tangent, seen.points[:, 2]])
@@ -103,7 +103,7 @@ def reach(name: str, seen: Seen) -> tuple[tuple[float, float], tuple[float, floa
     return (a, b), (c, d)
 
 
-def light_of(seen: Mapping[str, Seen], furniture: Trimesh) -> tuple[Array, float]:
+def estimate_light(seen: Mapping[str, Seen], furniture: Trimesh) -> tuple[Array, float]:
     """Unit direction in which the light shines, and how well its shadows agree with the picture.
 
     Of all directions that come through no wall, the one for which the places that the furniture keeps from the light
@@ -133,16 +133,16 @@ def light_of(seen: Mapping[str, Seen], furniture: Trimesh) -> tuple[Array, float
         return float(s @ d / max(np.sqrt((s @ s) * (d @ d)), 1e-9))
 
     def best(angles: list[tuple[float, float]]) -> tuple[float, float, float]:
-        return max((agreement(direction_of(*each)), *each) for each in angles)
+        return max((agreement(to_direction(*each)), *each) for each in angles)
 
     _, azimuth, elevation = best(list(product(AZIMUTHS, ELEVATIONS)))
     half_a, half_e = ((grid[1] - grid[0]) / 2 for grid in (AZIMUTHS, ELEVATIONS))
     finer = product((-half_a, 0, half_a), (-half_e, 0, half_e))
     found, *angles = best([(azimuth + a, elevation + b) for a, b in finer])
-    return direction_of(*angles), found
+    return to_direction(*angles), found
 
 
-def direction_of(azimuth: float, elevation: float) -> Array:
+def to_direction(azimuth: float, elevation: float) -> Array:
     """Unit direction of light that shines towards an azimuth from so far above the horizon."""
     return np.array([np.cos(azimuth) * np.cos(elevation), np.sin(azimuth) * np.cos(elevation), -np.sin(elevation)])
 

@@ -38,7 +38,9 @@ def _wedges(inner: list[tuple[float, float]], count: int = 12) -> list[trimesh.T
     """Convex pieces of the wall between the profile and the one inside it."""
     angles = 2 * np.pi * np.arange(count + 1) / count
     return [
-        trimesh.convex.convex_hull([(r * np.cos(t), r * np.sin(t), z) for t in turn for r, z in (*outside, *inside)])
+        trimesh.convex.convex_hull(
+            np.array([(r * np.cos(t), r * np.sin(t), z) for t in turn for r, z in (*outside, *inside)])
+        )
         for outside, inside in zip(pairwise(PROFILE), pairwise(inner), strict=True)
         for turn in pairwise(angles)
     ]
