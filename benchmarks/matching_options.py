@@ -108,7 +108,7 @@ class Thing:
         return mixed
 
     def match(self, library: Library, options: MatchingConfig) -> Row:
-        """As `rank_cousins` by distance."""
+        """As `decide_cousins` by distance."""
         candidates = find_candidates(self.item, library, TEXT, options)
         assets = [entry.id for entry in candidates.assets]
         seen = np.sort(self.looks(assets, compared_views(self.store, options), options.symmetric), axis=1)
