@@ -3,8 +3,7 @@
 import re
 from pathlib import Path
 
-from stages.contracts import doubt
-from stages.contracts.doubt import KINDS, MEND, DoubtKind
+from stages.contracts.doubt import MEND, DoubtKind
 
 HEAD = """\
 ## Doubts
@@ -22,13 +21,10 @@ def section(root: Path) -> str:
     texts = {
         path.relative_to(root).as_posix(): path.read_text(encoding="utf-8") for path in (root / "stages").rglob("*.py")
     }
-    names = {id(value): name for name, value in vars(doubt).items() if isinstance(value, DoubtKind)}
     rows = []
-    for kind in sorted(KINDS, key=lambda one: list(MEND).index(one.cause)):
+    for kind in sorted(DoubtKind, key=lambda one: list(MEND).index(one.cause)):
         said = re.sub(r":\.\d+f", "", kind.text)
-        files = ", ".join(
-            sorted(file for file, text in texts.items() if re.search(rf"\b{names[id(kind)]}\.of\(", text))
-        )
+        files = ", ".join(sorted(file for file, text in texts.items() if re.search(rf"\b{kind.name}\.of\(", text)))
         cells = (kind.code, f"{kind.cause}: {said}", kind.compared, _limit(kind), kind.source, files)
         rows.append(f"| {' | '.join(cells)} |")
     mends = [f"* {cause}: {mend}." for cause, mend in MEND.items()]

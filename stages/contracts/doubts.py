@@ -7,16 +7,15 @@ that are far off are doubted, and 22 of 90 that are right.
 from collections.abc import Collection
 from typing import NamedTuple
 
-from stages.contracts import doubt as kinds
 from stages.contracts.cousins import ObjectCousins
-from stages.contracts.doubt import MEND, Cause, Doubt, sort_by_gravity
+from stages.contracts.doubt import MEND, Cause, Doubt, DoubtKind, sort_by_gravity
 from stages.contracts.generated import PlacedObject
 from stages.contracts.objects import Mounting, Objects, SceneObject
 
 MOUNTING = {1: "hangs on a wall", 2: "stands free", 3: "stands and touches a wall"}
-CLOSE = 0.05  # share by which a second model is farther than the first
+AS_NEAR = 0.05  # share by which a second model is farther than the first
 ANOTHER_SIZE = 0.3  # share by which an extent differs from the cloud's
-LOWEST, HIGHEST = kinds.CAMERA_HEIGHT.bounds
+LOWEST, HIGHEST = DoubtKind.CAMERA_HEIGHT.bounds
 # What makes a camera seem higher, or lower, than it is, and by what its height is to be multiplied then.
 TOO_HIGH = {"depth in feet": 0.3048, "intrinsics of half the picture's size": 0.5, "depth in decimetres": 0.1}
 TOO_LOW = {"depth in centimetres, taken for millimetres": 10.0, "intrinsics of twice the picture's size": 2.0}
@@ -75,22 +74,22 @@ def collect_doubts(
     """What may be wrong with an object and a person can mend, gravest first; not what a person says."""
     found = list(entry.doubts)
     if item.note:
-        found.append(kinds.MOUNTING_UNCLEAR.of(note=item.note))
+        found.append(DoubtKind.MOUNTING_UNCLEAR.of(note=item.note))
     if item.measured_mounting is not None and "mounting" not in item.told and not mountings_agree(item):
-        found.append(kinds.MOUNTING_DIFFERS.of(found=describe_mounting(item.measured_mounting)))
+        found.append(DoubtKind.MOUNTING_DIFFERS.of(found=describe_mounting(item.measured_mounting)))
     if "size" not in item.told:
-        if item.points < kinds.FEW_POINTS.threshold:
-            found.append(kinds.FEW_POINTS.of(points=item.points))
+        if item.points < DoubtKind.FEW_POINTS.threshold:
+            found.append(DoubtKind.FEW_POINTS.of(points=item.points))
         if _is_cut(item, objects):
-            found.append(kinds.CUT_OFF.of())
+            found.append(DoubtKind.CUT_OFF.of())
     if placed is None:
         differs = entry.cousins[0].differs if entry.cousins else ""
-        return sort_by_gravity(found + ([kinds.OPENINGS.of(what=differs)] if differs else []))
+        return sort_by_gravity(found + ([DoubtKind.OPENINGS.of(what=differs)] if differs else []))
     found += placed.doubts
-    if placed.moved > kinds.PUSHED.threshold:
-        found.append(kinds.PUSHED.of(distance=100 * placed.moved))
-    if placed.settled_shift is not None and placed.settled_shift > kinds.SHIFTED.threshold:
-        found.append(kinds.SHIFTED.of(distance=100 * placed.settled_shift))
+    if placed.moved > DoubtKind.PUSHED.threshold:
+        found.append(DoubtKind.PUSHED.of(distance=100 * placed.moved))
+    if placed.settled_shift is not None and placed.settled_shift > DoubtKind.SHIFTED.threshold:
+        found.append(DoubtKind.SHIFTED.of(distance=100 * placed.settled_shift))
     return sort_by_gravity(found)
 
 
@@ -99,7 +98,7 @@ def collect_notes(entry: ObjectCousins, item: SceneObject, placed: PlacedObject 
     found = [entry.note] if entry.note else []
     chosen = placed is not None and placed.chosen
     first, *others = entry.cousins
-    if not chosen and others and first.distance > 0 and others[0].distance < (1 + CLOSE) * first.distance:
+    if not chosen and others and first.distance > 0 and others[0].distance < (1 + AS_NEAR) * first.distance:
         found.append(f"a second model is as near: {others[0].asset.replace('_', ' ')}")
     if placed is not None and placed.status == "ok" and item.box is not None and "size" not in item.told:
         ours, clouds = sorted(placed.size[:2]), sorted(item.box.size[:2])

@@ -10,14 +10,14 @@ from numpy.typing import ArrayLike
 from stages.config.generation import GenerationConfig
 from stages.contracts import Asset, InputError
 from stages.contracts.cousins import Cousin
-from stages.contracts.doubt import STRETCHED
+from stages.contracts.doubt import DoubtKind
 from stages.generation.inputs import Inputs, MatchedObject
 from stages.generation.models import resize
 from stages.generation.placed import Placed
 from stages.generation.placing import place
 from stages.geometry.boxes import UprightBox
 
-AS_NEAR = 0.05  # of distances of labels: a lamp is a table lamp (0.14) or a floor lamp (0.15)
+SAME_MEANING = 0.05  # of distances of labels: a lamp is a table lamp (0.14) or a floor lamp (0.15)
 
 
 def choose_models(inputs: Inputs, rank: int, options: GenerationConfig) -> tuple[list[Placed], dict[str, str]]:
@@ -70,7 +70,10 @@ def take_stated(asset: str, one: MatchedObject, place: Callable[[Cousin], Placed
 
 def find_synonyms(distances: Mapping[str, float], category: str) -> set[str]:
     """The categories that a label means as much as one of them, which it is among; `distances`: of the label."""
-    return {category, *(name for name, far in distances.items() if far <= distances.get(category, -np.inf) + AS_NEAR)}
+    return {
+        category,
+        *(name for name, far in distances.items() if far <= distances.get(category, -np.inf) + SAME_MEANING),
+    }
 
 
 def choose_by_rank(placed: Iterable[Placed], rank: int, limit: float | None, categories: Collection[str]) -> Placed:
@@ -103,7 +106,7 @@ def choose_by_rank(placed: Iterable[Placed], rank: int, limit: float | None, cat
     if not alike:
         least = min(passed, key=lambda one: one[0])
         passed.remove(least)
-        alike = [replace(least[1], doubts=(*least[1].doubts, STRETCHED.of(times=least[0])))]
+        alike = [replace(least[1], doubts=(*least[1].doubts, DoubtKind.STRETCHED.of(times=least[0])))]
     fitting = alike + akin
     one = fitting[min(rank, len(fitting)) - 1]
     steps: tuple[str, ...] = ()

@@ -19,16 +19,15 @@ from stages.simulation.backdrop import WALL_HEIGHT
 
 Array = NDArray[np.float64]
 Pixels = NDArray[np.int64]
-GRID = 200  # the picture is looked at on a grid of so many columns, or its own
+GRID_COLUMNS = 200  # the picture is looked at on a grid of so many columns, or its own
 OFF_SURFACE = 0.05  # metres, at 0 m and more for each: how far the depth of a pixel may miss its surface
 STRAY = 0.002  # share of a surface's pixels beyond its bounds
 BEYOND_BORDER = 0.3  # metres that a surface goes on at the picture's border
-FEWEST = 50  # pixels that make a surface
+FEWEST_PIXELS = 50  # pixels that make a surface
 FARTHEST_SEEN = 30.0  # metres from the camera
-BORDER = 2  # grid cells
 AZIMUTHS, ELEVATIONS = np.radians(np.arange(0, 360, 15)), np.radians(np.arange(25, 76, 10))  # of light; then half steps
 CASTING = 3000  # pixels of which shadows are asked
-DARKEST = 0.5  # of the logarithm of brightness, more counts no more
+DARKEST_LOG = 0.5  # of the logarithm of brightness, more counts no more
 LEAST_CORRELATION = 0.25  # below it the picture shows no shadows to go by
 
 
@@ -49,7 +48,7 @@ class Seen:
 
 def find_grid(objects: Objects) -> tuple[int, Array]:
     """Step of the grid in pixels, and the intrinsics (3, 3) of the picture that has every such pixel alone."""
-    step = max(1, round(objects.width / GRID))
+    step = max(1, round(objects.width / GRID_COLUMNS))
     return step, np.diag([1 / step, 1 / step, 1.0]) @ np.array(objects.intrinsics)
 
 
@@ -80,9 +79,9 @@ def find_surfaces(
     found = {}
     for index, (name, normal, _) in enumerate(planes):
         rows, columns = np.nonzero(free & (first == index))
-        if len(rows) >= FEWEST:
+        if len(rows) >= FEWEST_PIXELS:
             points = camera + rays[rows, columns] * nearest[rows, columns, None]
-            found[name] = Seen(normal, rows, columns, points, rgb[rows, columns] / 255.0, bool(rows.min() < BORDER))
+            found[name] = Seen(normal, rows, columns, points, rgb[rows, columns] / 255.0, bool(rows.min() < 2))
     return found
 
 
@@ -118,7 +117,7 @@ def estimate_light(seen: Mapping[str, Seen], furniture: Trimesh) -> tuple[Array,
         some = np.linspace(0, len(one.points) - 1, max(2, round(share * len(one.points)))).astype(int)
         brightness = np.log(one.rgb[some].mean(axis=1) + 0.02)
         origins.append(one.points[some] + 0.01 * one.normal)
-        dark.append(np.clip(np.median(brightness) - brightness, -DARKEST, DARKEST))
+        dark.append(np.clip(np.median(brightness) - brightness, -DARKEST_LOG, DARKEST_LOG))
     walls = [one.normal for name, one in seen.items() if name != "floor"]
 
     def agreement(direction: Array) -> float:

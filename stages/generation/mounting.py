@@ -10,7 +10,7 @@ from stages.config.generation import GenerationConfig
 from stages.contracts.objects import Wall
 from stages.generation.placed import Placed
 from stages.generation.sizing import DEEP
-from stages.generation.turning import ALONG
+from stages.generation.turning import ALONG_SIDE
 from stages.geometry.boxes import UprightBox, corners, depth_behind, volume
 from stages.geometry.estimate import Sight, correct_depth
 from stages.geometry.frames import yaw_matrix
@@ -63,7 +63,7 @@ def extend_to_wall(box: UprightBox, wall: Wall, min_extent: float) -> UprightBox
     normal = np.asarray(wall.normal, dtype=float)
     along = normal @ yaw_matrix(box.yaw)
     axis = int(np.argmax(np.abs(along[:2])))
-    if abs(along[axis]) < np.cos(ALONG):
+    if abs(along[axis]) < np.cos(ALONG_SIDE):
         return box
     size = box.size.copy()
     edges = size[1 - axis] * abs(along[1 - axis])  # how much farther than its middle the turned faces reach, both

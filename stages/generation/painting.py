@@ -19,9 +19,6 @@ from stages.geometry.boxes import corners
 from stages.simulation.backdrop import BEYOND, add_backdrop
 from stages.simulation.rendering import RenderCamera, instance_id, make_scene
 
-FITS = 2  # renderings, each with colours mended by the one before
-DARKEST = 0.02  # base colour
-
 
 def furnish(made: GeneratedScene, items: list[Placed], look: Look) -> sapien.Scene:
     """The scene in its look, to be rendered: floor, walls, furniture, and a light whose shadows reach all of it."""
@@ -60,7 +57,7 @@ def estimate_look(
         surfaces=surfaces,
     )
     scene = furnish(made, items, look)
-    for _ in range(FITS):
+    for _ in range(2):  # each mends the colours of the one before
         look.surfaces = _adjust_colours(scene, look.surfaces, seen, objects)
     return look
 
@@ -83,7 +80,7 @@ def _adjust_colours(
             wanted = np.median(seen[surface.id].rgb[both], axis=0)
             drawn = np.median(picture.rgb[rows[both], columns[both]] / 255.0, axis=0)
             colour = np.array(surface.colour) * (wanted / np.maximum(drawn, 0.01)) ** GAMMA
-            r, g, b = np.clip(colour, DARKEST, 1.0).round(4).tolist()
+            r, g, b = np.clip(colour, 0.02, 1.0).round(4).tolist()
             surface = surface.model_copy(update={"colour": (r, g, b)})
             material = block.find_component_by_type(sapien.render.RenderBodyComponent).render_shapes[0].material
             material.base_color = [r, g, b, 1.0]

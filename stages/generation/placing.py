@@ -7,7 +7,7 @@ import numpy as np
 from stages.config.generation import GenerationConfig
 from stages.contracts import Asset, read_json
 from stages.contracts.cousins import Cousin
-from stages.contracts.doubt import OPENINGS
+from stages.contracts.doubt import DoubtKind
 from stages.contracts.objects import DepthError, Mounting
 from stages.generation.inputs import Inputs, MatchedObject
 from stages.generation.mounting import CONTACT, fit_stated_box, mount, move_out_of_walls
@@ -42,7 +42,7 @@ def place(one: MatchedObject, cousin: Cousin, inputs: Inputs, options: Generatio
     support = item.measured_support or FLOOR
     placed = Placed(item.id, item.label, asset, folder, box, mounting, support, cousin=rank)
     if cousin.differs:
-        placed = replace(placed, doubts=(OPENINGS.of(what=cousin.differs),))
+        placed = replace(placed, doubts=(DoubtKind.OPENINGS.of(what=cousin.differs),))
     yaw = find_yaw(cousin, box, one.cloud, camera, touched, asset.articulated, options)
     if item.whole:
         placed = placed.changed("as the input tells it", fit_stated_box(box, yaw, reached, options.min_extent))

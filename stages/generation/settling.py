@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 from stages.articulated.asset_folder import write_asset
 from stages.config.generation import GenerationConfig
 from stages.contracts import Objects
-from stages.contracts.doubt import BEHIND_WALL
+from stages.contracts.doubt import DoubtKind
 from stages.contracts.generated import Plausibility
 from stages.contracts.objects import Wall
 from stages.generation.placed import UNNAMED, Placed
@@ -116,7 +116,7 @@ def find_behind(items: Sequence[Placed], walls: Sequence[Wall]) -> list[str]:
         item.id
         for item in items
         if any(
-            depth_behind(item.box, wall.normal, wall.offset) > BEHIND_WALL.threshold
+            depth_behind(item.box, wall.normal, wall.offset) > DoubtKind.BEHIND_WALL.threshold
             and not is_behind(item.box, wall.normal, wall.offset)
             for wall in walls
         )

@@ -15,7 +15,7 @@ from stages.geometry.boxes import UprightBox
 from stages.geometry.estimate import BIN, Sight, correct_depth
 from stages.geometry.frames import wrap_angle, yaw_matrix
 
-FRONT = 0.3  # least share of its outline that a front fills
+FRONT_SHARE = 0.3  # least share of its outline that a front fills
 MEASURED, DEEP = "measured along the model's axes", "as deep as it can be"  # names of steps
 
 
@@ -107,6 +107,6 @@ def measure_beyond_front(meshes: Sequence[Trimesh]) -> float:
     half = (high[0] - low[0]) / 2
     counts, edges = np.histogram(depths, max(1, round(half / BIN)), (0, half), weights=areas)
     peak = int(np.argmax(counts))
-    if counts[peak] < FRONT * np.prod((high - low)[1:]):
+    if counts[peak] < FRONT_SHARE * np.prod((high - low)[1:]):
         return 0.0
     return float(np.average(depths, weights=areas * (depths >= edges[peak]) * (depths <= edges[peak + 1])))

@@ -13,7 +13,7 @@ from stages.geometry.boxes import footprint
 LEVEL = 0.01  # metres: tops that differ by less are one surface
 EVEN = 0.001  # metres below the highest of them, at which a piece still carries: a door's upper edge does not
 HOLDS = 0.5  # of half the width of what it is to carry: a narrower surface (a back, a rail) carries nothing
-GRID = 1e-6  # metres to which outlines are cut and joined: overlays of floating point numbers may fail
+OVERLAY_GRID = 1e-6  # metres to which outlines are cut and joined: overlays of floating point numbers may fail
 STEADY = 0.1  # of the width of what stands near an edge: the least distance of its centre from that edge
 
 
@@ -49,7 +49,8 @@ def find_surface(item: Placed, lower: Placed) -> SupportSurface:
         highest = join([Polygon(piece.outline) for piece in topmost if piece.high > height - EVEN])
         surface, carries, taller = subtract(level, taller), subtract(highest, taller), join([taller, level])
         if not surface.buffer(-reach).is_empty:
-            area = surface if carries.is_empty else keep_polygons(surface.intersection(carries.convex_hull, GRID))
+            within = surface.intersection(carries.convex_hull, OVERLAY_GRID)
+            area = surface if carries.is_empty else keep_polygons(within)
             found[surface.intersection(under).area, -surface.distance(under), height] = area
     if not found:
         return SupportSurface(lower.top, footprint(lower.box))
@@ -66,12 +67,12 @@ def measure_shorter_side(area: BaseGeometry) -> float:
 
 def join(areas: list[BaseGeometry]) -> MultiPolygon:
     """The union of areas."""
-    return keep_polygons(shapely.union_all(areas, GRID))
+    return keep_polygons(shapely.union_all(areas, OVERLAY_GRID))
 
 
 def subtract(area: BaseGeometry, other: BaseGeometry) -> MultiPolygon:
     """An area less another."""
-    return keep_polygons(area.difference(other, GRID))
+    return keep_polygons(area.difference(other, OVERLAY_GRID))
 
 
 def keep_polygons(geometry: BaseGeometry) -> MultiPolygon:

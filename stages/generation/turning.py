@@ -14,7 +14,7 @@ from stages.geometry.estimate import SPREAD
 from stages.geometry.frames import SYMMETRY_PERIOD, wrap_angle
 from stages.geometry.viewing import view_yaw
 
-ALONG = np.deg2rad(15)  # what is turned less than this against a side runs along it
+ALONG_SIDE = np.deg2rad(15)  # what is turned less than this against a side runs along it
 QUARTER = SYMMETRY_PERIOD["quarter_turn"]
 
 
@@ -89,4 +89,4 @@ def measure_rectangularity(cloud: NDArray[np.floating], yaw: float) -> float:
     if not lengths.sum():
         return 0.0
     turns = np.abs([wrap_angle(angle - yaw, QUARTER) for angle in np.arctan2(sides[:, 1], sides[:, 0])])
-    return float(lengths[turns <= ALONG].sum() / lengths.sum())
+    return float(lengths[turns <= ALONG_SIDE].sum() / lengths.sum())

@@ -5,7 +5,8 @@ import numpy as np
 from stages.contracts.cousins import Cousin, ObjectCousins
 from stages.contracts.objects import SceneObject
 
-HEIGHT = 0.07  # logarithm: alike things' heights differ by less; widths and depths of what is half hidden by anything
+# Logarithm: heights of alike things differ by less; widths and depths of what is half hidden differ by anything.
+SAME_HEIGHT = 0.07
 
 
 def agree_on_order(entries: list[ObjectCousins], items: list[SceneObject]) -> list[ObjectCousins]:
@@ -48,7 +49,7 @@ def group_alike(items: list[SceneObject]) -> list[list[int]]:
 def _is_alike(one: SceneObject, other: SceneObject) -> bool:
     if one.box is None or other.box is None or _stated(one) != _stated(other):
         return False
-    return bool(abs(np.log(one.box.size[2] / other.box.size[2])) < HEIGHT)
+    return bool(abs(np.log(one.box.size[2] / other.box.size[2])) < SAME_HEIGHT)
 
 
 def _stated(item: SceneObject) -> tuple[str, int, int, bool]:

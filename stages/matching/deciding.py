@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from stages.config.matching import MatchingConfig
 from stages.contracts.cousins import Candidate, Cousin, ObjectCousins, Orientation
-from stages.contracts.doubt import LABEL
+from stages.contracts.doubt import DoubtKind
 from stages.contracts.objects import SceneObject
 from stages.matching.candidates import Candidates
 from stages.matching.judges import Judges
@@ -59,7 +59,7 @@ def decide_cousins(
     return ObjectCousins(
         id=item.id,
         label=item.label,
-        doubts=[LABEL.of(what=candidates.doubt)] if candidates.doubt else [],
+        doubts=[DoubtKind.LABEL.of(what=candidates.doubt)] if candidates.doubt else [],
         note="; ".join(notes),
         categories=candidates.categories,
         by_votes=by_votes,

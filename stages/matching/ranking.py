@@ -20,7 +20,7 @@ from stages.matching.voting import Pick, embedding_distance, vote
 
 Models = tuple[list[Candidate], list[Candidate]]  # by votes, by distance
 Orientations = tuple[list[Orientation], list[Orientation]]  # likewise
-WHOLE = 0.1  # distance of the median candidate's views as a whole, in a shortlist: that of patches is about as large
+MEDIAN_DISTANCE = 0.1  # of a shortlist's median candidate by its views as a whole: that by patches is about as large
 
 
 class Query(NamedTuple):
@@ -129,7 +129,7 @@ def shortlist(
         len(assets),
         False,
     )
-    apart = WHOLE * squared[0] / max(float(np.median(squared[0])), 1e-9)
+    apart = MEDIAN_DISTANCE * squared[0] / max(float(np.median(squared[0])), 1e-9)
     apart += [sum(more.values()) for more in list_addends(item, candidates, options)]
     nearest = np.sort(np.argsort(apart, kind="stable")[: options.shortlist])
     return candidates._replace(assets=[assets[number] for number in nearest])

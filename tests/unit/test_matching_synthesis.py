@@ -26,7 +26,7 @@ from stages.geometry.estimate import Sight
 from stages.geometry.frames import rigid, wrap_angle, yaw_matrix
 from stages.matching.crop import View
 from stages.matching.judges import AbstainedError, Question
-from stages.matching.judges.geometry import FITS
+from stages.matching.judges.geometry import LEAST_FIT
 from stages.matching.judges.geometry import Judge as Geometry
 from stages.matching.judges.rerender import Judge as Rerender
 from stages.matching.snapshots import Snapshots
@@ -206,7 +206,7 @@ def test_whether_it_fits_is_asked_of_what_would_come_first(library: Path) -> Non
     ]
     ranked = judge.models(question(library, 0.3), [], given)
     lines = {one.asset: one.terms["lines"] for one in ranked}
-    assert lines["stack"] < FITS < lines["two"]
+    assert lines["stack"] < LEAST_FIT < lines["two"]
     assert [(one.asset, one.score) for one in ranked] == [("stack", 0.0), ("two", -2.0)]
 
 

@@ -12,7 +12,7 @@ from stages.matching.colours import COLOUR_COLUMNS, colour_weights, patch_colour
 from stages.matching.crop import View
 from stages.plugins import load
 
-COLUMNS = ["features", "position", "colour"]  # of a stored row
+STORED_COLUMNS = ["features", "position", "colour"]  # of a stored row
 EXTRA_COLUMNS = 2 + COLOUR_COLUMNS  # columns after the features
 
 
@@ -78,5 +78,5 @@ def whole_weights(weights: NDArray[np.float32]) -> NDArray[np.float32]:
 
 def settings_digest(options: EncoderOptions, encoder: PatchEncoder) -> str:
     """16 hex digits that name the encoder with all that its stored rows depend on."""
-    text = json.dumps([options.encoder, encoder.settings(), COLUMNS], sort_keys=True)
+    text = json.dumps([options.encoder, encoder.settings(), STORED_COLUMNS], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:16]

@@ -15,7 +15,7 @@ from stages.matching.question import DIGITS, Question
 from stages.matching.synthesis.fits import Fit
 from stages.matching.synthesis.workbench import Workbench
 
-FITS = 0.7  # of a perfect score: below it, how models differ in their scores says nothing
+LEAST_FIT = 0.7  # of a perfect score: below it, how models differ in their scores says nothing
 
 
 class Judge:
@@ -36,7 +36,7 @@ class Judge:
         scores = [fit.score(self.weights) for fit in fits]
         knowns = [sum_priors(candidate) for candidate in near]
         first = max(range(len(near)), key=lambda number: scores[number] - knowns[number])
-        trust = scores[first] >= FITS * self.weights.perfect
+        trust = scores[first] >= LEAST_FIT * self.weights.perfect
         judged = [
             candidate.model_copy(
                 update={

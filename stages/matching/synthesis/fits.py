@@ -20,7 +20,7 @@ from stages.matching.synthesis.solid import Solid
 from stages.matching.synthesis.terms import Terms, compare, line_field
 from stages.matching.yaws import aligned_yaws, touched_wall
 
-SAME = np.deg2rad(2)  # ways to stand that differ by less are one
+SAME_YAW = np.deg2rad(2)  # ways to stand that differ by less are one
 
 
 class Fit(NamedTuple):
@@ -90,6 +90,6 @@ def leave_out_equal(yaws: Sequence[float], period: float) -> list[float]:
     """The yaws, but those that equal an earlier one modulo the period (0: all are equal)."""
     kept: list[float] = []
     for yaw in yaws:
-        if not kept or (period and all(abs(wrap_angle(yaw - other, period)) > SAME for other in kept)):
+        if not kept or (period and all(abs(wrap_angle(yaw - other, period)) > SAME_YAW for other in kept)):
             kept.append(yaw)
     return kept

@@ -53,9 +53,9 @@ for row in known_categories().values():
             CANONICAL.setdefault(word.replace(" ", ""), head)
         for kind in row.kin:
             GROUPS.setdefault(kind, set()).add(head)
-LEAST = 0.03  # similarity below this is a few letters by chance
+LEAST_SIMILARITY = 0.03  # similarity below this is a few letters by chance
 KNOWN = set(CANONICAL).union(*GROUPS.values())
-CLOSE = 0.85  # likeness of spelling from which on a word may be a known one with a letter wrong
+LIKE_SPELLING = 0.85  # likeness of spelling from which on a word may be a known one with a letter wrong
 FILLERS = {"set", "top", "unit", "piece", "furniture"}  # after the word that says what a thing is
 ASIDE = re.compile(r"[,(]| (?:with|on|in|under|and) ")  # what follows says more of a thing, not what it is
 SHARES = {
@@ -110,7 +110,7 @@ def understand(label: str, categories: Sequence[str]) -> Understood:
         if CANONICAL.get(last, last) in shared:
             return Understood(tokens, "")
         return Understood([last], f"no category of the library is called '{last}': taken by its kind, picture and size")
-    if near := get_close_matches(last, sorted(known), n=1, cutoff=CLOSE):
+    if near := get_close_matches(last, sorted(known), n=1, cutoff=LIKE_SPELLING):
         return Understood([*tokens[:-1], near[0]], f"the word '{last}' is not known: taken for '{near[0]}'")
     return Understood([], f"the word '{last}' is not known: taken by picture and size alone")
 
@@ -124,7 +124,7 @@ def lexical_distance(label: str, categories: Sequence[str]) -> NDArray[np.float6
     shares = {aspect: _similarity([text[aspect] for text in texts], aspect == "letters") for aspect in SHARES}
     similarity = np.sum([share * shares[aspect] for aspect, share in SHARES.items()], axis=0)
     meant = (shares["word"] + shares["kind"]).any()
-    return np.where(meant & (similarity > LEAST), np.maximum(1 - similarity, 0.0), np.inf)
+    return np.where(meant & (similarity > LEAST_SIMILARITY), np.maximum(1 - similarity, 0.0), np.inf)
 
 
 def _similarity(corpus: list[str], letters: bool) -> NDArray[np.float64]:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from stages.contracts.cousins import Cousins, ObjectCousins
-from stages.contracts.doubt import CAMERA_HEIGHT, Doubt
+from stages.contracts.doubt import Doubt, DoubtKind
 from stages.contracts.doubts import collect_doubts, doubt_height
 from stages.contracts.files import read_json
 from stages.contracts.generated import GeneratedScene, PlacedObject
@@ -61,7 +61,7 @@ class Findings:
     def camera_doubt(self) -> Doubt | None:
         """What is odd about the camera's height; None: nothing."""
         what = doubt_height(self.objects.floor_from_camera[2][3]) if self.objects else ""
-        return CAMERA_HEIGHT.of(what=what) if what else None
+        return DoubtKind.CAMERA_HEIGHT.of(what=what) if what else None
 
     def doubts(self) -> list[tuple[str, Doubt]]:
         """Object, or the camera, and what may be wrong with it."""

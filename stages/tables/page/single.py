@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from stages.contracts.doubt import UNSTABLE
+from stages.contracts.doubt import DoubtKind
 from stages.contracts.doubts import group_doubts
 from stages.contracts.extracted import read_metres
 from stages.contracts.files import read_json
@@ -100,7 +100,7 @@ def doubts(room: RoomPart, made: Reconstruction | None) -> list[Listed]:
     found = [("camera", room.camera_doubt)] if room.camera_doubt else []
     found += [(match.entry.id, doubt) for match in (made.matches if made else []) for doubt in match.doubts]
     scenes = [scene for scene in (made.scenes if made else []) if scene.stable is False]
-    found += [(f"scene of rank {scene.rank}", UNSTABLE.of(what=scene.physics)) for scene in scenes]
+    found += [(f"scene of rank {scene.rank}", DoubtKind.UNSTABLE.of(what=scene.physics)) for scene in scenes]
     objects = {match.entry.id for match in made.matches} if made else set()
     listed = [Listed("Failed", "name or draw it again on the correction page", failed)] if failed else []
     for group in group_doubts(found):
