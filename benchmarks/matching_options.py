@@ -30,8 +30,9 @@ from stages.geometry.frames import angle_difference
 from stages.matching.candidates import find_candidates
 from stages.matching.encoders import make_encoder, settings_digest
 from stages.matching.features import run as features
-from stages.matching.priors import addends
-from stages.matching.ranking import DIGITS, Query, compared_views, make_query, weighted
+from stages.matching.priors import list_addends
+from stages.matching.question import DIGITS
+from stages.matching.ranking import Query, apply_weights, compared_views, make_query
 from stages.matching.scene import Scene
 from stages.matching.search import distance_table
 from stages.matching.store import FeatureStore, Snapshot
@@ -93,7 +94,7 @@ class Thing:
         if new:
             found = distance_table(
                 self.query.patches,
-                lambda number: weighted(self.store.rows(new[number]), self.query.weights),
+                lambda number: apply_weights(self.store.rows(new[number]), self.query.weights),
                 len(new),
                 DEFAULT.search,
                 1,
@@ -107,11 +108,11 @@ class Thing:
         return mixed
 
     def match(self, library: Library, options: MatchingConfig) -> Row:
-        """As `rank_cousins` by distance."""
+        """As `decide_cousins` by distance."""
         candidates = find_candidates(self.item, library, TEXT, options)
         assets = [entry.id for entry in candidates.assets]
         seen = np.sort(self.looks(assets, compared_views(self.store, options), options.symmetric), axis=1)
-        extra = [sum(more.values()) for more in addends(self.item, candidates, options)]
+        extra = [sum(more.values()) for more in list_addends(self.item, candidates, options)]
         distances = seen[:, : options.nearest_views].mean(axis=1).round(DIGITS) + extra
         ranked = [candidates.assets[number] for number in np.argsort(distances.round(DIGITS), kind="stable")]
         turned = self.looks([ranked[0].id], range(len(self.store.yaws)), options.symmetric)[0]

@@ -27,7 +27,7 @@ from stages.contracts.library import LibraryEntry
 from stages.matching.candidates import find_candidates
 from stages.matching.codec import Codec, learn
 from stages.matching.encoders import BESIDE, make_encoder, settings_digest
-from stages.matching.ranking import make_query, rank_models, rank_orientations, shortlisted
+from stages.matching.ranking import make_query, rank_models, rank_orientations
 from stages.matching.scene import Scene
 from stages.matching.store import FeatureStore, Snapshot
 from stages.matching.text_encoders import make_text_encoder
@@ -96,7 +96,7 @@ def rows(run: Path, rooms: list[str], sizes: list[int]) -> Iterator[list[Any]]:
                 for shortlist in (0, 30):
                     setting: Any = options.model_copy(update={"shortlist": shortlist})
                     since = time.process_time()
-                    candidates = shortlisted(query, everything, item, stored, setting)  # type: ignore[arg-type]
+                    candidates = shortlist(query, everything, item, stored, setting)  # type: ignore[arg-type]
                     rank_models(query, candidates, item, stored, setting)  # type: ignore[arg-type]
                     seconds.setdefault(f"{number}{shortlist}", []).append(time.process_time() - since)
             since = time.process_time()

@@ -17,7 +17,7 @@ A command that cannot use what it was given ends with exit code 1 and one line:
     error: where: what is wrong. Fix: how to mend it [CODE]
 
 The words may change from release to release; the code stays. Below, `{name}` stands for a value.
-This page is written from the code by `make reference`.
+What is only [doubted](#doubts) comes last. This page is written from the code by `make reference`.
 """
 
 

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from reference import commands, data, errors, rooms
+from reference import commands, data, doubts, errors, rooms
 
 ARCHITECTURE = """\
 # Architecture
@@ -37,7 +37,7 @@ def generate(root: Path) -> dict[str, str]:
     return {
         "docs/architecture.md": ARCHITECTURE.format(table=rooms.table(root)),
         "docs/commands.md": commands.page(root),
-        "docs/errors.md": errors.page(root),
+        "docs/errors.md": f"{errors.page(root)}\n{doubts.section(root)}",
         "docs/images/data.svg": data.picture(root),
         "docs/images/rooms.svg": rooms.picture(root),
     }

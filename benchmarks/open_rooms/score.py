@@ -17,7 +17,7 @@ from benchmarks.open_rooms import packs, pictures
 from stages.contracts import Cousins, GeneratedScene, Objects, read_json
 from stages.contracts.categories import usual_size
 from stages.contracts.doubt import Doubt
-from stages.contracts.doubts import doubts
+from stages.contracts.doubts import collect_doubts
 from stages.contracts.generated import PlacedObject
 from stages.contracts.library import Asset, HingeSide
 from stages.contracts.library_folder import AssetFolders
@@ -149,7 +149,7 @@ def rows_of(root: Path, folder: Path, masks: str, judge: str, folders: AssetFold
                 yield row
                 continue
             seen = next(one for one in objects.objects if one.id == item.id)
-            said = doubts(cousins[item.id], seen, item, objects)
+            said = collect_doubts(cousins[item.id], seen, item, objects)
             yield Row(**asdict(row) | _measured(truth, thing, item, scene, objects, ids, folders, said))
 
 

@@ -9,7 +9,7 @@ from stages.contracts import GeneratedScene, read_json
 from stages.contracts.library_folder import AssetFolders
 from stages.contracts.look import Look
 from stages.generation import glb
-from stages.generation.scene_file import placed_items
+from stages.generation.scene_file import read_items
 from stages.generation.scene_models import room_of
 
 
@@ -37,6 +37,6 @@ def run(
     with TemporaryDirectory(prefix="acdc-sized-") as cache:
         for path in scenes:
             made = read_json(GeneratedScene, path)
-            items = placed_items(made, folders, Path(cache), path)
+            items = read_items(made, folders, Path(cache), path)
             folder = out / f"rank_{made.rank}"
             writer.write(room_of(made, items, looks), folder / "scene.glb" if format == "glb" else folder)

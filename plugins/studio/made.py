@@ -15,7 +15,7 @@ from stages.contracts import Cousins, GeneratedScene, Library, Objects, read_jso
 from stages.contracts.corrections import Correction
 from stages.contracts.cousins import ObjectCousins
 from stages.contracts.doubt import Doubt
-from stages.contracts.doubts import doubts
+from stages.contracts.doubts import collect_doubts
 from stages.contracts.generated import PlacedObject
 from stages.contracts.objects import SceneObject
 from stages.contracts.snapshot_pictures import Snapshots
@@ -71,7 +71,7 @@ class Made:
             return []
         if entry.status == "failed":
             return [f"no cousins: {entry.reason}"]
-        return doubts(entry, item, placed, self.objects)
+        return collect_doubts(entry, item, placed, self.objects)
 
     def faces(self, said: Correction, before: tuple[float, float]) -> list[list[list[float]]]:
         """The sides of what stands in the scene of rank 1 as pixels, its front last; none if one is behind us.

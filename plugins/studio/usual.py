@@ -6,7 +6,7 @@ import numpy as np
 
 from plugins.studio.project import DrawnObject, Project
 from stages.contracts.categories import sizes_of
-from stages.contracts.category import SPREAD
+from stages.contracts.category import USUAL_SPREAD
 from stages.geometry.boxes import UprightBox
 
 STANDING = 1.5  # metres: how high a camera is taken to be of which nobody said it
@@ -21,7 +21,7 @@ def usual_size(item: DrawnObject, box: UprightBox) -> Sides | None:
         return None
     known = known[:, [0, 1, 2] if item.faces in ("left", "right") else [1, 0, 2]]
     excess = np.abs(np.log(box.size) - np.log([known.min(axis=0), known.max(axis=0)]).mean(axis=0))
-    odd = excess > SPREAD + np.log(known.max(axis=0) / known.min(axis=0)) / 2
+    odd = excess > USUAL_SPREAD + np.log(known.max(axis=0) / known.min(axis=0)) / 2
     if not odd.any():
         return None
     width, depth, height = (
@@ -45,7 +45,7 @@ def camera_factor(project: Project, boxes: Mapping[str, UprightBox]) -> float | 
         return None
     factor = float(np.median([(low + high) / 2 for low, high in ranges]))
     unusual = sum(not low <= 0 <= high for low, high in ranges)
-    fitting = sum(low - SPREAD <= factor <= high + SPREAD for low, high in ranges)
+    fitting = sum(low - USUAL_SPREAD <= factor <= high + USUAL_SPREAD for low, high in ranges)
     wrong = 2 * min(unusual, fitting) > len(ranges) and abs(factor) > SURE
     return float(np.exp(factor)) if wrong else None
 

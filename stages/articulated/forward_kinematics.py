@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from stages.articulated.model import JointModel, Matrix, RobotModel, Visual
+from stages.articulated.model import JointModel, Link, Matrix, RobotModel, Visual
 from stages.geometry.frames import apply
 
 
@@ -20,6 +20,12 @@ def frames_of(root: str, joints: list[JointModel], opened: float = 0.0) -> dict[
         value = joint.lower + opened * (joint.upper - joint.lower)
         frames[joint.child] = frames[joint.parent] @ joint.origin @ joint.motion(value)
     return frames
+
+
+def closed_links(robot: RobotModel) -> list[Link]:
+    """Links with their meshes in the root frame, every joint closed."""
+    frames = link_frames(robot)
+    return [link.mapped(frames[link.name]) for link in robot.links.values()]
 
 
 def visual_bounds(visuals: list[Visual], frame: Matrix) -> Matrix | None:

@@ -17,7 +17,7 @@ from stages.contracts.library import Asset, Recipe, Vector
 from stages.contracts.types import LARGEST
 
 MAKER = "plugins.furniture.maker"  # module of the `Maker` of recipes
-SAME = 5e-4  # metres: a size this near to the native one is left alone
+SAME_SIZE = 5e-4  # metres: a size this near to the native one is left alone
 
 
 class SizedModel(NamedTuple):
@@ -47,7 +47,7 @@ def load_maker() -> Maker:
 
 def has_size(asset: Asset, size: Sequence[float]) -> bool:
     """Whether an asset has a size already."""
-    return max(abs(a - b) for a, b in zip(size, asset.size, strict=True)) < SAME
+    return max(abs(a - b) for a, b in zip(size, asset.size, strict=True)) < SAME_SIZE
 
 
 def resize_model(folder: Path, asset: Asset, size: Sequence[float]) -> SizedModel:

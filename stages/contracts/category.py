@@ -12,8 +12,8 @@ from stages.contracts.files import Contract
 from stages.contracts.types import Id, Panels, Size, Text
 
 Array = NDArray[np.float64]
-FEWEST = 3  # models that say how large a category usually is: of fewer, the next one is as likely outside as within
-SPREAD = float(np.log(1.5))  # by which an extent may lie beyond those of its category's models and still be usual
+FEWEST_MODELS = 3  # that say how large a category is: the next one is outside n others with 2 chances of n + 1
+USUAL_SPREAD = float(np.log(1.5))  # by which an extent may lie beyond those of its category's models and still be usual
 # Words after that of a category that make another thing of it, or a part: `table_leg`, `bowl_drainer`.
 PARTS = {
     "caddy", "door", "drainer", "handle", "holder", "knob", "leg", "lid", "panel", "rack", "seat", "shelf", "stand",
@@ -27,7 +27,7 @@ class UsualSize(NamedTuple):
     low: Array
     high: Array
 
-    def misfit(self, size: ArrayLike, spread: float = SPREAD) -> float:
+    def misfit(self, size: ArrayLike, spread: float = USUAL_SPREAD) -> float:
         """Sum of the logarithms of how far extents (3,), metres, z up, lie beyond the usual; 0: they are usual."""
         extents = log_extents(size)
         return float(np.maximum(0, np.maximum(self.low - spread - extents, extents - self.high - spread)).sum())
@@ -63,16 +63,16 @@ class Category(Contract):
     def usual_size(self, further: bool = False) -> UsualSize | None:
         """Its sizes, with those in further styles or without; None: too few models say so."""
         sizes = [*self.sizes, *(self.further if further else ())]
-        if len(sizes) < FEWEST:
+        if len(sizes) < FEWEST_MODELS:
             return None
         extents = log_extents(sizes)
         return UsualSize(extents.min(axis=0), extents.max(axis=0))
 
 
-def describe_unusual(category: Category | None, size: ArrayLike, spread: float = SPREAD) -> str:
+def describe_unusual(category: Category | None, size: ArrayLike, spread: float = USUAL_SPREAD) -> str:
     """What is odd about extents (depth, width, height), metres, of a thing of a category; empty: nothing is known.
 
-    `spread`: as `SPREAD`.
+    `spread`: as `USUAL_SPREAD`.
     """
     usual = category.usual_size(further=True) if category else None
     if usual is None or usual.misfit(size, spread) == 0:

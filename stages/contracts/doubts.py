@@ -8,34 +8,32 @@ from collections.abc import Collection
 from typing import NamedTuple
 
 from stages.contracts.cousins import ObjectCousins
-from stages.contracts.doubt import MEND, Cause, Doubt, gravest_first
+from stages.contracts.doubt import MEND, Cause, Doubt, DoubtKind, sort_by_gravity
 from stages.contracts.generated import PlacedObject
 from stages.contracts.objects import Mounting, Objects, SceneObject
 
 MOUNTING = {1: "hangs on a wall", 2: "stands free", 3: "stands and touches a wall"}
-FEW_POINTS = 300
-CLOSE = 0.05  # share by which a second model is farther than the first
-MOVED, SHIFTED = 0.05, 0.01  # metres
+AS_NEAR = 0.05  # share by which a second model is farther than the first
 ANOTHER_SIZE = 0.3  # share by which an extent differs from the cloud's
-LOWEST, HIGHEST = 0.3, 3.0  # metres above floor or table at which people hold a camera
+LOWEST, HIGHEST = DoubtKind.CAMERA_HEIGHT.bounds
 # What makes a camera seem higher, or lower, than it is, and by what its height is to be multiplied then.
 TOO_HIGH = {"depth in feet": 0.3048, "intrinsics of half the picture's size": 0.5, "depth in decimetres": 0.1}
 TOO_LOW = {"depth in centimetres, taken for millimetres": 10.0, "intrinsics of twice the picture's size": 2.0}
 
 
-def held_as(mounting: Mounting) -> str:
+def describe_mounting(mounting: Mounting) -> str:
     """In words, e.g. `hangs on a wall (wall_1)`."""
     return MOUNTING[mounting.type] + (f" ({', '.join(mounting.walls)})" if mounting.walls else "")
 
 
-def agree(item: SceneObject) -> bool:
+def mountings_agree(item: SceneObject) -> bool:
     """Whether the input states of the mounting what geometry finds; the order of walls does not count."""
     said, measured = item.mounting, item.measured_mounting
     assert said is not None and measured is not None
     return said.type == measured.type and set(said.walls) == set(measured.walls)
 
 
-def height_doubt(height: float) -> str:
+def doubt_height(height: float) -> str:
     """What is odd about a camera's height over the floor, metres, and which mistakes make such a height; empty: none.
 
     Depth of 8 bits has steps of no known size: it is named wherever the camera is too low.
@@ -57,7 +55,7 @@ class Group(NamedTuple):
     items: list[tuple[str, str]]
 
 
-def grouped(found: Collection[tuple[str, Doubt]]) -> list[Group]:
+def group_doubts(found: Collection[tuple[str, Doubt]]) -> list[Group]:
     """Of things and a doubt each; gravest first."""
     groups = []
     for cause, mend in MEND.items():
@@ -70,37 +68,37 @@ def grouped(found: Collection[tuple[str, Doubt]]) -> list[Group]:
     return groups
 
 
-def doubts(entry: ObjectCousins, item: SceneObject, placed: PlacedObject | None, objects: Objects) -> list[Doubt]:
+def collect_doubts(
+    entry: ObjectCousins, item: SceneObject, placed: PlacedObject | None, objects: Objects
+) -> list[Doubt]:
     """What may be wrong with an object and a person can mend, gravest first; not what a person says."""
     found = list(entry.doubts)
     if item.note:
-        found.append(Doubt(cause="mounting", what=f"{item.note}: mounting by geometry"))
-    if item.measured_mounting is not None and "mounting" not in item.told and not agree(item):
-        what = f"geometry finds another mounting: {held_as(item.measured_mounting)}"
-        found.append(Doubt(cause="mounting", what=what))
+        found.append(DoubtKind.MOUNTING_UNCLEAR.of(note=item.note))
+    if item.measured_mounting is not None and "mounting" not in item.told and not mountings_agree(item):
+        found.append(DoubtKind.MOUNTING_DIFFERS.of(found=describe_mounting(item.measured_mounting)))
     if "size" not in item.told:
-        if item.points < FEW_POINTS:
-            found.append(Doubt(cause="size", what=f"only {item.points} points in its cloud"))
-        if _cut(item, objects):
-            found.append(Doubt(cause="size", what="cut off by the picture's border"))
+        if item.points < DoubtKind.FEW_POINTS.threshold:
+            found.append(DoubtKind.FEW_POINTS.of(points=item.points))
+        if _is_cut(item, objects):
+            found.append(DoubtKind.CUT_OFF.of())
     if placed is None:
         differs = entry.cousins[0].differs if entry.cousins else ""
-        return gravest_first(found + ([Doubt(cause="affordance", what=differs)] if differs else []))
+        return sort_by_gravity(found + ([DoubtKind.OPENINGS.of(what=differs)] if differs else []))
     found += placed.doubts
-    if placed.moved > MOVED:
-        found.append(Doubt(cause="place", what=f"pushed {100 * placed.moved:.0f} cm out of a collision"))
-    if placed.settled_shift is not None and placed.settled_shift > SHIFTED:
-        what = f"moved {100 * placed.settled_shift:.1f} cm when physics ran"
-        found.append(Doubt(cause="place", what=what))
-    return gravest_first(found)
+    if placed.moved > DoubtKind.PUSHED.threshold:
+        found.append(DoubtKind.PUSHED.of(distance=100 * placed.moved))
+    if placed.settled_shift is not None and placed.settled_shift > DoubtKind.SHIFTED.threshold:
+        found.append(DoubtKind.SHIFTED.of(distance=100 * placed.settled_shift))
+    return sort_by_gravity(found)
 
 
-def notes(entry: ObjectCousins, item: SceneObject, placed: PlacedObject | None) -> list[str]:
+def collect_notes(entry: ObjectCousins, item: SceneObject, placed: PlacedObject | None) -> list[str]:
     """What is worth knowing of an object, and nobody needs to act on."""
     found = [entry.note] if entry.note else []
     chosen = placed is not None and placed.chosen
     first, *others = entry.cousins
-    if not chosen and others and first.distance > 0 and others[0].distance < (1 + CLOSE) * first.distance:
+    if not chosen and others and first.distance > 0 and others[0].distance < (1 + AS_NEAR) * first.distance:
         found.append(f"a second model is as near: {others[0].asset.replace('_', ' ')}")
     if placed is not None and placed.status == "ok" and item.box is not None and "size" not in item.told:
         ours, clouds = sorted(placed.size[:2]), sorted(item.box.size[:2])
@@ -109,7 +107,7 @@ def notes(entry: ObjectCousins, item: SceneObject, placed: PlacedObject | None) 
     return found
 
 
-def _cut(item: SceneObject, objects: Objects) -> bool:
+def _is_cut(item: SceneObject, objects: Objects) -> bool:
     """Whether its mask touches the picture's border."""
     if item.pixels is None:
         return False

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.contracts import InputError
-from stages.contracts.doubts import height_doubt
+from stages.contracts.doubts import doubt_height
 from stages.extraction.observation import AnnotatedImage
 from stages.geometry.frames import Array
 from stages.geometry.masks import Mask
@@ -52,7 +52,7 @@ def find_floor_frame(
         if image.annotations.floor is None:
             what = "level plane that most objects stand on" if image.annotations.objects else "lowest level plane"
             print(f"no mask of the floor: taken to be the {what}, {frame[2, 3]:.2f} m below the camera")
-    if doubt := height_doubt(float(frame[2, 3])):
+    if doubt := doubt_height(float(frame[2, 3])):
         print(doubt)
     return frame
 

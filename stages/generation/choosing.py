@@ -2,18 +2,35 @@
 
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from stages.config.generation import GenerationConfig
 from stages.contracts import Asset, InputError
 from stages.contracts.cousins import Cousin
-from stages.contracts.doubt import Doubt
-from stages.generation.inputs import MatchedObject
+from stages.contracts.doubt import DoubtKind
+from stages.generation.inputs import Inputs, MatchedObject
+from stages.generation.models import resize
 from stages.generation.placed import Placed
+from stages.generation.placing import place
 from stages.geometry.boxes import UprightBox
 
-AS_NEAR = 0.05  # of distances of labels: a lamp is a table lamp (0.14) or a floor lamp (0.15)
+SAME_MEANING = 0.05  # of distances of labels: a lamp is a table lamp (0.14) or a floor lamp (0.15)
+
+
+def choose_models(inputs: Inputs, rank: int, options: GenerationConfig) -> tuple[list[Placed], dict[str, str]]:
+    """The cousins of one rank: turned, sized and mounted where their objects are; and why others cannot be, by id."""
+    items, failed, models = list[Placed](), dict[str, str](), dict[int, str]()
+    for one in inputs.matched:
+        try:
+            item = choose(one, rank, models, partial(place, one, inputs=inputs, options=options), options.max_stretch)
+            models[one.object.mask] = item.asset.id
+            items.append(resize(item))
+        except InputError as error:
+            failed[one.object.id] = error.what
+    return items, failed
 
 
 def choose(
@@ -33,29 +50,33 @@ def choose(
     if one.failed:
         raise InputError(name, one.failed, code="E-OBJECT-FAILED")
     if said.like is not None and said.like in models:
-        return by_hand(models[said.like], one, place, "the model of what it is like, as a person says")
+        return take_stated(models[said.like], one, place, "the model of what it is like, as a person says")
     if said.model is not None and (said.pinned or rank == 1):
-        return by_hand(said.model, one, place, "chosen by a person")
+        return take_stated(said.model, one, place, "chosen by a person")
     cousins = [cousin for cousin in one.cousins if cousin.asset not in {said.model, *said.banned}]
     if not cousins:
         raise InputError(name, "all of its cousins are banned", code="E-COUSINS-BANNED")
     rank -= said.model is not None and rank > 1
-    return chosen((place(cousin) for cousin in cousins), rank, limit, meant(one.distances, cousins[0].category))
+    categories = find_synonyms(one.distances, cousins[0].category)
+    return choose_by_rank((place(cousin) for cousin in cousins), rank, limit, categories)
 
 
-def by_hand(asset: str, one: MatchedObject, place: Callable[[Cousin], Placed], why: str) -> Placed:
+def take_stated(asset: str, one: MatchedObject, place: Callable[[Cousin], Placed], why: str) -> Placed:
     """Any model: as matching turned it, or as it turned the nearest cousin, for all models face +x."""
     found = next((cousin for cousin in one.cousins if cousin.asset == asset), None)
     placed = place(found or one.cousins[0].model_copy(update={"asset": asset}))
     return replace(placed, chosen=True, doubts=(), steps=(why, *placed.steps))
 
 
-def meant(distances: Mapping[str, float], category: str) -> set[str]:
+def find_synonyms(distances: Mapping[str, float], category: str) -> set[str]:
     """The categories that a label means as much as one of them, which it is among; `distances`: of the label."""
-    return {category, *(name for name, far in distances.items() if far <= distances.get(category, -np.inf) + AS_NEAR)}
+    return {
+        category,
+        *(name for name, far in distances.items() if far <= distances.get(category, -np.inf) + SAME_MEANING),
+    }
 
 
-def chosen(placed: Iterable[Placed], rank: int, limit: float | None, categories: Collection[str]) -> Placed:
+def choose_by_rank(placed: Iterable[Placed], rank: int, limit: float | None, categories: Collection[str]) -> Placed:
     """The cousin that stands in the scene of a rank: of those that fit, best first, the one of that rank.
 
     Those come first that are what the object is called and have the doors and drawers of the nearest: that was stated,
@@ -72,7 +93,7 @@ def chosen(placed: Iterable[Placed], rank: int, limit: float | None, categories:
     passed: list[tuple[float, Placed]] = []
     nearest: Asset | None = None
     for one in placed:
-        nearest, times = nearest or one.asset, stretch(one.asset.size, one.box)
+        nearest, times = nearest or one.asset, measure_stretch(one.asset.size, one.box)
         if one.asset.category not in categories:
             continue
         same = (one.asset.doors, one.asset.drawers) == (nearest.doors, nearest.drawers)
@@ -85,8 +106,7 @@ def chosen(placed: Iterable[Placed], rank: int, limit: float | None, categories:
     if not alike:
         least = min(passed, key=lambda one: one[0])
         passed.remove(least)
-        what = f"no cousin has its size: this one is stretched {least[0]:.1f} times"
-        alike = [replace(least[1], doubts=(*least[1].doubts, Doubt(cause="size", what=what)))]
+        alike = [replace(least[1], doubts=(*least[1].doubts, DoubtKind.STRETCHED.of(times=least[0])))]
     fitting = alike + akin
     one = fitting[min(rank, len(fitting)) - 1]
     steps: tuple[str, ...] = ()
@@ -98,7 +118,7 @@ def chosen(placed: Iterable[Placed], rank: int, limit: float | None, categories:
     return replace(one, steps=(*steps, *one.steps))
 
 
-def stretch(native: ArrayLike, box: UprightBox) -> float:
+def measure_stretch(native: ArrayLike, box: UprightBox) -> float:
     """How far a model is stretched in a box, 1 or more: as a whole, or one axis against another, whatever is more.
 
     A sofa of 2 m is no stool: it would be squeezed to a fifth of its width.

@@ -12,19 +12,18 @@ from shapely.ops import nearest_points
 
 from stages.config.generation import GenerationConfig
 from stages.contracts.objects import Wall
-from stages.generation.nesting import landing
+from stages.generation.nesting import find_landing
 from stages.generation.placed import Placed, Prism
-from stages.generation.stacking import stack_of
-from stages.generation.surfaces import surface_beneath
-from stages.generation.walls import behind
-from stages.geometry.boxes import footprint, volume
+from stages.generation.stacking import find_stack
+from stages.generation.surfaces import find_surface
+from stages.geometry.boxes import depth_behind, footprint, volume
 
 CLEAR = 1e-4  # metres that a push goes beyond the border, so that rounding does not leave the pair touching
 Pair = tuple[str, str]
 
 
 @dataclass(frozen=True)
-class Resolved:
+class Freed:
     """The items after all pushes, and the pairs that still overlap."""
 
     items: list[Placed]
@@ -48,7 +47,7 @@ class _Scene:
         return self.items[name].collision_prisms
 
 
-def resolve(items: list[Placed], walls: list[Wall], options: GenerationConfig) -> Resolved:
+def separate(items: list[Placed], walls: list[Wall], options: GenerationConfig) -> Freed:
     """Free all pairs of items from each other, as far as that goes.
 
     Each round frees one stack from everything around it, so that a push makes no new collision.
@@ -56,23 +55,23 @@ def resolve(items: list[Placed], walls: list[Wall], options: GenerationConfig) -
     """
     scene = _Scene({item.id: item for item in items}, walls, options)
     for _ in range(options.push_rounds):
-        pushed = _one_push(scene)
+        pushed = _push_once(scene)
         if pushed is None:
             break
         scene = pushed
     ends = [(item, scene.items[item.id]) for item in items]
     freed = [replace(item.changed("out of collisions", end.box), moved=end.moved) for item, end in ends]
-    return Resolved(freed, overlapping_pairs(scene))
+    return Freed(freed, overlapping_pairs(scene))
 
 
-def _one_push(scene: _Scene) -> _Scene | None:
+def _push_once(scene: _Scene) -> _Scene | None:
     """The scene after the first push that is possible; None: nothing overlaps, or nothing can give way."""
     for pair in overlapping_pairs(scene):
         for name in _movers(pair, scene):
             push = shortest_push(name, scene)
             if push is not None:
-                return _pushed(name, push, scene)
-        nested = _nested(pair, scene) if scene.options.stack_tolerance is not None else None
+                return _push(name, push, scene)
+        nested = _nest(pair, scene) if scene.options.stack_tolerance is not None else None
         if nested is not None:
             return nested
     return None
@@ -118,16 +117,16 @@ def _movers(pair: Pair, scene: _Scene) -> list[str]:
     """
 
     def weight(name: str) -> tuple[int, float, str]:
-        stack, item = stack_of(name, scene.supports), scene.items[name]
+        stack, item = find_stack(name, scene.supports), scene.items[name]
         held = 2 if item.wall_mounted else int(item.mounting.type == 3)
         return held, sum(volume(scene.items[n].box) for n in stack), name
 
-    return sorted((name for name in pair if not set(pair) <= stack_of(name, scene.supports)), key=weight)
+    return sorted((name for name in pair if not set(pair) <= find_stack(name, scene.supports)), key=weight)
 
 
 def shortest_push(name: str, scene: _Scene) -> NDArray[np.float64] | None:
     """The shortest shift (2,) that frees an item's stack from everything else; None if none is allowed."""
-    stack = sorted(stack_of(name, scene.supports))
+    stack = sorted(find_stack(name, scene.supports))
     mover = [prism for member in stack for prism in scene.shapes(member)]
     others = [prism for other in sorted(scene.items) if other not in stack for prism in scene.shapes(other)]
     free = allowed_shifts(name, scene).difference(forbidden_shifts(mover, others, scene.options.touch).buffer(CLEAR))
@@ -145,10 +144,10 @@ def allowed_shifts(name: str, scene: _Scene) -> BaseGeometry:
         x, y = np.asarray(touched[0].normal)[:2]
         region = LineString([(-y * limit, x * limit), (y * limit, -x * limit)])
     else:
-        for member in sorted(stack_of(name, scene.supports)):
+        for member in sorted(find_stack(name, scene.supports)):
             region &= wall_limits(scene.items[member], scene.walls, 2 * limit)
     if item.support in scene.items:
-        surface = surface_beneath(item, scene.items[item.support])
+        surface = find_surface(item, scene.items[item.support])
         region &= affinity.translate(surface.steady_region(item), -item.center[0], -item.center[1])
     return region
 
@@ -160,7 +159,7 @@ def wall_limits(item: Placed, walls: list[Wall], far: float) -> BaseGeometry:
         normal = np.asarray(wall.normal)
         if item.center @ normal < wall.offset:
             continue
-        room = min(0.0, behind(item.box, wall))  # what is in the wall already may stay
+        room = min(0.0, depth_behind(item.box, wall.normal, wall.offset))  # what is in the wall already may stay
         tangent = np.array([-normal[1], normal[0]])
         near, beyond = normal[:2] * room, normal[:2] * far
         side = tangent * far
@@ -168,8 +167,8 @@ def wall_limits(item: Placed, walls: list[Wall], far: float) -> BaseGeometry:
     return region
 
 
-def _pushed(name: str, push: NDArray[np.float64], scene: _Scene) -> _Scene:
-    stack = stack_of(name, scene.supports)
+def _push(name: str, push: NDArray[np.float64], scene: _Scene) -> _Scene:
+    stack = find_stack(name, scene.supports)
     items = dict(scene.items)
     for member in stack:
         item = items[member].shifted([*push, 0.0])
@@ -177,16 +176,16 @@ def _pushed(name: str, push: NDArray[np.float64], scene: _Scene) -> _Scene:
     return replace(scene, items=items)
 
 
-def _nested(pair: Pair, scene: _Scene) -> _Scene | None:
+def _nest(pair: Pair, scene: _Scene) -> _Scene | None:
     """The scene with what cannot be clear of its support, a can in a bowl, let down into the middle of it."""
     upper, lower = pair if scene.items[pair[0]].support == pair[1] else pair[::-1]
     item, carrier = scene.items[upper], scene.items[lower]
     if item.support != lower or item.wall_mounted:
         return None
-    middle = surface_beneath(item, carrier).area.centroid
-    scene = _pushed(upper, np.array([middle.x, middle.y]) - item.center[:2], scene)
-    rise = landing(*([prism.vertices for prism in scene.shapes(name)] for name in (upper, lower)))
+    middle = find_surface(item, carrier).area.centroid
+    scene = _push(upper, np.array([middle.x, middle.y]) - item.center[:2], scene)
+    rise = find_landing(*([prism.vertices for prism in scene.shapes(name)] for name in (upper, lower)))
     items = dict(scene.items)
-    for member in stack_of(upper, scene.supports):
+    for member in find_stack(upper, scene.supports):
         items[member] = items[member].shifted([0, 0, rise or 0.0])
     return replace(scene, items=items, nested=scene.nested | {pair})

@@ -1,39 +1,42 @@
-"""What of a placed object may be wrong: its size, its place, what holds it."""
+"""What of a placed object may be wrong: its size, its place, what holds it. The kinds of doubts: `contracts.doubt`."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
 from stages.contracts.category import Category, describe_unusual, find_category
-from stages.contracts.doubt import Doubt
+from stages.contracts.doubt import Doubt, DoubtKind
 from stages.contracts.objects import SceneObject, Wall
+from stages.generation.inputs import Inputs
 from stages.generation.placed import UNNAMED, Placed
-from stages.generation.walls import CONTACT, behind, is_beyond
-
-MOST = 0.5  # of an object's pixels: with less of them known in depth, what is known may be of something else
-# An extent so far beyond those of its category was wrong in three of four cases (docs/results/open.md, half `work`).
-BEYOND = float(np.log(1.25))
+from stages.geometry.boxes import depth_behind, is_behind
 
 
-def doubts(item: Placed, walls: list[Wall], seen: SceneObject, known: Mapping[str, Category]) -> list[Doubt]:
-    """None: nothing is odd. Sizes that a person says are not doubted.
+def doubt_placements(items: list[Placed], inputs: Inputs) -> list[Placed]:
+    """The items, each with what may be wrong with it."""
+    room, seen = inputs.objects, {item.id: item for item in inputs.objects.objects}
+    return [doubt_placement(item, room.walls, seen[item.id], inputs.categories) for item in items]
+
+
+def doubt_placement(item: Placed, walls: list[Wall], seen: SceneObject, known: Mapping[str, Category]) -> Placed:
+    """The item with what may be wrong with it. Sizes that a person says are not doubted.
 
     Args:
         seen: the object as extraction found it.
         known: categories by name, as the library knows them.
     """
-    place = []
+    found: list[Doubt] = []
     if item.support == UNNAMED:
-        place.append("stands on something that was not named, and is held there")
+        found.append(DoubtKind.UNNAMED.of())
     for wall in walls:
-        if is_beyond(item.box, wall):
-            place.append(f"is seen beyond {wall.id}: past its end or through an opening, else in a mirror")
-        elif (depth := behind(item.box, wall)) > CONTACT:
-            place.append(f"reaches {100 * depth:.0f} cm behind {wall.id}")
-    if seen.depth_known is not None and seen.depth_known < MOST:
-        place.append(f"depth is known on {100 * seen.depth_known:.0f} % of its pixels: its place is not certain")
-    found = [Doubt(cause="place", what=what) for what in place]
-    odd = describe_unusual(find_category(item.label, known), item.size, BEYOND)
+        if is_behind(item.box, wall.normal, wall.offset):
+            found.append(DoubtKind.BEYOND_WALL.of(wall=wall.id))
+        elif (depth := depth_behind(item.box, wall.normal, wall.offset)) > DoubtKind.BEHIND_WALL.threshold:
+            found.append(DoubtKind.BEHIND_WALL.of(depth=100 * depth, wall=wall.id))
+    if seen.depth_known is not None and seen.depth_known < DoubtKind.DEPTH_UNKNOWN.threshold:
+        found.append(DoubtKind.DEPTH_UNKNOWN.of(share=100 * seen.depth_known))
+    odd = describe_unusual(find_category(item.label, known), item.size, float(np.log(DoubtKind.UNUSUAL_SIZE.threshold)))
     if odd and "size" not in seen.told:
-        found.append(Doubt(cause="size", what=odd))
-    return found
+        found.append(DoubtKind.UNUSUAL_SIZE.of(what=odd))
+    return replace(item, doubts=(*item.doubts, *found))

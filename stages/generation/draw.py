@@ -13,9 +13,9 @@ from stages.contracts.extracted import read_metres, read_object_masks
 from stages.contracts.images import check_size, read_rgb
 from stages.contracts.library_folder import AssetFolders
 from stages.generation import glb
-from stages.generation.painting import furnished, look_of
-from stages.generation.pictures import preview, resized_to, side_by_side, thumbnail
-from stages.generation.scene_file import placed_items
+from stages.generation.painting import estimate_look, furnish
+from stages.generation.pictures import draw_preview, draw_side_by_side, draw_thumbnail, resize_to
+from stages.generation.scene_file import read_items
 from stages.generation.scene_models import room_of
 
 VIEW_TEXTURE = 128  # pixels: textures of the scene that the report lets turn
@@ -38,15 +38,15 @@ def run(*, scenes: tuple[Path, ...], objects: Path, image: Path, library: Path, 
     extracted, rgb = read_json(Objects, objects), read_rgb(image)
     check_size(image, rgb, extracted.width, extracted.height, objects.name)
     seen = rgb, read_object_masks(objects, extracted), read_metres(objects, extracted)
-    pictures = [("input", resized_to(rgb, width))]
+    pictures = [("input", resize_to(rgb, width))]
     look, origins = None, {}
     with TemporaryDirectory(prefix="acdc-sized-") as cache:
         for path in progress(scenes, "scenes drawn", len(scenes)):
             made = read_json(GeneratedScene, path)
             origins[path.name] = made.made.model_dump_json() if made.made else "{}"
-            items = placed_items(made, folders, Path(cache), path)
-            look = look or look_of(extracted, seen, made, items)
-            picture = preview(furnished(made, items, look), made, width)
+            items = read_items(made, folders, Path(cache), path)
+            look = look or estimate_look(extracted, seen, made, items)
+            picture = draw_preview(furnish(made, items, look), made, width)
             with atomic(out / f"{path.stem}.png") as temporary:
                 Image.fromarray(picture).save(temporary, pnginfo=_text({path.name: origins[path.name]}))
             room = room_of(made, items, look)
@@ -55,9 +55,9 @@ def run(*, scenes: tuple[Path, ...], objects: Path, image: Path, library: Path, 
                 glb.write(room, out / "view.glb", VIEW_TEXTURE)
             pictures.append((f"rank {made.rank}", picture))
     with atomic(out / "comparison.png") as temporary:
-        side_by_side(pictures).save(temporary, pnginfo=_text(origins))
+        draw_side_by_side(pictures).save(temporary, pnginfo=_text(origins))
     with atomic(out / "thumbnail.webp") as temporary:
-        thumbnail([picture for _, picture in pictures[:2]]).save(temporary, quality=70)
+        draw_thumbnail([picture for _, picture in pictures[:2]]).save(temporary, quality=70)
     if look is not None:
         write_json(out / "look.json", look)
 

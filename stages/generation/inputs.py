@@ -1,6 +1,6 @@
 """What generation reads: every object with its cloud and its cousins, and the library's models."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -48,6 +48,16 @@ class Inputs:
     folders: Mapping[str, Path]
     categories: Mapping[str, Category]
 
+    @property
+    def supports(self) -> dict[str, str]:
+        """By object, what carries it as a person says."""
+        return {item.id: item.support for item in self.objects.objects if item.support}
+
+    @property
+    def nudges(self) -> dict[str, Sequence[float] | None]:
+        """By object, metres (x, y) by which a person moves it."""
+        return {one.object.id: one.correction.nudge for one in self.matched}
+
     def folder(self, asset: str) -> Path:
         """Of a model.
 
@@ -70,7 +80,7 @@ def read_inputs(cousins: Path, objects: Path, library: Path, corrections: tuple[
         what = f"is of scene '{matched.scene}', {objects} of '{extracted.scene}'."
         raise InputError(cousins, what, "match them again", code="E-SCENE-MIXED")
     clouds = read_clouds(objects, extracted)
-    bearings = bearings_of(extracted, read_object_masks(objects, extracted))
+    bearings = find_bearings(extracted, read_object_masks(objects, extracted))
     told = corrections_of(corrections, "generation")
     by_id = {entry.id: entry for entry in matched.objects}
     found = []
@@ -79,19 +89,19 @@ def read_inputs(cousins: Path, objects: Path, library: Path, corrections: tuple[
         found.append(
             MatchedObject(
                 object=item,
-                cousins=_turned(item, extracted, entry.cousins) if entry else [],
+                cousins=_turn(item, extracted, entry.cousins) if entry else [],
                 distances={match.category: match.distance for match in entry.categories} if entry else {},
                 cloud=clouds.get(item.id, np.empty((0, 3), np.float32)),
                 bearings=bearings.get(item.id),
                 correction=told.get(item.mask, Correction(mask=item.mask)),
-                failed=_failed(item, entry, item.id in clouds),
+                failed=_find_failure(item, entry, item.id in clouds),
             )
         )
     folders = AssetFolders(library)
-    return Inputs(extracted, _leaders_first(found), folders, folders.categories)
+    return Inputs(extracted, _sort_leaders_first(found), folders, folders.categories)
 
 
-def _failed(item: SceneObject, entry: ObjectCousins | None, has_cloud: bool) -> str:
+def _find_failure(item: SceneObject, entry: ObjectCousins | None, has_cloud: bool) -> str:
     """Why no cousin can stand for an object; empty: one can."""
     if item.status == "failed" or item.box is None:
         return f"extraction: {item.reason or 'no box'}"
@@ -100,7 +110,7 @@ def _failed(item: SceneObject, entry: ObjectCousins | None, has_cloud: bool) -> 
     return "" if has_cloud else "extraction: no cloud"
 
 
-def _turned(item: SceneObject, scene: Objects, cousins: list[Cousin]) -> list[Cousin]:
+def _turn(item: SceneObject, scene: Objects, cousins: list[Cousin]) -> list[Cousin]:
     """The cousins, best first; turned as the input says if it tells where the front is: no view needs to be matched."""
     best_first = sorted(cousins, key=lambda cousin: cousin.rank)
     if item.front is None or item.box is None:
@@ -114,7 +124,7 @@ def _turned(item: SceneObject, scene: Objects, cousins: list[Cousin]) -> list[Co
     ]
 
 
-def _leaders_first(matched: list[MatchedObject]) -> list[MatchedObject]:
+def _sort_leaders_first(matched: list[MatchedObject]) -> list[MatchedObject]:
     """What takes the model of another one comes after it."""
     by_mask = {one.object.mask: one for one in matched}
 
@@ -125,7 +135,7 @@ def _leaders_first(matched: list[MatchedObject]) -> list[MatchedObject]:
     return sorted(matched, key=leaders)
 
 
-def bearings_of(objects: Objects, masks: NDArray[np.uint16]) -> dict[str, tuple[float, float]]:
+def find_bearings(objects: Objects, masks: NDArray[np.uint16]) -> dict[str, tuple[float, float]]:
     """Between which level directions each object is seen, from the outer edges of its pixels."""
     pose, found = np.array(objects.floor_from_camera), {}
     turn = pose[:3, :3] @ np.linalg.inv(np.array(objects.intrinsics))

@@ -19,16 +19,15 @@ from stages.simulation.backdrop import WALL_HEIGHT
 
 Array = NDArray[np.float64]
 Pixels = NDArray[np.int64]
-GRID = 200  # the picture is looked at on a grid of so many columns, or its own
+GRID_COLUMNS = 200  # the picture is looked at on a grid of so many columns, or its own
 OFF_SURFACE = 0.05  # metres, at 0 m and more for each: how far the depth of a pixel may miss its surface
 STRAY = 0.002  # share of a surface's pixels beyond its bounds
 BEYOND_BORDER = 0.3  # metres that a surface goes on at the picture's border
-FEWEST = 50  # pixels that make a surface
+FEWEST_PIXELS = 50  # pixels that make a surface
 FARTHEST_SEEN = 30.0  # metres from the camera
-BORDER = 2  # grid cells
 AZIMUTHS, ELEVATIONS = np.radians(np.arange(0, 360, 15)), np.radians(np.arange(25, 76, 10))  # of light; then half steps
 CASTING = 3000  # pixels of which shadows are asked
-DARKEST = 0.5  # of the logarithm of brightness, more counts no more
+DARKEST_LOG = 0.5  # of the logarithm of brightness, more counts no more
 LEAST_CORRELATION = 0.25  # below it the picture shows no shadows to go by
 
 
@@ -47,13 +46,13 @@ class Seen:
     open_above: bool
 
 
-def grid_of(objects: Objects) -> tuple[int, Array]:
+def find_grid(objects: Objects) -> tuple[int, Array]:
     """Step of the grid in pixels, and the intrinsics (3, 3) of the picture that has every such pixel alone."""
-    step = max(1, round(objects.width / GRID))
+    step = max(1, round(objects.width / GRID_COLUMNS))
     return step, np.diag([1 / step, 1 / step, 1.0]) @ np.array(objects.intrinsics)
 
 
-def surfaces_seen(
+def find_surfaces(
     rgb: NDArray[np.uint8], masks: NDArray[np.uint16], depth: NDArray[np.float32] | None, objects: Objects
 ) -> dict[str, Seen]:
     """Where floor and walls are seen: pixels of no object whose ray meets the plane first, at about their depth.
@@ -64,7 +63,7 @@ def surfaces_seen(
         depth: metres along the optical axis (H, W), 0: unknown; None: the nearest plane is taken to be seen.
         objects: camera, floor frame and walls.
     """
-    step, intrinsics = grid_of(objects)
+    step, intrinsics = find_grid(objects)
     rgb, free = rgb[::step, ::step], masks[::step, ::step] == 0
     world_from_camera = np.array(objects.floor_from_camera)
     camera = world_from_camera[:3, 3]
@@ -80,9 +79,9 @@ def surfaces_seen(
     found = {}
     for index, (name, normal, _) in enumerate(planes):
         rows, columns = np.nonzero(free & (first == index))
-        if len(rows) >= FEWEST:
+        if len(rows) >= FEWEST_PIXELS:
             points = camera + rays[rows, columns] * nearest[rows, columns, None]
-            found[name] = Seen(normal, rows, columns, points, rgb[rows, columns] / 255.0, bool(rows.min() < BORDER))
+            found[name] = Seen(normal, rows, columns, points, rgb[rows, columns] / 255.0, bool(rows.min() < 2))
     return found
 
 
@@ -92,7 +91,7 @@ def _distance(rays: Array, camera: Array, normal: Array, offset: float) -> Array
     return np.where((falling > 1e-6) & (height > 0), height / np.maximum(falling, 1e-6), np.inf)
 
 
-def reach(name: str, seen: Seen) -> tuple[tuple[float, float], tuple[float, float]]:
+def find_bounds(name: str, seen: Seen) -> tuple[tuple[float, float], tuple[float, float]]:
     """Bounds of a surface from what is seen of it: x and y of the floor; along the tangent of a wall, and in height."""
     tangent = np.array([-seen.normal[1], seen.normal[0], 0.0])
     along = seen.points[:, :2] if name == "floor" else np.column_stack([seen.points @ tangent, seen.points[:, 2]])
@@ -103,7 +102,7 @@ def reach(name: str, seen: Seen) -> tuple[tuple[float, float], tuple[float, floa
     return (a, b), (c, d)
 
 
-def light_of(seen: Mapping[str, Seen], furniture: Trimesh) -> tuple[Array, float]:
+def estimate_light(seen: Mapping[str, Seen], furniture: Trimesh) -> tuple[Array, float]:
     """Unit direction in which the light shines, and how well its shadows agree with the picture.
 
     Of all directions that come through no wall, the one for which the places that the furniture keeps from the light
@@ -118,7 +117,7 @@ def light_of(seen: Mapping[str, Seen], furniture: Trimesh) -> tuple[Array, float
         some = np.linspace(0, len(one.points) - 1, max(2, round(share * len(one.points)))).astype(int)
         brightness = np.log(one.rgb[some].mean(axis=1) + 0.02)
         origins.append(one.points[some] + 0.01 * one.normal)
-        dark.append(np.clip(np.median(brightness) - brightness, -DARKEST, DARKEST))
+        dark.append(np.clip(np.median(brightness) - brightness, -DARKEST_LOG, DARKEST_LOG))
     walls = [one.normal for name, one in seen.items() if name != "floor"]
 
     def agreement(direction: Array) -> float:
@@ -133,16 +132,16 @@ def light_of(seen: Mapping[str, Seen], furniture: Trimesh) -> tuple[Array, float
         return float(s @ d / max(np.sqrt((s @ s) * (d @ d)), 1e-9))
 
     def best(angles: list[tuple[float, float]]) -> tuple[float, float, float]:
-        return max((agreement(direction_of(*each)), *each) for each in angles)
+        return max((agreement(to_direction(*each)), *each) for each in angles)
 
     _, azimuth, elevation = best(list(product(AZIMUTHS, ELEVATIONS)))
     half_a, half_e = ((grid[1] - grid[0]) / 2 for grid in (AZIMUTHS, ELEVATIONS))
     finer = product((-half_a, 0, half_a), (-half_e, 0, half_e))
     found, *angles = best([(azimuth + a, elevation + b) for a, b in finer])
-    return direction_of(*angles), found
+    return to_direction(*angles), found
 
 
-def direction_of(azimuth: float, elevation: float) -> Array:
+def to_direction(azimuth: float, elevation: float) -> Array:
     """Unit direction of light that shines towards an azimuth from so far above the horizon."""
     return np.array([np.cos(azimuth) * np.cos(elevation), np.sin(azimuth) * np.cos(elevation), -np.sin(elevation)])
 

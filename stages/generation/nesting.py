@@ -26,7 +26,7 @@ def overlap_height(upper: Piece, lower: Piece) -> float | None:
     return -float(found.fun) if found.success else None
 
 
-def landing(upper: list[Piece], lower: list[Piece]) -> float | None:
+def find_landing(upper: list[Piece], lower: list[Piece]) -> float | None:
     """How far `upper` rises (metres; negative: sinks) to lie on or in `lower`, let down from above.
 
     Args:

@@ -11,19 +11,16 @@ from trimesh import Trimesh
 from stages.contracts.generated import GeneratedScene
 from stages.contracts.look import GAMMA, ROOM_LIGHT, Look, Surface
 from stages.contracts.objects import Objects
-from stages.generation.look import LEAST_CORRELATION, Seen, grid_of, light_of, reach, surfaces_seen
-from stages.generation.models import collision_pieces
+from stages.generation.look import LEAST_CORRELATION, Seen, estimate_light, find_bounds, find_grid, find_surfaces
+from stages.generation.models import read_collisions
 from stages.generation.placed import Placed
 from stages.generation.settling import load_items
 from stages.geometry.boxes import corners
 from stages.simulation.backdrop import BEYOND, add_backdrop
 from stages.simulation.rendering import RenderCamera, instance_id, make_scene
 
-FITS = 2  # renderings, each with colours mended by the one before
-DARKEST = 0.02  # base colour
 
-
-def furnished(made: GeneratedScene, items: list[Placed], look: Look) -> sapien.Scene:
+def furnish(made: GeneratedScene, items: list[Placed], look: Look) -> sapien.Scene:
     """The scene in its look, to be rendered: floor, walls, furniture, and a light whose shadows reach all of it."""
     points = np.concatenate([corners(item.box) for item in items])
     center = (points.min(axis=0) + points.max(axis=0)) / 2
@@ -34,7 +31,7 @@ def furnished(made: GeneratedScene, items: list[Placed], look: Look) -> sapien.S
     return scene
 
 
-def look_of(
+def estimate_look(
     objects: Objects,
     pictures: tuple[NDArray[np.uint8], NDArray[np.uint16], NDArray[np.float32] | None],
     made: GeneratedScene,
@@ -43,15 +40,15 @@ def look_of(
     """The look of a picture, its furniture told by one scene made of it.
 
     Args:
-        pictures: colours, masks and depth as `surfaces_seen` takes them.
+        pictures: colours, masks and depth as `find_surfaces` takes them.
     """
-    seen = surfaces_seen(*pictures, objects)
-    direction, correlation = light_of(seen, merged(items))
+    seen = find_surfaces(*pictures, objects)
+    direction, correlation = estimate_light(seen, merge_meshes(items))
     told = correlation >= LEAST_CORRELATION
     light = direction if told else np.array(ROOM_LIGHT) / np.linalg.norm(ROOM_LIGHT)
     surfaces = []
     for name, one in seen.items():
-        low, high = reach(name, one)
+        low, high = find_bounds(name, one)
         surfaces.append(Surface(id=name, colour=(0.5, 0.5, 0.5), low=low, high=high))
     look = Look(
         light=(round(light[0], 6), round(light[1], 6), round(light[2], 6)),
@@ -59,17 +56,17 @@ def look_of(
         shadow_correlation=round(correlation, 4),
         surfaces=surfaces,
     )
-    scene = furnished(made, items, look)
-    for _ in range(FITS):
-        look.surfaces = _mended(scene, look.surfaces, seen, objects)
+    scene = furnish(made, items, look)
+    for _ in range(2):  # each mends the colours of the one before
+        look.surfaces = _adjust_colours(scene, look.surfaces, seen, objects)
     return look
 
 
-def _mended(
+def _adjust_colours(
     scene: sapien.Scene, surfaces: Sequence[Surface], seen: Mapping[str, Seen], objects: Objects
 ) -> list[Surface]:
     """Surfaces in colours nearer to the picture's, by how far a rendering misses their medians; the scene has them."""
-    step, intrinsics = grid_of(objects)
+    step, intrinsics = find_grid(objects)
     camera = RenderCamera(scene, intrinsics, -(-objects.width // step), -(-objects.height // step))
     picture = camera.render(objects.floor_from_camera)
     camera.close()
@@ -83,7 +80,7 @@ def _mended(
             wanted = np.median(seen[surface.id].rgb[both], axis=0)
             drawn = np.median(picture.rgb[rows[both], columns[both]] / 255.0, axis=0)
             colour = np.array(surface.colour) * (wanted / np.maximum(drawn, 0.01)) ** GAMMA
-            r, g, b = np.clip(colour, DARKEST, 1.0).round(4).tolist()
+            r, g, b = np.clip(colour, 0.02, 1.0).round(4).tolist()
             surface = surface.model_copy(update={"colour": (r, g, b)})
             material = block.find_component_by_type(sapien.render.RenderBodyComponent).render_shapes[0].material
             material.base_color = [r, g, b, 1.0]
@@ -91,12 +88,12 @@ def _mended(
     return mended
 
 
-def merged(items: list[Placed]) -> Trimesh:
+def merge_meshes(items: list[Placed]) -> Trimesh:
     """All that collides in a scene, in its place, as one mesh."""
     meshes = [
         Trimesh(piece.vertices, piece.faces, process=False).apply_transform(item.pose)
         for item in items
-        for piece in collision_pieces(item.folder)
+        for piece in read_collisions(item.folder)
     ]
     whole = trimesh.util.concatenate(meshes)
     assert isinstance(whole, Trimesh)

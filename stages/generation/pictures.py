@@ -8,12 +8,10 @@ from PIL import Image, ImageDraw, ImageFont
 from stages.contracts import GeneratedScene
 from stages.simulation.rendering import RenderCamera
 
-TITLE, COLUMNS = 12, 3  # a title's line is such a part of a picture's width; pictures in a row
-THUMBNAIL = 144  # pixels across each
 SMOOTHING = 2  # rendered so many times larger and averaged
 
 
-def preview(scene: sapien.Scene, made: GeneratedScene, width: int) -> NDArray[np.uint8]:
+def draw_preview(scene: sapien.Scene, made: GeneratedScene, width: int) -> NDArray[np.uint8]:
     """The scene as the input camera sees it, (H, width, 3); its world is the floor frame."""
     factor = SMOOTHING * width / made.width
     height = round(made.height * width / made.width)
@@ -23,16 +21,16 @@ def preview(scene: sapien.Scene, made: GeneratedScene, width: int) -> NDArray[np
     return np.asarray(Image.fromarray(picture.rgb).resize((width, height), Image.Resampling.BOX))
 
 
-def resized_to(rgb: NDArray[np.uint8], width: int) -> NDArray[np.uint8]:
+def resize_to(rgb: NDArray[np.uint8], width: int) -> NDArray[np.uint8]:
     """A picture (H, W, 3), resized to a width."""
     image = Image.fromarray(rgb)
     return np.asarray(image.resize((width, round(image.height * width / image.width)), Image.Resampling.LANCZOS))
 
 
-def side_by_side(pictures: list[tuple[str, NDArray[np.uint8]]]) -> Image.Image:
+def draw_side_by_side(pictures: list[tuple[str, NDArray[np.uint8]]]) -> Image.Image:
     """Pictures of one size with their titles above, three to a row."""
     height, width = pictures[0][1].shape[:2]
-    columns, title_height, gap = min(COLUMNS, len(pictures)), width // TITLE, width // 100
+    columns, title_height, gap = min(3, len(pictures)), width // 12, width // 100
     rows = -(-len(pictures) // columns)
     cell_width, cell_height = width + gap, height + title_height + gap
     sheet = Image.new("RGB", (columns * cell_width - gap, rows * cell_height - gap), "white")
@@ -44,6 +42,6 @@ def side_by_side(pictures: list[tuple[str, NDArray[np.uint8]]]) -> Image.Image:
     return sheet
 
 
-def thumbnail(pictures: list[NDArray[np.uint8]]) -> Image.Image:
+def draw_thumbnail(pictures: list[NDArray[np.uint8]]) -> Image.Image:
     """Pictures of one size beside each other, small."""
-    return Image.fromarray(np.hstack([resized_to(picture, THUMBNAIL) for picture in pictures]))
+    return Image.fromarray(np.hstack([resize_to(picture, 144) for picture in pictures]))

@@ -116,11 +116,11 @@ class Placed:
 
     def changed(self, step: str, box: UprightBox) -> "Placed":
         """In another box, after a step that says in words what it did, if it did anything."""
-        what = difference(self.box, box)
+        what = describe_difference(self.box, box)
         return replace(self, box=box, steps=(*self.steps, f"{step}: {what}") if what else self.steps)
 
 
-def difference(before: UprightBox, after: UprightBox) -> str:
+def describe_difference(before: UprightBox, after: UprightBox) -> str:
     """How one box differs from another, e.g. `turned 12.0°, 0.41 x 0.90 x 0.80 m, moved 2.1 cm`; empty: not at all.
 
     What rounds to no tenth of a degree or millimetre is no difference.

@@ -6,7 +6,7 @@ from pathlib import Path
 from stages.articulated.asset_folder import read_asset
 from stages.articulated.resizing import resize_asset
 from stages.contracts import GeneratedScene, InputError, Objects
-from stages.contracts.doubt import gravest_first
+from stages.contracts.doubt import sort_by_gravity
 from stages.contracts.generated import PlacedObject
 from stages.contracts.objects import Mounting
 from stages.generation.placed import Placed
@@ -15,7 +15,7 @@ from stages.geometry.boxes import UprightBox
 from stages.geometry.frames import rounded
 
 
-def scene_of(
+def to_contract(
     items: list[Placed], failed: Mapping[str, str], settled: Settled, room: Objects, variant: str, rank: int
 ) -> GeneratedScene:
     """The contract of one scene; objects in the order of objects.json, failed ones with their reason."""
@@ -40,7 +40,7 @@ def scene_of(
                 cousin=item.cousin,
                 chosen=item.chosen,
                 steps=list(item.steps),
-                doubts=gravest_first(list(item.doubts)),
+                doubts=sort_by_gravity(list(item.doubts)),
                 moved=round(item.moved, 6),
                 settled_shift=settled.shifts[item.id],
             )
@@ -59,7 +59,7 @@ def scene_of(
     )
 
 
-def summary(scene: GeneratedScene, left: list[tuple[str, str]]) -> str:
+def summarise(scene: GeneratedScene, left: list[tuple[str, str]]) -> str:
     """One line for the log."""
     check = scene.plausibility
     failed = [item.id for item in scene.objects if item.status == "failed"]
@@ -74,7 +74,7 @@ def summary(scene: GeneratedScene, left: list[tuple[str, str]]) -> str:
     return "; ".join(parts)
 
 
-def placed_items(made: GeneratedScene, folders: Mapping[str, Path], cache: Path, path: Path) -> list[Placed]:
+def read_items(made: GeneratedScene, folders: Mapping[str, Path], cache: Path, path: Path) -> list[Placed]:
     """What stands in a scene, with models at their sizes.
 
     Args:

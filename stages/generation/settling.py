@@ -1,7 +1,9 @@
 """The physics check: put the scene into SAPIEN, let it settle, and see what moves (CPU PhysX); nothing is rendered."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TypeAlias
 
 import numpy as np
@@ -10,12 +12,14 @@ from numpy.typing import NDArray
 from sapien.physx import PhysxArticulation
 from scipy.spatial.transform import Rotation
 
+from stages.articulated.asset_folder import write_asset
 from stages.config.generation import GenerationConfig
 from stages.contracts import Objects
+from stages.contracts.doubt import DoubtKind
 from stages.contracts.generated import Plausibility
 from stages.contracts.objects import Wall
 from stages.generation.placed import UNNAMED, Placed
-from stages.generation.walls import CONTACT, behind, is_beyond
+from stages.geometry.boxes import depth_behind, is_behind
 from stages.simulation.backdrop import add_backdrop
 from stages.simulation.loading import box_centre, load_asset, physics_scene, root_pose
 
@@ -30,11 +34,21 @@ class Settled:
     shifts: dict[str, float]
 
 
-def physics_check(items: list[Placed], room: Objects, collisions: int, options: GenerationConfig) -> Settled:
+def settle(items: list[Placed], room: Objects, collisions: int, options: GenerationConfig) -> Settled:
     """Let a scene settle with floor and walls. `collisions`: pairs that the pushes could not free."""
     scene = physics_scene()
     add_backdrop(scene, [item.box for item in items], room.walls, np.array(room.floor_from_camera)[:3, 3])
-    return settle(scene, load_items(scene, items), items, collisions, options, room.walls)
+    with TemporaryDirectory(prefix="acdc-sized-") as folder:
+        bodies = load_items(scene, write_models(items, Path(folder)))
+    return run_physics(scene, bodies, items, collisions, options, room.walls)
+
+
+def write_models(items: Sequence[Placed], out: Path) -> list[Placed]:
+    """The items with folders of their resized models, which the simulator reads, in the folder `out`."""
+    for item in items:
+        if item.sized is not None:
+            write_asset(item.sized.robot, out / item.id, item.sized.about)
+    return [item if item.sized is None else replace(item, folder=out / item.id) for item in items]
 
 
 def load_items(scene: sapien.Scene, items: list[Placed]) -> dict[str, Body]:
@@ -51,7 +65,7 @@ def load_items(scene: sapien.Scene, items: list[Placed]) -> dict[str, Body]:
     }
 
 
-def settle(
+def run_physics(
     scene: sapien.Scene,
     bodies: Mapping[str, Body],
     items: list[Placed],
@@ -82,7 +96,7 @@ def settle(
             fallen.append(item.id)
     free = [shifts[item.id] for item in items if not item.held]
     held = [item.id for item in items if item.support == UNNAMED]
-    in_walls = reaching_behind(items, walls)
+    in_walls = find_behind(items, walls)
     verdict = Plausibility(
         seconds=options.settle_seconds,
         stable=not (fallen or collisions or held or in_walls),
@@ -96,12 +110,16 @@ def settle(
     return Settled(verdict, shifts)
 
 
-def reaching_behind(items: Sequence[Placed], walls: Sequence[Wall]) -> list[str]:
+def find_behind(items: Sequence[Placed], walls: Sequence[Wall]) -> list[str]:
     """Ids of what stands in a wall; what is wholly behind its plane is seen past its end."""
     return [
         item.id
         for item in items
-        if any(behind(item.box, wall) > CONTACT and not is_beyond(item.box, wall) for wall in walls)
+        if any(
+            depth_behind(item.box, wall.normal, wall.offset) > DoubtKind.BEHIND_WALL.threshold
+            and not is_behind(item.box, wall.normal, wall.offset)
+            for wall in walls
+        )
     ]
 
 

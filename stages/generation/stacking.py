@@ -9,34 +9,34 @@ from shapely.ops import nearest_points
 
 from stages.config.generation import GenerationConfig
 from stages.generation.placed import FLOOR, UNNAMED, WALL, Placed
-from stages.generation.surfaces import surface_beneath
+from stages.generation.surfaces import find_surface
 from stages.geometry.boxes import footprint
 
 
-def stacked(
+def carry(
     items: list[Placed],
     stated: Mapping[str, str],
     nudges: Mapping[str, Sequence[float] | None],
     options: GenerationConfig,
 ) -> list[Placed]:
-    """Supports found and every item at its height (A.3), from low to high.
+    """The items with their supports and at their heights (A.3), from low to high.
 
     Args:
         stated: by id, what carries it as a person says.
         nudges: by id, metres (x, y) by which a person moves it with all that it carries.
     """
-    ordered = sorted_by_height(items)
-    supports = support_tree(ordered, options.support_overlap, options.stack_tolerance)
-    ordered, supports = with_stated(ordered, supports, stated)
-    return nudged(on_supports(ordered, supports, options.stack_tolerance is not None), nudges)
+    ordered = sort_by_height(items)
+    supports = find_supports(ordered, options.support_overlap, options.stack_tolerance)
+    ordered, supports = apply_stated(ordered, supports, stated)
+    return nudge(put_on_supports(ordered, supports, options.stack_tolerance is not None), nudges)
 
 
-def sorted_by_height(items: list[Placed]) -> list[Placed]:
+def sort_by_height(items: list[Placed]) -> list[Placed]:
     """From low to high by the height of the box centre (A.3); ties by id, so that the order is always the same."""
     return sorted(items, key=lambda item: (item.center[2], item.id))
 
 
-def support_tree(items: list[Placed], overlap: float, tolerance: float | None) -> dict[str, str]:
+def find_supports(items: list[Placed], overlap: float, tolerance: float | None) -> dict[str, str]:
     """The support of every item: 'floor', the id of the highest one beneath it, or 'unnamed'.
 
     What extraction saw beneath it counts: cousins have other sizes than what was seen.
@@ -58,36 +58,37 @@ def support_tree(items: list[Placed], overlap: float, tolerance: float | None) -
         carriers = [
             lower
             for lower in items[:index]
-            if overlap_share(item, lower) > overlap
-            and (tolerance is None or item.bottom >= surface_beneath(item, lower).height - tolerance)
+            if measure_overlap(item, lower) > overlap
+            and (tolerance is None or item.bottom >= find_surface(item, lower).height - tolerance)
         ]
         if not carriers and tolerance is not None and item.bottom > tolerance and not item.wall_mounted:
             level = [
                 low
                 for low in items[:index]
-                if apart(item, low) <= tolerance and abs(item.bottom - surface_beneath(item, low).height) <= tolerance
+                if max(footprint_gap(item, low), abs(item.bottom - find_surface(item, low).height)) <= tolerance
             ]
-            carriers = sorted(level, key=lambda low: (overlap_share(item, low), -apart(item, low), low.id))[-1:]
-        highest = max(((surface_beneath(item, lower).height, lower.id) for lower in carriers), default=(0.0, FLOOR))
+            nearest = sorted(level, key=lambda low: (measure_overlap(item, low), -footprint_gap(item, low), low.id))
+            carriers = nearest[-1:]
+        highest = max(((find_surface(item, lower).height, lower.id) for lower in carriers), default=(0.0, FLOOR))
         top = max((lower.top for lower in carriers), default=0.0)  # a stool's may have become a chair's back
         above = tolerance is not None and item.bottom > top + tolerance and not item.wall_mounted
         supports[item.id] = UNNAMED if above else highest[1]
     return supports
 
 
-def overlap_share(upper: Placed, lower: Placed) -> float:
+def measure_overlap(upper: Placed, lower: Placed) -> float:
     """Shared footprint area as a share of the smaller of both footprints."""
     a, b = footprint(upper.box), footprint(lower.box)
     smaller = min(a.area, b.area)
     return float(a.intersection(b).area / smaller) if smaller > 0 else 0.0
 
 
-def apart(item: Placed, other: Placed) -> float:
+def footprint_gap(item: Placed, other: Placed) -> float:
     """Distance of their footprints, metres."""
     return float(footprint(item.box).distance(footprint(other.box)))
 
 
-def with_stated(
+def apply_stated(
     ordered: list[Placed], supports: dict[str, str], stated: Mapping[str, str]
 ) -> tuple[list[Placed], dict[str, str]]:
     """Items and supports with those that a person says; what carries comes before what it carries.
@@ -111,7 +112,7 @@ def with_stated(
     return sorted(ordered, key=lambda item: height(item.id)), supports
 
 
-def on_supports(items: list[Placed], supports: dict[str, str], steady: bool = True) -> list[Placed]:
+def put_on_supports(items: list[Placed], supports: dict[str, str], steady: bool = True) -> list[Placed]:
     """Every item at its height, lower ones first, since a support must be in its place before what it carries.
 
     What hangs is only lifted out of what is beneath it, everything else is put on top of it.
@@ -128,7 +129,7 @@ def on_supports(items: list[Placed], supports: dict[str, str], steady: bool = Tr
             done[item.id] = replace(item, support=UNNAMED)
             continue
         if support != FLOOR:
-            surface = surface_beneath(item, done[support])
+            surface = find_surface(item, done[support])
             beneath = surface.height
             if steady and not item.wall_mounted:
                 there, here = nearest_points(surface.steady_region(item), Point(item.center[:2]))
@@ -141,17 +142,17 @@ def on_supports(items: list[Placed], supports: dict[str, str], steady: bool = Tr
     return list(done.values())
 
 
-def nudged(items: list[Placed], moves: Mapping[str, Sequence[float] | None]) -> list[Placed]:
+def nudge(items: list[Placed], moves: Mapping[str, Sequence[float] | None]) -> list[Placed]:
     """The items after a person moved some, by id, x and y in metres, each with all that it carries."""
     supports, after = {item.id: item.support for item in items}, {item.id: item for item in items}
     for item in items:
         if move := moves.get(item.id):
-            for name in stack_of(item.id, supports):
+            for name in find_stack(item.id, supports):
                 after[name] = after[name].shifted(np.array([*move, 0.0]))
     return [item.changed("moved by a person", after[item.id].box) for item in items]
 
 
-def stack_of(base: str, supports: Mapping[str, str]) -> set[str]:
+def find_stack(base: str, supports: Mapping[str, str]) -> set[str]:
     """Ids of an item and of everything that it carries, directly or not."""
     stack = {base}
     while True:

@@ -13,7 +13,7 @@ from stages.geometry.boxes import footprint
 LEVEL = 0.01  # metres: tops that differ by less are one surface
 EVEN = 0.001  # metres below the highest of them, at which a piece still carries: a door's upper edge does not
 HOLDS = 0.5  # of half the width of what it is to carry: a narrower surface (a back, a rail) carries nothing
-GRID = 1e-6  # metres to which outlines are cut and joined: overlays of floating point numbers may fail
+OVERLAY_GRID = 1e-6  # metres to which outlines are cut and joined: overlays of floating point numbers may fail
 STEADY = 0.1  # of the width of what stands near an edge: the least distance of its centre from that edge
 
 
@@ -25,12 +25,12 @@ class SupportSurface(NamedTuple):
 
     def steady_region(self, item: Placed) -> BaseGeometry:
         """Where the centre of an item may be that stands on it: over it, and not just above its edge."""
-        side = min(shorter_side(footprint(item.box)), shorter_side(self.area.convex_hull))
+        side = min(measure_shorter_side(footprint(item.box)), measure_shorter_side(self.area.convex_hull))
         inset = self.area.buffer(-STEADY * side)
         return self.area if inset.is_empty else inset
 
 
-def surface_beneath(item: Placed, lower: Placed) -> SupportSurface:
+def find_surface(item: Placed, lower: Placed) -> SupportSurface:
     """The surface of `lower` that carries an item: the seat of a chair, not its back.
 
     Of the surfaces seen from above that are wide enough, the one that most of the item is over, else the nearest one.
@@ -38,25 +38,26 @@ def surface_beneath(item: Placed, lower: Placed) -> SupportSurface:
     """
     pieces, under, taller = lower.collision_prisms, footprint(item.box), Polygon()
     whole = MultiPoint(np.concatenate([piece.outline for piece in pieces])).convex_hull if pieces else taller
-    reach = HOLDS * min(shorter_side(under), shorter_side(whole)) / 2
+    reach = HOLDS * min(measure_shorter_side(under), measure_shorter_side(whole)) / 2
     found: dict[tuple[float, float, float], BaseGeometry] = {}
     left = sorted(pieces, key=lambda piece: piece.high)
     while left:
         height = left[-1].high
         topmost = [piece for piece in left if piece.high > height - LEVEL]
         left = left[: -len(topmost)]
-        level = joined([Polygon(piece.outline) for piece in topmost])
-        highest = joined([Polygon(piece.outline) for piece in topmost if piece.high > height - EVEN])
-        surface, carries, taller = without(level, taller), without(highest, taller), joined([taller, level])
+        level = join([Polygon(piece.outline) for piece in topmost])
+        highest = join([Polygon(piece.outline) for piece in topmost if piece.high > height - EVEN])
+        surface, carries, taller = subtract(level, taller), subtract(highest, taller), join([taller, level])
         if not surface.buffer(-reach).is_empty:
-            area = surface if carries.is_empty else polygons(surface.intersection(carries.convex_hull, GRID))
+            within = surface.intersection(carries.convex_hull, OVERLAY_GRID)
+            area = surface if carries.is_empty else keep_polygons(within)
             found[surface.intersection(under).area, -surface.distance(under), height] = area
     if not found:
         return SupportSurface(lower.top, footprint(lower.box))
-    return SupportSurface(max(found)[2], balanced(item, lower, pieces, found[max(found)]))
+    return SupportSurface(max(found)[2], keep_balanced(item, lower, pieces, found[max(found)]))
 
 
-def shorter_side(area: BaseGeometry) -> float:
+def measure_shorter_side(area: BaseGeometry) -> float:
     """Of the smallest rectangle, turned as may be, around an area."""
     if not isinstance(area, Polygon) or area.is_empty:
         return 0.0
@@ -64,22 +65,22 @@ def shorter_side(area: BaseGeometry) -> float:
     return float(np.linalg.norm(np.diff(corner[:3], axis=0), axis=1).min())
 
 
-def joined(areas: list[BaseGeometry]) -> MultiPolygon:
+def join(areas: list[BaseGeometry]) -> MultiPolygon:
     """The union of areas."""
-    return polygons(shapely.union_all(areas, GRID))
+    return keep_polygons(shapely.union_all(areas, OVERLAY_GRID))
 
 
-def without(area: BaseGeometry, other: BaseGeometry) -> MultiPolygon:
+def subtract(area: BaseGeometry, other: BaseGeometry) -> MultiPolygon:
     """An area less another."""
-    return polygons(area.difference(other, GRID))
+    return keep_polygons(area.difference(other, OVERLAY_GRID))
 
 
-def polygons(geometry: BaseGeometry) -> MultiPolygon:
+def keep_polygons(geometry: BaseGeometry) -> MultiPolygon:
     """Its polygons: what is thinner than the grid is lines there."""
     return MultiPolygon([part for part in shapely.get_parts(geometry) if isinstance(part, Polygon)])
 
 
-def balanced(item: Placed, lower: Placed, pieces: list[Prism], surface: BaseGeometry) -> BaseGeometry:
+def keep_balanced(item: Placed, lower: Placed, pieces: list[Prism], surface: BaseGeometry) -> BaseGeometry:
     """The part of a surface where an item does not tip over what carries it: both weigh over the lower one's feet.
 
     All of it if there is no such part, or the lower one is held.
@@ -89,6 +90,7 @@ def balanced(item: Placed, lower: Placed, pieces: list[Prism], surface: BaseGeom
     lowest = min(piece.low for piece in pieces)
     feet = MultiPoint(np.concatenate([piece.outline for piece in pieces if piece.low < lowest + LEVEL])).convex_hull
     reach = 1 + lower.asset.mass / item.asset.mass
-    steady = affinity.scale(feet.buffer(-STEADY * shorter_side(feet)), reach, reach, origin=tuple(lower.center[:2]))
+    inset = feet.buffer(-STEADY * measure_shorter_side(feet))
+    steady = affinity.scale(inset, reach, reach, origin=tuple(lower.center[:2]))
     within = surface.intersection(steady)
     return surface if steady.contains(surface) or within.area == 0 else within

@@ -43,6 +43,16 @@ def corners(box: UprightBox) -> NDArray[np.float64]:
     return _SIGNS * box.size @ yaw_matrix(box.yaw).T + box.center
 
 
+def depth_behind(box: UprightBox, normal: ArrayLike, offset: float) -> float:
+    """How far a box reaches behind the plane `normal . x = offset`, metres; negative: it is before it."""
+    return offset - float((corners(box) @ np.asarray(normal)).min())
+
+
+def is_behind(box: UprightBox, normal: ArrayLike, offset: float) -> bool:
+    """Whether a box lies wholly behind a plane: if it is seen, the wall there ends, or has an opening, before it."""
+    return float((corners(box) @ np.asarray(normal)).max()) < offset
+
+
 def footprint(box: UprightBox) -> Polygon:
     """The box seen from above, as a polygon in the x-y plane."""
     return Polygon(corners(box)[:4, :2])

@@ -1,11 +1,11 @@
 """The box of an object from the noisy cloud that a depth camera has of it."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy.ndimage import gaussian_filter1d
 
 from stages.geometry.boxes import UprightBox
@@ -132,3 +132,31 @@ def near_face(values: Array, sign: float, noise: float, trim: float) -> float | 
     if outer[peak] < PROMINENT * len(values) / bins:
         return None
     return float(-sign * (edges[peak] + edges[peak + 1]) / 2)
+
+
+def correct_depth(
+    box: UprightBox, native: ArrayLike, fixed_face: ArrayLike, believable: tuple[float, float]
+) -> UprightBox:
+    """The box with its depth replaced if it cannot be that of such a model.
+
+    The scale of an axis is its extent over the model's native one. The median of the three scales is
+    the model's scale; a depth whose scale is outside `believable` times it gets that scale. Width and
+    height are left alone: the picture shows them.
+
+    Args:
+        box: measured extents along the model's axes.
+        native: extents (3,) of the model as it is in the library.
+        fixed_face: direction (2,) to the face that stays where it is: towards the camera, since that
+            side was seen, or towards the wall that the object touches. Depth is along it.
+    """
+    size, native = box.size.copy(), np.asarray(native, dtype=float)
+    along = yaw_matrix(box.yaw)[:2, :2].T @ np.asarray(fixed_face, dtype=float)[:2]
+    depth = int(np.argmax(np.abs(along)))
+    scales = size / native
+    scale = float(np.median(scales))
+    if believable[0] * scale <= scales[depth] <= believable[1] * scale:
+        return box
+    growth = scale * native[depth] - size[depth]
+    size[depth] += growth
+    center = box.center - np.sign(along[depth]) * growth / 2 * yaw_matrix(box.yaw)[:, depth]
+    return replace(box, center=center, size=size)

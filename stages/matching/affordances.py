@@ -6,18 +6,18 @@ from stages.contracts.objects import SceneObject
 from stages.matching.candidates import count_gap
 
 
-def counted(doors: int, drawers: int) -> str:
+def describe_counts(doors: int, drawers: int) -> str:
     """In words, e.g. `2 doors and no drawer`."""
     parts = ((doors, "door"), (drawers, "drawer"))
     return " and ".join(f"{number or 'no'} {noun}{'s' * (number > 1)}" for number, noun in parts)
 
 
-def compared(entry: ObjectCousins, item: SceneObject, library: Library) -> ObjectCousins:
+def note_differences(entry: ObjectCousins, item: SceneObject, library: Library) -> ObjectCousins:
     """The entry, where each cousin with other doors or drawers than were stated says so, and which model has them."""
     if item.doors + item.drawers == 0:
         return entry
     models = {one.id: one for one in library.assets}
-    said = counted(item.doors, item.drawers)
+    said = describe_counts(item.doors, item.drawers)
     alike = [one.rank for one in entry.cousins if count_gap(item, models[one.asset]) == 0]
 
     def differs(one: Cousin) -> str:
@@ -31,7 +31,7 @@ def compared(entry: ObjectCousins, item: SceneObject, library: Library) -> Objec
             better = f"another {kind} of the library has that"
         else:
             better = f"no {kind} of the library has that"
-        return f"was said to have {said}, the model has {counted(model.doors, model.drawers)}; {better}"
+        return f"was said to have {said}, the model has {describe_counts(model.doors, model.drawers)}; {better}"
 
     return entry.model_copy(
         update={"cousins": [one.model_copy(update={"differs": differs(one)}) for one in entry.cousins]}

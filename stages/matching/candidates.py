@@ -7,7 +7,7 @@ from stages.contracts import Library
 from stages.contracts.cousins import CategoryMatch
 from stages.contracts.library import LibraryEntry
 from stages.contracts.objects import SceneObject
-from stages.matching.text_encoders import TextEncoder, doubt_of, nearest_categories
+from stages.matching.text_encoders import TextEncoder, find_doubt, find_nearest_categories
 
 
 class Candidates(NamedTuple):
@@ -34,8 +34,8 @@ def find_candidates(item: SceneObject, library: Library, text: TextEncoder, opti
     """
     by_counts = item.articulated and options.count_threshold is not None
     pool = [entry for entry in library.assets if not item.articulated or entry.doors + entry.drawers > 0]
-    doubt = doubt_of(item.label, [entry.category for entry in pool], text)
-    near = nearest_categories(item.label, [entry.category for entry in pool], len(pool), text)
+    doubt = find_doubt(item.label, [entry.category for entry in pool], text)
+    near = find_nearest_categories(item.label, [entry.category for entry in pool], len(pool), text)
     ordered = [CategoryMatch(category=name, distance=distance) for name, distance in near]
     categories = ordered[: options.k_cat]
     if pool and not categories:

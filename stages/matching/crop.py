@@ -40,7 +40,7 @@ def cut(view: View) -> View:
     return View(view.rgb[window], view.mask[window], depth, intrinsics, view.up)
 
 
-def alone(view: View) -> NDArray[np.uint8]:
+def darken_rest(view: View) -> NDArray[np.uint8]:
     """The object's part of the picture, what is not the object darkened."""
     shade = np.where(view.mask[..., None], view.rgb, view.rgb // 3).astype(np.uint8)
     return cut(View(shade, view.mask)).rgb

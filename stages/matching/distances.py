@@ -10,7 +10,7 @@ from stages.contracts.cousins import Distances
 from stages.contracts.scenes import true_model
 from stages.matching.encoders import column_weights, make_encoder, settings_digest
 from stages.matching.match import read_library
-from stages.matching.ranking import Query, rank, weighted
+from stages.matching.ranking import Query, apply_weights, rank
 from stages.matching.store import FeatureStore, Snapshot
 
 
@@ -52,17 +52,19 @@ def run(
         [true_model(truth, objects, object), *(cousin.asset for cousin in (item.cousins if item else []))]
     )
     articulated = set(assets)
-    rows = {asset: distances_to(asset, assets, store, weights, settings) for asset in twins if asset in articulated}
+    rows = {
+        asset: measure_distances(asset, assets, store, weights, settings) for asset in twins if asset in articulated
+    }
     write_json(
         out, Distances(scene=matched.scene, object=object, encoder=matched.encoder, assets=assets, distances=rows)
     )
 
 
-def distances_to(
+def measure_distances(
     asset: str, assets: list[str], store: FeatureStore, weights: np.ndarray, options: ComparisonOptions
 ) -> list[float]:
     """Embedding distance of one asset's representative snapshot to that of each of `assets`; 0 to itself."""
     view = store.representative
-    query = Query(weighted(store.rows(Snapshot(asset, view)), weights), weights, store.wholes(asset, [view])[0])
+    query = Query(apply_weights(store.rows(Snapshot(asset, view)), weights), weights, store.wholes(asset, [view])[0])
     ranking = rank(query, [Snapshot(other, view) for other in assets], range(len(assets)), store, options, 1)
     return ranking.distances.tolist()

@@ -10,7 +10,14 @@ from stages.config.matching import EncoderOptions
 from stages.contracts import read_options
 from stages.contracts.features import FeatureIndex
 from stages.matching.codec import learn
-from stages.matching.encoders import EXTRA_COLUMNS, PatchEncoder, encode_rows, make_encoder, settings_digest, whole
+from stages.matching.encoders import (
+    EXTRA_COLUMNS,
+    PatchEncoder,
+    encode_rows,
+    make_encoder,
+    pool_patches,
+    settings_digest,
+)
 from stages.matching.snapshots import SnapshotFile
 from stages.matching.store import write_store
 
@@ -36,7 +43,7 @@ def run(*, snapshots: Path, out: Path, options: str = "{}") -> None:
         for asset in progress(shard.sidecar.assets, "assets encoded", len(shard.sidecar.assets)):
             for patches in encode_rows(encoder, shard.views(asset)):
                 rows.append(codec.encode(patches) if codec else patches)
-                wholes.append(whole(patches))
+                wholes.append(pool_patches(patches))
                 starts.append(starts[-1] + len(patches))
         index = FeatureIndex(
             encoder=settings.encoder,

@@ -14,12 +14,13 @@ from stages.contracts import Cousins, InputError, LeftOut, Library, read_json, r
 from stages.contracts.cousins import ObjectCousins, Orientation
 from stages.contracts.doubt import MEND
 from stages.contracts.objects import SceneObject
-from stages.matching.affordances import compared
-from stages.matching.alike import agreed
+from stages.matching.affordances import note_differences
+from stages.matching.agreement import agree_on_order
 from stages.matching.candidates import find_candidates
+from stages.matching.deciding import decide_cousins
 from stages.matching.encoders import PatchEncoder, make_encoder, settings_digest
 from stages.matching.judges import Judges
-from stages.matching.ranking import known_models, make_query, rank_cousins, rank_models, rank_orientations, shortlisted
+from stages.matching.ranking import make_query, rank_by_priors, rank_models, rank_orientations, shortlist
 from stages.matching.scene import Scene
 from stages.matching.snapshots import Snapshots
 from stages.matching.store import FeatureStore
@@ -58,7 +59,7 @@ def run(
     """
     settings = read_options(matching_model(present()), options)
     stored = open_pictures(features, settings) if settings.compares_pictures else None
-    assets = without_models(read_library(library, stored.store if stored else None), without)
+    assets = leave_out(read_library(library, stored.store if stored else None), without)
     scene = Scene(objects, image)
     text = make_text_encoder(settings)
     judges = Judges(settings, library, Snapshots(snapshots))
@@ -68,7 +69,9 @@ def run(
     ]
     encoder = settings.encoder if stored else "none"
     items = scene.objects.objects
-    entries = [compared(entry, item, assets) for entry, item in zip(agreed(entries, items), items, strict=True)]
+    entries = [
+        note_differences(entry, item, assets) for entry, item in zip(agree_on_order(entries, items), items, strict=True)
+    ]
     looks = [path.with_suffix(".npz") for path in features]  # of every view as a whole: a store has a gigabyte
     seen = [image, *looks] if settings.compares_pictures else []
     asked = settings.deciding()
@@ -76,11 +79,11 @@ def run(
     origin = made("stages.matching.match", asked, [objects, *seen, library, *without], seed)
     result = Cousins(scene=scene.objects.scene, encoder=encoder, objects=entries, made=origin)
     write_json(out, result)
-    for line in (*judges.summaries(), *doubtful(entries)):
+    for line in (*judges.summaries(), *describe_doubts(entries)):
         print(line)
 
 
-def doubtful(entries: list[ObjectCousins]) -> Iterator[str]:
+def describe_doubts(entries: list[ObjectCousins]) -> Iterator[str]:
     """A line for every object whose nearest cousin opens otherwise than was stated, or whose name is not known."""
     for entry in entries:
         if entry.cousins and entry.cousins[0].differs:
@@ -104,7 +107,7 @@ def read_library(path: Path, store: FeatureStore | None) -> Library:
     return library
 
 
-def without_models(library: Library, files: tuple[Path, ...]) -> Library:
+def leave_out(library: Library, files: tuple[Path, ...]) -> Library:
     """The library without the models that the files name."""
     gone = {name for file in files for name in read_json(LeftOut, file).assets}
     return library.model_copy(update={"assets": [entry for entry in library.assets if entry.id not in gone]})
@@ -130,17 +133,17 @@ def match_object(
         return _failed(item, "no candidate: the library has no asset with doors or drawers")
     question = judges.question(view, item, scene.objects)
     if stored is None:
-        models = known_models(candidates, item, options)
+        models = rank_by_priors(candidates, item, options)
         facing = Orientation(yaw=0.0, distance=0.0)  # stands for the views, none of which is compared
-        return rank_cousins(models, lambda asset: ([], [facing]), candidates, item, question, judges, options)
+        return decide_cousins(models, lambda asset: ([], [facing]), candidates, item, question, judges, options)
     encoder, store = stored
     query = make_query(view if store.upright else replace(view, up=None), encoder, options.colour)
     if query is None:
         return _failed(item, f"no foreground patch: mask {item.mask} has no pixel in masks.png")
-    candidates = shortlisted(query, candidates, item, store, options)
+    candidates = shortlist(query, candidates, item, store, options)
     models = rank_models(query, candidates, item, store, options)
     orientations_of = partial(rank_orientations, query, store=store, options=options)
-    return rank_cousins(models, orientations_of, candidates, item, question, judges, options)
+    return decide_cousins(models, orientations_of, candidates, item, question, judges, options)
 
 
 def _failed(item: SceneObject, reason: str) -> ObjectCousins:

@@ -25,8 +25,8 @@ def layout_gap(said: Sequence[Panel], own: Sequence[Panel]) -> float:
     With all of them in place it is |d doors| + |d drawers| (`count_gap`). The model's may be laid over those that were
     said, all together and by `SHIFT` at most: the front that a person drew on is that of an estimated box.
     """
-    ours, theirs = boxes(said), boxes(own)
-    return min(_gap(said, ours, own, there) for there in (theirs, laid_over(theirs, ours)))
+    ours, theirs = to_boxes(said), to_boxes(own)
+    return min(_gap(said, ours, own, there) for there in (theirs, lay_over(theirs, ours)))
 
 
 def _gap(said: Sequence[Panel], ours: NDArray[np.float64], own: Sequence[Panel], theirs: NDArray[np.float64]) -> float:
@@ -34,18 +34,18 @@ def _gap(said: Sequence[Panel], ours: NDArray[np.float64], own: Sequence[Panel],
     gap = 0.0
     for kind in ("door", "drawer"):
         mine, others = [panel.kind == kind for panel in said], [panel.kind == kind for panel in own]
-        apart = 1 - overlaps(ours[mine], theirs[others])
+        apart = 1 - measure_overlaps(ours[mine], theirs[others])
         gap += float(apart[linear_sum_assignment(apart)].sum()) + abs(sum(mine) - sum(others))
     return gap
 
 
-def boxes(panels: Sequence[Panel]) -> NDArray[np.float64]:
+def to_boxes(panels: Sequence[Panel]) -> NDArray[np.float64]:
     """(N, 2, 2): across and up; from, to."""
     found = [[(panel.left, panel.right), (panel.bottom, panel.top)] for panel in panels]
     return np.array(found, dtype=float).reshape(-1, 2, 2)
 
 
-def laid_over(own: NDArray[np.float64], said: NDArray[np.float64]) -> NDArray[np.float64]:
+def lay_over(own: NDArray[np.float64], said: NDArray[np.float64]) -> NDArray[np.float64]:
     """Boxes (N, 2, 2) with the outline of all of them nearer to that of others, its edges by at most `SHIFT`."""
     if not len(own) or not len(said):
         return own
@@ -56,7 +56,7 @@ def laid_over(own: NDArray[np.float64], said: NDArray[np.float64]) -> NDArray[np
     return np.asarray((own - low[:, None]) * scale[:, None] + to_low[:, None])
 
 
-def overlaps(ours: NDArray[np.float64], theirs: NDArray[np.float64]) -> NDArray[np.float64]:
+def measure_overlaps(ours: NDArray[np.float64], theirs: NDArray[np.float64]) -> NDArray[np.float64]:
     """Intersection over union (N, M) of boxes (N, 2, 2) and (M, 2, 2)."""
     a, b = ours[:, None], theirs[None]
     shared = np.maximum(np.minimum(a[..., 1], b[..., 1]) - np.maximum(a[..., 0], b[..., 0]), 0).prod(axis=-1)

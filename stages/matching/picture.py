@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from stages.contracts import Cousins, InputError, atomic
-from stages.matching.crop import View, alone
+from stages.matching.crop import View, darken_rest
 from stages.matching.scene import Scene
 from stages.matching.snapshots import Snapshots
 from stages.matching.synthesis.in_place import InPlace
@@ -64,7 +64,7 @@ def write_picture(
 
 def crop_picture(view: View) -> Picture:
     """The object (TILE, TILE, 3) with a little of what is around it, darkened outside its mask."""
-    return _fit(alone(view))
+    return _fit(darken_rest(view))
 
 
 def _fit(picture: Picture) -> Picture:

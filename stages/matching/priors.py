@@ -15,7 +15,7 @@ from stages.matching.candidates import Candidates
 from stages.matching.panels import panel_gap
 
 
-def addends(item: SceneObject, candidates: Candidates, options: MatchingConfig) -> list[dict[str, float]]:
+def list_addends(item: SceneObject, candidates: Candidates, options: MatchingConfig) -> list[dict[str, float]]:
     """For every candidate what its distance grows by, by name; without those of weight 0."""
     labels = {match.category: match.distance for match in candidates.categories}
     return [
@@ -25,7 +25,7 @@ def addends(item: SceneObject, candidates: Candidates, options: MatchingConfig) 
                 ("label", options.label_weight, labels.get(entry.category, 0.0)),
                 ("size", options.size_weight, size_gap(item, entry)),
                 ("counts", options.count_weight, panel_gap(item, entry) if item.articulated else 0),
-                ("place", options.place_weight, misplaced(item, entry)),
+                ("place", options.place_weight, is_misplaced(item, entry)),
             )
             if weight
         }
@@ -33,7 +33,7 @@ def addends(item: SceneObject, candidates: Candidates, options: MatchingConfig) 
     ]
 
 
-def added(candidate: Candidate) -> float:
+def sum_priors(candidate: Candidate) -> float:
     """What a model's distance is the sum of besides patches."""
     return sum(part for name, part in candidate.parts.items() if name != "patches")
 
@@ -49,7 +49,7 @@ def size_gap(item: SceneObject, entry: LibraryEntry) -> float:
     return float(min(np.abs(seen - own).mean(), np.abs(seen - own[[1, 0, 2]]).mean()))
 
 
-def misplaced(item: SceneObject, entry: LibraryEntry) -> float:
+def is_misplaced(item: SceneObject, entry: LibraryEntry) -> float:
     """1 if the object hangs on a wall and the model does not, or the reverse; 0 where either is not known."""
     if item.mounting is None or entry.placement is None:
         return 0.0

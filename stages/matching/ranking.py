@@ -7,23 +7,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.config.matching import ComparisonOptions, MatchingConfig
-from stages.contracts.cousins import Candidate, Cousin, ObjectCousins, Orientation
-from stages.contracts.doubt import Doubt
+from stages.contracts.cousins import Candidate, Orientation
 from stages.contracts.objects import SceneObject
 from stages.matching.candidates import Candidates
 from stages.matching.crop import View
-from stages.matching.encoders import PatchEncoder, column_weights, encode_rows, whole, whole_weights
-from stages.matching.judges import AbstainedError, Judges, Question, checked
-from stages.matching.priors import addends
+from stages.matching.encoders import PatchEncoder, column_weights, encode_rows, pool_patches, whole_weights
+from stages.matching.priors import list_addends
+from stages.matching.question import DIGITS
 from stages.matching.search import distance_table, load_search
 from stages.matching.store import FeatureStore, Snapshot
 from stages.matching.voting import Pick, embedding_distance, vote
 
 Models = tuple[list[Candidate], list[Candidate]]  # by votes, by distance
 Orientations = tuple[list[Orientation], list[Orientation]]  # likewise
-BY_DISTANCE = "distance"  # what decides where a judge does not
-WHOLE = 0.1  # distance of the median candidate's views as a whole, in a shortlist: that of patches is about as large
-DIGITS = 4  # of distances and scores: beyond them backends differ, so what is equal up to here is a tie
+MEDIAN_DISTANCE = 0.1  # of a shortlist's median candidate by its views as a whole: that by patches is about as large
 
 
 class Query(NamedTuple):
@@ -47,7 +44,7 @@ class Ranking(NamedTuple):
         return [int(group) for group in np.argsort(self.distances, kind="stable")]
 
 
-def weighted(rows: NDArray[np.floating], weights: NDArray[np.float32]) -> NDArray[np.float32]:
+def apply_weights(rows: NDArray[np.floating], weights: NDArray[np.float32]) -> NDArray[np.float32]:
     """Stored rows (P, columns) as vectors (P, D) to compare: weights applied, columns without weight left out."""
     used = weights > 0
     return rows[:, used].astype(np.float32) * weights[used]
@@ -61,7 +58,7 @@ def make_query(view: View, encoder: PatchEncoder, colour: float = 0.0) -> Query 
     known = 0 if view.depth is None else np.count_nonzero(view.depth[view.mask])
     weights = column_weights(encoder, bool(2 * known >= np.count_nonzero(view.mask)), colour)
     rows = encode_rows(encoder, [view])[0]  # as the other side is stored
-    return Query(weighted(rows, weights), weights, whole(rows)) if len(rows) else None
+    return Query(apply_weights(rows, weights), weights, pool_patches(rows)) if len(rows) else None
 
 
 def compare(
@@ -78,7 +75,7 @@ def compare(
     """
 
     def vectors(number: int) -> NDArray[np.float32]:
-        return weighted(rows(number), query.weights)
+        return apply_weights(rows(number), query.weights)
 
     both_ways = distance_table(query.patches, vectors, count, options.search, nearest, both=symmetric > 0)
     distances = (1 - symmetric) * embedding_distance(both_ways.table, options.exclude_worst)
@@ -118,7 +115,7 @@ def compared_views(store: FeatureStore, options: MatchingConfig) -> list[int]:
     return [round(k * len(store.yaws) / count) for k in range(count)] or [store.representative]
 
 
-def shortlisted(
+def shortlist(
     query: Query, candidates: Candidates, item: SceneObject, store: FeatureStore, options: MatchingConfig
 ) -> Candidates:
     """The `shortlist` candidates that are nearest by their views as a whole and by priors, in their order; 0: all."""
@@ -127,13 +124,13 @@ def shortlisted(
         return candidates
     views, factors = compared_views(store, options), whole_weights(query.weights)
     squared, _ = load_search(options.search)(
-        weighted(query.whole[None], factors),
-        lambda number: weighted(store.wholes(assets[number].id, views), factors),
+        apply_weights(query.whole[None], factors),
+        lambda number: apply_weights(store.wholes(assets[number].id, views), factors),
         len(assets),
         False,
     )
-    apart = WHOLE * squared[0] / max(float(np.median(squared[0])), 1e-9)
-    apart += [sum(more.values()) for more in addends(item, candidates, options)]
+    apart = MEDIAN_DISTANCE * squared[0] / max(float(np.median(squared[0])), 1e-9)
+    apart += [sum(more.values()) for more in list_addends(item, candidates, options)]
     nearest = np.sort(np.argsort(apart, kind="stable")[: options.shortlist])
     return candidates._replace(assets=[assets[number] for number in nearest])
 
@@ -156,17 +153,17 @@ def rank_models(
             votes=votes.get(number),
         )
         for number, (entry, distance, more) in enumerate(
-            zip(assets, ranking.distances, addends(item, candidates, options), strict=True)
+            zip(assets, ranking.distances, list_addends(item, candidates, options), strict=True)
         )
     ]
     return [compared[group] for group, _ in ranking.picks], sorted(compared, key=lambda one: one.distance)
 
 
-def known_models(candidates: Candidates, item: SceneObject, options: MatchingConfig) -> Models:
+def rank_by_priors(candidates: Candidates, item: SceneObject, options: MatchingConfig) -> Models:
     """All candidates by priors alone, where no picture is compared; ties in their order, and no votes."""
     known = [
         Candidate(asset=entry.id, category=entry.category, distance=round(sum(parts.values()), DIGITS), parts=parts)
-        for entry, parts in zip(candidates.assets, addends(item, candidates, options), strict=True)
+        for entry, parts in zip(candidates.assets, list_addends(item, candidates, options), strict=True)
     ]
     return [], sorted(known, key=lambda one: one.distance)
 
@@ -182,59 +179,3 @@ def rank_orientations(query: Query, asset: str, store: FeatureStore, options: Ma
         for view in views
     ]
     return [orientations[view] for view, _ in ranking.picks], [orientations[view] for view in ranking.nearest]
-
-
-def rank_cousins(
-    models: Models,
-    orientations_of: Callable[[str], Orientations],
-    candidates: Candidates,
-    item: SceneObject,
-    question: Question,
-    judges: Judges,
-    options: MatchingConfig,
-) -> ObjectCousins:
-    """Ranked cousins of one object, each with its own orientation, as the judges decide, or by distance.
-
-    Args:
-        models: the candidates by votes and by distance.
-        orientations_of: those of an asset, likewise.
-    """
-    notes = [candidates.note] if candidates.note else []
-    decided_by, orientation_decided_by = judges.model_name, judges.orientation_name
-    by_votes, by_distance = models
-    try:
-        answer = judges.of_models.models(question, by_votes, by_distance)
-        chosen = checked(judges.names[0], Candidate, answer, {one.asset for one in by_distance})
-    except AbstainedError as abstained:
-        chosen = abstained.chosen + [one for one in by_distance if one not in abstained.chosen]
-        decided_by = decided_by if abstained.chosen else BY_DISTANCE
-        notes.append(f"models from {len(abstained.chosen) + 1} on by distance: {abstained.reason}")
-    judged = {one.asset: one for one in chosen}
-    by_distance = [judged.get(one.asset, one) for one in by_distance]
-    cousins = []
-    for number, candidate in enumerate(chosen[: options.k_cousins], 1):
-        voted, near = orientations_of(candidate.asset)
-        asked = question._replace(rank=number)
-        try:
-            turns = judges.of_orientations.orientations(asked, candidate.asset, voted, near)
-            orientations = checked(judges.names[1], Orientation, turns)
-        except AbstainedError as abstained:
-            orientations = abstained.chosen + [one for one in near if one not in abstained.chosen]
-            orientation_decided_by = BY_DISTANCE if number == 1 and not abstained.chosen else orientation_decided_by
-            notes.append(f"orientation of {candidate.asset} by distance: {abstained.reason}")
-        orientations = orientations[: options.k_ori]
-        cousins.append(
-            Cousin(rank=number, **candidate.model_dump(), orientation=orientations[0], orientations=orientations)
-        )
-    return ObjectCousins(
-        id=item.id,
-        label=item.label,
-        doubts=[Doubt(cause="name", what=candidates.doubt)] if candidates.doubt else [],
-        note="; ".join(notes),
-        categories=candidates.categories,
-        by_votes=by_votes,
-        by_distance=by_distance,
-        decided_by=decided_by,
-        orientation_decided_by=orientation_decided_by,
-        cousins=cousins,
-    )

@@ -2,15 +2,37 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
+from stages.config.generation import GenerationConfig
 from stages.contracts import Asset
 from stages.contracts.objects import Mounting, Wall
+from stages.generation.choosing import choose_models
+from stages.generation.collisions import separate
+from stages.generation.doubts import doubt_placements
+from stages.generation.inputs import Inputs
 from stages.generation.placed import Placed, Prism
+from stages.generation.stacking import carry
 from stages.geometry.boxes import UprightBox
 
 BACK = Wall(id="wall_1", normal=(-1, 0, 0), offset=-4.0, points=100)  # the plane x = 4, seen from x < 4
+
+
+class Built(NamedTuple):
+    """Things in their places, why others have none, and pairs that still collide."""
+
+    items: list[Placed]
+    failed: dict[str, str]
+    left: list[tuple[str, str]]
+
+
+def build(inputs: Inputs, rank: int, options: GenerationConfig) -> Built:
+    """The scene of a rank before physics runs."""
+    items, failed = choose_models(inputs, rank, options)
+    freed = separate(carry(items, inputs.supports, inputs.nudges, options), inputs.objects.walls, options)
+    return Built(doubt_placements(freed.items, inputs), failed, freed.left)
 
 
 def asset(size, **values) -> Asset:

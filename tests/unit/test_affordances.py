@@ -3,8 +3,8 @@
 from stages.contracts.cousins import Cousin, ObjectCousins, Orientation
 from stages.contracts.library import Library
 from stages.contracts.objects import SceneObject
-from stages.matching.affordances import compared, counted
-from stages.matching.match import doubtful
+from stages.matching.affordances import describe_counts, note_differences
+from stages.matching.match import describe_doubts
 from tests.unit.test_matching_labels import entry
 
 VIEW = Orientation(yaw=0.0, distance=0.0)
@@ -25,7 +25,7 @@ def library(*counts: tuple[int, int], other: int = 0) -> Library:
 
 
 def test_counts_in_words() -> None:
-    assert [counted(2, 1), counted(0, 4), counted(1, 0)] == [
+    assert [describe_counts(2, 1), describe_counts(0, 4), describe_counts(1, 0)] == [
         "2 doors and 1 drawer",
         "no door and 4 drawers",
         "1 door and no drawer",
@@ -33,23 +33,23 @@ def test_counts_in_words() -> None:
 
 
 def test_every_cousin_with_other_counts_says_so() -> None:
-    found = compared(cousins("fridge_0", "fridge_1"), SAID, library((2, 0), (2, 2), other=1))
+    found = note_differences(cousins("fridge_0", "fridge_1"), SAID, library((2, 0), (2, 2), other=1))
     assert [one.differs for one in found.cousins] == [
         "was said to have 2 doors and 1 drawer, the model has 2 doors and no drawer; no fridge of the library has that",
         "was said to have 2 doors and 1 drawer, the model has 2 doors and 2 drawers; no fridge of the library has that",
     ]
-    (line,) = doubtful([found])
+    (line,) = describe_doubts([found])
     assert line.startswith("fridge_1 was said to have") and line.endswith("or bring one (docs/your-models.md)")
 
 
 def test_it_says_which_model_has_them() -> None:
-    first, second = compared(cousins("fridge_0", "fridge_1"), SAID, library((2, 0), (2, 1))).cousins
+    first, second = note_differences(cousins("fridge_0", "fridge_1"), SAID, library((2, 0), (2, 1))).cousins
     assert first.differs.endswith("; cousin 2 has that") and second.differs == ""
-    (only,) = compared(cousins("fridge_0"), SAID, library((2, 0), (2, 1))).cousins
+    (only,) = note_differences(cousins("fridge_0"), SAID, library((2, 0), (2, 1))).cousins
     assert only.differs.endswith("; another fridge of the library has that")
 
 
 def test_what_was_not_counted_does_not_differ() -> None:
     plain = SceneObject(id="fridge_1", label="fridge", mask=1, articulated=True)
-    assert compared(cousins("fridge_0"), plain, library((2, 0))).cousins[0].differs == ""
-    assert list(doubtful([compared(cousins("fridge_0"), plain, library((2, 0)))])) == []
+    assert note_differences(cousins("fridge_0"), plain, library((2, 0))).cousins[0].differs == ""
+    assert list(describe_doubts([note_differences(cousins("fridge_0"), plain, library((2, 0)))])) == []

@@ -21,7 +21,7 @@ from stages.experiment.draw import COLUMNS, LETTERS, TILE, caption
 from stages.experiment.draw import run as draw
 from stages.experiment.select import run as select
 from stages.geometry.frames import rigid
-from stages.matching.distances import distances_to
+from stages.matching.distances import measure_distances
 from stages.matching.distances import run as distances
 from stages.matching.encoders import column_weights, make_encoder, settings_digest
 from stages.matching.store import FeatureStore
@@ -164,7 +164,7 @@ def test_distances_are_those_of_a_search_among_any_of_the_assets(world: World, e
     encoder = make_encoder(options)
     store = FeatureStore(world.features, settings_digest(options, encoder))
     some = ["cabinet_03", "cabinet_00"]
-    among = distances_to("cabinet_00", some, store, column_weights(encoder, True), options)
+    among = measure_distances("cabinet_00", some, store, column_weights(encoder, True), options)
     assert [table.from_asset("cabinet_00")[asset] for asset in some] == among and among[1] == 0.0 < among[0]
 
 

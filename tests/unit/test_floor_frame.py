@@ -5,7 +5,7 @@ import pytest
 
 from stages.config.extraction import ExtractionConfig
 from stages.contracts import Annotations
-from stages.contracts.doubts import height_doubt
+from stages.contracts.doubts import doubt_height
 from stages.contracts.scenes import Annotation
 from stages.extraction.observation import AnnotatedImage
 from stages.extraction.reconstruct import ExtractedScene, reconstruct
@@ -93,7 +93,7 @@ def test_a_room_that_cannot_be_is_one_line(monkeypatch: pytest.MonkeyPatch) -> N
     ],
 )  # fmt: skip
 def test_a_height_at_which_nobody_holds_a_camera_is_doubted(height: float, words: list[str]) -> None:
-    doubt = height_doubt(height)
+    doubt = doubt_height(height)
     assert bool(doubt) == bool(words) and all(word in doubt for word in words)
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from stages.contracts.corrections import Correction
 from stages.contracts.cousins import Cousin, Orientation
 from stages.contracts.objects import SceneObject
-from stages.generation.choosing import choose, chosen, meant
+from stages.generation.choosing import choose, choose_by_rank, find_synonyms
 from stages.generation.inputs import MatchedObject
 from stages.generation.placed import Placed
 from tests.unit.generation_scenes import thing
@@ -21,7 +21,7 @@ def _standing(*cousins: tuple[str, int, float], rank: int = 1, limit: float | No
         asset = item.asset.model_copy(update={"category": category, "drawers": drawers})
         box = replace(item.box, size=(times, times, times))
         placed.append(replace(item, asset=asset, box=box, cousin=number))
-    return chosen(placed, rank, limit, {"chest", "commode"})
+    return choose_by_rank(placed, rank, limit, {"chest", "commode"})
 
 
 def test_a_cousin_that_would_be_squeezed_is_passed_over_at_every_rank() -> None:
@@ -49,9 +49,9 @@ def test_other_categories_and_other_counts_do_not_stand_for_what_does_not_fit() 
 
 def test_a_label_means_every_category_that_is_as_near() -> None:
     near = {"table_lamp": 0.14, "floor_lamp": 0.15, "candlestick": 0.75}
-    assert meant(near, "floor_lamp") == meant(near, "table_lamp") == {"table_lamp", "floor_lamp"}
-    assert meant(near, "candlestick") == set(near)
-    assert meant(near, "box") == {"box"}  # chosen by hand
+    assert find_synonyms(near, "floor_lamp") == find_synonyms(near, "table_lamp") == {"table_lamp", "floor_lamp"}
+    assert find_synonyms(near, "candlestick") == set(near)
+    assert find_synonyms(near, "box") == {"box"}  # chosen by hand
 
 
 def test_after_a_persons_choice_the_next_scenes_have_the_cousins_in_order() -> None:

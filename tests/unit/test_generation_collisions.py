@@ -7,8 +7,8 @@ import pytest
 from shapely import Point
 
 from stages.config.generation import GenerationConfig
-from stages.generation.collisions import forbidden_shifts, resolve
-from stages.generation.walls import out_of_walls
+from stages.generation.collisions import forbidden_shifts, separate
+from stages.generation.mounting import move_out_of_walls
 from stages.geometry.boxes import UprightBox, corners
 from tests.unit.generation_scenes import BACK, solid, thing, upright
 
@@ -17,7 +17,7 @@ OPTIONS = GenerationConfig().model_copy(update={"touch": 0.0})
 
 def solve(items, walls=(), **options):
     items = [item if item.prisms else solid(item) for item in items]
-    result = resolve(items, list(walls), OPTIONS.model_copy(update=options))
+    result = separate(items, list(walls), OPTIONS.model_copy(update=options))
     return {item.id: item for item in result.items}, result.left
 
 
@@ -144,7 +144,7 @@ def test_what_cannot_be_freed_is_reported_and_the_loop_ends():
 
 
 def test_out_of_walls():
-    inside = out_of_walls(UprightBox((3.8, 0, 0.5), (0.6, 1, 1), 0.0), [BACK])
+    inside = move_out_of_walls(UprightBox((3.8, 0, 0.5), (0.6, 1, 1), 0.0), [BACK])
     assert inside.center == pytest.approx([3.7, 0, 0.5])
-    beyond = out_of_walls(UprightBox((5, 0, 0.5), (0.6, 1, 1), 0.0), [BACK])  # another room
+    beyond = move_out_of_walls(UprightBox((5, 0, 0.5), (0.6, 1, 1), 0.0), [BACK])  # another room
     assert beyond.center == pytest.approx([5, 0, 0.5])

@@ -7,16 +7,15 @@ import pytest
 
 from plugins.furniture import build
 from plugins.furniture.catalogue import sample
-from stages.articulated.asset_folder import read_model
 from stages.config.generation import GenerationConfig
 from stages.contracts import Asset, read_json
 from stages.contracts.objects import Mounting
-from stages.generation.collisions import resolve
-from stages.generation.models import prisms_of
-from stages.generation.nesting import landing
+from stages.generation.collisions import separate
+from stages.generation.models import read_collisions, to_prisms
+from stages.generation.nesting import find_landing
 from stages.generation.placed import Placed
-from stages.generation.settling import load_items, settle
-from stages.generation.stacking import stacked
+from stages.generation.settling import load_items, run_physics
+from stages.generation.stacking import carry
 from stages.geometry.boxes import UprightBox
 from stages.simulation.loading import physics_scene
 from tests.unit.physics import add_ground
@@ -43,7 +42,7 @@ GROOVE = [
     ],
 )
 def test_where_a_cube_lands(lower, x, z, rise):
-    assert landing([block(x, 0, z)], lower) == (None if rise is None else pytest.approx(rise))
+    assert find_landing([block(x, 0, z)], lower) == (None if rise is None else pytest.approx(rise))
 
 
 @pytest.mark.parametrize("aside", [0.0, 0.02])
@@ -67,16 +66,16 @@ def test_a_can_lies_in_a_bowl_and_stays(index: int, aside: float, tmp_path: Path
             folder,
             boxes[name],
             Mounting(type=2),
-            prisms=tuple(prisms_of(read_model(folder))),
+            prisms=to_prisms(read_collisions(folder)),
         )
         for name, folder in folders.items()
     ]
     options = GenerationConfig()
-    result = resolve(stacked(items, {}, {}, options), [], options)
+    result = separate(carry(items, {}, {}, options), [], options)
     assert not result.left
     physics = physics_scene()
     add_ground(physics)
-    settled = settle(physics, load_items(physics, result.items), result.items, 0, options)
+    settled = run_physics(physics, load_items(physics, result.items), result.items, 0, options)
     assert settled.plausibility.stable and settled.plausibility.max_penetration < 1e-3
     assert settled.shifts["can"] < 2e-3
     placed = {item.id: item for item in result.items}["can"]

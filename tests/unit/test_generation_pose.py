@@ -7,22 +7,21 @@ import trimesh
 from stages.config.generation import GenerationConfig
 from stages.contracts import Objects
 from stages.contracts.objects import USUAL_ERROR, Box, DepthError, Mounting, SceneObject, Wall
-from stages.generation.choosing import stretch
-from stages.generation.inputs import bearings_of
-from stages.generation.models import beyond_front
-from stages.generation.placing import (
-    as_wide_as_seen,
-    believable_box,
-    deep_at_wall,
-    deep_in_room,
-    reaches_walls,
-    round_box,
+from stages.generation.choosing import measure_stretch
+from stages.generation.inputs import find_bearings
+from stages.generation.mounting import correct_depth_at_wall
+from stages.generation.placing import reaches_walls
+from stages.generation.sizing import (
+    correct_depth_in_room,
+    make_round,
+    measure_beyond_front,
     sight_yaw,
+    widen_to_outline,
 )
-from stages.generation.pose import rear_at_wall, rectangularity, turned_to, wall_axes
+from stages.generation.turning import find_wall_axes, measure_rectangularity, pick_rear_at_wall, turn_to
 from stages.geometry.boxes import UprightBox
 from stages.geometry.cameras import intrinsics_from_fov, look_at, project
-from stages.geometry.estimate import Sight, near_face
+from stages.geometry.estimate import Sight, correct_depth, near_face
 from stages.geometry.frames import apply, inverse, wrap_angle, yaw_matrix
 from stages.geometry.viewing import view_yaw
 
@@ -46,28 +45,28 @@ def test_view_yaw(center, psi, expected):
 
 
 def test_turned_to_the_nearest_quarter_of_the_frame():
-    assert turned_to(100 * DEGREE, 5 * DEGREE) == pytest.approx(95 * DEGREE)
-    assert turned_to(-80 * DEGREE, 5 * DEGREE) == pytest.approx(-85 * DEGREE)
-    assert turned_to(175 * DEGREE, -3 * DEGREE) == pytest.approx(177 * DEGREE)
+    assert turn_to(100 * DEGREE, 5 * DEGREE) == pytest.approx(95 * DEGREE)
+    assert turn_to(-80 * DEGREE, 5 * DEGREE) == pytest.approx(-85 * DEGREE)
+    assert turn_to(175 * DEGREE, -3 * DEGREE) == pytest.approx(177 * DEGREE)
 
 
 def test_a_turn_beyond_the_limit_is_not_made():
-    assert turned_to(30 * DEGREE, 0.0, 20 * DEGREE) == pytest.approx(30 * DEGREE)
-    assert turned_to(19 * DEGREE, 0.0, 20 * DEGREE) == pytest.approx(0, abs=1e-12)
-    assert turned_to(30 * DEGREE, 0.0, None) == pytest.approx(0, abs=1e-12)
+    assert turn_to(30 * DEGREE, 0.0, 20 * DEGREE) == pytest.approx(30 * DEGREE)
+    assert turn_to(19 * DEGREE, 0.0, 20 * DEGREE) == pytest.approx(0, abs=1e-12)
+    assert turn_to(30 * DEGREE, 0.0, None) == pytest.approx(0, abs=1e-12)
 
 
 def test_wall_axes_is_the_angle_of_the_normal():
-    assert wall_axes((-1, 0, 0)) == pytest.approx(np.pi)
-    assert turned_to(170 * DEGREE, wall_axes((-1, 0, 0))) == pytest.approx(np.pi)
+    assert find_wall_axes((-1, 0, 0)) == pytest.approx(np.pi)
+    assert turn_to(170 * DEGREE, find_wall_axes((-1, 0, 0))) == pytest.approx(np.pi)
 
 
 def test_of_several_views_the_one_with_its_rear_to_the_wall():
     back, side = (-1, 0, 0), (0, 1, 0)  # normals of two walls; fronts look along them
-    assert rear_at_wall([0.0, 1.5, 3.0], [back]) == 3.0
-    assert rear_at_wall([0.0, 1.5, 3.0], [back, side]) == 1.5
-    assert rear_at_wall([0.0, 0.5], [back]) == 0.0
-    assert rear_at_wall([0.4, 0.5], []) == 0.4
+    assert pick_rear_at_wall([0.0, 1.5, 3.0], [back]) == 3.0
+    assert pick_rear_at_wall([0.0, 1.5, 3.0], [back, side]) == 1.5
+    assert pick_rear_at_wall([0.0, 0.5], [back]) == 0.0
+    assert pick_rear_at_wall([0.4, 0.5], []) == 0.4
 
 
 def test_rectangularity_tells_boxes_from_round_things():
@@ -76,11 +75,11 @@ def test_rectangularity_tells_boxes_from_round_things():
     angle, radius = rng.uniform(0, 2 * np.pi, 4000), 0.5 * np.sqrt(rng.uniform(0, 1, 4000))
     disc = np.stack([radius * np.cos(angle), radius * np.sin(angle), np.zeros(4000)], axis=1)
     corner = np.array([(x, 0, 0) for x in np.linspace(0, 1, 200)] + [(0, y, 0) for y in np.linspace(0, 1, 200)])
-    assert rectangularity(square, 0.3) > 0.85
-    assert rectangularity(square, 0.3 + np.pi / 4) < 0.2
-    assert rectangularity(disc, 0.0) < 0.4
-    assert 0.5 < rectangularity(corner, 0.0) < 0.65
-    assert rectangularity(np.zeros((5, 3)), 0.0) == 0.0
+    assert measure_rectangularity(square, 0.3) > 0.85
+    assert measure_rectangularity(square, 0.3 + np.pi / 4) < 0.2
+    assert measure_rectangularity(disc, 0.0) < 0.4
+    assert 0.5 < measure_rectangularity(corner, 0.0) < 0.65
+    assert measure_rectangularity(np.zeros((5, 3)), 0.0) == 0.0
 
 
 def test_a_noisy_face_is_where_it_is_densest():
@@ -182,10 +181,10 @@ def test_a_round_thing_is_as_wide_as_its_outline():
     camera, center, yaw = np.array([1.0, 0, 1.5]), np.array([3.0, 2.0, 0.5]), np.pi / 4
     distance, half = np.sqrt(8), np.arcsin(0.2 / np.sqrt(8))
     narrow = UprightBox(center + 0.03 * yaw_matrix(yaw)[:, 1], (0.2, 0.34, 1.0), yaw)
-    box = as_wide_as_seen(narrow, camera, (yaw - half, yaw + half))
+    box = widen_to_outline(narrow, camera, (yaw - half, yaw + half))
     assert box.size == pytest.approx([0.2, 0.4, 1.0], abs=1e-3)
     assert box.center == pytest.approx(center, abs=2e-3)
-    hidden = as_wide_as_seen(narrow, camera, (yaw - half / 2, yaw + half / 2))
+    hidden = widen_to_outline(narrow, camera, (yaw - half / 2, yaw + half / 2))
     assert hidden is narrow and distance > 2
 
 
@@ -201,18 +200,18 @@ def test_bearings_of_an_object_from_its_mask():
         scene="s", width=400, height=300, intrinsics=intrinsics.tolist(), floor_from_camera=pose.tolist(), walls=[],
         objects=[item],
     )  # fmt: skip
-    low, high = bearings_of(scene, masks)["pole_1"]
+    low, high = find_bearings(scene, masks)["pole_1"]
     assert (low, high) == pytest.approx((np.pi / 2 - 0.025, np.pi / 2 + 0.025), abs=0.003)
 
 
 def test_how_far_a_model_reaches_beyond_its_front():
     body, handle = trimesh.creation.box((0.5, 1.0, 0.8)), trimesh.creation.box((0.04, 0.1, 0.02))
     handle.apply_translation((0.27, 0.3, 0.2))
-    assert beyond_front([body]) == 0
-    assert beyond_front([body, handle]) == pytest.approx(0.04, abs=1e-6)
+    assert measure_beyond_front([body]) == 0
+    assert measure_beyond_front([body, handle]) == pytest.approx(0.04, abs=1e-6)
     rear, board = trimesh.creation.box((0.02, 1.0, 0.8)), trimesh.creation.box((0.5, 1.0, 0.02))
     rear.apply_translation((-0.24, 0, 0))
-    assert beyond_front([rear, board, handle]) == 0  # open shelves: nothing fills the front
+    assert measure_beyond_front([rear, board, handle]) == 0  # open shelves: nothing fills the front
 
 
 def test_heights_are_those_of_extraction():
@@ -226,14 +225,14 @@ def test_heights_are_those_of_extraction():
 
 def test_unseen_depth_comes_from_the_asset_and_the_front_stays():
     flat = UprightBox((2.0, 0, 0.5), (0.1, 1.0, 1.0), np.pi)  # front at x = 1.95, facing the camera
-    box = believable_box(flat, (0.5, 1.0, 1.0), (-1, 0), (0.5, 2.0))
+    box = correct_depth(flat, (0.5, 1.0, 1.0), (-1, 0), (0.5, 2.0))
     assert box.size == pytest.approx([0.5, 1.0, 1.0])
     assert box.center == pytest.approx([2.2, 0, 0.5])
 
 
 def test_depth_at_a_wall_grows_from_the_wall():
     flat = UprightBox((2.95, 0, 0.5), (0.1, 1.0, 1.0), np.pi)  # rear at x = 3.0
-    box = believable_box(flat, (0.5, 1.0, 1.0), (1, 0), (0.5, 2.0))
+    box = correct_depth(flat, (0.5, 1.0, 1.0), (1, 0), (0.5, 2.0))
     assert box.center == pytest.approx([2.75, 0, 0.5])
 
 
@@ -250,35 +249,35 @@ def test_depth_that_is_seen_from_above_stays():
     def sight(points=cloud, eye=camera, depth_error=error):
         return Sight(points, np.array(eye), depth_error.at)
 
-    assert deep_in_room(flat, native, sight(), BELIEVABLE) is flat
+    assert correct_depth_in_room(flat, native, sight(), BELIEVABLE) is flat
     front_half = cloud[(cloud[:, 0] < 0.6) | (cloud[:, 2] < 0.15)]
     assert not sight(front_half).sees_top(flat), "its rear half is not"
     assert not sight(eye=[0, 0, 0.2]).sees_top(flat), "from below"
     assert not sight(depth_error=DepthError(0.02, 0)).sees_top(flat), "noise"
-    of_front = deep_in_room(flat, native, sight(cloud[2000:]), BELIEVABLE)
+    of_front = correct_depth_in_room(flat, native, sight(cloud[2000:]), BELIEVABLE)
     assert of_front.size[0] == pytest.approx(0.16, abs=0.01), "of its front alone"
 
 
 def test_a_width_is_never_changed():
     wide = UprightBox((2, 0, 0.5), (0.5, 4.0, 1.0), 0.0)
-    assert believable_box(wide, (0.5, 1.0, 1.0), (-1, 0.2), (0.5, 2.0)) is wide
+    assert correct_depth(wide, (0.5, 1.0, 1.0), (-1, 0.2), (0.5, 2.0)) is wide
 
 
 def test_believable_proportions_are_kept():
     stretched = UprightBox((2, 0, 0.5), (0.6, 1.9, 1.0), 0.3)
-    box = believable_box(stretched, (0.5, 1.0, 1.0), (-1, 0), (0.5, 2.0))
+    box = correct_depth(stretched, (0.5, 1.0, 1.0), (-1, 0), (0.5, 2.0))
     assert box.size == pytest.approx([0.6, 1.9, 1.0])
     assert box.center == pytest.approx([2, 0, 0.5])
 
 
 def test_round_things_are_as_deep_as_wide():
     assert sight_yaw(UprightBox((0, 2, 0), (1, 1, 1), 0), (0, 0, 1)) == pytest.approx(np.pi / 2)
-    half_seen = round_box(UprightBox((0.1, 0, 0.1), (0.2, 0.4, 0.2), 0.0), (0.5, 2.0))  # near end at x = 0
+    half_seen = make_round(UprightBox((0.1, 0, 0.1), (0.2, 0.4, 0.2), 0.0), (0.5, 2.0))  # near end at x = 0
     assert half_seen.size == pytest.approx([0.4, 0.4, 0.2])
     assert half_seen.center == pytest.approx([0.2, 0, 0.1])
-    noisy = round_box(UprightBox((0.3, 0, 0.1), (0.6, 0.4, 0.2), 0.0), (0.5, 2.0))  # noise at either end
+    noisy = make_round(UprightBox((0.3, 0, 0.1), (0.6, 0.4, 0.2), 0.0), (0.5, 2.0))  # noise at either end
     assert noisy.center == pytest.approx([0.3, 0, 0.1])
-    smeared = round_box(UprightBox((1.0, 0, 0.1), (2.0, 0.4, 0.2), 0.0), (0.5, 2.0))  # background behind it
+    smeared = make_round(UprightBox((1.0, 0, 0.1), (2.0, 0.4, 0.2), 0.0), (0.5, 2.0))  # background behind it
     assert smeared.center == pytest.approx([0.2, 0, 0.1])
 
 
@@ -297,7 +296,7 @@ def test_what_stands_on_furniture_or_is_round_is_not_extended_to_the_wall():
 )
 def test_a_sofa_is_no_stool(size, stays):
     box = UprightBox((0, 0, 0), size, 0.0)
-    assert (stretch((0.9, 2.2, 0.8), box) <= 2.0) == stays
+    assert (measure_stretch((0.9, 2.2, 0.8), box) <= 2.0) == stays
 
 
 @pytest.mark.parametrize(
@@ -310,7 +309,7 @@ def test_what_is_far_too_deep_to_reach_its_wall_stands_before_it(mounting, front
     box = UprightBox(((front + 4) / 2, 0, 0.5), (4 - front, 1.0, 1.0), np.pi)
     near = np.array([[front, 0.0, 0.5]])
     sight = Sight(near, np.array([2.0, 0, 1.6]), USUAL_ERROR.at)
-    placed = deep_at_wall(box, (0.5, 1.0, 1.0), sight, BELIEVABLE, wall, hangs=mounting == 1)
+    placed = correct_depth_at_wall(box, (0.5, 1.0, 1.0), sight, BELIEVABLE, wall, hangs=mounting == 1)
     assert placed.size[0] == pytest.approx(size)
     assert placed.center[0] == pytest.approx(x)
 

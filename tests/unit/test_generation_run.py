@@ -17,19 +17,20 @@ from stages.contracts.categories import known_categories
 from stages.contracts.cousins import Cousin, ObjectCousins, Orientation
 from stages.contracts.library_folder import AssetFolders, write_part
 from stages.contracts.objects import Box, Mounting, SceneObject, Wall
-from stages.generation.doubts import doubts
+from stages.generation.doubts import doubt_placement
 from stages.generation.draw import run as draw
-from stages.generation.generate import build, run
+from stages.generation.generate import run
 from stages.generation.inputs import Inputs, read_inputs
-from stages.generation.models import beyond_front, collision_pieces, visual_meshes, write_models
+from stages.generation.models import read_collisions, read_visuals
 from stages.generation.placed import Placed
-from stages.generation.scene_file import scene_of, summary
-from stages.generation.settling import load_items, physics_check, reaching_behind, settle
+from stages.generation.scene_file import summarise, to_contract
+from stages.generation.settling import find_behind, load_items, run_physics, settle, write_models
+from stages.generation.sizing import measure_beyond_front
 from stages.geometry.cameras import intrinsics_from_fov, look_at
 from stages.geometry.frames import yaw_matrix
 from stages.simulation.loading import physics_scene
 from tests.refusals import refused
-from tests.unit.generation_scenes import thing
+from tests.unit.generation_scenes import build, thing
 from tests.unit.physics import add_ground
 
 WIDTH, HEIGHT = 160, 120
@@ -153,7 +154,7 @@ def test_the_cabinet_stands_at_the_wall_and_the_mug_on_it(made: Path, scene: dic
     assert cabinet.asset == "bottom_cabinet_0"
     assert abs(cabinet.yaw) == pytest.approx(np.pi, abs=1e-3)  # looks back at the camera, square to the wall
     assert cabinet.position[0] + cabinet.size[0] / 2 == pytest.approx(3.3, abs=1e-5)
-    handles = beyond_front(visual_meshes(AssetFolders(scene["library"])["bottom_cabinet_0"]))
+    handles = measure_beyond_front(read_visuals(AssetFolders(scene["library"])["bottom_cabinet_0"]))
     assert 0.02 < handles < 0.06  # before the front, which is at 2.75
     assert cabinet.position[0] - cabinet.size[0] / 2 == pytest.approx(2.75 - handles, abs=0.01)
     assert cabinet.size[1:] == pytest.approx((0.9, 0.8), abs=0.015)  # this cloud lacks the noise that is allowed for
@@ -234,9 +235,9 @@ def test_same_input_same_bytes(scene: dict[str, Path], made: Path, tmp_path: Pat
 def test_collision_and_visual_meshes_fill_the_closed_box(scene: dict[str, Path]) -> None:
     folder = AssetFolders(scene["library"])["bottom_cabinet_0"]
     asset = read_json(Asset, folder / "asset.json")
-    bounds = trimesh.util.concatenate(visual_meshes(folder)).bounds
+    bounds = trimesh.util.concatenate(read_visuals(folder)).bounds
     assert bounds == pytest.approx(np.array([asset.box_min, asset.box_max]), abs=1e-3)
-    assert trimesh.util.concatenate(collision_pieces(folder)).extents == pytest.approx(asset.size, abs=0.05)
+    assert trimesh.util.concatenate(read_collisions(folder)).extents == pytest.approx(asset.size, abs=0.05)
 
 
 def test_what_floats_falls_unless_it_hangs_on_a_wall(scene: dict[str, Path], tmp_path: Path) -> None:
@@ -248,7 +249,7 @@ def test_what_floats_falls_unless_it_hangs_on_a_wall(scene: dict[str, Path], tmp
     for items, fallen in ((floating, {"cabinet_1": 0.1, "mug_1": 0.3}), (hung, {"mug_1": 0.2})):
         physics = physics_scene()
         add_ground(physics)
-        settled = settle(physics, load_items(physics, write_models(items, tmp_path)), items, 0, options)
+        settled = run_physics(physics, load_items(physics, write_models(items, tmp_path)), items, 0, options)
         assert settled.plausibility.fallen == sorted(fallen)
         assert not settled.plausibility.stable
         assert {name: settled.shifts[name] for name in fallen} == pytest.approx(fallen, abs=0.02)
@@ -265,13 +266,13 @@ def test_what_stands_on_something_unnamed_is_held_and_said(scene: dict[str, Path
     cloud = inputs.matched[1].cloud + np.array([0, 0, 1], dtype=np.float32)
     inputs.matched[1] = replace(inputs.matched[1], object=raised, cloud=cloud)
     built = build(inputs, 1, options)
-    made = scene_of(
-        built.items, built.failed, physics_check(built.items, inputs.objects, 0, options), inputs.objects, "b", 1
+    made = to_contract(
+        built.items, built.failed, settle(built.items, inputs.objects, 0, options), inputs.objects, "b", 1
     )
     held = next(item for item in made.objects if item.id == "mug_1")
     assert held.support == "unnamed" and held.position[2] == pytest.approx(z + 1, abs=0.03)
     assert made.plausibility is not None and not made.plausibility.stable and held.settled_shift == 0
-    assert "NOT stable: held, for what carries it is not named: mug_1; penetration" in summary(made, [])
+    assert "NOT stable: held, for what carries it is not named: mug_1; penetration" in summarise(made, [])
 
 
 def test_the_story_of_a_place_is_told(made: Path) -> None:
@@ -283,7 +284,7 @@ def test_the_story_of_a_place_is_told(made: Path) -> None:
 
 def whats(item: Placed, walls: list[Wall], seen: SceneObject) -> list[str]:
     """Its doubts in words."""
-    return [doubt.what for doubt in doubts(item, walls, seen, known_categories())]
+    return [doubt.what for doubt in doubt_placement(item, walls, seen, known_categories()).doubts]
 
 
 def test_what_is_too_large_or_behind_a_wall_is_doubted() -> None:
@@ -312,7 +313,7 @@ def test_a_wall_ends_before_what_is_seen_beyond_it() -> None:
         "is seen beyond wall_1: past its end or through an opening, else in a mirror"
     ]
     assert whats(half, [back], seen) == ["reaches 60 cm behind wall_1"]
-    assert reaching_behind([beyond, half], [back]) == [half.id]
+    assert find_behind([beyond, half], [back]) == [half.id]
 
 
 @pytest.mark.parametrize(("known", "doubted"), [(None, False), (0.9, False), (0.03, True)])
@@ -329,7 +330,7 @@ def test_what_has_toppled_has_fallen_however_near_it_lies(scene: dict[str, Path]
     items = [item.shifted([edge - item.center[0], 0, 0]) if item.id == "mug_1" else item for item in built.items]
     physics = physics_scene()
     add_ground(physics)
-    settled = settle(physics, load_items(physics, write_models(items, tmp_path)), items, 0, options)
+    settled = run_physics(physics, load_items(physics, write_models(items, tmp_path)), items, 0, options)
     assert settled.plausibility.fallen == ["mug_1"]
 
 
@@ -338,7 +339,7 @@ def test_an_overlap_is_seen_in_the_contacts(scene: dict[str, Path], tmp_path: Pa
     built = build(read_inputs(scene["cousins"], scene["objects"], scene["library"]), 1, options)
     items = [item.shifted([0, 0, -0.02]) if item.id == "mug_1" else item for item in built.items]
     physics = physics_scene()
-    settled = settle(physics, load_items(physics, write_models(items, tmp_path)), items, 0, options)
+    settled = run_physics(physics, load_items(physics, write_models(items, tmp_path)), items, 0, options)
     assert settled.plausibility.max_penetration == pytest.approx(0.02, abs=0.01)
 
 
@@ -378,7 +379,7 @@ def test_a_scene_that_fails_leaves_nothing(
     def unreadable(*args: object) -> None:
         raise InputError("mesh.obj", "is broken.")
 
-    monkeypatch.setattr("stages.generation.generate.physics_check", unreadable)
+    monkeypatch.setattr("stages.generation.generate.settle", unreadable)
     with pytest.raises(InputError, match="is broken"):
         run(cousins=scene["cousins"], objects=scene["objects"], library=scene["library"], variant="b",
             out=tmp_path / "out")  # fmt: skip

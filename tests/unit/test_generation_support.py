@@ -8,11 +8,11 @@ import pytest
 from stages.config.generation import GenerationConfig
 from stages.contracts.objects import Wall
 from stages.generation import stacking
-from stages.generation.collisions import resolve
+from stages.generation.collisions import separate
+from stages.generation.mounting import extend_to_wall
 from stages.generation.placed import Placed
-from stages.generation.stacking import on_supports, sorted_by_height, stack_of, support_tree
-from stages.generation.surfaces import surface_beneath
-from stages.generation.walls import against_wall
+from stages.generation.stacking import find_stack, find_supports, put_on_supports, sort_by_height
+from stages.generation.surfaces import find_surface
 from stages.geometry.boxes import UprightBox, corners
 from stages.geometry.frames import yaw_matrix
 from tests.unit.askew_desk import ASKEW_DESK
@@ -24,11 +24,11 @@ CUP = thing("cup", (2, 0.2, 0.87), (0.08, 0.08, 0.1))
 
 
 def tree(items, overlap=0.7, tolerance=0.15):
-    return support_tree(sorted_by_height(items), overlap, tolerance)
+    return find_supports(sort_by_height(items), overlap, tolerance)
 
 
 def stacked(items, options=GenerationConfig()):  # noqa: B008
-    return stacking.stacked(items, {}, {}, options)
+    return stacking.carry(items, {}, {}, options)
 
 
 def test_a_stack_is_found_whatever_the_order():
@@ -68,13 +68,13 @@ def test_what_was_seen_to_carry_a_thing_carries_it_whatever_size_its_cousin_has(
 
 def test_stacks():
     supports = {"table": "floor", "book": "table", "cup": "book", "lamp": "floor"}
-    assert stack_of("table", supports) == {"table", "book", "cup"}
+    assert find_stack("table", supports) == {"table", "book", "cup"}
 
 
 def test_heights_follow_the_supports():
     floating = thing("book", (2, 0.2, 0.85), (0.2, 0.3, 0.05))
     sunk = thing("table", (2, 0, 0.35), (0.8, 1.2, 0.75))
-    placed = on_supports([sunk, floating], {"table": "floor", "book": "table"})
+    placed = put_on_supports([sunk, floating], {"table": "floor", "book": "table"})
     assert [item.bottom for item in placed] == pytest.approx([0, 0.75])
     assert placed[1].support == "table"
 
@@ -84,7 +84,7 @@ def test_type_1_is_only_lifted():
     clear = thing("clear", (3.85, 0, 1.6), (0.3, 1, 0.6), mounting=1)
     sunk = thing("sunk", (3.85, 0, 1.1), (0.3, 1, 0.6), mounting=1)  # bottom at 0.8
     supports = {"counter": "floor", "clear": "counter", "sunk": "counter"}
-    heights = {item.id: item for item in on_supports([counter, sunk, clear], supports)}
+    heights = {item.id: item for item in put_on_supports([counter, sunk, clear], supports)}
     assert heights["clear"].bottom == pytest.approx(1.3)
     assert heights["sunk"].bottom == pytest.approx(0.9)
     assert heights["clear"].support == heights["sunk"].support == "wall"
@@ -95,7 +95,7 @@ def test_type_1_is_only_lifted():
 def test_rear_to_the_wall_front_stays(rear, yaw, axis):
     front, size = 3.4, [0.9, 0.9, 1.0]
     size[axis] = rear - front
-    box = against_wall(UprightBox(((front + rear) / 2, 0.3, 0.5), size, yaw), BACK, 0.01)
+    box = extend_to_wall(UprightBox(((front + rear) / 2, 0.3, 0.5), size, yaw), BACK, 0.01)
     assert box.size[axis] == pytest.approx(0.6)
     assert box.size[1 - axis] == 0.9
     assert corners(box)[:, 0].max() == pytest.approx(4.0)
@@ -106,7 +106,7 @@ def test_rear_to_the_wall_front_stays(rear, yaw, axis):
 def test_a_box_turned_against_the_wall_reaches_it_but_not_into_it():
     """The second wall of a corner that was found 10 degrees askew: the box keeps its distance from the first."""
     turn = np.deg2rad(10)
-    box = against_wall(UprightBox((3.5, 0.3, 0.5), (0.6, 0.9, 1.0), turn), BACK, 0.01)
+    box = extend_to_wall(UprightBox((3.5, 0.3, 0.5), (0.6, 0.9, 1.0), turn), BACK, 0.01)
     first = np.array([-np.sin(turn), np.cos(turn), 0])  # normal of the other wall
     before, after = corners(UprightBox((3.5, 0.3, 0.5), (0.6, 0.9, 1.0), turn)), corners(box)
     assert after[:, 0].max() == pytest.approx(4.0)
@@ -117,7 +117,7 @@ def test_a_box_turned_against_the_wall_reaches_it_but_not_into_it():
 
 
 def test_a_front_behind_the_wall_leaves_a_thin_box():
-    box = against_wall(UprightBox((4.1, 0, 1), (0.1, 1, 1), np.pi), BACK, 0.02)
+    box = extend_to_wall(UprightBox((4.1, 0, 1), (0.1, 1, 1), np.pi), BACK, 0.02)
     assert box.size[0] == 0.02
     assert box.center[0] == pytest.approx(3.99)
 
@@ -125,18 +125,18 @@ def test_a_front_behind_the_wall_leaves_a_thin_box():
 def test_a_wall_at_an_odd_angle_is_left_alone():
     slanted = Wall(id="w", normal=(-np.sqrt(0.5), np.sqrt(0.5), 0), offset=-3, points=9)
     box = UprightBox((2, 0, 1), (0.1, 1, 1), 0.0)
-    assert against_wall(box, slanted, 0.01) is box
+    assert extend_to_wall(box, slanted, 0.01) is box
 
 
 def test_what_noise_moved_over_the_edge_of_a_cabinet_still_stands_on_it():
     cabinet, pot = thing("cabinet", (2, 0, 0.4), (0.6, 0.6, 0.8)), thing("pot", (1.65, 0, 0.9), (0.3, 0.3, 0.2))
-    assert support_tree([cabinet, pot], 0.7, 0.15)["pot"] == "cabinet"
-    assert support_tree([cabinet, pot], 0.7, None)["pot"] == "floor"
-    assert support_tree([cabinet, thing("pot", (1.65, 0, 0.1), (0.3, 0.3, 0.2))], 0.7, 0.15)["pot"] == "floor"
+    assert find_supports([cabinet, pot], 0.7, 0.15)["pot"] == "cabinet"
+    assert find_supports([cabinet, pot], 0.7, None)["pot"] == "floor"
+    assert find_supports([cabinet, thing("pot", (1.65, 0, 0.1), (0.3, 0.3, 0.2))], 0.7, 0.15)["pot"] == "floor"
     other = thing("other", (1, 0, 0.4), (0.6, 0.6, 0.8))
     aside, far = (thing("pot", (x, 0, 0.9), (0.2, 0.2, 0.2)) for x in (1.55, 1.4))  # 5 and 20 cm before the cabinet
-    assert support_tree([cabinet, other, aside], 0.7, 0.15)["pot"] == "cabinet"
-    assert support_tree([cabinet, far], 0.7, 0.15)["pot"] == "unnamed"
+    assert find_supports([cabinet, other, aside], 0.7, 0.15)["pot"] == "cabinet"
+    assert find_supports([cabinet, far], 0.7, 0.15)["pot"] == "unnamed"
 
 
 def test_what_is_seen_high_above_all_that_was_named_stands_on_a_shelf_and_stays_there():
@@ -145,11 +145,11 @@ def test_what_is_seen_high_above_all_that_was_named_stands_on_a_shelf_and_stays_
     supports = tree([jar, book, cup])
     assert supports == {"jar": "floor", "book": "unnamed", "cup": "book"}
     assert tree([jar, book], tolerance=None)["book"] == "jar"  # the paper's rule alone
-    placed = {item.id: item for item in on_supports(sorted_by_height([jar, book, cup]), supports)}
+    placed = {item.id: item for item in put_on_supports(sort_by_height([jar, book, cup]), supports)}
     assert placed["book"].center == pytest.approx([2, 0, 0.85]) and placed["book"].support == "unnamed"
     assert placed["cup"].bottom == pytest.approx(0.9)
     hung = thing("hung", (2, 0, 1.5), (0.1, 0.5, 0.5), mounting=1)
-    assert on_supports([hung], tree([hung]))[0].support == "wall"
+    assert put_on_supports([hung], tree([hung]))[0].support == "wall"
 
 
 def block(x, y, half_x, half_y, low, high):
@@ -168,7 +168,7 @@ CHAIR = replace(CHAIR, prisms=tuple(PIECES))
 @pytest.mark.parametrize("x", [1.8, 1.83, 2.1])  # in the back, half in it, clear of it
 def test_what_stands_on_a_chair_stands_on_its_seat_clear_of_the_back(x, bottom):
     bottle = thing("bottle", (x, 0.05, bottom + 0.15), (0.08, 0.08, 0.3))
-    result = resolve(stacked([solid(bottle), CHAIR]), [], GenerationConfig())
+    result = separate(stacked([solid(bottle), CHAIR]), [], GenerationConfig())
     items = {item.id: item for item in result.items}
     assert items["bottle"].support == "chair" and not result.left
     assert items["bottle"].bottom == pytest.approx(0.46)
@@ -181,8 +181,8 @@ def test_a_wide_board_lies_on_a_narrow_stool():
     board = thing("board", (2, 0, 0.9), (1.0, 1.0, 0.1))
     stool = thing("stool", (2, 0, 0.2), (0.3, 0.3, 0.5))
     seat = replace(stool, prisms=(block(0, 0, 0.15, 0.15, -0.2, 0.2),))  # 5 cm below its top
-    assert surface_beneath(board, seat).height == pytest.approx(0.4)
-    assert surface_beneath(board, stool).height == stool.top
+    assert find_surface(board, seat).height == pytest.approx(0.4)
+    assert find_surface(board, stool).height == stool.top
 
 
 def test_pieces_whose_edges_nearly_meet_are_joined_and_cut() -> None:
@@ -192,7 +192,7 @@ def test_pieces_whose_edges_nearly_meet_are_joined_and_cut() -> None:
     )
     turn, (x, y, z) = yaw_matrix(desk.box.yaw)[:2, :2], desk.center
     pieces = [upright((np.array(outline) - [x, y]) @ turn, -z, top - z) for top, outline in ASKEW_DESK]
-    assert surface_beneath(laptop, replace(desk, prisms=tuple(pieces))).height == pytest.approx(0.62481, abs=1e-5)
+    assert find_surface(laptop, replace(desk, prisms=tuple(pieces))).height == pytest.approx(0.62481, abs=1e-5)
 
 
 FRONT = (  # the top begins at x = 1.78, the door, 5 mm lower, at 1.75, its handle at 1.7
@@ -233,6 +233,6 @@ def test_what_stands_on_a_light_thing_stays_over_its_feet(mass, to, mounting):
 def test_what_is_pushed_on_a_cabinet_stays_behind_its_handles():
     pot = thing("pot", (1.85, 0, 0.9), (0.2, 0.2, 0.2), support="cabinet")
     box = thing("box", (2.0, 0, 0.95), (0.25, 0.5, 0.3), support="cabinet")  # larger, so it stays
-    result = resolve([CABINET, solid(pot), solid(box)], [], GenerationConfig())
+    result = separate([CABINET, solid(pot), solid(box)], [], GenerationConfig())
     items = {item.id: item for item in result.items}
     assert items["pot"].center[0] >= 1.8 - 1e-6 and items["pot"].moved > 0

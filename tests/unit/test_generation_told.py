@@ -7,11 +7,10 @@ import pytest
 from stages.config.generation import GenerationConfig
 from stages.contracts import InputError, Objects, read_json, write_json
 from stages.contracts.corrections import Correction, Corrections
-from stages.generation.generate import Built, build
 from stages.generation.inputs import read_inputs
 from stages.generation.placed import Placed
-from stages.generation.stacking import with_stated
-from tests.unit.generation_scenes import thing
+from stages.generation.stacking import apply_stated
+from tests.unit.generation_scenes import Built, build, thing
 from tests.unit.test_generation_run import scene  # noqa: F401
 
 CABINET, MUG = 1, 2
@@ -86,10 +85,10 @@ def test_nothing_carries_itself_by_what_was_told() -> None:
     heights = {"low": 0.1, "mid": 0.3, "top": 0.5}
     items = [thing(name, (0, 0, height), (0.4, 0.4, 0.2)) for name, height in heights.items()]
     found = {"low": "floor", "mid": "low", "top": "mid"}
-    ordered, supports = with_stated(items, found, {"low": "top"})
+    ordered, supports = apply_stated(items, found, {"low": "top"})
     assert supports == {"low": "top", "mid": "floor", "top": "mid"}
     assert [item.id for item in ordered] == ["mid", "top", "low"]
-    assert with_stated(items, found, {"low": "gone"})[1] == found  # what is not placed carries nothing
+    assert apply_stated(items, found, {"low": "gone"})[1] == found  # what is not placed carries nothing
 
 
 def test_a_broken_file_is_named(scene: dict[str, Path], tmp_path: Path) -> None:  # noqa: F811

@@ -10,8 +10,8 @@ import sapien
 from stages.config.generation import GenerationConfig
 from stages.contracts.cousins import Cousin, Orientation
 from stages.contracts.objects import Wall
-from stages.generation.pose import yaw_of
-from stages.generation.settling import settle
+from stages.generation.settling import run_physics
+from stages.generation.turning import find_yaw
 from stages.geometry.boxes import UprightBox
 from stages.geometry.viewing import view_angle
 from tests.unit.generation_scenes import thing
@@ -26,7 +26,7 @@ def turned(degrees: float, articulated: bool, *walls: Wall, **options: float | N
     seen = Orientation(yaw=view_angle(CAMERA, BOX.center, np.deg2rad(degrees)))
     cousin = Cousin(rank=1, asset="a", category="c", distance=1, votes=None, orientation=seen, orientations=[])
     limits = GenerationConfig().model_copy(update={"snap_articulated": 20.0, "snap_other": 10.0} | options)
-    return float(np.rad2deg(yaw_of(cousin, BOX, OUTLINE, CAMERA, walls, articulated, limits)))
+    return float(np.rad2deg(find_yaw(cousin, BOX, OUTLINE, CAMERA, walls, articulated, limits)))
 
 
 def test_models_with_joints_are_turned_farther_than_others() -> None:
@@ -51,6 +51,6 @@ def test_what_hangs_says_nothing_of_how_calm_a_scene_is() -> None:
         for item in items
     }
     scene: Any = SimpleNamespace(timestep=0.01, step=lambda: None, get_contacts=list)
-    found = settle(scene, bodies, items, 0, GenerationConfig())
+    found = run_physics(scene, bodies, items, 0, GenerationConfig())
     assert found.shifts == pytest.approx(moved)
     assert found.plausibility.mean_displacement == pytest.approx(0.02)

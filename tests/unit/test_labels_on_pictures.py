@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from stages.assets.draw import TILE, contact_sheet
 from stages.contracts.objects import Box, Mounting, Objects, SceneObject, Wall
 from stages.extraction.overview import WIDTH, draw_overview
-from stages.generation.pictures import side_by_side
+from stages.generation.pictures import draw_side_by_side
 from stages.geometry.cameras import intrinsics_from_fov, look_at
 
 LABEL = (20, 20, 20)
@@ -66,7 +66,7 @@ def test_labels_lie_in_the_picture_and_cover_no_other() -> None:
 @pytest.mark.parametrize("width", [320, 4000])
 def test_titles_grow_with_the_pictures_beside_each_other(width: int) -> None:
     picture = np.full((width * 3 // 4, width, 3), 255, np.uint8)
-    sheet = np.asarray(side_by_side([("input", picture), ("rank 1", picture)]))
+    sheet = np.asarray(draw_side_by_side([("input", picture), ("rank 1", picture)]))
     rows = np.nonzero((sheet < 128).all(axis=2).any(axis=1))[0]
     assert 0.03 < (rows.max() - rows.min()) / width < 0.08
 

@@ -10,8 +10,8 @@ from plugins.furniture.catalogue import sample
 from stages.contracts import GeneratedScene, Objects
 from stages.contracts.look import ROOM_LIGHT, Look, Surface
 from stages.contracts.objects import Mounting, SceneObject, Wall
-from stages.generation.look import Seen, direction_of, light_of, reach, surfaces_seen
-from stages.generation.painting import furnished, look_of, merged
+from stages.generation.look import Seen, estimate_light, find_bounds, find_surfaces, to_direction
+from stages.generation.painting import estimate_look, furnish, merge_meshes
 from stages.generation.placed import Placed
 from stages.geometry.boxes import UprightBox
 from stages.geometry.cameras import intrinsics_from_fov, look_at
@@ -71,7 +71,7 @@ def true_look(light: Any) -> Look:
 
 def taken(objects: Objects, items: list[Placed], look: Look) -> tuple[Any, Any, Any]:
     """Picture, masks and depth of the furniture in a look."""
-    scene = furnished(scene_of(objects), items, look)
+    scene = furnish(scene_of(objects), items, look)
     picture = RenderCamera(scene, objects.intrinsics, WIDTH, HEIGHT).render(objects.floor_from_camera)
     blocks = [instance_id(entity) for entity in scene.entities if entity.name in ("floor", "wall_1")]
     masks = np.where(np.isin(picture.segmentation, [0, *blocks]), 0, 1).astype(np.uint16)
@@ -81,9 +81,9 @@ def taken(objects: Objects, items: list[Placed], look: Look) -> tuple[Any, Any, 
 @pytest.mark.parametrize(("azimuth", "elevation"), [(50, 50), (-35, 40), (10, 60)])
 def test_light_and_colours_are_found_again(furniture: Any, azimuth: float, elevation: float) -> None:
     items = furniture
-    objects, light = objects_of(items), direction_of(np.radians(azimuth), np.radians(elevation))
+    objects, light = objects_of(items), to_direction(np.radians(azimuth), np.radians(elevation))
     pictures = taken(objects, items, true_look(light))
-    look = look_of(objects, pictures, scene_of(objects), items)
+    look = estimate_look(objects, pictures, scene_of(objects), items)
     assert look.light_from == "shadows" and look.shadow_correlation > 0.6
     assert np.degrees(np.arccos(light @ look.light)) < 8
     found = {surface.id: surface.colour for surface in look.surfaces}
@@ -96,9 +96,9 @@ def test_light_and_colours_are_found_again(furniture: Any, azimuth: float, eleva
 def test_a_picture_without_shadows_gets_the_light_that_all_such_have(furniture: Any) -> None:
     items = furniture
     objects = objects_of(items)
-    rgb, masks, depth = taken(objects, items, true_look(direction_of(0.8, 0.8)))
+    rgb, masks, depth = taken(objects, items, true_look(to_direction(0.8, 0.8)))
     noise = np.random.default_rng(0).integers(150, 160, rgb.shape).astype(np.uint8)
-    look = look_of(objects, (noise, masks, depth), scene_of(objects), items)
+    look = estimate_look(objects, (noise, masks, depth), scene_of(objects), items)
     assert look.light_from == "default"
     assert np.cross(look.light, ROOM_LIGHT) == pytest.approx(np.zeros(3), abs=1e-5)
 
@@ -106,29 +106,29 @@ def test_a_picture_without_shadows_gets_the_light_that_all_such_have(furniture: 
 def test_light_comes_through_no_wall(furniture: Any) -> None:
     items = furniture
     objects = objects_of(items)
-    pictures = taken(objects, items, true_look(direction_of(0.8, 0.8)))
-    seen = surfaces_seen(*pictures, objects)
+    pictures = taken(objects, items, true_look(to_direction(0.8, 0.8)))
+    seen = find_surfaces(*pictures, objects)
     backwards = {name: one for name, one in seen.items() if name == "floor"}
     darkened = backwards["floor"].rgb.copy()
     darkened[backwards["floor"].points[:, 0] < 2.2] = 0.1  # as if light came through the wall x = 4
     for one in seen.values():
         one.rgb[...] = darkened if len(one.rgb) == len(darkened) else one.rgb
-    assert light_of(backwards, merged(items))[0][0] < 0
-    assert light_of(seen, merged(items))[0][0] >= 0
+    assert estimate_light(backwards, merge_meshes(items))[0][0] < 0
+    assert estimate_light(seen, merge_meshes(items))[0][0] >= 0
 
 
 def test_only_what_lies_in_its_plane_is_a_surface(furniture: Any) -> None:
     items = furniture
     objects = objects_of(items)
-    rgb, masks, depth = taken(objects, items, true_look(direction_of(0.8, 0.8)))
-    whole = surfaces_seen(rgb, masks, depth, objects)
+    rgb, masks, depth = taken(objects, items, true_look(to_direction(0.8, 0.8)))
+    whole = find_surfaces(rgb, masks, depth, objects)
     assert set(whole) == {"floor", "wall_1"}
     assert np.abs(whole["floor"].points[:, 2]).max() < 1e-9
     assert whole["wall_1"].points[:, 0] == pytest.approx(4.0)
-    unknown = surfaces_seen(rgb, np.zeros_like(masks), depth, objects)  # nothing masked: the depth tells furniture
+    unknown = find_surfaces(rgb, np.zeros_like(masks), depth, objects)  # nothing masked: the depth tells furniture
     grown = {name: len(unknown[name].points) - len(whole[name].points) for name in whole}
     assert 0 <= max(grown.values()) < 0.2 * (masks > 0).sum()
-    assert not surfaces_seen(rgb, masks, np.zeros_like(depth), objects)  # no depth anywhere: nothing is known
+    assert not find_surfaces(rgb, masks, np.zeros_like(depth), objects)  # no depth anywhere: nothing is known
 
 
 def test_shadows_fall_far_from_the_camera_too(furniture: Any) -> None:
@@ -137,7 +137,7 @@ def test_shadows_fall_far_from_the_camera_too(furniture: Any) -> None:
     moved = [item.shifted([12, 0, 0]) for item in items]
     objects = objects_of(items).model_copy(update={"walls": []})
     objects.floor_from_camera = look_at([10, 0, 2.5], [15, 0, 0.2]).tolist()
-    rgb, masks, depth = taken(objects, moved, true_look(direction_of(0.8, 0.8)))
+    rgb, masks, depth = taken(objects, moved, true_look(to_direction(0.8, 0.8)))
     floor = rgb[(masks == 0) & (depth > 0)][:, 0].astype(float)
     assert (floor < 0.85 * np.median(floor)).mean() > 0.004  # none otherwise
 
@@ -149,6 +149,6 @@ def test_a_wall_is_seen_up_to_its_end_or_stands_to_the_height_of_a_room() -> Non
     highest = {}
     for above in (False, True):
         seen = Seen(np.array([-1.0, 0, 0]), still, still, points, np.zeros((1600, 3)), above)
-        (left, low), (right, highest[above]) = reach("wall_1", seen)
+        (left, low), (right, highest[above]) = find_bounds("wall_1", seen)
         assert (left, right) == pytest.approx((-1.3, 1.3), abs=0.02) and low == 0  # it goes on a little at the border
     assert highest == {False: pytest.approx(1.2, abs=0.02), True: WALL_HEIGHT}

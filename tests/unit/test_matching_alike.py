@@ -4,7 +4,7 @@ import pytest
 
 from stages.contracts.cousins import Cousin, ObjectCousins, Orientation
 from stages.contracts.objects import Box, Mounting, SceneObject
-from stages.matching.alike import agreed, groups
+from stages.matching.agreement import agree_on_order, group_alike
 
 
 def _thing(name: str, height: float = 0.9, **fields: object) -> SceneObject:
@@ -30,7 +30,7 @@ def _order(entry: ObjectCousins) -> list[str]:
 
 def test_what_is_seen_of_all_decides_for_each() -> None:
     entries = [_entry("chair_1", a=0.9, b=0.8), _entry("chair_2", b=0.9, a=0.3), _entry("chair_3", a=0.7, b=0.6)]
-    first, second, third = agreed(entries, [_thing("chair_1"), _thing("chair_2", 0.92), _thing("chair_3", 1.2)])
+    first, second, third = agree_on_order(entries, [_thing("chair_1"), _thing("chair_2", 0.92), _thing("chair_3", 1.2)])
     assert _order(first) == _order(second) == ["b", "a"]
     assert first.note == "models in one order with chair_2, which is alike"
     assert third == entries[2]
@@ -38,16 +38,16 @@ def test_what_is_seen_of_all_decides_for_each() -> None:
 
 def test_a_model_that_one_of_them_does_not_have_counts_there_as_its_last() -> None:
     items = [_thing("chair_1"), _thing("chair_2")]
-    first, second = agreed([_entry("chair_1", a=0.9, b=0.8), _entry("chair_2", b=0.5, c=0.4)], items)
+    first, second = agree_on_order([_entry("chair_1", a=0.9, b=0.8), _entry("chair_2", b=0.5, c=0.4)], items)
     assert _order(first) == ["a", "b"]  # 0.65 each: ties stay
     assert _order(second) == ["b", "c"]
-    first, _ = agreed([_entry("chair_1", a=0.9, b=0.8), _entry("chair_2", b=0.7, c=0.1)], items)
+    first, _ = agree_on_order([_entry("chair_1", a=0.9, b=0.8), _entry("chair_2", b=0.7, c=0.1)], items)
     assert _order(first) == ["b", "a"]
 
 
 def test_without_scores_everything_stays() -> None:
     entries = [_entry("chair_1", a=None, b=None), _entry("chair_2", b=0.9, a=0.3)]
-    assert agreed(entries, [_thing("chair_1"), _thing("chair_2")]) == entries
+    assert agree_on_order(entries, [_thing("chair_1"), _thing("chair_2")]) == entries
 
 
 @pytest.mark.parametrize(
@@ -56,5 +56,5 @@ def test_without_scores_everything_stays() -> None:
      {"height": 0.99}],
 )  # fmt: skip
 def test_what_is_called_counted_mounted_or_measured_otherwise_is_not_alike(other: dict) -> None:
-    assert groups([_thing("a_1"), _thing("a_2")]) == [[0, 1]]
-    assert groups([_thing("a_1"), _thing("a_2", **other)]) == []
+    assert group_alike([_thing("a_1"), _thing("a_2")]) == [[0, 1]]
+    assert group_alike([_thing("a_1"), _thing("a_2", **other)]) == []

@@ -11,8 +11,8 @@ from stages.contracts.categories import known_categories
 from stages.contracts.library import LibraryEntry
 from stages.contracts.objects import SceneObject
 from stages.matching.candidates import Candidates, find_candidates
-from stages.matching.text_encoders import make_text_encoder, nearest_categories
-from stages.matching.text_encoders.lexical import TextEncoder, words
+from stages.matching.text_encoders import find_nearest_categories, make_text_encoder
+from stages.matching.text_encoders.lexical import TextEncoder, split_words
 
 LEXICAL = TextEncoder(MatchingConfig())
 CATEGORIES = [
@@ -57,7 +57,7 @@ CATEGORIES = [
     ],
 )
 def test_nearest_category(label: str, expected: str) -> None:
-    assert nearest_categories(label, CATEGORIES, 3, LEXICAL)[0][0] == expected
+    assert find_nearest_categories(label, CATEGORIES, 3, LEXICAL)[0][0] == expected
 
 
 LIBRARY_CATEGORIES = sorted(known_categories())
@@ -83,7 +83,7 @@ LIBRARY_CATEGORIES = sorted(known_categories())
     ],
 )
 def test_words_of_households_are_understood(label: str, expected: str) -> None:
-    assert nearest_categories(label, LIBRARY_CATEGORIES, 3, LEXICAL)[0][0] == expected
+    assert find_nearest_categories(label, LIBRARY_CATEGORIES, 3, LEXICAL)[0][0] == expected
     assert LEXICAL.doubt(label, LIBRARY_CATEGORIES) == ""
 
 
@@ -103,14 +103,14 @@ def test_words_of_households_are_understood(label: str, expected: str) -> None:
 def test_letters_are_no_meaning_and_what_is_not_understood_is_doubted(
     label: str, first: str | None, doubt: str
 ) -> None:
-    nearest = nearest_categories(label, LIBRARY_CATEGORIES, 1, LEXICAL)
+    nearest = find_nearest_categories(label, LIBRARY_CATEGORIES, 1, LEXICAL)
     assert [name for name, _ in nearest] == ([] if first is None else [first])
     assert doubt in LEXICAL.doubt(label, LIBRARY_CATEGORIES)
 
 
 def test_a_category_of_ones_own_is_known() -> None:
     assert LEXICAL.doubt("espresso machine", ["espresso_machine", "table"]) == ""
-    assert [name for name, _ in nearest_categories("globe", ["globe", "wardrobe"], 2, LEXICAL)] == ["globe"]
+    assert [name for name, _ in find_nearest_categories("globe", ["globe", "wardrobe"], 2, LEXICAL)] == ["globe"]
 
 
 def test_labels_of_our_rooms_are_understood() -> None:
@@ -127,13 +127,13 @@ def test_labels_of_our_rooms_are_understood() -> None:
 
 
 def test_an_exact_name_has_distance_zero_and_nothing_in_common_is_left_out() -> None:
-    assert nearest_categories("television", CATEGORIES, 3, LEXICAL) == [
+    assert find_nearest_categories("television", CATEGORIES, 3, LEXICAL) == [
         ("television", 0.0),
         ("picture", 0.75),
     ]
-    assert nearest_categories("xyzzy", CATEGORIES, 3, LEXICAL) == []
-    assert nearest_categories("", CATEGORIES, 3, LEXICAL) == []
-    assert nearest_categories("table", [], 3, LEXICAL) == []
+    assert find_nearest_categories("xyzzy", CATEGORIES, 3, LEXICAL) == []
+    assert find_nearest_categories("", CATEGORIES, 3, LEXICAL) == []
+    assert find_nearest_categories("table", [], 3, LEXICAL) == []
 
 
 @pytest.mark.parametrize(
@@ -141,14 +141,14 @@ def test_an_exact_name_has_distance_zero_and_nothing_in_common_is_left_out() -> 
     [("table lamp", ["table", "floor_lamp"], "floor_lamp"), ("book shelf stand", ["book", "stand"], "stand")],
 )
 def test_the_last_word_says_what_a_thing_is(label: str, categories: list[str], expected: str) -> None:
-    assert nearest_categories(label, categories, 1, LEXICAL)[0][0] == expected
+    assert find_nearest_categories(label, categories, 1, LEXICAL)[0][0] == expected
 
 
 def test_distances_do_not_depend_on_the_order_of_categories() -> None:
-    forward = nearest_categories("wall cabinet", CATEGORIES, 5, LEXICAL)
-    assert forward == nearest_categories("wall cabinet", CATEGORIES[::-1], 5, LEXICAL)
-    assert words("Wall_Cabinets") == ["wall", "cabinet"]
-    assert words("glass vases") == ["glass", "vase"]
+    forward = find_nearest_categories("wall cabinet", CATEGORIES, 5, LEXICAL)
+    assert forward == find_nearest_categories("wall cabinet", CATEGORIES[::-1], 5, LEXICAL)
+    assert split_words("Wall_Cabinets") == ["wall", "cabinet"]
+    assert split_words("glass vases") == ["glass", "vase"]
 
 
 def entry(id: str, doors: int = 0, drawers: int = 0) -> LibraryEntry:

@@ -11,8 +11,8 @@ from stages.contracts.library import FrontPanel, LibraryEntry
 from stages.contracts.objects import SceneObject
 from stages.contracts.scenes import Annotation
 from stages.matching.candidates import Candidates
-from stages.matching.panels import boxes, layout_gap, overlaps, panel_gap
-from stages.matching.priors import addends
+from stages.matching.panels import layout_gap, measure_overlaps, panel_gap, to_boxes
+from stages.matching.priors import list_addends
 
 
 def panel(kind: str, left: float, right: float, bottom: float, top: float) -> Panel:
@@ -56,7 +56,7 @@ def test_pairs_are_those_that_leave_the_least_gap() -> None:
     ends = panel("drawer", 0, 0.05, 0, 1), panel("drawer", 0.95, 1, 0, 1)  # both outlines are those of the front
     said = [*ends, panel("drawer", 0.1, 0.5, 0, 1), panel("drawer", 0.3, 0.7, 0, 1)]
     own = [*ends, panel("drawer", 0.25, 0.65, 0, 1), panel("drawer", 0.5, 0.9, 0, 1)]
-    apart = 1 - overlaps(boxes(said), boxes(own))[2:, 2:]
+    apart = 1 - measure_overlaps(to_boxes(said), to_boxes(own))[2:, 2:]
     assert apart.argmin() == 2 and layout_gap(said, own) == pytest.approx(apart[0, 0] + apart[1, 1])
     assert apart[0, 0] + apart[1, 1] < apart[0, 1] + apart[1, 0]
 
@@ -66,7 +66,7 @@ def test_of_models_with_the_same_counts_the_one_with_the_layout_is_nearer() -> N
     stacked, side, fewer = entry("a", stack(4), 0, 4), entry("b", row("drawer", 4), 0, 4), entry("c", stack(3), 0, 3)
     assert panel_gap(item, stacked) < 1e-9 < panel_gap(item, fewer) < panel_gap(item, side)
     options = MatchingConfig(count_weight=0.1)
-    near, far = addends(item, Candidates([stacked, side], [], ""), options)
+    near, far = list_addends(item, Candidates([stacked, side], [], ""), options)
     assert near["counts"] == pytest.approx(0) and far["counts"] == pytest.approx(0.1 * panel_gap(item, side))
 
 

@@ -10,7 +10,7 @@ import pytest
 from stages.config.matching import MatchingConfig
 from stages.matching.encoders import make_encoder
 from stages.matching.ranking import make_query
-from stages.matching.text_encoders import make_text_encoder, nearest_categories
+from stages.matching.text_encoders import find_nearest_categories, make_text_encoder
 from tests.refusals import refused
 from tests.unit.matching_data import view_of_box
 
@@ -87,7 +87,7 @@ def tiny_clip(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_clip_compares_label_and_categories(tiny_clip: Path) -> None:
     options = MatchingConfig(text_encoder="clip", clip=str(tiny_clip))
     text = make_text_encoder(options)
-    result = nearest_categories("coffee table", CATEGORIES, 3, text)
+    result = find_nearest_categories("coffee table", CATEGORIES, 3, text)
     assert result[0] == ("coffee_table", 0.0) and 0 < result[1][1] <= 2
     forward, backward = text.distance("mug", CATEGORIES), text.distance("mug", CATEGORIES[::-1])
     np.testing.assert_allclose(forward, backward[::-1], atol=1e-6)

@@ -14,7 +14,7 @@ from stages.matching.candidates import Candidates
 from stages.matching.colours import patch_colours
 from stages.matching.crop import foreground
 from stages.matching.encoders import make_encoder
-from stages.matching.priors import addends, misplaced, size_gap
+from stages.matching.priors import is_misplaced, list_addends, size_gap
 from stages.matching.ranking import make_query
 from tests.unit.matching_data import World, view_of_box
 
@@ -52,16 +52,16 @@ def test_size_is_compared_whichever_way_it_is_turned() -> None:
      (2, "object", 0), (1, None, 0)],
 )  # fmt: skip
 def test_what_hangs_is_not_what_stands(mounting: int, placement: str | None, wrong: float) -> None:
-    assert misplaced(thing((0.4, 0.4, 0.4), mounting), model("a", placement=placement)) == wrong
+    assert is_misplaced(thing((0.4, 0.4, 0.4), mounting), model("a", placement=placement)) == wrong
 
 
 def test_addends_are_weighted_named_and_left_out_at_weight_0() -> None:
     near = [CategoryMatch(category="stool", distance=0.0), CategoryMatch(category="sofa", distance=0.6)]
     candidates = Candidates([model("stool"), model("sofa", doors=3)], near, "")
     item = thing((1, 1, 1), articulated=True, doors=1)
-    assert addends(item, candidates, MatchingConfig.model_validate(OFF)) == [{}, {}]
+    assert list_addends(item, candidates, MatchingConfig.model_validate(OFF)) == [{}, {}]
     weights = MatchingConfig.model_validate(OFF | {"label_weight": 0.5, "count_weight": 0.1})
-    assert addends(item, candidates, weights) == [
+    assert list_addends(item, candidates, weights) == [
         {"label": 0.0, "counts": pytest.approx(0.1)},
         {"label": pytest.approx(0.3), "counts": pytest.approx(0.2)},
     ]

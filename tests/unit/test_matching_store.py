@@ -14,7 +14,7 @@ from stages.geometry.cameras import look_at
 from stages.matching.candidates import Candidates
 from stages.matching.codec import learn
 from stages.matching.encoders import EXTRA_COLUMNS, make_encoder, settings_digest
-from stages.matching.ranking import make_query, shortlisted
+from stages.matching.ranking import make_query, shortlist
 from stages.matching.snapshots import SnapshotFile, up_of_camera
 from stages.matching.store import FeatureStore, Snapshot
 from tests.refusals import refused
@@ -95,10 +95,10 @@ def test_a_shortlist_keeps_what_looks_nearest_as_a_whole(exact: World) -> None:
         for name in shard.sidecar.assets:
             query = make_query(shard.views(name)[5], encoder)
             assert query is not None
-            kept = shortlisted(query, everything, item, store, options)
+            kept = shortlist(query, everything, item, store, options)
             assert len(kept.assets) == 3 and name in [entry.id for entry in kept.assets]
             assert kept.assets == [entry for entry in library.assets if entry in kept.assets]
-            assert shortlisted(query, everything, item, store, MatchingConfig()) is everything
+            assert shortlist(query, everything, item, store, MatchingConfig()) is everything
 
 
 def test_a_shortlist_keeps_what_is_called_so(exact: World) -> None:
@@ -115,7 +115,7 @@ def test_a_shortlist_keeps_what_is_called_so(exact: World) -> None:
     other = next(name for name in others if known[name] != known[first])
     for meant in (first, other):
         labels = [CategoryMatch(category=known[name], distance=float(name != meant)) for name in (first, other)]
-        kept = shortlisted(query, Candidates(library.assets, labels, ""), item, store, options)
+        kept = shortlist(query, Candidates(library.assets, labels, ""), item, store, options)
         assert [entry.category for entry in kept.assets] == [known[meant]]
 
 

@@ -26,11 +26,11 @@ from stages.geometry.estimate import Sight
 from stages.geometry.frames import rigid, wrap_angle, yaw_matrix
 from stages.matching.crop import View
 from stages.matching.judges import AbstainedError, Question
-from stages.matching.judges.geometry import FITS
+from stages.matching.judges.geometry import LEAST_FIT
 from stages.matching.judges.geometry import Judge as Geometry
 from stages.matching.judges.rerender import Judge as Rerender
 from stages.matching.snapshots import Snapshots
-from stages.matching.synthesis.fitting import Measured, laid_over, measure
+from stages.matching.synthesis.fitting import Measured, lay_over, measure
 from stages.matching.synthesis.in_place import InPlace
 from stages.matching.synthesis.observation import Observation, free_sides, observe
 from stages.matching.synthesis.rendering import Rendering, render
@@ -130,7 +130,7 @@ def test_a_box_is_laid_over_the_object(library: Path) -> None:
     solid, extents = Solid(library.parent / "two"), np.array(SIZE)
     ends = np.array([-0.38 * extents, 0.5 * extents])
     measured = Measured(ends, np.array([0.3 * extents, 0.1 * extents]), 0.4)
-    fitted = laid_over(solid, measured, seen)
+    fitted = lay_over(solid, measured, seen)
     before, after = (outline_agreement(seen, render(solid, box, seen), 1.0) for box in (measured.box(), fitted))
     assert before < 0.85 < 0.94 < after
 
@@ -143,7 +143,7 @@ def test_a_mask_that_lacks_its_lower_part_squeezes_nothing(library: Path) -> Non
     seen = observe(replace(asked.view, mask=mask), POSE, USUAL_ERROR, SIDE)
     assert seen.free.all()
     ends = np.array([-0.5 * np.array(SIZE), 0.5 * np.array(SIZE)])
-    fitted = laid_over(Solid(library.parent / "two"), Measured(ends, np.full((2, 3), 0.03), 0.4), seen)
+    fitted = lay_over(Solid(library.parent / "two"), Measured(ends, np.full((2, 3), 0.03), 0.4), seen)
     np.testing.assert_allclose(fitted.size, SIZE, rtol=0.05)
 
 
@@ -156,7 +156,7 @@ def test_only_what_a_quarter_turn_leaves_alike_stays_square(library: Path) -> No
     for symmetry in ("none", "half_turn", "quarter_turn"):
         solid = Solid(library.parent / "two")
         solid.asset = solid.asset.model_copy(update={"symmetry": symmetry})
-        x, y, _ = laid_over(solid, Measured(ends, np.full((2, 3), 0.1), 0.4), seen).size / SIZE
+        x, y, _ = lay_over(solid, Measured(ends, np.full((2, 3), 0.1), 0.4), seen).size / SIZE
         stretches[symmetry] = x / y
     assert stretches["half_turn"] == stretches["none"] > 1.5 and stretches["quarter_turn"] < 1.2
 
@@ -206,7 +206,7 @@ def test_whether_it_fits_is_asked_of_what_would_come_first(library: Path) -> Non
     ]
     ranked = judge.models(question(library, 0.3), [], given)
     lines = {one.asset: one.terms["lines"] for one in ranked}
-    assert lines["stack"] < FITS < lines["two"]
+    assert lines["stack"] < LEAST_FIT < lines["two"]
     assert [(one.asset, one.score) for one in ranked] == [("stack", 0.0), ("two", -2.0)]
 
 

@@ -7,7 +7,8 @@ from pathlib import Path
 import networkx as nx
 import pytest
 
-from reference import errors, pages, rooms
+from reference import doubts, errors, pages, rooms
+from stages.contracts.doubt import DoubtKind
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -34,6 +35,14 @@ def test_every_code_has_its_place_on_the_page(written: dict[str, str]) -> None:
     codes = {code for file in files for code in re.findall(r'"(E-[A-Z-]+)"', file.read_text(encoding="utf-8"))}
     headings = re.findall(r"^## (E-.*)$", written["docs/errors.md"], re.MULTILINE)
     assert len(headings) > 100 and set(headings) == codes - {"E-INPUT"}
+
+
+def test_every_doubt_is_declared_once() -> None:
+    assert len({kind.code for kind in DoubtKind}) == len(DoubtKind)
+    texts = {path: path.read_text(encoding="utf-8") for path in (ROOT / "stages").rglob("*.py")}
+    assert [path.name for path, text in texts.items() if re.search(r"\bDoubt\(cause", text)] == ["doubt.py"]
+    rows = re.findall(r"^\| D-.*$", doubts.section(ROOT), re.MULTILINE)
+    assert len(rows) == len(DoubtKind) and all("stages/" in row for row in rows), "a doubt that nobody has"
 
 
 def test_nothing_imports_upward() -> None:

@@ -7,7 +7,7 @@ import pytest
 
 from stages.contracts.cousins import Candidate, CategoryMatch, Cousin, ObjectCousins, Orientation
 from stages.contracts.doubt import MEND, Doubt
-from stages.contracts.doubts import grouped
+from stages.contracts.doubts import group_doubts
 from stages.contracts.generated import PlacedObject
 from stages.contracts.objects import Box, Mounting, Objects, SceneObject
 from stages.contracts.snapshot_pictures import Snapshots
@@ -182,10 +182,10 @@ def test_the_gravest_come_first_and_those_of_one_cause_together() -> None:
     made = told(matched(), thing(pixels=(0, 30, 60, 80), points=40), placed={"desk_1": first})
     assert [doubt.cause for doubt in made.doubts] == ["affordance", "place", "size", "size"]
     found = [("desk_1", doubt) for doubt in made.doubts] + [("bowl_1", made.doubts[3])]
-    assert [(group.cause, [about for about, _ in group.items]) for group in grouped(found)] == [
+    assert [(group.cause, [about for about, _ in group.items]) for group in group_doubts(found)] == [
         ("affordance", ["desk_1"]), ("place", ["desk_1"]), ("size", ["desk_1", "bowl_1"]),
     ]  # fmt: skip
-    assert "; " in grouped(found)[2].items[0][1]
+    assert "; " in group_doubts(found)[2].items[0][1]
 
 
 def test_a_box_that_is_turned_by_a_quarter_is_the_same_box() -> None:

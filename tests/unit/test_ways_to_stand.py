@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from stages.geometry.frames import SYMMETRY_PERIOD
-from stages.matching.synthesis.fits import distinct
+from stages.matching.synthesis.fits import leave_out_equal
 
 QUARTERS = [k * np.pi / 2 for k in range(4)]
 
@@ -14,4 +14,4 @@ QUARTERS = [k * np.pi / 2 for k in range(4)]
 )
 def test_what_looks_alike_is_tried_once(symmetry: str, kept: list[int]) -> None:
     yaws = [*QUARTERS, 2 * np.pi - 0.01, 0.7]  # the fifth is the first, a little off
-    assert distinct(yaws, SYMMETRY_PERIOD[symmetry]) == [yaws[number] for number in kept]
+    assert leave_out_equal(yaws, SYMMETRY_PERIOD[symmetry]) == [yaws[number] for number in kept]

@@ -14,8 +14,8 @@ from plugins.vlm.prompt import Prompt
 from stages.config.matching import MatchingConfig
 from stages.contracts.cousins import Candidate, Orientation
 from stages.geometry.masks import pixel_bounds
-from stages.matching.crop import alone
-from stages.matching.judges import AbstainedError, Question
+from stages.matching.crop import darken_rest
+from stages.matching.question import AbstainedError, Question
 
 T = TypeVar("T")
 NONE = "none"
@@ -99,13 +99,13 @@ class Judge:
         label, (x0, y0, x1, y1) = question.label.replace("'", ""), pixel_bounds(question.view.mask)
         around = (x0 - FRAME_GAP, y0 - FRAME_GAP, x1 + FRAME_GAP - 1, y1 + FRAME_GAP - 1)
         parts: list[str | NDArray[np.uint8]] = [OBJECT.format(label=label), boxed(question.view.rgb, around)]
-        parts += [ALONE, alone(question.view)]
+        parts += [ALONE, darken_rest(question.view)]
         for number, picture in zip(numbers, pictures, strict=True):
             parts += [f"Candidate {number}:", picture]
         parts += [task, ANSWER.format(numbers=", ".join(numbers))]
         named = dict(zip(numbers, names, strict=True))
         try:
-            answer: Any = self.asker.ask(Prompt(SYSTEM, parts), choice_of(numbers), f"{question.name}: {what}", named)
+            answer: Any = self.asker.ask(Prompt(SYSTEM, parts), make_choice(numbers), f"{question.name}: {what}", named)
         except NoAnswerError as error:
             raise AbstainedError(f"{self.name}: {error}", chosen) from None
         if answer.choice == NONE:
@@ -113,7 +113,7 @@ class Judge:
         return numbers.index(answer.choice)
 
 
-def choice_of(numbers: Sequence[str]) -> type[BaseModel]:
+def make_choice(numbers: Sequence[str]) -> type[BaseModel]:
     """What must be answered: a reason, then one of the numbers or none."""
     choice: Any = Literal[(*numbers, NONE)]
     return create_model("Choice", __config__=ConfigDict(extra="forbid"), reason=(str, ...), choice=(choice, ...))

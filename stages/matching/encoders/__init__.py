@@ -12,7 +12,7 @@ from stages.matching.colours import COLOUR_COLUMNS, colour_weights, patch_colour
 from stages.matching.crop import View
 from stages.plugins import load
 
-COLUMNS = ["features", "position", "colour"]  # of a stored row
+STORED_COLUMNS = ["features", "position", "colour"]  # of a stored row
 EXTRA_COLUMNS = 2 + COLOUR_COLUMNS  # columns after the features
 
 
@@ -60,7 +60,7 @@ def column_weights(encoder: PatchEncoder, depth: bool, colour: float = 0.0) -> N
     return np.concatenate([encoder.weights(depth), colour_weights(colour)], dtype=np.float32)
 
 
-def whole(rows: NDArray[np.floating]) -> NDArray[np.float16]:
+def pool_patches(rows: NDArray[np.floating]) -> NDArray[np.float16]:
     """A picture as one vector (4 * (D + 1),): over each quarter of the crop, the sums of features and of patches.
 
     Both as shares of all patches, so that little depends on how many there are.
@@ -72,11 +72,11 @@ def whole(rows: NDArray[np.floating]) -> NDArray[np.float16]:
 
 
 def whole_weights(weights: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Factor on each number of `whole` from those on each column of the rows."""
+    """Factor on each number of `pool_patches` from those on each column of the rows."""
     return np.tile(np.append(weights[:-EXTRA_COLUMNS], np.float32(1)), 4)
 
 
 def settings_digest(options: EncoderOptions, encoder: PatchEncoder) -> str:
     """16 hex digits that name the encoder with all that its stored rows depend on."""
-    text = json.dumps([options.encoder, encoder.settings(), COLUMNS], sort_keys=True)
+    text = json.dumps([options.encoder, encoder.settings(), STORED_COLUMNS], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:16]

@@ -16,11 +16,11 @@ from stages.matching.crop import View, cut, foreground, masked_square, patch_pos
 from stages.matching.encoders import Patches
 from stages.matching.normals import NORMAL_COLUMNS, neighbourhood, patch_normals
 
-BINS = 9
-SCALES = (1, 2, 4)  # distance in patches between the 3 x 3 cells of a descriptor
-GRADIENT_COLUMNS = len(SCALES) * 9 * BINS
-FLOOR = 0.02  # gradients weaker than this share of full contrast per pixel do not count as structure
-CLIP = 0.2
+GRADIENT_BINS = 9  # over half a turn (Dalal and Triggs 2005)
+CELL_STEPS = (1, 2, 4)  # distance in patches between the 3 x 3 cells of a descriptor
+GRADIENT_COLUMNS = len(CELL_STEPS) * 9 * GRADIENT_BINS
+WEAKEST_GRADIENT = 0.02  # gradients weaker than this share of full contrast per pixel do not count as structure
+LARGEST_SHARE = 0.2  # of a descriptor's length, that one number has (L2-Hys; Dalal and Triggs 2005)
 
 
 class Encoder:
@@ -31,7 +31,12 @@ class Encoder:
 
     def settings(self) -> dict[str, Any]:
         """What a feature store depends on."""
-        return {"image_size": self.options.image_size, "grid": self.options.grid, "bins": BINS, "scales": SCALES}
+        return {
+            "image_size": self.options.image_size,
+            "grid": self.options.grid,
+            "bins": GRADIENT_BINS,
+            "scales": CELL_STEPS,
+        }
 
     def weights(self, depth: bool) -> NDArray[np.float32]:
         """Factors (272,) on gradients, normals and position."""
@@ -60,7 +65,7 @@ class Encoder:
 def _cell_offsets(size: int, grid: int) -> NDArray[np.int32]:
     """For every pixel of a (size, size) picture: index of its cell's first bin."""
     cell = (np.arange(size) * grid // size).astype(np.int32)
-    return ((cell[:, None] * grid + cell[None, :]) * BINS).ravel()
+    return ((cell[:, None] * grid + cell[None, :]) * GRADIENT_BINS).ravel()
 
 
 def cell_histograms(picture: NDArray[np.uint8], grid: int) -> NDArray[np.float32]:
@@ -76,16 +81,16 @@ def cell_histograms(picture: NDArray[np.uint8], grid: int) -> NDArray[np.float32
     strongest = strength.argmax(axis=2)[..., None]
     dx, dy = np.take_along_axis(dx, strongest, 2)[..., 0], np.take_along_axis(dy, strongest, 2)[..., 0]
     magnitude, angle = cv2.cartToPolar(dx, dy)
-    position = (angle * (BINS / np.pi)).ravel()
+    position = (angle * (GRADIENT_BINS / np.pi)).ravel()
     lower = np.floor(position)
     share = position - lower
-    first = lower.astype(np.int32) % BINS
-    second = (first + 1) % BINS
+    first = lower.astype(np.int32) % GRADIENT_BINS
+    second = (first + 1) % GRADIENT_BINS
     offsets, magnitude = _cell_offsets(size, grid), magnitude.ravel()
-    count = grid * grid * BINS
+    count = grid * grid * GRADIENT_BINS
     histogram = np.bincount(offsets + first, magnitude * (1 - share), count)
     histogram += np.bincount(offsets + second, magnitude * share, count)
-    return (histogram / (size / grid) ** 2).reshape(grid, grid, BINS).astype(np.float32)
+    return (histogram / (size / grid) ** 2).reshape(grid, grid, GRADIENT_BINS).astype(np.float32)
 
 
 def descriptors(cells: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -94,13 +99,13 @@ def descriptors(cells: NDArray[np.float32]) -> NDArray[np.float32]:
     Each scale is normalised by itself as in Dalal and Triggs (L2, clip, L2).
     """
     grid, parts = cells.shape[0], []
-    for scale in SCALES:
+    for scale in CELL_STEPS:
         width = 2 * scale - 1
         blurred = cv2.blur(cells, (width, width), borderType=cv2.BORDER_CONSTANT) if scale > 1 else cells
         padded = np.pad(blurred, ((scale, scale), (scale, scale), (0, 0)))
         steps = (0, scale, 2 * scale)
         block = np.concatenate([padded[y : y + grid, x : x + grid] for y in steps for x in steps], axis=-1)
-        block /= np.sqrt((block**2).sum(-1, keepdims=True) + FLOOR**2)
-        np.minimum(block, CLIP, out=block)
+        block /= np.sqrt((block**2).sum(-1, keepdims=True) + WEAKEST_GRADIENT**2)
+        np.minimum(block, LARGEST_SHARE, out=block)
         parts.append(block / np.sqrt((block**2).sum(-1, keepdims=True) + 1e-6))
-    return (np.concatenate(parts, axis=-1) / np.sqrt(len(SCALES))).astype(np.float32)
+    return (np.concatenate(parts, axis=-1) / np.sqrt(len(CELL_STEPS))).astype(np.float32)

@@ -2,7 +2,7 @@
 
 from stages.config.matching import MatchingConfig
 from stages.contracts.cousins import Candidate, Orientation
-from stages.matching.judges import Question
+from stages.matching.question import Question
 
 
 class Judge:

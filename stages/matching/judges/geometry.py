@@ -10,13 +10,12 @@ from collections.abc import Sequence
 
 from stages.config.matching import MatchingConfig
 from stages.contracts.cousins import Candidate, Orientation
-from stages.matching.judges import Question
-from stages.matching.priors import added
-from stages.matching.ranking import DIGITS
+from stages.matching.priors import sum_priors
+from stages.matching.question import DIGITS, Question
 from stages.matching.synthesis.fits import Fit
 from stages.matching.synthesis.workbench import Workbench
 
-FITS = 0.7  # of a perfect score: below it, how models differ in their scores says nothing
+LEAST_FIT = 0.7  # of a perfect score: below it, how models differ in their scores says nothing
 
 
 class Judge:
@@ -35,9 +34,9 @@ class Judge:
         near, rest = by_distance[: self.weights.nearest], by_distance[self.weights.nearest :]
         fits = [self._fits(question, candidate.asset)[0] for candidate in near]
         scores = [fit.score(self.weights) for fit in fits]
-        knowns = [added(candidate) for candidate in near]
+        knowns = [sum_priors(candidate) for candidate in near]
         first = max(range(len(near)), key=lambda number: scores[number] - knowns[number])
-        trust = scores[first] >= FITS * self.weights.perfect
+        trust = scores[first] >= LEAST_FIT * self.weights.perfect
         judged = [
             candidate.model_copy(
                 update={

@@ -8,10 +8,9 @@ import numpy as np
 from stages.config.matching import MatchingConfig
 from stages.contracts.cousins import Candidate, Orientation
 from stages.geometry.viewing import view_angle
-from stages.matching.judges import AbstainedError, Question
-from stages.matching.priors import added
-from stages.matching.ranking import DIGITS
-from stages.matching.standing import aligned_yaws, touched_wall
+from stages.matching.priors import sum_priors
+from stages.matching.question import DIGITS, AbstainedError, Question
+from stages.matching.yaws import aligned_yaws, touched_wall
 
 
 class Judge:
@@ -22,7 +21,7 @@ class Judge:
 
     def models(self, question: Question, by_votes: list[Candidate], by_distance: list[Candidate]) -> list[Candidate]:
         """All candidates by what label, size, place and counts add, ties by id."""
-        return sorted(by_distance, key=lambda one: (round(added(one), DIGITS), one.asset))
+        return sorted(by_distance, key=lambda one: (round(sum_priors(one), DIGITS), one.asset))
 
     def orientations(
         self, question: Question, asset: str, by_votes: list[Orientation], by_distance: list[Orientation]

@@ -6,8 +6,8 @@ The k_ori nearest stored views are rendered again so, and ordered by their dista
 from stages.config.matching import MatchingConfig
 from stages.contracts.cousins import Candidate, Orientation
 from stages.matching.encoders import encode_rows, make_encoder
-from stages.matching.judges import AbstainedError, Question
-from stages.matching.ranking import DIGITS, compare, make_query
+from stages.matching.question import DIGITS, AbstainedError, Question
+from stages.matching.ranking import compare, make_query
 from stages.matching.synthesis.rendering import render
 from stages.matching.synthesis.workbench import Workbench
 

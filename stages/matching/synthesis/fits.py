@@ -13,14 +13,14 @@ from stages.geometry.estimate import Sight
 from stages.geometry.frames import SYMMETRY_PERIOD, wrap_angle
 from stages.geometry.viewing import view_angle, view_yaw
 from stages.matching.crop import View
-from stages.matching.standing import aligned_yaws, touched_wall
-from stages.matching.synthesis.fitting import Measured, laid_over, measure
+from stages.matching.synthesis.fitting import Measured, lay_over, measure
 from stages.matching.synthesis.observation import observe
 from stages.matching.synthesis.rendering import Rendering, render
 from stages.matching.synthesis.solid import Solid
 from stages.matching.synthesis.terms import Terms, compare, line_field
+from stages.matching.yaws import aligned_yaws, touched_wall
 
-SAME = np.deg2rad(2)  # ways to stand that differ by less are one
+SAME_YAW = np.deg2rad(2)  # ways to stand that differ by less are one
 
 
 class Fit(NamedTuple):
@@ -62,7 +62,7 @@ class Fitter:
 
     def fit(self, solid: Solid, yaws: Sequence[float]) -> list[Fit]:
         """The model at several yaws of the floor frame, those left out that its symmetry makes equal."""
-        return [self._fit(solid, yaw) for yaw in distinct(yaws, SYMMETRY_PERIOD[solid.asset.symmetry])]
+        return [self._fit(solid, yaw) for yaw in leave_out_equal(yaws, SYMMETRY_PERIOD[solid.asset.symmetry])]
 
     def _fit(self, solid: Solid, yaw: float) -> Fit:
         known = self._fits.get((solid.asset.id, yaw))
@@ -79,17 +79,17 @@ class Fitter:
         """The box of a model that stands at a yaw of the floor frame in the object's place."""
         if yaw not in self._measured:
             self._measured[yaw] = measure(self.sight, self.box, yaw, self.wall)
-        return laid_over(solid, self._measured[yaw], self.seen)
+        return lay_over(solid, self._measured[yaw], self.seen)
 
     def floor_yaw(self, view: float) -> float:
         """Yaw in the floor frame of a model that is seen at the yaw of a view."""
         return view_yaw(self.seen.eye, self.box.center, view)
 
 
-def distinct(yaws: Sequence[float], period: float) -> list[float]:
+def leave_out_equal(yaws: Sequence[float], period: float) -> list[float]:
     """The yaws, but those that equal an earlier one modulo the period (0: all are equal)."""
     kept: list[float] = []
     for yaw in yaws:
-        if not kept or (period and all(abs(wrap_angle(yaw - other, period)) > SAME for other in kept)):
+        if not kept or (period and all(abs(wrap_angle(yaw - other, period)) > SAME_YAW for other in kept)):
             kept.append(yaw)
     return kept

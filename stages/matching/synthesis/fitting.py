@@ -60,7 +60,7 @@ def measure(sight: Sight, box: UprightBox, yaw: float, wall: tuple[Array, float]
     return Measured(np.take_along_axis(ends, order, axis=0), np.take_along_axis(errors, order, axis=0), yaw)
 
 
-def laid_over(solid: Solid, measured: Measured, seen: Observation) -> UprightBox:
+def lay_over(solid: Solid, measured: Measured, seen: Observation) -> UprightBox:
     """The box whose outline in the picture reaches the sides of the mask, near the measured one.
 
     Gauss-Newton over place and logarithms of the extents, with Cauchy's weights. Three kinds of residuals: sides of

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from stages.config.matching import GeometryConfig
 from stages.contracts.cousins import Cousin
 from stages.contracts.objects import SceneObject
-from stages.matching.judges import AbstainedError, Question
+from stages.matching.question import AbstainedError, Question
 from stages.matching.scene import Scene
 from stages.matching.snapshots import Snapshots
 from stages.matching.synthesis.workbench import Workbench

@@ -16,7 +16,7 @@ from stages.matching.crop import View
 
 SAMPLES = 2  # rays per cell and direction: thin lines do not break
 SURROUNDINGS = 0.12  # of the object's longer side, around its mask
-BEYOND = 3  # pixels from the mask's edge to what lies beyond it
+EDGE_GAP = 3  # pixels from the mask's edge to what lies beyond it
 EDGE_SHARE = 0.03  # of its extent: the pixels that make up a side of the mask
 CLOUD_POINTS = 6000
 NEARER = 0.05  # metres, beyond the noise of depth
@@ -140,11 +140,11 @@ def free_sides(mask: NDArray[np.bool_], depth: NDArray[np.floating], error: Dept
         turned, distance = np.rot90(mask, turns), np.rot90(depth, turns)
         columns = np.flatnonzero(turned.any(axis=0))
         first, band = int(columns[0]), max(2, round(EDGE_SHARE * len(columns)))
-        if first < BEYOND:
+        if first < EDGE_GAP:
             free.append(False)
             continue
         rows, at = np.nonzero(turned[:, first : first + band])
-        own, other = distance[rows, at + first], distance[rows, first - BEYOND]
+        own, other = distance[rows, at + first], distance[rows, first - EDGE_GAP]
         known = (own > 0) & (other > 0)
         hidden = own[known] - other[known] > nearer_by(own[known], error)
         free.append(not hidden.size or bool(hidden.mean() < 0.5))

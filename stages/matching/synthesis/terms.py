@@ -12,8 +12,8 @@ from stages.matching.synthesis.observation import Observation
 from stages.matching.synthesis.rendering import Rendering
 
 DEPTH_SCALE = 0.06  # of the diagonal, beyond the noise of depth: a difference that counts as wholly wrong
-BINS, BLUR, AROUND = 6, 1.2, 4.0  # directions of lines; cells by which they may be off; cells looked at together
-FAINT = 0.1  # lines weaker than this are noise
+LINE_DIRECTIONS, LINE_BLUR, LINE_WINDOW = 6, 1.2, 4.0  # of half a turn; cells: lines may be off, are compared within
+FAINTEST_LINE = 0.1  # lines weaker than this are noise
 COLOUR_SCALE = 0.3  # of Lab / 100: a difference that counts as wholly wrong
 Array = NDArray[np.float32]
 
@@ -80,23 +80,23 @@ def line_agreement(given: Array, shown: Array, where: NDArray[np.bool_]) -> floa
     As in structural similarity: twice the product over the squares' sum, over a window; 1 where neither has lines.
     """
     a, b = _by_direction(given, where), _by_direction(shown, where)
-    product = cv2.GaussianBlur((a * b).sum(axis=-1), (0, 0), AROUND)
-    squares = cv2.GaussianBlur((a * a + b * b).sum(axis=-1), (0, 0), AROUND)
-    agreement = (2 * product + FAINT**2) / (squares + FAINT**2)
+    product = cv2.GaussianBlur((a * b).sum(axis=-1), (0, 0), LINE_WINDOW)
+    squares = cv2.GaussianBlur((a * a + b * b).sum(axis=-1), (0, 0), LINE_WINDOW)
+    agreement = (2 * product + FAINTEST_LINE**2) / (squares + FAINTEST_LINE**2)
     return float(agreement[where].mean())
 
 
 def _by_direction(field: Array, where: NDArray[np.bool_]) -> Array:
-    """Strengths (h, w, BINS) of lines by direction, each spread over the cells by which it may be off."""
+    """Strengths (h, w, LINE_DIRECTIONS) of lines by direction, each spread over the cells by which it may be off."""
     strength = np.linalg.norm(field, axis=-1) * where
-    at = np.arctan2(field[..., 1], field[..., 0]) % np.pi / np.pi * BINS
+    at = np.arctan2(field[..., 1], field[..., 0]) % np.pi / np.pi * LINE_DIRECTIONS
     below = np.floor(at).astype(int)
     share = at - below
-    channels = np.zeros((*where.shape, BINS), np.float32)
+    channels = np.zeros((*where.shape, LINE_DIRECTIONS), np.float32)
     rows, columns = np.arange(where.shape[0])[:, None], np.arange(where.shape[1])
-    channels[rows, columns, below % BINS] = strength * (1 - share)
-    channels[rows, columns, (below + 1) % BINS] += strength * share
-    return np.asarray(cv2.GaussianBlur(channels, (0, 0), BLUR), np.float32)
+    channels[rows, columns, below % LINE_DIRECTIONS] = strength * (1 - share)
+    channels[rows, columns, (below + 1) % LINE_DIRECTIONS] += strength * share
+    return np.asarray(cv2.GaussianBlur(channels, (0, 0), LINE_BLUR), np.float32)
 
 
 def colour_agreement(given: Array, shown: Array) -> float:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from stages.contracts.library_folder import AssetFolders
-from stages.matching.judges import AbstainedError, Question
+from stages.matching.question import AbstainedError, Question
 from stages.matching.synthesis.fits import Fitter
 from stages.matching.synthesis.solid import Solid
 

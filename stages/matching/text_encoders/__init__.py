@@ -24,7 +24,9 @@ def make_text_encoder(options: MatchingConfig) -> TextEncoder:
     return encoder
 
 
-def nearest_categories(label: str, categories: Sequence[str], count: int, text: TextEncoder) -> list[tuple[str, float]]:
+def find_nearest_categories(
+    label: str, categories: Sequence[str], count: int, text: TextEncoder
+) -> list[tuple[str, float]]:
     """The `count` nearest categories with their distances, nearest first; ties by name.
 
     Fewer, or none, if the others have nothing in common with the label.
@@ -37,7 +39,7 @@ def nearest_categories(label: str, categories: Sequence[str], count: int, text: 
     return [(names[index], float(distances[index])) for index in order if np.isfinite(distances[index])]
 
 
-def doubt_of(label: str, categories: Sequence[str], text: TextEncoder) -> str:
+def find_doubt(label: str, categories: Sequence[str], text: TextEncoder) -> str:
     """What an encoder does not understand of a label, if it can tell (a method `doubt`); empty: nothing."""
     tells = getattr(text, "doubt", None)
     return str(tells(label, categories)) if tells else ""

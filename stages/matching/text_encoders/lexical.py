@@ -53,9 +53,9 @@ for row in known_categories().values():
             CANONICAL.setdefault(word.replace(" ", ""), head)
         for kind in row.kin:
             GROUPS.setdefault(kind, set()).add(head)
-LEAST = 0.03  # similarity below this is a few letters by chance
+LEAST_SIMILARITY = 0.03  # similarity below this is a few letters by chance
 KNOWN = set(CANONICAL).union(*GROUPS.values())
-CLOSE = 0.85  # likeness of spelling from which on a word may be a known one with a letter wrong
+LIKE_SPELLING = 0.85  # likeness of spelling from which on a word may be a known one with a letter wrong
 FILLERS = {"set", "top", "unit", "piece", "furniture"}  # after the word that says what a thing is
 ASIDE = re.compile(r"[,(]| (?:with|on|in|under|and) ")  # what follows says more of a thing, not what it is
 SHARES = {
@@ -65,7 +65,7 @@ SHARES = {
 }  # of the similarity; letters tell among what has a word or kind in common
 
 
-def words(label: str) -> list[str]:
+def split_words(label: str) -> list[str]:
     """A label or category as lower-case words: underscores removed, plural endings cut."""
     parts = ["".join(filter(str.isalnum, part)) for part in label.lower().replace("_", " ").replace("-", " ").split()]
     if "".join(parts) in KNOWN:  # "night stand" as nightstand
@@ -88,31 +88,31 @@ def _texts(tokens: list[str]) -> dict[str, str]:
     return {"word": " ".join(canonical + own), "kind": " ".join(kinds), "letters": " ".join(tokens)}
 
 
-class Heard(NamedTuple):
+class Understood(NamedTuple):
     """The words of a label, the last one says what it is; none if that is not known. And what is to be doubted."""
 
     words: list[str]
     doubt: str
 
 
-def heard(label: str, categories: Sequence[str]) -> Heard:
+def understand(label: str, categories: Sequence[str]) -> Understood:
     """What is understood of a label, given the names of categories."""
-    named = [word for name in categories for word in words(name)]
+    named = [word for name in categories for word in split_words(name)]
     known = KNOWN.union(named)
-    tokens = words(ASIDE.split(label)[0])
+    tokens = split_words(ASIDE.split(label)[0])
     while len(tokens) > 1 and tokens[-1] in FILLERS - known:
         tokens.pop()
     if not tokens:
-        return Heard([], f"the label '{label}' is no word: taken by picture and size alone")
+        return Understood([], f"the label '{label}' is no word: taken by picture and size alone")
     last = tokens[-1]
     if last in known:
-        shared = {CANONICAL.get(word, word) for word in named}.union(map("".join, map(words, categories)))
+        shared = {CANONICAL.get(word, word) for word in named}.union(map("".join, map(split_words, categories)))
         if CANONICAL.get(last, last) in shared:
-            return Heard(tokens, "")
-        return Heard([last], f"no category of the library is called '{last}': taken by its kind, picture and size")
-    if near := get_close_matches(last, sorted(known), n=1, cutoff=CLOSE):
-        return Heard([*tokens[:-1], near[0]], f"the word '{last}' is not known: taken for '{near[0]}'")
-    return Heard([], f"the word '{last}' is not known: taken by picture and size alone")
+            return Understood(tokens, "")
+        return Understood([last], f"no category of the library is called '{last}': taken by its kind, picture and size")
+    if near := get_close_matches(last, sorted(known), n=1, cutoff=LIKE_SPELLING):
+        return Understood([*tokens[:-1], near[0]], f"the word '{last}' is not known: taken for '{near[0]}'")
+    return Understood([], f"the word '{last}' is not known: taken by picture and size alone")
 
 
 def lexical_distance(label: str, categories: Sequence[str]) -> NDArray[np.float64]:
@@ -120,11 +120,11 @@ def lexical_distance(label: str, categories: Sequence[str]) -> NDArray[np.float6
 
     Letters alone are nothing in common: a keyboard is no sideboard.
     """
-    texts = [_texts(tokens) for tokens in (heard(label, categories).words, *map(words, categories))]
+    texts = [_texts(tokens) for tokens in (understand(label, categories).words, *map(split_words, categories))]
     shares = {aspect: _similarity([text[aspect] for text in texts], aspect == "letters") for aspect in SHARES}
     similarity = np.sum([share * shares[aspect] for aspect, share in SHARES.items()], axis=0)
     meant = (shares["word"] + shares["kind"]).any()
-    return np.where(meant & (similarity > LEAST), np.maximum(1 - similarity, 0.0), np.inf)
+    return np.where(meant & (similarity > LEAST_SIMILARITY), np.maximum(1 - similarity, 0.0), np.inf)
 
 
 def _similarity(corpus: list[str], letters: bool) -> NDArray[np.float64]:
@@ -148,4 +148,4 @@ class TextEncoder:
 
     def doubt(self, label: str, categories: Sequence[str]) -> str:
         """What is not understood of a label; empty: nothing."""
-        return heard(label, categories).doubt
+        return understand(label, categories).doubt

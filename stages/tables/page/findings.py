@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from stages.contracts.cousins import Cousins, ObjectCousins
-from stages.contracts.doubt import Doubt
-from stages.contracts.doubts import doubts, height_doubt
+from stages.contracts.doubt import Doubt, DoubtKind
+from stages.contracts.doubts import collect_doubts, doubt_height
 from stages.contracts.files import read_json
 from stages.contracts.generated import GeneratedScene, PlacedObject
 from stages.contracts.objects import Objects, SceneObject
@@ -60,8 +60,8 @@ class Findings:
     @property
     def camera_doubt(self) -> Doubt | None:
         """What is odd about the camera's height; None: nothing."""
-        what = height_doubt(self.objects.floor_from_camera[2][3]) if self.objects else ""
-        return Doubt(cause="camera", what=what) if what else None
+        what = doubt_height(self.objects.floor_from_camera[2][3]) if self.objects else ""
+        return DoubtKind.CAMERA_HEIGHT.of(what=what) if what else None
 
     def doubts(self) -> list[tuple[str, Doubt]]:
         """Object, or the camera, and what may be wrong with it."""
@@ -69,5 +69,5 @@ class Findings:
             return []
         placed, objects = self.placed, self.objects
         found = {"camera": [self.camera_doubt] if self.camera_doubt else []}
-        found |= {entry.id: doubts(entry, item, placed.get(entry.id), objects) for entry, item in self.matched}
+        found |= {entry.id: collect_doubts(entry, item, placed.get(entry.id), objects) for entry, item in self.matched}
         return [(name, doubt) for name, each in found.items() for doubt in each]

@@ -9,7 +9,7 @@ from PIL import Image, ImageDraw
 
 from stages.contracts.cousins import Candidate, Cousin, ObjectCousins
 from stages.contracts.doubt import Doubt
-from stages.contracts.doubts import agree, doubts, held_as, notes
+from stages.contracts.doubts import collect_doubts, collect_notes, describe_mounting, mountings_agree
 from stages.contracts.generated import PlacedObject
 from stages.contracts.objects import Objects, SceneObject
 from stages.contracts.snapshot_pictures import Snapshots
@@ -94,8 +94,8 @@ def match(entry: ObjectCousins, item: SceneObject, evidence: Evidence, album: Al
         pictures=list(_pictures(item, evidence, album)),
         facts=_facts(entry, item, placed),
         rivals=[_rival(one, entry, album, snapshots) for one in entry.by_distance[:LISTED]],
-        doubts=doubts(entry, item, placed, evidence.objects),
-        notes=notes(entry, item, placed),
+        doubts=collect_doubts(entry, item, placed, evidence.objects),
+        notes=collect_notes(entry, item, placed),
     )
 
 
@@ -115,7 +115,7 @@ def ordered_by(decided_by: str, cousins: list[Cousin]) -> tuple[str, list[str]]:
 def _about(item: SceneObject) -> Iterator[str]:
     """'stands free', '2 doors', '0.60 × 0.40 × 0.90 m'."""
     if item.mounting:
-        yield held_as(item.mounting)
+        yield describe_mounting(item.mounting)
     for number, noun in ((item.doors, "door"), (item.drawers, "drawer")):
         if number:
             yield count(number, noun)
@@ -213,10 +213,11 @@ def _mounting(item: SceneObject) -> str:
     """How it is held, and whether the input and geometry agree on it."""
     assert item.mounting is not None
     if item.measured_mounting is None:
-        return held_as(item.mounting) + ", by geometry"
-    agreed = "geometry agrees" if agree(item) else f"geometry finds: {held_as(item.measured_mounting)}"
+        return describe_mounting(item.mounting) + ", by geometry"
+    found = describe_mounting(item.measured_mounting)
+    agreed = "geometry agrees" if mountings_agree(item) else f"geometry finds: {found}"
     whose = "a person" if "mounting" in item.told else "the input"
-    return f"{held_as(item.mounting)}, set by {whose}; {agreed}"
+    return f"{describe_mounting(item.mounting)}, set by {whose}; {agreed}"
 
 
 def _rival(one: Candidate, entry: ObjectCousins, album: Album, snapshots: Snapshots) -> Rival:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from stages.contracts.doubts import Group, grouped
+from stages.contracts.doubts import Group, group_doubts
 from stages.tables.order import natural
 from stages.tables.page.findings import Findings
 from stages.tables.text import NOT_RUN
@@ -104,7 +104,7 @@ def row(scene: str, layout: Layout, page: str = "") -> SceneRow:
         ranks=len(found.scenes),
         stable=sum(check.stable for check in checks) if checks else None,
         failures=failures,
-        doubts=grouped(found.doubts()),
+        doubts=group_doubts(found.doubts()),
     )
 
 

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from stages.contracts.doubt import Doubt
-from stages.contracts.doubts import grouped
+from stages.contracts.doubt import DoubtKind
+from stages.contracts.doubts import group_doubts
 from stages.contracts.extracted import read_metres
 from stages.contracts.files import read_json
 from stages.contracts.objects import Objects
@@ -100,10 +100,10 @@ def doubts(room: RoomPart, made: Reconstruction | None) -> list[Listed]:
     found = [("camera", room.camera_doubt)] if room.camera_doubt else []
     found += [(match.entry.id, doubt) for match in (made.matches if made else []) for doubt in match.doubts]
     scenes = [scene for scene in (made.scenes if made else []) if scene.stable is False]
-    found += [(f"scene of rank {scene.rank}", Doubt(cause="place", what=scene.physics)) for scene in scenes]
+    found += [(f"scene of rank {scene.rank}", DoubtKind.UNSTABLE.of(what=scene.physics)) for scene in scenes]
     objects = {match.entry.id for match in made.matches} if made else set()
     listed = [Listed("Failed", "name or draw it again on the correction page", failed)] if failed else []
-    for group in grouped(found):
+    for group in group_doubts(found):
         entries = [
             (about.replace("_", " "), what, correct + about if correct and about in objects else "")
             for about, what in group.items

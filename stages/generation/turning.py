@@ -9,16 +9,16 @@ from shapely import MultiPoint
 from stages.config.generation import GenerationConfig
 from stages.contracts.cousins import Cousin
 from stages.contracts.objects import Wall
-from stages.generation.walls import ALONG
 from stages.geometry.boxes import UprightBox
 from stages.geometry.estimate import SPREAD
 from stages.geometry.frames import SYMMETRY_PERIOD, wrap_angle
 from stages.geometry.viewing import view_yaw
 
+ALONG_SIDE = np.deg2rad(15)  # what is turned less than this against a side runs along it
 QUARTER = SYMMETRY_PERIOD["quarter_turn"]
 
 
-def yaw_of(
+def find_yaw(
     cousin: Cousin,
     box: UprightBox,
     cloud: NDArray[np.floating],
@@ -37,16 +37,16 @@ def yaw_of(
     """
     views = [cousin.orientation, *cousin.orientations]
     yaws = [view_yaw(camera, box.center, view.yaw) for view in views]
-    yaw = rear_at_wall(yaws, [wall.normal for wall in touched]) if options.wall_view == "rear" else yaws[0]
+    yaw = pick_rear_at_wall(yaws, [wall.normal for wall in touched]) if options.wall_view == "rear" else yaws[0]
     if touched:
-        return turned_to(yaw, wall_axes(touched[0].normal))
-    if rectangularity(cloud, box.yaw) < options.rectangularity:
+        return turn_to(yaw, find_wall_axes(touched[0].normal))
+    if measure_rectangularity(cloud, box.yaw) < options.rectangularity:
         return yaw
     limit = options.snap_articulated if articulated else options.snap_other
-    return turned_to(yaw, box.yaw, None if limit is None else float(np.deg2rad(limit)))
+    return turn_to(yaw, box.yaw, None if limit is None else float(np.deg2rad(limit)))
 
 
-def rear_at_wall(yaws: Sequence[float], normals: Sequence[ArrayLike]) -> float:
+def pick_rear_at_wall(yaws: Sequence[float], normals: Sequence[ArrayLike]) -> float:
     """The first of the yaws, best first, at which the model's rear (-x) is to one of the walls; the first if none is.
 
     A.3 lays the rear face into the wall. A patch encoder often takes the rear or a side of furniture for its
@@ -56,18 +56,18 @@ def rear_at_wall(yaws: Sequence[float], normals: Sequence[ArrayLike]) -> float:
         normals: horizontal normals of the walls that the object touches, into the room.
     """
     for yaw in yaws:
-        if any(abs(wrap_angle(yaw - wall_axes(normal))) <= QUARTER / 2 for normal in normals):
+        if any(abs(wrap_angle(yaw - find_wall_axes(normal))) <= QUARTER / 2 for normal in normals):
             return yaw
     return yaws[0]
 
 
-def wall_axes(normal: ArrayLike) -> float:
+def find_wall_axes(normal: ArrayLike) -> float:
     """Angle of the frame whose x axis is the normal of a wall."""
     x, y = np.asarray(normal, dtype=float)[:2]
     return float(np.arctan2(y, x))
 
 
-def turned_to(yaw: float, axes: float, limit: float | None = None) -> float:
+def turn_to(yaw: float, axes: float, limit: float | None = None) -> float:
     """`yaw` turned by the smallest angle that lays the model's x or y axis along the frame at angle `axes`.
 
     Args:
@@ -77,7 +77,7 @@ def turned_to(yaw: float, axes: float, limit: float | None = None) -> float:
     return yaw if limit is not None and abs(turn) > limit else wrap_angle(yaw + turn)
 
 
-def rectangularity(cloud: NDArray[np.floating], yaw: float) -> float:
+def measure_rectangularity(cloud: NDArray[np.floating], yaw: float) -> float:
     """Share, in [0, 1], of the cloud's outline from above that runs along the axes turned by `yaw`.
 
     1 for a rectangle seen whole, 0.6 for its front and one side, about a quarter for a round thing.
@@ -89,4 +89,4 @@ def rectangularity(cloud: NDArray[np.floating], yaw: float) -> float:
     if not lengths.sum():
         return 0.0
     turns = np.abs([wrap_angle(angle - yaw, QUARTER) for angle in np.arctan2(sides[:, 1], sides[:, 0])])
-    return float(lengths[turns <= ALONG].sum() / lengths.sum())
+    return float(lengths[turns <= ALONG_SIDE].sum() / lengths.sum())

@@ -5,10 +5,11 @@ import numpy as np
 from stages.contracts.cousins import Cousin, ObjectCousins
 from stages.contracts.objects import SceneObject
 
-HEIGHT = 0.07  # logarithm: alike things' heights differ by less; widths and depths of what is half hidden by anything
+# Logarithm: heights of alike things differ by less; widths and depths of what is half hidden differ by anything.
+SAME_HEIGHT = 0.07
 
 
-def agreed(entries: list[ObjectCousins], items: list[SceneObject]) -> list[ObjectCousins]:
+def agree_on_order(entries: list[ObjectCousins], items: list[SceneObject]) -> list[ObjectCousins]:
     """The entries, cousins of alike things in one order: by the mean of the scores that a model has with each of them.
 
     A model that is no cousin of one of them has, there, the score of its last. Where a judge gives no scores,
@@ -18,7 +19,7 @@ def agreed(entries: list[ObjectCousins], items: list[SceneObject]) -> list[Objec
         items: the objects of the entries, in their order.
     """
     result = list(entries)
-    for group in groups(items):
+    for group in group_alike(items):
         scores = {number: _scores(entries[number]) for number in group}
         members = [number for number in group if scores[number]]
         if len(members) < 2:
@@ -28,15 +29,15 @@ def agreed(entries: list[ObjectCousins], items: list[SceneObject]) -> list[Objec
         for n in members:
             others = ", ".join(entries[m].id for m in members if m != n)
             ordered = sorted(entries[n].cousins, key=lambda one: mean[one.asset], reverse=True)
-            result[n] = _reordered(entries[n], ordered, f"models in one order with {others}, which is alike")
+            result[n] = _reorder(entries[n], ordered, f"models in one order with {others}, which is alike")
     return result
 
 
-def groups(items: list[SceneObject]) -> list[list[int]]:
+def group_alike(items: list[SceneObject]) -> list[list[int]]:
     """Numbers of the things that are alike: called and counted alike, as high, all hanging or none."""
     found: list[list[int]] = []
     for number, item in enumerate(items):
-        like = (group for group in found if _alike(items[group[0]], item))
+        like = (group for group in found if _is_alike(items[group[0]], item))
         group = next(like, None)
         if group is None:
             found.append([number])
@@ -45,10 +46,10 @@ def groups(items: list[SceneObject]) -> list[list[int]]:
     return [group for group in found if len(group) > 1]
 
 
-def _alike(one: SceneObject, other: SceneObject) -> bool:
+def _is_alike(one: SceneObject, other: SceneObject) -> bool:
     if one.box is None or other.box is None or _stated(one) != _stated(other):
         return False
-    return bool(abs(np.log(one.box.size[2] / other.box.size[2])) < HEIGHT)
+    return bool(abs(np.log(one.box.size[2] / other.box.size[2])) < SAME_HEIGHT)
 
 
 def _stated(item: SceneObject) -> tuple[str, int, int, bool]:
@@ -62,6 +63,6 @@ def _scores(entry: ObjectCousins) -> dict[str, float]:
     return scores if len(scores) == len(entry.cousins) else {}
 
 
-def _reordered(entry: ObjectCousins, cousins: list[Cousin], note: str) -> ObjectCousins:
+def _reorder(entry: ObjectCousins, cousins: list[Cousin], note: str) -> ObjectCousins:
     ranked = [one.model_copy(update={"rank": rank}) for rank, one in enumerate(cousins, 1)]
     return entry.model_copy(update={"cousins": ranked, "note": "; ".join(filter(None, [entry.note, note]))})
