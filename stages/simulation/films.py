@@ -16,7 +16,6 @@ from stages.contracts.films import Film, Films
 from stages.simulation.studio import Image, evenly
 
 FRAMES, SIZE = 8, 192  # pictures on a strip, and their width in pixels
-LAST = 1200  # milliseconds that the last picture of a film stays
 
 
 def write_films(out: Path, films: Sequence[tuple[Film, Sequence[Image]]], control_frequency: float) -> None:
@@ -47,7 +46,7 @@ def write_film(path: str | Path, pictures: Iterable[Any], frequency: float, qual
     with atomic(Path(path)) as temporary:
         images[0].save(
             temporary, "WEBP", save_all=True, append_images=images[1:], quality=quality, method=4, loop=0,
-            duration=[step] * (len(images) - 1) + [LAST],
+            duration=[step] * (len(images) - 1) + [1200],  # milliseconds; the last picture stays
         )  # fmt: skip
 
 
